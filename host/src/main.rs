@@ -1,0 +1,2 @@
+//! The `preslide` command.
+fn main() {}

@@ -1,0 +1,2 @@
+//! Preslide
+#![no_std]
