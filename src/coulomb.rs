@@ -13,7 +13,7 @@ pub struct Coulomb<S = f32> {
 }
 
 impl<S: Scalar> Coulomb<S> {
-    /// `coulomb` is `F_c` [N or N·m], `viscous` is `b` [N·s/m or N·m·s/rad].
+    /// `coulomb` is `F_c` (N or N·m), `viscous` is `b` (N·s/m or N·m·s/rad).
     ///
     /// # Errors
     /// [`ParamError`] where a value is negative, not finite, or does not fit `S` in `units`.

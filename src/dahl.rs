@@ -24,12 +24,12 @@ pub struct Dahl<S = f32> {
 /// What a [`Dahl`] remembers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DahlState<S = f32> {
-    /// `F/F_c` [-].
+    /// `F/F_c` (-).
     share: S,
 }
 
 impl<S: Scalar> Dahl<S> {
-    /// `stiffness` is `σ0` [N/m or N·m/rad], `coulomb` is `F_c` [N or N·m], `exponent` is `n` [-], 0.1…5.
+    /// `stiffness` is `σ0` (N/m or N·m/rad), `coulomb` is `F_c` (N or N·m), `exponent` is `n` (-), 0.1…5.
     ///
     /// # Errors
     /// [`ParamError`] where a value is not finite, out of range, or does not fit `S` in `units`.

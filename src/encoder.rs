@@ -96,8 +96,8 @@ pub struct EdgeTiming {
 }
 
 impl<S: Scalar> EncoderScale<S> {
-    /// `count` is the length of one count [m or rad], `sample_time` is `T_s` [s], `window` the shortest time
-    /// [s] over which velocity is measured, `timeout` the time [s] without an edge that counts as standstill.
+    /// `count` is the length of one count (m or rad), `sample_time` is `T_s` (s), `window` the shortest time
+    /// (s) over which velocity is measured, `timeout` the time (s) without an edge that counts as standstill.
     ///
     /// # Errors
     /// [`ParamError`] where a value is not finite or not positive, `timeout` is shorter than `window`, or one

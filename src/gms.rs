@@ -113,7 +113,7 @@ pub struct GmsState<const N: usize, S = f32> {
 impl<const N: usize, S: Scalar> Gms<N, S> {
     /// Validates the parameters and computes the tables.
     ///
-    /// `breakaway` is `F_s` [N or N·m], `sample_time` is `T_s` [s], at most 1 s.
+    /// `breakaway` is `F_s` (N or N·m), `sample_time` is `T_s` (s), at most 1 s.
     ///
     /// # Errors
     /// [`ParamError`] where a value is not finite or not positive, `F_c > F_s`, the weights do not sum to 1,

@@ -12,19 +12,19 @@ const BISECTIONS: usize = 20;
 /// The parameters of Hsieh's model, in SI, named as in the paper's Table 2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HsiehParams {
-    /// Stiffness `k_1s` [N/m]: the slope of a branch far from its reversal.
+    /// Stiffness `k_1s` (N/m): the slope of a branch far from its reversal.
     pub k1: f64,
-    /// Stiffness `k_2s` [N/m]: added to `k_1s` at a reversal.
+    /// Stiffness `k_2s` (N/m): added to `k_1s` at a reversal.
     pub k2: f64,
     /// `β` [1/m]: how fast `k_2s` fades.
     pub beta: f64,
-    /// Viscous coefficient `C_v` [N·s/m] (Table 2 prints no unit).
+    /// Viscous coefficient `C_v` (N·s/m) (Table 2 prints no unit).
     pub viscous: f64,
     /// Creep rate `ρ` [1/s].
     pub creep: f64,
-    /// Work hardening `ψ` [Nᵃ/m].
+    /// Work hardening `ψ` (Nᵃ/m).
     pub hardening: f64,
-    /// Work hardening exponent `a` [-].
+    /// Work hardening exponent `a` (-).
     pub hardening_exponent: f64,
 }
 
@@ -85,7 +85,7 @@ struct Branch {
 }
 
 impl<S: Scalar> Hsieh<S> {
-    /// Validates the parameters; `sample_time` is `T_s` [s].
+    /// Validates the parameters; `sample_time` is `T_s` in seconds.
     ///
     /// # Errors
     /// [`ParamError`] where a value is not finite, out of range, or does not fit `S` in `units`. Fixed point

@@ -32,7 +32,7 @@
 //! let (mut timing, mut friction) = (encoder.at_rest(), gms.at_rest());
 //! for reading in [3_u16, 7, 12] {
 //!     let motion = encoder.step(&mut timing, counter.update(reading));
-//!     let force = gms.step(&mut friction, motion); // [N], to be added to the controller's output
+//!     let force = gms.step(&mut friction, motion); // (N), to be added to the controller's output
 //!     assert!(force > 0.0);
 //! }
 //! # Ok::<(), preslide::ParamError>(())

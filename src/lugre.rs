@@ -31,8 +31,8 @@ pub struct LuGreState<S = f32> {
 }
 
 impl<S: Scalar> LuGre<S> {
-    /// `stiffness` is `σ0` [N/m or N·m/rad], `damping` is `σp` [N·s/m or N·m·s/rad], `breakaway` is `F_s`
-    /// [N or N·m].
+    /// `stiffness` is `σ0` (N/m or N·m/rad), `damping` is `σp` (N·s/m or N·m·s/rad), `breakaway` is `F_s`
+    /// (N or N·m).
     ///
     /// # Errors
     /// [`ParamError`] where a value is not finite, out of range, or does not fit `S` in `units`.

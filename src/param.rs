@@ -6,14 +6,14 @@ use core::fmt;
 /// One Maxwell-slip block: the paper's `k_i` and `α_i` (eqs. 7–9, Table 3).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Block {
-    /// Stiffness `k_i` [N/m], or [N·m/rad] on a rotary axis.
+    /// Stiffness `k_i` (N/m), or (N·m/rad) on a rotary axis.
     pub stiffness: f64,
-    /// Weight `α_i` [-]: the block's share of the breakaway force. The weights of a model sum to 1.
+    /// Weight `α_i` (-): the block's share of the breakaway force. The weights of a model sum to 1.
     pub weight: f64,
 }
 
 impl Block {
-    /// Yield displacement `D_i = α_i·F_s/k_i` [m] for the breakaway force `F_s` [N] (eq. 9 solved for `D_i`).
+    /// Yield displacement `D_i = α_i·F_s/k_i` (m) for the breakaway force `F_s` (N) (eq. 9 solved for `D_i`).
     pub fn yield_displacement(&self, breakaway: f64) -> f64 {
         self.weight * breakaway / self.stiffness
     }
@@ -30,11 +30,11 @@ impl Block {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Units {
-    /// Displacement unit [m or rad].
+    /// Displacement unit (m or rad).
     pub length: f64,
-    /// Force unit [N or N·m].
+    /// Force unit (N or N·m).
     pub force: f64,
-    /// Velocity unit [m/s or rad/s].
+    /// Velocity unit (m/s or rad/s).
     pub velocity: f64,
 }
 
@@ -71,7 +71,7 @@ pub struct ParamError {
     pub parameter: &'static str,
     /// The Maxwell-slip block it belongs to, counted from 1 as in the paper.
     pub block: Option<usize>,
-    /// The value that was given [SI], or the computed one where a bound on a result was broken.
+    /// The value that was given (SI), or the computed one where a bound on a result was broken.
     pub value: f64,
     /// What it should have been.
     pub bound: Bound,

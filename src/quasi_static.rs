@@ -32,7 +32,7 @@ pub struct QuasiStaticState<const N: usize, S = f32> {
 }
 
 impl<const N: usize, S: Scalar> QuasiStaticGms<N, S> {
-    /// Validates the parameters; `breakaway` is `F_s` [N or N·m].
+    /// Validates the parameters; `breakaway` is `F_s` (N or N·m).
     ///
     /// # Errors
     /// [`ParamError`] where a value is not finite or not positive, the weights do not sum to 1, or a value or

@@ -62,7 +62,7 @@ pub trait Scalar:
     /// `self / 2`.
     fn half(self) -> Self;
 
-    /// `self` limited to `[-limit, limit]`; NaN becomes `limit`, so that a poisoned input cannot stay in a
+    /// `self` limited to `(-limit, limit)`; NaN becomes `limit`, so that a poisoned input cannot stay in a
     /// state. Written with comparisons because `clamp` links a panic path and `max().min()` calls libm.
     #[inline]
     fn limited(self, limit: Self) -> Self {

@@ -5,17 +5,17 @@ use crate::param::{ParamError, at_least, at_most, not_negative, positive, to_sca
 
 /// Sliding behaviour above breakaway: the Stribeck curve and the frictional lag.
 ///
-/// `s(v) = F_c + (F_s − F_c)·exp(−(|v|/v_s)^δ)` [N], the usual form of the paper's `s(v)` "bounded on the
+/// `s(v) = F_c + (F_s − F_c)·exp(−(|v|/v_s)^δ)` (N), the usual form of the paper's `s(v)` "bounded on the
 /// lower end by Coulomb friction" (text before eq. 7; the paper prints no formula).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sliding {
-    /// Coulomb force `F_c` [N or N·m], at most the breakaway force `F_s`.
+    /// Coulomb force `F_c` (N or N·m), at most the breakaway force `F_s`.
     pub coulomb: f64,
-    /// Stribeck velocity `v_s` [m/s or rad/s].
+    /// Stribeck velocity `v_s` (m/s or rad/s).
     pub stribeck_velocity: f64,
-    /// Stribeck exponent `δ` [-], 1…4; 2 is a Gaussian.
+    /// Stribeck exponent `δ` (-), 1…4; 2 is a Gaussian.
     pub stribeck_exponent: f64,
-    /// Attraction parameter `C` [N/s or N·m/s] of eq. (11); `f64::INFINITY` for no frictional lag.
+    /// Attraction parameter `C` (N/s or N·m/s) of eq. (11); `f64::INFINITY` for no frictional lag.
     pub attraction: f64,
 }
 
@@ -30,7 +30,7 @@ impl Sliding {
         }
     }
 
-    /// `s(v)/F_s` [-] at the speed `speed ≥ 0` [m/s].
+    /// `s(v)/F_s` (-) at the speed `speed ≥ 0` (m/s).
     pub(crate) fn weakening(&self, breakaway: f64, speed: f64) -> f64 {
         let share = self.coulomb / breakaway;
         let decay = libm::pow(speed / self.stribeck_velocity, self.stribeck_exponent);
@@ -65,7 +65,7 @@ pub(crate) struct SpeedTable<S> {
 }
 
 impl<S: Scalar> SpeedTable<S> {
-    /// Tabulates `functions(s(v)/F_s)` for the sliding law, velocities given in `velocity_unit` [m/s].
+    /// Tabulates `functions(s(v)/F_s)` for the sliding law, velocities given in `velocity_unit` (m/s).
     pub(crate) fn try_new(
         sliding: &Sliding,
         breakaway: f64,
