@@ -1,0 +1,6 @@
+//! From a recording to parameters.
+
+pub mod refine;
+pub mod regression;
+pub mod search;
+pub mod stop;
