@@ -1,1 +1,4 @@
 //! The host side.
+
+pub mod progress;
+pub mod report;
