@@ -1,7 +1,7 @@
 //! Reports: what a command found, as one HTML page for people, as PNG pictures and as text tables.
 //!
-//! A [`Figure`] is described once, in SI units, and drawn two ways from the same [`drawing`]: interactive in the page
-//! (plotly.js, embedded) and as a PNG (plotters). Both show the same points, colours, axis units and note.
+//! A [`Figure`] is described once, in SI units, and drawn two ways from the same points: interactive in the page
+//! (plotly.js, embedded) and as a PNG (plotters). Both show the same colours, axis units and note.
 //!
 //! ```no_run
 //! use preslide_host::report::{Axis, Figure, Page, Section, Series};
@@ -20,6 +20,7 @@
 //! ```
 
 mod axis_ticks;
+mod canvas;
 mod decimate;
 mod drawing;
 mod figure;
