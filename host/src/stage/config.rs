@@ -34,11 +34,11 @@ pub enum StageError {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct StageConfig {
-    /// Control rate [Hz]; one [`tick`](super::Stage::tick) is one period. 20 kHz, the project's default.
+    /// Control rate \[Hz\]; one [`tick`](super::Stage::tick) is one period. 20 kHz, the project's default.
     pub control_rate_hz: f64,
     /// Integration steps in one control period. 8: the error bound in [`super`] is stated for it.
     pub substeps: u32,
-    /// Moving mass, without the rotor [kg]. 30 N of weight (paper, "Experimental set-up") / 9.81 m/s².
+    /// Moving mass, without the rotor \[kg\]. 30 N of weight (paper, "Experimental set-up") / 9.81 m/s².
     pub mass_kg: f64,
     /// The DC motor.
     pub motor: MotorConfig,
@@ -62,9 +62,9 @@ pub struct StageConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MotorConfig {
-    /// Winding resistance [Ω]. 3.41: assumption, see above.
+    /// Winding resistance \[Ω\]. 3.41: assumption, see above.
     pub resistance_ohm: f64,
-    /// Winding inductance [H]. 75 µH: assumption, see above.
+    /// Winding inductance \[H\]. 75 µH: assumption, see above.
     pub inductance_h: f64,
     /// Torque constant [N·m/A], equal to the back-EMF constant [V·s/rad]. 6.59 mN·m/A: assumption, see above.
     pub torque_constant_nm_per_a: f64,
@@ -81,7 +81,7 @@ pub struct DriveConfig {
     /// Motor revolutions per screw revolution [–]. 1: assumption; the paper has a gearhead and does not give its ratio,
     /// and 1 agrees with the motor period of lead/7 and the 3.9 kg of the project's example model.
     pub gear_ratio: f64,
-    /// Screw travel per revolution [m]. SKF SH6x2R: 2 mm (paper, Table 1).
+    /// Screw travel per revolution \[m\]. SKF SH6x2R: 2 mm (paper, Table 1).
     pub screw_lead_m: f64,
     /// Stiffness between rotor and mass: coupling, screw, nut and bearings in series [N/m]. 4 N/µm: assumption, a
     /// locked-rotor resonance of 182 Hz, inside the 50–300 Hz expected of this axis.
@@ -94,15 +94,15 @@ pub struct DriveConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct EncoderConfig {
-    /// Travel per count [m]. 25 nm: 10 µm, 100-fold interpolation (paper, Table 1), four edges each.
+    /// Travel per count \[m\]. 25 nm: 10 µm, 100-fold interpolation (paper, Table 1), four edges each.
     pub count_m: f64,
-    /// Period of the scale [m]. 10 µm (paper, Table 1).
+    /// Period of the scale \[m\]. 10 µm (paper, Table 1).
     pub period_m: f64,
-    /// Interpolation error of order 1, amplitude [m]. 50 nm: assumption; with order 2 it stays within ±1 % of the period.
+    /// Interpolation error of order 1, amplitude \[m\]. 50 nm: assumption; with order 2 it stays within ±1 % of the period.
     pub error_order1_m: f64,
-    /// Interpolation error of order 2, amplitude [m]. 30 nm: assumption.
+    /// Interpolation error of order 2, amplitude \[m\]. 30 nm: assumption.
     pub error_order2_m: f64,
-    /// Phases of orders 1 and 2 at the origin [rad]. Assumption.
+    /// Phases of orders 1 and 2 at the origin \[rad\]. Assumption.
     pub error_phase_rad: [f64; 2],
     /// Count at the origin. 0; near `i32::MAX` it exercises the wrap.
     pub origin_count: i32,
@@ -112,11 +112,11 @@ pub struct EncoderConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SupplyConfig {
-    /// Mean voltage [V]. 6: the motor's nominal voltage (its type code, 006).
+    /// Mean voltage \[V\]. 6: the motor's nominal voltage (its type code, 006).
     pub voltage_v: f64,
-    /// Ripple amplitude [V]. 50 mV: assumption.
+    /// Ripple amplitude \[V\]. 50 mV: assumption.
     pub ripple_v: f64,
-    /// Ripple frequency [Hz]. 100: assumption, a rectified 50 Hz mains.
+    /// Ripple frequency \[Hz\]. 100: assumption, a rectified 50 Hz mains.
     pub ripple_hz: f64,
 }
 
@@ -134,7 +134,7 @@ pub struct VirginBlock {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FrictionConfig {
-    /// Breakaway force F_s [N]. 0.9 (paper, "up to ~0.9 N").
+    /// Breakaway force F_s \[N\]. 0.9 (paper, "up to ~0.9 N").
     pub breakaway_n: f64,
     /// The virgin curve to have, as piecewise-linear blocks. Table 3 of the paper, ten blocks.
     pub virgin_curve: Vec<VirginBlock>,
@@ -167,8 +167,9 @@ pub struct VariabilityConfig {
     pub repeat_share: f64,
     /// Share of the wandering gain in the bound [–]. The rest, 1 − both, is the wandering shape. Assumption.
     pub gain_share: f64,
-    /// Slipped path between two independent values [m]. 100 µm: assumption; not below the largest yield displacement, so
-    /// that a wandering gain cannot return more energy than slipping takes.
+    /// Slipped path between two independent values \[m\]. 100 µm: assumption. Not below the largest yield displacement D: a
+    /// gain wanders by at most 3·bound/correlation per path, and `D·3·bound/correlation ≤ 2·(1 − bound)` keeps slipping
+    /// from returning energy.
     pub correlation_m: f64,
 }
 
@@ -468,9 +469,9 @@ impl FrictionConfig {
         check(
             "friction.variability.bound",
             variability.bound,
-            (0.0..=0.5).contains(&variability.bound),
-            "beyond a half it is another machine",
-            "within 0..0.5",
+            (0.0..=0.4).contains(&variability.bound),
+            "a gain that varies so much would return more energy than slipping takes",
+            "within 0..0.4",
         )?;
         share(
             "friction.variability.repeat_share",
@@ -494,7 +495,7 @@ impl FrictionConfig {
         )
     }
 
-    /// Largest yield displacement among the elements [m].
+    /// Largest yield displacement among the elements \[m\].
     pub fn longest_yield_m(&self) -> f64 {
         super::friction::yield_range_m(self).1
     }

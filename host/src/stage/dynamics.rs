@@ -15,7 +15,7 @@ use nalgebra::SMatrix;
 
 use super::config::StageConfig;
 
-/// Current [A], rotor lead q [m], rotor velocity [m/s], mass velocity [m/s]: the first four states of the flow.
+/// Current \[A\], rotor lead q \[m\], rotor velocity [m/s], mass velocity [m/s]: the first four states of the flow.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct LinearState {
     pub(super) current_a: f64,
@@ -29,7 +29,7 @@ pub(super) struct LinearState {
 pub(super) struct Coefficients {
     /// K [N/A].
     pub(super) force_constant: f64,
-    /// M_r [kg].
+    /// M_r \[kg\].
     pub(super) rotor_kg: f64,
     /// d [N·s/m].
     pub(super) rotor_damping: f64,
@@ -80,7 +80,7 @@ impl Flow {
         }
     }
 
-    /// The state one step on, and the displacement of the mass [m].
+    /// The state one step on, and the displacement of the mass \[m\].
     pub(super) fn step(&self, s: LinearState, voltage_v: f64) -> (LinearState, f64) {
         let input = [
             s.current_a,

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::config::EncoderConfig;
 
-/// Position that the interpolation unit sees at true position `x_m` [m]:
+/// Position that the interpolation unit sees at true position `x_m` \[m\]:
 /// `x + e₁·sin(2πx/p + φ₁) + e₂·sin(4πx/p + φ₂)`.
 pub fn interpolated_m(config: &EncoderConfig, x_m: f64) -> f64 {
     let turn = TAU * x_m / config.period_m;

@@ -1,6 +1,6 @@
 //! Where the energy went: the check that the simulation creates none.
 
-/// Energies since the start [J]. Positive `supplied_j` and `external_j` went in, the others came out or are stored.
+/// Energies since the start \[J\]. Positive `supplied_j` and `external_j` went in, the others came out or are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Energy {
     /// From the bridge: ∫V·i dt.
@@ -18,7 +18,7 @@ pub struct Energy {
 }
 
 impl Energy {
-    /// What does not add up [J]: the error of the integration and of this account.
+    /// What does not add up \[J\]: the error of the integration and of this account.
     pub fn residual_j(&self) -> f64 {
         self.supplied_j + self.external_j
             - self.winding_j

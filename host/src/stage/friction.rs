@@ -23,12 +23,13 @@ use super::variability::{Wander, repeat_constant};
 
 /// Groups of neighbouring yields whose gains wander apart.
 const BANDS: usize = 4;
-/// Sweeps of the calibration. The residual falls by less than 1 % over the last half of them (seen on Table 3).
-const SWEEPS: usize = 4000;
+/// Sweeps of the calibration. On Table 3 the worst error is 9.7 % of the force after 500, 6.6 % after 2000, 4.0 % after
+/// 16 000 (RMS 2.1, 1.2, 0.7 %); stopping there takes some 20 ms and leaves the levels spread.
+const SWEEPS: usize = 16_000;
 /// Points of the virgin curve that the calibration looks at.
 const POINTS: usize = 240;
 
-/// Shortest and longest yield displacement of the elements [m].
+/// Shortest and longest yield displacement of the elements \[m\].
 ///
 /// They reach beyond the blocks' `D = α·F_s/k` on both sides: a smooth knee needs neighbours to make a corner.
 pub(super) fn yield_range_m(config: &FrictionConfig) -> (f64, f64) {
@@ -40,7 +41,7 @@ pub(super) fn yield_range_m(config: &FrictionConfig) -> (f64, f64) {
     (0.3 * short, 1.2 * long)
 }
 
-/// Force of the piecewise-linear virgin curve at displacement `x_m` ≥ 0 [N]: `Σ min(k·x, α·F_s)`.
+/// Force of the piecewise-linear virgin curve at displacement `x_m` ≥ 0 \[N\]: `Σ min(k·x, α·F_s)`.
 pub fn virgin_force_n(config: &FrictionConfig, x_m: f64) -> f64 {
     config
         .virgin_curve
@@ -79,9 +80,9 @@ struct Elements {
     deflection: [f64; LANES],
     /// 1/D [1/m].
     inv_yield: [f64; LANES],
-    /// W = k·D [N].
+    /// W = k·D \[N\].
     level: [f64; LANES],
-    /// D·W/ΣW [m]: turns slip into the band's mean path.
+    /// D·W/ΣW \[m\]: turns slip into the band's mean path.
     slip_weight: [f64; LANES],
 }
 
@@ -109,14 +110,14 @@ struct Band {
     shape: Wander,
     /// ΣW of the band over ΣW of all [–].
     share: f64,
-    /// Σ W·ζ [N].
+    /// Σ W·ζ \[N\].
     force: f64,
-    /// Σ W·ζ·(1 − q²) [N]: the part that slips.
+    /// Σ W·ζ·(1 − q²) \[N\]: the part that slips.
     slipping: f64,
 }
 
 impl Band {
-    /// Moves by `dx` and returns the mean slipped path [m].
+    /// Moves by `dx` and returns the mean slipped path \[m\].
     fn advance(&mut self, dx: f64, soft: f64) -> f64 {
         let (sign, path) = (1f64.copysign(dx), dx.abs());
         let (mut force, mut slipping, mut slip) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
@@ -152,9 +153,9 @@ pub struct FrictionTruth {
     shares: [f64; 3],
     repeat: f64,
     gain: Wander,
-    /// Σ g·W·ζ over all [N].
+    /// Σ g·W·ζ over all \[N\].
     force: f64,
-    /// Its slipping part [N].
+    /// Its slipping part \[N\].
     slipping: f64,
 }
 
@@ -232,7 +233,7 @@ impl FrictionTruth {
         }
     }
 
-    /// Friction force at velocity `v_m_s`, opposing motion in +x when positive [N]. Viscous friction is not in it.
+    /// Friction force at velocity `v_m_s`, opposing motion in +x when positive \[N\]. Viscous friction is not in it.
     pub fn force_n(&self, v_m_s: f64) -> f64 {
         if self.stribeck_drop == 0.0 {
             return self.force;
@@ -262,7 +263,7 @@ impl FrictionTruth {
     }
 }
 
-/// Levels `W_i` [N] with which elements of the given yields follow the virgin curve.
+/// Levels `W_i` \[N\] with which elements of the given yields follow the virgin curve.
 ///
 /// Multiplicative updates `W ← W·(Aᵀy)/(AᵀA·W)` of a non-negative least-squares problem, rows weighted by 1/y so that the
 /// error is relative: from a flat start they stay positive and spread, where an active-set solver would leave few
@@ -371,8 +372,8 @@ mod tests {
             1e6 * at,
             100.0 * rms
         );
-        assert!(worst < 0.06, "{worst} at {at} m");
-        assert!(rms < 0.02, "{rms}");
+        assert!(worst < 0.045, "{worst} at {at} m");
+        assert!(rms < 0.01, "{rms}");
     }
 
     #[test]

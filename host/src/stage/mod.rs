@@ -50,7 +50,7 @@ use friction::FrictionTruth;
 
 /// An effect added to the stage and concealed from the compensator.
 pub trait Disturbance: Send {
-    /// Force on the moving mass, in +x [N], at true position [m], velocity [m/s] and time [s].
+    /// Force on the moving mass, in +x \[N\], at true position \[m\], velocity [m/s] and time \[s\].
     ///
     /// It is called several times a step with trial velocities, so it must not remember; a force that is not finite is
     /// taken as zero.
@@ -67,28 +67,28 @@ pub trait Disturbance: Send {
 pub struct EncoderReading {
     /// Encoder count, wrapping.
     pub count: i32,
-    /// Winding current [A].
+    /// Winding current \[A\].
     pub current_a: f64,
-    /// Supply voltage with its ripple [V].
+    /// Supply voltage with its ripple \[V\].
     pub supply_v: f64,
 }
 
 /// The true state, for scoring only: no controller may see it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Truth {
-    /// Time since the start [s].
+    /// Time since the start \[s\].
     pub time_s: f64,
-    /// Position of the moving mass [m].
+    /// Position of the moving mass \[m\].
     pub position_m: f64,
     /// Velocity of the moving mass [m/s].
     pub velocity_m_s: f64,
-    /// Position of the rotor, at the stage [m].
+    /// Position of the rotor, at the stage \[m\].
     pub rotor_position_m: f64,
-    /// Friction, viscous part included; positive when it opposes motion in +x [N].
+    /// Friction, viscous part included; positive when it opposes motion in +x \[N\].
     pub friction_n: f64,
-    /// Force of the motor, at the stage [N].
+    /// Force of the motor, at the stage \[N\].
     pub motor_n: f64,
-    /// External force and disturbances, in +x [N].
+    /// External force and disturbances, in +x \[N\].
     pub external_n: f64,
 }
 
@@ -170,7 +170,7 @@ impl Stage {
         }
     }
 
-    /// Holds an external force on the moving mass, in +x [N]: the micro-tensile machine of the paper.
+    /// Holds an external force on the moving mass, in +x \[N\]: the micro-tensile machine of the paper.
     ///
     /// # Errors
     /// When it is not finite; the force then stays as it was.
@@ -187,7 +187,7 @@ impl Stage {
         Ok(())
     }
 
-    /// Changes the mean supply voltage [V]: a sag.
+    /// Changes the mean supply voltage \[V\]: a sag.
     ///
     /// # Errors
     /// When it is negative or not finite; the supply then stays as it was.
@@ -241,7 +241,7 @@ impl Stage {
         }
     }
 
-    /// Time since the start [s].
+    /// Time since the start \[s\].
     pub fn time_s(&self) -> f64 {
         // From the tick number, so that an hour does not accumulate rounding.
         self.ticks as f64 / self.config.control_rate_hz
@@ -257,7 +257,7 @@ impl Stage {
         self.coefficients.force_constant
     }
 
-    /// Rotor inertia as mass at the stage [kg].
+    /// Rotor inertia as mass at the stage \[kg\].
     pub fn reflected_rotor_kg(&self) -> f64 {
         self.coefficients.rotor_kg
     }
@@ -267,7 +267,7 @@ impl Stage {
         (self.supply_v + supply.ripple_v * (TAU * supply.ripple_hz * t_s).sin()).max(0.0)
     }
 
-    /// External force and disturbances at velocity `v` [N].
+    /// External force and disturbances at velocity `v` \[N\].
     fn acting_n(&self, v: f64, t: f64) -> f64 {
         self.disturbances
             .iter()

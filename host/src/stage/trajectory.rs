@@ -3,9 +3,9 @@
 //! All are polylines in time, with corners optionally rounded by a constant acceleration over a window `w`. A rounded corner
 //! stays short of its vertex by `|Δv|·w/8`.
 
-/// Strokes of the nested reversals of figure 1 [m]: 50, 20, 5 and 1 µm.
+/// Strokes of the nested reversals of figure 1 \[m\]: 50, 20, 5 and 1 µm.
 pub const NESTED_STROKES_M: [f64; 4] = [50e-6, 20e-6, 5e-6, 1e-6];
-/// The small step of figure 1 [m]: 100 nm.
+/// The small step of figure 1 \[m\]: 100 nm.
 pub const SMALL_STEP_M: f64 = 100e-9;
 /// The slide of figure 1 [m/s]: 1 mm/s.
 pub const SLIDE_SPEED_M_S: f64 = 1e-3;
@@ -40,9 +40,9 @@ pub enum TrajectoryError {
     CornersOverlap {
         /// The first of the two vertices, from zero.
         vertex: usize,
-        /// Time between them [s].
+        /// Time between them \[s\].
         gap_s: f64,
-        /// Time of a corner [s].
+        /// Time of a corner \[s\].
         corner_s: f64,
     },
 }
@@ -50,7 +50,7 @@ pub enum TrajectoryError {
 /// The reference at one time.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Reference {
-    /// Position [m].
+    /// Position \[m\].
     pub position_m: f64,
     /// Velocity [m/s].
     pub velocity_m_s: f64,
@@ -76,7 +76,7 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    /// Straight lines between `(time [s], position [m])`, corners rounded over `corner_s` (0: sharp). Two vertices at the
+    /// Straight lines between `(time \[s\], position \[m\])`, corners rounded over `corner_s` (0: sharp). Two vertices at the
     /// same time are a jump, which is not rounded.
     ///
     /// # Errors
@@ -275,7 +275,7 @@ impl Trajectory {
         }
     }
 
-    /// Time at which it has come to rest [s].
+    /// Time at which it has come to rest \[s\].
     pub fn duration_s(&self) -> f64 {
         self.duration_s
     }
@@ -307,12 +307,12 @@ impl ForceRamp {
         Trajectory::try_polyline(&vertices, 0.0).map(Self)
     }
 
-    /// The force at `t_s` [N].
+    /// The force at `t_s` \[N\].
     pub fn force_n(&self, t_s: f64) -> f64 {
         self.0.at(t_s).position_m
     }
 
-    /// Time at which the last turning point is reached [s].
+    /// Time at which the last turning point is reached \[s\].
     pub fn duration_s(&self) -> f64 {
         self.0.duration_s
     }
