@@ -8,3 +8,4 @@ pub mod nmse;
 pub mod progress;
 pub mod recording;
 pub mod report;
+pub mod stage;

@@ -4,3 +4,5 @@ pub mod refine;
 pub mod regression;
 pub mod search;
 pub mod stop;
+pub mod split;
+pub mod virgin;
