@@ -1,0 +1,44 @@
+//! What every friction model is: motion in, force out.
+
+use crate::Scalar;
+
+/// The motion of one control tick, in the model's [`Units`](crate::Units).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion<S> {
+    /// Displacement since the previous tick. Its sign gives the direction; 0 means that nothing moved.
+    pub displacement: S,
+    /// Velocity estimate. Models with sliding dynamics use its magnitude; quasi-static ones ignore it.
+    pub velocity: S,
+}
+
+impl<S: Scalar> Motion<S> {
+    /// A motion for models that depend on displacement alone.
+    #[inline]
+    pub fn quasi_static(displacement: S) -> Self {
+        Self {
+            displacement,
+            velocity: S::ZERO,
+        }
+    }
+}
+
+/// A friction model: immutable parameters (`Self`) that advance a separate state by one tick.
+///
+/// The force has the sign of the motion that it opposes: pushing in the positive direction gives a positive
+/// force, so adding it to a controller's output compensates friction.
+pub trait Friction {
+    /// The number type that the model computes in.
+    type Scalar: Scalar;
+    /// The model's memory.
+    type State: Clone;
+
+    /// The state of a body that was never moved: no force, no memory.
+    fn at_rest(&self) -> Self::State;
+
+    /// Advances `state` by one tick and returns the friction force at its end, in the model's units.
+    fn step(&self, state: &mut Self::State, motion: Motion<Self::Scalar>) -> Self::Scalar;
+
+    /// The bound that |force| never exceeds whatever the motion, or `None` where a viscous term grows
+    /// without one.
+    fn limit(&self) -> Option<Self::Scalar>;
+}

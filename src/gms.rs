@@ -1,0 +1,210 @@
+//! The Generalized Maxwell-Slip model: N spring-slider blocks in parallel, with sliding dynamics.
+
+use crate::param::{Block, ParamError, Units, at_most, check_blocks, fits, positive, to_scalar};
+use crate::stribeck::{Sliding, SpeedTable};
+use crate::{Friction, Motion, Scalar};
+
+/// Stiffness and yield displacement of N blocks, in the model's units.
+#[derive(Clone, Debug)]
+pub(crate) struct Blocks<const N: usize, S> {
+    pub(crate) stiffness: [S; N],
+    pub(crate) yields: [S; N],
+}
+
+impl<const N: usize, S: Scalar> Blocks<N, S> {
+    pub(crate) fn try_new(
+        blocks: &[Block; N],
+        breakaway: f64,
+        units: Units,
+    ) -> Result<Self, ParamError> {
+        const { assert!(N > 0, "a Maxwell-slip model needs at least one block") };
+        units.check()?;
+        positive("breakaway force", breakaway)?;
+        check_blocks(blocks)?;
+        let mut stiffness = [S::ZERO; N];
+        let mut yields = [S::ZERO; N];
+        for (i, block) in blocks.iter().enumerate() {
+            let of_block = |e: ParamError| ParamError {
+                block: Some(i + 1),
+                ..e
+            };
+            let displacement = block.yield_displacement(breakaway) / units.length;
+            // On a reversal from slip a deflection changes by up to 2·D.
+            fits::<S>("twice the yield displacement", 2.0 * displacement).map_err(of_block)?;
+            yields[i] = to_scalar("yield displacement", displacement).map_err(of_block)?;
+            stiffness[i] = to_scalar("stiffness", block.stiffness * units.length / units.force)
+                .map_err(of_block)?;
+        }
+        let blocks = Self { stiffness, yields };
+        // Rounded stiffness times rounded yield, which is what the sum at run time can reach.
+        let reach: f64 = blocks
+            .stiffness
+            .iter()
+            .zip(&blocks.yields)
+            .map(|(k, d)| k.to_f64() * d.to_f64())
+            .sum();
+        fits::<S>("breakaway force", reach)?;
+        Ok(blocks)
+    }
+
+    /// `F = Σ k_i·z_i` (eq. 12).
+    #[inline]
+    pub(crate) fn force(&self, deflection: &[S; N]) -> S {
+        let mut force = S::ZERO;
+        for (k, z) in self.stiffness.iter().zip(deflection) {
+            force = force + *k * *z;
+        }
+        force
+    }
+}
+
+/// The full GMS law (eqs. 10–12) at a fixed sample time: the parameters.
+///
+/// Each block keeps its deflection `z_i` and sticks or slips; with `D_i = α_i·F_s/k_i`,
+/// `σ(v) = s(v)/F_s ∈ [F_c/F_s, 1]` and `dir` the direction of motion:
+///
+/// - sticking (10): `z_i ← z_i + dx`; the block slips from `dir·z_i ≥ D_i·σ(v)` on;
+/// - slipping (11): `dir·z_i ← dir·z_i + λ(v)·(D_i·σ(v) − dir·z_i)`, `λ(v) = 1 − exp(−C·T_s/s(v))`;
+/// - on a reversal of the displacement every slipping block sticks again;
+/// - `F = Σ k_i·z_i` (12).
+///
+/// **Where the paper is ambiguous or wrong.** (a) Eq. (11) with a positive `s` is unstable for `v < 0`; it is
+/// read as `dF_i/dt = C·(sgn(v)·α_i − F_i/s(|v|))`, which is the published law for `v > 0` and odd in `v`.
+/// (b) The text gives no way back from slip to stick, so a block that slipped sits at its limit and never
+/// sticks again (it wedges at the first reversal); Al-Bender, Lampaert and Swevers (IEEE T-AC 50(11), 2005)
+/// have it stick when the velocity crosses zero, and so does this. A tick without motion is no crossing:
+/// with a quantised encoder most ticks of a slow slide have none. (c) "|F_i| < |W_i|" is tested in the
+/// direction of motion only: a block that unloads sticks even where a rising speed has lowered its limit
+/// below the force it still carries.
+///
+/// The discretisation of (11) is its exact solution for a speed that is constant over the tick, so it is
+/// stable for every `C·T_s ≥ 0` (`C = ∞` means no lag), and `|z_i| ≤ D_i` always, hence `|F| ≤ ΣW`
+/// ([`Friction::limit`]) even for NaN or infinite input.
+///
+/// `N` blocks, arithmetic `S` (`f32` unless chosen otherwise).
+///
+/// ```
+/// use preslide::{Block, Friction, Gms, Motion, Sliding, Units};
+/// // Table 3, three blocks, with 10 % Stribeck effect.
+/// let blocks = [(325_379.0, 0.352), (40_535.0, 0.307), (7_886.0, 0.341)]
+///     .map(|(stiffness, weight)| Block { stiffness, weight });
+/// let sliding = Sliding { coulomb: 0.81, stribeck_velocity: 1e-3, stribeck_exponent: 2.0, attraction: 20.0 };
+/// let gms = Gms::<3>::try_new(&blocks, 0.9, sliding, 50e-6, Units::SI)?;
+/// let mut state = gms.at_rest();
+/// let force = gms.step(&mut state, Motion { displacement: 1e-7, velocity: 2e-3 });
+/// assert!((force - 0.0374).abs() < 1e-4);
+/// # Ok::<(), preslide::ParamError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Gms<const N: usize, S = f32> {
+    blocks: Blocks<N, S>,
+    /// `σ(v)` and `λ(v)`.
+    sliding: SpeedTable<S>,
+}
+
+/// What a [`Gms`] remembers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GmsState<const N: usize, S = f32> {
+    deflection: [S; N],
+    slipping: [bool; N],
+    forward: bool,
+}
+
+impl<const N: usize, S: Scalar> Gms<N, S> {
+    /// Validates the parameters and computes the tables.
+    ///
+    /// `breakaway` is `F_s` (N or N·m), `sample_time` is `T_s` (s), at most 1 s.
+    ///
+    /// # Errors
+    /// [`ParamError`] where a value is not finite or not positive, `F_c > F_s`, the weights do not sum to 1,
+    /// or a value or a bound on the state does not fit `S` in `units`.
+    pub fn try_new(
+        blocks: &[Block; N],
+        breakaway: f64,
+        sliding: Sliding,
+        sample_time: f64,
+        units: Units,
+    ) -> Result<Self, ParamError> {
+        let blocks = Blocks::try_new(blocks, breakaway, units)?;
+        sliding.check(breakaway)?;
+        positive("sample time", sample_time)?;
+        at_most("sample time", sample_time, 1.0)?;
+        let relaxation = sliding.attraction * sample_time / breakaway;
+        let sliding = SpeedTable::try_new(
+            &sliding,
+            breakaway,
+            units.velocity,
+            ["s(v)/F_s", "lag per tick"],
+            |weakening| [weakening, -libm::expm1(-relaxation / weakening)],
+        )?;
+        Ok(Self { blocks, sliding })
+    }
+
+    /// The yield displacements `D_i`, in the model's units.
+    pub fn yields(&self) -> &[S; N] {
+        &self.blocks.yields
+    }
+}
+
+impl<const N: usize, S: Scalar> GmsState<N, S> {
+    /// The blocks' deflections `z_i`, in the model's units.
+    pub fn deflection(&self) -> &[S; N] {
+        &self.deflection
+    }
+
+    /// Which blocks slip.
+    pub fn slipping(&self) -> &[bool; N] {
+        &self.slipping
+    }
+}
+
+impl<const N: usize, S: Scalar> Friction for Gms<N, S> {
+    type Scalar = S;
+    type State = GmsState<N, S>;
+
+    fn at_rest(&self) -> Self::State {
+        GmsState {
+            deflection: [S::ZERO; N],
+            slipping: [false; N],
+            forward: true,
+        }
+    }
+
+    #[inline]
+    fn step(&self, state: &mut Self::State, motion: Motion<S>) -> S {
+        let dx = motion.displacement;
+        let moved = dx != S::ZERO;
+        if moved {
+            let forward = dx > S::ZERO;
+            if forward != state.forward {
+                state.forward = forward;
+                state.slipping = [false; N];
+            }
+        } else if motion.velocity == S::ZERO {
+            return self.blocks.force(&state.deflection);
+        }
+        let [weakening, lag] = self.sliding.at(motion.velocity);
+        let forward = state.forward;
+        let along = |value: S| if forward { value } else { -value };
+        let advance = dx.magnitude();
+
+        for i in 0..N {
+            let largest = self.blocks.yields[i];
+            let bound = largest * weakening;
+            let old = along(state.deflection[i]);
+            let stuck = old.add_input(advance);
+            let sticks = !state.slipping[i] && stuck < bound;
+            let enters = !state.slipping[i] && old < bound;
+            let start = if enters { bound } else { old };
+            let slid = start + lag * (bound - start);
+            let slid = if slid < largest { slid } else { largest };
+            state.slipping[i] = !sticks;
+            state.deflection[i] = along(if sticks { stuck } else { slid });
+        }
+        self.blocks.force(&state.deflection)
+    }
+
+    fn limit(&self) -> Option<S> {
+        Some(self.blocks.force(&self.blocks.yields))
+    }
+}

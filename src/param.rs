@@ -1,0 +1,206 @@
+//! Parameters as people give them (SI, `f64`) and the errors that refuse them.
+
+use crate::Scalar;
+use core::fmt;
+
+/// One Maxwell-slip block: the paper's `k_i` and `α_i` (eqs. 7–9, Table 3).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Block {
+    /// Stiffness `k_i` (N/m), or (N·m/rad) on a rotary axis.
+    pub stiffness: f64,
+    /// Weight `α_i` (-): the block's share of the breakaway force. The weights of a model sum to 1.
+    pub weight: f64,
+}
+
+impl Block {
+    /// Yield displacement `D_i = α_i·F_s/k_i` (m) for the breakaway force `F_s` (N) (eq. 9 solved for `D_i`).
+    pub fn yield_displacement(&self, breakaway: f64) -> f64 {
+        self.weight * breakaway / self.stiffness
+    }
+}
+
+/// What one unit of a model's displacement, force and velocity is in SI.
+///
+/// Floats usually run in SI ([`Units::SI`]). Fixed point has a narrow range, so let a displacement of 1 be
+/// one encoder count and a force of 1 be a millinewton:
+///
+/// ```
+/// use preslide::Units;
+/// let counts = Units { length: 25e-9, force: 1e-3, velocity: 1e-3 };
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Units {
+    /// Displacement unit (m or rad).
+    pub length: f64,
+    /// Force unit (N or N·m).
+    pub force: f64,
+    /// Velocity unit (m/s or rad/s).
+    pub velocity: f64,
+}
+
+impl Units {
+    /// Metres, newtons, metres per second (radians, newton-metres, radians per second on a rotary axis).
+    pub const SI: Units = Units {
+        length: 1.0,
+        force: 1.0,
+        velocity: 1.0,
+    };
+
+    pub(crate) fn check(&self) -> Result<(), ParamError> {
+        positive("unit of length", self.length)?;
+        positive("unit of force", self.force)?;
+        positive("unit of velocity", self.velocity)?;
+        Ok(())
+    }
+}
+
+impl Default for Units {
+    fn default() -> Self {
+        Self::SI
+    }
+}
+
+/// How far the weights of a model may be from summing to 1. Table 3 prints three digits, so a column of ten
+/// may be off by 10 × 0.0005. Models use the weights as given, they are not rescaled.
+pub const WEIGHT_SUM_TOLERANCE: f64 = 0.005;
+
+/// A parameter that cannot be used: which one, its value, and the bound it broke.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParamError {
+    /// The parameter in the field's words ("stiffness", "weight", …).
+    pub parameter: &'static str,
+    /// The Maxwell-slip block it belongs to, counted from 1 as in the paper.
+    pub block: Option<usize>,
+    /// The value that was given (SI), or the computed one where a bound on a result was broken.
+    pub value: f64,
+    /// What it should have been.
+    pub bound: Bound,
+}
+
+/// The bound that a parameter broke.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bound {
+    /// Must be finite and above zero.
+    Positive,
+    /// Must be finite and zero or above.
+    NotNegative,
+    /// Must not exceed this.
+    AtMost(f64),
+    /// Must be at least this.
+    AtLeast(f64),
+    /// All of them together must sum to 1 within [`WEIGHT_SUM_TOLERANCE`].
+    SumToOne,
+    /// Does not fit the number type in the chosen [`Units`]: its largest value.
+    Representable(f64),
+    /// Rounds to zero in the chosen [`Units`]: the number type is too coarse.
+    Resolvable,
+}
+
+impl fmt::Display for ParamError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.parameter)?;
+        if let Some(block) = self.block {
+            write!(f, " of block {block}")?;
+        }
+        write!(f, " is {}", self.value)?;
+        match self.bound {
+            Bound::Positive => write!(f, ": it must be finite and above zero"),
+            Bound::NotNegative => write!(f, ": it must be finite and not negative"),
+            Bound::AtMost(limit) => write!(f, ": it must be at most {limit}"),
+            Bound::AtLeast(limit) => write!(f, ": it must be at least {limit}"),
+            Bound::SumToOne => write!(
+                f,
+                ": the weights must sum to 1 within {WEIGHT_SUM_TOLERANCE}"
+            ),
+            Bound::Representable(limit) => write!(
+                f,
+                ": the number type holds at most {limit} in the chosen units; choose larger units or a wider type"
+            ),
+            Bound::Resolvable => write!(
+                f,
+                ": it rounds to zero in the number type; choose smaller units or a finer type"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for ParamError {}
+
+fn refuse(parameter: &'static str, value: f64, bound: Bound) -> ParamError {
+    ParamError {
+        parameter,
+        block: None,
+        value,
+        bound,
+    }
+}
+
+pub(crate) fn positive(name: &'static str, value: f64) -> Result<f64, ParamError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(refuse(name, value, Bound::Positive))
+    }
+}
+
+pub(crate) fn not_negative(name: &'static str, value: f64) -> Result<f64, ParamError> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(value)
+    } else {
+        Err(refuse(name, value, Bound::NotNegative))
+    }
+}
+
+pub(crate) fn at_most(name: &'static str, value: f64, limit: f64) -> Result<f64, ParamError> {
+    if value <= limit {
+        Ok(value)
+    } else {
+        Err(refuse(name, value, Bound::AtMost(limit)))
+    }
+}
+
+pub(crate) fn at_least(name: &'static str, value: f64, limit: f64) -> Result<f64, ParamError> {
+    if value >= limit {
+        Ok(value)
+    } else {
+        Err(refuse(name, value, Bound::AtLeast(limit)))
+    }
+}
+
+/// Converts a value in the model's units to its number type, refusing overflow and a positive value that
+/// vanishes.
+pub(crate) fn to_scalar<S: Scalar>(name: &'static str, value: f64) -> Result<S, ParamError> {
+    let scalar = S::try_from_f64(value)
+        .ok_or_else(|| refuse(name, value, Bound::Representable(S::greatest())))?;
+    if value != 0.0 && scalar == S::ZERO {
+        return Err(refuse(name, value, Bound::Resolvable));
+    }
+    Ok(scalar)
+}
+
+/// Refuses a bound on a run-time result that the number type could not hold.
+pub(crate) fn fits<S: Scalar>(name: &'static str, value: f64) -> Result<(), ParamError> {
+    if value.abs() <= S::greatest() {
+        Ok(())
+    } else {
+        Err(refuse(name, value, Bound::Representable(S::greatest())))
+    }
+}
+
+/// Checks the blocks of a Maxwell-slip model: finite, positive, weights that sum to 1.
+pub(crate) fn check_blocks(blocks: &[Block]) -> Result<(), ParamError> {
+    let mut sum = 0.0;
+    for (i, block) in blocks.iter().enumerate() {
+        let of_block = |e: ParamError| ParamError {
+            block: Some(i + 1),
+            ..e
+        };
+        positive("stiffness", block.stiffness).map_err(of_block)?;
+        positive("weight", block.weight).map_err(of_block)?;
+        sum += block.weight;
+    }
+    if (sum - 1.0).abs() > WEIGHT_SUM_TOLERANCE {
+        return Err(refuse("sum of the weights", sum, Bound::SumToOne));
+    }
+    Ok(())
+}

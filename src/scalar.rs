@@ -1,0 +1,216 @@
+//! The arithmetic a model runs in: `f32`, `f64`, or a binary fixed point number of the `fixed` crate.
+
+use core::fmt::Debug;
+use core::ops::{Add, Mul, Neg, Sub};
+use fixed::types::extra::{LeEqU32, LeEqU64};
+use fixed::{FixedI32, FixedI64};
+
+/// The few operations that a friction model needs of a number.
+///
+/// Floats follow IEEE 754. Fixed point numbers use the plain operators only where construction has proved
+/// that the result fits, and saturate where a quantity from outside enters ([`Scalar::add_input`],
+/// [`Scalar::mul_input`], [`Scalar::magnitude`]), so that no input can overflow.
+pub trait Scalar:
+    Copy
+    + PartialOrd
+    + Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Neg<Output = Self>
+    + 'static
+{
+    /// 0.
+    const ZERO: Self;
+    /// 1.
+    const ONE: Self;
+
+    /// The nearest representable number, or `None` where `value` is not finite or lies outside the range.
+    fn try_from_f64(value: f64) -> Option<Self>;
+
+    /// The value as `f64` (rounded for the widest fixed point types).
+    fn to_f64(self) -> f64;
+
+    /// The largest representable number.
+    fn greatest() -> f64;
+
+    /// `self + input`, saturating at the range's ends instead of wrapping.
+    fn add_input(self, input: Self) -> Self;
+
+    /// `self · input`, saturating at the range's ends.
+    fn mul_input(self, input: Self) -> Self;
+
+    /// Absolute value, saturating (the most negative fixed point number has no opposite).
+    fn magnitude(self) -> Self;
+
+    /// `eˢᵉˡᶠ`. Fixed point goes through `libm`'s software `f32`: the same bits on every machine, and slow
+    /// on a core without a float unit.
+    fn exp(self) -> Self;
+
+    /// `selfᵖ` for `self ≥ 0`; see [`Scalar::exp`] for fixed point.
+    fn powf(self, p: Self) -> Self;
+
+    /// Whole part towards zero, saturating to `0..=max`; NaN gives 0.
+    fn to_index(self, max: usize) -> usize;
+
+    /// An integer, saturating at the range's ends.
+    fn from_int(value: i32) -> Self;
+
+    /// The nearest representable number, saturating at the range's ends; NaN gives 0 in fixed point.
+    fn from_f32(value: f32) -> Self;
+
+    /// `self / 2`.
+    fn half(self) -> Self;
+
+    /// `self` limited to `(-limit, limit)`; NaN becomes `limit`, so that a poisoned input cannot stay in a
+    /// state. Written with comparisons because `clamp` links a panic path and `max().min()` calls libm.
+    #[inline]
+    fn limited(self, limit: Self) -> Self {
+        if self < limit {
+            if self > -limit { self } else { -limit }
+        } else {
+            limit
+        }
+    }
+}
+
+macro_rules! float_scalar {
+    ($t:ty, $exp:path, $pow:path) => {
+        impl Scalar for $t {
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+
+            #[inline]
+            fn try_from_f64(value: f64) -> Option<Self> {
+                let narrowed = value as $t;
+                narrowed.is_finite().then_some(narrowed)
+            }
+            #[inline]
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+            fn greatest() -> f64 {
+                f64::from(<$t>::MAX)
+            }
+            #[inline]
+            fn add_input(self, input: Self) -> Self {
+                self + input
+            }
+            #[inline]
+            fn mul_input(self, input: Self) -> Self {
+                self * input
+            }
+            #[inline]
+            fn magnitude(self) -> Self {
+                if self < 0.0 { -self } else { self }
+            }
+            #[inline]
+            fn exp(self) -> Self {
+                $exp(self)
+            }
+            #[inline]
+            fn powf(self, p: Self) -> Self {
+                $pow(self, p)
+            }
+            #[inline]
+            fn to_index(self, max: usize) -> usize {
+                let index = self as usize;
+                if index < max { index } else { max }
+            }
+            #[inline]
+            fn from_int(value: i32) -> Self {
+                value as $t
+            }
+            #[inline]
+            fn from_f32(value: f32) -> Self {
+                value.into()
+            }
+            #[inline]
+            fn half(self) -> Self {
+                0.5 * self
+            }
+        }
+    };
+}
+
+float_scalar!(f32, libm::expf, libm::powf);
+float_scalar!(f64, libm::exp, libm::pow);
+
+macro_rules! fixed_scalar {
+    ($t:ident, $bound:ident) => {
+        impl<Frac: $bound + 'static> Scalar for $t<Frac> {
+            const ZERO: Self = $t::ZERO;
+            // A type with no room for 1 (`I0F32`) saturates here; every constructor then refuses it.
+            const ONE: Self = if Frac::U32 < $t::<Frac>::MAX.to_bits().count_ones() {
+                $t::from_bits(1 << Frac::U32)
+            } else {
+                $t::MAX
+            };
+
+            fn try_from_f64(value: f64) -> Option<Self> {
+                if value.is_finite() {
+                    $t::checked_from_num(value)
+                } else {
+                    None
+                }
+            }
+            #[inline]
+            fn to_f64(self) -> f64 {
+                self.to_num()
+            }
+            fn greatest() -> f64 {
+                $t::<Frac>::MAX.to_num()
+            }
+            #[inline]
+            fn add_input(self, input: Self) -> Self {
+                self.saturating_add(input)
+            }
+            #[inline]
+            fn mul_input(self, input: Self) -> Self {
+                self.saturating_mul(input)
+            }
+            #[inline]
+            fn magnitude(self) -> Self {
+                self.saturating_abs()
+            }
+            fn exp(self) -> Self {
+                Self::from_f32(libm::expf(self.to_num()))
+            }
+            fn powf(self, p: Self) -> Self {
+                Self::from_f32(libm::powf(self.to_num(), p.to_num()))
+            }
+            #[inline]
+            fn to_index(self, max: usize) -> usize {
+                let whole = self.to_bits() >> Frac::U32;
+                if whole <= 0 {
+                    0
+                } else if (whole as u64) < max as u64 {
+                    whole as usize
+                } else {
+                    max
+                }
+            }
+            #[inline]
+            fn from_int(value: i32) -> Self {
+                $t::saturating_from_num(value)
+            }
+            fn from_f32(value: f32) -> Self {
+                // `saturating_from_num` panics on NaN and on infinity.
+                if value.is_nan() {
+                    $t::ZERO
+                } else if value.is_infinite() {
+                    if value > 0.0 { $t::MAX } else { $t::MIN }
+                } else {
+                    $t::saturating_from_num(value)
+                }
+            }
+            #[inline]
+            fn half(self) -> Self {
+                $t::from_bits(self.to_bits() >> 1)
+            }
+        }
+    };
+}
+
+fixed_scalar!(FixedI32, LeEqU32);
+fixed_scalar!(FixedI64, LeEqU64);

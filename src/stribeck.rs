@@ -1,0 +1,117 @@
+//! Velocity weakening `s(v)`, tabulated: no exponential and no division in the control tick.
+
+use crate::Scalar;
+use crate::param::{ParamError, at_least, at_most, not_negative, positive, to_scalar};
+
+/// Sliding behaviour above breakaway: the Stribeck curve and the frictional lag.
+///
+/// `s(v) = F_c + (F_s − F_c)·exp(−(|v|/v_s)^δ)` (N), the usual form of the paper's `s(v)` "bounded on the
+/// lower end by Coulomb friction" (text before eq. 7; the paper prints no formula).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sliding {
+    /// Coulomb force `F_c` (N or N·m), at most the breakaway force `F_s`.
+    pub coulomb: f64,
+    /// Stribeck velocity `v_s` (m/s or rad/s).
+    pub stribeck_velocity: f64,
+    /// Stribeck exponent `δ` (-), 1…4; 2 is a Gaussian.
+    pub stribeck_exponent: f64,
+    /// Attraction parameter `C` (N/s or N·m/s) of eq. (11); `f64::INFINITY` for no frictional lag.
+    pub attraction: f64,
+}
+
+impl Sliding {
+    /// `F_s = F_c` and no lag: the quasi-static law.
+    pub fn none(breakaway: f64) -> Self {
+        Self {
+            coulomb: breakaway,
+            stribeck_velocity: 1.0,
+            stribeck_exponent: 2.0,
+            attraction: f64::INFINITY,
+        }
+    }
+
+    /// `s(v)/F_s` (-) at the speed `speed ≥ 0` (m/s).
+    pub(crate) fn weakening(&self, breakaway: f64, speed: f64) -> f64 {
+        let share = self.coulomb / breakaway;
+        let decay = libm::pow(speed / self.stribeck_velocity, self.stribeck_exponent);
+        share + (1.0 - share) * libm::exp(-decay)
+    }
+
+    pub(crate) fn check(&self, breakaway: f64) -> Result<(), ParamError> {
+        positive("Coulomb force", self.coulomb)?;
+        at_most("Coulomb force", self.coulomb, breakaway)?;
+        positive("Stribeck velocity", self.stribeck_velocity)?;
+        at_least("Stribeck exponent", self.stribeck_exponent, 1.0)?;
+        at_most("Stribeck exponent", self.stribeck_exponent, 4.0)?;
+        if self.attraction != f64::INFINITY {
+            not_negative("attraction parameter", self.attraction)?;
+        }
+        Ok(())
+    }
+}
+
+/// Intervals of the table.
+const INTERVALS: usize = 64;
+
+/// Two functions of speed on one uniform table with linear interpolation.
+///
+/// It reaches up to the speed where the exponential has fallen to 1e-4 and is flat beyond. Its error in
+/// `s(v)/F_s` is at most `3e-3·(1 − F_c/F_s)`, largest at `δ = 1` (`host-tests` assert it); a cusp sharper
+/// than that would need finer nodes near standstill, so `δ < 1` is refused.
+#[derive(Clone, Debug)]
+pub(crate) struct SpeedTable<S> {
+    nodes: [[S; 2]; INTERVALS + 1],
+    per_velocity: S,
+}
+
+impl<S: Scalar> SpeedTable<S> {
+    /// Tabulates `functions(s(v)/F_s)` for the sliding law, velocities given in `velocity_unit` (m/s).
+    pub(crate) fn try_new(
+        sliding: &Sliding,
+        breakaway: f64,
+        velocity_unit: f64,
+        names: [&'static str; 2],
+        functions: impl Fn(f64) -> [f64; 2],
+    ) -> Result<Self, ParamError> {
+        const DECAYED: f64 = 9.210_340_371_976_184; // ln 1e4
+        let end = sliding.stribeck_velocity * libm::pow(DECAYED, 1.0 / sliding.stribeck_exponent);
+        let mut nodes = [[S::ZERO; 2]; INTERVALS + 1];
+        for (j, node) in nodes.iter_mut().enumerate() {
+            let speed = end * j as f64 / INTERVALS as f64;
+            let weakening = if j < INTERVALS {
+                sliding.weakening(breakaway, speed)
+            } else {
+                sliding.coulomb / breakaway
+            };
+            let values = functions(weakening);
+            *node = [
+                to_scalar(names[0], values[0])?,
+                to_scalar(names[1], values[1])?,
+            ];
+        }
+        Ok(Self {
+            nodes,
+            per_velocity: to_scalar(
+                "Stribeck table nodes per velocity unit",
+                INTERVALS as f64 / end * velocity_unit,
+            )?,
+        })
+    }
+
+    /// Both functions at the velocity `v` (its sign does not matter; NaN counts as standstill).
+    #[inline]
+    pub(crate) fn at(&self, v: S) -> [S; 2] {
+        let place = v.magnitude().mul_input(self.per_velocity);
+        let j = place.to_index(INTERVALS);
+        if j >= INTERVALS {
+            return self.nodes[INTERVALS];
+        }
+        let part = place - S::from_int(j as i32);
+        let part = if part > S::ZERO { part } else { S::ZERO };
+        let [low, high] = [self.nodes[j], self.nodes[j + 1]];
+        [
+            low[0] + part * (high[0] - low[0]),
+            low[1] + part * (high[1] - low[1]),
+        ]
+    }
+}
