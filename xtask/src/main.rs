@@ -1,5 +1,6 @@
 //! `cargo xtask`: builds, checks and measures Preslide; installs what that needs. Standard library only.
 
+mod cycles;
 mod process;
 mod test;
 mod thumb;
@@ -13,11 +14,18 @@ struct Command {
     run: fn(&[String]) -> Result<(), String>,
 }
 
-const COMMANDS: &[Command] = &[Command {
-    name: "test",
-    help: "everything CI runs, or the steps named; installs what is missing",
-    run: test::run_steps,
-}];
+const COMMANDS: &[Command] = &[
+    Command {
+        name: "test",
+        help: "everything CI runs, or the steps named; installs what is missing",
+        run: test::run_steps,
+    },
+    Command {
+        name: "cycles",
+        help: "what an update of each kernel costs on a Cortex-M4F; --check compares with the committed table",
+        run: cycles::run_command,
+    },
+];
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

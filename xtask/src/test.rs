@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use crate::cycles;
 use crate::process::{cargo, output, root, run};
 use crate::thumb::Toolchain;
 use crate::tools::Need;
@@ -19,7 +20,7 @@ const STEPS: &[Step] = &[
         name: "format",
         reason: "one style, so that diffs show only what changed",
         needs: &[Need::Rustfmt],
-        run: || run(&mut cargo(&["fmt", "--all", "--check"])),
+        run: format,
     },
     Step {
         name: "clippy",
@@ -65,6 +66,18 @@ const STEPS: &[Step] = &[
         reason: "the library builds without std for the microcontroller",
         needs: &[],
         run: thumb_build,
+    },
+    Step {
+        name: "firmware",
+        reason: "the firmware workspace builds for the microcontroller, warnings denied",
+        needs: &[Need::Clippy, Need::ArmGcc],
+        run: firmware,
+    },
+    Step {
+        name: "cycles",
+        reason: "no kernel executes more instructions than the committed table says",
+        needs: &[],
+        run: || cycles::run_command(&["--check".to_string()]),
     },
     Step {
         name: "package",
@@ -148,6 +161,13 @@ fn say_if_recordings_are_absent() {
     }
 }
 
+fn format() -> Result<(), String> {
+    for folder in [root().to_path_buf(), root().join("firmware")] {
+        run(cargo(&["fmt", "--all", "--check"]).current_dir(folder))?;
+    }
+    Ok(())
+}
+
 fn host_tests() -> Result<(), String> {
     say_if_recordings_are_absent();
     run(&mut cargo(&["test", "--workspace"]))
@@ -165,6 +185,24 @@ fn thumb_build() -> Result<(), String> {
             "--all-features",
         ],
     ))
+}
+
+/// Debian's compiler comes without clippy for the target: it builds, which warns of less.
+fn firmware() -> Result<(), String> {
+    let toolchain = Toolchain::ensure()?;
+    let folder = root().join("firmware");
+    let common = ["--release", "--locked", "--workspace"];
+    match toolchain {
+        Toolchain::Installed => {
+            let clippy = [&["clippy"], &common[..]].concat();
+            run(toolchain
+                .cargo(&folder, &clippy)
+                .args(["--", "-D", "warnings"]))
+        }
+        Toolchain::Debian => {
+            run(&mut toolchain.cargo(&folder, &[&["build"], &common[..]].concat()))
+        }
+    }
 }
 
 fn package_list() -> Result<(), String> {

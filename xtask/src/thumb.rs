@@ -84,6 +84,17 @@ impl Toolchain {
         command.args(["--target", TARGET]).current_dir(folder);
         command
     }
+
+    /// The compiler's version, for the header of measured data.
+    pub fn version(self) -> Result<String, String> {
+        let rustc = match self {
+            Self::Installed => "rustc",
+            Self::Debian => DEBIAN_RUSTC,
+        };
+        Ok(output(Command::new(rustc).arg("--version"))?
+            .trim()
+            .to_string())
+    }
 }
 
 fn has_target() -> bool {

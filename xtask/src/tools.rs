@@ -13,6 +13,10 @@ const INSTALL_LIMIT: Duration = Duration::from_secs(15 * 60);
 pub enum Need {
     Rustfmt,
     Clippy,
+    /// The emulator, with the plugin interface that Debian's build has.
+    Qemu,
+    /// Cross compiler, C library and binary utilities.
+    ArmGcc,
 }
 
 impl Need {
@@ -21,7 +25,31 @@ impl Need {
         match self {
             Need::Rustfmt => component("fmt", "rustfmt"),
             Need::Clippy => component("clippy", "clippy"),
+            Need::Qemu => program(
+                "qemu-system-arm",
+                &["qemu-system-arm"],
+                "the kernels' instruction paths are recorded in an emulated Cortex-M4",
+                "  Fedora: sudo dnf install qemu-system-arm\n  Arch: sudo pacman -S qemu-system-arm\n  \
+                 macOS: brew install qemu",
+            ),
+            Need::ArmGcc => program(
+                "arm-none-eabi-gcc",
+                &["gcc-arm-none-eabi", "libnewlib-arm-none-eabi"],
+                "the C peers and the disassembly of the kernels need the cross compiler",
+                "  Fedora: sudo dnf install arm-none-eabi-gcc-cs arm-none-eabi-newlib\n  \
+                 Arch: sudo pacman -S arm-none-eabi-gcc arm-none-eabi-newlib\n  \
+                 macOS: brew install --cask gcc-arm-embedded",
+            ),
         }
+    }
+}
+
+/// A program from Debian's packages.
+fn program(name: &str, packages: &[&str], reason: &str, elsewhere: &str) -> Result<(), String> {
+    if find(name).is_some() {
+        Ok(())
+    } else {
+        install(packages, reason, elsewhere)
     }
 }
 
