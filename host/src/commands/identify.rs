@@ -35,11 +35,21 @@ impl Identify {
     pub fn run(self) -> Result<(), Failure> {
         let start = Instant::now();
         let recording = self.recordings.load()?;
-        let options = Options { train: self.train, test: self.test };
+        let options = Options {
+            train: self.train,
+            test: self.test,
+        };
         let progress = Progress::new("identify", 20);
         let found = identify(&recording, &options, &progress).map_err(Failure::Data)?;
         progress.finish();
-        let _ = (found, start, write_text, command_line(), &self.output, &self.outputs);
+        let _ = (
+            found,
+            start,
+            write_text,
+            command_line(),
+            &self.output,
+            &self.outputs,
+        );
         Ok(())
     }
 }

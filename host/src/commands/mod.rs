@@ -107,9 +107,14 @@ pub struct OutputArgs {
 
 impl OutputArgs {
     /// Writes what was asked for. `page` is built only if it is; its first figure becomes the picture.
-    pub fn write(&self, json: &serde_json::Value, page: impl FnOnce() -> Page) -> Result<(), Failure> {
+    pub fn write(
+        &self,
+        json: &serde_json::Value,
+        page: impl FnOnce() -> Page,
+    ) -> Result<(), Failure> {
         if let Some(path) = &self.json {
-            let text = serde_json::to_string_pretty(json).map_err(|e| Failure::Tool(e.to_string()))?;
+            let text =
+                serde_json::to_string_pretty(json).map_err(|e| Failure::Tool(e.to_string()))?;
             write_text(path, &(text + "\n"))?;
         }
         if let Some(path) = &self.report {
@@ -137,7 +142,13 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
 pub fn command_line() -> String {
     std::env::args()
         .enumerate()
-        .map(|(i, argument)| if i == 0 { "preslide".to_owned() } else { argument })
+        .map(|(i, argument)| {
+            if i == 0 {
+                "preslide".to_owned()
+            } else {
+                argument
+            }
+        })
         .collect::<Vec<_>>()
         .join(" ")
 }

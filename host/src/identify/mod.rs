@@ -112,7 +112,10 @@ const FATAL: [(&str, &str); 4] = [
     ("no-motion", "record a motion"),
     ("one-way-motion", "record motion in both directions"),
     ("too-short", "record for longer"),
-    ("constant-effort", "record or map the column that holds the effort"),
+    (
+        "constant-effort",
+        "record or map the column that holds the effort",
+    ),
 ];
 
 /// Identifies rigid body and friction.
@@ -147,7 +150,12 @@ pub fn identify(
         ));
     }
     if split.test.as_ref().is_some_and(|rows| rows.len() < 2) {
-        return Err(format!("{}: the test window holds no samples; the recording runs from {} to {} s", recording.name, recording.t_s[0], recording.t_s[recording.len() - 1]));
+        return Err(format!(
+            "{}: the test window holds no samples; the recording runs from {} to {} s",
+            recording.name,
+            recording.t_s[0],
+            recording.t_s[recording.len() - 1]
+        ));
     }
 
     let inertial = recording.role.contains_inertia();
@@ -161,12 +169,25 @@ pub fn identify(
 
     let mut columns = Vec::new();
     if inertial {
-        columns.push(Column { name: "mass", values: kinematics.acceleration.clone() });
+        columns.push(Column {
+            name: "mass",
+            values: kinematics.acceleration.clone(),
+        });
     }
-    columns.push(Column { name: "viscous", values: kinematics.velocity.clone() });
-    columns.push(Column { name: "offset", values: vec![1.0; recording.len()] });
+    columns.push(Column {
+        name: "viscous",
+        values: kinematics.velocity.clone(),
+    });
+    columns.push(Column {
+        name: "offset",
+        values: vec![1.0; recording.len()],
+    });
     let filter = |values: &[f64]| {
-        if inertial { kinematics.filter.smooth(values) } else { values.to_vec() }
+        if inertial {
+            kinematics.filter.smooth(values)
+        } else {
+            values.to_vec()
+        }
     };
     let regression = Regression {
         position: &recording.position,
@@ -179,7 +200,14 @@ pub fn identify(
     let range = yield_range(recording, &train)?;
     let selection = maxwell_slip::select(&regression, range, progress)?;
 
-    let judge = Judge { recording, kinematics: &kinematics, effort: &effort, split: &split, train: &train, inertial };
+    let judge = Judge {
+        recording,
+        kinematics: &kinematics,
+        effort: &effort,
+        split: &split,
+        train: &train,
+        inertial,
+    };
     let mut candidates = vec![judge.coulomb(&rigid.parameters)?];
     let virgin = judge.virgin(&selection);
     let paper = judge.by_paper(&selection, &virgin)?;
@@ -222,7 +250,11 @@ fn yield_range(recording: &Recording, train: &[usize]) -> Result<(f64, f64), Str
         *low = x.min(*low);
         *high = x.max(*high);
     }
-    let longest = extent.values().map(|(low, high)| high - low).fold(0.0, f64::max) / 2.0;
+    let longest = extent
+        .values()
+        .map(|(low, high)| high - low)
+        .fold(0.0, f64::max)
+        / 2.0;
     let shortest = steps.get(steps.len() / 2).copied().unwrap_or(longest) / 2.0;
     if shortest.max(steps.first().copied().unwrap_or(0.0)) >= longest / 2.0 {
         return Err(format!(
@@ -258,8 +290,15 @@ impl Judge<'_> {
 
     /// The whole effort of a model, filtered like the measured one.
     fn effort_of(&self, model: &Model) -> Result<Vec<f64>, String> {
-        let friction = model.friction.force(self.path()).map_err(|e| e.to_string())?;
-        let mut effort = if self.inertial { self.kinematics.filter.smooth(&friction) } else { friction };
+        let friction = model
+            .friction
+            .force(self.path())
+            .map_err(|e| e.to_string())?;
+        let mut effort = if self.inertial {
+            self.kinematics.filter.smooth(&friction)
+        } else {
+            friction
+        };
         for (i, effort) in effort.iter_mut().enumerate() {
             *effort += model.inertia * self.kinematics.acceleration[i]
                 + model.viscous * self.kinematics.velocity[i]
@@ -269,7 +308,12 @@ impl Judge<'_> {
     }
 
     /// Measures a model. Where no test window was asked for, `nmse_cross` stands for the test figure.
-    fn candidate(&self, model: Model, method: Method, nmse_cross: f64) -> Result<Candidate, String> {
+    fn candidate(
+        &self,
+        model: Model,
+        method: Method,
+        nmse_cross: f64,
+    ) -> Result<Candidate, String> {
         let fitted = self.effort_of(&model)?;
         let nmse_test = match &self.split.test {
             Some(rows) => nmse(self.effort, &fitted, rows),
@@ -300,7 +344,10 @@ impl Judge<'_> {
     /// Coulomb and viscous friction as least squares found them, with `sgn v` as there.
     fn coulomb(&self, rigid: &[(&'static str, Estimate)]) -> Result<Candidate, String> {
         let linear: Vec<_> = rigid.iter().map(|(name, e)| (*name, e.value)).collect();
-        let coulomb = linear.iter().find(|p| p.0 == "coulomb").map_or(0.0, |p| p.1.max(0.0));
+        let coulomb = linear
+            .iter()
+            .find(|p| p.0 == "coulomb")
+            .map_or(0.0, |p| p.1.max(0.0));
         let model = self.model(FrictionModel::Coulomb { coulomb }, &linear);
         let mut candidate = self.candidate(model, Method::LeastSquares, f64::NAN)?;
         if self.split.test.is_none() {
@@ -336,7 +383,11 @@ impl Judge<'_> {
     }
 
     fn linear_of(&self, linear: &[f64]) -> Vec<(&'static str, f64)> {
-        let names: &[&'static str] = if self.inertial { &["mass", "viscous", "offset"] } else { &["viscous", "offset"] };
+        let names: &[&'static str] = if self.inertial {
+            &["mass", "viscous", "offset"]
+        } else {
+            &["viscous", "offset"]
+        };
         names.iter().copied().zip(linear.iter().copied()).collect()
     }
 
@@ -377,7 +428,10 @@ impl Judge<'_> {
             .collect();
         let mut strokes = std::collections::BTreeMap::<u32, Vec<usize>>::new();
         for &i in rows {
-            strokes.entry(self.recording.segment[i]).or_default().push(i);
+            strokes
+                .entry(self.recording.segment[i])
+                .or_default()
+                .push(i);
         }
         // A stroke that the window cuts does not start at its reversal.
         let whole: Vec<Vec<usize>> = strokes
@@ -392,16 +446,27 @@ impl Judge<'_> {
 
     /// Eqs. (7)–(9) for 1…10 blocks; sizes at which the measured curve is not concave have fewer blocks and are
     /// left out.
-    fn by_paper(&self, selection: &Selection, virgin: &VirginCurve) -> Result<Vec<Candidate>, String> {
+    fn by_paper(
+        &self,
+        selection: &Selection,
+        virgin: &VirginCurve,
+    ) -> Result<Vec<Candidate>, String> {
         let linear = self.linear_of(&selection.optimal[selection.knee].fit.linear);
         let mut candidates = Vec::new();
         for n in 1..=maxwell_slip::MOST {
             let of_curve = |curve: &VirginCurve| {
                 let fit = maxwell_slip::by_paper(curve, n);
                 let whole = fit.yields.len() == n;
-                whole.then(|| self.model(FrictionModel::maxwell_slip(&fit.stiffness, &fit.yields), &linear))
+                whole.then(|| {
+                    self.model(
+                        FrictionModel::maxwell_slip(&fit.stiffness, &fit.yields),
+                        &linear,
+                    )
+                })
             };
-            let Some(model) = of_curve(virgin) else { continue };
+            let Some(model) = of_curve(virgin) else {
+                continue;
+            };
             let mut candidate = self.candidate(model.clone(), Method::Paper, f64::NAN)?;
             if self.split.test.is_none() {
                 candidate.nmse_test = self.cross_validated(|folds| {

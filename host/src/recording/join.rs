@@ -16,8 +16,12 @@ impl Recording {
             if (next.kind, next.role) != (whole.kind, whole.role) {
                 return Err(format!(
                     "{} is {} with a {}, {} is {} with a {}: they are not of one machine; give recordings with the same columns",
-                    whole.name, whole.kind.name(), whole.role.name(),
-                    next.name, next.kind.name(), next.role.name(),
+                    whole.name,
+                    whole.kind.name(),
+                    whole.role.name(),
+                    next.name,
+                    next.kind.name(),
+                    next.role.name(),
                 ));
             }
             let ratio = next.sample_time_s / whole.sample_time_s;
@@ -34,9 +38,13 @@ impl Recording {
             whole.t_s.extend(&next.t_s);
             whole.position.extend(&next.position);
             whole.effort.extend(&next.effort);
-            whole.segment.extend(next.segment.iter().map(|s| s + segment));
+            whole
+                .segment
+                .extend(next.segment.iter().map(|s| s + segment));
             whole.repeat.extend(next.repeat.iter().map(|r| r + repeat));
-            whole.pieces.extend(next.pieces.iter().map(|p| p.start + offset..p.end + offset));
+            whole
+                .pieces
+                .extend(next.pieces.iter().map(|p| p.start + offset..p.end + offset));
             for (column, more) in [
                 (&mut whole.reference, next.reference),
                 (&mut whole.velocity, next.velocity),
