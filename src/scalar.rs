@@ -9,7 +9,7 @@ use fixed::{FixedI32, FixedI64};
 ///
 /// Floats follow IEEE 754. Fixed point numbers use the plain operators only where construction has proved
 /// that the result fits, and saturate where a quantity from outside enters ([`Scalar::add_input`],
-/// [`Scalar::mul_input`], [`Scalar::magnitude`]), so that no input can overflow.
+/// [`Scalar::sub_input`], [`Scalar::mul_input`], [`Scalar::magnitude`]), so that no input can overflow.
 pub trait Scalar:
     Copy
     + PartialOrd
@@ -36,6 +36,9 @@ pub trait Scalar:
 
     /// `self + input`, saturating at the range's ends instead of wrapping.
     fn add_input(self, input: Self) -> Self;
+
+    /// `self − input`, saturating at the range's ends instead of wrapping.
+    fn sub_input(self, input: Self) -> Self;
 
     /// `self · input`, saturating at the range's ends.
     fn mul_input(self, input: Self) -> Self;
@@ -95,6 +98,10 @@ macro_rules! float_scalar {
             #[inline]
             fn add_input(self, input: Self) -> Self {
                 self + input
+            }
+            #[inline]
+            fn sub_input(self, input: Self) -> Self {
+                self - input
             }
             #[inline]
             fn mul_input(self, input: Self) -> Self {
@@ -164,6 +171,10 @@ macro_rules! fixed_scalar {
             #[inline]
             fn add_input(self, input: Self) -> Self {
                 self.saturating_add(input)
+            }
+            #[inline]
+            fn sub_input(self, input: Self) -> Self {
+                self.saturating_sub(input)
             }
             #[inline]
             fn mul_input(self, input: Self) -> Self {
