@@ -1,6 +1,6 @@
 //! Dahl's model (eq. 1): one state, a spring that yields gradually.
 
-use crate::param::{ParamError, Units, at_least, at_most, positive, to_scalar};
+use crate::param::{ParamError, Units, at_least, at_most, fits, positive, to_positive, to_scalar};
 use crate::{Friction, Motion, Scalar};
 
 /// `dF/dx = σ0·|1 − (F/F_c)·sgn v|ⁿ·sgn(1 − (F/F_c)·sgn v)` (eq. 1).
@@ -44,6 +44,8 @@ impl<S: Scalar> Dahl<S> {
         positive("Coulomb force", coulomb)?;
         at_least("exponent n", exponent, 0.1)?;
         at_most("exponent n", exponent, 5.0)?;
+        // On a reversal at full force, `u = 2`.
+        fits::<S>("u on a reversal", 2.0)?;
         let excess = if (exponent - 1.0).abs() < 1e-4 {
             0.0
         } else {
@@ -51,8 +53,8 @@ impl<S: Scalar> Dahl<S> {
         };
         let root = if excess == 0.0 { 0.0 } else { -1.0 / excess };
         Ok(Self {
-            coulomb: to_scalar("Coulomb force", coulomb / units.force)?,
-            per_length: to_scalar(
+            coulomb: to_positive("Coulomb force", coulomb / units.force)?,
+            per_length: to_positive(
                 "stiffness over Coulomb force",
                 stiffness * units.length / coulomb,
             )?,

@@ -1,6 +1,6 @@
 //! The Generalized Maxwell-Slip model: N spring-slider blocks in parallel, with sliding dynamics.
 
-use crate::param::{Block, ParamError, Units, at_most, check_blocks, fits, positive, to_scalar};
+use crate::param::{Block, ParamError, Units, at_most, check_blocks, fits, positive, to_positive};
 use crate::stribeck::{Sliding, SpeedTable};
 use crate::{Friction, Motion, Scalar};
 
@@ -31,8 +31,8 @@ impl<const N: usize, S: Scalar> Blocks<N, S> {
             let displacement = block.yield_displacement(breakaway) / units.length;
             // On a reversal from slip a deflection changes by up to 2·D.
             fits::<S>("twice the yield displacement", 2.0 * displacement).map_err(of_block)?;
-            yields[i] = to_scalar("yield displacement", displacement).map_err(of_block)?;
-            stiffness[i] = to_scalar("stiffness", block.stiffness * units.length / units.force)
+            yields[i] = to_positive("yield displacement", displacement).map_err(of_block)?;
+            stiffness[i] = to_positive("stiffness", block.stiffness * units.length / units.force)
                 .map_err(of_block)?;
         }
         let blocks = Self { stiffness, yields };

@@ -1,6 +1,8 @@
 //! Hsieh and Pan's model (eqs. 4–6): a nonlinear spring with memory in series with a plastic module.
 
-use crate::param::{ParamError, Units, at_most, fits, not_negative, positive, to_scalar};
+use crate::param::{
+    ParamError, Units, at_most, fits, not_negative, positive, to_positive, to_scalar,
+};
 use crate::{Friction, Motion, Scalar};
 
 /// Reversal points that [`HsiehState`] can remember; see there.
@@ -111,20 +113,20 @@ impl<S: Scalar> Hsieh<S> {
         fits::<S>("one", 1.0)?;
         let power_unit = libm::pow(units.force, params.hardening_exponent);
         Ok(Self {
-            k1: to_scalar("k1", params.k1 * units.length / units.force)?,
+            k1: to_positive("k1", params.k1 * units.length / units.force)?,
             saturation: to_scalar("k2/beta", params.k2 / params.beta / units.force)?,
-            beta: to_scalar("beta", params.beta * units.length)?,
+            beta: to_positive("beta", params.beta * units.length)?,
             viscous: to_scalar(
                 "viscous coefficient",
                 params.viscous * units.velocity / units.force,
             )?,
             creep: to_scalar("creep per tick", -libm::expm1(-params.creep * sample_time))?,
-            per_hardening: to_scalar(
+            per_hardening: to_positive(
                 "force per hardening",
                 power_unit / params.hardening / units.length,
             )?,
             exponent: to_scalar("hardening exponent", params.hardening_exponent)?,
-            rate: to_scalar(
+            rate: to_positive(
                 "ticks per second",
                 units.length / (sample_time * units.velocity),
             )?,

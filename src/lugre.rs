@@ -1,6 +1,6 @@
 //! The LuGre model (eqs. 2–3): bristles with an average deflection.
 
-use crate::param::{ParamError, Units, fits, not_negative, positive, to_scalar};
+use crate::param::{ParamError, Units, fits, not_negative, positive, to_positive, to_scalar};
 use crate::stribeck::{Sliding, SpeedTable};
 use crate::{Friction, Motion, Scalar};
 
@@ -52,9 +52,9 @@ impl<S: Scalar> LuGre<S> {
         fits::<S>("twice the largest deflection", 2.0 * largest)?;
         fits::<S>("breakaway force", breakaway / units.force)?;
         Ok(Self {
-            stiffness: to_scalar("stiffness", stiffness * units.length / units.force)?,
+            stiffness: to_positive("stiffness", stiffness * units.length / units.force)?,
             damping: to_scalar("damping", damping * units.velocity / units.force)?,
-            largest: to_scalar("largest deflection", largest)?,
+            largest: to_positive("largest deflection", largest)?,
             deflection: SpeedTable::try_new(
                 &sliding,
                 breakaway,

@@ -192,7 +192,7 @@ macro_rules! fixed_scalar {
             }
             #[inline]
             fn to_index(self, max: usize) -> usize {
-                let whole = self.to_bits() >> Frac::U32;
+                let whole = self.to_bits().checked_shr(Frac::U32).unwrap_or(0); // no whole part in `I0F32`
                 if whole <= 0 {
                     0
                 } else if (whole as u64) < max as u64 {
