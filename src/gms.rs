@@ -1,6 +1,8 @@
 //! The Generalized Maxwell-Slip model: N spring-slider blocks in parallel, with sliding dynamics.
 
-use crate::param::{Block, ParamError, Units, at_most, check_blocks, fits, positive, to_positive};
+use crate::param::{
+    Block, ParamError, Units, at_most, check_blocks, fits, positive, to_positive, unsaturated,
+};
 use crate::stribeck::{Sliding, SpeedTable};
 use crate::{Friction, Motion, Scalar};
 
@@ -9,6 +11,8 @@ use crate::{Friction, Motion, Scalar};
 pub(crate) struct Blocks<const N: usize, S> {
     pub(crate) stiffness: [S; N],
     pub(crate) yields: [S; N],
+    /// What |`F`| reaches: every product rounded as the run-time sum rounds it on its wider side.
+    pub(crate) limit: S,
 }
 
 impl<const N: usize, S: Scalar> Blocks<N, S> {
@@ -35,16 +39,17 @@ impl<const N: usize, S: Scalar> Blocks<N, S> {
             stiffness[i] = to_positive("stiffness", block.stiffness * units.length / units.force)
                 .map_err(of_block)?;
         }
-        let blocks = Self { stiffness, yields };
-        // Rounded stiffness times rounded yield, which is what the sum at run time can reach.
-        let reach: f64 = blocks
-            .stiffness
-            .iter()
-            .zip(&blocks.yields)
-            .map(|(k, d)| k.to_f64() * d.to_f64())
-            .sum();
-        fits::<S>("breakaway force", reach)?;
-        Ok(blocks)
+        // Fixed point products round down, so a negative force reaches further than a positive one.
+        let mut reach = S::ZERO;
+        for (k, d) in stiffness.iter().zip(&yields) {
+            reach = reach.add_input(k.mul_input(-*d));
+        }
+        let limit = unsaturated("breakaway force", reach)?;
+        Ok(Self {
+            stiffness,
+            yields,
+            limit,
+        })
     }
 
     /// `F = Σ k_i·z_i` (eq. 12).
@@ -205,6 +210,6 @@ impl<const N: usize, S: Scalar> Friction for Gms<N, S> {
     }
 
     fn limit(&self) -> Option<S> {
-        Some(self.blocks.force(&self.blocks.yields))
+        Some(self.blocks.limit)
     }
 }

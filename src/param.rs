@@ -197,6 +197,20 @@ pub(crate) fn fits<S: Scalar>(name: &'static str, value: f64) -> Result<(), Para
     }
 }
 
+/// The magnitude of a result that was computed with saturation, refusing one at the range's end.
+pub(crate) fn unsaturated<S: Scalar>(name: &'static str, result: S) -> Result<S, ParamError> {
+    let magnitude = result.magnitude();
+    if magnitude.to_f64() < S::greatest() {
+        Ok(magnitude)
+    } else {
+        Err(refuse(
+            name,
+            result.to_f64(),
+            Bound::Representable(S::greatest()),
+        ))
+    }
+}
+
 /// Checks the blocks of a Maxwell-slip model: finite, positive, weights that sum to 1.
 pub(crate) fn check_blocks(blocks: &[Block]) -> Result<(), ParamError> {
     let mut sum = 0.0;
