@@ -12,7 +12,8 @@ use crate::{Friction, Motion, Scalar};
 ///
 /// For `n < 1` the bracket reaches zero at a finite displacement, where the force is `F_c`. `|F| ≤ F_c` always.
 /// The model has no non-local memory: inner loops do not close (the paper, "Experimental set-up"). An
-/// exponent within 1e-4 of 1 is taken as 1.
+/// exponent within 1e-4 of 1 is taken as 1; in fixed point `e·κ·|dx|` also needs digits, so let `n` be 1 or
+/// differ from 1 by a tenth.
 #[derive(Clone, Debug)]
 pub struct Dahl<S = f32> {
     coulomb: S,
@@ -85,10 +86,10 @@ impl<S: Scalar> Friction for Dahl<S> {
             } else if self.excess == S::ZERO {
                 u * (-path).exp()
             } else {
-                let bracket =
-                    S::ONE.add_input(self.excess.mul_input(path.mul_input(u.powf(self.excess))));
-                if bracket > S::ZERO {
-                    u.mul_input(bracket.powf(self.root))
+                // The bracket less 1, which keeps its digits where the exponent is near 1.
+                let growth = self.excess.mul_input(path.mul_input(u.powf(self.excess)));
+                if growth > -S::ONE {
+                    u.mul_input(self.root.mul_input(growth.ln_1p()).exp())
                 } else {
                     S::ZERO
                 }

@@ -50,6 +50,9 @@ pub trait Scalar:
     /// on a core without a float unit.
     fn exp(self) -> Self;
 
+    /// `ln(1 + self)` for `self > −1`; see [`Scalar::exp`] for fixed point.
+    fn ln_1p(self) -> Self;
+
     /// `selfᵖ` for `self ≥ 0`; see [`Scalar::exp`] for fixed point.
     fn powf(self, p: Self) -> Self;
 
@@ -78,7 +81,7 @@ pub trait Scalar:
 }
 
 macro_rules! float_scalar {
-    ($t:ty, $exp:path, $pow:path) => {
+    ($t:ty, $exp:path, $ln_1p:path, $pow:path) => {
         impl Scalar for $t {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -116,6 +119,10 @@ macro_rules! float_scalar {
                 $exp(self)
             }
             #[inline]
+            fn ln_1p(self) -> Self {
+                $ln_1p(self)
+            }
+            #[inline]
             fn powf(self, p: Self) -> Self {
                 $pow(self, p)
             }
@@ -140,8 +147,8 @@ macro_rules! float_scalar {
     };
 }
 
-float_scalar!(f32, libm::expf, libm::powf);
-float_scalar!(f64, libm::exp, libm::pow);
+float_scalar!(f32, libm::expf, libm::log1pf, libm::powf);
+float_scalar!(f64, libm::exp, libm::log1p, libm::pow);
 
 macro_rules! fixed_scalar {
     ($t:ident, $bound:ident) => {
@@ -186,6 +193,9 @@ macro_rules! fixed_scalar {
             }
             fn exp(self) -> Self {
                 Self::from_f32(libm::expf(self.to_num()))
+            }
+            fn ln_1p(self) -> Self {
+                Self::from_f32(libm::log1pf(self.to_num()))
             }
             fn powf(self, p: Self) -> Self {
                 Self::from_f32(libm::powf(self.to_num(), p.to_num()))

@@ -58,8 +58,8 @@ const INTERVALS: usize = 64;
 /// Two functions of speed on one uniform table with linear interpolation.
 ///
 /// It reaches up to the speed where the exponential has fallen to 1e-4 and is flat beyond. Its error in
-/// `s(v)/F_s` is at most `3e-3·(1 − F_c/F_s)`, largest at `δ = 1` (`host-tests` assert it); a cusp sharper
-/// than that would need finer nodes near standstill, so `δ < 1` is refused.
+/// `s(v)/F_s` is at most `4e-3·(1 − F_c/F_s)`, largest at `δ = 1.3`, and `6e-4·(1 − F_c/F_s)` at `δ ≥ 2`
+/// (`host-tests` assert it); a cusp sharper than `δ = 1` would need finer nodes near standstill and is refused.
 #[derive(Clone, Debug)]
 pub(crate) struct SpeedTable<S> {
     nodes: [[S; 2]; INTERVALS + 1],
