@@ -169,7 +169,7 @@ fn quasi_static_gms_is_within_bounds_of_the_masing_rules() {
 ///
 /// The law is discontinuous: a block that comes back to exactly its limit, as happens in counts, slips or sticks
 /// by the last bit, and if the limit then rises, the one lags while the other follows the motion.
-const TIES: f64 = 5e-5;
+const TIES: f64 = 1e-3;
 
 /// Attraction parameter for which the lag is a tenth of the gap per tick (N/s).
 const ATTRACTION: f64 = 2_000.0;
@@ -302,20 +302,12 @@ fn dahl_is_within_bounds_of_the_integrated_equation() {
                 compare(&what, &$bounds, (&model, $units), &path, &reference);
             };
         }
-        // Near n = 1 the closed form takes a rounded 1 + (n − 1)·y to the power 1/(1 − n).
-        let steep = if exponent == 1.001 { 100.0 } else { 1.0 };
-        check!(
-            f32,
-            Units::SI,
-            bounds("f32", 1e-6 * steep, 1e-6 * steep, 1e-6 * steep)
-        );
-        check!(f64, Units::SI, bounds("f64", 1e-10, 1e-10, 1e-10));
-        if steep == 1.0 {
-            check!(I16F16, COUNTS, bounds("I16F16", 1e-2, 1e-2, 1e-3));
-            check!(I8F24, COARSE, bounds("I8F24", 1e-4, 1e-4, 1e-4));
-        }
+        check!(f32, Units::SI, bounds("f32", 3.5e-6, 1e-6, 5e-8));
+        check!(f64, Units::SI, bounds("f64", 1.2e-12, 4e-13, 2e-14));
         if exponent != 1.001 {
-            check!(I32F32, COUNTS, bounds("I32F32", 1e-5, 1e-5, 1e-5));
+            check!(I16F16, COUNTS, bounds("I16F16", 4.5e-3, 1.6e-3, 1.2e-4));
+            check!(I8F24, COARSE, bounds("I8F24", 2e-5, 5e-6, 4e-7));
+            check!(I32F32, COUNTS, bounds("I32F32", 1.6e-6, 2e-7, 5e-9));
         }
     }
 }
@@ -349,7 +341,22 @@ fn lugre_is_within_bounds_of_the_integrated_equations() {
             attraction: f64::INFINITY,
         };
         let what = format!("LuGre, F_c = {coulomb} N");
-        let table = if coulomb < BREAKAWAY { 1.0 } else { 0.0 };
+        // Rounding alone; with a Stribeck effect the table's error, too.
+        let [f32_, f64_, i16f16, i32f32] = if coulomb == BREAKAWAY {
+            [
+                bounds("f32", 1.3e-5, 2e-6, 7e-8),
+                bounds("f64", 5e-14, 8e-15, 1e-15),
+                bounds("I16F16", 2.2e-3, 4e-4, 5e-5),
+                bounds("I32F32", 1.1e-5, 2e-6, 5e-8),
+            ]
+        } else {
+            [
+                bounds("f32", 1.5e-3, 1.7e-4, 1.3e-5),
+                bounds("f64", 1.5e-3, 1.7e-4, 1.3e-5),
+                bounds("I16F16", 1.8e-2, 7e-3, 3e-4),
+                bounds("I32F32", 1.5e-3, 1.7e-4, 1.3e-5),
+            ]
+        };
         macro_rules! check {
             ($number:ty, $units:expr, $bounds:expr) => {
                 let model =
@@ -358,37 +365,10 @@ fn lugre_is_within_bounds_of_the_integrated_equations() {
                 compare(&what, &$bounds, (&model, $units), &path, &reference);
             };
         }
-        check!(
-            f32,
-            Units::SI,
-            bounds(
-                "f32",
-                1e-5 + 1e-3 * table,
-                1e-5 + 1e-3 * table,
-                1e-5 + 1e-3 * table
-            )
-        );
-        check!(
-            f64,
-            Units::SI,
-            bounds(
-                "f64",
-                1e-10 + 1e-3 * table,
-                1e-10 + 1e-3 * table,
-                1e-10 + 1e-3 * table
-            )
-        );
-        check!(I16F16, COUNTS, bounds("I16F16", 1e-1, 1e-1, 1e-1));
-        check!(
-            I32F32,
-            COUNTS,
-            bounds(
-                "I32F32",
-                1e-4 + 1e-3 * table,
-                1e-4 + 1e-3 * table,
-                1e-4 + 1e-3 * table
-            )
-        );
+        check!(f32, Units::SI, f32_);
+        check!(f64, Units::SI, f64_);
+        check!(I16F16, COUNTS, i16f16);
+        check!(I32F32, COUNTS, i32f32);
     }
 }
 
@@ -435,16 +415,19 @@ fn hsieh_is_within_bounds_of_equations_marched_in_fine_steps() {
                 compare(&what, &$bounds, (&model, $units), &path, &reference);
             };
         }
-        check!(f32, Units::SI, bounds("f32", 2e-2, 1e-2, 1e-3));
-        check!(f64, Units::SI, bounds("f64", 2e-2, 1e-2, 1e-3));
-        check!(
-            I32F32,
-            Units {
-                force: 1e-2,
-                ..COUNTS
-            },
-            bounds("I32F32", 2e-2, 1e-2, 1e-3)
-        );
+        // The library solves each tick at its end: an error of the order of a tick, not of rounding.
+        let [max, rms, bias] = if viscous == 0.0 {
+            [9e-3, 5e-4, 3e-5]
+        } else {
+            [5e-2, 1.2e-3, 3e-6]
+        };
+        check!(f32, Units::SI, bounds("f32", max, rms, bias));
+        check!(f64, Units::SI, bounds("f64", max, rms, bias));
+        let tens = Units {
+            force: 1e-2,
+            ..COUNTS
+        };
+        check!(I32F32, tens, bounds("I32F32", max, rms, bias));
     }
 }
 
@@ -477,10 +460,10 @@ fn coulomb_is_exact_to_rounding() {
             );
         };
     }
-    check!(f32, Units::SI, bounds("f32", 1.2e-7, 6e-8, 2e-8));
-    check!(f64, Units::SI, bounds("f64", 2.3e-16, 1e-16, 2e-17));
-    check!(I16F16, COUNTS, bounds("I16F16", 6.2e-6, 3e-6, 2e-8));
-    check!(I32F32, COUNTS, bounds("I32F32", 1e-10, 1e-10, 1e-10));
+    check!(f32, Units::SI, bounds("f32", 6e-8, 3e-8, 1e-9));
+    check!(f64, Units::SI, bounds("f64", 0.0, 0.0, 0.0));
+    check!(I16F16, COUNTS, bounds("I16F16", 3e-16, 1e-16, 1e-17));
+    check!(I32F32, COUNTS, bounds("I32F32", 3e-16, 1e-16, 1e-17));
 }
 
 #[test]
@@ -524,6 +507,7 @@ fn stribeck_table_is_within_its_documented_error_for_every_exponent() {
             );
         }
         println!("exponent {exponent:.1}: {:.2e}", found.max);
-        assert!(found.max <= 3e-3, "exponent {exponent}: {:e}", found.max);
+        let bound = if exponent < 2.0 { 3.8e-3 } else { 6e-4 };
+        assert!(found.max <= bound, "exponent {exponent}: {:e}", found.max);
     }
 }
