@@ -140,9 +140,11 @@ impl<S: Scalar> Hsieh<S> {
         } else {
             spring > state.spring
         };
+        // The first motion leaves the origin in either direction without turning.
+        let untouched = state.count == 1 && state.spring == S::ZERO;
         let mut branch = Branch {
             count: state.count,
-            turned: up != state.up,
+            turned: up != state.up && !untouched,
         };
         loop {
             // The loop closes at the reversal before the one that the branch starts from. The first entry is

@@ -18,7 +18,7 @@ pub struct Hsieh {
     motion: [f64; 3],
     spring: Vec<(f64, f64)>,
     last: (f64, f64),
-    rising: bool,
+    rising: Option<bool>,
 }
 
 impl Hsieh {
@@ -34,7 +34,7 @@ impl Hsieh {
             motion: [0.0; 3],
             spring: Vec::new(),
             last: (0.0, 0.0),
-            rising: true,
+            rising: None,
         }
     }
 
@@ -64,10 +64,10 @@ impl Hsieh {
             return;
         }
         let rising = x > self.last.0;
-        if rising != self.rising {
+        if self.rising.is_some_and(|before| before != rising) {
             self.spring.push(self.last);
-            self.rising = rising;
         }
+        self.rising = Some(rising);
         while let [.., before, _] = self.spring.as_slice() {
             if (x < before.0) == rising {
                 break;
