@@ -163,6 +163,8 @@ fn gms_slides_at_the_coulomb_force_when_fast_and_breaks_away_at_the_static_force
         }
         assert!((force - weights * expected).abs() < 1e-9, "{force}");
     }
+    let limit = model.limit().expect("GMS has a limit");
+    assert!((limit - weights * BREAKAWAY).abs() < 1e-15, "{limit}");
 }
 
 #[test]
@@ -254,31 +256,57 @@ fn any_displacement() -> impl Strategy<Value = f64> {
 }
 
 /// After any input: bounded, and a sane motion gives a finite force again.
-fn stays_sound<M: Friction<Scalar = f64>>(
+fn stays_sound<M: Friction>(
     model: &M,
     inputs: &[(f64, f64)],
+    number: impl Fn(f64) -> M::Scalar,
 ) -> Result<(), TestCaseError> {
     let mut state = model.at_rest();
     for &(displacement, velocity) in inputs {
-        let force = model.step(
-            &mut state,
-            Motion {
-                displacement,
-                velocity,
-            },
-        );
+        let motion = Motion {
+            displacement: number(displacement),
+            velocity: number(velocity),
+        };
+        let force = model.step(&mut state, motion);
         if let Some(limit) = model.limit() {
-            prop_assert!(force.abs() <= limit, "|{force}| > {limit}");
+            prop_assert!(force.magnitude() <= limit, "|{force:?}| > {limit:?}");
         }
     }
-    let force = model.step(
-        &mut state,
-        Motion {
-            displacement: 1e-7,
-            velocity: 2e-3,
-        },
-    );
-    prop_assert!(force.is_finite(), "{force}");
+    let motion = Motion {
+        displacement: number(1e-7),
+        velocity: number(2e-3),
+    };
+    let force = model.step(&mut state, motion);
+    prop_assert!(force.to_f64().is_finite(), "{force:?}");
+    Ok(())
+}
+
+/// Every model in one float type.
+fn every_model_stays_sound<S: Scalar>(
+    inputs: &[(f64, f64)],
+    number: impl Fn(f64) -> S + Copy,
+) -> Result<(), TestCaseError> {
+    let si = Units::SI;
+    let quasi_static = QuasiStaticGms::<6, S>::try_new(&blocks::<6>(), BREAKAWAY, si);
+    stays_sound(&quasi_static.expect("valid"), inputs, number)?;
+    stays_sound(&gms::<6, S>(weakening(), si), inputs, number)?;
+    for exponent in [0.5, 1.0, 1.6] {
+        let dahl = Dahl::<S>::try_new(320_000.0, 0.9, exponent, si);
+        stays_sound(&dahl.expect("valid"), inputs, number)?;
+    }
+    for damping in [0.0, 4_416.0] {
+        let lugre = LuGre::<S>::try_new(195_000.0, damping, BREAKAWAY, weakening(), si);
+        stays_sound(&lugre.expect("valid"), inputs, number)?;
+        let coulomb = Coulomb::<S>::try_new(0.9, damping, si);
+        stays_sound(&coulomb.expect("valid"), inputs, number)?;
+        let creeping = HsiehParams {
+            creep: 500.0,
+            viscous: damping,
+            ..hsieh_params()
+        };
+        let hsieh = Hsieh::<S>::try_new(&creeping, SAMPLE_TIME, si);
+        stays_sound(&hsieh.expect("valid"), inputs, number)?;
+    }
     Ok(())
 }
 
@@ -289,15 +317,8 @@ proptest! {
     fn force_never_exceeds_the_limit_and_no_input_poisons_a_state(
         inputs in prop::collection::vec((any_displacement(), any_displacement()), 1..60),
     ) {
-        stays_sound(&quasi_static::<6>(), &inputs)?;
-        stays_sound(&gms::<6, f64>(weakening(), Units::SI), &inputs)?;
-        stays_sound(&dahl(), &inputs)?;
-        stays_sound(&lugre(), &inputs)?;
-        stays_sound(&Coulomb::<f64>::try_new(0.9, 0.0, Units::SI).expect("valid"), &inputs)?;
-        let damped = LuGre::<f64>::try_new(195_000.0, 4_416.0, BREAKAWAY, weakening(), Units::SI);
-        stays_sound(&damped.expect("valid"), &inputs)?;
-        let creeping = HsiehParams { creep: 500.0, viscous: 100.0, ..hsieh_params() };
-        stays_sound(&Hsieh::<f64>::try_new(&creeping, SAMPLE_TIME, Units::SI).expect("valid"), &inputs)?;
+        every_model_stays_sound(&inputs, |value| value)?;
+        every_model_stays_sound(&inputs, |value| value as f32)?;
     }
 
     #[test]
@@ -523,7 +544,7 @@ fn near_one() -> impl Strategy<Value = f64> {
 }
 
 proptest! {
-    #![proptest_config(cases(2_000))]
+    #![proptest_config(cases(8_000))]
 
     #[test]
     fn fixed_point_never_panics_and_keeps_its_limit(
