@@ -80,7 +80,9 @@ impl<const N: usize, S: Scalar> Blocks<N, S> {
 /// have it stick when the velocity crosses zero, and so does this. A tick without motion is no crossing:
 /// with a quantised encoder most ticks of a slow slide have none. (c) "|F_i| < |W_i|" is tested in the
 /// direction of motion only: a block that unloads sticks even where a rising speed has lowered its limit
-/// below the force it still carries.
+/// below the force it still carries. (d) The law is discontinuous: a block that comes back to exactly its limit,
+/// as happens in encoder counts, slips or sticks by the last bit, and while the limit then rises the one lags
+/// where the other follows the motion. Two arithmetics can so differ for some ticks by up to `α_i·(F_s − F_c)`.
 ///
 /// The discretisation of (11) is its exact solution for a speed that is constant over the tick, so it is
 /// stable for every `C·T_s ≥ 0` (`C = ∞` means no lag), and `|z_i| ≤ D_i` always, hence `|F| ≤ ΣW`
