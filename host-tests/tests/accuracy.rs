@@ -511,3 +511,43 @@ fn stribeck_table_is_within_its_documented_error_for_every_exponent() {
         assert!(found.max <= bound, "exponent {exponent}: {:e}", found.max);
     }
 }
+
+#[test]
+fn hsieh_converges_to_the_equations_as_the_tick_shrinks() {
+    let path: Vec<Tick> = slow_path().into_iter().take(3_000).collect();
+    let rms_with = |ticks: i32| {
+        let params = hsieh_params(0.0);
+        let time = SAMPLE_TIME / f64::from(ticks);
+        let model = Hsieh::<f64>::try_new(&params, time, Units::SI).expect("Table 2 is valid");
+        let mut state = model.at_rest();
+        let mut equations = reference::Hsieh::new([
+            params.k1,
+            params.k2,
+            params.beta,
+            params.creep,
+            params.hardening,
+            params.hardening_exponent,
+        ]);
+        let mut found = Deviation::default();
+        for &(counts, _) in &path {
+            let displacement = f64::from(counts) * COUNT;
+            let (expected, _) = equations.advance(displacement, SAMPLE_TIME, 2_000);
+            let mut force = 0.0;
+            for _ in 0..ticks {
+                let motion = Motion::quasi_static(displacement / f64::from(ticks));
+                force = model.step(&mut state, motion);
+            }
+            found.add(force, expected);
+        }
+        found.rms()
+    };
+    let [whole, coarse, fine] = [1, 16, 64].map(rms_with);
+    println!(
+        "\nHsieh: RMS error {whole:.1e} N, {coarse:.1e} N at a 16th of the tick, {fine:.1e} N at a 64th"
+    );
+    // First order, once the tick is short against the plastic flow.
+    assert!(
+        coarse < whole / 6.0 && fine < coarse / 3.3,
+        "{whole:e} {coarse:e} {fine:e}"
+    );
+}
