@@ -18,11 +18,13 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
+    Demo(commands::demo::Demo),
     Identify(commands::identify::Identify),
 }
 
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
+        Command::Demo(command) => command.run(),
         Command::Identify(command) => command.run(),
     };
     match done {
