@@ -1,6 +1,8 @@
 //! The Generalized Maxwell-Slip model: N spring-slider blocks in parallel, with sliding dynamics.
 
-use crate::param::{Block, ParamError, Units, at_most, check_blocks, fits, positive, to_scalar};
+use crate::param::{
+    Block, ParamError, Units, at_most, check_blocks, fits, positive, to_positive, unsaturated,
+};
 use crate::stribeck::{Sliding, SpeedTable};
 use crate::{Friction, Motion, Scalar};
 
@@ -9,6 +11,8 @@ use crate::{Friction, Motion, Scalar};
 pub(crate) struct Blocks<const N: usize, S> {
     pub(crate) stiffness: [S; N],
     pub(crate) yields: [S; N],
+    /// What |`F`| reaches: every product rounded as the run-time sum rounds it on its wider side.
+    pub(crate) limit: S,
 }
 
 impl<const N: usize, S: Scalar> Blocks<N, S> {
@@ -31,20 +35,21 @@ impl<const N: usize, S: Scalar> Blocks<N, S> {
             let displacement = block.yield_displacement(breakaway) / units.length;
             // On a reversal from slip a deflection changes by up to 2·D.
             fits::<S>("twice the yield displacement", 2.0 * displacement).map_err(of_block)?;
-            yields[i] = to_scalar("yield displacement", displacement).map_err(of_block)?;
-            stiffness[i] = to_scalar("stiffness", block.stiffness * units.length / units.force)
+            yields[i] = to_positive("yield displacement", displacement).map_err(of_block)?;
+            stiffness[i] = to_positive("stiffness", block.stiffness * units.length / units.force)
                 .map_err(of_block)?;
         }
-        let blocks = Self { stiffness, yields };
-        // Rounded stiffness times rounded yield, which is what the sum at run time can reach.
-        let reach: f64 = blocks
-            .stiffness
-            .iter()
-            .zip(&blocks.yields)
-            .map(|(k, d)| k.to_f64() * d.to_f64())
-            .sum();
-        fits::<S>("breakaway force", reach)?;
-        Ok(blocks)
+        // Fixed point products round down, so a negative force reaches further than a positive one.
+        let mut reach = S::ZERO;
+        for (k, d) in stiffness.iter().zip(&yields) {
+            reach = reach.add_input(k.mul_input(-*d));
+        }
+        let limit = unsaturated("breakaway force", reach)?;
+        Ok(Self {
+            stiffness,
+            yields,
+            limit,
+        })
     }
 
     /// `F = Σ k_i·z_i` (eq. 12).
@@ -75,7 +80,9 @@ impl<const N: usize, S: Scalar> Blocks<N, S> {
 /// have it stick when the velocity crosses zero, and so does this. A tick without motion is no crossing:
 /// with a quantised encoder most ticks of a slow slide have none. (c) "|F_i| < |W_i|" is tested in the
 /// direction of motion only: a block that unloads sticks even where a rising speed has lowered its limit
-/// below the force it still carries.
+/// below the force it still carries. (d) The law is discontinuous: a block that comes back to exactly its limit,
+/// as happens in encoder counts, slips or sticks by the last bit, and while the limit then rises the one lags
+/// where the other follows the motion. Two arithmetics can so differ for some ticks by up to `α_i·(F_s − F_c)`.
 ///
 /// The discretisation of (11) is its exact solution for a speed that is constant over the tick, so it is
 /// stable for every `C·T_s ≥ 0` (`C = ∞` means no lag), and `|z_i| ≤ D_i` always, hence `|F| ≤ ΣW`
@@ -205,6 +212,6 @@ impl<const N: usize, S: Scalar> Friction for Gms<N, S> {
     }
 
     fn limit(&self) -> Option<S> {
-        Some(self.blocks.force(&self.blocks.yields))
+        Some(self.blocks.limit)
     }
 }

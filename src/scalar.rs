@@ -9,7 +9,7 @@ use fixed::{FixedI32, FixedI64};
 ///
 /// Floats follow IEEE 754. Fixed point numbers use the plain operators only where construction has proved
 /// that the result fits, and saturate where a quantity from outside enters ([`Scalar::add_input`],
-/// [`Scalar::mul_input`], [`Scalar::magnitude`]), so that no input can overflow.
+/// [`Scalar::sub_input`], [`Scalar::mul_input`], [`Scalar::magnitude`]), so that no input can overflow.
 pub trait Scalar:
     Copy
     + PartialOrd
@@ -37,6 +37,9 @@ pub trait Scalar:
     /// `self + input`, saturating at the range's ends instead of wrapping.
     fn add_input(self, input: Self) -> Self;
 
+    /// `self − input`, saturating at the range's ends instead of wrapping.
+    fn sub_input(self, input: Self) -> Self;
+
     /// `self · input`, saturating at the range's ends.
     fn mul_input(self, input: Self) -> Self;
 
@@ -46,6 +49,9 @@ pub trait Scalar:
     /// `eˢᵉˡᶠ`. Fixed point goes through `libm`'s software `f32`: the same bits on every machine, and slow
     /// on a core without a float unit.
     fn exp(self) -> Self;
+
+    /// `ln(1 + self)` for `self > −1`; see [`Scalar::exp`] for fixed point.
+    fn ln_1p(self) -> Self;
 
     /// `selfᵖ` for `self ≥ 0`; see [`Scalar::exp`] for fixed point.
     fn powf(self, p: Self) -> Self;
@@ -75,7 +81,7 @@ pub trait Scalar:
 }
 
 macro_rules! float_scalar {
-    ($t:ty, $exp:path, $pow:path) => {
+    ($t:ty, $exp:path, $ln_1p:path, $pow:path) => {
         impl Scalar for $t {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -97,6 +103,10 @@ macro_rules! float_scalar {
                 self + input
             }
             #[inline]
+            fn sub_input(self, input: Self) -> Self {
+                self - input
+            }
+            #[inline]
             fn mul_input(self, input: Self) -> Self {
                 self * input
             }
@@ -107,6 +117,10 @@ macro_rules! float_scalar {
             #[inline]
             fn exp(self) -> Self {
                 $exp(self)
+            }
+            #[inline]
+            fn ln_1p(self) -> Self {
+                $ln_1p(self)
             }
             #[inline]
             fn powf(self, p: Self) -> Self {
@@ -133,8 +147,8 @@ macro_rules! float_scalar {
     };
 }
 
-float_scalar!(f32, libm::expf, libm::powf);
-float_scalar!(f64, libm::exp, libm::pow);
+float_scalar!(f32, libm::expf, libm::log1pf, libm::powf);
+float_scalar!(f64, libm::exp, libm::log1p, libm::pow);
 
 macro_rules! fixed_scalar {
     ($t:ident, $bound:ident) => {
@@ -166,6 +180,10 @@ macro_rules! fixed_scalar {
                 self.saturating_add(input)
             }
             #[inline]
+            fn sub_input(self, input: Self) -> Self {
+                self.saturating_sub(input)
+            }
+            #[inline]
             fn mul_input(self, input: Self) -> Self {
                 self.saturating_mul(input)
             }
@@ -176,12 +194,15 @@ macro_rules! fixed_scalar {
             fn exp(self) -> Self {
                 Self::from_f32(libm::expf(self.to_num()))
             }
+            fn ln_1p(self) -> Self {
+                Self::from_f32(libm::log1pf(self.to_num()))
+            }
             fn powf(self, p: Self) -> Self {
                 Self::from_f32(libm::powf(self.to_num(), p.to_num()))
             }
             #[inline]
             fn to_index(self, max: usize) -> usize {
-                let whole = self.to_bits() >> Frac::U32;
+                let whole = self.to_bits().checked_shr(Frac::U32).unwrap_or(0); // no whole part in `I0F32`
                 if whole <= 0 {
                     0
                 } else if (whole as u64) < max as u64 {

@@ -277,7 +277,7 @@ impl Model {
         let still = Path {
             position: &[0.0],
             velocity: &[0.0],
-            pieces: &[0..1],
+            pieces: std::slice::from_ref(&(0..1)),
             sample_time: 1e-3,
         };
         match self.friction.force(still) {

@@ -8,6 +8,9 @@ use preslide_host::progress::Progress;
 use std::path::PathBuf;
 use std::time::Instant;
 
+/// Steps of the progress bar: the search, its repetitions on held-out data, and each number of blocks.
+const STEPS: u64 = 17;
+
 /// Rigid body and friction model from recordings
 #[derive(Args)]
 pub struct Identify {
@@ -22,7 +25,11 @@ pub struct Identify {
     #[arg(long, value_name = "FROM..TO", value_parser = parse_window)]
     test: Option<Window>,
 
-    /// Write the recommended model
+    /// Write GMS with this many blocks instead of the recommended model (0: Coulomb + viscous)
+    #[arg(long, value_name = "N")]
+    blocks: Option<usize>,
+
+    /// Write the model
     #[arg(short, long, value_name = "MODEL.toml")]
     output: Option<PathBuf>,
 
@@ -39,17 +46,40 @@ impl Identify {
             train: self.train,
             test: self.test,
         };
-        let progress = Progress::new("identify", 20);
-        let found = identify(&recording, &options, &progress).map_err(Failure::Data)?;
+        let progress = Progress::new("identify", STEPS);
+        let mut found = identify(&recording, &options, &progress).map_err(Failure::Data)?;
         progress.finish();
-        let _ = (
-            found,
-            start,
-            write_text,
-            command_line(),
-            &self.output,
-            &self.outputs,
-        );
-        Ok(())
+        if let Some(blocks) = self.blocks {
+            found.choose(blocks).map_err(Failure::Input)?;
+        }
+
+        println!("{}", found.rigid_body_table(&recording).to_text());
+        println!("{}", found.size_table().to_text());
+        if let Some(table) = found.block_table(&recording) {
+            println!("{}", table.to_text());
+        }
+        for note in &found.notes {
+            println!("Note: {note}.");
+        }
+        println!("{}", found.recommendation);
+
+        if let Some(path) = &self.output {
+            let best = found.best();
+            let remarks = [
+                format!("identified from {}", recording.name),
+                format!(
+                    "NMSE {:.4} % fitted, {:.4} % held out; effort low-passed at {:.2} Hz: {}",
+                    best.nmse_train,
+                    best.nmse_test,
+                    found.band_hz,
+                    if found.filtered { "yes" } else { "no" }
+                ),
+            ];
+            write_text(path, &best.model.to_toml(&remarks))?;
+        }
+        let seconds = start.elapsed().as_secs_f64();
+        self.outputs.write(&found.to_json(&recording, seconds), || {
+            found.page(&recording, command_line())
+        })
     }
 }

@@ -33,9 +33,7 @@ pub struct Sized {
 pub struct Selection {
     /// Optimal breakpoints, for each number of blocks that has a fit with positive stiffness.
     pub optimal: Vec<Sized>,
-    /// The same without any block: the linear columns alone. NMSE [%] held out in turn.
-    pub nmse_cross_without: f64,
-    /// Index into `optimal` of the smallest model within one standard error of the best.
+    /// Index into `optimal` of the smallest model that is not clearly worse than the best.
     pub knee: usize,
 }
 
@@ -78,12 +76,15 @@ pub fn select(
                 Some(rest) => {
                     let choices = best_choices(&rest, linear, MOST);
                     let mut errors = vec![error_on(&groups[out], &rest, linear, &[])];
-                    errors.extend(choices.iter().map(|best| match best.first() {
-                        Some(Choice { yields, .. }) => {
-                            error_on(&groups[out], &rest, linear, yields)
-                        }
-                        None => f64::NAN,
-                    }));
+                    for best in &choices {
+                        // A size without a fit of positive stiffness: the best is then a smaller one.
+                        errors.push(match (best.first(), errors.last()) {
+                            (Some(choice), _) => {
+                                error_on(&groups[out], &rest, linear, &choice.yields)
+                            }
+                            (None, smaller) => smaller.copied().unwrap_or(f64::NAN),
+                        });
+                    }
                     errors
                 }
             };
@@ -101,7 +102,7 @@ pub fn select(
     let percent = |errors: &[f64]| 100.0 * errors.iter().sum::<f64>() / variation;
 
     let rows = regression.folds.concat();
-    let optimal: Vec<Sized> = (1..=MOST)
+    let mut optimal: Vec<Sized> = (1..=MOST)
         .into_par_iter()
         .filter_map(|size| {
             let starts = distinct(&choices[size - 1]);
@@ -121,12 +122,18 @@ pub fn select(
             })
         })
         .collect();
+    // Where the data are exhausted a further block finds nothing to do.
+    let mut least = f64::INFINITY;
+    optimal.retain(|model| {
+        let improves = model.fit.squared_error < least;
+        least = least.min(model.fit.squared_error);
+        improves
+    });
     if optimal.is_empty() {
         return Err("no Maxwell-slip block with a positive stiffness fits: the effort does not resist the motion; check its sign (--sign) and column (--map)".to_owned());
     }
     Ok(Selection {
         knee: knee(&optimal),
-        nmse_cross_without: percent(&of_size(0)),
         optimal,
     })
 }
@@ -167,8 +174,11 @@ fn distinct(choices: &[Choice]) -> Vec<&Choice> {
     kept
 }
 
-/// The smallest model whose held-out error is within one standard error of the best: the paired difference
-/// over the held-out groups, so that what is common to both models does not count.
+/// A block must take at least this share off the held-out error to be worth its cycles.
+const WORTH: f64 = 0.1;
+
+/// The smallest model whose held-out error exceeds the best by no more than a tenth, or by no more than one
+/// standard error of the paired difference over the held-out groups (what is common to both does not count).
 fn knee(models: &[Sized]) -> usize {
     let best = (0..models.len())
         .min_by(|&a, &b| models[a].nmse_cross.total_cmp(&models[b].nmse_cross))
@@ -185,8 +195,18 @@ fn knee(models: &[Sized]) -> usize {
             let mean = difference.iter().sum::<f64>() / n;
             let spread = difference.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (n - 1.0);
             mean <= (spread / n).sqrt()
+                || models[size].nmse_cross <= (1.0 + WORTH) * models[best].nmse_cross
         })
         .unwrap_or(best)
+}
+
+/// Whether the model without any block, with the held-out error `baseline` [%], does as well.
+pub fn baseline_suffices(baseline: f64, models: &[Sized]) -> bool {
+    let best = models
+        .iter()
+        .map(|m| m.nmse_cross)
+        .fold(f64::INFINITY, f64::min);
+    baseline <= (1.0 + WORTH) * best
 }
 
 /// The paper's procedure (7)–(9) with `blocks` breakpoints at equal steps of force.

@@ -170,11 +170,11 @@ pub fn refine(
     Some(best.fit)
 }
 
-/// Standard errors of (linear, k, ln D) that hold although neighbouring errors are alike.
+/// Covariance of (linear, k, ln D) that holds although neighbouring errors are alike.
 ///
 /// Sandwich estimate clustered by fold, with the small-sample factor `G/(G − 1)`: the scatter of the folds'
 /// scores takes the place of a noise variance. `None` with fewer than two folds or a singular matrix.
-pub fn standard_errors(regression: &Regression, fit: &Fit) -> Option<DVector<f64>> {
+pub fn covariance(regression: &Regression, fit: &Fit) -> Option<DMatrix<f64>> {
     let folds = regression.folds.len();
     if folds < 2 {
         return None;
@@ -187,6 +187,5 @@ pub fn standard_errors(regression: &Regression, fit: &Fit) -> Option<DVector<f64
         meat += &score * score.transpose();
     }
     let inverse = bread.cholesky()?.inverse();
-    let covariance = &inverse * meat * &inverse * (folds as f64 / (folds as f64 - 1.0));
-    Some(covariance.diagonal().map(|v| v.max(0.0).sqrt()))
+    Some(&inverse * meat * &inverse * (folds as f64 / (folds as f64 - 1.0)))
 }

@@ -14,6 +14,9 @@ pub struct Column {
     pub values: Vec<f64>,
 }
 
+/// A filter that returns as many values as it is given.
+pub type Filter<'a> = Box<dyn Fn(&[f64]) -> Vec<f64> + Send + Sync + 'a>;
+
 /// What is to be explained (`force`), by what (`position` through Maxwell-slip blocks, and `columns`).
 pub struct Regression<'a> {
     /// Position [m or rad] that drives the blocks, for every sample of the recording.
@@ -25,7 +28,7 @@ pub struct Regression<'a> {
     /// Linear columns.
     pub columns: Vec<Column>,
     /// The filter that `force` and `columns` went through, to be applied to the blocks' deflections too.
-    pub filter: Box<dyn Fn(&[f64]) -> Vec<f64> + Send + Sync + 'a>,
+    pub filter: Filter<'a>,
     /// Samples used for fitting, in folds: a fold is the unit that is held out, or resampled for confidence.
     pub folds: Vec<Vec<usize>>,
 }

@@ -44,7 +44,7 @@ impl Kinematics {
 /// `effort = inertia·a + viscous·v + coulomb·sgn v + offset`.
 #[derive(Clone, Debug)]
 pub struct RigidBody {
-    /// Coefficients by name: `mass` (where the effort contains inertia), `viscous`, `coulomb`, `offset`.
+    /// Coefficients by name: `mass` (where one is fitted), `viscous`, `coulomb`, `offset`.
     pub parameters: Vec<(&'static str, Estimate)>,
     /// Coefficient times column, summed: the fitted effort at every sample.
     pub fitted: Vec<f64>,
@@ -60,10 +60,11 @@ pub fn fit(
     kinematics: &Kinematics,
     effort: &[f64],
     folds: &[Vec<usize>],
+    with_mass: bool,
 ) -> Result<RigidBody, String> {
     let inertial = recording.role.contains_inertia();
     let mut columns = Vec::new();
-    if inertial {
+    if with_mass {
         columns.push(Column {
             name: "mass",
             values: kinematics.acceleration.clone(),
@@ -120,7 +121,7 @@ pub fn fit(
     Ok(RigidBody { parameters, fitted })
 }
 
-/// Standard errors clustered by fold, as in [`super::refine::standard_errors`].
+/// Standard errors clustered by fold, as in [`super::refine::covariance`].
 fn clustered_errors(
     matrix: &DMatrix<f64>,
     coefficients: &DVector<f64>,
