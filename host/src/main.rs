@@ -18,11 +18,13 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
+    Compare(commands::compare::Compare),
     Identify(commands::identify::Identify),
 }
 
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
+        Command::Compare(command) => command.run(),
         Command::Identify(command) => command.run(),
     };
     match done {

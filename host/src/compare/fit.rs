@@ -32,8 +32,10 @@ pub struct Data<'a> {
     pub path: Path<'a>,
     /// Measured effort [N or N·m], through `filter` where there is one.
     pub effort: &'a [f64],
-    /// Acceleration [m/s² or rad/s²] and the zero-phase filter, where the effort contains inertia.
-    pub inertia: Option<(&'a [f64], &'a ZeroPhase)>,
+    /// The filter that `effort` went through, where it contains inertia.
+    pub filter: Option<&'a ZeroPhase>,
+    /// Acceleration [m/s² or rad/s²], where an inertia is fitted.
+    pub acceleration: Option<&'a [f64]>,
 }
 
 /// A fitted model.
@@ -90,12 +92,11 @@ impl Data<'_> {
     /// # Errors
     /// Which parameter the library refuses.
     pub fn effort_of(&self, model: &Model) -> Result<Vec<f64>, String> {
-        let mut effort = self
-            .filtered(model.friction.force(self.path).map_err(|e| e.to_string())?);
+        let mut effort = self.filtered(model.friction.force(self.path).map_err(|e| e.to_string())?);
         for (effort, v) in effort.iter_mut().zip(self.path.velocity) {
             *effort += model.viscous * v + model.constant_force;
         }
-        if let Some((acceleration, _)) = self.inertia {
+        if let Some(acceleration) = self.acceleration {
             for (effort, a) in effort.iter_mut().zip(acceleration) {
                 *effort += model.inertia * a;
             }
@@ -104,8 +105,8 @@ impl Data<'_> {
     }
 
     fn filtered(&self, force: Vec<f64>) -> Vec<f64> {
-        match self.inertia {
-            Some((_, filter)) => filter.smooth(&force),
+        match self.filter {
+            Some(filter) => filter.smooth(&force),
             None => force,
         }
     }
@@ -136,10 +137,14 @@ impl Data<'_> {
     pub fn refit(&self, family: Family, span: &Span, rows: &[usize], from: &Fit) -> Option<Fit> {
         let problem = Problem::new(self, family, span, rows)?;
         // A parameter at its bound has no slope there: start a little inside.
-        let angles = problem.bounds.iter().zip(&from.place).map(|(bound, value)| {
-            let share = (value / bound.from).ln() / (bound.to / bound.from).ln();
-            angle(share.clamp(0.01, 0.99))
-        });
+        let angles = problem
+            .bounds
+            .iter()
+            .zip(&from.place)
+            .map(|(bound, value)| {
+                let share = (value / bound.from).ln() / (bound.to / bound.from).ln();
+                angle(share.clamp(0.01, 0.99))
+            });
         problem.minimised(DVector::from_vec(angles.collect()))
     }
 }
@@ -200,7 +205,7 @@ impl<'a> Problem<'a> {
         let columns = [
             unit.as_slice(),
             if damped.is_empty() { absent } else { &damped },
-            self.data.inertia.map_or(absent, |(acceleration, _)| acceleration),
+            self.data.acceleration.unwrap_or(absent),
             self.data.path.velocity,
             &self.ones,
             self.data.effort,
@@ -236,8 +241,7 @@ impl<'a> Problem<'a> {
 
     /// Least squares with a positive amplitude and a damping that is not negative.
     fn solve(&self, gram: &Gram) -> Option<(Vec<usize>, DVector<f64>)> {
-        let inertial = self.data.inertia.is_some();
-        let undamped = if inertial {
+        let undamped = if self.data.acceleration.is_some() {
             vec![AMPLITUDE, MASS, VISCOUS, OFFSET]
         } else {
             vec![AMPLITUDE, VISCOUS, OFFSET]
@@ -296,7 +300,9 @@ impl<'a> Problem<'a> {
                 motion: self.data.motion,
                 inertia: linear.mass,
                 viscous: linear.viscous,
-                friction: self.family.model(&place, linear.amplitude, linear.damping)?,
+                friction: self
+                    .family
+                    .model(&place, linear.amplitude, linear.damping)?,
                 constant_force: linear.offset,
                 mechanics: Vec::new(),
             },
