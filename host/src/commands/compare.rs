@@ -40,7 +40,10 @@ impl Compare {
         progress.finish();
 
         println!("{}", found.table(&recording).to_text());
-        println!("{}", found.parameter_table().to_text());
+        for model in &found.models {
+            println!("{}: {}", model.name(), model.parameters_in_words());
+        }
+        println!();
         for note in &found.notes {
             println!("Note: {note}.");
         }

@@ -51,7 +51,7 @@ pub struct Compared {
     pub memory: LoopClosure,
     /// Cost of an update in `f32` on a Cortex-M4F, where it was measured.
     pub cycles: Option<Cycles>,
-    /// Parameters that ended at the bound of what this recording can show.
+    /// Parameters that ended at the bound of their search range.
     pub at_edge: Vec<&'static str>,
     /// Modelled effort at every sample, filtered like the measured one.
     pub fitted: Vec<f64>,
@@ -155,7 +155,7 @@ pub fn compare(
     models.extend(gms);
     for model in models.iter().filter(|m| !m.at_edge.is_empty()) {
         notes.push(format!(
-            "{}: {} ended at the bound of what this recording can show, so that its value means little",
+            "{}: {} ended at the bound of its search range: the recording asks for a limiting case of the model, and the value itself means little",
             model.name(),
             model.at_edge.join(", ")
         ));

@@ -14,6 +14,7 @@ impl Compared {
     pub fn name(&self) -> String {
         match &self.model.friction {
             FrictionModel::Coulomb { .. } => "Coulomb + viscous".to_owned(),
+            FrictionModel::Dahl { exponent: 1.0, .. } => "Dahl, n = 1".to_owned(),
             FrictionModel::Dahl { .. } => "Dahl".to_owned(),
             FrictionModel::LuGre { .. } => "LuGre".to_owned(),
             FrictionModel::Hsieh(_) => "Hsieh".to_owned(),
@@ -24,6 +25,25 @@ impl Compared {
     /// The model file as JSON: its keys carry the unit, on linear and rotary axes alike.
     fn file(&self) -> Value {
         toml::from_str(&self.model.to_toml(&[])).unwrap_or(Value::Null)
+    }
+
+    /// `key value, key value, …`.
+    pub fn parameters_in_words(&self) -> String {
+        fn words(value: &Value, skip: &[&str]) -> String {
+            let pairs = value.as_object().into_iter().flatten();
+            let pairs = pairs.filter(|(key, _)| !skip.contains(&key.as_str()));
+            let said = pairs.filter_map(|(key, value)| match value {
+                Value::Number(number) => Some(format!("{key} {}", digits(number.as_f64()?))),
+                Value::Array(items) => {
+                    let items: Vec<String> = items.iter().map(|i| words(i, &[])).collect();
+                    Some(format!("{key} ({})", items.join("; ")))
+                }
+                Value::Object(_) => Some(words(value, &["kind"])),
+                _ => None,
+            });
+            said.collect::<Vec<_>>().join(", ")
+        }
+        words(&self.file(), &[])
     }
 
     fn memory_in_words(&self) -> &'static str {
@@ -48,7 +68,7 @@ impl Comparison {
             .models
             .iter()
             .filter(|m| m.model.friction.kind() != best.model.friction.kind())
-            .map(|m| format!("{} {}", m.name(), percent(m.nmse_test)))
+            .map(|m| format!("{} {} %", m.name(), percent(m.nmse_test)))
             .collect();
         let loops = match best.memory_in_words() {
             "yes" => "its inner loops close",
@@ -149,7 +169,11 @@ impl Comparison {
                         percent(m.nmse_test),
                         m.parameters.to_string(),
                         format!("{:.1e}", m.memory.largest),
-                        format!("{:.1e}", m.memory.largest / m.memory.range),
+                        if m.memory.range > 0.0 {
+                            format!("{:.1e}", m.memory.largest / m.memory.range)
+                        } else {
+                            "–".to_owned()
+                        },
                         m.memory_in_words().to_owned(),
                         m.cycles
                             .as_ref()
@@ -162,37 +186,14 @@ impl Comparison {
 
     /// The parameters of every model, by their keys in model files.
     pub fn parameter_table(&self) -> Table {
-        let shown = |value: &Value| match value {
-            Value::Number(number) => number.as_f64().map(|v| format!("{v:.5e}")),
-            Value::String(text) => Some(text.clone()),
-            _ => None,
-        };
-        let mut rows = Vec::new();
-        for m in &self.models {
-            let file = m.file();
-            let mut cells = Vec::new();
-            for section in ["inertia", "friction"] {
-                let keys = file.get(section).and_then(Value::as_object);
-                for (key, value) in keys.into_iter().flatten().filter(|(k, _)| *k != "kind") {
-                    if let Some(value) = shown(value) {
-                        cells.push(format!("{key} = {value}"));
-                    }
-                    for block in value.as_array().into_iter().flatten() {
-                        let parts = block.as_object().into_iter().flatten();
-                        let parts: Vec<String> = parts
-                            .filter_map(|(key, value)| Some(format!("{key} {}", shown(value)?)))
-                            .collect();
-                        cells.push(format!("({})", parts.join(", ")));
-                    }
-                }
-            }
-            cells.push(format!("offset = {:.5e}", m.model.constant_force));
-            rows.push(vec![m.name(), cells.join("; ")]);
-        }
         Table {
             caption: "Parameters, by their keys in model files".to_owned(),
             head: vec!["model".to_owned(), "parameters".to_owned()],
-            rows,
+            rows: self
+                .models
+                .iter()
+                .map(|m| vec![m.name(), m.parameters_in_words()])
+                .collect(),
         }
     }
 
@@ -389,6 +390,17 @@ fn last_strokes(recording: &Recording, rows: &[usize]) -> Vec<usize> {
         .copied()
         .filter(|&i| kept.contains(&recording.segment[i]))
         .collect()
+}
+
+/// Five significant digits.
+fn digits(value: f64) -> String {
+    let short = format!("{value:.4e}");
+    match short.parse::<f64>() {
+        Ok(rounded) if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) => {
+            rounded.to_string()
+        }
+        _ => short,
+    }
 }
 
 /// Three significant digits or more.
