@@ -9,4 +9,5 @@ pub mod nmse;
 pub mod progress;
 pub mod recording;
 pub mod report;
+pub mod reproduce;
 pub mod stage;

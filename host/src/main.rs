@@ -19,11 +19,13 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     Identify(commands::identify::Identify),
+    Reproduce(commands::reproduce::Reproduce),
 }
 
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Identify(command) => command.run(),
+        Command::Reproduce(command) => command.run(),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

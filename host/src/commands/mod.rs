@@ -1,6 +1,7 @@
 //! The commands: each reads its arguments, calls the library, and prints one recommendation.
 
 pub mod identify;
+pub mod reproduce;
 
 use clap::Args;
 use preslide_host::model::ModelError;

@@ -204,7 +204,10 @@ mod tests {
         for (i, error) in dahl.errors.iter().enumerate() {
             let k = i + 2;
             let expected = 0.9 * (visited[visited.len() - 1 - k] - visited[k]).abs();
-            assert!((error - expected).abs() < 1e-10, "loop {k}: {error} {expected}");
+            assert!(
+                (error - expected).abs() < 1e-10,
+                "loop {k}: {error} {expected}"
+            );
         }
     }
 

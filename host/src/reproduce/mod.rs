@@ -7,6 +7,7 @@ pub mod recovery;
 #[cfg(test)]
 mod tests;
 
+use crate::compare::memory::{LoopClosure, Scale, loop_closure};
 use crate::friction::{FrictionModel, Path};
 use crate::identify::refine::{self, Fit};
 use crate::identify::regression::Regression;
@@ -144,6 +145,8 @@ pub struct Reproduction {
     pub recovered: Vec<Recovery>,
     /// What the printed errors can mean.
     pub bounds: Vec<Bound>,
+    /// Loop closure of the paper's models, by name.
+    pub closures: Vec<(&'static str, LoopClosure)>,
     /// One sentence: what to use and why.
     pub recommendation: String,
 }
@@ -189,10 +192,41 @@ pub fn reproduce(progress: &Progress) -> Result<Reproduction, String> {
     Ok(Reproduction {
         recommendation: recommendation(&sizes),
         bounds: printed::bounds(&curve)?,
+        closures: closures()?,
         curve,
         sizes,
         recovered,
     })
+}
+
+/// Nested reversals within the pre-sliding range, at the speed of a quasi-static experiment: an outer loop of
+/// ±40 µm and inner loops down to a 500th of it.
+const REVERSALS: Scale = Scale {
+    amplitude: paper::RANGE,
+    speed: 20e-6,
+};
+
+/// Loop closure with the parameters of Tables 2 and 3.
+fn closures() -> Result<Vec<(&'static str, LoopClosure)>, String> {
+    [
+        (
+            "Coulomb",
+            FrictionModel::Coulomb {
+                coulomb: paper::BREAKAWAY,
+            },
+        ),
+        ("Dahl", paper::dahl()),
+        ("LuGre", paper::lugre()),
+        ("Hsieh", paper::hsieh()),
+        ("GMS, 10 blocks", paper::REFERENCE.model()),
+        ("GMS, 4 blocks", column(4)?.model()),
+    ]
+    .into_iter()
+    .map(|(name, model)| {
+        let closure = loop_closure(&model, REVERSALS).map_err(|e| format!("{name}: {e}"))?;
+        Ok((name, closure))
+    })
+    .collect()
 }
 
 fn column(n: usize) -> Result<&'static Column, String> {

@@ -23,7 +23,9 @@ pub struct Bound {
 /// # Errors
 /// A parameter that the library refuses.
 pub fn bounds(curve: &Curve) -> Result<Vec<Bound>, String> {
-    let Some(&(best_n, best)) = paper::PRINTED_NMSE.iter().min_by(|a, b| a.1.total_cmp(&b.1))
+    let Some(&(best_n, best)) = paper::PRINTED_NMSE
+        .iter()
+        .min_by(|a, b| a.1.total_cmp(&b.1))
     else {
         return Ok(Vec::new());
     };

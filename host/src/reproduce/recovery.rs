@@ -53,7 +53,9 @@ impl Recovery {
 
     /// Whether the digits of the table explain every deviation.
     pub fn explained_by_rounding(&self) -> bool {
-        self.blocks.iter().all(|b| b.deviation().abs() <= b.rounding + 1e-9)
+        self.blocks
+            .iter()
+            .all(|b| b.deviation().abs() <= b.rounding + 1e-9)
     }
 }
 
@@ -113,7 +115,9 @@ fn rounding(column: &Column, found: &[f64]) -> Result<Vec<f64>, String> {
     let mut sum = vec![0.0; column.size()];
     let mut add_worst = |moved: [Vec<f64>; 2]| {
         for (i, sum) in sum.iter_mut().enumerate() {
-            *sum += (moved[0][i] - found[i]).abs().max((moved[1][i] - found[i]).abs());
+            *sum += (moved[0][i] - found[i])
+                .abs()
+                .max((moved[1][i] - found[i]).abs());
         }
     };
     let moved = |weights: &[f64], j: usize, by: f64| {
@@ -153,7 +157,11 @@ fn yields(stiffness: &[f64], weights: &[f64]) -> Vec<f64> {
 
 /// Virgin force [N] of Maxwell-slip blocks at the displacement `x` [m].
 fn force_at(stiffness: &[f64], yields: &[f64], x: f64) -> f64 {
-    stiffness.iter().zip(yields).map(|(k, d)| k * x.min(*d)).sum()
+    stiffness
+        .iter()
+        .zip(yields)
+        .map(|(k, d)| k * x.min(*d))
+        .sum()
 }
 
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
