@@ -10,4 +10,5 @@ pub mod progress;
 pub mod recording;
 pub mod report;
 pub mod reproduce;
+pub mod simulate;
 pub mod stage;

@@ -20,12 +20,14 @@ struct Arguments {
 enum Command {
     Identify(commands::identify::Identify),
     Reproduce(commands::reproduce::Reproduce),
+    Simulate(commands::simulate::Simulate),
 }
 
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Identify(command) => command.run(),
         Command::Reproduce(command) => command.run(),
+        Command::Simulate(command) => command.run(),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -2,6 +2,7 @@
 
 pub mod identify;
 pub mod reproduce;
+pub mod simulate;
 
 use clap::Args;
 use preslide_host::model::ModelError;

@@ -134,6 +134,16 @@ pub struct Size {
     pub force_optimal: Vec<f64>,
 }
 
+impl Size {
+    /// `ΣW` [N] of the optimal blocks.
+    pub fn limit(&self) -> f64 {
+        let Fit {
+            yields, stiffness, ..
+        } = &self.optimal;
+        yields.iter().zip(stiffness).map(|(d, k)| d * k).sum()
+    }
+}
+
 /// Everything that `reproduce` computes from the paper's tables.
 #[derive(Clone, Debug)]
 pub struct Reproduction {
