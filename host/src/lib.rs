@@ -10,4 +10,6 @@ pub mod nmse;
 pub mod progress;
 pub mod recording;
 pub mod report;
+pub mod reproduce;
+pub mod simulate;
 pub mod stage;

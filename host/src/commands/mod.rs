@@ -3,6 +3,8 @@
 pub mod compare;
 pub mod demo;
 pub mod identify;
+pub mod reproduce;
+pub mod simulate;
 
 use clap::Args;
 use preslide_host::model::ModelError;
