@@ -42,7 +42,7 @@ pub struct Curve {
     pub displacement: Vec<f64>,
     /// Force [N] of the ten-block column of Table 3.
     pub force: Vec<f64>,
-    pieces: [Range<usize>; 1],
+    piece: Range<usize>,
     velocity: Vec<f64>,
 }
 
@@ -52,7 +52,7 @@ impl Curve {
         let samples = displacement.len();
         let mut curve = Self {
             velocity: vec![0.0; samples],
-            pieces: [0..samples],
+            piece: 0..samples,
             force: Vec::new(),
             displacement,
         };
@@ -97,7 +97,7 @@ impl Curve {
             .force(Path {
                 position: &self.displacement,
                 velocity: &self.velocity,
-                pieces: &self.pieces,
+                pieces: std::slice::from_ref(&self.piece),
                 sample_time: 1.0,
             })
             .map_err(|e| e.to_string())
@@ -251,7 +251,7 @@ fn column(n: usize) -> Result<&'static Column, String> {
 fn optimal(curve: &Curve, progress: &Progress) -> Result<Vec<Fit>, String> {
     let regression = Regression {
         position: &curve.displacement,
-        pieces: &curve.pieces,
+        pieces: std::slice::from_ref(&curve.piece),
         force: curve.force.clone(),
         columns: Vec::new(),
         filter: Box::new(<[f64]>::to_vec),
