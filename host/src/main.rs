@@ -18,6 +18,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
+    Compare(commands::compare::Compare),
     Identify(commands::identify::Identify),
     Reproduce(commands::reproduce::Reproduce),
     Simulate(commands::simulate::Simulate),
@@ -25,6 +26,7 @@ enum Command {
 
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
+        Command::Compare(command) => command.run(),
         Command::Identify(command) => command.run(),
         Command::Reproduce(command) => command.run(),
         Command::Simulate(command) => command.run(),

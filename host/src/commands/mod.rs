@@ -1,5 +1,6 @@
 //! The commands: each reads its arguments, calls the library, and prints one recommendation.
 
+pub mod compare;
 pub mod identify;
 pub mod reproduce;
 pub mod simulate;

@@ -8,6 +8,8 @@ use preslide::{HsiehParams, Sliding};
 pub enum Family {
     /// [`FrictionModel::Dahl`].
     Dahl,
+    /// [`FrictionModel::Dahl`] with `n = 1`, the usual choice in controllers.
+    DahlLinear,
     /// [`FrictionModel::LuGre`].
     LuGre,
     /// [`FrictionModel::Hsieh`].
@@ -44,13 +46,19 @@ pub struct Bounded {
 const STRIBECK_EXPONENT: f64 = 2.0;
 
 impl Family {
-    /// All three.
-    pub const ALL: [Family; 3] = [Family::Dahl, Family::LuGre, Family::Hsieh];
+    /// All of them.
+    pub const ALL: [Family; 4] = [
+        Family::Dahl,
+        Family::DahlLinear,
+        Family::LuGre,
+        Family::Hsieh,
+    ];
 
     /// Its name in messages.
     pub fn name(self) -> &'static str {
         match self {
             Family::Dahl => "Dahl",
+            Family::DahlLinear => "Dahl, n = 1",
             Family::LuGre => "LuGre",
             Family::Hsieh => "Hsieh",
         }
@@ -67,9 +75,11 @@ impl Family {
                 bounded("F_c/sigma_0", shortest, longest),
                 bounded("n", 0.1, 5.0),
             ],
+            Family::DahlLinear => vec![bounded("F_c/sigma_0", shortest, longest)],
             Family::LuGre => vec![
                 bounded("F_s/sigma_0", shortest, longest),
-                bounded("F_c/F_s", 0.05, 1.0),
+                // Breakaway at more than three times the sliding force is no dry or lubricated contact.
+                bounded("F_c/F_s", 1.0 / 3.0, 1.0),
                 bounded("v_s", 1e-3 * span.speed, 3.0 * span.speed),
             ],
             Family::Hsieh => vec![
@@ -84,13 +94,14 @@ impl Family {
 
     /// Whether the model has a viscous term of its own: LuGre's `σp·dz/dt`, Hsieh's `C_v·dx_s/dt`.
     pub fn is_damped(self) -> bool {
-        self != Family::Dahl
+        matches!(self, Family::LuGre | Family::Hsieh)
     }
 
     /// Number of friction parameters that are fitted, without offset and rigid body.
     pub fn parameter_count(self) -> usize {
         match self {
             Family::Dahl => 3,
+            Family::DahlLinear => 2,
             Family::LuGre => 5,
             Family::Hsieh => 7,
         }
@@ -108,6 +119,11 @@ impl Family {
                 stiffness: amplitude / length,
                 coulomb: amplitude,
                 exponent,
+            },
+            (Family::DahlLinear, &[length]) => FrictionModel::Dahl {
+                stiffness: amplitude / length,
+                coulomb: amplitude,
+                exponent: 1.0,
             },
             (Family::LuGre, &[length, weakening, stribeck_velocity]) => FrictionModel::LuGre {
                 stiffness: amplitude / length,

@@ -11,13 +11,31 @@ use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Places of the Latin hypercube, per nonlinear parameter, that are tried before any is refined.
 const TRIED_PER_PARAMETER: usize = 12;
 /// The best of these that the optimiser starts from.
-const STARTS: usize = 6;
+const STARTS: usize = 4;
 /// Most residuals; above, only every second, third, … sample is scored, while the model still runs along all.
 const MOST_SCORED: usize = 20_000;
+/// When the optimiser stops: the relative gain in the error that no longer counts, and the most evaluations as a
+/// multiple of the number of parameters plus one.
+#[derive(Clone, Copy)]
+struct Stop {
+    gain: f64,
+    patience: usize,
+}
+/// To tell which start leads furthest, and to follow an optimum to slightly different samples.
+const QUICK: Stop = Stop {
+    gain: 1e-4,
+    patience: 3,
+};
+/// For the best start.
+const FULL: Stop = Stop {
+    gain: 1e-8,
+    patience: 6,
+};
 /// Step of the central differences, in the transformed parameter: its truncation error is 1e-6 of a parameter's
 /// range, while Hsieh's bisection leaves noise of the same size in the force.
 const STEP: f64 = 1e-3;
@@ -32,8 +50,10 @@ pub struct Data<'a> {
     pub path: Path<'a>,
     /// Measured effort [N or N·m], through `filter` where there is one.
     pub effort: &'a [f64],
-    /// Acceleration [m/s² or rad/s²] and the zero-phase filter, where the effort contains inertia.
-    pub inertia: Option<(&'a [f64], &'a ZeroPhase)>,
+    /// The filter that `effort` went through, where it contains inertia.
+    pub filter: Option<&'a ZeroPhase>,
+    /// Acceleration [m/s² or rad/s²], where an inertia is fitted.
+    pub acceleration: Option<&'a [f64]>,
 }
 
 /// A fitted model.
@@ -79,6 +99,10 @@ struct Problem<'a> {
     family: Family,
     bounds: Vec<Bounded>,
     rows: Vec<usize>,
+    /// The pieces of the path up to the last scored sample; all of them where a filter looks ahead.
+    pieces: Vec<Range<usize>>,
+    /// The model's own viscous term is fitted.
+    damped: bool,
     ones: Vec<f64>,
     /// `√(100/(N_s·σ²))` of eq. (13).
     scale: f64,
@@ -90,12 +114,11 @@ impl Data<'_> {
     /// # Errors
     /// Which parameter the library refuses.
     pub fn effort_of(&self, model: &Model) -> Result<Vec<f64>, String> {
-        let mut effort = self
-            .filtered(model.friction.force(self.path).map_err(|e| e.to_string())?);
+        let mut effort = self.filtered(model.friction.force(self.path).map_err(|e| e.to_string())?);
         for (effort, v) in effort.iter_mut().zip(self.path.velocity) {
             *effort += model.viscous * v + model.constant_force;
         }
-        if let Some((acceleration, _)) = self.inertia {
+        if let Some(acceleration) = self.acceleration {
             for (effort, a) in effort.iter_mut().zip(acceleration) {
                 *effort += model.inertia * a;
             }
@@ -104,8 +127,8 @@ impl Data<'_> {
     }
 
     fn filtered(&self, force: Vec<f64>) -> Vec<f64> {
-        match self.inertia {
-            Some((_, filter)) => filter.smooth(&force),
+        match self.filter {
+            Some(filter) => filter.smooth(&force),
             None => force,
         }
     }
@@ -113,7 +136,10 @@ impl Data<'_> {
     /// Fits `family` to the samples `rows` from several starts; `None` where no start leads to a force that
     /// resists the motion. The same `seed` gives the same answer.
     pub fn fit(&self, family: Family, span: &Span, rows: &[usize], seed: u64) -> Option<Fit> {
-        let problem = Problem::new(self, family, span, rows)?;
+        let mut problem = Problem::new(self, family, span, rows)?;
+        // Hsieh's C_v·dx_s/dt is so near the viscous part that this stands in for it during the search, which
+        // saves half of the model's many steps.
+        problem.damped &= family != Family::Hsieh;
         let tried = TRIED_PER_PARAMETER * problem.bounds.len();
         let mut starts: Vec<(f64, DVector<f64>)> =
             latin_hypercube(tried, problem.bounds.len(), seed)
@@ -126,21 +152,18 @@ impl Data<'_> {
                 .collect();
         starts.sort_by(|a, b| a.0.total_cmp(&b.0));
         starts.truncate(STARTS);
-        starts
+        let best = starts
             .into_par_iter()
-            .filter_map(|(_, angles)| problem.minimised(angles))
-            .min_by(|a, b| a.nmse.total_cmp(&b.nmse))
+            .filter_map(|(_, angles)| problem.minimised(angles, QUICK))
+            .min_by(|a, b| a.nmse.total_cmp(&b.nmse))?;
+        problem.damped = family.is_damped();
+        problem.minimised(problem.angles(&best), FULL)
     }
 
     /// Fits `family` to other samples, from the place that an earlier fit found.
     pub fn refit(&self, family: Family, span: &Span, rows: &[usize], from: &Fit) -> Option<Fit> {
         let problem = Problem::new(self, family, span, rows)?;
-        // A parameter at its bound has no slope there: start a little inside.
-        let angles = problem.bounds.iter().zip(&from.place).map(|(bound, value)| {
-            let share = (value / bound.from).ln() / (bound.to / bound.from).ln();
-            angle(share.clamp(0.01, 0.99))
-        });
-        problem.minimised(DVector::from_vec(angles.collect()))
+        problem.minimised(problem.angles(from), QUICK)
     }
 }
 
@@ -160,7 +183,15 @@ impl<'a> Problem<'a> {
         let every = rows.len().div_ceil(MOST_SCORED).max(1);
         let rows: Vec<usize> = rows.iter().copied().step_by(every).collect();
         let variation = Gram::of(&[data.effort], &rows).force_variation();
+        let end = match (data.filter, rows.iter().max()) {
+            (None, Some(last)) => last + 1,
+            _ => data.effort.len(),
+        };
+        let pieces = data.path.pieces.iter();
+        let pieces = pieces.map(|piece| piece.start..piece.end.min(end));
         (variation > 0.0).then(|| Self {
+            pieces: pieces.filter(|piece| !piece.is_empty()).collect(),
+            damped: family.is_damped(),
             data,
             family,
             bounds: family.parameters(span),
@@ -178,16 +209,29 @@ impl<'a> Problem<'a> {
             .collect()
     }
 
+    /// Where to go on from an earlier fit: a little inside of bounds, where a parameter has no slope.
+    fn angles(&self, from: &Fit) -> DVector<f64> {
+        let angles = self.bounds.iter().zip(&from.place).map(|(bound, value)| {
+            let share = (value / bound.from).ln() / (bound.to / bound.from).ln();
+            angle(share.clamp(0.01, 0.99))
+        });
+        DVector::from_vec(angles.collect())
+    }
+
     /// Solves for everything linear at the place `angles`; `None` where the library refuses the place or the best
     /// amplitude is not positive.
     fn project(&self, angles: &DVector<f64>) -> Option<Projection> {
         let place = self.place(angles);
         let force = |damping: f64| {
             let model = self.family.model(&place, 1.0, damping)?;
-            model.force(self.data.path).ok()
+            let path = Path {
+                pieces: &self.pieces,
+                ..self.data.path
+            };
+            model.force(path).ok()
         };
         let unit = force(0.0)?;
-        let damped = if self.family.is_damped() {
+        let damped = if self.damped {
             let mut with = force(1.0)?;
             with.iter_mut().zip(&unit).for_each(|(w, u)| *w -= u);
             self.data.filtered(with)
@@ -200,7 +244,7 @@ impl<'a> Problem<'a> {
         let columns = [
             unit.as_slice(),
             if damped.is_empty() { absent } else { &damped },
-            self.data.inertia.map_or(absent, |(acceleration, _)| acceleration),
+            self.data.acceleration.unwrap_or(absent),
             self.data.path.velocity,
             &self.ones,
             self.data.effort,
@@ -236,8 +280,7 @@ impl<'a> Problem<'a> {
 
     /// Least squares with a positive amplitude and a damping that is not negative.
     fn solve(&self, gram: &Gram) -> Option<(Vec<usize>, DVector<f64>)> {
-        let inertial = self.data.inertia.is_some();
-        let undamped = if inertial {
+        let undamped = if self.data.acceleration.is_some() {
             vec![AMPLITUDE, MASS, VISCOUS, OFFSET]
         } else {
             vec![AMPLITUDE, VISCOUS, OFFSET]
@@ -259,15 +302,14 @@ impl<'a> Problem<'a> {
             feasible.then_some((chosen, coefficients))
         };
         let with_damping = self
-            .family
-            .is_damped()
+            .damped
             .then(|| solved(damped(undamped.clone())))
             .flatten();
         with_damping.or_else(|| solved(undamped))
     }
 
     /// Runs the optimiser from `angles`.
-    fn minimised(&self, angles: DVector<f64>) -> Option<Fit> {
+    fn minimised(&self, angles: DVector<f64>, stop: Stop) -> Option<Fit> {
         let now = self.project(&angles)?;
         let search = Search {
             problem: self,
@@ -275,10 +317,10 @@ impl<'a> Problem<'a> {
             now: Some(now),
         };
         let (search, _) = LevenbergMarquardt::new()
-            .with_ftol(1e-8)
+            .with_ftol(stop.gain)
             .with_xtol(1e-7)
             .with_gtol(1e-9)
-            .with_patience(20)
+            .with_patience(stop.patience)
             .minimize(search);
         // The optimiser may end on a trial that it rejected for being refused: then this start is lost.
         let now = search.now?;
@@ -296,7 +338,9 @@ impl<'a> Problem<'a> {
                 motion: self.data.motion,
                 inertia: linear.mass,
                 viscous: linear.viscous,
-                friction: self.family.model(&place, linear.amplitude, linear.damping)?,
+                friction: self
+                    .family
+                    .model(&place, linear.amplitude, linear.damping)?,
                 constant_force: linear.offset,
                 mechanics: Vec::new(),
             },

@@ -263,7 +263,7 @@ pub fn identify(
 
 /// Yields that a recording can tell apart: from the displacement of a typical sample to half of the longest
 /// stroke, beyond which a block never slips.
-pub(crate) fn yield_range(recording: &Recording, train: &[usize]) -> Result<(f64, f64), String> {
+fn yield_range(recording: &Recording, train: &[usize]) -> Result<(f64, f64), String> {
     let mut steps: Vec<f64> = train
         .windows(2)
         .map(|pair| (recording.position[pair[1]] - recording.position[pair[0]]).abs())
