@@ -18,6 +18,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
+    Demo(commands::demo::Demo),
     Compare(commands::compare::Compare),
     Identify(commands::identify::Identify),
     Reproduce(commands::reproduce::Reproduce),
@@ -26,6 +27,7 @@ enum Command {
 
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
+        Command::Demo(command) => command.run(),
         Command::Compare(command) => command.run(),
         Command::Identify(command) => command.run(),
         Command::Reproduce(command) => command.run(),

@@ -1,6 +1,7 @@
 //! The commands: each reads its arguments, calls the library, and prints one recommendation.
 
 pub mod compare;
+pub mod demo;
 pub mod identify;
 pub mod reproduce;
 pub mod simulate;
