@@ -27,7 +27,7 @@ pub const SAMPLES: usize = 2001;
 pub const SIZES: Range<usize> = 2..10;
 /// Yields in the grid of the global search, logarithmic …
 const GRID: usize = 120;
-/// … from here [m], a fifth of the first yield of Table 3, to [`paper::RANGE`].
+/// … from here \[m\], a fifth of the first yield of Table 3, to [`paper::RANGE`].
 const SHORTEST: f64 = 0.2e-6;
 /// Best subsets of the grid that are refined.
 const REFINED: usize = 6;
@@ -38,16 +38,16 @@ pub const CRITERION: f64 = 1.0;
 /// A virgin curve of the reference model: displacements from rest and the force there.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// Displacement [m], ascending from 0.
+    /// Displacement \[m\], ascending from 0.
     pub displacement: Vec<f64>,
-    /// Force [N] of the ten-block column of Table 3.
+    /// Force \[N\] of the ten-block column of Table 3.
     pub force: Vec<f64>,
     piece: Range<usize>,
     velocity: Vec<f64>,
 }
 
 impl Curve {
-    /// The ten-block column along these displacements [m].
+    /// The ten-block column along these displacements \[m\].
     fn along(displacement: Vec<f64>) -> Result<Self, String> {
         let samples = displacement.len();
         let mut curve = Self {
@@ -88,7 +88,7 @@ impl Curve {
         )
     }
 
-    /// Force [N] of a model along this curve's displacements from rest, computed by the library.
+    /// Force \[N\] of a model along this curve's displacements from rest, computed by the library.
     ///
     /// # Errors
     /// A parameter that the library refuses.
@@ -128,14 +128,14 @@ pub struct Size {
     pub nmse_optimal: f64,
     /// Optimal breakpoints and stiffnesses.
     pub optimal: Fit,
-    /// Force [N] of the column of Table 3 along the curve.
+    /// Force \[N\] of the column of Table 3 along the curve.
     pub force_table3: Vec<f64>,
-    /// Force [N] of the optimal blocks along the curve.
+    /// Force \[N\] of the optimal blocks along the curve.
     pub force_optimal: Vec<f64>,
 }
 
 impl Size {
-    /// `ΣW` [N] of the optimal blocks.
+    /// `ΣW` \[N\] of the optimal blocks.
     pub fn limit(&self) -> f64 {
         let Fit {
             yields, stiffness, ..
