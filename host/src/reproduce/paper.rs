@@ -6,14 +6,14 @@
 use crate::friction::FrictionModel;
 use preslide::{Block, HsiehParams, Sliding};
 
-/// Breakaway force `F_s` [N]: Table 2, LuGre column; the text says "up to ~0.9 N". Table 3 is normalised by it.
+/// Breakaway force `F_s` \[N\]: Table 2, LuGre column; the text says "up to ~0.9 N". Table 3 is normalised by it.
 pub const BREAKAWAY: f64 = 0.9;
 
-/// End of the pre-sliding range [m]: the text says "displacements of up to 30–40 µm". Every yield of Table 3 lies
+/// End of the pre-sliding range \[m\]: the text says "displacements of up to 30–40 µm". Every yield of Table 3 lies
 /// below it.
 pub const RANGE: f64 = 40e-6;
 
-/// Load resolution of the micro-tensile machine [N] ("Experimental set-up").
+/// Load resolution of the micro-tensile machine \[N\] ("Experimental set-up").
 pub const LOAD_RESOLUTION: f64 = 0.010;
 
 /// NMSE (13) [%] that the text quotes, by number of blocks: "~ 14 %", "~ 3 %", "0,5 %", "0,1 %". Figure 8 shows
@@ -123,7 +123,7 @@ impl Column {
         self.blocks.iter().map(|b| b.1).collect()
     }
 
-    /// `D_i = α_i·F_s/k_i` [m], eq. (9) solved for `D_i`; ascending.
+    /// `D_i = α_i·F_s/k_i` \[m\], eq. (9) solved for `D_i`; ascending.
     pub fn yields(&self) -> Vec<f64> {
         self.blocks
             .iter()

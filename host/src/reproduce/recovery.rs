@@ -9,7 +9,7 @@ const HALF_DIGIT: f64 = 0.0005;
 /// One block of a column, printed and recovered.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RecoveredBlock {
-    /// Yield displacement `D_i` [m] of the table.
+    /// Yield displacement `D_i` \[m\] of the table.
     pub yield_displacement: f64,
     /// `k_i` [N/m] of the table.
     pub stiffness_printed: f64,
@@ -40,8 +40,8 @@ pub struct Recovery {
     /// Largest relative deviation of a stiffness [-] when the curve is the 2,001 samples with straight lines
     /// between them, which cut the corners at the breakpoints.
     pub sampled_deviation: f64,
-    /// Where the column leaves the ten-block curve furthest at one of its own breakpoints: that breakpoint [m]
-    /// and the column's force less the curve's [N].
+    /// Where the column leaves the ten-block curve furthest at one of its own breakpoints: that breakpoint \[m\]
+    /// and the column's force less the curve's \[N\].
     pub furthest: (f64, f64),
 }
 
@@ -155,7 +155,7 @@ fn yields(stiffness: &[f64], weights: &[f64]) -> Vec<f64> {
     pairs.map(|(k, weight)| weight * BREAKAWAY / k).collect()
 }
 
-/// Virgin force [N] of Maxwell-slip blocks at the displacement `x` [m].
+/// Virgin force \[N\] of Maxwell-slip blocks at the displacement `x` \[m\].
 fn force_at(stiffness: &[f64], yields: &[f64], x: f64) -> f64 {
     stiffness
         .iter()

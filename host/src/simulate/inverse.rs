@@ -19,7 +19,7 @@ pub struct SlidesAway {
     pub limit: f64,
 }
 
-/// The inverse of `model`, from a body that was never moved, for forces `sample_time` [s] apart.
+/// The inverse of `model`, from a body that was never moved, for forces `sample_time` \[s\] apart.
 ///
 /// # Errors
 /// [`ParamError`] where the library refuses a parameter.
@@ -154,7 +154,7 @@ struct Searched<M: Friction<Scalar = f64>> {
     state: M::State,
     /// A length over which the force changes [m or rad].
     scale: f64,
-    /// The time of a step [s] where time matters: the velocity is then the displacement over it.
+    /// The time of a step \[s\] where time matters: the velocity is then the displacement over it.
     sample_time: Option<f64>,
 }
 

@@ -43,7 +43,7 @@ pub fn parse_ramp(text: &str) -> Result<Ramp, String> {
 }
 
 impl Ramp {
-    /// Times [s] and forces, `samples_per_second` [Hz] apart. Each leg takes a whole number of samples, so that every
+    /// Times \[s\] and forces, `samples_per_second` \[Hz\] apart. Each leg takes a whole number of samples, so that every
     /// corner is one; the rate is lower by up to one sample a leg.
     ///
     /// # Errors
