@@ -59,7 +59,7 @@ pub fn select(
     let groups = grouped(&grams);
     let total = Gram::sum(&groups).ok_or("there are no samples to fit")?;
     let choices = best_choices(&total, linear, MOST);
-    progress.inc(1);
+    progress.inc(1 + (GROUPS.saturating_sub(groups.len())) as u64);
 
     // Every group of folds takes its turn: yields and stiffnesses come from the others alone.
     let held_out: Vec<Vec<f64>> = (0..groups.len())
@@ -112,11 +112,11 @@ pub fn select(
                     let yields = choice.yields.iter().map(|&j| grid[j]).collect();
                     refine::refine(regression, &rows, yields, range)
                 })
-                .min_by(|a, b| a.squared_error.total_cmp(&b.squared_error))?;
+                .min_by(|a, b| a.squared_error.total_cmp(&b.squared_error));
             progress.inc(1);
             let held_out = of_size(size);
             Some(Sized {
-                fit: best,
+                fit: best?,
                 nmse_cross: percent(&held_out),
                 held_out,
             })

@@ -4,6 +4,7 @@ use super::regression::{Gram, Regression, solve_normal};
 use super::stop::Deflection;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// A fitted Maxwell-slip model with its linear companions.
 #[derive(Clone, Debug)]
@@ -22,35 +23,37 @@ const ITERATIONS: usize = 40;
 /// Relative improvement below which a refinement has converged.
 const CONVERGED: f64 = 1e-9;
 
-/// Everything that the force is regressed on for given yields, sample by sample.
-struct Design<'a> {
-    regression: &'a Regression<'a>,
-    deflections: Vec<Deflection>,
+/// Everything that the force is regressed on for given yields, at the samples `rows`: linear columns,
+/// deflections, derivatives with respect to `D`, force.
+struct Design {
+    columns: Vec<Vec<f64>>,
 }
 
-impl<'a> Design<'a> {
-    fn new(regression: &'a Regression<'a>, yields: &[f64]) -> Self {
+impl Design {
+    fn new(regression: &Regression, rows: &[usize], yields: &[f64]) -> Self {
+        let of_rows = |values: &[f64]| rows.iter().map(|&i| values[i]).collect::<Vec<f64>>();
+        let (deflections, slopes): (Vec<_>, Vec<_>) = yields
+            .par_iter()
+            .map(|&d| {
+                let Deflection { z, slope } = regression.deflection(d);
+                (of_rows(&z), of_rows(&slope))
+            })
+            .unzip();
+        let linear = regression.columns.iter().map(|c| of_rows(&c.values));
         Self {
-            regression,
-            deflections: yields
-                .par_iter()
-                .map(|&d| regression.deflection(d))
+            columns: linear
+                .chain(deflections)
+                .chain(slopes)
+                .chain([of_rows(&regression.force)])
                 .collect(),
         }
     }
 
-    /// Sums of products over `rows`: linear columns, deflections, derivatives with respect to `D`, force.
-    fn gram(&self, rows: &[usize]) -> Option<Gram> {
-        let columns: Vec<&[f64]> = self
-            .regression
-            .columns
-            .iter()
-            .map(|c| c.values.as_slice())
-            .chain(self.deflections.iter().map(|d| d.z.as_slice()))
-            .chain(self.deflections.iter().map(|d| d.slope.as_slice()))
-            .chain([self.regression.force.as_slice()])
-            .collect();
-        let parts: Vec<Gram> = rows
+    /// Sums of products over a part of the samples.
+    fn gram(&self, part: Range<usize>) -> Option<Gram> {
+        let columns: Vec<&[f64]> = self.columns.iter().map(Vec::as_slice).collect();
+        let parts: Vec<Gram> = part
+            .collect::<Vec<usize>>()
             .par_chunks(4096)
             .map(|rows| Gram::of(&columns, rows))
             .collect();
@@ -66,7 +69,7 @@ struct Solved {
 
 /// `None` where a stiffness would not be positive.
 fn solve(regression: &Regression, rows: &[usize], yields: Vec<f64>) -> Option<Solved> {
-    let gram = Design::new(regression, &yields).gram(rows)?;
+    let gram = Design::new(regression, rows, &yields).gram(0..rows.len())?;
     let (linear, n) = (regression.columns.len(), yields.len());
     let chosen: Vec<usize> = (0..linear + n).collect();
     let (matrix, right) = gram.normal(&chosen);
@@ -179,11 +182,15 @@ pub fn covariance(regression: &Regression, fit: &Fit) -> Option<DMatrix<f64>> {
     if folds < 2 {
         return None;
     }
-    let design = Design::new(regression, &fit.yields);
-    let (bread, _) = joint(fit, &design.gram(&regression.folds.concat())?);
+    let rows = regression.folds.concat();
+    let design = Design::new(regression, &rows, &fit.yields);
+    let (bread, _) = joint(fit, &design.gram(0..rows.len())?);
     let mut meat = DMatrix::zeros(bread.nrows(), bread.nrows());
+    let mut end = 0;
     for fold in &regression.folds {
-        let (_, score) = joint(fit, &design.gram(fold)?);
+        let start = end;
+        end += fold.len();
+        let (_, score) = joint(fit, &design.gram(start..end)?);
         meat += &score * score.transpose();
     }
     let inverse = bread.cholesky()?.inverse();
