@@ -31,7 +31,7 @@ const GRID: usize = 120;
 const SHORTEST: f64 = 0.2e-6;
 /// Best subsets of the grid that are refined.
 const REFINED: usize = 6;
-/// The paper's own criterion for enough blocks [%]: "limiting the respective normalized Mean Square Error to less
+/// The paper's own criterion for enough blocks (%): "limiting the respective normalized Mean Square Error to less
 /// than 1 %".
 pub const CRITERION: f64 = 1.0;
 
@@ -103,7 +103,7 @@ impl Curve {
             .map_err(|e| e.to_string())
     }
 
-    /// NMSE (13) [%] of a model.
+    /// NMSE (13) (%) of a model.
     fn nmse_of(&self, model: &FrictionModel) -> Result<f64, String> {
         Ok(nmse(&self.force, &self.force_of(model)?, &self.rows()))
     }
@@ -118,13 +118,13 @@ impl Curve {
 pub struct Size {
     /// Number of blocks `N`.
     pub n: usize,
-    /// NMSE [%] of the column of Table 3.
+    /// NMSE (%) of the column of Table 3.
     pub nmse_table3: f64,
     /// The same over [`Curve::load_steps`].
     pub nmse_load_steps: f64,
-    /// What the paper's text prints [%].
+    /// What the paper's text prints (%).
     pub nmse_printed: Option<f64>,
-    /// NMSE [%] of optimal breakpoints.
+    /// NMSE (%) of optimal breakpoints.
     pub nmse_optimal: f64,
     /// Optimal breakpoints and stiffnesses.
     pub optimal: Fit,

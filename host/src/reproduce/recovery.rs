@@ -11,21 +11,21 @@ const HALF_DIGIT: f64 = 0.0005;
 pub struct RecoveredBlock {
     /// Yield displacement `D_i` \[m\] of the table.
     pub yield_displacement: f64,
-    /// `k_i` [N/m] of the table.
+    /// `k_i` (N/m) of the table.
     pub stiffness_printed: f64,
-    /// `k_i` [N/m] by (7)–(8).
+    /// `k_i` (N/m) by (7)–(8).
     pub stiffness: f64,
-    /// `α_i` [-] of the table.
+    /// `α_i` (-) of the table.
     pub weight_printed: f64,
-    /// `α_i` [-] by (9).
+    /// `α_i` (-) by (9).
     pub weight: f64,
-    /// Relative deviation of `k_i` [-] that the three digits of the weights may cause, both in this column and in
+    /// Relative deviation of `k_i` (-) that the three digits of the weights may cause, both in this column and in
     /// the ten-block one. To first order, all digits at their worst.
     pub rounding: f64,
 }
 
 impl RecoveredBlock {
-    /// Relative deviation of the recovered from the printed stiffness [-]; that of the weight is the same, since
+    /// Relative deviation of the recovered from the printed stiffness (-); that of the weight is the same, since
     /// (9) is linear in `k_i`.
     pub fn deviation(&self) -> f64 {
         self.stiffness / self.stiffness_printed - 1.0
@@ -37,7 +37,7 @@ impl RecoveredBlock {
 pub struct Recovery {
     /// Its blocks.
     pub blocks: Vec<RecoveredBlock>,
-    /// Largest relative deviation of a stiffness [-] when the curve is the 2,001 samples with straight lines
+    /// Largest relative deviation of a stiffness (-) when the curve is the 2,001 samples with straight lines
     /// between them, which cut the corners at the breakpoints.
     pub sampled_deviation: f64,
     /// Where the column leaves the ten-block curve furthest at one of its own breakpoints: that breakpoint \[m\]
@@ -46,7 +46,7 @@ pub struct Recovery {
 }
 
 impl Recovery {
-    /// Largest relative deviation of a stiffness [-].
+    /// Largest relative deviation of a stiffness (-).
     pub fn largest_deviation(&self) -> f64 {
         largest(self.blocks.iter().map(|b| b.deviation()))
     }
@@ -108,7 +108,7 @@ pub fn recover(column: &Column, sampled: &VirginCurve) -> Result<Recovery, Strin
     })
 }
 
-/// By how much [N/m] each recovered stiffness may move when every weight moves by half its last digit.
+/// By how much (N/m) each recovered stiffness may move when every weight moves by half its last digit.
 fn rounding(column: &Column, found: &[f64]) -> Result<Vec<f64>, String> {
     let printed = column.stiffness();
     let reference = REFERENCE.weights();
