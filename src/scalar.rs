@@ -102,7 +102,7 @@ macro_rules! float_scalar {
             }
             #[inline]
             fn magnitude(self) -> Self {
-                if self < 0.0 { -self } else { self }
+                self.abs()
             }
             #[inline]
             fn exp(self) -> Self {
@@ -114,8 +114,7 @@ macro_rules! float_scalar {
             }
             #[inline]
             fn to_index(self, max: usize) -> usize {
-                let index = self as usize;
-                if index < max { index } else { max }
+                if self < max as $t { self as usize } else { max }
             }
             #[inline]
             fn from_int(value: i32) -> Self {

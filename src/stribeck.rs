@@ -37,6 +37,12 @@ impl Sliding {
         share + (1.0 - share) * libm::exp(-decay)
     }
 
+    /// The speed (m/s) at which the exponential has fallen to 1e-4.
+    pub(crate) fn levelled(&self) -> f64 {
+        const DECAYED: f64 = 9.210_340_371_976_184; // ln 1e4
+        self.stribeck_velocity * libm::pow(DECAYED, 1.0 / self.stribeck_exponent)
+    }
+
     pub(crate) fn check(&self, breakaway: f64) -> Result<(), ParamError> {
         positive("Coulomb force", self.coulomb)?;
         at_most("Coulomb force", self.coulomb, breakaway)?;
@@ -73,8 +79,7 @@ impl<S: Scalar> SpeedTable<S> {
         names: [&'static str; 2],
         functions: impl Fn(f64) -> [f64; 2],
     ) -> Result<Self, ParamError> {
-        const DECAYED: f64 = 9.210_340_371_976_184; // ln 1e4
-        let end = sliding.stribeck_velocity * libm::pow(DECAYED, 1.0 / sliding.stribeck_exponent);
+        let end = sliding.levelled();
         let mut nodes = [[S::ZERO; 2]; INTERVALS + 1];
         for (j, node) in nodes.iter_mut().enumerate() {
             let speed = end * j as f64 / INTERVALS as f64;
@@ -103,12 +108,14 @@ impl<S: Scalar> SpeedTable<S> {
     pub(crate) fn at(&self, v: S) -> [S; 2] {
         let place = v.magnitude().mul_input(self.per_velocity);
         let j = place.to_index(INTERVALS);
-        if j >= INTERVALS {
+        let Some([low, high]) = self
+            .nodes
+            .get(j..j + 2)
+            .and_then(|pair| <&[_; 2]>::try_from(pair).ok())
+        else {
             return self.nodes[INTERVALS];
-        }
+        };
         let part = place - S::from_int(j as i32);
-        let part = if part > S::ZERO { part } else { S::ZERO };
-        let [low, high] = [self.nodes[j], self.nodes[j + 1]];
         [
             low[0] + part * (high[0] - low[0]),
             low[1] + part * (high[1] - low[1]),

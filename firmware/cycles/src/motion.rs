@@ -24,7 +24,7 @@ pub struct Tick {
 }
 
 /// An endless motion: strokes at 1/16 to 32 counts per tick (0.03 to 16 mm/s), one in four followed by a rest.
-pub struct Motion {
+pub struct Strokes {
     random: u32,
     position: i32,
     /// Sixteenths of a count per tick, and what is left of a count.
@@ -34,7 +34,7 @@ pub struct Motion {
     rest_ticks: u32,
 }
 
-impl Motion {
+impl Strokes {
     pub fn new() -> Self {
         Self {
             random: SEED,
@@ -71,7 +71,7 @@ impl Motion {
     }
 }
 
-impl Iterator for Motion {
+impl Iterator for Strokes {
     type Item = Tick;
 
     fn next(&mut self) -> Option<Tick> {
