@@ -1,16 +1,16 @@
 //! The packed slip-reserve form on one path.
 
 use super::Whole;
-use super::dsp::{add_products, subtract_to_zero, turn};
+use super::dsp;
 use super::packed::{PackedSlipReserve, PackedState, both, cut};
 use crate::{Block, Friction, Motion, ParamError, Units};
 
 /// Quasi-static GMS that takes the same time whatever moves: [`PackedSlipReserve`] without a branch.
 ///
-/// The reversal is arithmetic: with `r = 1` in the tick of a reversal and 0 otherwise, `s = 1 − 2·r`,
+/// The reversal is arithmetic: with `r = 1` in the tick of a reversal and 0 otherwise,
 ///
-/// `w_i ← max(2·D_i·r + w_i·s − |dx|, 0)`, both blocks of a word in one multiplication each, since no half of
-/// `2·D − w` borrows. Range, units and the bits of the force are those of `PackedSlipReserve`. On a core without
+/// `w_i ← max(w_i + r·(2·D_i − 2·w_i) − |dx|, 0)`, both blocks of a word in one multiplication, since no half of
+/// `2·D − w` borrows from the other. Range, units and the bits of the force are those of `PackedSlipReserve`. On a core without
 /// DSP instructions the bits are the same, but the compiler may branch.
 #[derive(Clone, Debug)]
 pub struct ConstantTimeSlipReserve<const PAIRS: usize> {
@@ -45,21 +45,17 @@ impl<const PAIRS: usize> Friction for ConstantTimeSlipReserve<PAIRS> {
         self.packed.at_rest()
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(&self, state: &mut Self::State, motion: Motion<Whole>) -> Whole {
         let dx = cut(motion.displacement);
         let advance = (dx ^ state.backward) - state.backward;
         let turned = advance >> 31;
-        let advance = both((advance ^ turned) - turned);
         state.backward ^= turned;
-        let (turned, sign) = (turned.cast_unsigned() >> 31, turned | 1);
-        let mut lacking = 0;
-        let parameters = self.packed.full.iter().zip(&self.packed.stiffness);
-        for (reserve, (full, stiffness)) in state.reserve.iter_mut().zip(parameters) {
-            *reserve = subtract_to_zero(turn(*full, *reserve, turned, sign), advance);
-            lacking = add_products(*reserve, *stiffness, lacking);
-        }
-        let along = self.packed.limit.wrapping_sub(lacking);
+        let advance = both((advance ^ turned) - turned);
+        let turned = turned.cast_unsigned() >> 31;
+        let packed = &self.packed;
+        let lacking = dsp::turn_and_advance(&mut state.reserve, &packed.pairs, turned, advance);
+        let along = packed.limit.wrapping_sub(lacking);
         Whole::from_bits((along ^ state.backward).wrapping_sub(state.backward))
     }
 

@@ -250,7 +250,7 @@ impl<const N: usize> Friction for CountGms<N> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(&self, state: &mut Self::State, motion: Motion<Whole>) -> Whole {
         let dx = motion.displacement.to_bits().clamp(-i32::MAX, i32::MAX);
         let velocity = motion.velocity.to_bits();

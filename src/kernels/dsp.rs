@@ -9,70 +9,118 @@ pub(super) use instructions::*;
 #[cfg(not(dsp_instructions))]
 pub(super) use portable::*;
 
+/// Two blocks, the first in the low halves: `2·D` and `k`.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
+pub(super) struct Pair {
+    pub(super) full: u32,
+    pub(super) stiffness: u32,
+}
+
 #[cfg(dsp_instructions)]
 mod instructions {
+    use super::Pair;
     use core::arch::asm;
 
-    /// Both halfwords of `a` less those of `b`, unsigned, not below 0.
+    /// `w ← max(w − advance, 0)` in every half word; returns `Σ k·w`, which the caller has proved to fit.
     #[inline(always)]
-    pub(in super::super) fn subtract_to_zero(a: u32, b: u32) -> u32 {
-        let difference;
-        // SAFETY: register to register, no memory; UQSUB16 changes no flag (Armv7-M ARM, A7.7.216).
-        unsafe {
-            asm!("uqsub16 {d}, {a}, {b}", d = lateout(reg) difference, a = in(reg) a, b = in(reg) b,
-                 options(pure, nomem, nostack, preserves_flags));
+    pub(in super::super) fn advance<const PAIRS: usize>(
+        reserves: &mut [u32; PAIRS],
+        pairs: &[Pair; PAIRS],
+        advance: u32,
+    ) -> i32 {
+        let (mut reserve, mut pair) = (reserves.as_mut_ptr(), pairs.as_ptr());
+        let mut sum = 0;
+        for _ in 0..PAIRS {
+            // SAFETY: both pointers stand on element `i < PAIRS` of their arrays and end one past it; no other memory is
+            // touched and the stack is not used. UQSUB16 changes no flag, SMLAD the Q flag on overflow only, which
+            // the caller has excluded.
+            unsafe {
+                asm!(
+                    "ldr {w}, [{reserve}]",
+                    "ldr {k}, [{pair}, #4]",
+                    "uqsub16 {w}, {w}, {advance}",
+                    "str {w}, [{reserve}], #4",
+                    "smlad {sum}, {w}, {k}, {sum}",
+                    "add {pair}, #8",
+                    w = out(reg) _, k = out(reg) _, reserve = inout(reg) reserve, pair = inout(reg) pair,
+                    advance = in(reg) advance, sum = inout(reg) sum,
+                    options(nostack, preserves_flags)
+                );
+            }
         }
-        difference
+        sum
     }
 
-    /// `sum` plus the products of the halfwords of `a` and `b`, signed. The caller proves that it does not overflow.
+    /// The same after `w ← w + turned·(2·D − 2·w)`, `turned` being 1 on a reversal and 0 otherwise: one path for both.
     #[inline(always)]
-    pub(in super::super) fn add_products(a: u32, b: u32, sum: i32) -> i32 {
-        let result;
-        // SAFETY: register to register, no memory; SMLAD sets the Q flag on overflow only, which is excluded.
-        unsafe {
-            asm!("smlad {r}, {a}, {b}, {s}", r = lateout(reg) result, a = in(reg) a, b = in(reg) b, s = in(reg) sum,
-                 options(pure, nomem, nostack, preserves_flags));
+    pub(in super::super) fn turn_and_advance<const PAIRS: usize>(
+        reserves: &mut [u32; PAIRS],
+        pairs: &[Pair; PAIRS],
+        turned: u32,
+        advance: u32,
+    ) -> i32 {
+        let (mut reserve, mut pair) = (reserves.as_mut_ptr(), pairs.as_ptr());
+        let mut sum = 0;
+        for _ in 0..PAIRS {
+            // SAFETY: as in `advance`; SUB and MLA change no flag.
+            unsafe {
+                asm!(
+                    "ldr {w}, [{reserve}]",
+                    "ldr {t}, [{pair}], #4",
+                    "ldr {k}, [{pair}], #4",
+                    "sub {t}, {t}, {w}, lsl #1",
+                    "mla {w}, {t}, {turned}, {w}",
+                    "uqsub16 {w}, {w}, {advance}",
+                    "str {w}, [{reserve}], #4",
+                    "smlad {sum}, {w}, {k}, {sum}",
+                    w = out(reg) _, t = out(reg) _, k = out(reg) _,
+                    reserve = inout(reg) reserve, pair = inout(reg) pair,
+                    turned = in(reg) turned, advance = in(reg) advance, sum = inout(reg) sum,
+                    options(nostack, preserves_flags)
+                );
+            }
         }
-        result
-    }
-
-    /// `full·turned + reserve·sign`, wrapping, on a path that the compiler cannot make depend on the values.
-    #[inline(always)]
-    pub(in super::super) fn turn(full: u32, reserve: u32, turned: u32, sign: i32) -> u32 {
-        let result;
-        // SAFETY: register to register, no memory; MUL and MLA change no flag.
-        unsafe {
-            asm!("mul {t}, {f}, {r}", "mla {t}, {w}, {s}, {t}", t = out(reg) result,
-                 f = in(reg) full, r = in(reg) turned, w = in(reg) reserve, s = in(reg) sign,
-                 options(pure, nomem, nostack, preserves_flags));
-        }
-        result
+        sum
     }
 }
 
 #[cfg(not(dsp_instructions))]
 mod portable {
-    /// Both halfwords of `a` less those of `b`, unsigned, not below 0.
+    use super::Pair;
+
+    /// `w ← max(w − advance, 0)` in every half word; returns `Σ k·w`, which the caller has proved to fit.
     #[inline(always)]
-    pub(in super::super) fn subtract_to_zero(a: u32, b: u32) -> u32 {
-        let low = (a as u16).saturating_sub(b as u16);
-        let high = ((a >> 16) as u16).saturating_sub((b >> 16) as u16);
-        u32::from(high) << 16 | u32::from(low)
+    pub(in super::super) fn advance<const PAIRS: usize>(
+        reserves: &mut [u32; PAIRS],
+        pairs: &[Pair; PAIRS],
+        advance: u32,
+    ) -> i32 {
+        let halves = |word: u32| [word as u16, (word >> 16) as u16];
+        let mut sum = 0_i32;
+        for (reserve, pair) in reserves.iter_mut().zip(pairs) {
+            let ([low, high], [a, b]) = (halves(*reserve), halves(advance));
+            let [low, high] = [low.saturating_sub(a), high.saturating_sub(b)];
+            *reserve = u32::from(high) << 16 | u32::from(low);
+            for (w, k) in [low, high].into_iter().zip(halves(pair.stiffness)) {
+                sum = sum.wrapping_add(i32::from(w.cast_signed()) * i32::from(k.cast_signed()));
+            }
+        }
+        sum
     }
 
-    /// `sum` plus the products of the halfwords of `a` and `b`, signed. The caller proves that it does not overflow.
+    /// The same after `w ← w + turned·(2·D − 2·w)`, `turned` being 1 on a reversal and 0 otherwise.
     #[inline(always)]
-    pub(in super::super) fn add_products(a: u32, b: u32, sum: i32) -> i32 {
-        let low = i32::from(a as u16 as i16) * i32::from(b as u16 as i16);
-        let high = i32::from((a >> 16) as u16 as i16) * i32::from((b >> 16) as u16 as i16);
-        sum.wrapping_add(low).wrapping_add(high)
-    }
-
-    /// `full·turned + reserve·sign`, wrapping.
-    #[inline(always)]
-    pub(in super::super) fn turn(full: u32, reserve: u32, turned: u32, sign: i32) -> u32 {
-        full.wrapping_mul(turned)
-            .wrapping_add(reserve.wrapping_mul(sign.cast_unsigned()))
+    pub(in super::super) fn turn_and_advance<const PAIRS: usize>(
+        reserves: &mut [u32; PAIRS],
+        pairs: &[Pair; PAIRS],
+        turned: u32,
+        amount: u32,
+    ) -> i32 {
+        for (reserve, pair) in reserves.iter_mut().zip(pairs) {
+            let turn = pair.full.wrapping_sub(reserve.wrapping_mul(2));
+            *reserve = reserve.wrapping_add(turned.wrapping_mul(turn));
+        }
+        advance(reserves, pairs, amount)
     }
 }

@@ -1,9 +1,10 @@
 //! The slip-reserve form with two blocks in a word.
 
 use super::Whole;
-use super::dsp::{add_products, subtract_to_zero};
+use super::dsp::{self, Pair};
 use super::quantised::{Range, finest_force, quantise};
 use crate::{Block, Friction, Motion, ParamError, Units};
+use core::sync::atomic::{Ordering, compiler_fence};
 
 pub(super) const RANGE: Range = Range {
     yields: i16::MAX as i32 / 2,
@@ -19,9 +20,7 @@ pub(super) const RANGE: Range = Range {
 #[derive(Clone, Debug)]
 pub struct PackedSlipReserve<const PAIRS: usize> {
     pub(super) limit: i32,
-    /// `2·D` of the first block in the low half, of the second in the high half.
-    pub(super) full: [u32; PAIRS],
-    pub(super) stiffness: [u32; PAIRS],
+    pub(super) pairs: [Pair; PAIRS],
 }
 
 /// What a [`PackedSlipReserve`] or a [`ConstantTimeSlipReserve`](super::ConstantTimeSlipReserve) remembers.
@@ -51,24 +50,31 @@ impl<const PAIRS: usize> PackedSlipReserve<PAIRS> {
             );
         }
         let (blocks, limit) = quantise(blocks, breakaway, units, RANGE)?;
-        let mut packed = Self {
-            limit,
-            full: [0; PAIRS],
-            stiffness: [0; PAIRS],
-        };
-        let words = packed.full.iter_mut().zip(&mut packed.stiffness);
-        for (pair, (full, stiffness)) in blocks.chunks(2).zip(words) {
-            for (half, block) in pair.iter().enumerate() {
-                *full |= block.full.cast_unsigned() << (16 * half);
-                *stiffness |= block.stiffness.cast_unsigned() << (16 * half);
+        let mut pairs = [Pair::default(); PAIRS];
+        for (two, pair) in blocks.chunks(2).zip(&mut pairs) {
+            for (half, block) in two.iter().enumerate() {
+                pair.full |= block.full.cast_unsigned() << (16 * half);
+                pair.stiffness |= block.stiffness.cast_unsigned() << (16 * half);
             }
         }
-        Ok(packed)
+        Ok(Self { limit, pairs })
     }
 
     /// The finest unit of force (N or N·m) that it accepts for these blocks at the unit of length `length` (m or rad).
     pub fn finest_force(blocks: &[Block], breakaway: f64, length: f64) -> f64 {
         finest_force(blocks, breakaway, length, RANGE)
+    }
+
+    /// The fence costs no instruction. It has the blocks stored here and loaded again below: kept in registers across
+    /// both ways, they would make the ordinary tick save those registers.
+    #[inline]
+    fn reverse(&self, state: &mut PackedState<PAIRS>) {
+        state.backward = !state.backward;
+        for (reserve, pair) in state.reserve.iter_mut().zip(&self.pairs) {
+            // Half by half, since no half of `reserve` exceeds that of `full`.
+            *reserve = pair.full.wrapping_sub(*reserve);
+        }
+        compiler_fence(Ordering::SeqCst);
     }
 }
 
@@ -95,28 +101,19 @@ impl<const PAIRS: usize> Friction for PackedSlipReserve<PAIRS> {
         PackedState {
             backward: 0,
             // `D` in both halves: every `2·D` is even.
-            reserve: self.full.map(|full| full >> 1),
+            reserve: self.pairs.map(|pair| pair.full >> 1),
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(&self, state: &mut Self::State, motion: Motion<Whole>) -> Whole {
         let dx = cut(motion.displacement);
         let mut advance = (dx ^ state.backward) - state.backward;
         if advance < 0 {
             advance = -advance;
-            state.backward = !state.backward;
-            for (reserve, full) in state.reserve.iter_mut().zip(&self.full) {
-                // Half by half, since no half of `reserve` exceeds that of `full`.
-                *reserve = full.wrapping_sub(*reserve);
-            }
+            self.reverse(state);
         }
-        let advance = both(advance);
-        let mut lacking = 0;
-        for (reserve, stiffness) in state.reserve.iter_mut().zip(&self.stiffness) {
-            *reserve = subtract_to_zero(*reserve, advance);
-            lacking = add_products(*reserve, *stiffness, lacking);
-        }
+        let lacking = dsp::advance(&mut state.reserve, &self.pairs, both(advance));
         let along = self.limit.wrapping_sub(lacking);
         Whole::from_bits((along ^ state.backward).wrapping_sub(state.backward))
     }

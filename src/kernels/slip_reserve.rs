@@ -3,9 +3,13 @@
 use super::Whole;
 use super::quantised::{Range, Reserve, finest_force, quantise};
 use crate::{Block, Friction, Motion, ParamError, Units};
+use core::sync::atomic::{Ordering, compiler_fence};
 
 /// 31 bits signed: what one saturating instruction limits a displacement to.
 const LARGEST: i32 = (1 << 30) - 1;
+
+/// Blocks whose loads the compiler may gather: more would not fit the registers that a function need not save.
+const TOGETHER: usize = 2;
 
 const RANGE: Range = Range {
     yields: LARGEST / 2,
@@ -63,6 +67,17 @@ impl<const N: usize> SlipReserve<N> {
     pub fn finest_force(blocks: &[Block; N], breakaway: f64, length: f64) -> f64 {
         finest_force(blocks, breakaway, length, RANGE)
     }
+
+    /// The fence costs no instruction. It has the blocks stored here and loaded again below: kept in registers across
+    /// both ways, they would make the ordinary tick save those registers.
+    #[inline]
+    fn reverse(&self, state: &mut SlipReserveState<N>) {
+        state.backward = !state.backward;
+        for (reserve, block) in state.reserve.iter_mut().zip(&self.blocks) {
+            *reserve = block.full - *reserve;
+        }
+        compiler_fence(Ordering::SeqCst);
+    }
 }
 
 impl<const N: usize> Friction for SlipReserve<N> {
@@ -76,22 +91,26 @@ impl<const N: usize> Friction for SlipReserve<N> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(&self, state: &mut Self::State, motion: Motion<Whole>) -> Whole {
         let dx = motion.displacement.to_bits().clamp(-LARGEST - 1, LARGEST);
         let mut advance = (dx ^ state.backward) - state.backward;
         if advance < 0 {
             advance = -advance;
-            state.backward = !state.backward;
-            for (reserve, block) in state.reserve.iter_mut().zip(&self.blocks) {
-                *reserve = block.full - *reserve;
-            }
+            self.reverse(state);
         }
         let mut lacking = 0_i32;
-        for (reserve, block) in state.reserve.iter_mut().zip(&self.blocks) {
-            let left = *reserve - advance;
-            *reserve = if left > 0 { left } else { 0 };
-            lacking = lacking.wrapping_add(block.stiffness.wrapping_mul(*reserve));
+        let blocks = state
+            .reserve
+            .chunks_mut(TOGETHER)
+            .zip(self.blocks.chunks(TOGETHER));
+        for (reserves, blocks) in blocks {
+            for (reserve, block) in reserves.iter_mut().zip(blocks) {
+                let left = *reserve - advance;
+                *reserve = if left > 0 { left } else { 0 };
+                lacking = lacking.wrapping_add(block.stiffness.wrapping_mul(*reserve));
+            }
+            compiler_fence(Ordering::SeqCst);
         }
         // Construction has proved that the sum fits.
         let along = self.limit.wrapping_sub(lacking);
