@@ -29,21 +29,21 @@ mod instructions {
         pairs: &[Pair; PAIRS],
         advance: u32,
     ) -> i32 {
-        let (mut reserve, mut pair) = (reserves.as_mut_ptr(), pairs.as_ptr());
+        let mut reserve = reserves.as_mut_ptr();
+        let mut stiffness = pairs.as_ptr().cast::<u32>().wrapping_add(1);
         let mut sum = 0;
         for _ in 0..PAIRS {
-            // SAFETY: both pointers stand on element `i < PAIRS` of their arrays and end one past it; no other memory is
-            // touched and the stack is not used. UQSUB16 changes no flag, SMLAD the Q flag on overflow only, which
-            // the caller has excluded.
+            // SAFETY: the pointers stand on `reserves[i]` and on the stiffness of `pairs[i]`, `i < PAIRS`; no other
+            // memory is touched and the stack is not used. UQSUB16 changes no flag, SMLAD the Q flag on overflow only,
+            // which the caller has excluded.
             unsafe {
                 asm!(
                     "ldr {w}, [{reserve}]",
-                    "ldr {k}, [{pair}, #4]",
+                    "ldr {k}, [{stiffness}], #8",
                     "uqsub16 {w}, {w}, {advance}",
                     "str {w}, [{reserve}], #4",
                     "smlad {sum}, {w}, {k}, {sum}",
-                    "add {pair}, #8",
-                    w = out(reg) _, k = out(reg) _, reserve = inout(reg) reserve, pair = inout(reg) pair,
+                    w = out(reg) _, k = out(reg) _, reserve = inout(reg) reserve, stiffness = inout(reg) stiffness,
                     advance = in(reg) advance, sum = inout(reg) sum,
                     options(nostack, preserves_flags)
                 );
@@ -63,7 +63,8 @@ mod instructions {
         let (mut reserve, mut pair) = (reserves.as_mut_ptr(), pairs.as_ptr());
         let mut sum = 0;
         for _ in 0..PAIRS {
-            // SAFETY: as in `advance`; SUB and MLA change no flag.
+            // SAFETY: the pointers stand on `reserves[i]` and `pairs[i]`, `i < PAIRS`; for the rest see `advance`. SUB and
+            // MLA change no flag.
             unsafe {
                 asm!(
                     "ldr {w}, [{reserve}]",

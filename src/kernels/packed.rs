@@ -73,8 +73,8 @@ impl<const PAIRS: usize> PackedSlipReserve<PAIRS> {
         for (reserve, pair) in state.reserve.iter_mut().zip(&self.pairs) {
             // Half by half, since no half of `reserve` exceeds that of `full`.
             *reserve = pair.full.wrapping_sub(*reserve);
+            compiler_fence(Ordering::SeqCst);
         }
-        compiler_fence(Ordering::SeqCst);
     }
 }
 
