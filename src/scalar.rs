@@ -114,7 +114,8 @@ macro_rules! float_scalar {
             }
             #[inline]
             fn to_index(self, max: usize) -> usize {
-                if self < max as $t { self as usize } else { max }
+                let index = self as usize;
+                if index < max { index } else { max }
             }
             #[inline]
             fn from_int(value: i32) -> Self {

@@ -103,17 +103,17 @@ impl<S: Scalar> SpeedTable<S> {
         })
     }
 
-    /// Both functions at the velocity `v` (its sign does not matter; NaN counts as standstill).
+    /// Both functions at the velocity `v` (its sign does not matter; NaN counts as fast).
     #[inline]
     pub(crate) fn at(&self, v: S) -> [S; 2] {
         let place = v.magnitude().mul_input(self.per_velocity);
+        let flat = || self.nodes[INTERVALS];
+        if !(place < S::from_int(INTERVALS as i32)) {
+            return flat();
+        }
         let j = place.to_index(INTERVALS);
-        let Some([low, high]) = self
-            .nodes
-            .get(j..j + 2)
-            .and_then(|pair| <&[_; 2]>::try_from(pair).ok())
-        else {
-            return self.nodes[INTERVALS];
+        let (Some(low), Some(high)) = (self.nodes.get(j), self.nodes.get(j + 1)) else {
+            return flat();
         };
         let part = place - S::from_int(j as i32);
         [
