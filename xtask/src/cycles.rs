@@ -12,7 +12,7 @@ mod table;
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
-use crate::process::{output, root, run};
+use crate::process::{cargo, output, root, run};
 use crate::thumb::{TARGET, Toolchain};
 use crate::tools::Need;
 use disassembly::Disassembly;
@@ -156,7 +156,34 @@ fn measure() -> Result<(Vec<String>, Vec<Row>), String> {
     if rows.is_empty() {
         return Err("the harness measured nothing".to_string());
     }
+    compare_with_host(&checksums)?;
     Ok((header(toolchain, seed)?, rows))
+}
+
+/// The forces that every kernel computed on the target must be, bit for bit, those it computes here.
+fn compare_with_host(target: &BTreeMap<String, String>) -> Result<(), String> {
+    let printed = output(
+        cargo(&["run", "--quiet", "--package", "preslide-host-tests"])
+            .args(["--bin", "kernel_forces"])
+            .current_dir(root()),
+    )?;
+    let mut compared = 0;
+    for line in printed.lines() {
+        let (kernel, checksum) = line
+            .rsplit_once(' ')
+            .ok_or_else(|| format!("kernel_forces printed `{line}`"))?;
+        match target.get(kernel) {
+            Some(found) if found == checksum => compared += 1,
+            Some(found) => {
+                return Err(format!(
+                    "{kernel}: the forces on the target (checksum {found}) differ from the host's ({checksum})"
+                ));
+            }
+            None => return Err(format!("{kernel} ran on the host but not on the target")),
+        }
+    }
+    println!("the forces of {compared} kernels are the host's, bit for bit");
+    Ok(())
 }
 
 /// A row but for what only the harness knows.

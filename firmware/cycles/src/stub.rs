@@ -5,7 +5,7 @@ use cortex_m_semihosting::hprintln;
 use preslide::{Friction, Motion, Scalar, Units};
 
 use crate::checksum::Checksum;
-use crate::motion::{COUNT, SAMPLE_TIME, Strokes, Tick};
+use crate::motion::{Strokes, TICKS};
 use crate::tick::{Inputs, Pid, PidState};
 
 /// A kernel's update: model, state, displacement, velocity in; force out.
@@ -16,9 +16,6 @@ pub type ControlTick<M, State, S> = extern "C" fn(&M, &mut State, &mut Controlle
 
 /// The controller that shares the tick.
 pub type Controller = (Pid, PidState);
-
-/// Enough for the worst paths to appear; more changes no figure by 1 %.
-const TICKS: usize = 10_000;
 
 /// What the line about a kernel says beside its size.
 pub struct Row {
@@ -76,16 +73,6 @@ impl Row {
             black_box(control(model, &mut state, &mut controller, &inputs));
         }
         black_box(controller.1.output);
-    }
-}
-
-impl Tick {
-    fn motion<S: Scalar>(&self, units: Units) -> Motion<S> {
-        let scalar = |value: f64| S::try_from_f64(value).unwrap_or(S::ZERO);
-        Motion {
-            displacement: scalar(f64::from(self.counts) * COUNT / units.length),
-            velocity: scalar(f64::from(self.velocity) * COUNT / SAMPLE_TIME / units.velocity),
-        }
     }
 }
 
