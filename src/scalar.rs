@@ -112,7 +112,7 @@ macro_rules! float_scalar {
             }
             #[inline]
             fn magnitude(self) -> Self {
-                if self < 0.0 { -self } else { self }
+                self.abs()
             }
             #[inline]
             fn exp(self) -> Self {
