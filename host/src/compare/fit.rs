@@ -14,30 +14,33 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Places of the Latin hypercube, per nonlinear parameter, that are tried before any is refined.
-const TRIED_PER_PARAMETER: usize = 12;
+const TRIED_PER_PARAMETER: usize = 10;
 /// The best of these that the optimiser starts from.
-const STARTS: usize = 4;
+const STARTS: usize = 3;
 /// Most residuals; above, only every second, third, … sample is scored, while the model still runs along all.
 const MOST_SCORED: usize = 20_000;
-/// When the optimiser stops: the relative gain in the error that no longer counts, and the most evaluations as a
-/// multiple of the number of parameters plus one.
+/// How hard the optimiser tries: the relative gain in the error that no longer counts, the most evaluations as a
+/// multiple of the number of parameters plus one, and whether derivatives are central or forward differences.
 #[derive(Clone, Copy)]
-struct Stop {
+struct Effort {
     gain: f64,
     patience: usize,
+    central: bool,
 }
 /// To tell which start leads furthest, and to follow an optimum to slightly different samples.
-const QUICK: Stop = Stop {
+const QUICK: Effort = Effort {
     gain: 1e-4,
     patience: 3,
+    central: false,
 };
 /// For the best start.
-const FULL: Stop = Stop {
-    gain: 1e-8,
-    patience: 6,
+const FULL: Effort = Effort {
+    gain: 1e-7,
+    patience: 4,
+    central: true,
 };
-/// Step of the central differences, in the transformed parameter: its truncation error is 1e-6 of a parameter's
-/// range, while Hsieh's bisection leaves noise of the same size in the force.
+/// Step of the differences, in the transformed parameter: the truncation error of central ones is 1e-6 of a
+/// parameter's range, while Hsieh's bisection leaves noise of the same size in the force.
 const STEP: f64 = 1e-3;
 /// Share of the logarithmic range from either end within which a parameter counts as stopped by its bound.
 const AT_EDGE: f64 = 1e-3;
@@ -309,18 +312,19 @@ impl<'a> Problem<'a> {
     }
 
     /// Runs the optimiser from `angles`.
-    fn minimised(&self, angles: DVector<f64>, stop: Stop) -> Option<Fit> {
+    fn minimised(&self, angles: DVector<f64>, work: Effort) -> Option<Fit> {
         let now = self.project(&angles)?;
         let search = Search {
             problem: self,
             angles,
             now: Some(now),
+            central: work.central,
         };
         let (search, _) = LevenbergMarquardt::new()
-            .with_ftol(stop.gain)
+            .with_ftol(work.gain)
             .with_xtol(1e-7)
             .with_gtol(1e-9)
-            .with_patience(stop.patience)
+            .with_patience(work.patience)
             .minimize(search);
         // The optimiser may end on a trial that it rejected for being refused: then this start is lost.
         let now = search.now?;
@@ -356,6 +360,7 @@ struct Search<'a> {
     problem: &'a Problem<'a>,
     angles: DVector<f64>,
     now: Option<Projection>,
+    central: bool,
 }
 
 impl LeastSquaresProblem<f64, Dyn, Dyn> for Search<'_> {
@@ -386,6 +391,10 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Search<'_> {
                     angles[j] += step;
                     self.problem.project(&angles).map(|found| found.residual)
                 };
+                if !self.central {
+                    let here = &self.now.as_ref()?.residual;
+                    return Some((shifted(STEP)? - here) / STEP);
+                }
                 let (ahead, behind) = rayon::join(|| shifted(STEP), || shifted(-STEP));
                 Some((ahead? - behind?) / (2.0 * STEP))
             })
