@@ -1,6 +1,7 @@
 //! From a recording to the parameters of a real-time friction model, and to its simulation.
 
 pub mod compare;
+pub mod demo;
 pub mod friction;
 pub mod identify;
 pub mod kinematics;
@@ -9,4 +10,6 @@ pub mod nmse;
 pub mod progress;
 pub mod recording;
 pub mod report;
+pub mod reproduce;
+pub mod simulate;
 pub mod stage;

@@ -3,13 +3,14 @@
 use super::{Failure, OutputArgs, RecordingArgs, command_line, write_text};
 use clap::Args;
 use preslide_host::identify::split::{Window, parse_window};
-use preslide_host::identify::{Options, identify};
+use preslide_host::identify::{Identification, Options, identify};
 use preslide_host::progress::Progress;
+use preslide_host::recording::Recording;
 use std::path::PathBuf;
 use std::time::Instant;
 
 /// Steps of the progress bar: the search, its repetitions on held-out data, and each number of blocks.
-const STEPS: u64 = 17;
+pub const STEPS: u64 = 17;
 
 /// Rigid body and friction model from recordings
 #[derive(Args)]
@@ -53,33 +54,39 @@ impl Identify {
             found.choose(blocks).map_err(Failure::Input)?;
         }
 
-        println!("{}", found.rigid_body_table(&recording).to_text());
-        println!("{}", found.size_table().to_text());
-        if let Some(table) = found.block_table(&recording) {
-            println!("{}", table.to_text());
-        }
-        for note in &found.notes {
-            println!("Note: {note}.");
-        }
-        println!("{}", found.recommendation);
+        print(&found, &recording);
 
         if let Some(path) = &self.output {
-            let best = found.best();
-            let remarks = [
-                format!("identified from {}", recording.name),
-                format!(
-                    "NMSE {:.4} % fitted, {:.4} % held out; effort low-passed at {:.2} Hz: {}",
-                    best.nmse_train,
-                    best.nmse_test,
-                    found.band_hz,
-                    if found.filtered { "yes" } else { "no" }
-                ),
-            ];
-            write_text(path, &best.model.to_toml(&remarks))?;
+            write_text(path, &model_text(&found, &recording))?;
         }
         let seconds = start.elapsed().as_secs_f64();
         self.outputs.write(&found.to_json(&recording, seconds), || {
             found.page(&recording, command_line())
         })
     }
+}
+
+/// The tables, the notes and the recommendation.
+pub fn print(found: &Identification, recording: &Recording) {
+    println!("{}", found.rigid_body_table(recording).to_text());
+    println!("{}", found.size_table().to_text());
+    if let Some(table) = found.block_table(recording) {
+        println!("{}", table.to_text());
+    }
+    for note in &found.notes {
+        println!("Note: {note}.");
+    }
+    println!("{}", found.recommendation);
+}
+
+/// The recommended model's file, with where it comes from at its head.
+pub fn model_text(found: &Identification, recording: &Recording) -> String {
+    let best = found.best();
+    best.model.to_toml(&[
+        format!("identified from {}", recording.name),
+        format!(
+            "NMSE {:.4} % fitted, {:.4} % held out",
+            best.nmse_train, best.nmse_test
+        ),
+    ])
 }

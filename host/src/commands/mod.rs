@@ -1,7 +1,10 @@
 //! The commands: each reads its arguments, calls the library, and prints one recommendation.
 
 pub mod compare;
+pub mod demo;
 pub mod identify;
+pub mod reproduce;
+pub mod simulate;
 
 use clap::Args;
 use preslide_host::model::ModelError;

@@ -4,7 +4,7 @@ use super::estimate::Estimate;
 use super::maxwell_slip::{self, Selection, Sized};
 use super::refine;
 use super::regression::Regression;
-use super::rigid_body::{self, Kinematics};
+use super::rigid_body::{self, Kinematics, RigidBody, Terms};
 use super::split::Split;
 use super::virgin::VirginCurve;
 use super::{Candidate, Method};
@@ -23,8 +23,8 @@ pub(super) struct Judge<'a> {
     pub(super) train: &'a [usize],
     /// The effort contains inertia, so that it went through the filter.
     pub(super) inertial: bool,
-    /// An inertia is fitted.
-    pub(super) with_mass: bool,
+    /// What the baseline contains; its inertia decides for every model.
+    pub(super) terms: Terms,
 }
 
 impl Judge<'_> {
@@ -56,7 +56,7 @@ impl Judge<'_> {
         Ok(effort)
     }
 
-    /// Measures a model. Where no test window was asked for, `nmse_cross` stands for the test figure.
+    /// Runs a model through the library and measures it.
     fn candidate(
         &self,
         model: Model,
@@ -64,11 +64,22 @@ impl Judge<'_> {
         nmse_cross: f64,
     ) -> Result<Candidate, String> {
         let fitted = self.effort_of(&model)?;
+        Ok(self.measured(model, method, nmse_cross, fitted))
+    }
+
+    /// Measures a fit. Where no test window was asked for, `nmse_cross` stands for the test figure.
+    fn measured(
+        &self,
+        model: Model,
+        method: Method,
+        nmse_cross: f64,
+        fitted: Vec<f64>,
+    ) -> Candidate {
         let nmse_test = match &self.split.test {
             Some(rows) => nmse(self.effort, &fitted, rows),
             None => nmse_cross,
         };
-        Ok(Candidate {
+        Candidate {
             nmse_train: nmse(self.effort, &fitted, self.train),
             nmse_test,
             rigid_body: Vec::new(),
@@ -76,7 +87,7 @@ impl Judge<'_> {
             model,
             method,
             fitted,
-        })
+        }
     }
 
     fn model(&self, friction: FrictionModel, linear: &[(&'static str, f64)]) -> Model {
@@ -91,32 +102,27 @@ impl Judge<'_> {
         }
     }
 
-    /// Coulomb and viscous friction as least squares found them, and its NMSE [%] on folds held out in turn.
-    pub(super) fn coulomb(
-        &self,
-        rigid: &[(&'static str, Estimate)],
-    ) -> Result<(Candidate, f64), String> {
-        let linear: Vec<_> = rigid.iter().map(|(name, e)| (*name, e.value)).collect();
-        let coulomb = linear
+    /// Coulomb and viscous friction as least squares found them, and its NMSE \[%\] on folds held out in turn.
+    pub(super) fn coulomb(&self, rigid: RigidBody) -> Result<(Candidate, f64), String> {
+        let linear: Vec<_> = rigid
+            .parameters
             .iter()
-            .find(|p| p.0 == "coulomb")
-            .map_or(0.0, |p| p.1.max(0.0));
+            .map(|(name, estimate)| (*name, estimate.value))
+            .collect();
+        let coulomb = rigid.value("coulomb").max(0.0);
         let model = self.model(FrictionModel::Coulomb { coulomb }, &linear);
-        let mut candidate = self.candidate(model, Method::LeastSquares, f64::NAN)?;
-        candidate.rigid_body = rigid.to_vec();
-        let nmse_cross = self.cross_validated(|rows| {
+        let nmse_cross = self.cross_validated(|folds| {
             let rigid = rigid_body::fit(
                 self.recording,
                 self.kinematics,
                 self.effort,
-                rows,
-                self.with_mass,
+                folds,
+                self.terms,
             )?;
             Ok(rigid.fitted)
         })?;
-        if self.split.test.is_none() {
-            candidate.nmse_test = nmse_cross;
-        }
+        let mut candidate = self.measured(model, Method::LeastSquares, nmse_cross, rigid.fitted);
+        candidate.rigid_body = rigid.parameters;
         Ok((candidate, nmse_cross))
     }
 
@@ -144,7 +150,7 @@ impl Judge<'_> {
     }
 
     fn linear_of(&self, linear: &[f64]) -> Vec<(&'static str, f64)> {
-        let names: &[&'static str] = if self.with_mass {
+        let names: &[&'static str] = if self.terms.mass {
             &["mass", "viscous", "offset"]
         } else {
             &["viscous", "offset"]

@@ -19,7 +19,7 @@ use crate::progress::Progress;
 use crate::recording::Recording;
 use estimate::Estimate;
 use regression::{Column, Regression};
-use rigid_body::Kinematics;
+use rigid_body::{Kinematics, Terms};
 use split::{Split, Window};
 use virgin::VirginCurve;
 
@@ -172,19 +172,25 @@ pub fn identify(
         recording.effort.clone()
     };
     let mut notes = Vec::new();
-    let mut with_mass = inertial;
-    let mut rigid = rigid_body::fit(recording, &kinematics, &effort, &split.folds, with_mass)?;
-    if let Some((_, mass)) = rigid
-        .parameters
-        .iter()
-        .find(|p| p.0 == "mass" && p.1.value <= 0.0)
-    {
+    let mut terms = Terms {
+        mass: inertial,
+        viscous: true,
+    };
+    let fit = |terms| rigid_body::fit(recording, &kinematics, &effort, &split.folds, terms);
+    let mut rigid = fit(terms)?;
+    let mass = rigid.value("mass");
+    if mass < 0.0 {
         notes.push(format!(
-            "the inertia came out as {:.3} and was left out: this motion has too little acceleration to show one; record faster reversals",
-            mass.value
+            "the inertia came out as {mass:.3} and was left out: this motion has too little acceleration to show one; record faster reversals"
         ));
-        with_mass = false;
-        rigid = rigid_body::fit(recording, &kinematics, &effort, &split.folds, with_mass)?;
+        terms.mass = false;
+        rigid = fit(terms)?;
+    }
+    let with_mass = terms.mass;
+    if rigid.value("coulomb") < 0.0 {
+        // Viscous friction that imitates the rounded reversals of pre-sliding.
+        terms.viscous = false;
+        rigid = fit(terms)?;
     }
 
     let mut columns = Vec::new();
@@ -227,9 +233,9 @@ pub fn identify(
         split: &split,
         train: &train,
         inertial,
-        with_mass,
+        terms,
     };
-    let (coulomb, baseline) = judge.coulomb(&rigid.parameters)?;
+    let (coulomb, baseline) = judge.coulomb(rigid)?;
     let mut candidates = vec![coulomb];
     let virgin = judge.virgin(&selection);
     let paper = judge.by_paper(&selection, &virgin)?;

@@ -177,8 +177,33 @@ impl Identification {
                 self.split.unit
             ));
         }
+        if self.one_speed() {
+            notes.push(
+                "nearly all of the motion is at one speed: viscous friction and friction level cannot be told apart; move at several speeds".to_owned(),
+            );
+        }
         notes.extend(self.explain_test(recording));
         self.notes.extend(notes);
+    }
+
+    /// Whether three quarters of the moving samples have the median speed within a fifth.
+    fn one_speed(&self) -> bool {
+        let mut speeds: Vec<f64> = self
+            .split
+            .folds
+            .iter()
+            .flatten()
+            .map(|&i| self.velocity[i].abs())
+            .collect();
+        speeds.sort_by(f64::total_cmp);
+        let top = speeds.last().copied().unwrap_or(0.0);
+        speeds.retain(|speed| *speed > 0.05 * top);
+        let median = speeds.get(speeds.len() / 2).copied().unwrap_or(0.0);
+        let near = speeds
+            .iter()
+            .filter(|s| (*s / median - 1.0).abs() < 0.2)
+            .count();
+        4 * near > 3 * speeds.len()
     }
 
     /// Why training and test data fit differently well, where they do.

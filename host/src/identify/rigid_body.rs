@@ -21,6 +21,16 @@ pub struct Kinematics {
     pub direction: Vec<f64>,
 }
 
+impl RigidBody {
+    /// The value of a coefficient, 0 where it was not fitted.
+    pub fn value(&self, name: &str) -> f64 {
+        self.parameters
+            .iter()
+            .find(|p| p.0 == name)
+            .map_or(0.0, |p| p.1.value)
+    }
+}
+
 impl Kinematics {
     /// Chooses the band and differentiates the position.
     pub fn of(recording: &Recording) -> Self {
@@ -44,10 +54,19 @@ impl Kinematics {
 /// `effort = inertia·a + viscous·v + coulomb·sgn v + offset`.
 #[derive(Clone, Debug)]
 pub struct RigidBody {
-    /// Coefficients by name: `mass` (where one is fitted), `viscous`, `coulomb`, `offset`.
+    /// Coefficients by name: `mass` and `viscous` where they are fitted, `coulomb`, `offset`.
     pub parameters: Vec<(&'static str, Estimate)>,
     /// Coefficient times column, summed: the fitted effort at every sample.
     pub fitted: Vec<f64>,
+}
+
+/// What a rigid body fit contains beside Coulomb friction and offset.
+#[derive(Clone, Copy, Debug)]
+pub struct Terms {
+    /// Inertia.
+    pub mass: bool,
+    /// Viscous friction.
+    pub viscous: bool,
 }
 
 /// Fits the rigid body over the folds' samples. Both sides of the equation go through the same zero-phase filter
@@ -60,20 +79,22 @@ pub fn fit(
     kinematics: &Kinematics,
     effort: &[f64],
     folds: &[Vec<usize>],
-    with_mass: bool,
+    terms: Terms,
 ) -> Result<RigidBody, String> {
     let inertial = recording.role.contains_inertia();
     let mut columns = Vec::new();
-    if with_mass {
+    if terms.mass {
         columns.push(Column {
             name: "mass",
             values: kinematics.acceleration.clone(),
         });
     }
-    columns.push(Column {
-        name: "viscous",
-        values: kinematics.velocity.clone(),
-    });
+    if terms.viscous {
+        columns.push(Column {
+            name: "viscous",
+            values: kinematics.velocity.clone(),
+        });
+    }
     columns.push(Column {
         name: "coulomb",
         values: if inertial {

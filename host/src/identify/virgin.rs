@@ -14,6 +14,9 @@ pub struct VirginCurve {
 /// Bins over the longest stroke when branches are averaged.
 const BINS: usize = 400;
 
+/// Share of the longest stroke that a stroke must have to count.
+const LONG: f64 = 0.9;
+
 /// Share of the highest force at which the curve counts as having reached the breakaway force.
 const BREAKAWAY_REACHED: f64 = 0.98;
 
@@ -22,17 +25,18 @@ impl VirginCurve {
     /// the virgin curve at twice the scale, as for every Maxwell-slip model).
     ///
     /// `friction` is the force without inertia, viscous part and offset; `strokes` are samples of one stroke
-    /// each, in order. Each stroke's own first sample is taken as its reversal.
+    /// each, in order. Each stroke's own first sample is taken as its reversal. Only strokes nearly as long as the
+    /// longest count: a short one does not start from saturation, where Masing's rule holds.
     pub fn from_strokes(position: &[f64], friction: &[f64], strokes: &[Vec<usize>]) -> Self {
-        let longest = strokes
-            .iter()
-            .flat_map(|rows| {
-                rows.iter()
-                    .map(|&i| (position[i] - position[rows[0]]).abs())
-            })
-            .fold(0.0, f64::max);
+        let travel = |rows: &Vec<usize>| {
+            let start = rows.first().map_or(0.0, |&i| position[i]);
+            rows.iter()
+                .map(|&i| (position[i] - start).abs())
+                .fold(0.0, f64::max)
+        };
+        let longest = strokes.iter().map(travel).fold(0.0, f64::max);
         let mut bins: BTreeMap<usize, (f64, f64, f64)> = BTreeMap::new();
-        for rows in strokes {
+        for rows in strokes.iter().filter(|rows| travel(rows) >= LONG * longest) {
             let Some((&first, &last)) = rows.first().zip(rows.last()) else {
                 continue;
             };
