@@ -84,7 +84,7 @@ impl Family {
             ],
             Family::Hsieh => vec![
                 bounded("1/beta", shortest, longest),
-                bounded("k_1s*beta/k_2s", 1e-4, 10.0),
+                bounded("k_2s/(beta*k_1s)", 0.1 * span.longest, 1e3 * span.longest),
                 bounded("rho", 0.01 / span.duration, 3.0 / span.sample_time),
                 bounded("1/psi", 1e-3 * span.shortest, 10.0 * span.longest),
                 bounded("a", 0.5, 10.0),
@@ -136,9 +136,9 @@ impl Family {
                     attraction: f64::INFINITY,
                 },
             },
-            (Family::Hsieh, &[length, linear, creep, softness, exponent]) => {
+            (Family::Hsieh, &[length, linear_length, creep, softness, exponent]) => {
                 FrictionModel::Hsieh(HsiehParams {
-                    k1: linear * amplitude / length,
+                    k1: amplitude / linear_length,
                     k2: amplitude / length,
                     beta: 1.0 / length,
                     viscous: damping,
