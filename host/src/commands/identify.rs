@@ -14,6 +14,9 @@ pub const STEPS: u64 = 17;
 
 /// Rigid body and friction model from recordings
 #[derive(Args)]
+#[command(
+    after_help = "Example: preslide identify axis.csv --map force_N=35.15*voltage_V -o model.toml --report report.html"
+)]
 pub struct Identify {
     #[command(flatten)]
     recordings: RecordingArgs,

@@ -11,6 +11,9 @@ use std::time::Instant;
 
 /// The force that a motion takes, or the motion that a slow force causes
 #[derive(Args)]
+#[command(
+    after_help = "Example: preslide simulate model.toml --motion axis.csv --report simulation.html"
+)]
 #[command(group = ArgGroup::new("input").required(true).args(["motion", "force", "ramp"]))]
 pub struct Simulate {
     /// Model file, as `identify` writes it

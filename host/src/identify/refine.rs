@@ -23,6 +23,9 @@ const ITERATIONS: usize = 40;
 /// Relative improvement below which a refinement has converged.
 const CONVERGED: f64 = 1e-9;
 
+/// Step of `ln D` below which a refused step means that the optimum is reached, not that it was too long.
+const STILL: f64 = 1e-6;
+
 /// Everything that the force is regressed on for given yields, at the samples `rows`: linear columns,
 /// deflections, derivatives with respect to `D`, force.
 struct Design {
@@ -131,7 +134,18 @@ pub fn refine(
     regression: &Regression,
     rows: &[usize],
     start: Vec<f64>,
+    range: (f64, f64),
+) -> Option<Fit> {
+    refine_until(regression, rows, start, range, CONVERGED)
+}
+
+/// [`refine`] that ends at relative improvements below `converged`.
+pub fn refine_until(
+    regression: &Regression,
+    rows: &[usize],
+    start: Vec<f64>,
     (shortest, longest): (f64, f64),
+    converged: f64,
 ) -> Option<Fit> {
     let mut best = solve(regression, rows, start)?;
     let (p, n) = (best.fit.linear.len(), best.fit.yields.len());
@@ -142,7 +156,12 @@ pub fn refine(
             matrix[(i, i)] *= 1.0 + damping;
         }
         let before = best.fit.squared_error;
+        let mut reach = f64::INFINITY;
         let trial = solve_normal(&matrix, &right).and_then(|step| {
+            reach = step
+                .iter()
+                .skip(p + n)
+                .fold(0.0, |r: f64, s| r.max(s.abs()));
             let mut yields: Vec<f64> = best
                 .fit
                 .yields
@@ -158,19 +177,30 @@ pub fn refine(
                 let gain = before - trial.fit.squared_error;
                 best = trial;
                 damping = (damping / 10.0_f64).max(1e-9);
-                if gain < CONVERGED * before {
+                if gain < converged * before {
                     break;
                 }
             }
             _ => {
                 damping *= 10.0;
-                if damping > 1e6 {
+                if damping > 1e6 || reach < STILL {
                     break;
                 }
             }
         }
     }
     Some(best.fit)
+}
+
+/// Squared error that `fit` leaves on `rows`.
+pub fn squared_error(regression: &Regression, fit: &Fit, rows: &[usize]) -> Option<f64> {
+    let gram = Design::new(regression, rows, &fit.yields).gram(0..rows.len())?;
+    let coefficients = DVector::from_iterator(
+        fit.linear.len() + fit.stiffness.len(),
+        fit.linear.iter().chain(&fit.stiffness).copied(),
+    );
+    let chosen: Vec<usize> = (0..coefficients.len()).collect();
+    Some(gram.squared_error(&chosen, &coefficients))
 }
 
 /// Covariance of (linear, k, ln D) that holds although neighbouring errors are alike.
