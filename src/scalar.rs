@@ -2,7 +2,7 @@
 
 use core::fmt::Debug;
 use core::ops::{Add, Mul, Neg, Sub};
-use fixed::types::extra::{LeEqU32, LeEqU64};
+use fixed::types::extra::{LeEqU32, LeEqU64, U16};
 use fixed::{FixedI32, FixedI64};
 
 /// The few operations that a friction model needs of a number.
@@ -55,6 +55,12 @@ pub trait Scalar:
 
     /// An integer, saturating at the range's ends.
     fn from_int(value: i32) -> Self;
+
+    /// `value / 65536`, rounded down where the type is coarser, saturating at the range's ends.
+    fn from_q16(value: i32) -> Self;
+
+    /// The nearest integer, ties away from zero, saturating; NaN gives 0.
+    fn round_to_int(self) -> i32;
 
     /// The nearest representable number, saturating at the range's ends; NaN gives 0 in fixed point.
     fn from_f32(value: f32) -> Self;
@@ -120,6 +126,14 @@ macro_rules! float_scalar {
             #[inline]
             fn from_int(value: i32) -> Self {
                 value as $t
+            }
+            #[inline]
+            fn from_q16(value: i32) -> Self {
+                value as $t / 65536.0
+            }
+            #[inline]
+            fn round_to_int(self) -> i32 {
+                (if self < 0.0 { self - 0.5 } else { self + 0.5 }) as i32
             }
             #[inline]
             fn from_f32(value: f32) -> Self {
@@ -193,6 +207,14 @@ macro_rules! fixed_scalar {
             #[inline]
             fn from_int(value: i32) -> Self {
                 $t::saturating_from_num(value)
+            }
+            #[inline]
+            fn from_q16(value: i32) -> Self {
+                $t::saturating_from_num(FixedI32::<U16>::from_bits(value))
+            }
+            #[inline]
+            fn round_to_int(self) -> i32 {
+                self.saturating_round().saturating_to_num()
             }
             fn from_f32(value: f32) -> Self {
                 // `saturating_from_num` panics on NaN and on infinity.
