@@ -33,15 +33,15 @@ impl Motor {
     /// | supply | 6 V | nominal voltage, in the type's name |
     /// | `k_M`, `R` | 6.59 mN·m/A, 3.41 Ω | assumption: the winding's catalogue values, not checked against a sheet |
     /// | lead | 2 mm | Table 1, SKF SH 6×2 R |
-    /// | gear | 7 | assumption: the paper names a gearhead but no ratio |
-    /// | `η` | 0.8 | assumption: a ball screw of 0.9 behind a single-stage gear of 0.9 |
+    /// | gear | 1 | assumption: the paper names a gearhead but no ratio |
+    /// | `η` | 1 | assumption: what gear and screw lose is part of the friction that is identified |
     /// | steps | 8500 | 170 MHz timer at 20 kHz (NUCLEO-G474RE) |
     pub const PAPER_AXIS: Motor = Motor {
         torque_constant: 6.59e-3,
         resistance: 3.41,
-        gear_ratio: 7.0,
+        gear_ratio: 1.0,
         screw_lead: 2e-3,
-        efficiency: 0.8,
+        efficiency: 1.0,
         supply: 6.0,
         steps: 8500.0,
     };
@@ -127,8 +127,8 @@ impl<S: Scalar> MotorDrive<S> {
     /// The PWM code for a force at a velocity; `None` where the result is not a number.
     ///
     /// `boost` is nominal over measured supply voltage (-). The part of a code that rounding leaves over is
-    /// carried to the next tick (first-order noise shaping): one code of the paper's axis is 27 mN, 3 % of its
-    /// breakaway force, and without the carry that would be the resolution of the force.
+    /// carried to the next tick (first-order noise shaping): one code of the paper's axis is 4.3 mN,
+    /// 0.5 % of its breakaway force, and without the carry that would be the resolution of the force.
     #[inline]
     pub fn code(&self, rounding: &mut Rounding<S>, force: S, velocity: S, boost: S) -> Option<i32> {
         let back_emf = self.codes_per_velocity.mul_input(velocity);

@@ -55,17 +55,17 @@ impl Settings {
         motor: Motor::PAPER_AXIS,
         supply_code: 1e-3,
         gains: PidGains {
-            proportional: 4e5,
-            integral: 2e7,
-            derivative: 4e3,
+            proportional: 1e5,
+            integral: 3e6,
+            derivative: 600.0,
             integral_limit: 5.0,
-            deadband: 37.5e-9,
+            deadband: 30e-9,
         },
         feed_forward: FeedForward {
             drive: super::Drive::Reference,
             share: 1.0,
             limit: 5.0,
-            mass: 51.4,
+            mass: 4.05,
         },
         duty_limit: 0.4,
         watch: Watch {
