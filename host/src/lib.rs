@@ -1,1 +1,12 @@
-//! The host side.
+//! From a recording to the parameters of a real-time friction model, and to its simulation.
+
+pub mod friction;
+pub mod identify;
+pub mod kinematics;
+pub mod model;
+pub mod nmse;
+pub mod progress;
+pub mod recording;
+pub mod report;
+pub mod stage;
+pub mod tracking;

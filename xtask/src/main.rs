@@ -1,2 +1,58 @@
-//! Build helper.
-fn main() {}
+//! `cargo xtask`: builds, checks and measures Preslide; installs what that needs. Standard library only.
+
+mod cycles;
+mod process;
+mod test;
+mod thumb;
+mod tools;
+
+use std::process::ExitCode;
+
+struct Command {
+    name: &'static str,
+    help: &'static str,
+    run: fn(&[String]) -> Result<(), String>,
+}
+
+const COMMANDS: &[Command] = &[
+    Command {
+        name: "test",
+        help: "everything CI runs, or the steps named; installs what is missing",
+        run: test::run_steps,
+    },
+    Command {
+        name: "cycles",
+        help: "what an update of each kernel costs on a Cortex-M4F; --check compares with the committed table",
+        run: cycles::run_command,
+    },
+];
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let Some((name, rest)) = arguments.split_first() else {
+        print_help();
+        return ExitCode::SUCCESS;
+    };
+    if ["help", "--help", "-h"].contains(&name.as_str()) {
+        print_help();
+        return ExitCode::SUCCESS;
+    }
+    let Some(command) = COMMANDS.iter().find(|command| command.name == name) else {
+        eprintln!("xtask: there is no command `{name}`; `cargo xtask help` lists them");
+        return ExitCode::from(2);
+    };
+    match (command.run)(rest) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(reason) => {
+            eprintln!("xtask {name}: {reason}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn print_help() {
+    println!("cargo xtask COMMAND\n");
+    for command in COMMANDS {
+        println!("  {:<8} {}", command.name, command.help);
+    }
+}

@@ -1,0 +1,105 @@
+//! Links for QEMU's mps2-an386, and builds the C peers with `arm-none-eabi-gcc`.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const CPU: &[&str] = &[
+    "-mcpu=cortex-m4",
+    "-mthumb",
+    "-mfloat-abi=hard",
+    "-mfpu=fpv4-sp-d16",
+];
+
+/// Kernel name, type, exponential, optimisation: `src/peers.rs` calls them by these names.
+const PEERS: &[(&str, &str, &str, &[&str])] = &[
+    ("textbook_float_O2", "float", "expf", &["-O2"]),
+    (
+        "textbook_float_O3_fast",
+        "float",
+        "expf",
+        &["-O3", "-ffast-math"],
+    ),
+    ("textbook_double_O2", "double", "exp", &["-O2"]),
+];
+
+fn main() -> Result<(), String> {
+    let crate_folder = env_path("CARGO_MANIFEST_DIR")?;
+    let out = env_path("OUT_DIR")?;
+    println!("cargo:rustc-link-search={}", crate_folder.display());
+    println!("cargo:rustc-link-arg=-Tlink.x");
+    println!("cargo:rerun-if-changed=memory.x");
+    println!("cargo:rerun-if-changed=peers/gms.c");
+
+    let source = crate_folder.join("peers/gms.c");
+    let mut objects = Vec::new();
+    let mut names = Vec::new();
+    for (kernel, real, exp, optimisation) in PEERS {
+        for n in [1, 2, 3, 4, 6, 8, 10] {
+            let name = format!("cycles__{kernel}__{n}");
+            let object = out.join(format!("{name}.o"));
+            let mut gcc = Command::new("arm-none-eabi-gcc");
+            gcc.args(CPU).args(*optimisation).args([
+                "-std=c11",
+                "-Wall",
+                "-Wextra",
+                "-Werror",
+                "-ffunction-sections",
+            ]);
+            gcc.args([
+                format!("-DREAL={real}"),
+                format!("-DEXP={exp}"),
+                format!("-DN={n}"),
+                format!("-DSTEP={name}"),
+            ]);
+            run(gcc.arg("-c").arg(&source).arg("-o").arg(&object))?;
+            objects.push(object);
+            names.push(name);
+        }
+    }
+    link_with_own_library(&objects, &names, &out)
+}
+
+/// One object with gcc's and newlib's routines inside and only the peers visible: C's exponential and software
+/// `double` are then C's own, not the ones that Rust links for itself.
+fn link_with_own_library(objects: &[PathBuf], names: &[String], out: &Path) -> Result<(), String> {
+    let whole = out.join("peers.o");
+    let mut gcc = Command::new("arm-none-eabi-gcc");
+    gcc.args(CPU)
+        .args(["-r", "-nostdlib", "-o"])
+        .arg(&whole)
+        .args(objects);
+    run(gcc.args([
+        "-Wl,--start-group",
+        "-lm",
+        "-lc",
+        "-lgcc",
+        "-Wl,--end-group",
+    ]))?;
+    let mut objcopy = Command::new("arm-none-eabi-objcopy");
+    objcopy.args(
+        names
+            .iter()
+            .map(|name| format!("--keep-global-symbol={name}")),
+    );
+    run(objcopy.arg(&whole))?;
+    println!("cargo:rustc-link-arg={}", whole.display());
+    Ok(())
+}
+
+fn env_path(name: &str) -> Result<PathBuf, String> {
+    std::env::var_os(name)
+        .map(PathBuf::from)
+        .ok_or_else(|| format!("cargo did not set {name}"))
+}
+
+fn run(command: &mut Command) -> Result<(), String> {
+    let program = command.get_program().to_string_lossy().into_owned();
+    match command.status() {
+        Ok(status) if status.success() => Ok(()),
+        Ok(status) => Err(format!("{command:?} failed ({status})")),
+        Err(error) => Err(format!(
+            "{program} did not start ({error}); run `cargo xtask cycles`, which installs it, or install the Debian \
+             packages gcc-arm-none-eabi and libnewlib-arm-none-eabi"
+        )),
+    }
+}

@@ -1,0 +1,37 @@
+//! Calls every kernel through one stub over one random motion, in QEMU, for `cargo xtask cycles` to record.
+//!
+//! A stub is a function named `cycles__KERNEL__N` that nothing is inlined into or out of; its instruction path is
+//! what is measured. For each, one line says what the recorder cannot see:
+//! `kernel NAME N calls COUNT model BYTES state BYTES force_rms NEWTONS`.
+
+#![no_std]
+#![no_main]
+
+mod kernels;
+mod motion;
+mod peers;
+mod stub;
+
+use core::panic::PanicInfo;
+use cortex_m::asm::wfi;
+use cortex_m_semihosting::{debug, hprintln};
+
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    hprintln!("motion seed {:#x}", motion::SEED);
+    kernels::run();
+    peers::run();
+    debug::exit(debug::EXIT_SUCCESS);
+    loop {
+        wfi();
+    }
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo) -> ! {
+    hprintln!("{}", info);
+    debug::exit(debug::EXIT_FAILURE);
+    loop {
+        wfi();
+    }
+}

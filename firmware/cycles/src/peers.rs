@@ -1,0 +1,112 @@
+//! What Preslide's kernels are measured against: an empty call, the textbook model in C, and a biquad.
+
+use dsp_process::SplitProcess;
+use fixed::types::I32F0;
+use idsp::iir::{BiquadClamp, DirectForm1};
+use preslide::Units;
+
+use crate::kernels::{BREAKAWAY, SLIDING, table_3};
+use crate::motion::{COUNT, SAMPLE_TIME};
+use crate::stub::Row;
+
+/// The C peer's `struct gms`.
+#[repr(C)]
+struct TextbookGms<const N: usize, S> {
+    stiffness: [S; N],
+    weight: [S; N],
+    breakaway: S,
+    coulomb: S,
+    stribeck_velocity: S,
+    attraction: S,
+    sample_time: S,
+}
+
+/// The C peer's `struct gms_state`.
+#[repr(C)]
+struct TextbookState<const N: usize, S> {
+    force: [S; N],
+    slipping: [i32; N],
+    direction: i32,
+}
+
+impl<const N: usize, S: preslide::Scalar> TextbookGms<N, S> {
+    fn new() -> Self {
+        let scalar = |value: f64| S::try_from_f64(value).unwrap_or(S::ZERO);
+        Self {
+            stiffness: table_3::<N>().map(|(stiffness, _)| scalar(stiffness)),
+            weight: table_3::<N>().map(|(_, weight)| scalar(weight)),
+            breakaway: scalar(BREAKAWAY),
+            coulomb: scalar(SLIDING.coulomb),
+            stribeck_velocity: scalar(SLIDING.stribeck_velocity),
+            attraction: scalar(SLIDING.attraction),
+            sample_time: scalar(SAMPLE_TIME),
+        }
+    }
+}
+
+/// One build of `peers/gms.c` at every measured N.
+macro_rules! textbook {
+    ($kernel:literal, $scalar:ty) => {
+        textbook!($kernel, $scalar, 1 2 3 4 6 8 10)
+    };
+    ($kernel:literal, $scalar:ty, $($n:literal)*) => {
+        $({
+            // SAFETY: build.rs compiles the function with this type, this N and this name.
+            unsafe extern "C" {
+                #[link_name = concat!("cycles__", $kernel, "__", $n)]
+                fn step(
+                    model: &TextbookGms<$n, $scalar>,
+                    state: &mut TextbookState<$n, $scalar>,
+                    displacement: $scalar,
+                    velocity: $scalar,
+                ) -> $scalar;
+            }
+            let row = Row { kernel: $kernel, blocks: $n, units: Units::SI };
+            let state = TextbookState { force: [0.0; $n], slipping: [0; $n], direction: 0 };
+            row.run(&TextbookGms::new(), state, step);
+        })*
+    };
+}
+
+/// What a call of any stub costs by itself.
+// SAFETY: the symbol is this crate's own.
+#[unsafe(export_name = "cycles__empty_call__1")]
+#[inline(never)]
+extern "C" fn empty_call(_model: &(), _state: &mut (), displacement: f32, _velocity: f32) -> f32 {
+    displacement
+}
+
+type Biquad = BiquadClamp<dsp_fixedpoint::Q<i32, i64, 29>, i32>;
+
+// SAFETY: the symbol is this crate's own.
+#[unsafe(export_name = "cycles__idsp_biquad_i32__1")]
+#[inline(never)]
+extern "C" fn biquad(
+    model: &Biquad,
+    state: &mut DirectForm1<i32>,
+    displacement: I32F0,
+    _velocity: I32F0,
+) -> I32F0 {
+    I32F0::from_bits(model.process(state, displacement.to_bits()))
+}
+
+pub fn run() {
+    textbook!("textbook_float_O2", f32);
+    textbook!("textbook_float_O3_fast", f32);
+    textbook!("textbook_double_O2", f64);
+
+    let single = |kernel, units| Row {
+        kernel,
+        blocks: 1,
+        units,
+    };
+    single("empty_call", Units::SI).run(&(), (), empty_call);
+    // A low-pass at a tenth of the sample rate.
+    let counts = Units {
+        length: COUNT,
+        force: 1.0,
+        velocity: COUNT / SAMPLE_TIME,
+    };
+    let model = Biquad::from([0.0675, 0.135, 0.0675, 1.143, -0.413]);
+    single("idsp_biquad_i32", counts).run(&model, DirectForm1::default(), biquad);
+}

@@ -1,0 +1,178 @@
+//! The library's friction models, chosen at run time and run along a recording in `f64`.
+
+use preslide::{
+    Block, Coulomb, Dahl, Friction, Gms, Hsieh, HsiehParams, LuGre, Motion, ParamError,
+    QuasiStaticGms, Sliding, Units,
+};
+use std::ops::Range;
+
+/// Most blocks that a model file may have.
+pub const MOST_BLOCKS: usize = 16;
+
+/// A friction model and its parameters, in SI.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FrictionModel {
+    /// [`Coulomb`]; viscous friction is kept beside every model, see [`crate::model::Model`].
+    Coulomb {
+        /// `F_c` [N].
+        coulomb: f64,
+    },
+    /// [`Dahl`].
+    Dahl {
+        /// `σ0` [N/m].
+        stiffness: f64,
+        /// `F_c` [N].
+        coulomb: f64,
+        /// `n` [-].
+        exponent: f64,
+    },
+    /// [`LuGre`].
+    LuGre {
+        /// `σ0` [N/m].
+        stiffness: f64,
+        /// `σp` [N·s/m].
+        damping: f64,
+        /// `F_s` [N].
+        breakaway: f64,
+        /// Stribeck curve.
+        sliding: Sliding,
+    },
+    /// [`Hsieh`].
+    Hsieh(HsiehParams),
+    /// [`QuasiStaticGms`], or [`Gms`] where `sliding` is given.
+    Gms {
+        /// `F_s` [N].
+        breakaway: f64,
+        /// 1…[`MOST_BLOCKS`] blocks.
+        blocks: Vec<Block>,
+        /// Stribeck curve and lag; `None` for the quasi-static law.
+        sliding: Option<Sliding>,
+    },
+}
+
+/// A motion to run a model along.
+#[derive(Clone, Copy)]
+pub struct Path<'a> {
+    /// Position [m or rad].
+    pub position: &'a [f64],
+    /// Velocity [m/s or rad/s].
+    pub velocity: &'a [f64],
+    /// Contiguous samples; a model keeps its state from one to the next.
+    pub pieces: &'a [Range<usize>],
+    /// Time between samples [s].
+    pub sample_time: f64,
+}
+
+impl Path<'_> {
+    /// The force [N or N·m] of `model` at every sample, from rest.
+    fn run<M: Friction<Scalar = f64>>(&self, model: &M) -> Vec<f64> {
+        let mut state = model.at_rest();
+        let mut force = vec![0.0; self.position.len()];
+        for piece in self.pieces {
+            let mut last = self.position[piece.start];
+            for i in piece.clone() {
+                let motion = Motion {
+                    displacement: self.position[i] - last,
+                    velocity: self.velocity[i],
+                };
+                last = self.position[i];
+                force[i] = model.step(&mut state, motion);
+            }
+        }
+        force
+    }
+}
+
+/// Calls `$body` with `$n` bound to a constant equal to the number of blocks.
+macro_rules! with_blocks {
+    ($blocks:expr, $array:ident => $body:expr, [$($n:literal)*]) => {
+        match $blocks.len() {
+            $($n => {
+                let mut $array = [Block { stiffness: 0.0, weight: 0.0 }; $n];
+                $array.copy_from_slice($blocks);
+                $body
+            })*
+            other => Err(ParamError {
+                parameter: "number of blocks",
+                block: None,
+                value: other as f64,
+                bound: preslide::Bound::AtMost(MOST_BLOCKS as f64),
+            }),
+        }
+    };
+}
+
+impl FrictionModel {
+    /// Its name in model files and tables.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Coulomb { .. } => "coulomb",
+            Self::Dahl { .. } => "dahl",
+            Self::LuGre { .. } => "lugre",
+            Self::Hsieh(_) => "hsieh",
+            Self::Gms { .. } => "gms",
+        }
+    }
+
+    /// A quasi-static GMS from stiffnesses [N/m] and yield displacements [m].
+    pub fn maxwell_slip(stiffness: &[f64], yields: &[f64]) -> Self {
+        let breakaway: f64 = stiffness.iter().zip(yields).map(|(k, d)| k * d).sum();
+        Self::Gms {
+            breakaway,
+            blocks: stiffness
+                .iter()
+                .zip(yields)
+                .map(|(&k, d)| Block {
+                    stiffness: k,
+                    weight: k * d / breakaway,
+                })
+                .collect(),
+            sliding: None,
+        }
+    }
+
+    /// The friction force at every sample of `path`, computed by the library.
+    ///
+    /// # Errors
+    /// [`ParamError`] where the library refuses a parameter.
+    pub fn force(&self, path: Path) -> Result<Vec<f64>, ParamError> {
+        let units = Units::SI;
+        Ok(match self {
+            Self::Coulomb { coulomb } => {
+                path.run(&Coulomb::<f64>::try_new(*coulomb, 0.0, units)?)
+            }
+            Self::Dahl {
+                stiffness,
+                coulomb,
+                exponent,
+            } => path.run(&Dahl::<f64>::try_new(
+                *stiffness, *coulomb, *exponent, units,
+            )?),
+            Self::LuGre {
+                stiffness,
+                damping,
+                breakaway,
+                sliding,
+            } => path.run(&LuGre::<f64>::try_new(
+                *stiffness, *damping, *breakaway, *sliding, units,
+            )?),
+            Self::Hsieh(params) => {
+                path.run(&Hsieh::<f64>::try_new(params, path.sample_time, units)?)
+            }
+            Self::Gms {
+                breakaway,
+                blocks,
+                sliding: None,
+            } => with_blocks!(blocks, array => Ok(path.run(&QuasiStaticGms::<_, f64>::try_new(
+                &array, *breakaway, units,
+            )?)), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])?,
+            Self::Gms {
+                breakaway,
+                blocks,
+                sliding: Some(sliding),
+            } => with_blocks!(blocks, array => Ok(path.run(&Gms::<_, f64>::try_new(
+                &array, *breakaway, *sliding, path.sample_time, units,
+            )?)), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])?,
+        })
+    }
+}

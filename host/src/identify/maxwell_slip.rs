@@ -1,0 +1,186 @@
+//! GMS models of 1…10 blocks for one recording: optimal breakpoints, the paper's procedure, and how many blocks
+//! the data support.
+
+use super::refine::{self, Fit};
+use super::regression::{Gram, Regression, solve_normal};
+use super::search::{Choice, best_choices};
+use super::virgin::VirginCurve;
+use crate::progress::Progress;
+use rayon::prelude::*;
+
+/// Most blocks that are tried.
+pub const MOST: usize = 10;
+/// Yields in the grid of the global search.
+const GRID: usize = 56;
+/// Best subsets of the grid that are refined.
+const REFINED: usize = 3;
+/// Groups of folds that take turns in being held out.
+const GROUPS: usize = 6;
+
+/// A model of one size.
+#[derive(Clone, Debug)]
+pub struct Sized {
+    /// The fit on all training samples.
+    pub fit: Fit,
+    /// NMSE [%] on samples that were held out in turn.
+    pub nmse_cross: f64,
+    /// Squared error of each held-out group of folds.
+    pub held_out: Vec<f64>,
+}
+
+/// What the training samples say.
+#[derive(Clone, Debug)]
+pub struct Selection {
+    /// Optimal breakpoints, for each number of blocks that has a fit with positive stiffness.
+    pub optimal: Vec<Sized>,
+    /// The same without any block: the linear columns alone. NMSE [%] held out in turn.
+    pub nmse_cross_without: f64,
+    /// Index into `optimal` of the smallest model within one standard error of the best.
+    pub knee: usize,
+}
+
+/// The range of yields worth trying: from `shortest` to `longest` [m or rad].
+pub fn grid((shortest, longest): (f64, f64)) -> Vec<f64> {
+    (0..GRID)
+        .map(|j| shortest * (longest / shortest).powf(j as f64 / (GRID - 1) as f64))
+        .collect()
+}
+
+/// Fits models of 1…[`MOST`] blocks with yields in `range`.
+///
+/// # Errors
+/// Why no model can be fitted.
+pub fn select(
+    regression: &Regression,
+    range: (f64, f64),
+    progress: &Progress,
+) -> Result<Selection, String> {
+    let grid = grid(range);
+    let linear = regression.columns.len();
+    let grams = regression.grams(&grid);
+    let groups = grouped(&grams);
+    let total = Gram::sum(&groups).ok_or("there are no samples to fit")?;
+    let choices = best_choices(&total, linear, MOST);
+    progress.inc(1);
+
+    // Every group of folds takes its turn: yields and stiffnesses come from the others alone.
+    let held_out: Vec<Vec<f64>> = (0..groups.len())
+        .into_par_iter()
+        .map(|out| {
+            let errors = match Gram::sum(groups.iter().enumerate().filter(|(g, _)| *g != out).map(|g| g.1)) {
+                None => vec![f64::NAN; MOST + 1],
+                Some(rest) => {
+                    let choices = best_choices(&rest, linear, MOST);
+                    let mut errors = vec![error_on(&groups[out], &rest, linear, &[])];
+                    errors.extend(choices.iter().map(|best| match best.first() {
+                        Some(Choice { yields, .. }) => error_on(&groups[out], &rest, linear, yields),
+                        None => f64::NAN,
+                    }));
+                    errors
+                }
+            };
+            progress.inc(1);
+            errors
+        })
+        .collect();
+    let variation: f64 = total.force_variation();
+    let of_size = |size: usize| held_out.iter().map(|errors| errors[size]).collect::<Vec<_>>();
+    let percent = |errors: &[f64]| 100.0 * errors.iter().sum::<f64>() / variation;
+
+    let rows = regression.folds.concat();
+    let optimal: Vec<Sized> = (1..=MOST)
+        .into_par_iter()
+        .filter_map(|size| {
+            let starts = distinct(&choices[size - 1]);
+            let best = starts
+                .into_par_iter()
+                .filter_map(|choice| {
+                    let yields = choice.yields.iter().map(|&j| grid[j]).collect();
+                    refine::refine(regression, &rows, yields, range)
+                })
+                .min_by(|a, b| a.squared_error.total_cmp(&b.squared_error))?;
+            progress.inc(1);
+            let held_out = of_size(size);
+            Some(Sized {
+                fit: best,
+                nmse_cross: percent(&held_out),
+                held_out,
+            })
+        })
+        .collect();
+    if optimal.is_empty() {
+        return Err("no Maxwell-slip block with a positive stiffness fits: the effort does not resist the motion; check its sign (--sign) and column (--map)".to_owned());
+    }
+    Ok(Selection {
+        knee: knee(&optimal),
+        nmse_cross_without: percent(&of_size(0)),
+        optimal,
+    })
+}
+
+/// Folds in at most [`GROUPS`] groups of neighbours.
+fn grouped(grams: &[Gram]) -> Vec<Gram> {
+    let per_group = grams.len().div_ceil(GROUPS).max(1);
+    grams.chunks(per_group).filter_map(Gram::sum).collect()
+}
+
+/// Squared error on `held_out` of the model fitted on `rest` with the linear columns and these yields.
+fn error_on(held_out: &Gram, rest: &Gram, linear: usize, yields: &[usize]) -> f64 {
+    let chosen: Vec<usize> = (0..linear).chain(yields.iter().map(|j| linear + j)).collect();
+    let (matrix, right) = rest.normal(&chosen);
+    match solve_normal(&matrix, &right) {
+        Some(coefficients) => held_out.squared_error(&chosen, &coefficients),
+        None if chosen.is_empty() => held_out.squared_error(&chosen, &right),
+        None => f64::NAN,
+    }
+}
+
+/// The best choices that are not neighbours of a better one on the grid: starts that lead elsewhere.
+fn distinct(choices: &[Choice]) -> Vec<&Choice> {
+    let near = |a: &Choice, b: &Choice| {
+        a.yields.iter().zip(&b.yields).all(|(i, j)| i.abs_diff(*j) <= 1)
+    };
+    let mut kept: Vec<&Choice> = Vec::new();
+    for choice in choices {
+        if kept.len() < REFINED && !kept.iter().any(|k| near(k, choice)) {
+            kept.push(choice);
+        }
+    }
+    kept
+}
+
+/// The smallest model whose held-out error is within one standard error of the best: the paired difference
+/// over the held-out groups, so that what is common to both models does not count.
+fn knee(models: &[Sized]) -> usize {
+    let best = (0..models.len())
+        .min_by(|&a, &b| models[a].nmse_cross.total_cmp(&models[b].nmse_cross))
+        .unwrap_or(0);
+    (0..best)
+        .find(|&size| {
+            let difference: Vec<f64> = models[size]
+                .held_out
+                .iter()
+                .zip(&models[best].held_out)
+                .map(|(a, b)| a - b)
+                .collect();
+            let n = difference.len() as f64;
+            let mean = difference.iter().sum::<f64>() / n;
+            let spread = difference.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (n - 1.0);
+            mean <= (spread / n).sqrt()
+        })
+        .unwrap_or(best)
+}
+
+/// The paper's procedure (7)–(9) with `blocks` breakpoints at equal steps of force.
+///
+/// `friction` is the effort without what the linear columns of `linear` explain; `strokes` are the training
+/// samples of each stroke.
+pub fn by_paper(curve: &VirginCurve, blocks: usize) -> Fit {
+    let found = curve.blocks(&curve.equal_force_breakpoints(blocks));
+    Fit {
+        yields: found.iter().map(|b| b.0).collect(),
+        stiffness: found.iter().map(|b| b.1).collect(),
+        linear: Vec::new(),
+        squared_error: f64::NAN,
+    }
+}

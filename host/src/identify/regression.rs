@@ -1,0 +1,151 @@
+//! The regression behind an identification: a force that is linear in everything but the yields.
+
+use super::stop::Deflection;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// A column that enters linearly beside the friction model: inertia, viscous friction, offset.
+#[derive(Clone, Debug)]
+pub struct Column {
+    /// Its coefficient's name, as in the JSON output.
+    pub name: &'static str,
+    /// Its value for every sample.
+    pub values: Vec<f64>,
+}
+
+/// What is to be explained (`force`), by what (`position` through Maxwell-slip blocks, and `columns`).
+pub struct Regression<'a> {
+    /// Position [m or rad] that drives the blocks, for every sample of the recording.
+    pub position: &'a [f64],
+    /// Contiguous stretches of it.
+    pub pieces: &'a [Range<usize>],
+    /// Measured effort [N or N·m].
+    pub force: Vec<f64>,
+    /// Linear columns.
+    pub columns: Vec<Column>,
+    /// The filter that `force` and `columns` went through, to be applied to the blocks' deflections too.
+    pub filter: Box<dyn Fn(&[f64]) -> Vec<f64> + Send + Sync + 'a>,
+    /// Samples used for fitting, in folds: a fold is the unit that is held out, or resampled for confidence.
+    pub folds: Vec<Vec<usize>>,
+}
+
+/// Sums of products `Σ aᵢaⱼ` of columns over some samples, the last column being the force.
+#[derive(Clone)]
+pub struct Gram {
+    /// Symmetric, `columns + 1` square.
+    pub products: DMatrix<f64>,
+    /// Sum of the force.
+    pub force_sum: f64,
+    /// Number of samples.
+    pub samples: usize,
+}
+
+impl Gram {
+    /// Sums over `rows` of the columns; the last one is the force.
+    pub fn of(columns: &[&[f64]], rows: &[usize]) -> Self {
+        let p = columns.len();
+        let mut products = DMatrix::zeros(p, p);
+        // Blocks of rows keep the gathered values in cache.
+        for rows in rows.chunks(256) {
+            let block = DMatrix::from_fn(rows.len(), p, |i, j| columns[j][rows[i]]);
+            products.gemm_tr(1.0, &block, &block, 1.0);
+        }
+        let force_sum = columns
+            .last()
+            .map_or(0.0, |force| rows.iter().map(|&i| force[i]).sum());
+        Self {
+            products,
+            force_sum,
+            samples: rows.len(),
+        }
+    }
+
+    /// The sum of several.
+    pub fn sum<'a>(parts: impl IntoIterator<Item = &'a Gram>) -> Option<Gram> {
+        parts.into_iter().fold(None, |sum: Option<Gram>, part| {
+            Some(match sum {
+                None => part.clone(),
+                Some(sum) => Gram {
+                    products: sum.products + &part.products,
+                    force_sum: sum.force_sum + part.force_sum,
+                    samples: sum.samples + part.samples,
+                },
+            })
+        })
+    }
+
+    /// `Ns·σ²` of eq. (13): the force's squared deviation from its mean.
+    pub fn force_variation(&self) -> f64 {
+        let last = self.products.nrows() - 1;
+        let mean = self.force_sum / self.samples as f64;
+        self.products[(last, last)] - self.samples as f64 * mean * mean
+    }
+
+    /// The normal equations of the columns `chosen`: matrix and right hand side.
+    pub fn normal(&self, chosen: &[usize]) -> (DMatrix<f64>, DVector<f64>) {
+        let last = self.products.nrows() - 1;
+        (
+            DMatrix::from_fn(chosen.len(), chosen.len(), |i, j| {
+                self.products[(chosen[i], chosen[j])]
+            }),
+            DVector::from_fn(chosen.len(), |i, _| self.products[(chosen[i], last)]),
+        )
+    }
+
+    /// Squared error that the coefficients of the columns `chosen` leave.
+    pub fn squared_error(&self, chosen: &[usize], coefficients: &DVector<f64>) -> f64 {
+        let (matrix, right) = self.normal(chosen);
+        let last = self.products.nrows() - 1;
+        let error = self.products[(last, last)] - 2.0 * coefficients.dot(&right)
+            + coefficients.dot(&(matrix * coefficients));
+        error.max(0.0)
+    }
+}
+
+/// Solves a symmetric positive definite system after scaling its diagonal to 1; `None` where it is singular.
+pub fn solve_normal(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
+    let scale = matrix.diagonal().map(|d| 1.0 / d.sqrt());
+    if scale.iter().any(|s| !s.is_finite()) {
+        return None;
+    }
+    let n = matrix.nrows();
+    let scaled = DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] * scale[i] * scale[j]);
+    let solution = scaled
+        .cholesky()?
+        .solve(&right.component_mul(&scale))
+        .component_mul(&scale);
+    solution.iter().all(|s| s.is_finite()).then_some(solution)
+}
+
+impl Regression<'_> {
+    /// The filtered deflection of a block and its filtered derivative.
+    pub fn deflection(&self, yield_displacement: f64) -> Deflection {
+        let raw = Deflection::along(self.position, self.pieces, yield_displacement);
+        Deflection {
+            z: (self.filter)(&raw.z),
+            slope: (self.filter)(&raw.slope),
+        }
+    }
+
+    /// One [`Gram`] per fold over the linear columns, the deflections for `yields`, and the force.
+    pub fn grams(&self, yields: &[f64]) -> Vec<Gram> {
+        let deflections: Vec<Vec<f64>> = yields
+            .par_iter()
+            .map(|&d| {
+                (self.filter)(&Deflection::along(self.position, self.pieces, d).z)
+            })
+            .collect();
+        let columns: Vec<&[f64]> = self
+            .columns
+            .iter()
+            .map(|column| column.values.as_slice())
+            .chain(deflections.iter().map(Vec::as_slice))
+            .chain([self.force.as_slice()])
+            .collect();
+        self.folds
+            .par_iter()
+            .map(|rows| Gram::of(&columns, rows))
+            .collect()
+    }
+}

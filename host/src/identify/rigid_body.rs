@@ -1,0 +1,140 @@
+//! Inertia, viscous friction, Coulomb friction and offset by linear least squares.
+
+use super::estimate::Estimate;
+use super::regression::{Column, Gram, solve_normal};
+use crate::kinematics::ZeroPhase;
+use crate::recording::Recording;
+use nalgebra::{DMatrix, DVector};
+
+/// Speeds below this share of the highest count as standstill, where `sgn v` is noise.
+const STANDSTILL: f64 = 1e-3;
+
+/// Velocity, acceleration and effort of a recording, filtered alike.
+pub struct Kinematics {
+    /// The filter and its band.
+    pub filter: ZeroPhase,
+    /// Velocity [m/s or rad/s].
+    pub velocity: Vec<f64>,
+    /// Acceleration [m/s² or rad/s²].
+    pub acceleration: Vec<f64>,
+    /// `sgn v`, 0 at standstill, not filtered.
+    pub direction: Vec<f64>,
+}
+
+impl Kinematics {
+    /// Chooses the band and differentiates the position.
+    pub fn of(recording: &Recording) -> Self {
+        let filter = ZeroPhase::choose(recording);
+        let velocity = filter.derivative(&recording.position, 1);
+        let acceleration = filter.derivative(&recording.position, 2);
+        let still = STANDSTILL * velocity.iter().fold(0.0, |top: f64, v| top.max(v.abs()));
+        let direction = velocity
+            .iter()
+            .map(|v| if v.abs() <= still { 0.0 } else { v.signum() })
+            .collect();
+        Self {
+            filter,
+            velocity,
+            acceleration,
+            direction,
+        }
+    }
+}
+
+/// `effort = inertia·a + viscous·v + coulomb·sgn v + offset`.
+#[derive(Clone, Debug)]
+pub struct RigidBody {
+    /// Coefficients by name: `mass` (where the effort contains inertia), `viscous`, `coulomb`, `offset`.
+    pub parameters: Vec<(&'static str, Estimate)>,
+    /// Coefficient times column, summed: the fitted effort at every sample.
+    pub fitted: Vec<f64>,
+}
+
+/// Fits the rigid body over the folds' samples. Both sides of the equation go through the same zero-phase filter
+/// where the effort contains inertia, so that the filter biases nothing.
+///
+/// # Errors
+/// Which of the four the motion does not show.
+pub fn fit(
+    recording: &Recording,
+    kinematics: &Kinematics,
+    effort: &[f64],
+    folds: &[Vec<usize>],
+) -> Result<RigidBody, String> {
+    let inertial = recording.role.contains_inertia();
+    let mut columns = Vec::new();
+    if inertial {
+        columns.push(Column {
+            name: "mass",
+            values: kinematics.acceleration.clone(),
+        });
+    }
+    columns.push(Column {
+        name: "viscous",
+        values: kinematics.velocity.clone(),
+    });
+    columns.push(Column {
+        name: "coulomb",
+        values: if inertial {
+            kinematics.filter.smooth(&kinematics.direction)
+        } else {
+            kinematics.direction.clone()
+        },
+    });
+    columns.push(Column {
+        name: "offset",
+        values: vec![1.0; recording.len()],
+    });
+
+    let p = columns.len();
+    let every: Vec<&[f64]> = columns
+        .iter()
+        .map(|c| c.values.as_slice())
+        .chain([effort])
+        .collect();
+    let grams: Vec<Gram> = folds.iter().map(|rows| Gram::of(&every, rows)).collect();
+    let total = Gram::sum(&grams).ok_or("there are no samples to fit")?;
+    let chosen: Vec<usize> = (0..p).collect();
+    let (matrix, right) = total.normal(&chosen);
+    let coefficients = solve_normal(&matrix, &right).ok_or_else(|| {
+        format!(
+            "{}: the motion does not tell inertia, viscous friction, Coulomb friction and offset apart; record both directions at several speeds",
+            recording.name
+        )
+    })?;
+    let errors = clustered_errors(&matrix, &coefficients, &grams, &chosen);
+    let fitted = (0..recording.len())
+        .map(|i| (0..p).map(|j| coefficients[j] * every[j][i]).sum())
+        .collect();
+    let parameters = columns
+        .iter()
+        .enumerate()
+        .map(|(j, column)| {
+            let error = errors.as_ref().map(|e| e[j]);
+            (column.name, Estimate::new(coefficients[j], error, folds.len()))
+        })
+        .collect();
+    Ok(RigidBody { parameters, fitted })
+}
+
+/// Standard errors clustered by fold, as in [`super::refine::standard_errors`].
+fn clustered_errors(
+    matrix: &DMatrix<f64>,
+    coefficients: &DVector<f64>,
+    folds: &[Gram],
+    chosen: &[usize],
+) -> Option<DVector<f64>> {
+    let count = folds.len() as f64;
+    if folds.len() < 2 {
+        return None;
+    }
+    let mut meat = DMatrix::zeros(chosen.len(), chosen.len());
+    for fold in folds {
+        let (own, right) = fold.normal(chosen);
+        let score = right - own * coefficients;
+        meat += &score * score.transpose();
+    }
+    let inverse = matrix.clone().cholesky()?.inverse();
+    let covariance = &inverse * meat * &inverse * (count / (count - 1.0));
+    Some(covariance.diagonal().map(|v| v.max(0.0).sqrt()))
+}

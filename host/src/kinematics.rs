@@ -1,0 +1,248 @@
+//! Velocity and acceleration from a measured position: a zero-phase low-pass whose band is chosen from the data.
+
+use crate::recording::Recording;
+use realfft::num_complex::Complex;
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use std::f64::consts::TAU;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Share of the acceleration's power that may be noise in the chosen band. Noise in a regressor of power share
+/// `q` biases its coefficient by `−q`, so this bounds the bias of the inertia at 0.1 %.
+const NOISE_SHARE: f64 = 1e-3;
+
+/// Half the order of the Butterworth magnitude `1/(1 + (f/f_c)⁸)`: the response of a fourth-order filter run
+/// forward and backward.
+const STEEPNESS: i32 = 8;
+
+/// Time constants of the filter by which every piece is continued at both ends.
+const MARGIN: f64 = 5.0;
+
+/// A zero-phase low-pass and its derivatives, for the pieces of one recording.
+///
+/// Works in the frequency domain on samples spaced evenly at the median sample time, each piece continued at its
+/// ends by point reflection, which keeps value and slope. Pieces with uneven time stamps are interpolated
+/// linearly to that spacing and back.
+pub struct ZeroPhase {
+    cutoff_hz: f64,
+    pieces: Vec<Piece>,
+    samples: usize,
+}
+
+struct Piece {
+    rows: Range<usize>,
+    /// Time stamps in sample times from the piece's first one; `None` where they are even.
+    uneven: Option<Vec<f64>>,
+    length: usize,
+    margin: usize,
+    sample_time: f64,
+    forward: Arc<dyn RealToComplex<f64>>,
+    inverse: Arc<dyn ComplexToReal<f64>>,
+}
+
+impl Piece {
+    fn new(t_s: &[f64], rows: Range<usize>, sample_time: f64, cutoff_hz: f64) -> Self {
+        let t = &t_s[rows.clone()];
+        let places: Vec<f64> = t.iter().map(|t_i| (t_i - t[0]) / sample_time).collect();
+        let even = places
+            .iter()
+            .enumerate()
+            .all(|(i, place)| (place - i as f64).abs() < 0.05);
+        let length = places.last().map_or(0, |last| last.round() as usize) + 1;
+        let margin = (MARGIN / (cutoff_hz * sample_time)).ceil() as usize;
+        let margin = margin.min(length.saturating_sub(1));
+        let size = smooth_size(length + 2 * margin + 2);
+        let mut planner = RealFftPlanner::new();
+        Self {
+            rows,
+            uneven: (!even).then_some(places),
+            length,
+            margin,
+            sample_time,
+            forward: planner.plan_fft_forward(size),
+            inverse: planner.plan_fft_inverse(size),
+        }
+    }
+
+    /// The piece on an even grid, continued at both ends and closed smoothly to a circle.
+    fn continued(&self, values: &[f64]) -> Vec<f64> {
+        let even = match &self.uneven {
+            None => values.to_vec(),
+            Some(places) => interpolate(places, values, self.length),
+        };
+        let (first, last) = (even[0], even[even.len() - 1]);
+        let before = even[1..=self.margin].iter().rev().map(|v| 2.0 * first - v);
+        let inner = even.len() - 1 - self.margin..even.len() - 1;
+        let after = even[inner].iter().rev().map(|v| 2.0 * last - v);
+        let mut circle: Vec<f64> = before.chain(even.iter().copied()).chain(after).collect();
+        let (from, to) = (circle[circle.len() - 1], circle[0]);
+        let open = self.forward.len() - circle.len();
+        circle.extend((0..open).map(|i| {
+            let part = (i + 1) as f64 / (open + 1) as f64;
+            from + (to - from) * (0.5 - 0.5 * (0.5 * TAU * part).cos())
+        }));
+        circle
+    }
+
+    fn spectrum(&self, values: &[f64]) -> Vec<Complex<f64>> {
+        let mut circle = self.continued(values);
+        let mut spectrum = self.forward.make_output_vec();
+        // The lengths come from the plan itself, the only thing that can be wrong.
+        let planned = self.forward.process(&mut circle, &mut spectrum);
+        debug_assert!(planned.is_ok());
+        spectrum
+    }
+
+    fn frequency(&self, bin: usize) -> f64 {
+        bin as f64 / (self.forward.len() as f64 * self.sample_time)
+    }
+
+    fn back(&self, mut spectrum: Vec<Complex<f64>>, out: &mut [f64]) {
+        if let Some(first) = spectrum.first_mut() {
+            first.im = 0.0;
+        }
+        if let Some(last) = spectrum.last_mut() {
+            last.im = 0.0;
+        }
+        let mut circle = self.inverse.make_output_vec();
+        let planned = self.inverse.process(&mut spectrum, &mut circle);
+        debug_assert!(planned.is_ok());
+        let scale = 1.0 / circle.len() as f64;
+        let even = &circle[self.margin..self.margin + self.length];
+        match &self.uneven {
+            None => out.copy_from_slice(even),
+            Some(places) => {
+                for (out, place) in out.iter_mut().zip(places) {
+                    let low = (place.floor() as usize).min(self.length.saturating_sub(2));
+                    let part = place - low as f64;
+                    let high = even.get(low + 1).copied().unwrap_or(even[low]);
+                    *out = even[low] + part * (high - even[low]);
+                }
+            }
+        }
+        out.iter_mut().for_each(|v| *v *= scale);
+    }
+}
+
+/// The next size whose only prime factors are 2, 3 and 5, which the transform does fastest.
+fn smooth_size(at_least: usize) -> usize {
+    (at_least..)
+        .find(|&size| {
+            let mut rest = size;
+            for prime in [2, 3, 5] {
+                while rest % prime == 0 {
+                    rest /= prime;
+                }
+            }
+            rest == 1 && size % 2 == 0
+        })
+        .unwrap_or(at_least)
+}
+
+/// Linear interpolation of `values` at ascending `places` to `0, 1, … length − 1`.
+fn interpolate(places: &[f64], values: &[f64], length: usize) -> Vec<f64> {
+    let mut low = 0;
+    (0..length)
+        .map(|i| {
+            let place = i as f64;
+            while low + 2 < places.len() && places[low + 1] < place {
+                low += 1;
+            }
+            let high = (low + 1).min(places.len() - 1);
+            let width = places[high] - places[low];
+            if width <= 0.0 {
+                return values[low];
+            }
+            let part = ((place - places[low]) / width).clamp(0.0, 1.0);
+            values[low] + part * (values[high] - values[low])
+        })
+        .collect()
+}
+
+impl ZeroPhase {
+    /// A filter with the cut-off (−6 dB) `cutoff_hz` for the samples of `recording`.
+    pub fn new(recording: &Recording, cutoff_hz: f64) -> Self {
+        let sample_time = recording.sample_time_s();
+        Self {
+            cutoff_hz,
+            pieces: recording
+                .pieces
+                .iter()
+                .filter(|rows| !rows.is_empty())
+                .map(|rows| Piece::new(&recording.t_s, rows.clone(), sample_time, cutoff_hz))
+                .collect(),
+            samples: recording.t_s.len(),
+        }
+    }
+
+    /// The widest band in which at most 0.1 % of the acceleration's power is noise.
+    ///
+    /// The noise of the position is taken as white at the level of the spectrum's top octave (its median, so
+    /// that lines do not count). Never above a fifth of the sample rate, nor below ten periods of the longest
+    /// piece.
+    pub fn choose(recording: &Recording) -> Self {
+        let sample_time = recording.sample_time_s();
+        let highest = 0.2 / sample_time;
+        let Some(longest) = recording.pieces.iter().max_by_key(|rows| rows.len()) else {
+            return Self::new(recording, highest);
+        };
+        let lowest = (10.0 / (longest.len() as f64 * sample_time)).min(highest);
+        let piece = Piece::new(&recording.t_s, longest.clone(), sample_time, lowest);
+        let power: Vec<f64> = piece
+            .spectrum(&recording.position[longest.clone()])
+            .iter()
+            .map(|c| c.norm_sqr())
+            .collect();
+        let mut top = power[power.len() / 2..].to_vec();
+        top.sort_by(f64::total_cmp);
+        // The median of a χ² with two degrees of freedom is ln 2 of its mean.
+        let noise = top[top.len() / 2] / std::f64::consts::LN_2;
+        let noise_share = |cutoff: f64| {
+            let (mut of_noise, mut of_all) = (0.0, 0.0);
+            for (bin, p) in power.iter().enumerate().skip(1) {
+                let f = piece.frequency(bin);
+                let weight = (f * f * magnitude(f / cutoff)).powi(2);
+                of_noise += weight * noise;
+                of_all += weight * p;
+            }
+            of_noise / of_all
+        };
+        let steps = 60;
+        let cutoff = (0..=steps)
+            .map(|i| highest * (lowest / highest).powf(f64::from(i) / f64::from(steps)))
+            .find(|&cutoff| noise_share(cutoff) <= NOISE_SHARE)
+            .unwrap_or(lowest);
+        Self::new(recording, cutoff)
+    }
+
+    /// The cut-off (−6 dB) [Hz].
+    pub fn cutoff_hz(&self) -> f64 {
+        self.cutoff_hz
+    }
+
+    /// The low-passed `values`, one for every sample of the recording.
+    pub fn smooth(&self, values: &[f64]) -> Vec<f64> {
+        self.derivative(values, 0)
+    }
+
+    /// The low-passed derivative of the given order with respect to time.
+    pub fn derivative(&self, values: &[f64], order: u32) -> Vec<f64> {
+        let mut out = vec![0.0; self.samples];
+        for piece in &self.pieces {
+            let mut spectrum = piece.spectrum(&values[piece.rows.clone()]);
+            for (bin, c) in spectrum.iter_mut().enumerate() {
+                let f = piece.frequency(bin);
+                *c *= magnitude(f / self.cutoff_hz);
+                for _ in 0..order {
+                    *c *= Complex::new(0.0, TAU * f);
+                }
+            }
+            piece.back(spectrum, &mut out[piece.rows.clone()]);
+        }
+        out
+    }
+}
+
+fn magnitude(relative: f64) -> f64 {
+    1.0 / (1.0 + relative.powi(STEEPNESS))
+}

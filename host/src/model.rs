@@ -1,0 +1,535 @@
+//! Model files: what `identify` writes and every other command reads.
+
+use crate::friction::{FrictionModel, MOST_BLOCKS, Path};
+use crate::recording::MotionKind;
+use preslide::{Block, HsiehParams, Sliding};
+use serde::Deserialize;
+use std::fmt::Write as _;
+use std::path::Path as FilePath;
+use thiserror::Error;
+
+/// The only schema there is.
+pub const SCHEMA: &str = "preslide.model/1";
+
+/// A machine's rigid body and friction, in SI.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// Linear or rotary.
+    pub motion: MotionKind,
+    /// Mass [kg] or inertia [kg·m²]; 0 where it is not known.
+    pub inertia: f64,
+    /// Viscous coefficient [N·s/m or N·m·s/rad].
+    pub viscous: f64,
+    /// The friction model.
+    pub friction: FrictionModel,
+    /// Effect `constant_force` [N or N·m]: gravity, tilt, current offset.
+    pub constant_force: f64,
+    /// Known lengths and periods of the drive, by key.
+    pub mechanics: Vec<(String, f64)>,
+}
+
+/// Why a model file cannot be used.
+#[derive(Debug, Error)]
+pub enum ModelError {
+    /// The file cannot be read.
+    #[error("{file}: {source}")]
+    Unreadable {
+        /// File name as given.
+        file: String,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// TOML or one of its keys is wrong.
+    #[error("{file}: {reason}")]
+    Invalid {
+        /// File name as given.
+        file: String,
+        /// Key, reason and remedy.
+        reason: String,
+    },
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ModelToml {
+    schema: String,
+    motion: String,
+    inertia: Option<InertiaToml>,
+    friction: FrictionToml,
+    #[serde(default)]
+    mechanics: MechanicsToml,
+    #[serde(default)]
+    effects: Vec<toml::Table>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct InertiaToml {
+    mass_kg: f64,
+}
+
+/// Keys of a linear axis; those of a rotary one are translated first ([`ROTARY`]).
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(non_snake_case)] // unit symbols are written as in the file
+struct FrictionToml {
+    kind: String,
+    viscous_N_s_per_m: Option<f64>,
+    breakaway_N: Option<f64>,
+    coulomb_N: Option<f64>,
+    stribeck_velocity_m_s: Option<f64>,
+    stribeck_exponent: Option<f64>,
+    attraction_N_per_s: Option<f64>,
+    blocks: Option<Vec<BlockToml>>,
+    stiffness_N_per_m: Option<f64>,
+    exponent: Option<f64>,
+    damping_N_s_per_m: Option<f64>,
+    k1_N_per_m: Option<f64>,
+    k2_N_per_m: Option<f64>,
+    beta_per_m: Option<f64>,
+    creep_per_s: Option<f64>,
+    hardening: Option<f64>,
+    hardening_exponent: Option<f64>,
+}
+
+#[derive(Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(non_snake_case)]
+struct BlockToml {
+    stiffness_N_per_m: f64,
+    weight: f64,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MechanicsToml {
+    screw_lead_m: Option<f64>,
+    motor_period_m: Option<f64>,
+    encoder_period_m: Option<f64>,
+    encoder_count_m: Option<f64>,
+}
+
+/// Key endings of rotary files and what they are called on a linear axis, longest first.
+const ROTARY: [(&str, &str); 8] = [
+    ("inertia_kg_m2", "mass_kg"),
+    ("_Nm_s_per_rad", "_N_s_per_m"),
+    ("_Nm_per_rad", "_N_per_m"),
+    ("_Nm_per_s", "_N_per_s"),
+    ("_per_rad", "_per_m"),
+    ("_rad_s", "_m_s"),
+    ("_Nm", "_N"),
+    ("_rad", "_m"),
+];
+
+/// A key of the file in the words of the other kind of axis, or `None` where it belongs to that other kind.
+fn translate(key: &str, to_linear: bool) -> Option<String> {
+    let ending = |linear: bool| {
+        ROTARY.iter().find_map(|&(rotary, straight)| {
+            let (own, other) = if linear { (straight, rotary) } else { (rotary, straight) };
+            key.strip_suffix(own).map(|stem| format!("{stem}{other}"))
+        })
+    };
+    match (ending(!to_linear), ending(to_linear)) {
+        (Some(translated), _) => Some(translated),
+        (None, None) => Some(key.to_owned()),
+        (None, Some(_)) => None,
+    }
+}
+
+/// Renames the keys of a rotary file to those of a linear one, all the way down; linear keys are refused.
+fn to_linear_keys(value: &mut toml::Value, path: &str) -> Result<(), String> {
+    match value {
+        toml::Value::Table(table) => {
+            for (key, mut inner) in std::mem::take(table) {
+                let here = format!("{path}{key}");
+                let key = translate(&key, true).ok_or_else(|| {
+                    format!("{here}: this is a key of a linear axis, but the file says motion = \"rotary\"; use the rotary unit (Nm, rad)")
+                })?;
+                to_linear_keys(&mut inner, &format!("{here}."))?;
+                table.insert(key, inner);
+            }
+            Ok(())
+        }
+        toml::Value::Array(items) => items
+            .iter_mut()
+            .enumerate()
+            .try_for_each(|(i, item)| to_linear_keys(item, &format!("{path}{}.", i + 1))),
+        _ => Ok(()),
+    }
+}
+
+impl Model {
+    /// Reads a model file.
+    ///
+    /// # Errors
+    /// [`ModelError`] names the file, the key, the reason and the remedy.
+    pub fn load(path: &FilePath) -> Result<Self, ModelError> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|source| ModelError::Unreadable {
+            file: file.clone(),
+            source,
+        })?;
+        Self::parse(&text).map_err(|reason| ModelError::Invalid { file, reason })
+    }
+
+    /// Reads the text of a model file; the error names the key, the reason and the remedy.
+    ///
+    /// # Errors
+    /// The reason, for a person to read.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let table: toml::Table = toml::from_str(text).map_err(|e| e.to_string())?;
+        let motion = match table.get("motion").and_then(toml::Value::as_str) {
+            Some("linear") => MotionKind::Linear,
+            Some("rotary") => MotionKind::Rotary,
+            _ => return Err("motion: must be \"linear\" or \"rotary\"".to_owned()),
+        };
+        // Straight from the text where keys need no translation: the error then shows line and column.
+        let file: ModelToml = match motion {
+            MotionKind::Linear => toml::from_str(text).map_err(|e| e.to_string())?,
+            MotionKind::Rotary => {
+                let mut value = toml::Value::Table(table);
+                to_linear_keys(&mut value, "")?;
+                value.try_into().map_err(|e: toml::de::Error| {
+                    format!("{e} (in the words of a linear axis)")
+                })?
+            }
+        };
+        if file.schema != SCHEMA {
+            return Err(format!(
+                "schema: \"{}\" is not known; this program reads \"{SCHEMA}\"",
+                file.schema
+            ));
+        }
+        debug_assert!(file.motion == motion.name());
+        let say = |key: &str| match motion {
+            MotionKind::Linear => key.to_owned(),
+            MotionKind::Rotary => translate(key, false).unwrap_or_else(|| key.to_owned()),
+        };
+        let mut constant_force = 0.0;
+        for (i, effect) in file.effects.iter().enumerate() {
+            constant_force += read_effect(effect).map_err(|e| format!("effects[{}].{e}", i + 1))?;
+        }
+        let MechanicsToml {
+            screw_lead_m,
+            motor_period_m,
+            encoder_period_m,
+            encoder_count_m,
+        } = file.mechanics;
+        let mechanics = [
+            ("screw_lead_m", screw_lead_m),
+            ("motor_period_m", motor_period_m),
+            ("encoder_period_m", encoder_period_m),
+            ("encoder_count_m", encoder_count_m),
+        ]
+        .into_iter()
+        .filter_map(|(key, value)| Some((key.to_owned(), value?)))
+        .collect();
+        let model = Self {
+            motion,
+            inertia: file.inertia.map_or(0.0, |inertia| inertia.mass_kg),
+            viscous: file.friction.viscous_N_s_per_m.unwrap_or(0.0),
+            friction: file.friction.model().map_err(|(key, reason)| {
+                format!("friction.{}: {reason}", say(key))
+            })?,
+            constant_force,
+            mechanics,
+        };
+        model.check().map_err(|(key, reason)| format!("{}: {reason}", say(&key)))?;
+        Ok(model)
+    }
+
+    fn check(&self) -> Result<(), (String, String)> {
+        let fail = |key: &str, reason: String| Err((key.to_owned(), reason));
+        if !(self.inertia.is_finite() && self.inertia >= 0.0) {
+            return fail("inertia.mass_kg", format!("{} must be finite and not negative", self.inertia));
+        }
+        if !self.viscous.is_finite() {
+            return fail("friction.viscous_N_s_per_m", format!("{} must be finite", self.viscous));
+        }
+        if !self.constant_force.is_finite() {
+            return fail("effects.force_N", format!("{} must be finite", self.constant_force));
+        }
+        for (key, value) in &self.mechanics {
+            if !(value.is_finite() && *value > 0.0) {
+                return fail(&format!("mechanics.{key}"), format!("{value} must be finite and above zero"));
+            }
+        }
+        // The library is the judge of the friction parameters; one step of no motion builds the model.
+        let still = Path {
+            position: &[0.0],
+            velocity: &[0.0],
+            pieces: &[0..1],
+            sample_time: 1e-3,
+        };
+        match self.friction.force(still) {
+            Ok(_) => Ok(()),
+            Err(e) => fail("friction", e.to_string()),
+        }
+    }
+
+    /// Friction, viscous and constant force [N or N·m] at every sample, without inertia.
+    ///
+    /// # Errors
+    /// [`preslide::ParamError`] where the library refuses a parameter.
+    pub fn resistance(&self, path: Path) -> Result<Vec<f64>, preslide::ParamError> {
+        let mut force = self.friction.force(path)?;
+        for (f, v) in force.iter_mut().zip(path.velocity) {
+            *f += self.viscous * v + self.constant_force;
+        }
+        Ok(force)
+    }
+
+    /// The text of the model file. `remarks` become comments at its head.
+    pub fn to_toml(&self, remarks: &[String]) -> String {
+        let mut text = String::new();
+        for remark in remarks {
+            for line in remark.lines() {
+                let _ = writeln!(text, "# {line}");
+            }
+        }
+        let key = |key: &str| match self.motion {
+            MotionKind::Linear => key.to_owned(),
+            MotionKind::Rotary => translate(key, false).unwrap_or_else(|| key.to_owned()),
+        };
+        let _ = writeln!(text, "schema = \"{SCHEMA}\"\nmotion = \"{}\"", self.motion.name());
+        if self.inertia > 0.0 {
+            let _ = writeln!(text, "\n[inertia]\n{} = {}", key("mass_kg"), number(self.inertia));
+        }
+        let _ = writeln!(text, "\n[friction]\nkind = \"{}\"", self.friction.kind());
+        for (name, value) in self.friction.scalars() {
+            let _ = writeln!(text, "{} = {}", key(name), number(value));
+        }
+        if let FrictionModel::Gms { blocks, .. } = &self.friction {
+            let _ = writeln!(text, "blocks = [");
+            for block in blocks {
+                let _ = writeln!(
+                    text,
+                    "  {{ {} = {}, weight = {} }},",
+                    key("stiffness_N_per_m"),
+                    number(block.stiffness),
+                    number(block.weight)
+                );
+            }
+            let _ = writeln!(text, "]");
+        }
+        let _ = writeln!(text, "{} = {}", key("viscous_N_s_per_m"), number(self.viscous));
+        if !self.mechanics.is_empty() {
+            let _ = writeln!(text, "\n[mechanics]");
+            for (name, value) in &self.mechanics {
+                let _ = writeln!(text, "{} = {}", key(name), number(*value));
+            }
+        }
+        if self.constant_force != 0.0 {
+            let _ = writeln!(
+                text,
+                "\n[[effects]]\nid = \"constant_force\"\n{} = {}",
+                key("force_N"),
+                number(self.constant_force)
+            );
+        }
+        text
+    }
+}
+
+/// A float that TOML reads back as the same float.
+fn number(value: f64) -> String {
+    format!("{value:?}")
+}
+
+impl FrictionToml {
+    /// The model that the keys describe, or the key that is wrong and why.
+    fn model(&self) -> Result<FrictionModel, (&'static str, String)> {
+        let kind = self.kind.as_str();
+        let need = |key: &'static str, value: Option<f64>| {
+            value.ok_or_else(|| (key, format!("missing; kind = \"{kind}\" needs it")))
+        };
+        let model = match kind {
+            "coulomb" => FrictionModel::Coulomb {
+                coulomb: need("coulomb_N", self.coulomb_N)?,
+            },
+            "dahl" => FrictionModel::Dahl {
+                stiffness: need("stiffness_N_per_m", self.stiffness_N_per_m)?,
+                coulomb: need("coulomb_N", self.coulomb_N)?,
+                exponent: need("exponent", self.exponent)?,
+            },
+            "lugre" => {
+                let breakaway = need("breakaway_N", self.breakaway_N)?;
+                FrictionModel::LuGre {
+                    stiffness: need("stiffness_N_per_m", self.stiffness_N_per_m)?,
+                    damping: self.damping_N_s_per_m.unwrap_or(0.0),
+                    breakaway,
+                    sliding: self.sliding(breakaway)?.unwrap_or(Sliding::none(breakaway)),
+                }
+            }
+            "hsieh" => FrictionModel::Hsieh(HsiehParams {
+                k1: need("k1_N_per_m", self.k1_N_per_m)?,
+                k2: need("k2_N_per_m", self.k2_N_per_m)?,
+                beta: need("beta_per_m", self.beta_per_m)?,
+                viscous: self.damping_N_s_per_m.unwrap_or(0.0),
+                creep: need("creep_per_s", self.creep_per_s)?,
+                hardening: need("hardening", self.hardening)?,
+                hardening_exponent: need("hardening_exponent", self.hardening_exponent)?,
+            }),
+            "gms" => {
+                let breakaway = need("breakaway_N", self.breakaway_N)?;
+                let blocks = self
+                    .blocks
+                    .as_ref()
+                    .ok_or(("blocks", "missing; kind = \"gms\" needs it".to_owned()))?;
+                if blocks.is_empty() || blocks.len() > MOST_BLOCKS {
+                    let reason = format!("{} blocks; give 1 to {MOST_BLOCKS}", blocks.len());
+                    return Err(("blocks", reason));
+                }
+                FrictionModel::Gms {
+                    breakaway,
+                    blocks: blocks
+                        .iter()
+                        .map(|block| Block {
+                            stiffness: block.stiffness_N_per_m,
+                            weight: block.weight,
+                        })
+                        .collect(),
+                    sliding: self.sliding(breakaway)?,
+                }
+            }
+            other => {
+                let reason = format!(
+                    "\"{other}\" is not known; use coulomb, dahl, lugre, hsieh or gms"
+                );
+                return Err(("kind", reason));
+            }
+        };
+        // A key that the kind does not have would be a parameter that is silently not used.
+        let used = model.scalars();
+        let gms = matches!(model, FrictionModel::Gms { .. });
+        if self.blocks.is_some() && !gms {
+            return Err(("blocks", format!("kind = \"{kind}\" has no blocks; remove it")));
+        }
+        match self
+            .given()
+            .find(|key| !used.iter().any(|(name, _)| name == key))
+        {
+            Some(key) => Err((key, format!("kind = \"{kind}\" does not use it; remove it"))),
+            None => Ok(model),
+        }
+    }
+
+    /// The scalar keys of the file that belong to one kind or another.
+    fn given(&self) -> impl Iterator<Item = &'static str> {
+        [
+            ("breakaway_N", self.breakaway_N),
+            ("coulomb_N", self.coulomb_N),
+            ("stribeck_velocity_m_s", self.stribeck_velocity_m_s),
+            ("stribeck_exponent", self.stribeck_exponent),
+            ("attraction_N_per_s", self.attraction_N_per_s),
+            ("stiffness_N_per_m", self.stiffness_N_per_m),
+            ("exponent", self.exponent),
+            ("damping_N_s_per_m", self.damping_N_s_per_m),
+            ("k1_N_per_m", self.k1_N_per_m),
+            ("k2_N_per_m", self.k2_N_per_m),
+            ("beta_per_m", self.beta_per_m),
+            ("creep_per_s", self.creep_per_s),
+            ("hardening", self.hardening),
+            ("hardening_exponent", self.hardening_exponent),
+        ]
+        .into_iter()
+        .filter_map(|(key, value)| value.map(|_| key))
+    }
+
+    /// The Stribeck keys, which come together or not at all.
+    fn sliding(&self, breakaway: f64) -> Result<Option<Sliding>, (&'static str, String)> {
+        match (self.coulomb_N, self.stribeck_velocity_m_s) {
+            (None, None) => Ok(None),
+            (Some(coulomb), Some(stribeck_velocity)) => Ok(Some(Sliding {
+                coulomb,
+                stribeck_velocity,
+                stribeck_exponent: self.stribeck_exponent.unwrap_or(2.0),
+                attraction: self.attraction_N_per_s.unwrap_or(f64::INFINITY),
+            })),
+            (Some(_), None) => Err((
+                "stribeck_velocity_m_s",
+                format!("missing; needed because coulomb_N differs from breakaway_N = {breakaway}"),
+            )),
+            (None, Some(_)) => Err((
+                "coulomb_N",
+                "missing; needed because stribeck_velocity_m_s is given".to_owned(),
+            )),
+        }
+    }
+}
+
+impl FrictionModel {
+    /// The scalar parameters by their keys on a linear axis.
+    pub fn scalars(&self) -> Vec<(&'static str, f64)> {
+        let stribeck = |sliding: &Sliding| {
+            vec![
+                ("coulomb_N", sliding.coulomb),
+                ("stribeck_velocity_m_s", sliding.stribeck_velocity),
+                ("stribeck_exponent", sliding.stribeck_exponent),
+                ("attraction_N_per_s", sliding.attraction),
+            ]
+        };
+        match self {
+            Self::Coulomb { coulomb } => vec![("coulomb_N", *coulomb)],
+            Self::Dahl {
+                stiffness,
+                coulomb,
+                exponent,
+            } => vec![
+                ("stiffness_N_per_m", *stiffness),
+                ("coulomb_N", *coulomb),
+                ("exponent", *exponent),
+            ],
+            Self::LuGre {
+                stiffness,
+                damping,
+                breakaway,
+                sliding,
+            } => [
+                vec![
+                    ("stiffness_N_per_m", *stiffness),
+                    ("damping_N_s_per_m", *damping),
+                    ("breakaway_N", *breakaway),
+                ],
+                stribeck(sliding),
+            ]
+            .concat(),
+            Self::Hsieh(p) => vec![
+                ("k1_N_per_m", p.k1),
+                ("k2_N_per_m", p.k2),
+                ("beta_per_m", p.beta),
+                ("damping_N_s_per_m", p.viscous),
+                ("creep_per_s", p.creep),
+                ("hardening", p.hardening),
+                ("hardening_exponent", p.hardening_exponent),
+            ],
+            Self::Gms {
+                breakaway, sliding, ..
+            } => [
+                vec![("breakaway_N", *breakaway)],
+                sliding.as_ref().map(stribeck).unwrap_or_default(),
+            ]
+            .concat(),
+        }
+    }
+}
+
+/// The force of an effect, all that is known of effects so far.
+fn read_effect(effect: &toml::Table) -> Result<f64, String> {
+    match effect.get("id").and_then(toml::Value::as_str) {
+        Some("constant_force") => {}
+        Some(other) => {
+            return Err(format!(
+                "id: the effect \"{other}\" is not supported by this version, which knows constant_force; remove it or use a newer version"
+            ));
+        }
+        None => return Err("id: missing; every effect needs one".to_owned()),
+    }
+    if let Some(key) = effect.keys().find(|key| !["id", "force_N"].contains(&key.as_str())) {
+        return Err(format!("{key}: unknown key; constant_force has force_N only"));
+    }
+    effect
+        .get("force_N")
+        .and_then(|v| v.as_float().or_else(|| v.as_integer().map(|i| i as f64)))
+        .ok_or_else(|| "force_N: missing or not a number".to_owned())
+}

@@ -1,0 +1,254 @@
+//! Named warnings about the motion and the effort, and the sign of the effort.
+
+use super::segments::Strokes;
+use super::{EffortRole, Warning};
+
+/// A handful of strokes at a dozen samples each: below this, fits with ten parameters are guesses.
+const FEW_SAMPLES: usize = 200;
+/// Reversals below which memory of the motion cannot show.
+const FEW_REVERSALS: usize = 2;
+/// A range of this many equal extreme samples in a row is a limit, not a peak …
+const CLIPPED_RUN: usize = 5;
+/// … where such ranges make up this share of the recording.
+const CLIPPED_SHARE: f64 = 0.001;
+/// Net work over closed motion, relative to the work exchanged, beyond which its sign is certain.
+/// Real recordings reach 0.5 to 0.97 in magnitude.
+const CERTAIN_WORK: f64 = 0.1;
+/// Positions that close a motion agree within this share of the travel.
+const CLOSED: f64 = 0.05;
+
+/// Warns of motion that cannot show friction's memory.
+pub(super) fn motion(strokes: &[Strokes], samples: usize, unit: &str, warnings: &mut Vec<Warning>) {
+    if samples < FEW_SAMPLES {
+        warnings.push(Warning::new(
+            "too-short",
+            format!("{samples} samples; under {FEW_SAMPLES} few fits are certain"),
+        ));
+    }
+    let travel = strokes.iter().map(|s| s.travel).fold(0.0, f64::max);
+    let quantum = strokes.iter().map(|s| s.quantum).fold(0.0, f64::max);
+    let reversals: usize = strokes.iter().map(|s| s.reversals.len()).sum();
+    if travel <= 2.0 * quantum {
+        warnings.push(Warning::new(
+            "no-motion",
+            format!("the position covers {travel:.3e} {unit} in all, no more than two steps of its encoder"),
+        ));
+    } else if reversals == 0
+        && !(strokes.iter().any(|s| s.net < 0.0) && strokes.iter().any(|s| s.net > 0.0))
+    {
+        warnings.push(Warning::new(
+            "one-way-motion",
+            format!(
+                "no reversal in {travel:.3e} {unit} of travel: friction cannot be told from a constant load, and \
+                 pre-sliding memory does not show"
+            ),
+        ));
+    } else if reversals < FEW_REVERSALS {
+        warnings.push(Warning::new(
+            "few-reversals",
+            format!("{reversals} reversals; pre-sliding memory shows only where the motion turns at least twice"),
+        ));
+    }
+}
+
+/// Warns where the effort stays at its extreme value, as a saturated sensor or amplifier does.
+pub(super) fn clipping(effort: &[f64], unit: &str, warnings: &mut Vec<Warning>) {
+    let (low, high) = effort
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| {
+            (l.min(v), h.max(v))
+        });
+    if low >= high {
+        warnings.push(Warning::new(
+            "constant-effort",
+            format!("the effort is {low} {unit} throughout"),
+        ));
+        return;
+    }
+    for limit in [low, high] {
+        let (mut clipped, mut run) = (0, 0);
+        for value in effort.iter().copied().chain([f64::NAN]) {
+            if value == limit {
+                run += 1;
+            } else {
+                if run >= CLIPPED_RUN {
+                    clipped += run;
+                }
+                run = 0;
+            }
+        }
+        let share = clipped as f64 / effort.len() as f64;
+        if clipped > 0 && share >= CLIPPED_SHARE {
+            warnings.push(Warning::new(
+                "clipping",
+                format!("{clipped} samples ({:.1} %) stay at the extreme {limit} {unit}: the sensor may be saturated", 100.0 * share),
+            ));
+        }
+    }
+}
+
+/// Work against closed motion: `(net, exchanged)` [J for force and torque], the effort's mean
+/// taken off because a nearly closed path multiplies any offset by what is left open.
+fn closed_work(x: &[f64], effort: &[f64], strokes: &Strokes) -> Option<(f64, f64)> {
+    let first = *strokes.reversals.first()?;
+    // Kinetic energy is zero at reversals: inertia does no work between them.
+    let last = *strokes.reversals.iter().rev().find(|&&last| {
+        last > first
+            && x.get(first)
+                .zip(x.get(last))
+                .is_some_and(|(a, b)| (a - b).abs() <= CLOSED * strokes.travel)
+    })?;
+    let (x, effort) = (x.get(first..=last)?, effort.get(first..=last)?);
+    let mean = effort.iter().sum::<f64>() / effort.len() as f64;
+    let (mut net, mut exchanged) = (0.0, 0.0);
+    for ((x0, x1), (f0, f1)) in x
+        .iter()
+        .zip(x.iter().skip(1))
+        .zip(effort.iter().zip(effort.iter().skip(1)))
+    {
+        let work = (0.5 * (f0 + f1) - mean) * (x1 - x0);
+        net += work;
+        exchanged += work.abs();
+    }
+    Some((net, exchanged))
+}
+
+/// Turns the effort into the model's convention: positive where it drives motion in +x, so that
+/// the net work over closed motion, which is what friction dissipates, is positive. Without
+/// `--sign` a recording of the opposite convention is flipped, with a warning.
+pub(super) fn sign(
+    x: &[f64],
+    effort: &mut [f64],
+    strokes: &[Strokes],
+    role: EffortRole,
+    asked: Option<f64>,
+    warnings: &mut Vec<Warning>,
+) {
+    if let Some(sign) = asked {
+        effort.iter_mut().for_each(|f| *f *= sign);
+    }
+    let (net, exchanged) = strokes
+        .iter()
+        .filter_map(|s| closed_work(x, effort, s))
+        .fold((0.0, 0.0), |(n, e), (net, exchanged)| {
+            (n + net, e + exchanged)
+        });
+    let opposed = net < -CERTAIN_WORK * exchanged;
+    if !opposed {
+        return;
+    }
+    let found = format!(
+        "over closed motion the {} gives back {:.0} % of the work it exchanges, where friction only takes",
+        role.name(),
+        -100.0 * net / exchanged
+    );
+    if asked.is_some() {
+        warnings.push(Warning::new(
+            "negative-work",
+            format!("{found}; --sign was given, so it stays"),
+        ));
+    } else {
+        effort.iter_mut().for_each(|f| *f = -*f);
+        warnings.push(Warning::new(
+            "effort-sign-flipped",
+            format!("{found}: its sign opposes the model's, so it was multiplied by -1; --sign -1 says so and silences this, --sign 1 forbids it"),
+        ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::segments;
+    use super::*;
+
+    fn codes(warnings: &[Warning]) -> Vec<&str> {
+        warnings.iter().map(|w| w.code).collect()
+    }
+
+    /// Three sine cycles with Coulomb friction, inertia and an offset.
+    fn cycles() -> (Vec<f64>, Vec<f64>) {
+        let phase = |i: usize| i as f64 * 0.01;
+        let x = (0..1885).map(|i| phase(i).sin()).collect();
+        let f = (0..1885)
+            .map(|i| phase(i).cos().signum() - 5.0 * phase(i).sin() + 2.0)
+            .collect();
+        (x, f)
+    }
+
+    #[test]
+    fn an_opposed_sign_is_flipped_unless_a_sign_is_given() {
+        let (x, f) = cycles();
+        let strokes = [segments::strokes(&x, 0..x.len())];
+        let run = |factor: f64, asked: Option<f64>| {
+            let mut effort: Vec<f64> = f.iter().map(|f| factor * f).collect();
+            let mut warnings = Vec::new();
+            sign(
+                &x,
+                &mut effort,
+                &strokes,
+                EffortRole::Force,
+                asked,
+                &mut warnings,
+            );
+            (effort == f, codes(&warnings).join(","))
+        };
+        assert_eq!(run(1.0, None), (true, String::new()));
+        assert_eq!(run(-1.0, None), (true, "effort-sign-flipped".into()));
+        assert_eq!(run(-1.0, Some(-1.0)), (true, String::new()));
+        assert_eq!(run(-1.0, Some(1.0)), (false, "negative-work".into()));
+        assert_eq!(run(1.0, Some(-1.0)), (false, "negative-work".into()));
+    }
+
+    #[test]
+    fn a_spring_has_no_sign_to_find() {
+        let (x, _) = cycles();
+        let strokes = [segments::strokes(&x, 0..x.len())];
+        let mut effort: Vec<f64> = x.iter().map(|x| -3.0 * x).collect();
+        let mut warnings = Vec::new();
+        sign(
+            &x,
+            &mut effort,
+            &strokes,
+            EffortRole::Force,
+            None,
+            &mut warnings,
+        );
+        assert!(warnings.is_empty(), "{warnings:?}");
+    }
+
+    #[test]
+    fn motion_and_clipping_are_named_with_figures() {
+        let check = |x: &[f64]| {
+            let mut warnings = Vec::new();
+            motion(
+                &[segments::strokes(x, 0..x.len())],
+                x.len(),
+                "m",
+                &mut warnings,
+            );
+            codes(&warnings).join(",")
+        };
+        let ramp: Vec<f64> = (0..500).map(f64::from).collect();
+        assert_eq!(check(&ramp), "one-way-motion");
+        assert_eq!(check(&ramp[..100]), "too-short,one-way-motion");
+        assert_eq!(check(&[1.0; 500]), "no-motion");
+        let back: Vec<f64> = (0..500)
+            .map(|i| f64::from(250 - (i - 250i32).abs()))
+            .collect();
+        assert_eq!(check(&back), "few-reversals");
+        assert_eq!(check(&cycles().0), "");
+
+        let (_, f) = cycles();
+        let limited: Vec<f64> = f.iter().map(|f| f.min(5.0)).collect();
+        let mut warnings = Vec::new();
+        clipping(&f, "N", &mut warnings);
+        assert!(warnings.is_empty(), "{warnings:?}");
+        clipping(&limited, "N", &mut warnings);
+        assert_eq!(codes(&warnings), ["clipping"]);
+        assert!(
+            warnings[0].message.contains("extreme 5 N"),
+            "{}",
+            warnings[0].message
+        );
+    }
+}

@@ -1,0 +1,218 @@
+//! Why a recording cannot be used: file, place, reason, remedy.
+
+use thiserror::Error;
+
+/// A recording that cannot be loaded: the file as the user named it, and what is wrong with it.
+#[derive(Debug, Error)]
+#[error("{file}: {problem}")]
+pub struct RecordingError {
+    /// The file as given on the command line.
+    pub file: String,
+    /// What is wrong, where, and what to do about it.
+    pub problem: Problem,
+}
+
+/// What is wrong with a recording. Every text says where and what to do.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum Problem {
+    /// The operating system refused to open or read the file.
+    #[error("cannot be read: {0}; check the path and its permissions")]
+    Io(#[from] std::io::Error),
+    /// More bytes than [`LoadOptions::max_bytes`](super::LoadOptions::max_bytes).
+    #[error(
+        "{bytes} bytes exceed the limit of {limit} bytes; split the recording, or record fewer columns"
+    )]
+    TooLarge {
+        /// Size of the file (bytes).
+        bytes: u64,
+        /// The limit (bytes).
+        limit: u64,
+    },
+    /// More samples than [`LoadOptions::max_samples`](super::LoadOptions::max_samples).
+    #[error(
+        "more than {limit} samples (reached at {at}); split the recording, or keep every n-th sample"
+    )]
+    TooManySamples {
+        /// Where the limit was passed.
+        at: String,
+        /// The limit (samples).
+        limit: usize,
+    },
+    /// No byte, or nothing but blank and `#` lines.
+    #[error("is empty; expected a CSV header such as `t_s,x_m,force_N` and samples below it")]
+    Empty,
+    /// A header without samples, or too few samples to have a sample time.
+    #[error("holds {samples} samples; at least {needed} are needed")]
+    TooShort {
+        /// Samples found.
+        samples: usize,
+        /// Samples needed.
+        needed: usize,
+    },
+    /// The first line holds numbers.
+    #[error(
+        "line {line}: `{first}` is a number where the header should be; put the column names with their SI units in front, such as `t_s,x_m,force_N`"
+    )]
+    NoHeader {
+        /// Line of the file, from 1.
+        line: u64,
+        /// The first cell.
+        first: String,
+    },
+    /// Not separated by commas.
+    #[error(
+        "line {line}: the columns are separated by {found}; export with commas between columns and points in numbers"
+    )]
+    Separator {
+        /// Line of the file, from 1.
+        line: u64,
+        /// The separator found, in words.
+        found: &'static str,
+    },
+    /// Not text, or not in UTF-8.
+    #[error("line {line}: {what}; export as plain CSV in UTF-8")]
+    NotText {
+        /// Line of the file, from 1.
+        line: u64,
+        /// What was met.
+        what: String,
+    },
+    /// A row with another number of cells than the header.
+    #[error("line {line}: {cells} cells where the header has {columns}; {hint}")]
+    Ragged {
+        /// Line of the file, from 1.
+        line: u64,
+        /// Cells in the row.
+        cells: usize,
+        /// Columns in the header.
+        columns: usize,
+        /// What to look at.
+        hint: &'static str,
+    },
+    /// A cell that is empty, text, NaN or infinite.
+    #[error("{at}, column `{column}`: {what}; correct it, or cut the recording there")]
+    Cell {
+        /// Line (CSV) or element (`.mat`), in words.
+        at: String,
+        /// Name of the column.
+        column: String,
+        /// What the cell holds.
+        what: String,
+    },
+    /// A known quantity without its unit, or with another one.
+    #[error("column `{column}` {reason}: name it `{accepted}`, or give `--map {example}`")]
+    Unit {
+        /// Name of the column.
+        column: String,
+        /// What is the matter with its unit.
+        reason: String,
+        /// The spelling that is accepted.
+        accepted: &'static str,
+        /// A `--map` that would bring it in.
+        example: String,
+    },
+    /// Two columns claim one role.
+    #[error(
+        "columns `{first}` and `{second}` both give the {role}; choose one with `--map {target}={first}` or `--map {other_target}={second}`"
+    )]
+    TwoColumns {
+        /// The role.
+        role: &'static str,
+        /// First column.
+        first: String,
+        /// Second column.
+        second: String,
+        /// What the first would be mapped to.
+        target: &'static str,
+        /// What the second would be mapped to.
+        other_target: &'static str,
+    },
+    /// Roles without a column.
+    #[error(
+        "no {missing}; the file has {listing}. Rename the columns, or bring them in with `--map`, such as `--map {example}=COLUMN`"
+    )]
+    Missing {
+        /// The roles, in words with their column names.
+        missing: String,
+        /// What the file has.
+        listing: String,
+        /// A target for `--map`.
+        example: &'static str,
+    },
+    /// Force on a rotary axis, or torque on a linear one.
+    #[error(
+        "`{effort}` does not belong to the {axis} position `{position}`; convert it, such as `--map {target}=FACTOR*{effort}`"
+    )]
+    AxisMismatch {
+        /// The effort's column.
+        effort: String,
+        /// "linear" or "rotary".
+        axis: &'static str,
+        /// The position's column.
+        position: String,
+        /// What to map to.
+        target: &'static str,
+    },
+    /// A `--map` that cannot be followed.
+    #[error("--map {map}: {reason}")]
+    Map {
+        /// The mapping as given.
+        map: String,
+        /// Why not, and what would work.
+        reason: String,
+    },
+    /// A `--sign` other than 1 and -1.
+    #[error(
+        "--sign {0} is neither 1 nor -1; give `--sign -1` where the effort opposes the model's convention (positive against motion in +x)"
+    )]
+    Sign(f64),
+    /// Time that does not advance.
+    #[error("{at}: time {how} (from {from} s to {to} s); {remedy}")]
+    Time {
+        /// Line or sample.
+        at: String,
+        /// "runs backwards" or "stands still".
+        how: &'static str,
+        /// The time before (s).
+        from: f64,
+        /// The time there (s).
+        to: f64,
+        /// What to do.
+        remedy: String,
+    },
+    /// A `.mat` file that is truncated, corrupt or of another version.
+    #[error("at byte {offset}: {reason}")]
+    Mat {
+        /// Byte of the file where the trouble starts.
+        offset: usize,
+        /// What is wrong and what to do.
+        reason: String,
+    },
+    /// Variables of one recording with different lengths.
+    #[error(
+        "`{first}` has {first_len} samples, `{second}` {second_len}; map variables of equal length"
+    )]
+    Lengths {
+        /// A variable.
+        first: String,
+        /// Its length.
+        first_len: usize,
+        /// Another one.
+        second: String,
+        /// Its length.
+        second_len: usize,
+    },
+    /// A time window that holds no samples.
+    #[error("no samples between {from} s and {to} s; the recording covers {start} s to {end} s")]
+    Window {
+        /// Start of the window (s).
+        from: f64,
+        /// End of the window (s), excluded.
+        to: f64,
+        /// First time stamp (s).
+        start: f64,
+        /// Last time stamp (s).
+        end: f64,
+    },
+}

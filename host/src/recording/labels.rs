@@ -1,0 +1,76 @@
+//! Columns that number the parts of a motion: segments and repeats.
+
+use std::collections::HashMap;
+
+use super::Warning;
+use super::columns::Source;
+
+/// Numbers of segments or repeats from the cells of a column.
+#[derive(Debug, Default)]
+pub(super) struct Labels {
+    ids: Vec<u32>,
+    texts: Vec<String>,
+    index: HashMap<String, u32>,
+}
+
+/// More parts than this and the column is not one of segments or repeats.
+const MAX_LABELS: usize = 1_000_000;
+
+impl Labels {
+    /// Takes the next cell; false where there are too many different ones.
+    pub(super) fn push(&mut self, text: &str) -> bool {
+        // Samples of one part follow each other: most cells repeat the one before.
+        if let Some(&last) = self.ids.last()
+            && self.texts.get(last as usize).is_some_and(|t| t == text)
+        {
+            self.ids.push(last);
+            return true;
+        }
+        if self.texts.len() >= MAX_LABELS {
+            return false;
+        }
+        let next = self.texts.len() as u32;
+        let id = *self.index.entry(text.to_string()).or_insert(next);
+        if id == next {
+            self.texts.push(text.to_string());
+        }
+        self.ids.push(id);
+        true
+    }
+
+    /// The numbers of the parts: as they stand in the file, or, where they are words and the
+    /// column was mapped, counted from 0 in order of appearance.
+    pub(super) fn finish(
+        self,
+        source: &Source,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Vec<u32>, (usize, String)> {
+        let numbers: Result<Vec<u32>, u32> = (0u32..)
+            .zip(&self.texts)
+            .map(|(id, text)| text.parse::<u32>().map_err(|_| id))
+            .collect();
+        match numbers {
+            Ok(numbers) => Ok(self
+                .ids
+                .iter()
+                .filter_map(|&id| numbers.get(id as usize).copied())
+                .collect()),
+            Err(_) if source.mapped => {
+                warnings.push(Warning::new(
+                    "labels-numbered",
+                    format!(
+                        "{} holds words, numbered 0 to {} in order of appearance",
+                        source.known.name,
+                        self.texts.len().saturating_sub(1)
+                    ),
+                ));
+                Ok(self.ids)
+            }
+            Err(bad) => {
+                let at = self.ids.iter().position(|&id| id == bad).unwrap_or(0);
+                let text = self.texts.get(bad as usize).cloned().unwrap_or_default();
+                Err((at, format!("`{text}` is not a whole number from 0")))
+            }
+        }
+    }
+}

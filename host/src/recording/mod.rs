@@ -1,0 +1,489 @@
+//! Recordings: a measured motion and the effort it took, checked and in SI units.
+//!
+//! [`load`] reads CSV and MATLAB v5 `.mat` files in the project's format, or other people's files
+//! with a column mapping. What cannot be used is a [`RecordingError`] that names file, place,
+//! reason and remedy; what can be used with care is a [`Warning`] with a fixed code. Nothing is
+//! dropped or repaired without one of the two.
+
+mod checks;
+mod columns;
+mod csv;
+mod error;
+mod labels;
+mod mat;
+mod segments;
+mod table;
+#[cfg(test)]
+mod tests;
+mod timing;
+
+use std::fs::File;
+use std::io::Read;
+use std::ops::Range;
+use std::path::Path;
+
+use columns::Slot;
+pub use error::{Problem, RecordingError};
+use table::{Data, Table};
+
+/// Motion along a line or about an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MotionKind {
+    /// Position in m, effort in N.
+    Linear,
+    /// Position in rad, effort in N·m.
+    Rotary,
+}
+
+impl MotionKind {
+    /// "linear" or "rotary", as in model files.
+    pub fn name(self) -> &'static str {
+        match self {
+            MotionKind::Linear => "linear",
+            MotionKind::Rotary => "rotary",
+        }
+    }
+}
+
+/// What the effort column measures, which decides what the model must contain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EffortRole {
+    /// `force_N`: the driving force; contains inertia.
+    Force,
+    /// `friction_N`: the friction alone, inertia already taken off or negligible.
+    Friction,
+    /// `torque_Nm`: the driving torque; contains inertia.
+    Torque,
+    /// `current_A`: the motor current, proportional to force or torque; contains inertia.
+    Current,
+    /// `voltage_V`: a voltage proportional to force or torque; contains inertia.
+    Voltage,
+}
+
+impl EffortRole {
+    /// The quantity's name, as in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            EffortRole::Force => "force",
+            EffortRole::Friction => "friction",
+            EffortRole::Torque => "torque",
+            EffortRole::Current => "current",
+            EffortRole::Voltage => "voltage",
+        }
+    }
+
+    /// The unit: `N`, `Nm`, `A` or `V`.
+    pub fn unit(self) -> &'static str {
+        match self {
+            EffortRole::Force | EffortRole::Friction => "N",
+            EffortRole::Torque => "Nm",
+            EffortRole::Current => "A",
+            EffortRole::Voltage => "V",
+        }
+    }
+
+    /// Whether accelerating the moving mass is part of the effort.
+    pub fn contains_inertia(self) -> bool {
+        self != EffortRole::Friction
+    }
+}
+
+/// Something about a recording that its user should know.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Warning {
+    /// A fixed name, such as `gap`, for machines and for looking up.
+    pub code: &'static str,
+    /// What was found, with figures and the place in the file.
+    pub message: String,
+}
+
+impl Warning {
+    pub(crate) fn new(code: &'static str, message: impl Into<String>) -> Self {
+        Warning {
+            code,
+            message: message.into(),
+        }
+    }
+}
+
+impl std::fmt::Display for Warning {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}: {}", self.code, self.message)
+    }
+}
+
+/// A motion and the effort it took. All columns have the same length; samples are in file order.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    /// File name, for messages.
+    pub name: String,
+    /// Linear or rotary.
+    pub kind: MotionKind,
+    /// Time stamps (s); they increase within each of [`pieces`](Self::pieces).
+    pub t_s: Vec<f64>,
+    /// Position (m or rad), measured or, with [`position_integrated`](Self::position_integrated),
+    /// integrated from the velocity.
+    pub position: Vec<f64>,
+    /// Commanded position (m or rad), where recorded.
+    pub reference: Option<Vec<f64>>,
+    /// Velocity (m/s or rad/s), where recorded.
+    pub velocity: Option<Vec<f64>>,
+    /// Effort in [`effort_unit`](Self::effort_unit), positive where it drives motion in +x.
+    pub effort: Vec<f64>,
+    /// What the effort measures.
+    pub role: EffortRole,
+    /// Temperature (°C), where recorded.
+    pub temperature_c: Option<Vec<f64>>,
+    /// Normal load (N), where recorded.
+    pub load_n: Option<Vec<f64>>,
+    /// Pressure (Pa), where recorded.
+    pub pressure_pa: Option<Vec<f64>>,
+    /// Number of the part of the motion that each sample belongs to; one stroke between reversals
+    /// where no column gives it.
+    pub segment: Vec<u32>,
+    /// Number of the repetition of the motion, one fold of cross-validation each.
+    pub repeat: Vec<u32>,
+    /// The segments are strokes found here, not a column of the file.
+    pub segments_found: bool,
+    /// The repeats are cycles found here. False also where the motion has no period and every
+    /// sample is in repeat 0.
+    pub repeats_found: bool,
+    /// There was no position column.
+    pub position_integrated: bool,
+    /// Contiguous samples, split at gaps and where the clock starts again: no filter and no model
+    /// may run from one into the next. They cover all samples, in order; one may be a single sample.
+    pub pieces: Vec<Range<usize>>,
+    /// What the user should know.
+    pub warnings: Vec<Warning>,
+    sample_time_s: f64,
+}
+
+impl Recording {
+    /// Number of samples, at least 2.
+    pub fn len(&self) -> usize {
+        self.t_s.len()
+    }
+
+    /// Never true of a recording that was loaded.
+    pub fn is_empty(&self) -> bool {
+        self.t_s.is_empty()
+    }
+
+    /// Median time step within the pieces (s).
+    pub fn sample_time_s(&self) -> f64 {
+        self.sample_time_s
+    }
+
+    /// `m` or `rad`.
+    pub fn position_unit(&self) -> &'static str {
+        match self.kind {
+            MotionKind::Linear => "m",
+            MotionKind::Rotary => "rad",
+        }
+    }
+
+    /// `N`, `Nm`, `A` or `V`.
+    pub fn effort_unit(&self) -> &'static str {
+        self.role.unit()
+    }
+
+    /// The samples with `from ≤ t < to` (s), so that adjoining windows share none. Segments and
+    /// repeats keep their numbers, warnings are those of the whole file.
+    ///
+    /// # Errors
+    /// [`Problem::Window`] where fewer than two samples lie in the window.
+    pub fn slice_time(&self, from: f64, to: f64) -> Result<Recording, RecordingError> {
+        let inside: Vec<bool> = self.t_s.iter().map(|&t| from <= t && t < to).collect();
+        let kept = inside.iter().filter(|&&i| i).count();
+        if kept < 2 {
+            let bound =
+                |pick: fn(f64, f64) -> f64| self.t_s.iter().copied().reduce(pick).unwrap_or(0.0);
+            return Err(RecordingError {
+                file: self.name.clone(),
+                problem: Problem::Window {
+                    from,
+                    to,
+                    start: bound(f64::min),
+                    end: bound(f64::max),
+                },
+            });
+        }
+        fn keep<T: Copy>(values: &[T], inside: &[bool]) -> Vec<T> {
+            values
+                .iter()
+                .zip(inside)
+                .filter(|(_, i)| **i)
+                .map(|(v, _)| *v)
+                .collect()
+        }
+        let some = |column: &Option<Vec<f64>>| column.as_ref().map(|c| keep(c, &inside));
+        let mut start = 0;
+        let mut pieces = Vec::new();
+        for piece in &self.pieces {
+            let n = inside
+                .get(piece.clone())
+                .map_or(0, |part| part.iter().filter(|&&i| i).count());
+            if n > 0 {
+                pieces.push(start..start + n);
+                start += n;
+            }
+        }
+        Ok(Recording {
+            name: self.name.clone(),
+            t_s: keep(&self.t_s, &inside),
+            position: keep(&self.position, &inside),
+            reference: some(&self.reference),
+            velocity: some(&self.velocity),
+            effort: keep(&self.effort, &inside),
+            temperature_c: some(&self.temperature_c),
+            load_n: some(&self.load_n),
+            pressure_pa: some(&self.pressure_pa),
+            segment: keep(&self.segment, &inside),
+            repeat: keep(&self.repeat, &inside),
+            pieces,
+            warnings: self.warnings.clone(),
+            ..*self
+        })
+    }
+}
+
+/// How to read a file.
+#[derive(Clone, Debug)]
+pub struct LoadOptions {
+    /// `--map`: name in the format, and the file's column or product such as `35.1507*vir`.
+    pub map: Vec<(String, String)>,
+    /// `--sign`: 1 or -1, multiplies the effort; without it an opposed sign is found and flipped.
+    pub sign: Option<f64>,
+    /// Largest file that is opened (bytes); `.mat` files, which are held in memory, half of it.
+    pub max_bytes: u64,
+    /// Most samples that are kept: with 8 columns of 8 bytes, 640 MB.
+    pub max_samples: usize,
+}
+
+impl Default for LoadOptions {
+    fn default() -> Self {
+        LoadOptions {
+            map: Vec::new(),
+            sign: None,
+            max_bytes: 1 << 30,
+            max_samples: 10_000_000,
+        }
+    }
+}
+
+/// Splits a `--map` argument such as `force_N=35.1507*vir`.
+///
+/// # Errors
+/// A message for the user where there is no `=` or nothing on one side of it.
+pub fn parse_map(argument: &str) -> Result<(String, String), String> {
+    match argument.split_once('=').map(|(a, b)| (a.trim(), b.trim())) {
+        Some((target, source)) if !target.is_empty() && !source.is_empty() => {
+            Ok((target.into(), source.into()))
+        }
+        _ => Err(format!(
+            "`{argument}` is no mapping; write NAME=COLUMN, such as force_N=load_cell or x_m=0.001*x_mm"
+        )),
+    }
+}
+
+/// Loads a recording. MATLAB files are known by their extension or their first bytes, everything
+/// else is read as CSV.
+///
+/// # Errors
+/// [`RecordingError`] names the file as given, the place, the reason and the remedy.
+pub fn load(path: &Path, options: &LoadOptions) -> Result<Recording, RecordingError> {
+    let name = path.display().to_string();
+    let fail = |problem| RecordingError {
+        file: name.clone(),
+        problem,
+    };
+    let mut file = File::open(path).map_err(|e| fail(e.into()))?;
+    let bytes = file.metadata().map_err(|e| fail(e.into()))?.len();
+    let mut magic = Vec::new();
+    file.by_ref()
+        .take(mat::MAGIC_BYTES)
+        .read_to_end(&mut magic)
+        .map_err(|e| fail(e.into()))?;
+    let is_mat = mat::is_mat(&magic)
+        || path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("mat"));
+    let limit = if is_mat {
+        options.max_bytes / 2
+    } else {
+        options.max_bytes
+    };
+    if bytes > limit {
+        return Err(fail(Problem::TooLarge { bytes, limit }));
+    }
+    let input = magic.as_slice().chain(file);
+    if is_mat {
+        load_mat(input, &name, options)
+    } else {
+        load_csv(input, &name, options)
+    }
+}
+
+/// Reads CSV from any stream; `name` stands in messages.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_csv(
+    input: impl Read,
+    name: &str,
+    options: &LoadOptions,
+) -> Result<Recording, RecordingError> {
+    csv::read(input, options)
+        .and_then(|table| assemble(table, name, options))
+        .map_err(|problem| RecordingError {
+            file: name.into(),
+            problem,
+        })
+}
+
+/// Reads a MATLAB v5 file from any stream; `name` stands in messages.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_mat(
+    input: impl Read,
+    name: &str,
+    options: &LoadOptions,
+) -> Result<Recording, RecordingError> {
+    let limit = options.max_bytes / 2;
+    let mut bytes = Vec::new();
+    let read = input.take(limit.saturating_add(1)).read_to_end(&mut bytes);
+    read.map_err(Problem::Io)
+        .and_then(|n| match n as u64 {
+            n if n > limit => Err(Problem::TooLarge { bytes: n, limit }),
+            _ => mat::read(&bytes, options),
+        })
+        .and_then(|table| assemble(table, name, options))
+        .map_err(|problem| RecordingError {
+            file: name.into(),
+            problem,
+        })
+}
+
+/// Turns a table into a recording: time, parts of the motion, sign, warnings.
+fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recording, Problem> {
+    if let Some(sign) = options.sign.filter(|s| s.abs() != 1.0) {
+        return Err(Problem::Sign(sign));
+    }
+    let mut warnings = std::mem::take(&mut table.plan.warnings);
+    let mut columns: Vec<(Slot, Vec<f64>)> = Vec::new();
+    let mut parts: Vec<(Slot, Vec<u32>)> = Vec::new();
+    for (source, data) in table
+        .plan
+        .sources
+        .iter()
+        .zip(std::mem::take(&mut table.data))
+    {
+        match data {
+            Data::Numbers(values) => columns.push((source.known.slot, values)),
+            Data::Labels(labels) => {
+                let numbers =
+                    labels
+                        .finish(source, &mut warnings)
+                        .map_err(|(at, what)| Problem::Cell {
+                            at: table.place.of(at),
+                            column: source.known.name.into(),
+                            what,
+                        })?;
+                parts.push((source.known.slot, numbers));
+            }
+        }
+    }
+    let mut take = |slot| {
+        columns
+            .iter()
+            .position(|c| c.0 == slot)
+            .map(|i| columns.swap_remove(i).1)
+    };
+    let mut take_part = |slot| {
+        parts
+            .iter()
+            .position(|c| c.0 == slot)
+            .map(|i| parts.swap_remove(i).1)
+    };
+    let t_s = take(Slot::Time).unwrap_or_default();
+    let samples = t_s.len();
+    if samples < 2 {
+        return Err(Problem::TooShort { samples, needed: 2 });
+    }
+    let (given_segment, given_repeat) = (take_part(Slot::Segment), take_part(Slot::Repeat));
+    let number = |column: &Option<Vec<u32>>, i: usize| {
+        column.as_ref().and_then(|c| c.get(i).copied()).unwrap_or(0)
+    };
+    let part = |i| (number(&given_segment, i), number(&given_repeat, i));
+    let timing = timing::check(&t_s, part, &table, &mut warnings)?;
+
+    let velocity = take(Slot::Velocity);
+    let measured = take(Slot::Position);
+    let position_integrated = measured.is_none();
+    let position = match measured {
+        Some(position) => position,
+        None => timing::integrate(
+            &t_s,
+            velocity.as_deref().unwrap_or_default(),
+            &timing.pieces,
+            &mut warnings,
+        ),
+    };
+    let mut effort = take(Slot::Effort).unwrap_or_default();
+
+    let kind = table.plan.kind;
+    let role = table.plan.role;
+    let unit = if kind == MotionKind::Linear {
+        "m"
+    } else {
+        "rad"
+    };
+    let runs: Vec<_> = timing
+        .runs
+        .iter()
+        .map(|run| segments::strokes(&position, run.clone()))
+        .collect();
+    checks::motion(&runs, samples, unit, &mut warnings);
+    checks::clipping(&effort, role.unit(), &mut warnings);
+    checks::sign(
+        &position,
+        &mut effort,
+        &runs,
+        role,
+        options.sign,
+        &mut warnings,
+    );
+
+    let segments_found = given_segment.is_none();
+    let segment =
+        given_segment.unwrap_or_else(|| segments::segments(&runs, &timing.pieces, samples));
+    let (repeat, repeats_found) = match given_repeat {
+        Some(repeat) => (repeat, false),
+        None => segments::repeats(&position, &t_s, &runs, samples, &mut warnings),
+    };
+    let name = Path::new(path)
+        .file_name()
+        .map_or_else(|| path.to_string(), |n| n.to_string_lossy().into_owned());
+    Ok(Recording {
+        name,
+        kind,
+        position,
+        reference: take(Slot::Reference),
+        velocity,
+        effort,
+        role,
+        temperature_c: take(Slot::Temperature),
+        load_n: take(Slot::Load),
+        pressure_pa: take(Slot::Pressure),
+        segment,
+        repeat,
+        segments_found,
+        repeats_found,
+        position_integrated,
+        pieces: timing.pieces,
+        warnings,
+        sample_time_s: timing.sample_time_s,
+        t_s,
+    })
+}

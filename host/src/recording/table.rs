@@ -1,0 +1,49 @@
+//! What both file formats come to: columns of numbers, and where each sample stands in the file.
+
+use super::columns::Plan;
+use super::labels::Labels;
+
+/// The columns that a [`Plan`] asks for.
+#[derive(Debug)]
+pub(super) struct Table {
+    pub(super) plan: Plan,
+    /// One per source of the plan, in its order.
+    pub(super) data: Vec<Data>,
+    pub(super) place: Place,
+    /// Unused columns that keep their first value for a while, and the sample where they first
+    /// change: candidates for a segment where time starts again.
+    pub(super) first_change: Vec<(String, usize)>,
+}
+
+/// The samples of one source.
+#[derive(Debug)]
+pub(super) enum Data {
+    Numbers(Vec<f64>),
+    Labels(Labels),
+}
+
+/// Where samples stand in their file.
+#[derive(Debug)]
+pub(super) enum Place {
+    /// CSV: `(sample, line)` wherever a line does not follow its predecessor's.
+    Lines(Vec<(usize, u64)>),
+    /// `.mat`: elements counted from 1.
+    Elements,
+}
+
+impl Place {
+    /// "line 17" or "element 16", for messages.
+    pub(super) fn of(&self, sample: usize) -> String {
+        match self {
+            Place::Lines(breaks) => {
+                let before = breaks.partition_point(|&(first, _)| first <= sample);
+                let (first, line) = before
+                    .checked_sub(1)
+                    .and_then(|i| breaks.get(i).copied())
+                    .unwrap_or((0, 2));
+                format!("line {}", line + sample.saturating_sub(first) as u64)
+            }
+            Place::Elements => format!("element {}", sample + 1),
+        }
+    }
+}

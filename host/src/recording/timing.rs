@@ -1,0 +1,214 @@
+//! Time stamps: what must not be, what is a gap, what is jitter.
+
+use std::ops::Range;
+
+use super::Warning;
+use super::error::Problem;
+use super::table::Table;
+
+/// A step longer than this many median steps is a gap, across which nothing is filtered or
+/// integrated. The recordings at hand have steps of 1 to 8.5 medians from busy loggers, and
+/// 14 to 270 where samples were lost.
+const GAP_MEDIANS: f64 = 10.0;
+/// Spread (1st to 99th percentile) of the steps, relative to the median, that is worth a warning.
+const JITTER: f64 = 0.02;
+
+/// How the samples hang together in time.
+pub(super) struct Timing {
+    /// Samples between restarts of the clock.
+    pub(super) runs: Vec<Range<usize>>,
+    /// Samples between restarts and gaps.
+    pub(super) pieces: Vec<Range<usize>>,
+    /// Median step within the pieces (s).
+    pub(super) sample_time_s: f64,
+}
+
+/// Checks that time advances, except where a new segment or repeat starts the clock again.
+pub(super) fn check(
+    t: &[f64],
+    part: impl Fn(usize) -> (u32, u32),
+    table: &Table,
+    warnings: &mut Vec<Warning>,
+) -> Result<Timing, Problem> {
+    let mut starts = vec![0];
+    for (i, pair) in (1..).zip(t.windows(2)) {
+        let &[from, to] = pair else { continue };
+        if to > from {
+            continue;
+        }
+        if part(i) == part(i - 1) {
+            return Err(not_advancing(i, from, to, table));
+        }
+        starts.push(i);
+    }
+    let runs: Vec<Range<usize>> = ranges(&starts, t.len());
+    if runs.len() > 1 {
+        warnings.push(Warning::new(
+            "time-restarts",
+            format!(
+                "the clock starts again {} times; each run is kept apart",
+                runs.len() - 1
+            ),
+        ));
+    }
+    let mut gaps: Vec<(usize, f64)> = Vec::new();
+    let mut steps_kept = Vec::with_capacity(t.len());
+    for run in &runs {
+        let stamps = t.get(run.clone()).unwrap_or_default();
+        let mut steps: Vec<f64> = stamps
+            .iter()
+            .zip(stamps.iter().skip(1))
+            .map(|(a, b)| b - a)
+            .collect();
+        // Runs may differ in rate: the median is each run's own.
+        let Some(median) = quantile(&mut steps.clone(), 0.5) else {
+            continue;
+        };
+        for (i, &step) in (run.start + 1..).zip(&steps) {
+            if step > GAP_MEDIANS * median {
+                gaps.push((i, step));
+            }
+        }
+        steps.retain(|&step| step <= GAP_MEDIANS * median);
+        spread_warning(&steps, median, run, runs.len(), table, warnings);
+        steps_kept.append(&mut steps);
+    }
+    gap_warning(&gaps, table, warnings);
+    let mut cuts: Vec<usize> = starts
+        .iter()
+        .copied()
+        .chain(gaps.iter().map(|g| g.0))
+        .collect();
+    cuts.sort_unstable();
+    Ok(Timing {
+        pieces: ranges(&cuts, t.len()),
+        runs,
+        sample_time_s: quantile(&mut steps_kept, 0.5).unwrap_or(0.0),
+    })
+}
+
+/// Ranges from each start to the next.
+pub(super) fn ranges(starts: &[usize], len: usize) -> Vec<Range<usize>> {
+    let ends = starts.iter().skip(1).copied().chain([len]);
+    starts
+        .iter()
+        .copied()
+        .zip(ends)
+        .map(|(a, b)| a..b)
+        .collect()
+}
+
+/// The `q`-quantile (nearest rank); reorders the values.
+pub(super) fn quantile(values: &mut [f64], q: f64) -> Option<f64> {
+    let rank = ((values.len().checked_sub(1)?) as f64 * q).round() as usize;
+    Some(*values.select_nth_unstable_by(rank, f64::total_cmp).1)
+}
+
+fn not_advancing(i: usize, from: f64, to: f64, table: &Table) -> Problem {
+    let column = table
+        .first_change
+        .iter()
+        .find(|(_, at)| *at == i)
+        .map(|(name, _)| name);
+    let remedy = match column {
+        Some(name) => format!(
+            "if `{name}`, which changes there, numbers separate runs, give `--map segment={name}`"
+        ),
+        None if to == from => {
+            "write the time stamps with more digits, or remove the repeated rows".into()
+        }
+        None => "sort the rows, or number separate runs in a column `segment`".into(),
+    };
+    let how = if to < from {
+        "runs backwards"
+    } else {
+        "stands still"
+    };
+    Problem::Time {
+        at: table.place.of(i),
+        how,
+        from,
+        to,
+        remedy,
+    }
+}
+
+fn gap_warning(gaps: &[(usize, f64)], table: &Table, warnings: &mut Vec<Warning>) {
+    let Some(longest) = gaps.iter().map(|g| g.1).max_by(f64::total_cmp) else {
+        return;
+    };
+    const NAMED: usize = 5;
+    let mut named: Vec<String> = gaps
+        .iter()
+        .take(NAMED)
+        .map(|&(i, step)| format!("{:.4} s at {}", step, table.place.of(i)))
+        .collect();
+    if gaps.len() > NAMED {
+        named.push(format!(
+            "{} more, the longest {longest:.4} s",
+            gaps.len() - NAMED
+        ));
+    }
+    warnings.push(Warning::new(
+        "gap",
+        format!(
+            "samples are missing: {}; nothing is filtered or integrated across",
+            named.join(", ")
+        ),
+    ));
+}
+
+fn spread_warning(
+    steps: &[f64],
+    median: f64,
+    run: &Range<usize>,
+    runs: usize,
+    table: &Table,
+    warnings: &mut Vec<Warning>,
+) {
+    let mut steps = steps.to_vec();
+    let (Some(low), Some(high)) = (quantile(&mut steps, 0.01), quantile(&mut steps, 0.99)) else {
+        return;
+    };
+    if high - low > JITTER * median && !warnings.iter().any(|w| w.code == "time-jitter") {
+        let of = if runs > 1 {
+            format!(" in the run from {}", table.place.of(run.start))
+        } else {
+            String::new()
+        };
+        warnings.push(Warning::new(
+            "time-jitter",
+            format!("98 % of the time steps lie between {low:.3e} s and {high:.3e} s (median {median:.3e} s){of}"),
+        ));
+    }
+}
+
+/// Displacement from velocity by the trapezoidal rule, `x_k = x_{k-1} + (v_{k-1} + v_k)/2·Δt`,
+/// from 0 in each piece: what moved during a gap is unknown.
+pub(super) fn integrate(
+    t: &[f64],
+    velocity: &[f64],
+    pieces: &[Range<usize>],
+    warnings: &mut Vec<Warning>,
+) -> Vec<f64> {
+    warnings.push(Warning::new(
+        "position-integrated",
+        "no position column: integrated from the velocity, from 0 in each contiguous piece; its drift is not motion",
+    ));
+    let mut x = Vec::with_capacity(t.len());
+    for piece in pieces {
+        let (Some(t), Some(v)) = (t.get(piece.clone()), velocity.get(piece.clone())) else {
+            continue;
+        };
+        let mut position = 0.0;
+        let mut last: Option<(f64, f64)> = None;
+        for (&t, &v) in t.iter().zip(v) {
+            if let Some((t0, v0)) = last {
+                position += 0.5 * (v0 + v) * (t - t0);
+            }
+            last = Some((t, v));
+            x.push(position);
+        }
+    }
+    x
+}

@@ -1,0 +1,523 @@
+//! The page: HTML around the interactive figures, with plotly.js inside it once.
+
+use std::fmt::Write;
+
+use plotly::common::{Anchor, DashType, ExponentFormat, Font, Line, Marker, Mode, Orientation};
+use plotly::configuration::{ImageButtonFormats, ToImageButtonOptions};
+use plotly::layout::{Axis as PlotlyAxis, AxisType, HoverMode, Legend, Margin};
+use plotly::{Configuration, Layout, Plot, Scatter};
+
+use super::drawing::{Curve, Drawing, DrawnAxis, POINTS_PER_SERIES, Stroke};
+use super::figure::Figure;
+use super::table::Table;
+use super::{Page, Section};
+
+/// Points on the whole page at most: at 20 bytes each they take 3.2 MB beside the 4.7 MB of plotly.js.
+const POINTS_PER_PAGE: usize = 160_000;
+/// With very many series a page may grow past its 8 MB rather than show fewer points than this in each.
+const LEAST_POINTS_PER_SERIES: usize = 400;
+/// Tables of contents are for pages that do not show all their headings at a glance.
+const SECTIONS_WITHOUT_CONTENTS: usize = 3;
+
+/// Everything is inline, so everything else may be forbidden; `blob:` and `data:` images are the picture download.
+const SECURITY_POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; \
+                               img-src data: blob:; font-src data:; base-uri 'none'; form-action 'none'";
+
+const STYLE: &str = "
+:root { color: #1a1a1a; background: #fff; font: 16px/1.5 system-ui, -apple-system, 'Segoe UI', sans-serif; }
+body { max-width: 1100px; margin: 0 auto; padding: 1rem 1.5rem 2rem; }
+h1 { font-size: 1.6rem; margin: .5rem 0 .8rem; }
+h2 { font-size: 1.25rem; margin: 2rem 0 .5rem; border-bottom: 1px solid #ccc; }
+p { max-width: 75ch; margin: .5rem 0; }
+.lead { max-width: none; border-left: 5px solid #0072B2; background: #eef5fa; padding: .7rem 1rem; font-size: 1.1rem; }
+nav ol { margin: .3rem 0; columns: 2; }
+figure { margin: 1.2rem 0; break-inside: avoid; }
+figcaption, caption { font-weight: 600; text-align: left; }
+.plot { height: 420px; }
+.note { font-size: .9rem; color: #444; max-width: none; }
+.scroll { overflow-x: auto; }
+table { border-collapse: collapse; margin: 1rem 0; font-variant-numeric: tabular-nums; }
+caption { padding-bottom: .3rem; white-space: nowrap; }
+th, td { padding: .2rem .8rem; text-align: left; border-bottom: 1px solid #ddd; }
+th { border-bottom: 2px solid #888; vertical-align: bottom; }
+.number { text-align: right; }
+footer { margin-top: 2.5rem; border-top: 1px solid #ccc; padding-top: .5rem; font-size: .85rem; color: #444; }
+code { font-family: ui-monospace, 'Cascadia Mono', Menlo, Consolas, monospace; overflow-wrap: anywhere; }
+@media print {
+  :root { font-size: 11pt; }
+  body { max-width: none; padding: 0; }
+  h2 { break-after: avoid; }
+  tr { break-inside: avoid; }
+  .scroll { overflow: visible; }
+  .modebar { display: none; }
+}
+";
+
+/// Paper is narrower than most windows, and plotly.js only follows the window.
+const FIT_TO_PAPER: &str = "
+for (const when of ['beforeprint', 'afterprint']) {
+  window.addEventListener(when, () => {
+    for (const plot of document.querySelectorAll('.plotly-graph-div')) {
+      const width = when === 'beforeprint' ? 680 : plot.parentElement.clientWidth;
+      Plotly.relayout(plot, { width, height: 420 }).then(() => {
+        if (when === 'afterprint') Plotly.relayout(plot, { autosize: true, width: null, height: null });
+      });
+    }
+  });
+}
+";
+
+/// The whole file.
+pub(super) fn render(page: &Page) -> String {
+    let series: usize = page
+        .sections
+        .iter()
+        .flat_map(|s| &s.figures)
+        .map(|f| f.series.len())
+        .sum();
+    let most = (POINTS_PER_PAGE / series.max(1)).clamp(LEAST_POINTS_PER_SERIES, POINTS_PER_SERIES);
+    let has_figures = page.sections.iter().any(|s| !s.figures.is_empty());
+    let title = escape(&page.title);
+
+    let mut html = String::with_capacity(1 << 23);
+    let _ = write!(
+        html,
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"{SECURITY_POLICY}\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <title>{title}</title>\n<style>{STYLE}</style>\n"
+    );
+    if has_figures {
+        html.push_str(&plotly_js());
+    }
+    let _ = write!(html, "\n</head>\n<body>\n<h1>{title}</h1>\n");
+    if !page.lead.is_empty() {
+        let _ = writeln!(html, "<p class=\"lead\">{}</p>", escape(&page.lead));
+    }
+    if has_figures {
+        html.push_str("<noscript><p>The figures need JavaScript, which is in this file; nothing is loaded.</p></noscript>\n");
+    }
+    if page.sections.len() > SECTIONS_WITHOUT_CONTENTS {
+        html.push_str("<nav aria-label=\"Contents\"><ol>\n");
+        for (i, section) in page.sections.iter().enumerate() {
+            let _ = writeln!(
+                html,
+                "<li><a href=\"#section-{}\">{}</a></li>",
+                i + 1,
+                escape(&section.heading)
+            );
+        }
+        html.push_str("</ol></nav>\n");
+    }
+    let mut figure_number = 0;
+    for (i, section) in page.sections.iter().enumerate() {
+        let _ = writeln!(html, "<section id=\"section-{}\">", i + 1);
+        section_body(&mut html, section, &mut figure_number, most);
+        html.push_str("</section>\n");
+    }
+    if has_figures {
+        let _ = writeln!(html, "<script>{FIT_TO_PAPER}</script>");
+    }
+    let _ = write!(html, "<footer>preslide {}", env!("CARGO_PKG_VERSION"));
+    if !page.command.is_empty() {
+        let _ = write!(html, " · made by <code>{}</code>", escape(&page.command));
+    }
+    html.push_str("</footer>\n</body>\n</html>\n");
+    html
+}
+
+fn section_body(html: &mut String, section: &Section, figure_number: &mut usize, most: usize) {
+    if !section.heading.is_empty() {
+        let _ = writeln!(html, "<h2>{}</h2>", escape(&section.heading));
+    }
+    for paragraph in &section.paragraphs {
+        let _ = writeln!(html, "<p>{}</p>", escape(paragraph));
+    }
+    for table in &section.tables {
+        html.push_str(&table_html(table));
+    }
+    for figure in &section.figures {
+        *figure_number += 1;
+        html.push_str(&figure_html(figure, *figure_number, most));
+    }
+}
+
+fn table_html(table: &Table) -> String {
+    let columns = table.columns();
+    let line = |cells: &[String], tag: &str| {
+        let cells = (0..columns).map(|c| {
+            let class = if table.is_numeric(c) {
+                " class=\"number\""
+            } else {
+                ""
+            };
+            format!(
+                "<{tag}{class}>{}</{tag}>",
+                escape(cells.get(c).map_or("", String::as_str))
+            )
+        });
+        format!("<tr>{}</tr>\n", cells.collect::<String>())
+    };
+    let mut html = String::from("<div class=\"scroll\"><table>\n");
+    if !table.caption.is_empty() {
+        let _ = writeln!(html, "<caption>{}</caption>", escape(&table.caption));
+    }
+    if !table.head.is_empty() {
+        let _ = writeln!(html, "<thead>{}</thead>", line(&table.head, "th"));
+    }
+    let rows: String = table.rows.iter().map(|row| line(row, "td")).collect();
+    let _ = write!(html, "<tbody>\n{rows}</tbody>\n</table></div>\n");
+    html
+}
+
+fn figure_html(figure: &Figure, number: usize, most: usize) -> String {
+    let drawing = Drawing::new(figure, most);
+    let mut html = String::from("<figure>\n");
+    let caption = if figure.title.is_empty() {
+        String::new()
+    } else {
+        format!(". {}", escape(&figure.title))
+    };
+    let _ = writeln!(html, "<figcaption>Figure {number}{caption}</figcaption>");
+    let plot = plot(figure, &drawing).to_inline_html(Some(&format!("figure-{number}")));
+    let _ = writeln!(html, "<div class=\"plot\">{plot}</div>");
+    if !drawing.note.is_empty() {
+        let _ = writeln!(html, "<p class=\"note\">{}</p>", escape(&drawing.note));
+    }
+    html.push_str("</figure>\n");
+    html
+}
+
+fn plot(figure: &Figure, drawing: &Drawing) -> Plot {
+    let mut plot = Plot::new();
+    for curve in &drawing.curves {
+        plot.add_trace(trace(curve, drawing));
+    }
+    let legend = Legend::new()
+        .orientation(Orientation::Horizontal)
+        .x(0.0)
+        .y(1.01)
+        .y_anchor(Anchor::Bottom);
+    plot.set_layout(
+        Layout::new()
+            .auto_size(true)
+            .font(
+                Font::new()
+                    .family("system-ui, -apple-system, 'Segoe UI', sans-serif")
+                    .size(13)
+                    .color("#1a1a1a"),
+            )
+            .hover_mode(HoverMode::Closest)
+            // The buttons stand in the first 40 pixels, the legend below them.
+            .margin(
+                Margin::new()
+                    .left(70)
+                    .right(20)
+                    .top(40 + 20 * legend_rows(&drawing.curves))
+                    .bottom(55),
+            )
+            .show_legend(drawing.curves.len() > 1)
+            .legend(legend)
+            .x_axis(axis(&drawing.x))
+            .y_axis(axis(&drawing.y)),
+    );
+    let download = ToImageButtonOptions::new()
+        .format(ImageButtonFormats::Png)
+        .filename(&file_stem(&figure.title))
+        .scale(2);
+    plot.set_configuration(
+        Configuration::new()
+            .responsive(true)
+            .display_logo(false)
+            .typeset_math(false)
+            .plotly_server_url("")
+            .to_image_button_options(download),
+    );
+    plot
+}
+
+/// Rows that plotly.js needs for the legend, which it sets in columns as wide as the longest name; on a page of full
+/// width about 130 characters fit beside each other.
+fn legend_rows(curves: &[Curve]) -> usize {
+    let widest = curves
+        .iter()
+        .map(|c| c.name.chars().count())
+        .max()
+        .unwrap_or(0);
+    let columns = (130 / (widest + 8)).max(1);
+    if curves.len() > 1 {
+        curves.len().div_ceil(columns).min(6)
+    } else {
+        0
+    }
+}
+
+fn axis(drawn: &DrawnAxis) -> PlotlyAxis {
+    PlotlyAxis::new()
+        .title(plotly_text(&drawn.title))
+        .type_(if drawn.log {
+            AxisType::Log
+        } else {
+            AxisType::Linear
+        })
+        .exponent_format(ExponentFormat::Power)
+        .auto_margin(true)
+        .show_line(true)
+        .mirror(true)
+        .line_color("#444")
+        .grid_color("#e4e4e4")
+        .zero_line_color("#999")
+}
+
+fn trace(curve: &Curve, drawing: &Drawing) -> Box<Scatter<f64, f64>> {
+    let colour = css(curve.rgb);
+    let mode = match (curve.stroke.is_some(), curve.marks) {
+        (true, true) => Mode::LinesMarkers,
+        (true, false) => Mode::Lines,
+        (false, _) => Mode::Markers,
+    };
+    let dash = match curve.stroke {
+        Some(Stroke::Dashed) => DashType::Dash,
+        Some(Stroke::Dotted) => DashType::Dot,
+        Some(Stroke::Solid) | None => DashType::Solid,
+    };
+    let (x_unit, y_unit) = (plotly_text(&drawing.x.unit), plotly_text(&drawing.y.unit));
+    Scatter::new(
+        curve.points.iter().map(|p| seven_digits(p.0)).collect(),
+        curve.points.iter().map(|p| seven_digits(p.1)).collect(),
+    )
+    .name(plotly_text(&curve.name))
+    .mode(mode)
+    .line(
+        Line::new()
+            .color(colour.clone())
+            .width(curve.width)
+            .dash(dash),
+    )
+    .marker(
+        Marker::new()
+            .color(colour)
+            .size(if curve.width > 2.0 { 9 } else { 6 }),
+    )
+    .hover_template(format!("%{{x:.5~g}} {x_unit}, %{{y:.5~g}} {y_unit}"))
+}
+
+/// plotly.js as a script element. The crate's sources hold MathJax after it, which would be 2 MB for nothing.
+fn plotly_js() -> String {
+    const END: &str = "</script>";
+    let mut sources = Plot::offline_js_sources();
+    if let Some(end) = sources.find(END) {
+        sources.truncate(end + END.len());
+    }
+    sources
+}
+
+/// Rounded so that a point takes about 20 bytes of page; finer than any zoom on 4,000 points can show.
+fn seven_digits(value: f64) -> f64 {
+    format!("{value:.6e}").parse().unwrap_or(value)
+}
+
+/// Text for HTML, attribute values included.
+fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\'' => escaped.push_str("&#39;"),
+            c => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+/// Text for plotly.js, which reads tags and entities in labels.
+fn plotly_text(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+}
+
+fn css([r, g, b]: [u8; 3]) -> String {
+    format!("#{r:02X}{g:02X}{b:02X}")
+}
+
+/// A file name for the picture download.
+fn file_stem(title: &str) -> String {
+    let words: Vec<&str> = title
+        .split(|c: char| !c.is_alphanumeric())
+        .filter(|w| !w.is_empty())
+        .collect();
+    if words.is_empty() {
+        "figure".into()
+    } else {
+        words.join("-").to_lowercase()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Axis, Series, Style};
+    use super::*;
+
+    fn line(name: &str, n: usize) -> Series {
+        let x: Vec<f64> = (0..n).map(|i| i as f64 * 1e-3).collect();
+        let y = x.iter().map(|x| (x * 7.0).sin() / 3.0).collect();
+        Series::line(name, x, y)
+    }
+
+    fn figure(title: &str, series: Vec<Series>) -> Figure {
+        Figure {
+            series,
+            ..Figure::new(title, Axis::new("time", "s"), Axis::new("force", "N"))
+        }
+    }
+
+    fn page(sections: Vec<Section>) -> Page {
+        Page {
+            title: "Title".into(),
+            lead: "Do this.".into(),
+            command: "preslide demo".into(),
+            sections,
+        }
+    }
+
+    fn with_figures(figures: Vec<Figure>) -> Page {
+        page(vec![Section {
+            heading: "Fit".into(),
+            figures,
+            ..Section::default()
+        }])
+    }
+
+    /// The page without plotly.js, whose text is not ours.
+    fn own_text(page: &Page) -> String {
+        render(page).replace(&plotly_js(), "")
+    }
+
+    #[test]
+    fn plotly_js_is_embedded_once_and_without_mathjax() {
+        let html = render(&with_figures(vec![
+            figure("a", vec![line("m", 9)]),
+            figure("b", vec![line("m", 9)]),
+        ]));
+        assert_eq!(html.matches("plotly.js v").count(), 1);
+        assert!(!own_text(&with_figures(vec![figure("a", vec![])])).contains("MathJax"));
+        assert!(html.len() < 5_000_000, "{}", html.len());
+        assert!(
+            !render(&page(vec![])).contains("plotly"),
+            "a page without figures needs no plotly.js"
+        );
+    }
+
+    #[test]
+    fn each_figure_appears_once_in_order() {
+        let html = own_text(&with_figures(vec![
+            figure("first", vec![line("m", 9)]),
+            figure("second", vec![]),
+        ]));
+        for (number, title) in [(1, "first"), (2, "second")] {
+            assert_eq!(html.matches(&format!("id=\"figure-{number}\"")).count(), 1);
+            assert_eq!(
+                html.matches(&format!("Plotly.newPlot(\"figure-{number}\""))
+                    .count(),
+                1
+            );
+            assert_eq!(
+                html.matches(&format!("Figure {number}. {title}<")).count(),
+                1
+            );
+        }
+    }
+
+    #[test]
+    fn nothing_of_ours_names_another_host() {
+        let html = own_text(&with_figures(vec![figure(
+            "a",
+            vec![line("m", 9), line("n", 9)],
+        )]));
+        assert!(!html.contains("http:") && !html.contains("https:") && !html.contains("src="));
+        assert!(html.contains("default-src 'none'"));
+    }
+
+    #[test]
+    fn text_cannot_become_markup() {
+        let evil = "</script><img src=x onerror=alert(1)> & \"quoted\"";
+        let mut f = figure(evil, vec![line(evil, 9).style(Style::Dashed), line("b", 9)]);
+        f.note = evil.into();
+        f.x.label = evil.into();
+        let table = Table {
+            caption: evil.into(),
+            head: vec![evil.into()],
+            rows: vec![vec![evil.into()]],
+        };
+        let section = Section {
+            heading: evil.into(),
+            paragraphs: vec![evil.into()],
+            tables: vec![table],
+            figures: vec![f],
+        };
+        let html = own_text(&Page {
+            title: evil.into(),
+            lead: evil.into(),
+            command: evil.into(),
+            sections: vec![section],
+        });
+        assert!(!html.contains("<img"), "{html}");
+        assert!(html.contains(
+            "&lt;/script&gt;&lt;img src=x onerror=alert(1)&gt; &amp; &quot;quoted&quot;"
+        ));
+    }
+
+    #[test]
+    fn gaps_are_null_in_the_data() {
+        let mut series = line("m", 9);
+        series.y[4] = f64::NAN;
+        series.y[5] = f64::INFINITY;
+        let html = own_text(&with_figures(vec![figure("a", vec![series])]));
+        assert!(html.contains("null"));
+        assert!(!html.contains("NaN") && !html.contains("inf,"));
+    }
+
+    #[test]
+    fn a_long_recording_stays_below_eight_megabytes() {
+        let series = |f| (0..4).map(|i| line(&format!("{f}.{i}"), 60_000)).collect();
+        let figures = (0..20)
+            .map(|f| figure(&format!("f{f}"), series(f)))
+            .collect();
+        let html = render(&with_figures(figures));
+        assert!(html.len() < 8_000_000, "{}", html.len());
+        assert!(html.contains("of 60000 points a series"));
+    }
+
+    #[test]
+    fn a_legend_from_two_series_on_and_contents_from_four_sections_on() {
+        assert!(
+            own_text(&with_figures(vec![figure("a", vec![line("m", 9)])]))
+                .contains("\"showlegend\":false")
+        );
+        let two = figure("a", vec![line("m", 9), line("n", 9)]);
+        assert!(own_text(&with_figures(vec![two])).contains("\"showlegend\":true"));
+        let sections = |n| {
+            (0..n)
+                .map(|i| Section {
+                    heading: format!("h{i}"),
+                    ..Section::default()
+                })
+                .collect()
+        };
+        assert!(!render(&page(sections(3))).contains("<nav"));
+        assert!(render(&page(sections(4))).contains("<a href=\"#section-4\">h3</a>"));
+    }
+
+    #[test]
+    fn the_footer_says_version_and_command() {
+        let html = render(&page(vec![]));
+        assert!(
+            html.contains(concat!("preslide ", env!("CARGO_PKG_VERSION")))
+                && html.contains("<code>preslide demo")
+        );
+    }
+}

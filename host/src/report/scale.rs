@@ -1,0 +1,103 @@
+//! The prefix of a unit that suits the data: micrometres for 2·10⁻⁵ m.
+
+/// A unit to show values in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DisplayUnit {
+    /// The unit with its prefix, such as "µm".
+    pub unit: String,
+    /// What a value in the unprefixed unit is multiplied by: 10⁶ for µm.
+    pub factor: f64,
+}
+
+/// Units that take the small prefixes only; nobody reads kiloseconds.
+const SMALL: [&str; 6] = ["m", "s", "rad", "m/s", "rad/s", "A"];
+/// Units that take small and large prefixes.
+const SMALL_AND_LARGE: [&str; 13] = [
+    "N",
+    "N·m",
+    "Nm",
+    "N/m",
+    "N·m/rad",
+    "N·s/m",
+    "N·m·s/rad",
+    "m/s²",
+    "rad/s²",
+    "V",
+    "Pa",
+    "J",
+    "W",
+];
+/// Prefix and the power of ten that it stands for, descending.
+const PREFIXES: [(&str, f64, f64); 8] = [
+    ("G", 1e9, 1e-9),
+    ("M", 1e6, 1e-6),
+    ("k", 1e3, 1e-3),
+    ("", 1.0, 1.0),
+    ("m", 1e-3, 1e3),
+    ("µ", 1e-6, 1e6),
+    ("n", 1e-9, 1e9),
+    ("p", 1e-12, 1e12),
+];
+
+/// Chooses the prefix for data in `unit` whose largest magnitude is `largest` (same unit; zero or not finite: none).
+///
+/// The largest value shown then lies in 1…1000, save that values from 0.1 up keep the unit itself: 0.9 N, not 900 mN.
+/// Units other than the known mechanical and electrical ones stay as they are.
+pub fn display_unit(unit: &str, largest: f64) -> DisplayUnit {
+    let largest = largest.abs();
+    let small_only = SMALL.contains(&unit);
+    let known = small_only || SMALL_AND_LARGE.contains(&unit);
+    let fits = |&&(prefix, power, _): &&(&str, f64, f64)| {
+        let least = if prefix.is_empty() { 0.1 } else { power };
+        (power <= 1.0 || !small_only) && largest >= least
+    };
+    let (prefix, factor) = if known && largest.is_finite() && largest > 0.0 {
+        let smallest = PREFIXES.last();
+        PREFIXES
+            .iter()
+            .find(fits)
+            .or(smallest)
+            .map_or(("", 1.0), |&(prefix, _, factor)| (prefix, factor))
+    } else {
+        ("", 1.0)
+    };
+    DisplayUnit {
+        unit: format!("{prefix}{unit}"),
+        factor,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn prefix_follows_the_largest_value() {
+        for (unit, largest, shown, factor) in [
+            ("m", 4e-5, "µm", 1e6),
+            ("m", -2.5e-8, "nm", 1e9),
+            ("m", 0.19, "m", 1.0),
+            ("m", 5e3, "m", 1.0),
+            ("N", 0.9, "N", 1.0),
+            ("N", 0.05, "mN", 1e3),
+            ("N", 2.7e4, "kN", 1e-3),
+            ("N·m", 2e-3, "mN·m", 1e3),
+            ("m/s", 1e-4, "µm/s", 1e6),
+            ("rad", 1e-14, "prad", 1e12),
+            ("s", 190.0, "s", 1.0),
+            ("%", 1e-4, "%", 1.0),
+            ("m", 0.0, "m", 1.0),
+            ("m", f64::NAN, "m", 1.0),
+        ] {
+            let got = display_unit(unit, largest);
+            assert_eq!(
+                got,
+                DisplayUnit {
+                    unit: shown.into(),
+                    factor
+                },
+                "{largest} {unit}"
+            );
+        }
+    }
+}

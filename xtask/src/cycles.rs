@@ -1,0 +1,215 @@
+//! `cargo xtask cycles`: what an update of each kernel costs on a Cortex-M4F, without a board.
+//!
+//! QEMU is not cycle accurate: it yields exact instruction paths, and `price` puts cycles on them by the table of
+//! the core's manual. Instruction counts are facts of the build, cycles an estimate with a stated range.
+
+mod disassembly;
+mod instruction;
+mod price;
+mod recorder;
+mod table;
+
+use std::collections::BTreeSet;
+use std::process::Command;
+
+use crate::process::{output, root, run};
+use crate::thumb::{TARGET, Toolchain};
+use crate::tools::Need;
+use disassembly::Disassembly;
+use instruction::Instruction;
+use price::Price;
+use recorder::{Recorder, TakenPath};
+use table::Row;
+
+/// Every measured function is called this, its kernel's name, `__` and N (`firmware/cycles/src/stub.rs`).
+const PREFIX: &str = "cycles__";
+
+const TABLE: &str = "firmware/cycles/cortex-m4.csv";
+
+pub fn run_command(arguments: &[String]) -> Result<(), String> {
+    let check = match arguments {
+        [] => false,
+        [flag] if flag == "--check" => true,
+        _ => {
+            return Err(format!(
+                "`cycles` takes --check or nothing, got `{}`",
+                arguments.join(" ")
+            ));
+        }
+    };
+    let (header, rows) = measure()?;
+    println!();
+    for line in &header {
+        println!("{line}");
+    }
+    println!();
+    table::print(&rows);
+    let file = root().join(TABLE);
+    if !check {
+        std::fs::write(&file, table::to_csv(&header, &rows))
+            .map_err(|error| format!("cannot write {TABLE}: {error}"))?;
+        println!("\nwritten to {TABLE}");
+        return Ok(());
+    }
+    let text =
+        std::fs::read_to_string(&file).map_err(|error| format!("cannot read {TABLE}: {error}"))?;
+    let committed = table::from_csv(&text).map_err(|error| format!("{TABLE}: {error}"))?;
+    let regressions = table::regressions(&committed, &rows);
+    if regressions.is_empty() {
+        println!("\nno instruction count grew by more than 3 % over {TABLE}");
+        return Ok(());
+    }
+    Err(format!(
+        "worse than {TABLE}:\n  {}\nIf that is meant (or the compilers differ from those in its header), run `cargo \
+         xtask cycles` and commit the table",
+        regressions.join("\n  ")
+    ))
+}
+
+/// Builds the harness, runs it under the recorder, and prices what was recorded.
+fn measure() -> Result<(Vec<String>, Vec<Row>), String> {
+    Need::ArmGcc.ensure()?;
+    Need::Qemu.ensure()?;
+    let toolchain = Toolchain::ensure()?;
+    let firmware = root().join("firmware");
+    run(&mut toolchain.cargo(
+        &firmware,
+        &[
+            "build",
+            "--release",
+            "--locked",
+            "--package",
+            "preslide-cycles",
+        ],
+    ))?;
+    let program = firmware.join("target").join(TARGET).join("release/cycles");
+
+    let disassembly = Disassembly::of(&program)?;
+    let entries: Vec<u32> = disassembly
+        .functions_named(PREFIX)
+        .map(|(address, _)| address)
+        .collect();
+    let recording =
+        Recorder::build(firmware.join("target/recorder"))?.record(&program, &entries)?;
+
+    let mut rows = Vec::new();
+    let mut seed = "";
+    for line in recording.printed.lines() {
+        let words: Vec<&str> = line.split(' ').collect();
+        match words[..] {
+            ["motion", "seed", value] => seed = value,
+            [
+                "kernel",
+                kernel,
+                blocks,
+                "calls",
+                calls,
+                "model",
+                model,
+                "state",
+                state,
+                "force_rms",
+                _,
+            ] => {
+                let number = |text: &str| {
+                    text.parse::<u32>()
+                        .map_err(|error| format!("`{line}`: {error}"))
+                };
+                let (blocks, calls) = (number(blocks)?, number(calls)?);
+                let name = format!("{kernel}__{blocks}");
+                let entry = disassembly
+                    .functions_named(PREFIX)
+                    .find(|(_, found)| *found == name);
+                let paths = entry.and_then(|(address, _)| recording.paths.get(&address));
+                let paths =
+                    paths.ok_or_else(|| format!("no call of {PREFIX}{name} was recorded"))?;
+                let mut row = price_paths(&disassembly, paths)?;
+                if row.calls != calls {
+                    // The linker folds functions of equal code: their calls cannot be told apart.
+                    return Err(format!(
+                        "{name}: {calls} calls were made, {} recorded",
+                        row.calls
+                    ));
+                }
+                row.kernel = kernel.to_string();
+                row.blocks = blocks;
+                row.flash_bytes += number(model)?;
+                row.ram_bytes = number(state)?;
+                rows.push(row);
+            }
+            _ => return Err(format!("the harness printed `{line}`")),
+        }
+    }
+    if rows.is_empty() {
+        return Err("the harness measured nothing".to_string());
+    }
+    Ok((header(toolchain, seed)?, rows))
+}
+
+/// A row but for what only the harness knows.
+fn price_paths(disassembly: &Disassembly, paths: &[TakenPath]) -> Result<Row, String> {
+    let mut functions = BTreeSet::new();
+    let (mut calls, mut instructions, mut longest, mut worst) = (0, 0, 0, 0);
+    let (mut cycles, mut low, mut high) = (0, 0, 0);
+    for path in paths {
+        let mut steps: Vec<(u32, Instruction)> = Vec::new();
+        for &(first, last) in &path.stretches {
+            let mut address = first;
+            while address <= last {
+                let instruction = disassembly.instruction(address)?;
+                steps.push((address, *instruction));
+                address += instruction.size;
+            }
+            functions.extend(disassembly.function_at(first));
+        }
+        let price: Price = price::of_path(&steps);
+        let weight = u64::from(path.calls);
+        calls += path.calls;
+        instructions += weight * steps.len() as u64;
+        longest = longest.max(steps.len() as u32);
+        worst = worst.max(price.cycles);
+        cycles += weight * u64::from(price.cycles);
+        low += weight * u64::from(price.low);
+        high += weight * u64::from(price.high);
+    }
+    let mean = |sum: u64| sum as f64 / f64::from(calls);
+    Ok(Row {
+        kernel: String::new(),
+        blocks: 0,
+        instructions_mean: mean(instructions),
+        instructions_max: longest,
+        cycles_mean: mean(cycles),
+        cycles_worst: worst,
+        cycles_low: mean(low),
+        cycles_high: mean(high),
+        flash_bytes: functions.iter().map(|(_, length)| length).sum(),
+        ram_bytes: 0,
+        paths: paths.len() as u32,
+        calls,
+    })
+}
+
+fn header(toolchain: Toolchain, seed: &str) -> Result<Vec<String>, String> {
+    let first_line = |program: &str| -> Result<String, String> {
+        Ok(output(Command::new(program).arg("--version"))?
+            .lines()
+            .next()
+            .unwrap_or_default()
+            .to_string())
+    };
+    Ok(vec![
+        "Cost of one update on a Cortex-M4F without wait states, made by `cargo xtask cycles`.".to_string(),
+        "QEMU is not cycle accurate: it gives the exact instruction paths, and the cycle table of the core's manual"
+            .to_string(),
+        "prices them. No board has confirmed these figures. A row's cycles include call and return (`empty_call`)."
+            .to_string(),
+        "cycles_low and cycles_high: the mean, where the manual leaves the cost open (xtask/src/cycles/price.rs)."
+            .to_string(),
+        "flash_bytes: code of all functions on the paths and the parameters; libraries' constant tables not counted."
+            .to_string(),
+        format!("motion seed: {seed}"),
+        format!("rustc: {}", toolchain.version()?),
+        format!("gcc: {}", first_line("arm-none-eabi-gcc")?),
+        format!("qemu: {}", first_line("qemu-system-arm")?),
+    ])
+}

@@ -1,0 +1,193 @@
+//! The table of measured costs: as people read it, and as the file that is committed and checked against.
+
+use std::fmt::Write as _;
+
+/// What one kernel at one N costs for each update.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    pub kernel: String,
+    pub blocks: u32,
+    pub instructions_mean: f64,
+    pub instructions_max: u32,
+    pub cycles_mean: f64,
+    pub cycles_worst: u32,
+    /// The mean, if every question that the cycle table leaves open had the cheapest answer, and the dearest.
+    pub cycles_low: f64,
+    pub cycles_high: f64,
+    pub flash_bytes: u32,
+    pub ram_bytes: u32,
+    pub paths: u32,
+    pub calls: u32,
+}
+
+const COLUMNS: &str = "kernel,n,instructions_mean,instructions_max,cycles_mean,cycles_worst,cycles_low,cycles_high,\
+                       flash_bytes,ram_bytes,paths,calls";
+
+/// A count may grow by this much before the check fails.
+const TOLERANCE: f64 = 0.03;
+
+/// The file: `header` as comment lines, column names, one line a row.
+pub fn to_csv(header: &[String], rows: &[Row]) -> String {
+    let mut text: String = header.iter().map(|line| format!("# {line}\n")).collect();
+    text += COLUMNS;
+    text.push('\n');
+    for row in rows {
+        let _ = writeln!(
+            text,
+            "{},{},{:.1},{},{:.1},{},{:.1},{:.1},{},{},{},{}",
+            row.kernel,
+            row.blocks,
+            row.instructions_mean,
+            row.instructions_max,
+            row.cycles_mean,
+            row.cycles_worst,
+            row.cycles_low,
+            row.cycles_high,
+            row.flash_bytes,
+            row.ram_bytes,
+            row.paths,
+            row.calls
+        );
+    }
+    text
+}
+
+pub fn from_csv(text: &str) -> Result<Vec<Row>, String> {
+    let mut lines = text
+        .lines()
+        .enumerate()
+        .filter(|(_, line)| !line.starts_with('#'));
+    match lines.next() {
+        Some((_, COLUMNS)) => {}
+        _ => return Err(format!("the column line is not `{COLUMNS}`")),
+    }
+    lines
+        .map(|(index, line)| {
+            row(line).ok_or_else(|| format!("line {}: cannot read `{line}`", index + 1))
+        })
+        .collect()
+}
+
+fn row(line: &str) -> Option<Row> {
+    let cells: Vec<&str> = line.split(',').collect();
+    let whole = |index: usize| cells.get(index)?.parse::<u32>().ok();
+    let decimal = |index: usize| cells.get(index)?.parse::<f64>().ok();
+    Some(Row {
+        kernel: cells.first()?.to_string(),
+        blocks: whole(1)?,
+        instructions_mean: decimal(2)?,
+        instructions_max: whole(3)?,
+        cycles_mean: decimal(4)?,
+        cycles_worst: whole(5)?,
+        cycles_low: decimal(6)?,
+        cycles_high: decimal(7)?,
+        flash_bytes: whole(8)?,
+        ram_bytes: whole(9)?,
+        paths: whole(10)?,
+        calls: whole(11)?,
+    })
+}
+
+pub fn print(rows: &[Row]) {
+    println!(
+        "{:<24} {:>3} {:>14} {:>8} {:>6} {:>15} {:>6} {:>4} {:>6}",
+        "kernel", "N", "instructions", "cycles", "worst", "mean's range", "flash", "RAM", "paths"
+    );
+    for row in rows {
+        println!(
+            "{:<24} {:>3} {:>7.1} {:>6} {:>8.1} {:>6} {:>7.1}…{:<7.1} {:>6} {:>4} {:>6}",
+            row.kernel,
+            row.blocks,
+            row.instructions_mean,
+            row.instructions_max,
+            row.cycles_mean,
+            row.cycles_worst,
+            row.cycles_low,
+            row.cycles_high,
+            row.flash_bytes,
+            row.ram_bytes,
+            row.paths
+        );
+    }
+}
+
+/// Every way in which `measured` is worse than, or not covered by, `committed`.
+pub fn regressions(committed: &[Row], measured: &[Row]) -> Vec<String> {
+    let same = |a: &Row, b: &Row| a.kernel == b.kernel && a.blocks == b.blocks;
+    let mut found = Vec::new();
+    for old in committed {
+        let name = format!("{} N={}", old.kernel, old.blocks);
+        let Some(new) = measured.iter().find(|new| same(old, new)) else {
+            found.push(format!("{name}: no longer measured"));
+            continue;
+        };
+        let counts = [
+            ("mean", old.instructions_mean, new.instructions_mean),
+            (
+                "longest path",
+                f64::from(old.instructions_max),
+                f64::from(new.instructions_max),
+            ),
+        ];
+        for (what, old, new) in counts {
+            if new > old * (1.0 + TOLERANCE) {
+                found.push(format!(
+                    "{name}: {what} grew from {old} to {new:.1} instructions"
+                ));
+            }
+        }
+    }
+    for new in measured
+        .iter()
+        .filter(|new| !committed.iter().any(|old| same(old, new)))
+    {
+        found.push(format!(
+            "{} N={}: not in the committed table",
+            new.kernel, new.blocks
+        ));
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Row, from_csv, regressions, to_csv};
+
+    fn row(kernel: &str, instructions: f64) -> Row {
+        Row {
+            kernel: kernel.to_string(),
+            blocks: 6,
+            instructions_mean: instructions,
+            instructions_max: 120,
+            cycles_mean: 139.5,
+            cycles_worst: 160,
+            cycles_low: 130.0,
+            cycles_high: 150.0,
+            flash_bytes: 400,
+            ram_bytes: 24,
+            paths: 17,
+            calls: 10_000,
+        }
+    }
+
+    #[test]
+    fn a_table_survives_its_file() {
+        let rows = vec![row("a", 100.0), row("b", 50.5)];
+        assert_eq!(
+            from_csv(&to_csv(&["made by a test".to_string()], &rows)).unwrap(),
+            rows
+        );
+        assert!(from_csv("kernel,n\n").unwrap_err().contains("column line"));
+        let torn = to_csv(&[], &rows).replace(",17,", ",,");
+        assert!(from_csv(&torn).unwrap_err().contains("line 2"));
+    }
+
+    #[test]
+    fn three_percent_more_instructions_pass_and_four_do_not() {
+        let old = [row("a", 100.0)];
+        assert!(regressions(&old, &[row("a", 103.0)]).is_empty());
+        assert!(regressions(&old, &[row("a", 80.0)]).is_empty());
+        assert_eq!(regressions(&old, &[row("a", 104.0)]).len(), 1);
+        assert_eq!(regressions(&old, &[row("b", 100.0)]).len(), 2);
+    }
+}

@@ -1,0 +1,101 @@
+//! Running other programs: shown before they start, never without an end.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// The folder of the root `Cargo.toml`.
+pub fn root() -> &'static Path {
+    let xtask = Path::new(env!("CARGO_MANIFEST_DIR"));
+    xtask.parent().unwrap_or(xtask)
+}
+
+/// `cargo` of the running toolchain, started at the workspace root.
+pub fn cargo(arguments: &[&str]) -> Command {
+    let program = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let mut command = Command::new(program);
+    command.args(arguments).current_dir(root());
+    command
+}
+
+/// Where `program` stands on the search path.
+pub fn find(program: &str) -> Option<PathBuf> {
+    std::env::split_paths(&std::env::var_os("PATH")?)
+        .map(|folder| folder.join(program))
+        .find(|path| path.is_file())
+}
+
+/// The command as one would type it, with the program's folder left out.
+fn shown(command: &Command) -> String {
+    let program = Path::new(command.get_program());
+    let program = program.file_name().unwrap_or(program.as_os_str());
+    let mut words = Vec::new();
+    for (name, value) in command.get_envs() {
+        let value = value.unwrap_or_default().to_string_lossy();
+        words.push(format!("{}='{value}'", name.to_string_lossy()));
+    }
+    for word in std::iter::once(program).chain(command.get_args()) {
+        words.push(word.to_string_lossy().into_owned());
+    }
+    words.join(" ")
+}
+
+/// Shows the command, runs it with this process's output, and reports failure with the command in it.
+pub fn run(command: &mut Command) -> Result<(), String> {
+    let line = shown(command);
+    println!("$ {line}");
+    let status = command
+        .stdin(Stdio::null())
+        .status()
+        .map_err(|error| format!("`{line}` did not start: {error}"))?;
+    if status.success() {
+        Ok(())
+    } else {
+        Err(format!("`{line}` failed ({status})"))
+    }
+}
+
+/// As `run`, but ends the program when `limit` has passed.
+pub fn run_for(command: &mut Command, limit: Duration) -> Result<(), String> {
+    let line = shown(command);
+    println!("$ {line}    (at most {} s)", limit.as_secs());
+    let mut child = command
+        .spawn()
+        .map_err(|error| format!("`{line}` did not start: {error}"))?;
+    let start = Instant::now();
+    loop {
+        let ended = child
+            .try_wait()
+            .map_err(|error| format!("`{line}` cannot be waited for: {error}"))?;
+        match ended {
+            Some(status) if status.success() => return Ok(()),
+            Some(status) => return Err(format!("`{line}` failed ({status})")),
+            None if start.elapsed() < limit => std::thread::sleep(Duration::from_millis(20)),
+            None => {
+                // It may have ended in this moment; either way it is gone after the wait.
+                let _ = child.kill();
+                let _ = child.wait();
+                return Err(format!("`{line}` did not end within {} s", limit.as_secs()));
+            }
+        }
+    }
+}
+
+/// Standard output of a command that must succeed.
+pub fn output(command: &mut Command) -> Result<String, String> {
+    let line = shown(command);
+    let output = command
+        .stdin(Stdio::null())
+        .output()
+        .map_err(|error| format!("`{line}` did not start: {error}"))?;
+    if output.status.success() {
+        Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+    } else {
+        let reason = String::from_utf8_lossy(&output.stderr).into_owned();
+        Err(format!(
+            "`{line}` failed ({}): {}",
+            output.status,
+            reason.trim()
+        ))
+    }
+}

@@ -1,0 +1,264 @@
+//! `cargo xtask test`: the checks of CI, in order, each with its reason, and a summary.
+
+use std::time::{Duration, Instant};
+
+use crate::cycles;
+use crate::process::{cargo, output, root, run};
+use crate::thumb::Toolchain;
+use crate::tools::Need;
+
+struct Step {
+    name: &'static str,
+    reason: &'static str,
+    needs: &'static [Need],
+    run: fn() -> Result<(), String>,
+}
+
+/// Cheap checks first: a formatting slip shows before a minute of compiling.
+const STEPS: &[Step] = &[
+    Step {
+        name: "format",
+        reason: "one style, so that diffs show only what changed",
+        needs: &[Need::Rustfmt],
+        run: format,
+    },
+    Step {
+        name: "clippy",
+        reason: "the compiler's and clippy's warnings are errors",
+        needs: &[Need::Clippy],
+        run: || {
+            run(&mut cargo(&[
+                "clippy",
+                "--workspace",
+                "--all-targets",
+                "--all-features",
+                "--",
+                "-D",
+                "warnings",
+            ]))
+        },
+    },
+    Step {
+        name: "docs",
+        reason: "every public item is documented and no link is broken",
+        needs: &[],
+        run: || {
+            run(
+                cargo(&["doc", "--workspace", "--no-deps", "--all-features"])
+                    .env("RUSTDOCFLAGS", "-D warnings"),
+            )
+        },
+    },
+    Step {
+        name: "tests",
+        reason: "the models against the reference, the host tool on recordings and bad input",
+        needs: &[],
+        run: host_tests,
+    },
+    Step {
+        name: "benches",
+        reason: "the host benches still compile (they are run by hand)",
+        needs: &[],
+        run: || run(&mut cargo(&["bench", "--workspace", "--no-run"])),
+    },
+    Step {
+        name: "thumb",
+        reason: "the library builds without std for the microcontroller",
+        needs: &[],
+        run: thumb_build,
+    },
+    Step {
+        name: "firmware",
+        reason: "the firmware workspace builds for the microcontroller, warnings denied",
+        needs: &[Need::Clippy, Need::ArmGcc],
+        run: firmware,
+    },
+    Step {
+        name: "cycles",
+        reason: "no kernel executes more instructions than the committed table says",
+        needs: &[],
+        run: || cycles::run_command(&["--check".to_string()]),
+    },
+    Step {
+        name: "package",
+        reason: "the published crate holds the library and nothing else",
+        needs: &[],
+        run: package_list,
+    },
+    Step {
+        name: "demo",
+        reason: "the first command of the README works",
+        needs: &[],
+        run: demo,
+    },
+];
+
+/// Runs every step, or those named, in order.
+pub fn run_steps(names: &[String]) -> Result<(), String> {
+    if let Some(name) = names
+        .iter()
+        .find(|name| !STEPS.iter().any(|step| step.name == **name))
+    {
+        let known: Vec<&str> = STEPS.iter().map(|step| step.name).collect();
+        return Err(format!(
+            "there is no step `{name}`; the steps are {}",
+            known.join(", ")
+        ));
+    }
+    let chosen: Vec<&Step> = STEPS
+        .iter()
+        .filter(|step| names.is_empty() || names.iter().any(|name| name == step.name))
+        .collect();
+    let mut results = Vec::new();
+    for (index, step) in chosen.iter().enumerate() {
+        println!(
+            "\n== {}/{} {}: {}",
+            index + 1,
+            chosen.len(),
+            step.name,
+            step.reason
+        );
+        let start = Instant::now();
+        let result = step
+            .needs
+            .iter()
+            .try_for_each(|need| need.ensure())
+            .and_then(|()| (step.run)());
+        if let Err(reason) = &result {
+            println!("FAILED: {reason}");
+        }
+        results.push((step.name, start.elapsed(), result));
+    }
+    summarise(&results)
+}
+
+/// A later step runs even if an earlier one failed: one run shows everything that is wrong.
+fn summarise(results: &[(&str, Duration, Result<(), String>)]) -> Result<(), String> {
+    println!("\n{:<10} {:>8}  result", "step", "seconds");
+    for (name, time, result) in results {
+        let word = if result.is_ok() { "ok" } else { "FAILED" };
+        println!("{name:<10} {:>8.1}  {word}", time.as_secs_f64());
+    }
+    say_if_recordings_are_absent();
+    let failed: Vec<&str> = results
+        .iter()
+        .filter(|(_, _, result)| result.is_err())
+        .map(|(name, _, _)| *name)
+        .collect();
+    if failed.is_empty() {
+        Ok(())
+    } else {
+        Err(format!("failed: {}", failed.join(", ")))
+    }
+}
+
+/// Printed here as well as by the tests themselves, whose output cargo captures when they pass.
+fn say_if_recordings_are_absent() {
+    if !root().join("../shared/recordings").is_dir() {
+        println!(
+            "SKIPPED: ../shared/recordings is absent; the tests on real recordings did not run"
+        );
+    }
+}
+
+fn format() -> Result<(), String> {
+    for folder in [root().to_path_buf(), root().join("firmware")] {
+        run(cargo(&["fmt", "--all", "--check"]).current_dir(folder))?;
+    }
+    Ok(())
+}
+
+fn host_tests() -> Result<(), String> {
+    say_if_recordings_are_absent();
+    run(&mut cargo(&["test", "--workspace"]))
+}
+
+fn thumb_build() -> Result<(), String> {
+    let toolchain = Toolchain::ensure()?;
+    run(&mut toolchain.cargo(
+        root(),
+        &[
+            "build",
+            "--release",
+            "--package",
+            "preslide",
+            "--all-features",
+        ],
+    ))
+}
+
+/// Debian's compiler comes without clippy for the target: it builds, which warns of less.
+fn firmware() -> Result<(), String> {
+    let toolchain = Toolchain::ensure()?;
+    let folder = root().join("firmware");
+    let common = ["--release", "--locked", "--workspace"];
+    match toolchain {
+        Toolchain::Installed => {
+            let clippy = [&["clippy"], &common[..]].concat();
+            run(toolchain
+                .cargo(&folder, &clippy)
+                .args(["--", "-D", "warnings"]))
+        }
+        Toolchain::Debian => {
+            run(&mut toolchain.cargo(&folder, &[&["build"], &common[..]].concat()))
+        }
+    }
+}
+
+fn package_list() -> Result<(), String> {
+    // A developer's tree is usually dirty; the list is the same.
+    let list = output(&mut cargo(&[
+        "package",
+        "--list",
+        "--allow-dirty",
+        "--package",
+        "preslide",
+    ]))?;
+    let made_by_cargo = [
+        "Cargo.toml",
+        "Cargo.toml.orig",
+        "Cargo.lock",
+        ".cargo_vcs_info.json",
+    ];
+    let belongs = |path: &str| {
+        path.starts_with("src/")
+            || path.starts_with("LICENSE-")
+            || path == "README.md"
+            || path == "CHANGELOG.md"
+            || made_by_cargo.contains(&path)
+    };
+    let strangers: Vec<&str> = list.lines().filter(|path| !belongs(path)).collect();
+    if !strangers.is_empty() {
+        return Err(format!(
+            "the package would hold {}; narrow `include` in the root Cargo.toml",
+            strangers.join(", ")
+        ));
+    }
+    for path in ["src/lib.rs", "README.md", "LICENSE-MIT", "LICENSE-APACHE"] {
+        if !list.lines().any(|line| line == path) {
+            return Err(format!(
+                "the package lacks {path}; see `include` in the root Cargo.toml"
+            ));
+        }
+    }
+    println!("{} files, all of them the library's", list.lines().count());
+    Ok(())
+}
+
+fn demo() -> Result<(), String> {
+    let folder = std::env::temp_dir().join(format!("preslide-demo-{}", std::process::id()));
+    run(cargo(&["run", "--release", "--", "demo", "--out"]).arg(&folder))?;
+    let entries = std::fs::read_dir(&folder)
+        .map_err(|error| format!("the demo left no {}: {error}", folder.display()))?;
+    let has_report = entries
+        .flatten()
+        .any(|entry| entry.path().extension().is_some_and(|kind| kind == "html"));
+    if !has_report {
+        return Err(format!(
+            "the demo wrote no HTML report into {}",
+            folder.display()
+        ));
+    }
+    std::fs::remove_dir_all(&folder)
+        .map_err(|error| format!("cannot remove {}: {error}", folder.display()))
+}

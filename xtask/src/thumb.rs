@@ -1,0 +1,113 @@
+//! A Rust toolchain for the Cortex-M4F, in the order: installed target, rustup, Debian's own compiler.
+
+use std::path::Path;
+use std::process::Command;
+use std::time::Duration;
+
+use crate::process::{find, output, run_for};
+use crate::tools::install;
+
+/// Cortex-M4F and M7: Thumb-2 with DSP instructions and a single-precision FPU.
+pub const TARGET: &str = "thumbv7em-none-eabihf";
+
+/// rustup's download hangs on some networks instead of failing; Debian's packages are then the way.
+const RUSTUP_LIMIT: Duration = Duration::from_secs(120);
+
+/// rustc asks for `rust-lld`, which Debian's package does not hold.
+const LINKER_VARIABLE: &str = "CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER";
+
+const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
+const DEBIAN_CARGO: &str = "/usr/bin/cargo";
+
+/// Who builds for the target.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Toolchain {
+    /// The running toolchain has the target's `core`.
+    Installed,
+    /// Debian's compiler builds `core` from Debian's source of it.
+    Debian,
+}
+
+impl Toolchain {
+    /// Finds a toolchain for the target, installing one if there is none.
+    pub fn ensure() -> Result<Self, String> {
+        if has_target() {
+            return Ok(Self::Installed);
+        }
+        let mut tried = String::from("no installed target");
+        if find("rustup").is_some() {
+            println!(
+                "installing the Rust target {TARGET}: the library must build for the microcontroller"
+            );
+            match run_for(
+                Command::new("rustup").args(["target", "add", TARGET]),
+                RUSTUP_LIMIT,
+            ) {
+                Ok(()) if has_target() => return Ok(Self::Installed),
+                Ok(()) => tried += ", rustup added it but rustc does not see it",
+                Err(error) => tried += &format!(", {error}"),
+            }
+        }
+        if !has_debian() {
+            install(
+                &["rustc-web", "cargo-web", "rust-web-src", "lld"],
+                &format!("a compiler for {TARGET} ({tried})"),
+                &format!("  rustup target add {TARGET}"),
+            )?;
+        }
+        if has_debian() {
+            Ok(Self::Debian)
+        } else {
+            Err(format!(
+                "no compiler for {TARGET}: {tried}, and Debian's rustc-web did not install {DEBIAN_RUSTC} and \
+                 its source; remedy: rustup target add {TARGET}"
+            ))
+        }
+    }
+
+    /// `cargo` for the target; the arguments begin with the subcommand.
+    pub fn cargo(self, folder: &Path, arguments: &[&str]) -> Command {
+        let mut command = match self {
+            Self::Installed => crate::process::cargo(arguments),
+            Self::Debian => {
+                let mut command = Command::new(DEBIAN_CARGO);
+                command
+                    .args(arguments)
+                    .arg("-Zbuild-std=core")
+                    // `build-std` is unstable; Debian ships no nightly.
+                    .env("RUSTC", DEBIAN_RUSTC)
+                    .env("RUSTC_BOOTSTRAP", "1")
+                    .env(LINKER_VARIABLE, "ld.lld");
+                command
+            }
+        };
+        command.args(["--target", TARGET]).current_dir(folder);
+        command
+    }
+
+    /// The compiler's version, for the header of measured data.
+    pub fn version(self) -> Result<String, String> {
+        let rustc = match self {
+            Self::Installed => "rustc",
+            Self::Debian => DEBIAN_RUSTC,
+        };
+        Ok(output(Command::new(rustc).arg("--version"))?
+            .trim()
+            .to_string())
+    }
+}
+
+fn has_target() -> bool {
+    let query =
+        output(Command::new("rustc").args(["--print", "target-libdir", "--target", TARGET]));
+    query.is_ok_and(|folder| Path::new(folder.trim()).is_dir())
+}
+
+fn has_debian() -> bool {
+    let sysroot = output(Command::new(DEBIAN_RUSTC).args(["--print", "sysroot"]));
+    sysroot.is_ok_and(|folder| {
+        Path::new(folder.trim())
+            .join("lib/rustlib/src/rust/library/core")
+            .is_dir()
+    }) && Path::new(DEBIAN_CARGO).is_file()
+}

@@ -1,0 +1,102 @@
+//! What a step needs beside cargo, and how it gets there on a fresh machine.
+
+use std::process::Command;
+use std::time::Duration;
+
+use crate::process::{cargo, find, output, run_for};
+
+/// Long enough for a slow mirror, short enough that a hanging one ends in a message.
+const INSTALL_LIMIT: Duration = Duration::from_secs(15 * 60);
+
+/// Something a step needs beside cargo and a host C linker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Need {
+    Rustfmt,
+    Clippy,
+    /// The emulator, with the plugin interface that Debian's build has.
+    Qemu,
+    /// Cross compiler, C library and binary utilities.
+    ArmGcc,
+}
+
+impl Need {
+    /// Makes sure that it is there; installs it if it is not.
+    pub fn ensure(self) -> Result<(), String> {
+        match self {
+            Need::Rustfmt => component("fmt", "rustfmt"),
+            Need::Clippy => component("clippy", "clippy"),
+            Need::Qemu => program(
+                "qemu-system-arm",
+                &["qemu-system-arm"],
+                "the kernels' instruction paths are recorded in an emulated Cortex-M4",
+                "  Fedora: sudo dnf install qemu-system-arm\n  Arch: sudo pacman -S qemu-system-arm\n  \
+                 macOS: brew install qemu",
+            ),
+            Need::ArmGcc => program(
+                "arm-none-eabi-gcc",
+                &["gcc-arm-none-eabi", "libnewlib-arm-none-eabi"],
+                "the C peers and the disassembly of the kernels need the cross compiler",
+                "  Fedora: sudo dnf install arm-none-eabi-gcc-cs arm-none-eabi-newlib\n  \
+                 Arch: sudo pacman -S arm-none-eabi-gcc arm-none-eabi-newlib\n  \
+                 macOS: brew install --cask gcc-arm-embedded",
+            ),
+        }
+    }
+}
+
+/// A program from Debian's packages.
+fn program(name: &str, packages: &[&str], reason: &str, elsewhere: &str) -> Result<(), String> {
+    if find(name).is_some() {
+        Ok(())
+    } else {
+        install(packages, reason, elsewhere)
+    }
+}
+
+/// A cargo subcommand that rustup ships as a component.
+fn component(subcommand: &str, name: &str) -> Result<(), String> {
+    if output(&mut cargo(&[subcommand, "--version"])).is_ok() {
+        return Ok(());
+    }
+    if find("rustup").is_none() {
+        return Err(format!(
+            "`cargo {subcommand}` is missing and there is no rustup to add it; install the Rust toolchain \
+             with rustup, then: rustup component add {name}"
+        ));
+    }
+    println!("installing {name}: `cargo {subcommand}` is missing");
+    run_for(
+        Command::new("rustup").args(["component", "add", name]),
+        INSTALL_LIMIT,
+    )
+}
+
+/// Installs Debian packages as root or through sudo; elsewhere says what to install.
+pub fn install(packages: &[&str], reason: &str, elsewhere: &str) -> Result<(), String> {
+    let packages_line = packages.join(" ");
+    if find("apt-get").is_none() {
+        return Err(format!(
+            "{reason}; this is no Debian or Ubuntu, so install it by hand:\n{elsewhere}"
+        ));
+    }
+    let is_root = output(Command::new("id").arg("-u"))?.trim() == "0";
+    if !is_root && find("sudo").is_none() {
+        return Err(format!(
+            "{reason}; neither root nor sudo here, so run as root:\n  \
+             apt-get update && apt-get install -y --no-install-recommends {packages_line}"
+        ));
+    }
+    println!("installing {packages_line}: {reason}");
+    let apt = |arguments: &[&str]| {
+        let mut command = Command::new(if is_root { "env" } else { "sudo" });
+        if !is_root {
+            command.arg("env");
+        }
+        command
+            .args(["DEBIAN_FRONTEND=noninteractive", "apt-get", "-q"])
+            .args(arguments);
+        run_for(&mut command, INSTALL_LIMIT)
+    };
+    apt(&["update"])?;
+    apt(&[&["install", "-y", "--no-install-recommends"], packages].concat())
+}
