@@ -138,9 +138,7 @@ impl FrictionModel {
     pub fn force(&self, path: Path) -> Result<Vec<f64>, ParamError> {
         let units = Units::SI;
         Ok(match self {
-            Self::Coulomb { coulomb } => {
-                path.run(&Coulomb::<f64>::try_new(*coulomb, 0.0, units)?)
-            }
+            Self::Coulomb { coulomb } => path.run(&Coulomb::<f64>::try_new(*coulomb, 0.0, units)?),
             Self::Dahl {
                 stiffness,
                 coulomb,

@@ -1,2 +1,36 @@
 //! The `preslide` command.
-fn main() {}
+
+mod commands;
+
+use clap::{Parser, Subcommand};
+use commands::Failure;
+use std::process::ExitCode;
+
+/// Friction in the last micrometre: from a recording to the parameters of a real-time model.
+///
+/// Exit codes: 0 done; 1 the tool failed; 2 bad usage or input; 3 the data cannot answer the question.
+#[derive(Parser)]
+#[command(name = "preslide", version, arg_required_else_help = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Identify(commands::identify::Identify),
+}
+
+fn main() -> ExitCode {
+    let done = match Arguments::parse().command {
+        Command::Identify(command) => command.run(),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            let failure: Failure = failure;
+            eprintln!("preslide: {}", failure.message());
+            ExitCode::from(failure.exit_code())
+        }
+    }
+}

@@ -125,7 +125,11 @@ const ROTARY: [(&str, &str); 8] = [
 fn translate(key: &str, to_linear: bool) -> Option<String> {
     let ending = |linear: bool| {
         ROTARY.iter().find_map(|&(rotary, straight)| {
-            let (own, other) = if linear { (straight, rotary) } else { (rotary, straight) };
+            let (own, other) = if linear {
+                (straight, rotary)
+            } else {
+                (rotary, straight)
+            };
             key.strip_suffix(own).map(|stem| format!("{stem}{other}"))
         })
     };
@@ -189,9 +193,9 @@ impl Model {
             MotionKind::Rotary => {
                 let mut value = toml::Value::Table(table);
                 to_linear_keys(&mut value, "")?;
-                value.try_into().map_err(|e: toml::de::Error| {
-                    format!("{e} (in the words of a linear axis)")
-                })?
+                value
+                    .try_into()
+                    .map_err(|e: toml::de::Error| format!("{e} (in the words of a linear axis)"))?
             }
         };
         if file.schema != SCHEMA {
@@ -228,30 +232,45 @@ impl Model {
             motion,
             inertia: file.inertia.map_or(0.0, |inertia| inertia.mass_kg),
             viscous: file.friction.viscous_N_s_per_m.unwrap_or(0.0),
-            friction: file.friction.model().map_err(|(key, reason)| {
-                format!("friction.{}: {reason}", say(key))
-            })?,
+            friction: file
+                .friction
+                .model()
+                .map_err(|(key, reason)| format!("friction.{}: {reason}", say(key)))?,
             constant_force,
             mechanics,
         };
-        model.check().map_err(|(key, reason)| format!("{}: {reason}", say(&key)))?;
+        model
+            .check()
+            .map_err(|(key, reason)| format!("{}: {reason}", say(&key)))?;
         Ok(model)
     }
 
     fn check(&self) -> Result<(), (String, String)> {
         let fail = |key: &str, reason: String| Err((key.to_owned(), reason));
         if !(self.inertia.is_finite() && self.inertia >= 0.0) {
-            return fail("inertia.mass_kg", format!("{} must be finite and not negative", self.inertia));
+            return fail(
+                "inertia.mass_kg",
+                format!("{} must be finite and not negative", self.inertia),
+            );
         }
         if !self.viscous.is_finite() {
-            return fail("friction.viscous_N_s_per_m", format!("{} must be finite", self.viscous));
+            return fail(
+                "friction.viscous_N_s_per_m",
+                format!("{} must be finite", self.viscous),
+            );
         }
         if !self.constant_force.is_finite() {
-            return fail("effects.force_N", format!("{} must be finite", self.constant_force));
+            return fail(
+                "effects.force_N",
+                format!("{} must be finite", self.constant_force),
+            );
         }
         for (key, value) in &self.mechanics {
             if !(value.is_finite() && *value > 0.0) {
-                return fail(&format!("mechanics.{key}"), format!("{value} must be finite and above zero"));
+                return fail(
+                    &format!("mechanics.{key}"),
+                    format!("{value} must be finite and above zero"),
+                );
             }
         }
         // The library is the judge of the friction parameters; one step of no motion builds the model.
@@ -291,9 +310,18 @@ impl Model {
             MotionKind::Linear => key.to_owned(),
             MotionKind::Rotary => translate(key, false).unwrap_or_else(|| key.to_owned()),
         };
-        let _ = writeln!(text, "schema = \"{SCHEMA}\"\nmotion = \"{}\"", self.motion.name());
+        let _ = writeln!(
+            text,
+            "schema = \"{SCHEMA}\"\nmotion = \"{}\"",
+            self.motion.name()
+        );
         if self.inertia > 0.0 {
-            let _ = writeln!(text, "\n[inertia]\n{} = {}", key("mass_kg"), number(self.inertia));
+            let _ = writeln!(
+                text,
+                "\n[inertia]\n{} = {}",
+                key("mass_kg"),
+                number(self.inertia)
+            );
         }
         let _ = writeln!(text, "\n[friction]\nkind = \"{}\"", self.friction.kind());
         for (name, value) in self.friction.scalars() {
@@ -312,7 +340,12 @@ impl Model {
             }
             let _ = writeln!(text, "]");
         }
-        let _ = writeln!(text, "{} = {}", key("viscous_N_s_per_m"), number(self.viscous));
+        let _ = writeln!(
+            text,
+            "{} = {}",
+            key("viscous_N_s_per_m"),
+            number(self.viscous)
+        );
         if !self.mechanics.is_empty() {
             let _ = writeln!(text, "\n[mechanics]");
             for (name, value) in &self.mechanics {
@@ -393,9 +426,8 @@ impl FrictionToml {
                 }
             }
             other => {
-                let reason = format!(
-                    "\"{other}\" is not known; use coulomb, dahl, lugre, hsieh or gms"
-                );
+                let reason =
+                    format!("\"{other}\" is not known; use coulomb, dahl, lugre, hsieh or gms");
                 return Err(("kind", reason));
             }
         };
@@ -403,7 +435,10 @@ impl FrictionToml {
         let used = model.scalars();
         let gms = matches!(model, FrictionModel::Gms { .. });
         if self.blocks.is_some() && !gms {
-            return Err(("blocks", format!("kind = \"{kind}\" has no blocks; remove it")));
+            return Err((
+                "blocks",
+                format!("kind = \"{kind}\" has no blocks; remove it"),
+            ));
         }
         match self
             .given()
@@ -525,8 +560,13 @@ fn read_effect(effect: &toml::Table) -> Result<f64, String> {
         }
         None => return Err("id: missing; every effect needs one".to_owned()),
     }
-    if let Some(key) = effect.keys().find(|key| !["id", "force_N"].contains(&key.as_str())) {
-        return Err(format!("{key}: unknown key; constant_force has force_N only"));
+    if let Some(key) = effect
+        .keys()
+        .find(|key| !["id", "force_N"].contains(&key.as_str()))
+    {
+        return Err(format!(
+            "{key}: unknown key; constant_force has force_N only"
+        ));
     }
     effect
         .get("force_N")

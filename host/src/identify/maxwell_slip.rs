@@ -67,13 +67,21 @@ pub fn select(
     let held_out: Vec<Vec<f64>> = (0..groups.len())
         .into_par_iter()
         .map(|out| {
-            let errors = match Gram::sum(groups.iter().enumerate().filter(|(g, _)| *g != out).map(|g| g.1)) {
+            let errors = match Gram::sum(
+                groups
+                    .iter()
+                    .enumerate()
+                    .filter(|(g, _)| *g != out)
+                    .map(|g| g.1),
+            ) {
                 None => vec![f64::NAN; MOST + 1],
                 Some(rest) => {
                     let choices = best_choices(&rest, linear, MOST);
                     let mut errors = vec![error_on(&groups[out], &rest, linear, &[])];
                     errors.extend(choices.iter().map(|best| match best.first() {
-                        Some(Choice { yields, .. }) => error_on(&groups[out], &rest, linear, yields),
+                        Some(Choice { yields, .. }) => {
+                            error_on(&groups[out], &rest, linear, yields)
+                        }
                         None => f64::NAN,
                     }));
                     errors
@@ -84,7 +92,12 @@ pub fn select(
         })
         .collect();
     let variation: f64 = total.force_variation();
-    let of_size = |size: usize| held_out.iter().map(|errors| errors[size]).collect::<Vec<_>>();
+    let of_size = |size: usize| {
+        held_out
+            .iter()
+            .map(|errors| errors[size])
+            .collect::<Vec<_>>()
+    };
     let percent = |errors: &[f64]| 100.0 * errors.iter().sum::<f64>() / variation;
 
     let rows = regression.folds.concat();
@@ -126,7 +139,9 @@ fn grouped(grams: &[Gram]) -> Vec<Gram> {
 
 /// Squared error on `held_out` of the model fitted on `rest` with the linear columns and these yields.
 fn error_on(held_out: &Gram, rest: &Gram, linear: usize, yields: &[usize]) -> f64 {
-    let chosen: Vec<usize> = (0..linear).chain(yields.iter().map(|j| linear + j)).collect();
+    let chosen: Vec<usize> = (0..linear)
+        .chain(yields.iter().map(|j| linear + j))
+        .collect();
     let (matrix, right) = rest.normal(&chosen);
     match solve_normal(&matrix, &right) {
         Some(coefficients) => held_out.squared_error(&chosen, &coefficients),
@@ -138,7 +153,10 @@ fn error_on(held_out: &Gram, rest: &Gram, linear: usize, yields: &[usize]) -> f6
 /// The best choices that are not neighbours of a better one on the grid: starts that lead elsewhere.
 fn distinct(choices: &[Choice]) -> Vec<&Choice> {
     let near = |a: &Choice, b: &Choice| {
-        a.yields.iter().zip(&b.yields).all(|(i, j)| i.abs_diff(*j) <= 1)
+        a.yields
+            .iter()
+            .zip(&b.yields)
+            .all(|(i, j)| i.abs_diff(*j) <= 1)
     };
     let mut kept: Vec<&Choice> = Vec::new();
     for choice in choices {

@@ -89,12 +89,18 @@ fn solve(regression: &Regression, rows: &[usize], yields: Vec<f64>) -> Option<So
 
 /// The joint normal equations in (linear, k, ln D) at `fit`: curvature and gradient.
 fn joint(fit: &Fit, gram: &Gram) -> (DMatrix<f64>, DVector<f64>) {
-    let Fit { linear, stiffness, yields, .. } = fit;
+    let Fit {
+        linear,
+        stiffness,
+        yields,
+        ..
+    } = fit;
     let (p, n) = (linear.len(), yields.len());
     let all: Vec<usize> = (0..p + 2 * n).collect();
     let (matrix, right) = gram.normal(&all);
     let scale = DVector::from_fn(p + 2 * n, |i, _| {
-        i.checked_sub(p + n).map_or(1.0, |i| stiffness[i] * yields[i])
+        i.checked_sub(p + n)
+            .map_or(1.0, |i| stiffness[i] * yields[i])
     });
     let value = DVector::from_fn(p + 2 * n, |i, _| {
         if i < p {
@@ -107,7 +113,9 @@ fn joint(fit: &Fit, gram: &Gram) -> (DMatrix<f64>, DVector<f64>) {
     });
     let residual = right - &matrix * &value;
     (
-        DMatrix::from_fn(p + 2 * n, p + 2 * n, |i, j| matrix[(i, j)] * scale[i] * scale[j]),
+        DMatrix::from_fn(p + 2 * n, p + 2 * n, |i, j| {
+            matrix[(i, j)] * scale[i] * scale[j]
+        }),
         residual.component_mul(&scale),
     )
 }

@@ -132,9 +132,7 @@ impl Regression<'_> {
     pub fn grams(&self, yields: &[f64]) -> Vec<Gram> {
         let deflections: Vec<Vec<f64>> = yields
             .par_iter()
-            .map(|&d| {
-                (self.filter)(&Deflection::along(self.position, self.pieces, d).z)
-            })
+            .map(|&d| (self.filter)(&Deflection::along(self.position, self.pieces, d).z))
             .collect();
         let columns: Vec<&[f64]> = self
             .columns

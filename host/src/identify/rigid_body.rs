@@ -111,7 +111,10 @@ pub fn fit(
         .enumerate()
         .map(|(j, column)| {
             let error = errors.as_ref().map(|e| e[j]);
-            (column.name, Estimate::new(coefficients[j], error, folds.len()))
+            (
+                column.name,
+                Estimate::new(coefficients[j], error, folds.len()),
+            )
         })
         .collect();
     Ok(RigidBody { parameters, fitted })

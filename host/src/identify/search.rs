@@ -31,15 +31,30 @@ impl Projected {
     fn of(gram: &Gram, linear: usize) -> Option<Self> {
         let last = gram.products.nrows() - 1;
         let grid = last - linear;
-        let of_grid = gram.products.view((linear, linear), (grid, grid)).into_owned();
-        let right = gram.products.view((linear, last), (grid, 1)).column(0).into_owned();
+        let of_grid = gram
+            .products
+            .view((linear, linear), (grid, grid))
+            .into_owned();
+        let right = gram
+            .products
+            .view((linear, last), (grid, 1))
+            .column(0)
+            .into_owned();
         let rest = gram.products[(last, last)];
         if linear == 0 {
-            return Some(Self { products: of_grid, right, rest });
+            return Some(Self {
+                products: of_grid,
+                right,
+                rest,
+            });
         }
         let cross = gram.products.view((0, linear), (linear, grid)).into_owned();
         let inner = gram.products.view((0, 0), (linear, linear)).into_owned();
-        let force = gram.products.view((0, last), (linear, 1)).column(0).into_owned();
+        let force = gram
+            .products
+            .view((0, last), (linear, 1))
+            .column(0)
+            .into_owned();
         let mut solved = DMatrix::zeros(linear, grid);
         for (j, column) in cross.column_iter().enumerate() {
             solved.set_column(j, &solve_normal(&inner, &column.into_owned())?);
@@ -68,7 +83,10 @@ impl Projected {
     fn choice(&self, mut yields: Vec<usize>) -> Option<Choice> {
         yields.sort_unstable();
         let squared_error = self.error(&yields)?;
-        Some(Choice { yields, squared_error })
+        Some(Choice {
+            yields,
+            squared_error,
+        })
     }
 }
 

@@ -26,7 +26,10 @@ impl VirginCurve {
     pub fn from_strokes(position: &[f64], friction: &[f64], strokes: &[Vec<usize>]) -> Self {
         let longest = strokes
             .iter()
-            .flat_map(|rows| rows.iter().map(|&i| (position[i] - position[rows[0]]).abs()))
+            .flat_map(|rows| {
+                rows.iter()
+                    .map(|&i| (position[i] - position[rows[0]]).abs())
+            })
             .fold(0.0, f64::max);
         let mut bins: BTreeMap<usize, (f64, f64, f64)> = BTreeMap::new();
         for rows in strokes {
@@ -102,7 +105,10 @@ impl VirginCurve {
             {
                 corners.pop();
             }
-            if corners.last().is_some_and(|last| next.0 > last.0 && next.1 > last.1) {
+            if corners
+                .last()
+                .is_some_and(|last| next.0 > last.0 && next.1 > last.1)
+            {
                 corners.push(next);
             }
         }
@@ -132,7 +138,10 @@ mod tests {
             .iter()
             .map(|&x| blocks.iter().map(|&(d, k)| k * x.min(d)).sum())
             .collect();
-        let curve = VirginCurve { displacement, force };
+        let curve = VirginCurve {
+            displacement,
+            force,
+        };
         for ((d, k), (d_true, k_true)) in curve.blocks(&blocks.map(|b| b.0)).iter().zip(blocks) {
             assert!((d - d_true).abs() < 1e-15);
             assert!((k / k_true - 1.0).abs() < 1e-6, "{k} instead of {k_true}");

@@ -9,6 +9,7 @@ mod checks;
 mod columns;
 mod csv;
 mod error;
+mod join;
 mod labels;
 mod mat;
 mod segments;

@@ -1,0 +1,154 @@
+//! The commands: each reads its arguments, calls the library, and prints one recommendation.
+
+pub mod identify;
+
+use clap::Args;
+use preslide_host::model::ModelError;
+use preslide_host::recording::{self, LoadOptions, Recording, RecordingError};
+use preslide_host::report::Page;
+use std::path::{Path, PathBuf};
+
+/// Why a command ended without its answer; decides the exit code.
+#[derive(Debug)]
+pub enum Failure {
+    /// The tool failed: exit code 1.
+    Tool(String),
+    /// Bad usage or bad input: exit code 2.
+    Input(String),
+    /// The data cannot answer the question: exit code 3.
+    Data(String),
+}
+
+impl Failure {
+    /// Exit code as documented in `preslide --help`.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Failure::Tool(_) => 1,
+            Failure::Input(_) => 2,
+            Failure::Data(_) => 3,
+        }
+    }
+
+    /// What to tell the user.
+    pub fn message(&self) -> &str {
+        match self {
+            Failure::Tool(message) | Failure::Input(message) | Failure::Data(message) => message,
+        }
+    }
+}
+
+impl From<RecordingError> for Failure {
+    fn from(error: RecordingError) -> Self {
+        Failure::Input(error.to_string())
+    }
+}
+
+impl From<ModelError> for Failure {
+    fn from(error: ModelError) -> Self {
+        Failure::Input(error.to_string())
+    }
+}
+
+impl From<anyhow::Error> for Failure {
+    fn from(error: anyhow::Error) -> Self {
+        Failure::Tool(format!("{error:#}"))
+    }
+}
+
+/// Recordings and how to read them.
+#[derive(Args, Clone, Debug)]
+pub struct RecordingArgs {
+    /// Recordings: CSV or MATLAB v5 .mat; columns t_s, x_m or q_rad, and an effort such as force_N
+    #[arg(required = true, value_name = "REC")]
+    pub recordings: Vec<PathBuf>,
+
+    /// Read a column under the tool's name, times numbers or columns: force_N=35.15*vir
+    #[arg(long, value_name = "NAME=COLUMN", value_parser = recording::parse_map)]
+    pub map: Vec<(String, String)>,
+
+    /// Sign of the effort: 1 or -1; without it an opposed sign is found and flipped with a warning
+    #[arg(long, value_name = "SIGN", allow_negative_numbers = true)]
+    pub sign: Option<f64>,
+}
+
+impl RecordingArgs {
+    /// Loads every recording and joins them into one, telling the user what the loader noticed.
+    pub fn load(&self) -> Result<Recording, Failure> {
+        let options = LoadOptions {
+            map: self.map.clone(),
+            sign: self.sign,
+            ..LoadOptions::default()
+        };
+        let recordings = self
+            .recordings
+            .iter()
+            .map(|path| recording::load(path, &options))
+            .collect::<Result<Vec<_>, _>>()?;
+        for recording in &recordings {
+            for warning in &recording.warnings {
+                eprintln!("{}: warning: {warning}", recording.name);
+            }
+        }
+        Recording::join(recordings).map_err(Failure::Input)
+    }
+}
+
+/// Where to put what a command found, besides the terminal.
+#[derive(Args, Clone, Debug)]
+pub struct OutputArgs {
+    /// Write the result for machines
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+
+    /// Write one self-contained page with interactive plots, and its main plot beside it as .png
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+}
+
+impl OutputArgs {
+    /// Writes what was asked for. `page` is built only if it is; its first figure becomes the picture.
+    pub fn write(
+        &self,
+        json: &serde_json::Value,
+        page: impl FnOnce() -> Page,
+    ) -> Result<(), Failure> {
+        if let Some(path) = &self.json {
+            let text =
+                serde_json::to_string_pretty(json).map_err(|e| Failure::Tool(e.to_string()))?;
+            write_text(path, &(text + "\n"))?;
+        }
+        if let Some(path) = &self.report {
+            let page = page();
+            page.write_html(path)?;
+            eprintln!("wrote {}", path.display());
+            if let Some(figure) = page.sections.iter().flat_map(|s| &s.figures).next() {
+                let picture = path.with_extension("png");
+                figure.write_png(&picture)?;
+                eprintln!("wrote {}", picture.display());
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Writes a text file and says so.
+pub fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
+    std::fs::write(path, text).map_err(|e| Failure::Tool(format!("{}: {e}", path.display())))?;
+    eprintln!("wrote {}", path.display());
+    Ok(())
+}
+
+/// The command line, for the foot of a report.
+pub fn command_line() -> String {
+    std::env::args()
+        .enumerate()
+        .map(|(i, argument)| {
+            if i == 0 {
+                "preslide".to_owned()
+            } else {
+                argument
+            }
+        })
+        .collect::<Vec<_>>()
+        .join(" ")
+}

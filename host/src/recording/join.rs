@@ -1,0 +1,64 @@
+//! Several recordings of one machine as one.
+
+use super::Recording;
+
+impl Recording {
+    /// Joins recordings of one machine, in order; segments and repeats are numbered on.
+    ///
+    /// A column that not all of them have is left out of the whole.
+    ///
+    /// # Errors
+    /// Which two recordings do not belong together, and why.
+    pub fn join(recordings: Vec<Recording>) -> Result<Recording, String> {
+        let mut rest = recordings.into_iter();
+        let mut whole = rest.next().ok_or("no recording given")?;
+        for next in rest {
+            if (next.kind, next.role) != (whole.kind, whole.role) {
+                return Err(format!(
+                    "{} is {} with a {}, {} is {} with a {}: they are not of one machine; give recordings with the same columns",
+                    whole.name,
+                    whole.kind.name(),
+                    whole.role.name(),
+                    next.name,
+                    next.kind.name(),
+                    next.role.name(),
+                ));
+            }
+            let ratio = next.sample_time_s / whole.sample_time_s;
+            if !(0.99..1.01).contains(&ratio) {
+                return Err(format!(
+                    "{} is sampled every {} s, {} every {} s: bring them to one rate first",
+                    whole.name, whole.sample_time_s, next.name, next.sample_time_s
+                ));
+            }
+            let offset = whole.len();
+            let after = |labels: &[u32]| labels.iter().max().map_or(0, |last| last + 1);
+            let (segment, repeat) = (after(&whole.segment), after(&whole.repeat));
+            whole.name = format!("{}, {}", whole.name, next.name);
+            whole.t_s.extend(&next.t_s);
+            whole.position.extend(&next.position);
+            whole.effort.extend(&next.effort);
+            whole
+                .segment
+                .extend(next.segment.iter().map(|s| s + segment));
+            whole.repeat.extend(next.repeat.iter().map(|r| r + repeat));
+            whole
+                .pieces
+                .extend(next.pieces.iter().map(|p| p.start + offset..p.end + offset));
+            for (column, more) in [
+                (&mut whole.reference, next.reference),
+                (&mut whole.velocity, next.velocity),
+                (&mut whole.temperature_c, next.temperature_c),
+                (&mut whole.load_n, next.load_n),
+                (&mut whole.pressure_pa, next.pressure_pa),
+            ] {
+                *column = column.take().zip(more).map(|(mut column, more)| {
+                    column.extend(more);
+                    column
+                });
+            }
+            whole.warnings.extend(next.warnings);
+        }
+        Ok(whole)
+    }
+}
