@@ -167,12 +167,14 @@ impl Experiment {
         Ok(build(&self.fit(&self.slow, &starts, build::<f64>)?)?)
     }
 
-    /// LuGre's `(σ0, σp, F_s, F_c, v_s)` by least squares on everything, from several starts.
+    /// LuGre's `(σ0, σp, F_s, F_c, v_s)` by least squares on everything, from several starts; `σp = 0` unless
+    /// `damped`.
     ///
     /// # Errors
     /// Where no start leads to usable parameters.
-    pub fn lugre<S: Scalar>(&self) -> Result<LuGre<S>, TrackingError> {
-        fn build<S: Scalar>(p: &[f64; 5]) -> Result<LuGre<S>, ParamError> {
+    pub fn lugre<S: Scalar>(&self, damped: bool) -> Result<LuGre<S>, TrackingError> {
+        fn build<S: Scalar>(p: &[f64; 5], damped: bool) -> Result<LuGre<S>, ParamError> {
+            let damping = if damped { p[1].exp() } else { 0.0 };
             // Any real number gives a Coulomb force between none and the breakaway force.
             let (breakaway, share) = (p[2].exp(), 1.0 / (1.0 + (-p[3]).exp()));
             let sliding = Sliding {
@@ -181,13 +183,14 @@ impl Experiment {
                 stribeck_exponent: 1.0,
                 attraction: f64::INFINITY,
             };
-            LuGre::try_new(p[0].exp(), p[1].exp(), breakaway, sliding, Units::SI)
+            LuGre::try_new(p[0].exp(), damping, breakaway, sliding, Units::SI)
         }
         let fc = self.coulomb();
         let starts =
             [3e4_f64, 1e5, 4e5].map(|s| [s.ln(), 10_f64.ln(), fc.ln(), 2.0, 1e-3_f64.ln()]);
         let all: Vec<usize> = (0..self.position_m.len()).collect();
-        Ok(build(&self.fit(&all, &starts, build::<f64>)?)?)
+        let best = self.fit(&all, &starts, |p| build::<f64>(p, damped))?;
+        Ok(build(&best, damped)?)
     }
 
     /// Mean squared error of a model over `rows` (N²).

@@ -75,7 +75,17 @@ pub fn table(
                 "f32",
                 settings,
                 stage,
-                e.lugre::<f32>()?,
+                e.lugre::<f32>(true)?,
+                Units::SI,
+            )
+        }),
+        Box::new(move || {
+            row(
+                "LuGre σp=0",
+                "f32",
+                settings,
+                stage,
+                e.lugre::<f32>(false)?,
                 Units::SI,
             )
         }),
