@@ -37,6 +37,9 @@ pub trait Scalar:
     /// `self + input`, saturating at the range's ends instead of wrapping.
     fn add_input(self, input: Self) -> Self;
 
+    /// `self - input`, saturating at the range's ends.
+    fn sub_input(self, input: Self) -> Self;
+
     /// `self · input`, saturating at the range's ends.
     fn mul_input(self, input: Self) -> Self;
 
@@ -101,6 +104,10 @@ macro_rules! float_scalar {
             #[inline]
             fn add_input(self, input: Self) -> Self {
                 self + input
+            }
+            #[inline]
+            fn sub_input(self, input: Self) -> Self {
+                self - input
             }
             #[inline]
             fn mul_input(self, input: Self) -> Self {
@@ -178,6 +185,10 @@ macro_rules! fixed_scalar {
             #[inline]
             fn add_input(self, input: Self) -> Self {
                 self.saturating_add(input)
+            }
+            #[inline]
+            fn sub_input(self, input: Self) -> Self {
+                self.saturating_sub(input)
             }
             #[inline]
             fn mul_input(self, input: Self) -> Self {

@@ -114,7 +114,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
             .step(&mut pid, error, velocity_error, self.cut);
         coefficients
             .fade
-            .start(&mut self.fade, self.force.add_input(-feedback));
+            .start(&mut self.fade, self.force.sub_input(feedback));
         self.friction = coefficients.compensator.friction().at_rest();
         self.pid = pid;
         self.coefficients = coefficients;
@@ -154,7 +154,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
             displacement,
             velocity: displacement.mul_input(c.velocity_per_length),
         };
-        let velocity_error = wanted.velocity.add_input(-motion.velocity);
+        let velocity_error = wanted.velocity.sub_input(motion.velocity);
         let feedback = c.pid.step(&mut self.pid, error, velocity_error, self.cut);
         let feed_forward =
             c.compensator

@@ -74,7 +74,7 @@ impl<S: Scalar> Fade<S> {
         }
         let force = state.force;
         state.left -= 1;
-        state.force = force.add_input(-state.decrement);
+        state.force = force.sub_input(state.decrement);
         force
     }
 }
