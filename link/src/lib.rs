@@ -4,10 +4,13 @@
 //! ([`Deframer`]). [`Exchange`] is the lock step between an emulated board and the simulated stage.
 #![no_std]
 
+
 mod frame;
 mod lock_step;
 mod message;
 
 pub use frame::{Deframer, FrameError, LARGEST_FRAME, encode};
 pub use lock_step::{Exchange, Order, Reading};
-pub use message::{FaultCode, GainSettings, ModelSettings, Refusal, Report, Request, Sample};
+pub use message::{
+    FaultCode, GainSettings, MOST_BLOCKS, ModelSettings, Refusal, Report, Request, Sample,
+};
