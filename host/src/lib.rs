@@ -8,5 +8,6 @@ pub mod nmse;
 pub mod progress;
 pub mod recording;
 pub mod report;
+pub mod rig;
 pub mod stage;
 pub mod tracking;

@@ -4,7 +4,6 @@
 //! ([`Deframer`]). [`Exchange`] is the lock step between an emulated board and the simulated stage.
 #![no_std]
 
-
 mod frame;
 mod lock_step;
 mod message;

@@ -137,6 +137,7 @@ mod app {
 #[exception]
 unsafe fn NonMaskableInt() -> ! {
     registers::Watchdog::stop();
+    registers::Timer::run(false);
     stage::off();
     hprintln!("watchdog: the control task did not answer; PWM off");
     stage::exchange();

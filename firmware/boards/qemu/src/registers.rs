@@ -32,9 +32,14 @@ impl Timer {
         Self::run(true);
     }
 
-    /// Stops the timer where it is, or lets it go on; the interrupt stays enabled.
+    /// Lets the timer go on or stops it where it is; the interrupt stays enabled.
     pub fn run(on: bool) {
         write(Self::CONTROL, 0b1000 | u32::from(on));
+    }
+
+    /// It counts.
+    pub fn is_running() -> bool {
+        read(Self::CONTROL) & 1 != 0
     }
 
     /// Takes the interrupt back; whether it was there.
@@ -72,10 +77,9 @@ impl Uart {
         write(self.0, byte.into());
     }
 
-    /// Waits until there is one.
-    pub fn receive(&self) -> u8 {
-        while read(self.0 + 4) & 2 == 0 {}
-        read(self.0) as u8
+    /// A byte, if there is one.
+    pub fn receive(&self) -> Option<u8> {
+        (read(self.0 + 4) & 2 != 0).then(|| read(self.0) as u8)
     }
 }
 
@@ -95,13 +99,13 @@ impl Watchdog {
         write(Self::CONTROL, 0b11);
     }
 
+    /// Silences it.
+    pub fn stop() {
+        write(Self::CONTROL, 0);
+    }
+
     /// The control task is alive.
     pub fn feed() {
         write(Self::CLEAR, 1);
-    }
-
-    /// Stops it.
-    pub fn stop() {
-        write(Self::CONTROL, 0);
     }
 }

@@ -1,6 +1,6 @@
 //! The stage link: counter, ADC and PWM as registers that a simulator on the other side of a UART keeps.
 
-use crate::registers::{Timer, Uart};
+use crate::registers::{Timer, Uart, Watchdog};
 use core::convert::Infallible;
 use core::sync::atomic::{AtomicU16, Ordering};
 use embedded_hal::pwm::{ErrorType, SetDutyCycle};
@@ -54,15 +54,24 @@ pub fn off() {
 
 /// Sends what the bridge holds and waits for what the registers show after the stage has moved on by a tick.
 ///
-/// The timer stands still meanwhile: the controller's time does not see how long the simulator takes.
+/// The timer stands still meanwhile and the watchdog is fed: the controller's time does not see how long the simulator
+/// takes.
 pub fn exchange() -> Reading {
+    let running = Timer::is_running();
     Timer::run(false);
     let code =
         i32::from(FORWARD.load(Ordering::Relaxed)) - i32::from(BACKWARD.load(Ordering::Relaxed));
     for byte in (Order { code: code as i16 }).to_bytes() {
         Uart::STAGE.send(byte);
     }
-    let reading = Reading::from_bytes([(); 10].map(|()| Uart::STAGE.receive()));
-    Timer::run(true);
+    let reading = Reading::from_bytes([(); 10].map(|()| {
+        loop {
+            if let Some(byte) = Uart::STAGE.receive() {
+                return byte;
+            }
+            Watchdog::feed();
+        }
+    }));
+    Timer::run(running);
     reading
 }
