@@ -227,15 +227,21 @@ macro_rules! fixed_scalar {
             fn round_to_int(self) -> i32 {
                 self.saturating_round().saturating_to_num()
             }
+            #[inline]
             fn from_f32(value: f32) -> Self {
-                // `saturating_from_num` panics on NaN and on infinity.
-                if value.is_nan() {
-                    $t::ZERO
-                } else if value.is_infinite() {
-                    if value > 0.0 { $t::MAX } else { $t::MIN }
+                // Not `saturating_from_num`: it panics on NaN. Scaling by a power of two is exact, and `as`
+                // saturates and takes NaN to 0.
+                let scaled = value * f32::from_bits((127 + Frac::U32) << 23);
+                // From here on every `f32` is an integer.
+                const WHOLE: f32 = 8_388_608.0;
+                let half = if scaled >= WHOLE || scaled <= -WHOLE {
+                    0.0
+                } else if scaled < 0.0 {
+                    -0.5
                 } else {
-                    $t::saturating_from_num(value)
-                }
+                    0.5
+                };
+                $t::from_bits((scaled + half) as _)
             }
             #[inline]
             fn half(self) -> Self {

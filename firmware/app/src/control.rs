@@ -5,7 +5,7 @@ use core::convert::Infallible;
 use core::sync::atomic::{AtomicBool, Ordering};
 use embedded_hal::pwm::SetDutyCycle;
 use heapless::spsc::{Consumer, Producer};
-use preslide::control::{Controller, Fault, Measurement, Move};
+use preslide::control::{Command, Controller, Fault, Measurement, Move};
 use preslide_link::{FaultCode, Sample};
 
 /// What a board measured at the start of a tick, raw.
@@ -46,24 +46,16 @@ impl<F: Model> Control<F> {
         A: SetDutyCycle<Error = Infallible>,
         B: SetDutyCycle<Error = Infallible>,
     {
-        match self.changes.dequeue() {
-            Some(Change::Swap(coefficients)) => self.controller.swap(coefficients),
-            Some(Change::Restart) => self.controller.restart(),
-            None => {}
-        }
-        if self.controller.fault().is_some() {
-            // One a tick is enough to empty the queue before anyone can ask for a restart.
-            self.moves.dequeue();
-        } else if self.controller.is_idle()
-            && let Some(next) = self.moves.dequeue()
-        {
-            self.controller.start(next);
-        }
-        let command = self.controller.tick(Measurement {
+        let change = self.changes.dequeue();
+        // In the safe state the queue is emptied, one move a tick: nobody can ask for a restart faster than that.
+        let wanted = self.controller.is_idle() || self.controller.fault().is_some();
+        let next = if wanted { self.moves.dequeue() } else { None };
+        let measurement = Measurement {
             count: inputs.count,
             supply: inputs.supply,
             late: inputs.late,
-        });
+        };
+        let command = decide(&mut self.controller, change, next, measurement);
         bridge.set(command.code);
         self.stopped
             .store(command.fault.is_some(), Ordering::Relaxed);
@@ -87,6 +79,26 @@ impl<F: Model> Control<F> {
             self.dropped = self.dropped.wrapping_add(1);
         }
     }
+}
+
+/// The control code proper, kept in one symbol so that `cargo xtask qemu` can show that it has no panic path.
+#[inline(never)]
+fn decide<F: Model>(
+    controller: &mut Controller<F, u32>,
+    change: Option<Change<F>>,
+    next: Option<Move<F::Scalar>>,
+    measurement: Measurement<u32>,
+) -> Command {
+    match change {
+        Some(Change::Swap(coefficients)) => controller.swap(coefficients),
+        Some(Change::Restart) => controller.restart(),
+        None => {}
+    }
+    if let Some(next) = next {
+        // Without effect in the safe state.
+        controller.start(next);
+    }
+    controller.tick(measurement)
 }
 
 fn on_the_wire(fault: Fault) -> FaultCode {

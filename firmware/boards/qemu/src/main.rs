@@ -24,7 +24,7 @@ const STEPS: u16 = 8500;
 #[rtic::app(device = crate::device)]
 mod app {
     use super::{Friction, STEPS};
-    use crate::registers::{CLOCK_HZ, Timer, Uart, Watchdog};
+    use crate::registers::{self, CLOCK_HZ, Timer, Uart, Watchdog};
     use crate::stage::{self, Channel};
     use cortex_m_semihosting::{debug, hprintln};
     use heapless::spsc::{Consumer, Producer, Queue};
@@ -84,6 +84,7 @@ mod app {
         let reading = stage::exchange();
         if reading.quit {
             Watchdog::stop();
+            hprintln!("stack high-water mark: {} bytes", registers::stack_high_water());
             debug::exit(debug::EXIT_SUCCESS);
         }
         if let Some(byte) = reading.byte {

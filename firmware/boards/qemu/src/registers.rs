@@ -109,3 +109,18 @@ impl Watchdog {
         write(Self::CLEAR, 1);
     }
 }
+
+/// Most of the stack that was ever used (bytes): `cortex-m-rt` painted it before the start.
+pub fn stack_high_water() -> usize {
+    unsafe extern "C" {
+        static mut _stack_start: u32;
+        static mut _stack_end: u32;
+    }
+    let start = &raw const _stack_start as usize;
+    let end = &raw const _stack_end as usize;
+    let mut address = end;
+    while address < start && read(address) == cortex_m_rt::STACK_PAINT_VALUE {
+        address += 4;
+    }
+    start - address
+}
