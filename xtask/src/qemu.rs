@@ -57,6 +57,9 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
         }
         println!("{kind}: the second run printed the same bytes");
     }
+    // It cannot be run here, but it must build, fit and not panic.
+    let board = build("preslide-stm32g474", "stm32g474", &[])?;
+    check_image("stm32g474", &board)?;
     let golden = root().join(GOLDEN);
     let mut faults = Command::new(&rig);
     faults.arg("faults").arg(&fixed).arg(&golden);
@@ -67,7 +70,7 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
 }
 
 /// Builds a firmware package; where the image is. A folder of its own for each variant keeps all of them.
-pub fn build(package: &str, folder: &str, more: &[&str]) -> Result<PathBuf, String> {
+fn build(package: &str, folder: &str, more: &[&str]) -> Result<PathBuf, String> {
     let toolchain = Toolchain::ensure()?;
     let target = root().join("firmware/target").join(folder);
     let firmware = root().join("firmware");
@@ -82,7 +85,7 @@ pub fn build(package: &str, folder: &str, more: &[&str]) -> Result<PathBuf, Stri
 }
 
 /// Flash and RAM of an image, and whether its control code can panic.
-pub fn check_image(kind: &str, elf: &Path) -> Result<(), String> {
+fn check_image(kind: &str, elf: &Path) -> Result<(), String> {
     let sizes = output(Command::new("arm-none-eabi-size").arg(elf))?;
     let numbers: Vec<u64> = sizes
         .lines()

@@ -13,7 +13,8 @@ pub struct Tracking {
 }
 
 impl Tracking {
-    pub(super) fn add(&mut self, now: &Instant, count: f64) {
+    /// Takes a tick; `count` is one encoder count (m).
+    pub fn add(&mut self, now: &Instant, count: f64) {
         let error = now.command.reference as f64 / 65536.0 * count - now.encoder_m;
         self.squares += error * error;
         self.samples += 1;
