@@ -1,5 +1,6 @@
 //! From a recording to the parameters of a real-time friction model, and to its simulation.
 
+pub mod capture;
 pub mod friction;
 pub mod identify;
 pub mod kinematics;

@@ -1,11 +1,6 @@
-//! Linker arguments.
+//! Linker arguments; the memory map is embassy-stm32's.
 
 fn main() {
-    println!(
-        "cargo:rustc-link-search={}",
-        std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default()
-    );
     println!("cargo:rustc-link-arg=-Tlink.x");
-    println!("cargo:rerun-if-changed=memory.x");
-    println!("cargo:rerun-if-changed=device.x");
+    println!("cargo:rerun-if-changed=build.rs");
 }

@@ -1,7 +1,7 @@
 //! The same motion in the emulator and in the host's simulation: the same commands?
 
-use super::RigError;
 use super::run::{Record, Script, registers, run};
+use super::{Listener, RigError};
 use crate::stage::Stage;
 use crate::tracking::{Step, TrackingError};
 use preslide::control::{Coefficients, Controller, Measurement, Settings};
@@ -96,7 +96,7 @@ pub fn agreement<F: Friction>(
     let steps = motion();
     let ticks = 16_000;
     let script = Script::quiet(ticks).send(20, &requests(&steps));
-    let record = run(elf, &script)?;
+    let record = run(elf, &script, Listener::Here)?;
     let samples: Vec<Sample> = samples(&record).collect();
     // Single moves are planned below the interrupt, so the tick of the first one is the firmware's to tell.
     let begin = samples

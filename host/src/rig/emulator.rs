@@ -38,6 +38,15 @@ pub enum RigError {
     Tracking(#[from] crate::tracking::TrackingError),
 }
 
+/// Where the telemetry goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Listener {
+    /// Into [`Remains`].
+    Here,
+    /// To the first client of this TCP port on this machine; QEMU waits for it.
+    Tcp(u16),
+}
+
 /// A running emulator.
 pub struct Emulator {
     child: Child,
@@ -61,7 +70,7 @@ impl Emulator {
     ///
     /// # Errors
     /// [`RigError`] where QEMU does not start or does not connect.
-    pub fn start(elf: &Path) -> Result<Self, RigError> {
+    pub fn start(elf: &Path, listener: Listener) -> Result<Self, RigError> {
         static RUNS: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0);
         let run = RUNS.fetch_add(1, Ordering::Relaxed);
         let folder =
@@ -72,17 +81,18 @@ impl Emulator {
         let stage = UnixListener::bind(&stage_path).map_err(file)?;
         let link = UnixListener::bind(&link_path).map_err(file)?;
         let chardev = |id: &str, path: &Path| format!("socket,id={id},path={}", path.display());
+        let telemetry = match listener {
+            Listener::Here => chardev("link", &link_path),
+            Listener::Tcp(port) => {
+                format!("socket,id=link,host=127.0.0.1,port={port},server=on,wait=on")
+            }
+        };
         let mut child = Command::new("qemu-system-arm")
             .args(["-M", "mps2-an386", "-display", "none", "-monitor", "none"])
             // 8 ns an instruction: about what a Cortex-M4 at 170 MHz makes of this code.
             .args(["-icount", "shift=3,sleep=off"])
             .args(["-semihosting-config", "enable=on,target=native"])
-            .args([
-                "-chardev",
-                &chardev("link", &link_path),
-                "-serial",
-                "chardev:link",
-            ])
+            .args(["-chardev", &telemetry, "-serial", "chardev:link"])
             .args([
                 "-chardev",
                 &chardev("stage", &stage_path),
@@ -96,7 +106,11 @@ impl Emulator {
             .stderr(Stdio::piped())
             .spawn()
             .map_err(RigError::Start)?;
-        let (link, stage) = match (accept(&link), accept(&stage)) {
+        let link = match listener {
+            Listener::Here => accept(&link).map(Some),
+            Listener::Tcp(_) => Some(None),
+        };
+        let (link, stage) = match (link, accept(&stage)) {
             (Some(link), Some(stage)) => (link, stage),
             _ => {
                 // Either way it is gone after the wait.
@@ -107,15 +121,15 @@ impl Emulator {
             }
         };
         let paused = Arc::new(AtomicBool::new(false));
-        let listener = std::thread::spawn({
+        let listener = link.map(|link| {
             let paused = Arc::clone(&paused);
-            move || listen(link, &paused)
+            std::thread::spawn(move || listen(link, &paused))
         });
         Ok(Self {
             child,
             stage,
             exchanges: 0,
-            listener: Some(listener),
+            listener,
             paused,
             folder,
         })

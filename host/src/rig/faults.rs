@@ -1,6 +1,6 @@
 //! Faults, injected one at a time, and what the firmware makes of each, as text to compare with a golden file.
 
-use super::{Record, RigError, Script, frame, motion, requests, run};
+use super::{Listener, Record, RigError, Script, frame, motion, requests, run};
 use crate::stage::{EncoderConfig, StageConfig};
 use preslide_link::{GainSettings, ModelSettings, Report, Request};
 use std::fmt::Write;
@@ -231,7 +231,7 @@ impl Injection {
     /// # Errors
     /// [`RigError`] where the run cannot be made.
     pub fn tell(&self, elf: &Path, undisturbed: &Record) -> Result<String, RigError> {
-        let record = run(elf, &(self.script)())?;
+        let record = run(elf, &(self.script)(), Listener::Here)?;
         let mut text = format!("{}\n", self.story);
         let mut fault = None;
         let (mut last, mut sequence, mut missing) = (None, 0, 0);

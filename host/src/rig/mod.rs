@@ -6,6 +6,6 @@ mod faults;
 mod run;
 
 pub use agreement::{Agreement, agreement, motion, requests, samples};
-pub use emulator::{Emulator, Remains, RigError};
+pub use emulator::{Emulator, Listener, Remains, RigError};
 pub use faults::{Injection, injections};
 pub use run::{Record, Script, frame, registers, run};

@@ -1,6 +1,6 @@
 //! A run: the firmware in lock step with the stage, with what is sent to it and what is done to it.
 
-use super::{Emulator, Remains, RigError};
+use super::{Emulator, Listener, Remains, RigError};
 use crate::stage::{EncoderReading, Stage, StageConfig};
 use crate::tracking::TrackingError;
 use preslide::control::Settings;
@@ -80,10 +80,10 @@ pub struct Record {
 ///
 /// # Errors
 /// [`RigError`] where QEMU or the stage cannot be started.
-pub fn run(elf: &Path, script: &Script) -> Result<Record, RigError> {
+pub fn run(elf: &Path, script: &Script, listener: Listener) -> Result<Record, RigError> {
     let steps = Settings::PAPER_AXIS.motor.steps;
     let mut stage = Stage::try_new(script.stage.clone()).map_err(TrackingError::from)?;
-    let mut emulator = Emulator::start(elf)?;
+    let mut emulator = Emulator::start(elf, listener)?;
     let mut codes = Vec::new();
     let mut broke_off = false;
     let mut line = script
