@@ -15,7 +15,8 @@
 //! | [`kernels`] | the two Maxwell-slip laws in whole numbers, for a cycle budget | non-local |
 //!
 //! The way through the crate is the way of the signal: an encoder [`Count`] becomes a [`Motion`]
-//! ([`CountTracker`], [`EncoderScale`]), a [`Friction`] model turns that into a force. Parameters are given in SI
+//! ([`CountTracker`], [`EncoderScale`]), a [`Friction`] model turns that into a force; [`control`] is the loop around
+//! it. Parameters are given in SI
 //! and validated once (`try_new`); every model computes in `f32`, `f64` or a type of the [`fixed`] crate
 //! ([`Scalar`], [`Units`]).
 //!
@@ -45,6 +46,8 @@
 
 mod param;
 mod scalar;
+
+pub mod control;
 
 mod encoder;
 
