@@ -13,3 +13,4 @@ pub mod report;
 pub mod reproduce;
 pub mod simulate;
 pub mod stage;
+pub mod tune;
