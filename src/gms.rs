@@ -191,7 +191,7 @@ impl<const N: usize, S: Scalar> Friction for Gms<N, S> {
     #[inline(always)]
     fn step(&self, state: &mut Self::State, motion: Motion<S>) -> S {
         let dx = motion.displacement;
-        let mut advance = state.signed(dx);
+        let mut advance = if state.forward { dx } else { dx.opposite() };
         if advance == S::ZERO {
             if motion.velocity == S::ZERO {
                 return state.signed(self.blocks.force(&state.along));

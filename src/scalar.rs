@@ -9,7 +9,7 @@ use fixed::{FixedI32, FixedI64};
 ///
 /// Floats follow IEEE 754. Fixed point numbers use the plain operators only where construction has proved
 /// that the result fits, and saturate where a quantity from outside enters ([`Scalar::add_input`],
-/// [`Scalar::sub_input`], [`Scalar::mul_input`], [`Scalar::magnitude`]), so that no input can overflow.
+/// [`Scalar::sub_input`], [`Scalar::mul_input`], [`Scalar::magnitude`], [`Scalar::opposite`]), so that no input can overflow.
 pub trait Scalar:
     Copy
     + PartialOrd
@@ -45,6 +45,9 @@ pub trait Scalar:
 
     /// Absolute value, saturating (the most negative fixed point number has no opposite).
     fn magnitude(self) -> Self;
+
+    /// `−self`, saturating for the same reason.
+    fn opposite(self) -> Self;
 
     /// `eˢᵉˡᶠ`. Fixed point goes through `libm`'s software `f32`: the same bits on every machine, and slow
     /// on a core without a float unit.
@@ -119,6 +122,10 @@ macro_rules! float_scalar {
             #[inline]
             fn magnitude(self) -> Self {
                 self.abs()
+            }
+            #[inline]
+            fn opposite(self) -> Self {
+                -self
             }
             #[inline]
             fn exp(self) -> Self {
@@ -204,6 +211,10 @@ macro_rules! fixed_scalar {
             #[inline]
             fn magnitude(self) -> Self {
                 self.saturating_abs()
+            }
+            #[inline]
+            fn opposite(self) -> Self {
+                self.saturating_neg()
             }
             fn exp(self) -> Self {
                 Self::from_f32(libm::expf(self.to_num()))

@@ -16,3 +16,4 @@ pub mod rig;
 pub mod simulate;
 pub mod stage;
 pub mod tracking;
+pub mod tune;

@@ -23,6 +23,7 @@ enum Command {
     Identify(commands::identify::Identify),
     Reproduce(commands::reproduce::Reproduce),
     Simulate(commands::simulate::Simulate),
+    Tune(commands::tune::Tune),
 }
 
 fn main() -> ExitCode {
@@ -32,6 +33,7 @@ fn main() -> ExitCode {
         Command::Identify(command) => command.run(),
         Command::Reproduce(command) => command.run(),
         Command::Simulate(command) => command.run(),
+        Command::Tune(command) => command.run(),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -5,6 +5,7 @@ pub mod demo;
 pub mod identify;
 pub mod reproduce;
 pub mod simulate;
+pub mod tune;
 
 use clap::Args;
 use preslide_host::model::ModelError;

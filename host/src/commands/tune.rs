@@ -1,0 +1,167 @@
+//! `preslide tune`.
+
+use super::{Failure, OutputArgs, command_line};
+use clap::Args;
+use preslide_host::identify::split::{Window, parse_window};
+use preslide_host::identify::{Options, identify};
+use preslide_host::model::Model;
+use preslide_host::progress::Progress;
+use preslide_host::recording::{self, LoadOptions, Recording};
+use preslide_host::tune::cost::CostTable;
+use preslide_host::tune::{Budget, of_model, of_recording};
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// How many blocks in which arithmetic fit a cycle budget, and which to take
+#[derive(Args)]
+pub struct Tune {
+    /// Model to run: its number of blocks, unless a recording is given
+    #[arg(value_name = "MODEL.toml")]
+    model: PathBuf,
+
+    /// Identify a model of every number of blocks on this recording and tune those
+    #[arg(long, value_name = "REC")]
+    recording: Vec<PathBuf>,
+
+    /// Read a column under the tool's name, times numbers or columns: force_N=35.15*vir
+    #[arg(long, value_name = "NAME=COLUMN", value_parser = recording::parse_map)]
+    map: Vec<(String, String)>,
+
+    /// Fit only this window of time, in seconds: 100..145
+    #[arg(long, value_name = "FROM..TO", value_parser = parse_window)]
+    train: Option<Window>,
+
+    /// Judge on this window, which is never fitted; without it repeats or strokes take turns
+    #[arg(long, value_name = "FROM..TO", value_parser = parse_window)]
+    test: Option<Window>,
+
+    /// Core whose measured costs to use
+    #[arg(long, default_value = "cortex-m4")]
+    cpu: String,
+
+    /// Costs measured on your own board, in the columns of firmware/cycles/cortex-m4.csv; instead of --cpu
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "cpu")]
+    table: Option<PathBuf>,
+
+    /// Core clock
+    #[arg(long, default_value = "170MHz", value_parser = parse_frequency)]
+    clock: f64,
+
+    /// Control rate
+    #[arg(long, default_value = "20kHz", value_parser = parse_frequency)]
+    rate: f64,
+
+    /// Share of the processor that friction may take
+    #[arg(long, default_value = "5%", value_parser = parse_percent)]
+    budget: f64,
+
+    /// Length of an encoder count in m or rad; without it, encoder_count_m of the model's [mechanics]
+    #[arg(long, value_name = "LENGTH")]
+    count: Option<f64>,
+
+    #[command(flatten)]
+    outputs: OutputArgs,
+}
+
+/// `170MHz`, `20kHz`, `8000` in Hz.
+fn parse_frequency(text: &str) -> Result<f64, String> {
+    let scales = [("MHz", 1e6), ("kHz", 1e3), ("Hz", 1.0), ("", 1.0)];
+    let read = |(unit, scale): (&str, f64)| {
+        let number: f64 = text.strip_suffix(unit)?.trim().parse().ok()?;
+        (number.is_finite() && number > 0.0).then_some(number * scale)
+    };
+    let found = scales.into_iter().find_map(read);
+    found.ok_or_else(|| "give a frequency above zero, such as 170MHz, 20kHz or 8000".to_owned())
+}
+
+/// `5%` or `0.05`.
+fn parse_percent(text: &str) -> Result<f64, String> {
+    let (number, scale) = match text.strip_suffix('%') {
+        Some(number) => (number, 0.01),
+        None => (text, 1.0),
+    };
+    let share = number.trim().parse::<f64>().map(|value| value * scale);
+    match share {
+        Ok(share) if share > 0.0 && share <= 1.0 => Ok(share),
+        _ => Err("give a share above 0 and up to 100%, such as 5%".to_owned()),
+    }
+}
+
+impl Tune {
+    /// Runs the command.
+    pub fn run(self) -> Result<(), Failure> {
+        let start = Instant::now();
+        let model = Model::load(&self.model)?;
+        let costs = match &self.table {
+            Some(path) => CostTable::load(path),
+            None => CostTable::of_cpu(&self.cpu),
+        }
+        .map_err(Failure::Input)?;
+        let budget = Budget {
+            clock: self.clock,
+            rate: self.rate,
+            share: self.budget,
+        };
+        let known = model
+            .mechanics
+            .iter()
+            .find(|(key, _)| key == "encoder_count_m");
+        let count = self.count.or(known.map(|(_, length)| *length)).ok_or_else(|| {
+            Failure::Input(format!(
+                "{}: how long is an encoder count? Give --count (m or rad) or encoder_count_m under [mechanics]",
+                self.model.display()
+            ))
+        })?;
+        if !(count.is_finite() && count > 0.0) {
+            return Err(Failure::Input(format!(
+                "--count {count}: must be finite and above zero"
+            )));
+        }
+        let tuning = if self.recording.is_empty() {
+            of_model(&model, count, &costs, budget).map_err(Failure::Input)?
+        } else {
+            let recording = self.load()?;
+            let options = Options {
+                train: self.train,
+                test: self.test,
+            };
+            let progress = Progress::new("tune", 20);
+            let found = identify(&recording, &options, &progress).map_err(Failure::Data)?;
+            progress.finish();
+            of_recording(&recording, &found, count, &costs, budget).map_err(Failure::Data)?
+        };
+
+        println!("{}", tuning.table().to_text());
+        for note in &tuning.notes {
+            println!("Note: {note}.");
+        }
+        let seconds = start.elapsed().as_secs_f64();
+        self.outputs
+            .write(&tuning.to_json(seconds), || tuning.page(command_line()))?;
+        match &tuning.recommended {
+            Ok(_) => {
+                println!("{}", tuning.recommendation());
+                Ok(())
+            }
+            Err(reason) => Err(Failure::Data(reason.clone())),
+        }
+    }
+
+    fn load(&self) -> Result<Recording, Failure> {
+        let options = LoadOptions {
+            map: self.map.clone(),
+            ..LoadOptions::default()
+        };
+        let recordings = self
+            .recording
+            .iter()
+            .map(|path| recording::load(path, &options))
+            .collect::<Result<Vec<_>, _>>()?;
+        for recording in &recordings {
+            for warning in &recording.warnings {
+                eprintln!("{}: warning: {warning}", recording.name);
+            }
+        }
+        Recording::join(recordings).map_err(Failure::Input)
+    }
+}

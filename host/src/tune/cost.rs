@@ -1,0 +1,182 @@
+//! What kernels cost: the committed table, or one measured on the user's own board.
+
+use std::path::Path;
+
+/// Written by `cargo xtask cycles`.
+const CORTEX_M4: &str = include_str!("../../../firmware/cycles/cortex-m4.csv");
+
+/// Cost of one update of a kernel at one number of blocks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cost {
+    /// The kernel's name in the table.
+    pub kernel: String,
+    /// Number of Maxwell-slip blocks.
+    pub blocks: usize,
+    /// Instructions, mean; NaN where the table has none (a board cannot count them).
+    pub instructions: f64,
+    /// Cycles, mean, inlined into a control tick where the table says so, else of a call.
+    pub cycles_mean: f64,
+    /// The same on the worst path seen.
+    pub cycles_worst: f64,
+    /// Code and parameters (bytes).
+    pub flash_bytes: f64,
+    /// State (bytes).
+    pub ram_bytes: f64,
+}
+
+/// A table of costs.
+#[derive(Clone, Debug)]
+pub struct CostTable {
+    rows: Vec<Cost>,
+    /// Where the figures come from, for people.
+    pub origin: String,
+}
+
+impl CostTable {
+    /// The table of a core that was measured in emulation.
+    ///
+    /// # Errors
+    /// Which cores there are.
+    pub fn of_cpu(cpu: &str) -> Result<Self, String> {
+        match cpu {
+            "cortex-m4" | "cortex-m4f" => Self::parse(
+                CORTEX_M4,
+                "instruction paths from QEMU priced by the Cortex-M4 manual, no wait states, not confirmed on a board",
+            ),
+            other => Err(format!(
+                "--cpu {other}: no figures; cortex-m4 is measured, for another core run firmware/cycles on a board and give its output with --table FILE"
+            )),
+        }
+    }
+
+    /// A table in a file.
+    ///
+    /// # Errors
+    /// File, line, reason and remedy.
+    pub fn load(path: &Path) -> Result<Self, String> {
+        let file = path.display();
+        let text = std::fs::read_to_string(path).map_err(|e| format!("{file}: {e}"))?;
+        Self::parse(&text, &format!("{file}")).map_err(|reason| format!("{file}: {reason}"))
+    }
+
+    fn parse(text: &str, origin: &str) -> Result<Self, String> {
+        let mut lines = text
+            .lines()
+            .enumerate()
+            .filter(|(_, line)| !line.starts_with('#') && !line.trim().is_empty());
+        let (_, head) = lines
+            .next()
+            .ok_or("empty; it needs a line of column names")?;
+        let head: Vec<&str> = head.split(',').map(str::trim).collect();
+        let column = |name: &str| head.iter().position(|c| *c == name);
+        let need = |name: &'static str| {
+            column(name).ok_or_else(|| {
+                format!("no column {name}; the first line names kernel, n, cycles_mean and cycles_worst at least")
+            })
+        };
+        let (kernel, blocks) = (need("kernel")?, need("n")?);
+        let (mean, worst) = (need("cycles_mean")?, need("cycles_worst")?);
+        let mut rows = Vec::new();
+        for (index, line) in lines {
+            let cells: Vec<&str> = line.split(',').map(str::trim).collect();
+            let number = |at: usize| -> Result<f64, String> {
+                let cell = cells.get(at).copied().unwrap_or("");
+                let bad = |_| {
+                    format!(
+                        "line {}: `{cell}` in column {} is no number",
+                        index + 1,
+                        head[at]
+                    )
+                };
+                cell.parse().map_err(bad)
+            };
+            let optional = |name: &str| match column(name) {
+                Some(at) if cells.get(at).is_some_and(|cell| !cell.is_empty()) => number(at),
+                _ => Ok(f64::NAN),
+            };
+            let (mean, worst) = (number(mean)?, number(worst)?);
+            // What the call itself costs falls away from the worst path as from the mean.
+            let in_tick = optional("cycles_in_tick")?;
+            let call = if in_tick.is_nan() {
+                0.0
+            } else {
+                mean - in_tick
+            };
+            rows.push(Cost {
+                kernel: cells.get(kernel).copied().unwrap_or("").to_owned(),
+                blocks: number(blocks)? as usize,
+                instructions: optional("instructions_mean")?,
+                cycles_mean: mean - call,
+                cycles_worst: worst - call,
+                flash_bytes: optional("flash_bytes")?,
+                ram_bytes: optional("ram_bytes")?,
+            });
+        }
+        Ok(Self {
+            rows,
+            origin: origin.to_owned(),
+        })
+    }
+
+    /// The cost of a kernel with so many blocks; between two measured numbers it is interpolated, since every block
+    /// adds the same code. `None` outside them.
+    pub fn cost(&self, kernel: &str, blocks: usize) -> Option<Cost> {
+        let rows = || self.rows.iter().filter(|row| row.kernel == kernel);
+        let below = rows()
+            .filter(|row| row.blocks <= blocks)
+            .max_by_key(|row| row.blocks)?;
+        let above = rows()
+            .filter(|row| row.blocks >= blocks)
+            .min_by_key(|row| row.blocks)?;
+        let gap = (above.blocks - below.blocks).max(1) as f64;
+        let part = (blocks - below.blocks) as f64 / gap;
+        let between = |of: fn(&Cost) -> f64| of(below) + part * (of(above) - of(below));
+        Some(Cost {
+            kernel: kernel.to_owned(),
+            blocks,
+            instructions: between(|row| row.instructions),
+            cycles_mean: between(|row| row.cycles_mean),
+            cycles_worst: between(|row| row.cycles_worst),
+            flash_bytes: between(|row| row.flash_bytes).ceil(),
+            ram_bytes: between(|row| row.ram_bytes).ceil(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_committed_table_has_every_kernel_and_interpolates_between_its_rows() {
+        let table = CostTable::of_cpu("cortex-m4").unwrap();
+        for kernel in crate::tune::kernel::Kernel::ALL {
+            let cycles = |n| table.cost(kernel.name(), n).unwrap().cycles_worst;
+            assert!(
+                (cycles(5) - (cycles(4) + cycles(6)) / 2.0).abs() < 1e-9,
+                "{}",
+                kernel.name()
+            );
+            assert!(table.cost(kernel.name(), 11).is_none());
+        }
+        assert!(CostTable::of_cpu("avr").unwrap_err().contains("--table"));
+    }
+
+    #[test]
+    fn a_boards_table_may_lack_what_a_board_cannot_know() {
+        let text = "kernel,n,instructions_mean,cycles_mean,cycles_worst\npacked,6,,51.5,70\n";
+        let table = CostTable::parse(text, "board").unwrap();
+        let cost = table.cost("packed", 6).unwrap();
+        assert!(cost.instructions.is_nan() && cost.cycles_worst == 70.0);
+        let torn = CostTable::parse("kernel,n,cycles_mean,cycles_worst\npacked,6,x,1\n", "board");
+        assert!(
+            torn.unwrap_err()
+                .contains("line 2: `x` in column cycles_mean")
+        );
+        assert!(
+            CostTable::parse("kernel,n\n", "")
+                .unwrap_err()
+                .contains("cycles_mean")
+        );
+    }
+}

@@ -1,0 +1,356 @@
+//! How many blocks, in which arithmetic: accuracy against cycles.
+
+pub mod cost;
+pub mod kernel;
+mod present;
+#[cfg(test)]
+mod tests;
+
+use crate::friction::{FrictionModel, Path};
+use crate::identify::{Identification, Method};
+use crate::model::Model;
+use crate::recording::Recording;
+use cost::{Cost, CostTable};
+use kernel::{Counts, Kernel};
+use std::ops::Range;
+
+/// What the controller gives.
+#[derive(Clone, Copy, Debug)]
+pub struct Budget {
+    /// Core clock (Hz).
+    pub clock: f64,
+    /// Control ticks per second (Hz).
+    pub rate: f64,
+    /// Share of the processor that friction may take (-).
+    pub share: f64,
+}
+
+impl Budget {
+    /// Share of the processor (-) that so many cycles a tick take.
+    pub fn share_of(&self, cycles: f64) -> f64 {
+        cycles * self.rate / self.clock
+    }
+}
+
+/// One kernel at one number of blocks.
+#[derive(Clone, Debug)]
+pub struct Choice {
+    /// The kernel.
+    pub kernel: Kernel,
+    /// Its cost.
+    pub cost: Cost,
+    /// Share of the processor on the worst path (-).
+    pub share: f64,
+    /// NMSE (13) of the model on motion that was not fitted, and of the arithmetic (%); `None` without a recording.
+    pub nmse_test: Option<f64>,
+    /// Rms of what the arithmetic adds, against the same model in `f64` on the same counts (% of `F_s`).
+    pub arithmetic: f64,
+}
+
+/// All choices, and the one to take.
+#[derive(Clone, Debug)]
+pub struct Tuning {
+    /// By number of blocks, then as [`Kernel::ALL`].
+    pub choices: Vec<Choice>,
+    /// Index into `choices`, and why; or why nothing fits.
+    pub recommended: Result<(usize, String), String>,
+    /// What the user should know.
+    pub notes: Vec<String>,
+    /// The budget that was given.
+    pub budget: Budget,
+    /// Where the costs come from.
+    pub origin: String,
+    /// Whether a recording decided the accuracy.
+    pub recorded: bool,
+}
+
+/// A model to be tuned, with its error on motion that was not fitted (%).
+struct Sized {
+    model: Model,
+    nmse_test: Option<f64>,
+}
+
+/// Another block is worth its cycles if it takes away a tenth of the error…
+const WORTH: f64 = 0.1;
+/// …and at least this much of it (percentage points of NMSE).
+const LEAST_WORTH: f64 = 0.05;
+/// Arithmetic may add this much (% of `F_s`, rms) before a dearer kernel is taken.
+const ARITHMETIC: f64 = 0.5;
+
+/// Tunes the model's own number of blocks, along strokes made up for it.
+///
+/// # Errors
+/// Why the model cannot be tuned.
+pub fn of_model(
+    model: &Model,
+    count: f64,
+    costs: &CostTable,
+    budget: Budget,
+) -> Result<Tuning, String> {
+    let motion = made_up_strokes(&model.friction, count, 1.0 / budget.rate)?;
+    let sized = Sized {
+        model: model.clone(),
+        nmse_test: None,
+    };
+    tuning(&[sized], &motion, None, costs, budget)
+}
+
+/// Tunes what `identify` found on a recording, at every number of blocks.
+///
+/// # Errors
+/// Why the recording cannot be tuned for.
+pub fn of_recording(
+    recording: &Recording,
+    found: &Identification,
+    count: f64,
+    costs: &CostTable,
+    budget: Budget,
+) -> Result<Tuning, String> {
+    let models: Vec<Sized> = found
+        .candidates
+        .iter()
+        .filter(|c| c.size() > 0 && c.method == Method::Optimal)
+        .map(|c| Sized {
+            model: c.model.clone(),
+            nmse_test: Some(c.nmse_test),
+        })
+        .collect();
+    if models.is_empty() {
+        return Err(
+            "identify found no Maxwell-slip model in this recording; try `preslide compare`"
+                .to_owned(),
+        );
+    }
+    let motion = Motion {
+        position: recording
+            .position
+            .iter()
+            .map(|x| (x / count).round() as i64)
+            .collect(),
+        velocity: found.velocity.clone(),
+        pieces: recording.pieces.clone(),
+        count,
+        sample_time: recording.sample_time_s(),
+    };
+    let mean = found.effort.iter().sum::<f64>() / found.effort.len() as f64;
+    let variance =
+        found.effort.iter().map(|f| (f - mean).powi(2)).sum::<f64>() / found.effort.len() as f64;
+    tuning(&models, &motion, Some(variance), costs, budget)
+}
+
+/// A motion in counts.
+struct Motion {
+    position: Vec<i64>,
+    velocity: Vec<f64>,
+    pieces: Vec<Range<usize>>,
+    count: f64,
+    sample_time: f64,
+}
+
+impl Motion {
+    fn counts(&self) -> Counts<'_> {
+        Counts {
+            position: &self.position,
+            velocity: &self.velocity,
+            pieces: &self.pieces,
+            count: self.count,
+            sample_time: self.sample_time,
+        }
+    }
+}
+
+/// Strokes forth and back whose length shrinks from four times the longest yield displacement to a count: they take every
+/// block through slip, reversal and inner loops.
+fn made_up_strokes(
+    friction: &FrictionModel,
+    count: f64,
+    sample_time: f64,
+) -> Result<Motion, String> {
+    let FrictionModel::Gms {
+        breakaway,
+        blocks,
+        sliding,
+    } = friction
+    else {
+        return Err(format!(
+            "the model is a {}, and only Maxwell-slip models (kind = \"gms\") have blocks to tune; `preslide compare` lists what the others cost",
+            friction.kind()
+        ));
+    };
+    let longest = blocks
+        .iter()
+        .map(|b| b.yield_displacement(*breakaway))
+        .fold(0.0, f64::max);
+    let mut position = Vec::new();
+    let (mut at, mut stroke, mut forward) = (0.0, (4.0 * longest / count).clamp(8.0, 1e6), 1.0);
+    while stroke >= 1.0 {
+        let ticks = (stroke as usize).clamp(1, 500);
+        let start = at;
+        for tick in 1..=ticks {
+            at = start + forward * stroke * tick as f64 / ticks as f64;
+            position.push(at.round() as i64);
+        }
+        forward = -forward;
+        stroke *= 0.9;
+    }
+    let speed = sliding.map_or(1.0, |s| s.stribeck_velocity);
+    let samples = position.len();
+    Ok(Motion {
+        velocity: position
+            .windows(2)
+            .map(|w| (w[1] - w[0]).signum() as f64 * speed)
+            .chain([0.0])
+            .collect(),
+        position,
+        pieces: std::iter::once(0..samples).collect(),
+        count,
+        sample_time,
+    })
+}
+
+fn tuning(
+    models: &[Sized],
+    motion: &Motion,
+    variance: Option<f64>,
+    costs: &CostTable,
+    budget: Budget,
+) -> Result<Tuning, String> {
+    let position: Vec<f64> = motion
+        .position
+        .iter()
+        .map(|&c| c as f64 * motion.count)
+        .collect();
+    let path = Path {
+        position: &position,
+        velocity: &motion.velocity,
+        pieces: &motion.pieces,
+        sample_time: motion.sample_time,
+    };
+    let (mut choices, mut notes) = (Vec::new(), Vec::new());
+    for sized in models {
+        let FrictionModel::Gms {
+            breakaway, blocks, ..
+        } = &sized.model.friction
+        else {
+            continue;
+        };
+        let exact = sized
+            .model
+            .friction
+            .force(path)
+            .map_err(|e| e.to_string())?;
+        for kernel in Kernel::ALL {
+            let Some(cost) = costs.cost(kernel.name(), blocks.len()) else {
+                notes.push(format!(
+                    "{} with N = {} is not in the table of costs",
+                    kernel.name(),
+                    blocks.len()
+                ));
+                continue;
+            };
+            let force = match kernel.force_of(&sized.model.friction, &motion.counts()) {
+                Some(Ok(force)) => force,
+                Some(Err(reason)) => {
+                    notes.push(format!(
+                        "{} with N = {} cannot run this model: {reason}",
+                        kernel.name(),
+                        blocks.len()
+                    ));
+                    continue;
+                }
+                None => continue,
+            };
+            let squares: f64 = force.iter().zip(&exact).map(|(a, b)| (a - b).powi(2)).sum();
+            let mean_square = squares / force.len().max(1) as f64;
+            let added = variance.map_or(0.0, |variance| 100.0 * mean_square / variance);
+            choices.push(Choice {
+                kernel,
+                share: budget.share_of(cost.cycles_worst),
+                cost,
+                nmse_test: sized.nmse_test.map(|nmse| nmse + added),
+                arithmetic: 100.0 * mean_square.sqrt() / breakaway,
+            });
+        }
+    }
+    let recommended = recommend(&choices, budget);
+    Ok(Tuning {
+        choices,
+        recommended,
+        notes,
+        budget,
+        origin: costs.origin.clone(),
+        recorded: variance.is_some(),
+    })
+}
+
+/// The fewest blocks after which no more are worth their cycles, in the cheapest arithmetic that adds little.
+fn recommend(choices: &[Choice], budget: Budget) -> Result<(usize, String), String> {
+    let percent = |share: f64| format!("{:.2} %", 100.0 * share);
+    let cheapest = choices.iter().min_by(|a, b| a.share.total_cmp(&b.share));
+    let Some(cheapest) = cheapest else {
+        return Err("no kernel can run this model; see the notes".to_owned());
+    };
+    if cheapest.share > budget.share {
+        let name = cheapest.kernel.name();
+        return Err(format!(
+            "nothing fits: the cheapest, {name} with N = {}, takes {} of the processor, the budget is {}; lower --rate to {:.0} Hz or allow --budget {:.2}%",
+            cheapest.cost.blocks,
+            percent(cheapest.share),
+            percent(budget.share),
+            budget.rate * budget.share / cheapest.share,
+            100.0 * cheapest.share,
+        ));
+    }
+    let sound = |c: &&Choice| c.share <= budget.share && c.arithmetic <= ARITHMETIC;
+    let fitting: Vec<&Choice> = choices.iter().filter(|c| c.share <= budget.share).collect();
+    let pool: Vec<&Choice> = match fitting
+        .iter()
+        .copied()
+        .filter(|c| sound(&c))
+        .collect::<Vec<_>>()
+    {
+        sound if sound.is_empty() => fitting,
+        sound => sound,
+    };
+    let best = pool
+        .iter()
+        .filter_map(|c| c.nmse_test)
+        .fold(f64::INFINITY, f64::min);
+    let enough = |c: &&&Choice| {
+        c.nmse_test
+            .is_none_or(|nmse| nmse <= best + (WORTH * best).max(LEAST_WORTH))
+    };
+    let chosen = pool.iter().filter(enough).min_by(|a, b| {
+        let blocks = a.cost.blocks.cmp(&b.cost.blocks);
+        blocks.then(a.share.total_cmp(&b.share))
+    });
+    let Some(chosen) = chosen else {
+        return Err("no choice has a finite error; see the notes".to_owned());
+    };
+    let index = choices
+        .iter()
+        .position(|c| std::ptr::eq(c, *chosen))
+        .unwrap_or(0);
+    let blocks = chosen.cost.blocks;
+    let accuracy = match chosen.nmse_test {
+        Some(nmse) if blocks == 1 => {
+            format!(
+                "N = 1 is enough here: it leaves {nmse:.2} % NMSE on motion that was not fitted, and no larger model that fits leaves less than {best:.2} %"
+            )
+        }
+        Some(nmse) => format!(
+            "N = {blocks} leaves {nmse:.2} % NMSE on motion that was not fitted; more blocks that fit the budget reach {best:.2} % at best, fewer leave more than a tenth more"
+        ),
+        None => format!("the model has N = {blocks}; give --recording to have N chosen as well"),
+    };
+    let reason = format!(
+        "{accuracy}; {} ({}) is the cheapest arithmetic that adds at most {ARITHMETIC} % of F_s (it adds {:.3} %) and takes {} of the processor at worst, {:.0} cycles a tick, of {} allowed",
+        chosen.kernel.name(),
+        chosen.kernel.description(),
+        chosen.arithmetic,
+        percent(chosen.share),
+        chosen.cost.cycles_worst,
+        percent(budget.share),
+    );
+    Ok((index, reason))
+}

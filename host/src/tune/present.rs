@@ -1,0 +1,190 @@
+//! A tuning for people and for machines.
+
+use super::kernel::Kernel;
+use super::{Choice, Tuning};
+use crate::report::{Axis, Emphasis, Figure, Page, Section, Series, Style, Table};
+use serde_json::{Value, json};
+
+impl Tuning {
+    /// One sentence: what to use and why, or that nothing fits.
+    pub fn recommendation(&self) -> String {
+        match &self.recommended {
+            Ok((index, reason)) => match self.choices.get(*index) {
+                Some(c) => format!(
+                    "Use {} with N = {}: {reason}.",
+                    c.kernel.name(),
+                    c.cost.blocks
+                ),
+                None => reason.clone(),
+            },
+            Err(reason) => reason.clone(),
+        }
+    }
+
+    /// Every choice.
+    pub fn table(&self) -> Table {
+        let head = [
+            "N",
+            "kernel",
+            "NMSE held out [%]",
+            "arithmetic [% of F_s]",
+            "cycles",
+            "worst",
+            "share at worst",
+            "flash [B]",
+            "RAM [B]",
+            "",
+        ];
+        let row = |(index, c): (usize, &Choice)| {
+            let chosen = matches!(self.recommended, Ok((best, _)) if best == index);
+            let mark = match (chosen, c.share > self.budget.share) {
+                (true, _) => "use this",
+                (_, true) => "over budget",
+                _ => "",
+            };
+            vec![
+                c.cost.blocks.to_string(),
+                c.kernel.name().to_owned(),
+                c.nmse_test
+                    .map_or("–".to_owned(), |nmse| format!("{nmse:.3}")),
+                format!("{:.4}", c.arithmetic),
+                format!("{:.0}", c.cost.cycles_mean),
+                format!("{:.0}", c.cost.cycles_worst),
+                format!("{:.2} %", 100.0 * c.share),
+                whole(c.cost.flash_bytes),
+                whole(c.cost.ram_bytes),
+                mark.to_owned(),
+            ]
+        };
+        Table {
+            caption: format!(
+                "Cost of one friction update inlined into a {:.0} Hz control tick at {:.0} MHz ({})",
+                self.budget.rate,
+                self.budget.clock * 1e-6,
+                self.origin
+            ),
+            head: head.map(str::to_owned).to_vec(),
+            rows: self.choices.iter().enumerate().map(row).collect(),
+        }
+    }
+
+    /// `preslide.tuning/1`.
+    pub fn to_json(&self, seconds: f64) -> Value {
+        let row = |c: &Choice| {
+            json!({
+                "blocks": c.cost.blocks,
+                "kernel": c.kernel.name(),
+                "instructions": finite(c.cost.instructions),
+                "cycles_mean": c.cost.cycles_mean,
+                "cycles_worst": c.cost.cycles_worst,
+                "flash_bytes": finite(c.cost.flash_bytes),
+                "ram_bytes": finite(c.cost.ram_bytes),
+                "budget_share": c.share,
+                "nmse_test": c.nmse_test,
+                "arithmetic_percent": c.arithmetic,
+            })
+        };
+        let recommended = match &self.recommended {
+            Ok((index, reason)) => self.choices.get(*index).map(
+                |c| json!({ "blocks": c.cost.blocks, "kernel": c.kernel.name(), "reason": reason }),
+            ),
+            Err(_) => None,
+        };
+        json!({
+            "schema": "preslide.tuning/1",
+            "rows": self.choices.iter().map(row).collect::<Vec<_>>(),
+            "recommended": recommended,
+            "fits": self.recommended.is_ok(),
+            "reason": self.recommendation(),
+            "budget": { "clock_hz": self.budget.clock, "rate_hz": self.budget.rate, "share": self.budget.share },
+            "cost_table": self.origin,
+            "warnings": self.notes,
+            "seconds": seconds,
+        })
+    }
+
+    /// The page with the accuracy-versus-cost plot.
+    pub fn page(&self, command: String) -> Page {
+        let mut paragraphs = vec![format!(
+            "Cycles: {}. A share is that of the worst path seen; the budget is {:.2} % of the processor.",
+            self.origin,
+            100.0 * self.budget.share
+        )];
+        paragraphs.extend(self.notes.iter().map(|note| format!("{note}.")));
+        Page {
+            title: "Blocks and arithmetic for a cycle budget".to_owned(),
+            lead: self.recommendation(),
+            command,
+            sections: vec![Section {
+                heading: "Accuracy against cost".to_owned(),
+                paragraphs,
+                tables: vec![self.table()],
+                figures: vec![self.figure()],
+            }],
+        }
+    }
+
+    fn figure(&self) -> Figure {
+        let error = |c: &Choice| c.nmse_test.unwrap_or(c.arithmetic);
+        let y = match self.recorded {
+            true => Axis::new("NMSE held out", "%").log(),
+            false => Axis::new("error of the arithmetic", "%").log(),
+        };
+        let mut figure = Figure::new(
+            "Error against cycles, a mark for each number of blocks",
+            Axis::new("cycles a tick at worst", "cycles"),
+            y,
+        );
+        let points = |of: &dyn Fn(&Choice) -> bool| -> (Vec<f64>, Vec<f64>) {
+            let chosen = self.choices.iter().filter(|c| of(c));
+            chosen.map(|c| (c.cost.cycles_worst, error(c))).unzip()
+        };
+        for kernel in Kernel::ALL {
+            let (x, y) = points(&|c| c.kernel == kernel);
+            if !x.is_empty() {
+                figure = figure.with(Series::line(kernel.name(), x, y).style(Style::LinePoints));
+            }
+        }
+        let allowed = self.budget.share * self.budget.clock / self.budget.rate;
+        let errors = || self.choices.iter().map(error).filter(|e| *e > 0.0);
+        let range = [
+            errors().fold(f64::INFINITY, f64::min),
+            errors().fold(0.0, f64::max),
+        ];
+        let widest = self
+            .choices
+            .iter()
+            .fold(0.0, |x: f64, c| x.max(c.cost.cycles_worst));
+        if allowed < 2.0 * widest {
+            figure = figure.with(
+                Series::line("budget", vec![allowed; 2], range.to_vec()).style(Style::Dashed),
+            );
+        }
+        if let Some(c) = self
+            .recommended
+            .as_ref()
+            .ok()
+            .and_then(|(index, _)| self.choices.get(*index))
+        {
+            figure = figure.with(
+                Series::points("recommended", vec![c.cost.cycles_worst], vec![error(c)])
+                    .emphasis(Emphasis::Strong),
+            );
+        }
+        figure.note(
+            "The paper's Figure 8 with the axis that decides in a controller: what a block costs.",
+        )
+    }
+}
+
+fn whole(value: f64) -> String {
+    if value.is_nan() {
+        "–".to_owned()
+    } else {
+        format!("{value:.0}")
+    }
+}
+
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}

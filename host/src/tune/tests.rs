@@ -1,0 +1,83 @@
+use super::cost::CostTable;
+use super::kernel::Kernel;
+use super::{Budget, of_model};
+use crate::model::Model;
+
+fn model(blocks: &str) -> Model {
+    let text = format!(
+        "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[friction]\nkind = \"gms\"\nbreakaway_N = 0.9\nblocks = [{blocks}]\n"
+    );
+    Model::parse(&text).unwrap()
+}
+
+const TWO: &str = "{ stiffness_N_per_m = 113948.0, weight = 0.616 }, { stiffness_N_per_m = 8870.0, weight = 0.384 }";
+
+fn budget(share: f64) -> Budget {
+    Budget {
+        clock: 170e6,
+        rate: 20e3,
+        share,
+    }
+}
+
+#[test]
+fn the_cheapest_arithmetic_that_is_accurate_is_recommended() {
+    let costs = CostTable::of_cpu("cortex-m4").unwrap();
+    let tuning = of_model(&model(TWO), 25e-9, &costs, budget(0.05)).unwrap();
+    assert_eq!(
+        tuning.choices.len(),
+        Kernel::ALL.len(),
+        "{:?}",
+        tuning.notes
+    );
+    let (index, reason) = tuning.recommended.clone().unwrap();
+    let chosen = &tuning.choices[index];
+    for other in &tuning.choices {
+        assert!(
+            other.arithmetic < 1.0,
+            "{:?}: {} %",
+            other.kernel,
+            other.arithmetic
+        );
+        assert!(chosen.share <= other.share);
+    }
+    assert!((chosen.share - chosen.cost.cycles_worst / 8_500.0).abs() < 1e-12);
+    assert!(reason.contains("--recording"), "{reason}");
+    let json = tuning.to_json(0.0);
+    assert_eq!(json["recommended"]["kernel"], chosen.kernel.name());
+    assert_eq!(json["rows"].as_array().unwrap().len(), tuning.choices.len());
+}
+
+#[test]
+fn a_budget_below_the_cheapest_kernel_says_that_nothing_fits_and_what_would() {
+    let costs = CostTable::of_cpu("cortex-m4").unwrap();
+    let tuning = of_model(&model(TWO), 25e-9, &costs, budget(1e-4)).unwrap();
+    let reason = tuning.recommended.clone().unwrap_err();
+    assert!(
+        reason.contains("nothing fits") && reason.contains("--rate"),
+        "{reason}"
+    );
+    assert_eq!(tuning.to_json(0.0)["fits"], false);
+}
+
+#[test]
+fn a_kernel_whose_range_the_model_leaves_is_left_out_with_the_reason() {
+    let soft = "{ stiffness_N_per_m = 100.0, weight = 1.0 }"; // 9 mm of yield displacement
+    let costs = CostTable::of_cpu("cortex-m4").unwrap();
+    let tuning = of_model(&model(soft), 25e-9, &costs, budget(0.05)).unwrap();
+    assert!(tuning.choices.iter().all(|c| c.kernel != Kernel::Packed));
+    assert!(
+        tuning
+            .notes
+            .iter()
+            .any(|n| n.starts_with("packed") && n.contains("yield displacement"))
+    );
+}
+
+#[test]
+fn a_model_without_blocks_is_refused() {
+    let text = "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[friction]\nkind = \"coulomb\"\ncoulomb_N = 0.9\n";
+    let costs = CostTable::of_cpu("cortex-m4").unwrap();
+    let error = of_model(&Model::parse(text).unwrap(), 25e-9, &costs, budget(0.05)).unwrap_err();
+    assert!(error.contains("coulomb"), "{error}");
+}
