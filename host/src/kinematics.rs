@@ -234,7 +234,7 @@ impl ZeroPhase {
         Self::new(recording, cutoff)
     }
 
-    /// The cut-off (−6 dB) [Hz].
+    /// The cut-off (−6 dB) (Hz).
     pub fn cutoff_hz(&self) -> f64 {
         self.cutoff_hz
     }

@@ -16,13 +16,13 @@ pub const SCHEMA: &str = "preslide.model/1";
 pub struct Model {
     /// Linear or rotary.
     pub motion: MotionKind,
-    /// Mass [kg] or inertia [kg·m²]; 0 where it is not known.
+    /// Mass (kg) or inertia (kg·m²); 0 where it is not known.
     pub inertia: f64,
-    /// Viscous coefficient [N·s/m or N·m·s/rad].
+    /// Viscous coefficient (N·s/m or N·m·s/rad).
     pub viscous: f64,
     /// The friction model.
     pub friction: FrictionModel,
-    /// Effect `constant_force` [N or N·m]: gravity, tilt, current offset.
+    /// Effect `constant_force` (N or N·m): gravity, tilt, current offset.
     pub constant_force: f64,
     /// Known lengths and periods of the drive, by key.
     pub mechanics: Vec<(String, f64)>,
@@ -287,7 +287,7 @@ impl Model {
         }
     }
 
-    /// Friction, viscous and constant force [N or N·m] at every sample, without inertia.
+    /// Friction, viscous and constant force (N or N·m) at every sample, without inertia.
     ///
     /// # Errors
     /// [`preslide::ParamError`] where the library refuses a parameter.

@@ -32,7 +32,7 @@ pub struct Simulate {
     #[arg(long, value_name = "FORCES@RATE", value_parser = parse_ramp, allow_hyphen_values = true)]
     ramp: Option<Ramp>,
 
-    /// Samples per second of --ramp [Hz]
+    /// Samples per second of --ramp (Hz)
     #[arg(long, value_name = "HZ", default_value_t = 10.0, conflicts_with_all = ["motion", "force"])]
     rate: f64,
 

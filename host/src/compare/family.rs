@@ -19,15 +19,15 @@ pub enum Family {
 /// What a recording can show, which bounds the search.
 #[derive(Clone, Copy, Debug)]
 pub struct Span {
-    /// Displacement of a typical sample [m or rad].
+    /// Displacement of a typical sample (m or rad).
     pub shortest: f64,
-    /// Half of the longest stroke [m or rad].
+    /// Half of the longest stroke (m or rad).
     pub longest: f64,
-    /// Highest speed [m/s or rad/s].
+    /// Highest speed (m/s or rad/s).
     pub speed: f64,
-    /// Time between samples [s].
+    /// Time between samples (s).
     pub sample_time: f64,
-    /// Time from the first sample to the last [s].
+    /// Time from the first sample to the last (s).
     pub duration: f64,
 }
 
@@ -84,7 +84,7 @@ impl Family {
             ],
             Family::Hsieh => vec![
                 bounded("1/beta", shortest, longest),
-                bounded("k_1s*beta/k_2s", 1e-4, 10.0),
+                bounded("k_2s/(beta*k_1s)", 0.1 * span.longest, 1e3 * span.longest),
                 bounded("rho", 0.01 / span.duration, 3.0 / span.sample_time),
                 bounded("1/psi", 1e-3 * span.shortest, 10.0 * span.longest),
                 bounded("a", 0.5, 10.0),
@@ -110,7 +110,7 @@ impl Family {
     /// The model with the nonlinear parameters `place`, whose force is
     /// `amplitude·(force of model(place, 1, 0)) + damping·(force of model(place, 1, 1) − force of model(place, 1, 0))`.
     ///
-    /// `amplitude` [N or N·m] is `F_c` (Dahl), `F_s` (LuGre), `k_2s/β` (Hsieh); `damping` [N·s/m or N·m·s/rad] is
+    /// `amplitude` (N or N·m) is `F_c` (Dahl), `F_s` (LuGre), `k_2s/β` (Hsieh); `damping` (N·s/m or N·m·s/rad) is
     /// `σp` (LuGre), `C_v` (Hsieh). Hsieh's hardening scales with the amplitude as `ψ = ψ'·amplitudeᵃ`. `None`
     /// where `place` has the wrong length.
     pub fn model(self, place: &[f64], amplitude: f64, damping: f64) -> Option<FrictionModel> {
@@ -136,9 +136,9 @@ impl Family {
                     attraction: f64::INFINITY,
                 },
             },
-            (Family::Hsieh, &[length, linear, creep, softness, exponent]) => {
+            (Family::Hsieh, &[length, linear_length, creep, softness, exponent]) => {
                 FrictionModel::Hsieh(HsiehParams {
-                    k1: linear * amplitude / length,
+                    k1: amplitude / linear_length,
                     k2: amplitude / length,
                     beta: 1.0 / length,
                     viscous: damping,

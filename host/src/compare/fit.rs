@@ -14,30 +14,33 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Places of the Latin hypercube, per nonlinear parameter, that are tried before any is refined.
-const TRIED_PER_PARAMETER: usize = 12;
+const TRIED_PER_PARAMETER: usize = 10;
 /// The best of these that the optimiser starts from.
-const STARTS: usize = 4;
+const STARTS: usize = 3;
 /// Most residuals; above, only every second, third, … sample is scored, while the model still runs along all.
 const MOST_SCORED: usize = 20_000;
-/// When the optimiser stops: the relative gain in the error that no longer counts, and the most evaluations as a
-/// multiple of the number of parameters plus one.
+/// How hard the optimiser tries: the relative gain in the error that no longer counts, the most trials, and
+/// whether derivatives are central or forward differences.
 #[derive(Clone, Copy)]
-struct Stop {
+struct Effort {
     gain: f64,
-    patience: usize,
+    trials: usize,
+    central: bool,
 }
 /// To tell which start leads furthest, and to follow an optimum to slightly different samples.
-const QUICK: Stop = Stop {
+const QUICK: Effort = Effort {
     gain: 1e-4,
-    patience: 3,
+    trials: 15,
+    central: false,
 };
 /// For the best start.
-const FULL: Stop = Stop {
-    gain: 1e-8,
-    patience: 6,
+const FULL: Effort = Effort {
+    gain: 1e-7,
+    trials: 36,
+    central: true,
 };
-/// Step of the central differences, in the transformed parameter: its truncation error is 1e-6 of a parameter's
-/// range, while Hsieh's bisection leaves noise of the same size in the force.
+/// Step of the differences, in the transformed parameter: the truncation error of central ones is 1e-6 of a
+/// parameter's range, while Hsieh's bisection leaves noise of the same size in the force.
 const STEP: f64 = 1e-3;
 /// Share of the logarithmic range from either end within which a parameter counts as stopped by its bound.
 const AT_EDGE: f64 = 1e-3;
@@ -48,11 +51,11 @@ pub struct Data<'a> {
     pub motion: MotionKind,
     /// The motion, run from rest.
     pub path: Path<'a>,
-    /// Measured effort [N or N·m], through `filter` where there is one.
+    /// Measured effort (N or N·m), through `filter` where there is one.
     pub effort: &'a [f64],
     /// The filter that `effort` went through, where it contains inertia.
     pub filter: Option<&'a ZeroPhase>,
-    /// Acceleration [m/s² or rad/s²], where an inertia is fitted.
+    /// Acceleration (m/s² or rad/s²), where an inertia is fitted.
     pub acceleration: Option<&'a [f64]>,
 }
 
@@ -63,7 +66,7 @@ pub struct Fit {
     pub model: Model,
     /// Nonlinear parameters, in the family's order.
     pub place: Vec<f64>,
-    /// NMSE (13) over the scored samples [%].
+    /// NMSE (13) over the scored samples (%).
     pub nmse: f64,
     /// Parameters that the optimiser would have moved further.
     pub at_edge: Vec<&'static str>,
@@ -72,7 +75,7 @@ pub struct Fit {
 /// The linear part of a fit with fixed nonlinear parameters: what the columns are and their coefficients.
 struct Projection {
     coefficients: Linear,
-    /// Residual at each scored sample, scaled so that its squares sum to the NMSE [%].
+    /// Residual at each scored sample, scaled so that its squares sum to the NMSE (%).
     residual: DVector<f64>,
 }
 
@@ -109,7 +112,7 @@ struct Problem<'a> {
 }
 
 impl Data<'_> {
-    /// Effort [N or N·m] of a finished model at every sample, through the filter where there is one.
+    /// Effort (N or N·m) of a finished model at every sample, through the filter where there is one.
     ///
     /// # Errors
     /// Which parameter the library refuses.
@@ -147,7 +150,8 @@ impl Data<'_> {
                 .filter_map(|shares| {
                     let angles = DVector::from_vec(shares).map(angle);
                     let found = problem.project(&angles)?;
-                    Some((found.residual.norm_squared(), angles))
+                    let resists = found.coefficients.amplitude > 0.0;
+                    resists.then(|| (found.residual.norm_squared(), angles))
                 })
                 .collect();
         starts.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -218,8 +222,8 @@ impl<'a> Problem<'a> {
         DVector::from_vec(angles.collect())
     }
 
-    /// Solves for everything linear at the place `angles`; `None` where the library refuses the place or the best
-    /// amplitude is not positive.
+    /// Solves for everything linear at the place `angles`, with amplitude 0 where none that is positive helps; `None`
+    /// where the library refuses the place.
     fn project(&self, angles: &DVector<f64>) -> Option<Projection> {
         let place = self.place(angles);
         let force = |damping: f64| {
@@ -305,31 +309,43 @@ impl<'a> Problem<'a> {
             .damped
             .then(|| solved(damped(undamped.clone())))
             .flatten();
-        with_damping.or_else(|| solved(undamped))
+        // Without a force that resists, the rest alone: an error that the optimiser turns back from.
+        with_damping
+            .or_else(|| solved(undamped.clone()))
+            .or_else(|| {
+                let rest = undamped.iter().copied();
+                solved(rest.filter(|&c| c != AMPLITUDE).collect())
+            })
     }
 
     /// Runs the optimiser from `angles`.
-    fn minimised(&self, angles: DVector<f64>, stop: Stop) -> Option<Fit> {
+    fn minimised(&self, angles: DVector<f64>, work: Effort) -> Option<Fit> {
         let now = self.project(&angles)?;
         let search = Search {
             problem: self,
+            best: (now.residual.norm_squared(), angles.clone()),
             angles,
             now: Some(now),
+            central: work.central,
         };
         let (search, _) = LevenbergMarquardt::new()
-            .with_ftol(stop.gain)
+            .with_ftol(work.gain)
             .with_xtol(1e-7)
             .with_gtol(1e-9)
-            .with_patience(stop.patience)
+            .with_patience(work.trials.div_ceil(self.bounds.len() + 1))
             .minimize(search);
-        // The optimiser may end on a trial that it rejected for being refused: then this start is lost.
-        let now = search.now?;
-        let place = self.place(&search.angles);
+        // The optimiser may end on a trial that it rejects.
+        let (_, angles) = search.best;
+        let now = self.project(&angles)?;
+        if now.coefficients.amplitude <= 0.0 {
+            return None;
+        }
+        let place = self.place(&angles);
         let linear = now.coefficients;
         let at_edge = self
             .bounds
             .iter()
-            .zip(search.angles.iter())
+            .zip(angles.iter())
             .filter(|(_, angle)| !(AT_EDGE..1.0 - AT_EDGE).contains(&share(**angle)))
             .map(|(bound, _)| bound.name)
             .collect();
@@ -356,6 +372,9 @@ struct Search<'a> {
     problem: &'a Problem<'a>,
     angles: DVector<f64>,
     now: Option<Projection>,
+    /// Least squared error so far, and where.
+    best: (f64, DVector<f64>),
+    central: bool,
 }
 
 impl LeastSquaresProblem<f64, Dyn, Dyn> for Search<'_> {
@@ -366,6 +385,10 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Search<'_> {
     fn set_params(&mut self, angles: &DVector<f64>) {
         self.angles.clone_from(angles);
         self.now = self.problem.project(angles);
+        let error = self.now.as_ref().map(|now| now.residual.norm_squared());
+        if let Some(error) = error.filter(|error| *error < self.best.0) {
+            self.best = (error, angles.clone());
+        }
     }
 
     fn params(&self) -> DVector<f64> {
@@ -386,6 +409,10 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Search<'_> {
                     angles[j] += step;
                     self.problem.project(&angles).map(|found| found.residual)
                 };
+                if !self.central {
+                    let here = &self.now.as_ref()?.residual;
+                    return Some((shifted(STEP)? - here) / STEP);
+                }
                 let (ahead, behind) = rayon::join(|| shifted(STEP), || shifted(-STEP));
                 Some((ahead? - behind?) / (2.0 * STEP))
             })

@@ -9,37 +9,40 @@ const LOOPS: usize = 9;
 const HALF: i64 = 16 << LOOPS;
 /// How much slower the slow run is.
 const SLOWER: f64 = 100.0;
+/// How often the motion is made smaller, by the widest over the narrowest loop each time, where a model slides
+/// throughout: down to 1e-8 of the amplitude.
+const SMALLER: usize = 3;
 /// Share of the force's range that counts as rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// The motion on which a model's loops are judged.
 #[derive(Clone, Copy, Debug)]
 pub struct Scale {
-    /// Half of the outer loop's width [m or rad].
+    /// Half of the outer loop's width (m or rad).
     pub amplitude: f64,
-    /// Speed [m/s or rad/s], the same on all branches.
+    /// Speed (m/s or rad/s), the same on all branches.
     pub speed: f64,
 }
 
 /// How well a model closes nested loops.
 #[derive(Clone, Debug)]
 pub struct LoopClosure {
-    /// `|F(return) − F(reversal)|` [N or N·m] of each inner loop, the widest first: [`widths`](Self::widths).
+    /// `|F(return) − F(reversal)|` (N or N·m) of each inner loop, the widest first: [`widths`](Self::widths).
     pub errors: Vec<f64>,
-    /// Width of each inner loop [m or rad].
+    /// Width of each inner loop (m or rad).
     pub widths: Vec<f64>,
     /// The largest of `errors` and of those of the slow run.
     pub largest: f64,
     /// The largest error when moving a hundred times slower: differs for models in which time enters.
     pub largest_slow: f64,
-    /// Highest less lowest force [N or N·m] over the motion.
+    /// Highest less lowest force (N or N·m) over the motion.
     pub range: f64,
     /// Whether the force depends on where the motion turned at all; it does not for Coulomb friction, whose
     /// loops close because there is nothing to remember.
     pub remembers: bool,
-    /// Positions [m or rad] of the motion.
+    /// Positions (m or rad) of the motion.
     pub position: Vec<f64>,
-    /// The model's force [N or N·m] there.
+    /// The model's force (N or N·m) there.
     pub force: Vec<f64>,
 }
 
@@ -69,11 +72,30 @@ fn corners() -> Vec<i64> {
 ///
 /// The force at the return to each reversal point is compared with the force when it was first reached, on a
 /// branch of the same direction. A model with non-local memory (return-point memory) comes back to the same force.
-/// Positions are whole multiples of one step, so the return is exact.
+/// Positions are whole multiples of one step, so the return is exact. Where even the narrowest loop is so wide
+/// that the model slides on all of its branches the motion is repeated at a 512th of the amplitude, up to three
+/// times, for nothing is learnt about memory there.
 ///
 /// # Errors
 /// [`ParamError`] where the library refuses a parameter.
 pub fn loop_closure(model: &FrictionModel, scale: Scale) -> Result<LoopClosure, ParamError> {
+    let mut found = on_motion(model, scale)?;
+    let mut amplitude = scale.amplitude;
+    for _ in 0..SMALLER {
+        if found.remembers {
+            return Ok(found);
+        }
+        amplitude /= (1_u32 << LOOPS) as f64;
+        let smaller = on_motion(model, Scale { amplitude, ..scale })?;
+        if smaller.remembers {
+            found = smaller;
+        }
+    }
+    Ok(found)
+}
+
+/// [`loop_closure`] with an outer loop of this very amplitude.
+fn on_motion(model: &FrictionModel, scale: Scale) -> Result<LoopClosure, ParamError> {
     let mut places = vec![0_i64];
     let mut turns = Vec::new();
     for corner in corners() {
@@ -238,7 +260,25 @@ mod tests {
         assert!(creeping.largest_slow != creeping.errors.iter().copied().fold(0.0, f64::max));
     }
 
-    /// A single block remembers nothing but its spring; one that never slips is a spring and has no loops.
+    /// A stroke of 0.2 m says nothing about a model that yields within micrometres; the motion finds them.
+    #[test]
+    fn long_strokes_are_made_smaller() {
+        let long = Scale {
+            amplitude: 0.2,
+            speed: 0.1,
+        };
+        let gms = FrictionModel::maxwell_slip(&[1e6], &[2e-6]);
+        let gms = loop_closure(&gms, long).unwrap();
+        assert!(gms.is_nonlocal() && gms.position.iter().all(|x| x.abs() < 1e-3));
+        let dahl = FrictionModel::Dahl {
+            stiffness: 1e6,
+            coulomb: 2.0,
+            exponent: 1.0,
+        };
+        let dahl = loop_closure(&dahl, long).unwrap();
+        assert!(dahl.remembers && !dahl.is_nonlocal() && dahl.largest > 0.02 * dahl.range);
+    }
+
     #[test]
     fn parameters_are_judged_by_the_library() {
         let wrong = FrictionModel::Gms {

@@ -33,7 +33,7 @@ const GROUPS: usize = 6;
 const SIZES: [usize; 3] = [1, 4, 6];
 
 /// How much more than the best error a cheaper model may leave and still be recommended.
-const NEAR: f64 = 1.1;
+const NEAR: f64 = 1.2;
 
 /// One model on the recording.
 #[derive(Clone, Debug)]
@@ -43,9 +43,9 @@ pub struct Compared {
     /// Number of friction parameters that were fitted, without inertia, viscous part (but for Hsieh's own) and
     /// offset.
     pub parameters: usize,
-    /// NMSE (13) on the samples that were fitted [%].
+    /// NMSE (13) on the samples that were fitted (%).
     pub nmse_train: f64,
-    /// NMSE (13) on the test window, or on folds held out in turn [%].
+    /// NMSE (13) on the test window, or on folds held out in turn (%).
     pub nmse_test: f64,
     /// Nested loops over the recording's stroke at its speed.
     pub memory: LoopClosure,
@@ -245,7 +245,7 @@ fn fitted(
     }))
 }
 
-/// NMSE [%] over groups of folds held out in turn, each predicted by a fit to the others that starts from the fit
+/// NMSE (%) over groups of folds held out in turn, each predicted by a fit to the others that starts from the fit
 /// to all.
 fn cross_validated(
     data: &Data,
@@ -282,24 +282,21 @@ fn cross_validated(
     Ok(nmse(data.effort, &predicted, train))
 }
 
-/// The cheapest model, by cycles or where these are not known by parameters, whose held-out error is within
-/// [`NEAR`] of the best.
+/// Of the models whose update was measured, which are those fit for a control tick, the one with the fewest cycles
+/// whose held-out error is within [`NEAR`] of the lowest among them.
 fn recommended(models: &[Compared]) -> usize {
-    let best = models
-        .iter()
-        .map(|m| m.nmse_test)
-        .fold(f64::INFINITY, f64::min);
-    let cost = |m: &Compared| {
-        let cycles = m.cycles.as_ref().map_or(f64::INFINITY, |c| c.mean);
-        (cycles, m.parameters)
+    let measured = || {
+        let cost = |m: &Compared| m.cycles.as_ref().map(|c| c.mean);
+        models
+            .iter()
+            .enumerate()
+            .filter_map(move |(i, m)| Some((i, m.nmse_test, cost(m)?)))
     };
-    models
-        .iter()
-        .enumerate()
-        .filter(|(_, m)| m.nmse_test <= NEAR * best)
-        .min_by(|(_, a), (_, b)| {
-            let (a, b) = (cost(a), cost(b));
-            a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
-        })
-        .map_or(0, |(i, _)| i)
+    let lowest = measured()
+        .map(|(_, error, _)| error)
+        .fold(f64::INFINITY, f64::min);
+    measured()
+        .filter(|(_, error, _)| *error <= NEAR * lowest)
+        .min_by(|a, b| a.2.total_cmp(&b.2))
+        .map_or(0, |(i, ..)| i)
 }

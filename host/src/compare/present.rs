@@ -76,7 +76,7 @@ impl Comparison {
             _ => "it has no memory",
         };
         format!(
-            "Use {}: {} % of the variance left on held-out data ({}); {loops}{cost}. It is the cheapest of the models within {:.0} % of the lowest error.",
+            "Use {}: {} % of the variance left on held-out data ({}); {loops}{cost}. Of the models with a measured update it is the cheapest within {:.0} % of the lowest error.",
             best.name(),
             percent(best.nmse_test),
             others.join(", "),
@@ -199,28 +199,33 @@ impl Comparison {
 
     /// How far each nested loop is from closing.
     fn memory_table(&self, recording: &Recording) -> Table {
-        let widths = self.models.first().map_or(&[][..], |m| &m.memory.widths);
         Table {
             caption: format!(
-                "|force on return − force at the reversal| {}, by width of the inner loop",
+                "|force on return − force at the reversal| {}, the widest inner loop first, each half as wide as the one before",
                 recording.effort_unit()
             ),
-            head: std::iter::once("model".to_owned())
-                .chain(
-                    widths
-                        .iter()
-                        .map(|w| format!("{w:.1e} {}", recording.position_unit())),
-                )
-                .chain(["worst at a hundredth of the speed".to_owned()])
-                .collect(),
+            head: [
+                "model".to_owned(),
+                format!("widest {}", recording.position_unit()),
+                "errors".to_owned(),
+                "worst at a hundredth of the speed".to_owned(),
+            ]
+            .to_vec(),
             rows: self
                 .models
                 .iter()
                 .map(|m| {
-                    std::iter::once(m.name())
-                        .chain(m.memory.errors.iter().map(|e| format!("{e:.1e}")))
-                        .chain([format!("{:.1e}", m.memory.largest_slow)])
-                        .collect()
+                    let errors: Vec<String> =
+                        m.memory.errors.iter().map(|e| format!("{e:.1e}")).collect();
+                    vec![
+                        m.name(),
+                        m.memory
+                            .widths
+                            .first()
+                            .map_or(String::new(), |w| format!("{w:.1e}")),
+                        errors.join(", "),
+                        format!("{:.1e}", m.memory.largest_slow),
+                    ]
                 })
                 .collect(),
         }

@@ -151,17 +151,36 @@ fn finds_the_model_that_made_the_recording() {
     assert!(comparison.recommendation().starts_with("Use Dahl, n = 1"));
 }
 
+/// A real recording, or `None` and a loud line where there is none.
+fn real(name: &str) -> Option<Recording> {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/recordings");
+    let folder = FilePath::new(folder);
+    if !folder.exists() {
+        eprintln!("SKIPPED: ../shared/recordings is absent, so no comparison on {name}");
+        return None;
+    }
+    Some(load(&folder.join(name), &LoadOptions::default()).unwrap())
+}
+
+/// Some steps of the optimiser lead where no LuGre force resists this motion; the fit must come back from them. A
+/// model that contains another must fit no worse.
+#[test]
+fn models_fit_no_worse_than_their_special_cases() {
+    let Some(recording) = real("pneumatic_seal/O-ring_3bar.csv") else {
+        return;
+    };
+    let progress = Progress::new("test", steps());
+    let comparison = compare(&recording, &Options::default(), &progress).unwrap();
+    let train = |name: &str| of_kind(&comparison, name).nmse_train;
+    assert!(train("LuGre") < 1.001 * train("Dahl, n = 1"));
+    assert!(train("Dahl") < 1.001 * train("Dahl, n = 1"));
+}
+
 #[test]
 fn tribometer() {
-    let path = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../shared/recordings/tribometer_reciprocating/reciprocating_5N.csv"
-    );
-    if !FilePath::new(path).exists() {
-        eprintln!("SKIPPED: ../shared/recordings is absent, so no comparison on the tribometer");
+    let Some(recording) = real("tribometer_reciprocating/reciprocating_5N.csv") else {
         return;
-    }
-    let recording = load(path.as_ref(), &LoadOptions::default()).unwrap();
+    };
     let options = Options {
         train: Some((100.0, 145.0)),
         test: Some((145.0, 190.0)),
@@ -178,7 +197,7 @@ fn tribometer() {
         held_out("Dahl, n = 1")
     );
     assert!(held_out("LuGre") < 1.6, "{}", held_out("LuGre"));
-    assert!(held_out("Hsieh") < 1.6, "{}", held_out("Hsieh"));
+    assert!(held_out("Hsieh") < 0.35, "{}", held_out("Hsieh"));
     let gms: Vec<&Compared> = comparison
         .models
         .iter()
@@ -188,6 +207,7 @@ fn tribometer() {
         gms.iter()
             .all(|m| m.nmse_test < 0.30 && m.memory.is_nonlocal())
     );
+    assert!(comparison.recommendation().starts_with("Use GMS, N = 1"));
     for open in ["Dahl", "LuGre"] {
         assert!(!of_kind(&comparison, open).memory.is_nonlocal());
     }

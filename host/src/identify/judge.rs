@@ -104,7 +104,7 @@ impl Judge<'_> {
         }
     }
 
-    /// Coulomb and viscous friction as least squares found them, and its NMSE \[%\] on folds held out in turn.
+    /// Coulomb and viscous friction as least squares found them, and its NMSE (%) on folds held out in turn.
     pub(super) fn coulomb(&self, rigid: RigidBody) -> Result<(Candidate, f64), String> {
         let linear: Vec<_> = rigid
             .parameters

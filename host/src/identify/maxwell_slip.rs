@@ -29,7 +29,7 @@ pub const STEPS: u64 = (1 + GROUPS + MOST) as u64;
 pub struct Sized {
     /// The fit on all training samples.
     pub fit: Fit,
-    /// NMSE [%] on samples that were held out in turn.
+    /// NMSE (%) on samples that were held out in turn.
     pub nmse_cross: f64,
     /// Squared error of each held-out group of folds.
     pub held_out: Vec<f64>,
@@ -44,7 +44,7 @@ pub struct Selection {
     pub knee: usize,
 }
 
-/// The range of yields worth trying: from `shortest` to `longest` [m or rad].
+/// The range of yields worth trying: from `shortest` to `longest` (m or rad).
 pub fn grid((shortest, longest): (f64, f64)) -> Vec<f64> {
     (0..GRID)
         .map(|j| shortest * (longest / shortest).powf(j as f64 / (GRID - 1) as f64))
@@ -205,7 +205,7 @@ fn knee(models: &[Sized]) -> usize {
         .unwrap_or(best)
 }
 
-/// Whether the model without any block, with the held-out error `baseline` [%], does as well.
+/// Whether the model without any block, with the held-out error `baseline` (%), does as well.
 pub fn baseline_suffices(baseline: f64, models: &[Sized]) -> bool {
     let best = models
         .iter()

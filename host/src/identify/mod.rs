@@ -28,9 +28,9 @@ use judge::Judge;
 /// What to fit and what to hold out.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Fit only this window [s].
+    /// Fit only this window (s).
     pub train: Option<Window>,
-    /// Judge on this window [s], which is never fitted.
+    /// Judge on this window (s), which is never fitted.
     pub test: Option<Window>,
 }
 
@@ -63,14 +63,14 @@ pub struct Candidate {
     pub model: Model,
     /// How it was found.
     pub method: Method,
-    /// NMSE (13) on the samples that were fitted [%].
+    /// NMSE (13) on the samples that were fitted (%).
     pub nmse_train: f64,
-    /// NMSE (13) on the test window, or on folds held out in turn [%].
+    /// NMSE (13) on the test window, or on folds held out in turn (%).
     pub nmse_test: f64,
     /// `mass` (where one is fitted), `viscous`, `offset` and `coulomb`, which for GMS is the breakaway force ΣW;
     /// empty for the paper's procedure, which has none.
     pub rigid_body: Vec<(&'static str, Estimate)>,
-    /// Stiffness [N/m] and yield displacement [m] of each block with confidence.
+    /// Stiffness (N/m) and yield displacement (m) of each block with confidence.
     pub blocks: Vec<(Estimate, Estimate)>,
     /// Modelled effort at every sample, filtered like the measured one.
     pub fitted: Vec<f64>,
@@ -89,7 +89,7 @@ impl Candidate {
 /// Everything that `identify` found.
 #[derive(Clone, Debug)]
 pub struct Identification {
-    /// Cut-off of the zero-phase filter [Hz].
+    /// Cut-off of the zero-phase filter (Hz).
     pub band_hz: f64,
     /// Whether the effort went through that filter (it does where it contains inertia).
     pub filtered: bool,
@@ -103,13 +103,13 @@ pub struct Identification {
     pub notes: Vec<String>,
     /// The effort that the models explain, filtered where `filtered`.
     pub effort: Vec<f64>,
-    /// Velocity [m/s or rad/s].
+    /// Velocity (m/s or rad/s).
     pub velocity: Vec<f64>,
     /// The split that was used.
     pub split: Split,
     /// The virgin curve of the training strokes.
     pub virgin: VirginCurve,
-    /// Shortest and longest yield displacement that were tried [m or rad].
+    /// Shortest and longest yield displacement that were tried (m or rad).
     pub yield_range: (f64, f64),
 }
 

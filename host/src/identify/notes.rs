@@ -9,20 +9,20 @@ const WORTH_EXPLAINING: f64 = 0.15;
 /// Folds below which an interval clustered by fold is a rough guess.
 const FEW_FOLDS: usize = 6;
 
-/// Held-out NMSE of the best model [%] above which it explains nothing.
+/// Held-out NMSE of the best model (%) above which it explains nothing.
 const UNEXPLAINED: f64 = 50.0;
 
-/// NMSE of Coulomb + viscous friction [%] above which the motion hardly slides.
+/// NMSE of Coulomb + viscous friction (%) above which the motion hardly slides.
 const MOSTLY_PRESLIDING: f64 = 30.0;
 
 /// How the friction level of one fold differs from the model's: `effort ≈ gain·friction + rest + offset`.
 #[derive(Clone, Copy, Debug)]
 pub struct Level {
-    /// Start of the fold [s].
+    /// Start of the fold (s).
     pub start: f64,
-    /// Gain on the model's friction [-].
+    /// Gain on the model's friction (-).
     pub gain: f64,
-    /// Offset beside the model's [N or N·m].
+    /// Offset beside the model's (N or N·m).
     pub offset: f64,
     /// The fold lies in the test window.
     pub test: bool,
@@ -110,7 +110,7 @@ impl Identification {
         })
     }
 
-    /// NMSE [%] that stays over `test` or training rows when every repeat may have its own gain and offset.
+    /// NMSE (%) that stays over `test` or training rows when every repeat may have its own gain and offset.
     fn nmse_with_own_levels(&self, recording: &Recording, of_test: bool) -> f64 {
         let model = self.best();
         let mut corrected = model.fitted.clone();

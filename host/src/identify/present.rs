@@ -77,15 +77,7 @@ impl Identification {
     /// Rigid body with confidence.
     pub fn rigid_body_table(&self, recording: &Recording) -> Table {
         Table {
-            caption: format!(
-                "Rigid body: effort = inertia·a + viscous·v + {} + offset (zero-phase low-pass at {:.2} Hz)",
-                if self.best().size() == 0 {
-                    "Coulomb·sgn v"
-                } else {
-                    "GMS, which slides at the Coulomb force"
-                },
-                self.band_hz
-            ),
+            caption: format!("Rigid body, effort low-passed at {:.2} Hz", self.band_hz),
             head: ["parameter", "value", "95 % from", "to", "unit"]
                 .map(String::from)
                 .to_vec(),
@@ -97,6 +89,7 @@ impl Identification {
                     let bound = |i: usize| e.ci95.map_or("–".to_owned(), |ci| digits(ci[i]));
                     let name_shown = match *name {
                         "mass" if recording.kind == MotionKind::Rotary => "inertia",
+                        "coulomb" if self.best().size() > 0 => "coulomb (ΣW)",
                         name => name,
                     };
                     vec![
@@ -435,7 +428,7 @@ impl Identification {
     }
 }
 
-/// Breakaway force `ΣW` [N or N·m] of a GMS, Coulomb force of a Coulomb model.
+/// Breakaway force `ΣW` (N or N·m) of a GMS, Coulomb force of a Coulomb model.
 fn breakaway(model: &Model) -> f64 {
     model.friction.scalars().first().map_or(f64::NAN, |s| s.1)
 }

@@ -9,9 +9,9 @@ use std::ops::Range;
 /// A fitted Maxwell-slip model with its linear companions.
 #[derive(Clone, Debug)]
 pub struct Fit {
-    /// Yield displacements `D_i` [m or rad], ascending.
+    /// Yield displacements `D_i` (m or rad), ascending.
     pub yields: Vec<f64>,
-    /// Stiffnesses `k_i` [N/m or N·m/rad].
+    /// Stiffnesses `k_i` (N/m or N·m/rad).
     pub stiffness: Vec<f64>,
     /// Coefficients of the regression's linear columns, in their order.
     pub linear: Vec<f64>,
@@ -126,7 +126,7 @@ fn joint(fit: &Fit, gram: &Gram) -> (DMatrix<f64>, DVector<f64>) {
     )
 }
 
-/// Moves the yields, within `[shortest, longest]`, to the nearest least squares optimum.
+/// Moves the yields, within `(shortest, longest)`, to the nearest least squares optimum.
 ///
 /// Variable projection: stiffnesses and linear coefficients are solved exactly for any yields, and the yields
 /// move by damped Gauss–Newton steps on `ln D`. A step that makes a stiffness negative is refused.

@@ -19,11 +19,11 @@ pub type Filter<'a> = Box<dyn Fn(&[f64]) -> Vec<f64> + Send + Sync + 'a>;
 
 /// What is to be explained (`force`), by what (`position` through Maxwell-slip blocks, and `columns`).
 pub struct Regression<'a> {
-    /// Position [m or rad] that drives the blocks, for every sample of the recording.
+    /// Position (m or rad) that drives the blocks, for every sample of the recording.
     pub position: &'a [f64],
     /// Contiguous stretches of it.
     pub pieces: &'a [Range<usize>],
-    /// Measured effort [N or N·m].
+    /// Measured effort (N or N·m).
     pub force: Vec<f64>,
     /// Linear columns.
     pub columns: Vec<Column>,

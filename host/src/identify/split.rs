@@ -3,7 +3,7 @@
 use crate::recording::Recording;
 use std::collections::BTreeMap;
 
-/// A window of time [s], from (inclusive) to (exclusive).
+/// A window of time (s), from (inclusive) to (exclusive).
 pub type Window = (f64, f64);
 
 /// Reads `100..145`.
