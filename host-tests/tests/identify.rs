@@ -126,19 +126,25 @@ fn gaussian(rng: &mut impl Rng) -> f64 {
     (-2.0 * (1.0 - a).ln()).sqrt() * (TAU * b).cos()
 }
 
-/// Position and acceleration of the nested loops at time `t`.
-fn motion(t: f64) -> (f64, f64, f64) {
+/// Position, velocity and acceleration of the nested loops at time `t`, on a slow drift by a few dozen counts.
+///
+/// Without the drift every repeat would turn at the very same place within an encoder count. That error, of a
+/// third of a count here, is then the same in every repeat: it averages out nowhere, and no interval that comes
+/// from the scatter of the repeats can contain it.
+fn motion(t: f64, phase: f64) -> (f64, f64, f64) {
     let base = TAU / (PERIOD as f64 * SAMPLE_TIME);
-    [(60e-6, 1.0, 0.0), (30e-6, 3.0, 0.0), (12e-6, 7.0, 0.5)]
-        .iter()
-        .fold((0.0, 0.0, 0.0), |(x, v, a), (amplitude, n, phase)| {
+    let nested = [(60e-6, 1.0, 0.0), (30e-6, 3.0, 0.0), (12e-6, 7.0, 0.5)];
+    nested.into_iter().chain([(1e-6, 0.137, phase)]).fold(
+        (0.0, 0.0, 0.0),
+        |(x, v, a), (amplitude, n, phase)| {
             let (w, p) = (n * base, n * base * t + phase);
             (
                 x + amplitude * p.sin(),
                 v + amplitude * w * p.cos(),
                 a - amplitude * w * w * p.sin(),
             )
-        })
+        },
+    )
 }
 
 /// Ten repeats: encoder of 25 nm, 10 mN of sensor noise, friction that wanders by 1 % between repeats.
@@ -147,14 +153,15 @@ fn made(machine: &Machine, seed: u64, names: &str) -> String {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut text = format!("t_s,{names},repeat\n");
     let mut z = [0.0_f64; 3];
-    let mut last = motion(0.0).0;
+    let phase = TAU * rng.random::<f64>();
+    let mut last = motion(0.0, phase).0;
     let mut level = 1.0;
     for i in 0..10 * PERIOD {
         if i % PERIOD == 0 {
             level = 1.0 + 0.01 * gaussian(&mut rng);
         }
         let t = i as f64 * SAMPLE_TIME;
-        let (x, v, a) = motion(t);
+        let (x, v, a) = motion(t, phase);
         let mut force = machine.mass * a + machine.viscous * v + machine.offset;
         for (z, (k, d)) in z.iter_mut().zip(machine.blocks) {
             *z = (*z + x - last).clamp(-d, d);

@@ -314,7 +314,19 @@ fn the_band_narrows_with_the_encoder_and_stays_above_the_motion() {
     println!("{bands:?}");
     assert!(bands[0] > 0.1 * RATE, "{bands:?}");
     assert!(bands.windows(2).all(|pair| pair[1] <= pair[0]), "{bands:?}");
-    assert!(bands[3] < 0.5 * bands[0] && bands[3] > 3.1, "{bands:?}");
+    assert!(bands[3] < 0.8 * bands[0] && bands[3] > 3.1, "{bands:?}");
+    // What it promises: the acceleration that the encoder adds is at most 0.1 % in power, here with a reserve of
+    // two for noise that is not white.
+    let at = |i: i32| f64::from(i) / RATE;
+    let x = |t: f64| (TAU * 0.5 * t).sin() + 0.2 * (TAU * 3.1 * t).sin();
+    let coarse = recorded((0..20_000).map(|i| (at(i), (x(at(i)) / 1e-3).round() * 1e-3)));
+    let filter = ZeroPhase::choose(&coarse);
+    let found = filter.derivative(&coarse.position, 2);
+    let exact = filter.derivative(&(0..20_000).map(|i| x(at(i))).collect::<Vec<_>>(), 2);
+    let power = |of: &dyn Fn(usize) -> f64| (2000..18_000).map(|i| of(i).powi(2)).sum::<f64>();
+    let share = power(&|i| found[i] - exact[i]) / power(&|i| exact[i]);
+    println!("share of noise {share}");
+    assert!(share < 2e-3, "{share}");
     // Nothing to see: the widest or the narrowest band, but a band.
     let still = recorded((0..500).map(|i| (f64::from(i) / RATE, 1.0)));
     assert!(ZeroPhase::choose(&still).cutoff_hz() > 0.0);
