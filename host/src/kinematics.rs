@@ -11,6 +11,9 @@ use std::sync::Arc;
 /// `q` biases its coefficient by `−q`, so this bounds the bias of the inertia at 0.1 %.
 const NOISE_SHARE: f64 = 1e-3;
 
+/// Bins over which the noise is averaged, more than a recording has repeats.
+const BINS: usize = 64;
+
 /// Half the order of the Butterworth magnitude `1/(1 + (f/f_c)⁸)`: the response of a fourth-order filter run
 /// forward and backward.
 const STEEPNESS: i32 = 8;
@@ -190,8 +193,9 @@ impl ZeroPhase {
 
     /// The widest band in which at most 0.1 % of the acceleration's power is noise.
     ///
-    /// The noise of the position is taken as white at the level of the spectrum's top octave (its median, so
-    /// that lines do not count). Never above a fifth of the sample rate, nor below ten periods of the longest
+    /// The noise of the position is taken as white at the level of the spectrum's top octave: the median of the
+    /// means of 64 bins each. The median, so that a resonance does not count; the means, because a motion that
+    /// repeats exactly repeats its quantisation error too, and leaves most bins between the harmonics empty. Never above a fifth of the sample rate, nor below ten periods of the longest
     /// piece.
     pub fn choose(recording: &Recording) -> Self {
         let sample_time = recording.sample_time_s();
@@ -212,10 +216,12 @@ impl ZeroPhase {
             .iter()
             .map(|c| c.norm_sqr())
             .collect();
-        let mut top = power[power.len() / 2..].to_vec();
+        let mut top: Vec<f64> = power[power.len() / 2..]
+            .chunks(BINS)
+            .map(|bins| bins.iter().sum::<f64>() / bins.len() as f64)
+            .collect();
         top.sort_by(f64::total_cmp);
-        // The median of a χ² with two degrees of freedom is ln 2 of its mean.
-        let noise = top[top.len() / 2] / std::f64::consts::LN_2;
+        let noise = top[top.len() / 2];
         let noise_share = |cutoff: f64| {
             let (mut of_noise, mut of_all) = (0.0, 0.0);
             for (bin, p) in power.iter().enumerate().skip(1) {

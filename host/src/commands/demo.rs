@@ -3,7 +3,7 @@
 use super::{Failure, OutputArgs, command_line, write_text};
 use clap::Args;
 use preslide_host::demo;
-use preslide_host::identify::{Options, identify};
+use preslide_host::identify::{Options, STEPS, identify};
 use preslide_host::progress::Progress;
 use preslide_host::recording::{self, LoadOptions};
 use std::path::PathBuf;
@@ -48,7 +48,7 @@ impl Demo {
             file("recording.csv").display()
         );
         let recording = recording::load(&file("recording.csv"), &LoadOptions::default())?;
-        let progress = Progress::new("identify", super::identify::STEPS);
+        let progress = Progress::new("identify", STEPS);
         let found = identify(&recording, &Options::default(), &progress).map_err(Failure::Data)?;
         progress.finish();
         super::identify::print(&found, &recording);

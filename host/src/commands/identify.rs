@@ -3,14 +3,11 @@
 use super::{Failure, OutputArgs, RecordingArgs, command_line, write_text};
 use clap::Args;
 use preslide_host::identify::split::{Window, check_windows, parse_window};
-use preslide_host::identify::{Identification, Options, identify};
+use preslide_host::identify::{Identification, Options, STEPS, identify};
 use preslide_host::progress::Progress;
 use preslide_host::recording::Recording;
 use std::path::PathBuf;
 use std::time::Instant;
-
-/// Steps of the progress bar: the search, its repetitions on held-out data, and each number of blocks.
-pub const STEPS: u64 = 17;
 
 /// Rigid body and friction model from recordings
 #[derive(Args)]

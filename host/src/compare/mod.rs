@@ -107,10 +107,11 @@ pub fn compare(
         amplitude: longest,
         speed,
     };
+    // Coulomb friction alone may have lost its inertia to the spring that it lacks.
     let with_mass = identification
-        .candidates
-        .first()
-        .is_some_and(|coulomb| coulomb.rigid_body.iter().any(|p| p.0 == "mass"));
+        .optimal()
+        .next()
+        .is_some_and(|gms| gms.rigid_body.iter().any(|p| p.0 == "mass"));
     let data = Data {
         motion: recording.kind,
         path: Path {

@@ -8,7 +8,9 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 pub struct Estimate {
     /// Its value (SI).
     pub value: f64,
-    /// 95 % confidence interval; `None` where the recording has too few folds to tell.
+    /// 95 % confidence interval; `None` where the recording has too few folds to tell. It comes from the scatter
+    /// between folds, so it does not contain what is the same in all of them: a sensor's scale, or where within an
+    /// encoder count a motion turns that repeats exactly.
     pub ci95: Option<[f64; 2]>,
 }
 

@@ -23,7 +23,9 @@ pub(super) struct Judge<'a> {
     pub(super) train: &'a [usize],
     /// The effort contains inertia, so that it went through the filter.
     pub(super) inertial: bool,
-    /// What the baseline contains; its inertia decides for every model.
+    /// Every model but the baseline has an inertia.
+    pub(super) with_mass: bool,
+    /// What the baseline contains.
     pub(super) terms: Terms,
 }
 
@@ -150,7 +152,7 @@ impl Judge<'_> {
     }
 
     fn linear_of(&self, linear: &[f64]) -> Vec<(&'static str, f64)> {
-        let names: &[&'static str] = if self.terms.mass {
+        let names: &[&'static str] = if self.with_mass {
             &["mass", "viscous", "offset"]
         } else {
             &["viscous", "offset"]

@@ -21,6 +21,9 @@ const HELD_OUT: f64 = 1e-4;
 /// Groups of folds that take turns in being held out.
 const GROUPS: usize = 6;
 
+/// Steps of progress that [`select`] makes.
+pub const STEPS: u64 = (1 + GROUPS + MOST) as u64;
+
 /// A model of one size.
 #[derive(Clone, Debug)]
 pub struct Sized {

@@ -135,6 +135,9 @@ const FINEST: f64 = 1e-5;
 /// measured on all of them.
 const MOST_SCORED: usize = 250_000;
 
+/// Steps of the progress of [`identify`]: the search, its repetitions on held-out data, each number of blocks.
+pub const STEPS: u64 = maxwell_slip::STEPS;
+
 /// Identifies rigid body and friction.
 ///
 /// # Errors
@@ -192,40 +195,17 @@ pub fn identify(
     };
     let fit = |terms| rigid_body::fit(recording, &kinematics, &effort, &split.folds, terms);
     let mut rigid = fit(terms)?;
-    let mass = rigid.value("mass");
-    if mass < 0.0 {
-        notes.push(format!(
-            "the inertia came out as {mass:.3e} {} and was left out: this motion has too little acceleration to show one; record faster reversals",
-            match recording.kind {
-                MotionKind::Linear => "kg",
-                MotionKind::Rotary => "kg·m²",
-            }
-        ));
+    if rigid.value("mass") < 0.0 {
+        // In pre-sliding the spring that Coulomb friction lacks looks like a negative inertia.
         terms.mass = false;
         rigid = fit(terms)?;
     }
-    let with_mass = terms.mass;
     if rigid.value("coulomb") < 0.0 {
         // Viscous friction that imitates the rounded reversals of pre-sliding.
         terms.viscous = false;
         rigid = fit(terms)?;
     }
 
-    let mut columns = Vec::new();
-    if with_mass {
-        columns.push(Column {
-            name: "mass",
-            values: kinematics.acceleration.clone(),
-        });
-    }
-    columns.push(Column {
-        name: "viscous",
-        values: kinematics.velocity.clone(),
-    });
-    columns.push(Column {
-        name: "offset",
-        values: vec![1.0; recording.len()],
-    });
     let filter = |values: &[f64]| {
         if inertial {
             kinematics.filter.smooth(values)
@@ -233,20 +213,45 @@ pub fn identify(
             values.to_vec()
         }
     };
-    let regression = Regression {
+    let stride = train.len().div_ceil(MOST_SCORED).max(1);
+    let regression_with = |mass: bool| Regression {
         position: &recording.position,
         pieces: &recording.pieces,
         force: effort.clone(),
-        columns,
+        columns: [
+            mass.then(|| ("mass", kinematics.acceleration.clone())),
+            Some(("viscous", kinematics.velocity.clone())),
+            Some(("offset", vec![1.0; recording.len()])),
+        ]
+        .into_iter()
+        .flatten()
+        .map(|(name, values)| Column { name, values })
+        .collect(),
         filter: Box::new(filter),
-        folds: {
-            let stride = train.len().div_ceil(MOST_SCORED).max(1);
-            let thinned = |fold: &Vec<usize>| fold.iter().step_by(stride).copied().collect();
-            split.folds.iter().map(thinned).collect()
-        },
+        folds: split
+            .folds
+            .iter()
+            .map(|fold| fold.iter().step_by(stride).copied().collect())
+            .collect(),
     };
     let range = yield_range(recording, &train)?;
-    let selection = maxwell_slip::select(&regression, range, progress)?;
+    let mut with_mass = inertial;
+    let mut regression = regression_with(with_mass);
+    let mut selection = maxwell_slip::select(&regression, range, progress)?;
+    let mass = selection.optimal[selection.knee].fit.linear[0];
+    if with_mass && mass < 0.0 {
+        notes.push(format!(
+            "the inertia came out as {mass:.3e} {} and was left out: this motion has too little acceleration to show one; record faster reversals",
+            match recording.kind {
+                MotionKind::Linear => "kg",
+                MotionKind::Rotary => "kg·m²",
+            }
+        ));
+        with_mass = false;
+        regression = regression_with(with_mass);
+        selection =
+            maxwell_slip::select(&regression, range, &Progress::new("without inertia", STEPS))?;
+    }
 
     let judge = Judge {
         recording,
@@ -255,8 +260,10 @@ pub fn identify(
         split: &split,
         train: &train,
         inertial,
+        with_mass,
         terms,
     };
+    let baseline_lacks_mass = with_mass && !terms.mass;
     let (coulomb, baseline) = judge.coulomb(rigid)?;
     let mut candidates = vec![coulomb];
     let virgin = judge.virgin(&selection);
@@ -272,6 +279,9 @@ pub fn identify(
     } else {
         0
     };
+    if recommended == 0 && baseline_lacks_mass {
+        notes.push("with Coulomb friction alone the inertia came out negative and was left out; record faster reversals".to_owned());
+    }
     let mut identification = Identification {
         band_hz: kinematics.filter.cutoff_hz(),
         filtered: inertial,
