@@ -5,6 +5,7 @@ use crate::param::{
 };
 use crate::stribeck::{Sliding, SpeedTable};
 use crate::{Friction, Motion, Scalar};
+use core::sync::atomic::{Ordering, compiler_fence};
 
 /// Stiffness and yield displacement of N blocks, in the model's units.
 #[derive(Clone, Debug)]
@@ -110,10 +111,13 @@ pub struct Gms<const N: usize, S = f32> {
 }
 
 /// What a [`Gms`] remembers.
+///
+/// The deflections are kept along the direction of motion and the flags as bits, one word for all blocks: a block
+/// then costs two comparisons, whichever way the body moves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GmsState<const N: usize, S = f32> {
-    deflection: [S; N],
-    slipping: [bool; N],
+    along: [S; N],
+    slipping: u32,
     forward: bool,
 }
 
@@ -155,13 +159,19 @@ impl<const N: usize, S: Scalar> Gms<N, S> {
 
 impl<const N: usize, S: Scalar> GmsState<N, S> {
     /// The blocks' deflections `z_i`, in the model's units.
-    pub fn deflection(&self) -> &[S; N] {
-        &self.deflection
+    pub fn deflection(&self) -> [S; N] {
+        self.along.map(|z| if self.forward { z } else { -z })
     }
 
     /// Which blocks slip.
-    pub fn slipping(&self) -> &[bool; N] {
-        &self.slipping
+    pub fn slipping(&self) -> [bool; N] {
+        core::array::from_fn(|i| self.slipping >> i & 1 == 1)
+    }
+}
+
+impl<const N: usize, S: Scalar> GmsState<N, S> {
+    fn signed(&self, along: S) -> S {
+        if self.forward { along } else { -along }
     }
 }
 
@@ -170,45 +180,60 @@ impl<const N: usize, S: Scalar> Friction for Gms<N, S> {
     type State = GmsState<N, S>;
 
     fn at_rest(&self) -> Self::State {
+        const { assert!(N <= 32, "the slip flags of at most 32 blocks fit one word") };
         GmsState {
-            deflection: [S::ZERO; N],
-            slipping: [false; N],
+            along: [S::ZERO; N],
+            slipping: 0,
             forward: true,
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(&self, state: &mut Self::State, motion: Motion<S>) -> S {
         let dx = motion.displacement;
-        let moved = dx != S::ZERO;
-        if moved {
-            let forward = dx > S::ZERO;
-            if forward != state.forward {
-                state.forward = forward;
-                state.slipping = [false; N];
+        let mut advance = state.signed(dx);
+        if advance == S::ZERO {
+            if motion.velocity == S::ZERO {
+                return state.signed(self.blocks.force(&state.along));
             }
-        } else if motion.velocity == S::ZERO {
-            return self.blocks.force(&state.deflection);
+        } else if !(advance > S::ZERO) {
+            state.forward = !state.forward;
+            state.slipping = 0;
+            state.along = state.along.map(|z| -z);
+            advance = dx.magnitude();
         }
         let [weakening, lag] = self.sliding.at(motion.velocity);
-        let forward = state.forward;
-        let along = |value: S| if forward { value } else { -value };
-        let advance = dx.magnitude();
-
+        let mut slipping = state.slipping;
+        let mut force = S::ZERO;
+        // One block behind: the compiler then multiplies and adds, one cycle each, where a multiply-accumulate takes
+        // three on a Cortex-M4.
+        let mut product = S::ZERO;
         for i in 0..N {
-            let largest = self.blocks.yields[i];
-            let bound = largest * weakening;
-            let old = along(state.deflection[i]);
-            let stuck = old.add_input(advance);
-            let sticks = !state.slipping[i] && stuck < bound;
-            let enters = !state.slipping[i] && old < bound;
-            let start = if enters { bound } else { old };
-            let slid = start + lag * (bound - start);
-            let slid = if slid < largest { slid } else { largest };
-            state.slipping[i] = !sticks;
-            state.deflection[i] = along(if sticks { stuck } else { slid });
+            let bound = self.blocks.yields[i] * weakening;
+            let mut z = state.along[i];
+            if slipping >> i & 1 == 1 {
+                z = z + lag * (bound - z);
+            } else {
+                z = z.add_input(advance);
+                if !(z < bound) {
+                    slipping |= 1 << i;
+                    // Read again rather than kept, which would cost every sticking block a copy.
+                    compiler_fence(Ordering::SeqCst);
+                    let old = state.along[i];
+                    z = if old < bound {
+                        bound
+                    } else {
+                        old + lag * (bound - old)
+                    };
+                }
+            }
+            state.along[i] = z;
+            force = if i > 0 { force + product } else { force };
+            product = self.blocks.stiffness[i] * z;
         }
-        self.blocks.force(&state.deflection)
+        force = force + product;
+        state.slipping = slipping;
+        state.signed(force)
     }
 
     fn limit(&self) -> Option<S> {

@@ -2,7 +2,7 @@
 
 use core::fmt::Debug;
 use core::ops::{Add, Mul, Neg, Sub};
-use fixed::types::extra::{LeEqU32, LeEqU64};
+use fixed::types::extra::{LeEqU32, LeEqU64, U16};
 use fixed::{FixedI32, FixedI64};
 
 /// The few operations that a friction model needs of a number.
@@ -62,6 +62,12 @@ pub trait Scalar:
     /// An integer, saturating at the range's ends.
     fn from_int(value: i32) -> Self;
 
+    /// `value / 65536`, rounded down where the type is coarser, saturating at the range's ends.
+    fn from_q16(value: i32) -> Self;
+
+    /// The nearest integer, ties away from zero, saturating; NaN gives 0.
+    fn round_to_int(self) -> i32;
+
     /// The nearest representable number, saturating at the range's ends; NaN gives 0 in fixed point.
     fn from_f32(value: f32) -> Self;
 
@@ -112,7 +118,7 @@ macro_rules! float_scalar {
             }
             #[inline]
             fn magnitude(self) -> Self {
-                if self < 0.0 { -self } else { self }
+                self.abs()
             }
             #[inline]
             fn exp(self) -> Self {
@@ -134,6 +140,14 @@ macro_rules! float_scalar {
             #[inline]
             fn from_int(value: i32) -> Self {
                 value as $t
+            }
+            #[inline]
+            fn from_q16(value: i32) -> Self {
+                value as $t / 65536.0
+            }
+            #[inline]
+            fn round_to_int(self) -> i32 {
+                (if self < 0.0 { self - 0.5 } else { self + 0.5 }) as i32
             }
             #[inline]
             fn from_f32(value: f32) -> Self {
@@ -215,15 +229,29 @@ macro_rules! fixed_scalar {
             fn from_int(value: i32) -> Self {
                 $t::saturating_from_num(value)
             }
+            #[inline]
+            fn from_q16(value: i32) -> Self {
+                $t::saturating_from_num(FixedI32::<U16>::from_bits(value))
+            }
+            #[inline]
+            fn round_to_int(self) -> i32 {
+                self.saturating_round().saturating_to_num()
+            }
+            #[inline]
             fn from_f32(value: f32) -> Self {
-                // `saturating_from_num` panics on NaN and on infinity.
-                if value.is_nan() {
-                    $t::ZERO
-                } else if value.is_infinite() {
-                    if value > 0.0 { $t::MAX } else { $t::MIN }
+                // Not `saturating_from_num`: it panics on NaN. Scaling by a power of two is exact, and `as`
+                // saturates and takes NaN to 0.
+                let scaled = value * f32::from_bits((127 + Frac::U32) << 23);
+                // From here on every `f32` is an integer.
+                const WHOLE: f32 = 8_388_608.0;
+                let half = if scaled >= WHOLE || scaled <= -WHOLE {
+                    0.0
+                } else if scaled < 0.0 {
+                    -0.5
                 } else {
-                    $t::saturating_from_num(value)
-                }
+                    0.5
+                };
+                $t::from_bits((scaled + half) as _)
             }
             #[inline]
             fn half(self) -> Self {

@@ -39,6 +39,12 @@ impl Sliding {
         share + (1.0 - share) * libm::exp(-decay)
     }
 
+    /// The speed (m/s) at which the exponential has fallen to 1e-4.
+    pub(crate) fn levelled(&self) -> f64 {
+        const DECAYED: f64 = 9.210_340_371_976_184; // ln 1e4
+        self.stribeck_velocity * libm::pow(DECAYED, 1.0 / self.stribeck_exponent)
+    }
+
     pub(crate) fn check(&self, breakaway: f64) -> Result<(), ParamError> {
         positive("Coulomb force", self.coulomb)?;
         at_most("Coulomb force", self.coulomb, breakaway)?;
@@ -78,8 +84,7 @@ impl<S: Scalar> SpeedTable<S> {
         // A place in the table is computed in `S`: a type that cannot count the intervals would never reach
         // its end, and slide with too much friction.
         fits::<S>("number of Stribeck table intervals", INTERVALS as f64)?;
-        const DECAYED: f64 = 9.210_340_371_976_184; // ln 1e4
-        let end = sliding.stribeck_velocity * libm::pow(DECAYED, 1.0 / sliding.stribeck_exponent);
+        let end = sliding.levelled();
         let mut nodes = [[S::ZERO; 2]; INTERVALS + 1];
         for (j, node) in nodes.iter_mut().enumerate() {
             let speed = end * j as f64 / INTERVALS as f64;
@@ -103,17 +108,19 @@ impl<S: Scalar> SpeedTable<S> {
         })
     }
 
-    /// Both functions at the velocity `v` (its sign does not matter; NaN counts as standstill).
+    /// Both functions at the velocity `v` (its sign does not matter; NaN counts as fast).
     #[inline]
     pub(crate) fn at(&self, v: S) -> [S; 2] {
         let place = v.magnitude().mul_input(self.per_velocity);
-        let j = place.to_index(INTERVALS);
-        if j >= INTERVALS {
-            return self.nodes[INTERVALS];
+        let flat = || self.nodes[INTERVALS];
+        if !(place < S::from_int(INTERVALS as i32)) {
+            return flat();
         }
+        let j = place.to_index(INTERVALS);
+        let (Some(low), Some(high)) = (self.nodes.get(j), self.nodes.get(j + 1)) else {
+            return flat();
+        };
         let part = place - S::from_int(j as i32);
-        let part = if part > S::ZERO { part } else { S::ZERO };
-        let [low, high] = [self.nodes[j], self.nodes[j + 1]];
         [
             low[0] + part * (high[0] - low[0]),
             low[1] + part * (high[1] - low[1]),

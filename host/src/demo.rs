@@ -5,26 +5,26 @@ use crate::stage::trajectory::Trajectory;
 use crate::stage::{Stage, StageConfig};
 use std::f64::consts::TAU;
 
-/// Strokes of one repeat [m], peak to peak. The largest exceeds twice the longest yield displacement of the
+/// Strokes of one repeat (m), peak to peak. The largest exceeds twice the longest yield displacement of the
 /// paper's axis (39 µm), so that every block slips; the smaller ones show the memory.
 const STROKES_M: [f64; 4] = [150e-6, 60e-6, 20e-6, 8e-6];
-/// Speed of the strokes [m/s]: below the Stribeck velocity, and hundreds of samples within a stroke.
+/// Speed of the strokes (m/s): below the Stribeck velocity, and hundreds of samples within a stroke.
 const SPEED_M_S: f64 = 40e-6;
 /// Repeats: one fold of the cross-validation each.
 const REPEATS: usize = 6;
 /// Control ticks averaged into one sample: 500 Hz at the stage's 20 kHz.
 const TICKS_PER_SAMPLE: usize = 40;
-/// Bandwidth of the position controller [Hz], a ninth of the drive's resonance.
+/// Bandwidth of the position controller (Hz), a ninth of the drive's resonance.
 const BANDWIDTH_HZ: f64 = 40.0;
 
 /// What an engineer would have on disk after an afternoon at the machine.
 #[derive(Clone, Debug, Default)]
 pub struct Samples {
-    /// Time [s].
+    /// Time (s).
     pub t_s: Vec<f64>,
-    /// Measured position [m], from the encoder count.
+    /// Measured position (m), from the encoder count.
     pub x_m: Vec<f64>,
-    /// Motor force at the stage [N], from the measured current.
+    /// Motor force at the stage (N), from the measured current.
     pub force_n: Vec<f64>,
     /// Number of the repeat.
     pub repeat: Vec<u32>,

@@ -1,5 +1,6 @@
 //! From a recording to the parameters of a real-time friction model, and to its simulation.
 
+pub mod capture;
 pub mod compare;
 pub mod demo;
 pub mod friction;
@@ -11,5 +12,7 @@ pub mod progress;
 pub mod recording;
 pub mod report;
 pub mod reproduce;
+pub mod rig;
 pub mod simulate;
 pub mod stage;
+pub mod tracking;

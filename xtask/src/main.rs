@@ -1,7 +1,9 @@
 //! `cargo xtask`: builds, checks and measures Preslide; installs what that needs. Standard library only.
 
+mod call_graph;
 mod cycles;
 mod process;
+mod qemu;
 mod test;
 mod thumb;
 mod tools;
@@ -24,6 +26,11 @@ const COMMANDS: &[Command] = &[
         name: "cycles",
         help: "what an update of each kernel costs on a Cortex-M4F; --check compares with the committed table",
         run: cycles::run_command,
+    },
+    Command {
+        name: "qemu",
+        help: "the firmware in QEMU against the simulated stage: agreement, faults, sizes; --bless takes new outputs",
+        run: qemu::run_command,
     },
 ];
 

@@ -10,6 +10,9 @@ use std::time::Instant;
 
 /// Every friction model on the same recording: error in and out of sample, memory, cost
 #[derive(Args)]
+#[command(
+    after_help = "Example: preslide compare axis.csv --train 100..145 --test 145..190 --report comparison.html"
+)]
 pub struct Compare {
     #[command(flatten)]
     recordings: RecordingArgs,

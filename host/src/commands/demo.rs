@@ -11,6 +11,9 @@ use std::time::Instant;
 
 /// The whole story on data the tool makes itself, offline, in under a minute
 #[derive(Args)]
+#[command(
+    after_help = "Example: preslide demo --out preslide-report\n\nPositions are in m, forces in N, times in s."
+)]
 pub struct Demo {
     /// Folder for the recording, the model, the report and its picture
     #[arg(long, value_name = "FOLDER", default_value = "preslide-report")]

@@ -2,7 +2,7 @@
 
 use super::{Failure, OutputArgs, RecordingArgs, command_line, write_text};
 use clap::Args;
-use preslide_host::identify::split::{Window, parse_window};
+use preslide_host::identify::split::{Window, check_windows, parse_window};
 use preslide_host::identify::{Identification, Options, identify};
 use preslide_host::progress::Progress;
 use preslide_host::recording::Recording;
@@ -14,6 +14,9 @@ pub const STEPS: u64 = 17;
 
 /// Rigid body and friction model from recordings
 #[derive(Args)]
+#[command(
+    after_help = "Example: preslide identify axis.csv --map force_N=35.15*voltage_V -o model.toml --report report.html"
+)]
 pub struct Identify {
     #[command(flatten)]
     recordings: RecordingArgs,
@@ -47,6 +50,7 @@ impl Identify {
             train: self.train,
             test: self.test,
         };
+        check_windows(&recording, self.train, self.test).map_err(Failure::Input)?;
         let progress = Progress::new("identify", STEPS);
         let mut found = identify(&recording, &options, &progress).map_err(Failure::Data)?;
         progress.finish();

@@ -8,6 +8,9 @@ use std::time::Instant;
 
 /// The paper's Table 3 and Figures 7–8 from its own parameters, beside what optimal breakpoints reach
 #[derive(Args)]
+#[command(
+    after_help = "Example: preslide reproduce --report reproduction.html\n\nDisplacements are in m, forces in N, NMSE in %."
+)]
 pub struct Reproduce {
     #[command(flatten)]
     outputs: OutputArgs,

@@ -11,6 +11,9 @@ use std::time::Instant;
 
 /// The force that a motion takes, or the motion that a slow force causes
 #[derive(Args)]
+#[command(
+    after_help = "Example: preslide simulate model.toml --motion axis.csv --report simulation.html"
+)]
 #[command(group = ArgGroup::new("input").required(true).args(["motion", "force", "ramp"]))]
 pub struct Simulate {
     /// Model file, as `identify` writes it
@@ -29,7 +32,7 @@ pub struct Simulate {
     #[arg(long, value_name = "FORCES@RATE", value_parser = parse_ramp, allow_hyphen_values = true)]
     ramp: Option<Ramp>,
 
-    /// Samples per second of --ramp [Hz]
+    /// Samples per second of --ramp (Hz)
     #[arg(long, value_name = "HZ", default_value_t = 10.0, conflicts_with_all = ["motion", "force"])]
     rate: f64,
 

@@ -19,15 +19,15 @@ pub enum Family {
 /// What a recording can show, which bounds the search.
 #[derive(Clone, Copy, Debug)]
 pub struct Span {
-    /// Displacement of a typical sample [m or rad].
+    /// Displacement of a typical sample (m or rad).
     pub shortest: f64,
-    /// Half of the longest stroke [m or rad].
+    /// Half of the longest stroke (m or rad).
     pub longest: f64,
-    /// Highest speed [m/s or rad/s].
+    /// Highest speed (m/s or rad/s).
     pub speed: f64,
-    /// Time between samples [s].
+    /// Time between samples (s).
     pub sample_time: f64,
-    /// Time from the first sample to the last [s].
+    /// Time from the first sample to the last (s).
     pub duration: f64,
 }
 
@@ -110,7 +110,7 @@ impl Family {
     /// The model with the nonlinear parameters `place`, whose force is
     /// `amplitude·(force of model(place, 1, 0)) + damping·(force of model(place, 1, 1) − force of model(place, 1, 0))`.
     ///
-    /// `amplitude` [N or N·m] is `F_c` (Dahl), `F_s` (LuGre), `k_2s/β` (Hsieh); `damping` [N·s/m or N·m·s/rad] is
+    /// `amplitude` (N or N·m) is `F_c` (Dahl), `F_s` (LuGre), `k_2s/β` (Hsieh); `damping` (N·s/m or N·m·s/rad) is
     /// `σp` (LuGre), `C_v` (Hsieh). Hsieh's hardening scales with the amplitude as `ψ = ψ'·amplitudeᵃ`. `None`
     /// where `place` has the wrong length.
     pub fn model(self, place: &[f64], amplitude: f64, damping: f64) -> Option<FrictionModel> {

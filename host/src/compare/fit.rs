@@ -51,11 +51,11 @@ pub struct Data<'a> {
     pub motion: MotionKind,
     /// The motion, run from rest.
     pub path: Path<'a>,
-    /// Measured effort [N or N·m], through `filter` where there is one.
+    /// Measured effort (N or N·m), through `filter` where there is one.
     pub effort: &'a [f64],
     /// The filter that `effort` went through, where it contains inertia.
     pub filter: Option<&'a ZeroPhase>,
-    /// Acceleration [m/s² or rad/s²], where an inertia is fitted.
+    /// Acceleration (m/s² or rad/s²), where an inertia is fitted.
     pub acceleration: Option<&'a [f64]>,
 }
 
@@ -66,7 +66,7 @@ pub struct Fit {
     pub model: Model,
     /// Nonlinear parameters, in the family's order.
     pub place: Vec<f64>,
-    /// NMSE (13) over the scored samples [%].
+    /// NMSE (13) over the scored samples (%).
     pub nmse: f64,
     /// Parameters that the optimiser would have moved further.
     pub at_edge: Vec<&'static str>,
@@ -75,7 +75,7 @@ pub struct Fit {
 /// The linear part of a fit with fixed nonlinear parameters: what the columns are and their coefficients.
 struct Projection {
     coefficients: Linear,
-    /// Residual at each scored sample, scaled so that its squares sum to the NMSE [%].
+    /// Residual at each scored sample, scaled so that its squares sum to the NMSE (%).
     residual: DVector<f64>,
 }
 
@@ -112,7 +112,7 @@ struct Problem<'a> {
 }
 
 impl Data<'_> {
-    /// Effort [N or N·m] of a finished model at every sample, through the filter where there is one.
+    /// Effort (N or N·m) of a finished model at every sample, through the filter where there is one.
     ///
     /// # Errors
     /// Which parameter the library refuses.

@@ -18,31 +18,31 @@ const ROUNDING: f64 = 1e-9;
 /// The motion on which a model's loops are judged.
 #[derive(Clone, Copy, Debug)]
 pub struct Scale {
-    /// Half of the outer loop's width [m or rad].
+    /// Half of the outer loop's width (m or rad).
     pub amplitude: f64,
-    /// Speed [m/s or rad/s], the same on all branches.
+    /// Speed (m/s or rad/s), the same on all branches.
     pub speed: f64,
 }
 
 /// How well a model closes nested loops.
 #[derive(Clone, Debug)]
 pub struct LoopClosure {
-    /// `|F(return) − F(reversal)|` [N or N·m] of each inner loop, the widest first: [`widths`](Self::widths).
+    /// `|F(return) − F(reversal)|` (N or N·m) of each inner loop, the widest first: [`widths`](Self::widths).
     pub errors: Vec<f64>,
-    /// Width of each inner loop [m or rad].
+    /// Width of each inner loop (m or rad).
     pub widths: Vec<f64>,
     /// The largest of `errors` and of those of the slow run.
     pub largest: f64,
     /// The largest error when moving a hundred times slower: differs for models in which time enters.
     pub largest_slow: f64,
-    /// Highest less lowest force [N or N·m] over the motion.
+    /// Highest less lowest force (N or N·m) over the motion.
     pub range: f64,
     /// Whether the force depends on where the motion turned at all; it does not for Coulomb friction, whose
     /// loops close because there is nothing to remember.
     pub remembers: bool,
-    /// Positions [m or rad] of the motion.
+    /// Positions (m or rad) of the motion.
     pub position: Vec<f64>,
-    /// The model's force [N or N·m] there.
+    /// The model's force (N or N·m) there.
     pub force: Vec<f64>,
 }
 

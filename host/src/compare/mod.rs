@@ -43,9 +43,9 @@ pub struct Compared {
     /// Number of friction parameters that were fitted, without inertia, viscous part (but for Hsieh's own) and
     /// offset.
     pub parameters: usize,
-    /// NMSE (13) on the samples that were fitted [%].
+    /// NMSE (13) on the samples that were fitted (%).
     pub nmse_train: f64,
-    /// NMSE (13) on the test window, or on folds held out in turn [%].
+    /// NMSE (13) on the test window, or on folds held out in turn (%).
     pub nmse_test: f64,
     /// Nested loops over the recording's stroke at its speed.
     pub memory: LoopClosure,
@@ -244,7 +244,7 @@ fn fitted(
     }))
 }
 
-/// NMSE [%] over groups of folds held out in turn, each predicted by a fit to the others that starts from the fit
+/// NMSE (%) over groups of folds held out in turn, each predicted by a fit to the others that starts from the fit
 /// to all.
 fn cross_validated(
     data: &Data,

@@ -102,7 +102,7 @@ impl Judge<'_> {
         }
     }
 
-    /// Coulomb and viscous friction as least squares found them, and its NMSE \[%\] on folds held out in turn.
+    /// Coulomb and viscous friction as least squares found them, and its NMSE (%) on folds held out in turn.
     pub(super) fn coulomb(&self, rigid: RigidBody) -> Result<(Candidate, f64), String> {
         let linear: Vec<_> = rigid
             .parameters
@@ -182,7 +182,11 @@ impl Judge<'_> {
         candidate.blocks = (0..n)
             .map(|i| {
                 (
-                    Estimate::new(fit.stiffness[i], error(&[(p + i, 1.0)]), folds),
+                    Estimate::logarithmic(
+                        fit.stiffness[i],
+                        error(&[(p + i, 1.0 / fit.stiffness[i])]),
+                        folds,
+                    ),
                     Estimate::logarithmic(fit.yields[i], error(&[(p + n + i, 1.0)]), folds),
                 )
             })
@@ -232,12 +236,20 @@ impl Judge<'_> {
                 .or_default()
                 .push(i);
         }
-        // A stroke that the window cuts does not start at its reversal.
+        // A stroke that the window cuts, or that begins with the recording or after a gap, does not start at a
+        // reversal, and Masing's rule does not hold for it.
+        let at_reversal = |segment: u32, first: usize| {
+            first > 0
+                && self.recording.segment[first - 1] != segment
+                && self
+                    .recording
+                    .pieces
+                    .iter()
+                    .all(|piece| piece.start != first)
+        };
         let whole: Vec<Vec<usize>> = strokes
             .into_iter()
-            .filter(|(segment, rows)| {
-                rows[0] == 0 || self.recording.segment[rows[0] - 1] != *segment
-            })
+            .filter(|(segment, rows)| at_reversal(*segment, rows[0]))
             .map(|(_, rows)| rows)
             .collect();
         VirginCurve::from_strokes(&self.recording.position, &friction, &whole)

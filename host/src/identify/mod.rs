@@ -16,7 +16,7 @@ pub mod virgin;
 use crate::friction::FrictionModel;
 use crate::model::Model;
 use crate::progress::Progress;
-use crate::recording::Recording;
+use crate::recording::{MotionKind, Recording};
 use estimate::Estimate;
 use regression::{Column, Regression};
 use rigid_body::{Kinematics, Terms};
@@ -28,9 +28,9 @@ use judge::Judge;
 /// What to fit and what to hold out.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Fit only this window [s].
+    /// Fit only this window (s).
     pub train: Option<Window>,
-    /// Judge on this window [s], which is never fitted.
+    /// Judge on this window (s), which is never fitted.
     pub test: Option<Window>,
 }
 
@@ -63,14 +63,14 @@ pub struct Candidate {
     pub model: Model,
     /// How it was found.
     pub method: Method,
-    /// NMSE (13) on the samples that were fitted [%].
+    /// NMSE (13) on the samples that were fitted (%).
     pub nmse_train: f64,
-    /// NMSE (13) on the test window, or on folds held out in turn [%].
+    /// NMSE (13) on the test window, or on folds held out in turn (%).
     pub nmse_test: f64,
     /// `mass` (where one is fitted), `viscous`, `offset` and `coulomb`, which for GMS is the breakaway force ΣW;
     /// empty for the paper's procedure, which has none.
     pub rigid_body: Vec<(&'static str, Estimate)>,
-    /// Stiffness [N/m] and yield displacement [m] of each block with confidence.
+    /// Stiffness (N/m) and yield displacement (m) of each block with confidence.
     pub blocks: Vec<(Estimate, Estimate)>,
     /// Modelled effort at every sample, filtered like the measured one.
     pub fitted: Vec<f64>,
@@ -89,7 +89,7 @@ impl Candidate {
 /// Everything that `identify` found.
 #[derive(Clone, Debug)]
 pub struct Identification {
-    /// Cut-off of the zero-phase filter [Hz].
+    /// Cut-off of the zero-phase filter (Hz).
     pub band_hz: f64,
     /// Whether the effort went through that filter (it does where it contains inertia).
     pub filtered: bool,
@@ -103,13 +103,13 @@ pub struct Identification {
     pub notes: Vec<String>,
     /// The effort that the models explain, filtered where `filtered`.
     pub effort: Vec<f64>,
-    /// Velocity [m/s or rad/s].
+    /// Velocity (m/s or rad/s).
     pub velocity: Vec<f64>,
     /// The split that was used.
     pub split: Split,
     /// The virgin curve of the training strokes.
     pub virgin: VirginCurve,
-    /// Shortest and longest yield displacement that were tried [m or rad].
+    /// Shortest and longest yield displacement that were tried (m or rad).
     pub yield_range: (f64, f64),
 }
 
@@ -123,6 +123,17 @@ const FATAL: [(&str, &str); 4] = [
         "record or map the column that holds the effort",
     ),
 ];
+
+/// Folds without which holding one out leaves motion in one direction only, where every fold is a stroke.
+const FEWEST_FOLDS: usize = 4;
+
+/// Shortest yield displacement that is tried, relative to half of the longest stroke.
+const FINEST: f64 = 1e-5;
+
+/// Samples that the breakpoints are fitted to. Of a longer recording every n-th is taken, which bounds the memory
+/// of the search (450 B per sample) at what a small machine has; the models still run along all samples and are
+/// measured on all of them.
+const MOST_SCORED: usize = 250_000;
 
 /// Identifies rigid body and friction.
 ///
@@ -146,21 +157,15 @@ pub fn identify(
             recording.effort_unit()
         ));
     }
+    split::check_windows(recording, options.train, options.test)?;
     let split = Split::new(recording, options.train, options.test);
     let train = split.train();
-    if split.folds.len() < 2 {
+    if split.unit == "segment" && split.folds.len() < FEWEST_FOLDS {
         return Err(format!(
-            "{}: {} stroke(s) to fit and none to hold out; record at least three reversals, or widen --train",
+            "{}: {} stroke{} to fit, but at least {FEWEST_FOLDS} are needed, so that any one can be held out and both directions are left; record at least three reversals, or widen --train",
             recording.name,
-            split.folds.len()
-        ));
-    }
-    if split.test.as_ref().is_some_and(|rows| rows.len() < 2) {
-        return Err(format!(
-            "{}: the test window holds no samples; the recording runs from {} to {} s",
-            recording.name,
-            recording.t_s[0],
-            recording.t_s[recording.len() - 1]
+            split.folds.len(),
+            if split.folds.len() == 1 { "" } else { "s" },
         ));
     }
 
@@ -172,6 +177,15 @@ pub fn identify(
         recording.effort.clone()
     };
     let mut notes = Vec::new();
+    if let (Some(train), Some(test)) = (options.train, options.test)
+        && train.0.max(test.0) < train.1.min(test.1)
+    {
+        notes.push(format!(
+            "--train and --test overlap from {} to {} s: these samples are judged, not fitted",
+            train.0.max(test.0),
+            train.1.min(test.1)
+        ));
+    }
     let mut terms = Terms {
         mass: inertial,
         viscous: true,
@@ -181,7 +195,11 @@ pub fn identify(
     let mass = rigid.value("mass");
     if mass < 0.0 {
         notes.push(format!(
-            "the inertia came out as {mass:.3} and was left out: this motion has too little acceleration to show one; record faster reversals"
+            "the inertia came out as {mass:.3e} {} and was left out: this motion has too little acceleration to show one; record faster reversals",
+            match recording.kind {
+                MotionKind::Linear => "kg",
+                MotionKind::Rotary => "kg·m²",
+            }
         ));
         terms.mass = false;
         rigid = fit(terms)?;
@@ -221,7 +239,11 @@ pub fn identify(
         force: effort.clone(),
         columns,
         filter: Box::new(filter),
-        folds: split.folds.clone(),
+        folds: {
+            let stride = train.len().div_ceil(MOST_SCORED).max(1);
+            let thinned = |fold: &Vec<usize>| fold.iter().step_by(stride).copied().collect();
+            split.folds.iter().map(thinned).collect()
+        },
     };
     let range = yield_range(recording, &train)?;
     let selection = maxwell_slip::select(&regression, range, progress)?;
@@ -289,6 +311,8 @@ fn yield_range(recording: &Recording, train: &[usize]) -> Result<(f64, f64), Str
         .fold(0.0, f64::max)
         / 2.0;
     let shortest = steps.get(steps.len() / 10).copied().unwrap_or(longest) / 2.0;
+    // A filtered position creeps by rounding errors while it rests.
+    let shortest = shortest.max(longest * FINEST);
     if shortest.max(steps.first().copied().unwrap_or(0.0)) >= longest / 2.0 {
         return Err(format!(
             "{}: strokes of {:.3e} {} are sampled every {:.3e}: too coarse for a friction model; sample faster or move slower",

@@ -9,17 +9,20 @@ const WORTH_EXPLAINING: f64 = 0.15;
 /// Folds below which an interval clustered by fold is a rough guess.
 const FEW_FOLDS: usize = 6;
 
-/// NMSE of Coulomb + viscous friction [%] above which the motion hardly slides.
+/// Held-out NMSE of the best model (%) above which it explains nothing.
+const UNEXPLAINED: f64 = 50.0;
+
+/// NMSE of Coulomb + viscous friction (%) above which the motion hardly slides.
 const MOSTLY_PRESLIDING: f64 = 30.0;
 
 /// How the friction level of one fold differs from the model's: `effort ≈ gain·friction + rest + offset`.
 #[derive(Clone, Copy, Debug)]
 pub struct Level {
-    /// Start of the fold [s].
+    /// Start of the fold (s).
     pub start: f64,
-    /// Gain on the model's friction [-].
+    /// Gain on the model's friction (-).
     pub gain: f64,
-    /// Offset beside the model's [N or N·m].
+    /// Offset beside the model's (N or N·m).
     pub offset: f64,
     /// The fold lies in the test window.
     pub test: bool,
@@ -107,7 +110,7 @@ impl Identification {
         })
     }
 
-    /// NMSE [%] that stays over `test` or training rows when every repeat may have its own gain and offset.
+    /// NMSE (%) that stays over `test` or training rows when every repeat may have its own gain and offset.
     fn nmse_with_own_levels(&self, recording: &Recording, of_test: bool) -> f64 {
         let model = self.best();
         let mut corrected = model.fitted.clone();
@@ -136,9 +139,14 @@ impl Identification {
         let best = self.best();
         let blocks = best.size();
         let plural = if blocks == 1 { "" } else { "s" };
-        self.recommendation = if blocks == 0 {
+        let recommendation = if best.nmse_test.is_nan() || best.nmse_test > UNEXPLAINED {
             format!(
-                "Use Coulomb + viscous friction ({baseline:.3} % of the variance left on held-out data): GMS reaches {lowest:.3} %, so this recording does not show pre-sliding; to see it, reverse slowly enough for tens of samples within the first micrometres."
+                "Use none of these models: the best leaves {:.3} % of the variance on held-out data. Friction is not what moves this effort; look at the residual against time and position, at the effort's column (--map) and sign (--sign), and record faster or longer strokes.",
+                best.nmse_test
+            )
+        } else if blocks == 0 {
+            format!(
+                "Use Coulomb + viscous friction ({baseline:.3} % of the variance left on held-out data): GMS reaches {lowest:.3} %, so this recording does not show pre-sliding; to see it, reverse slowly enough for tens of samples before the friction force is back at its level."
             )
         } else {
             format!(
@@ -148,14 +156,22 @@ impl Identification {
         };
 
         let mut notes = Vec::new();
-        if baseline > MOSTLY_PRESLIDING {
+        if baseline > MOSTLY_PRESLIDING && lowest < 0.5 * baseline {
             notes.push(format!(
                 "Coulomb + viscous friction leaves {baseline:.0} %: most of this motion is pre-sliding, where it says nothing"
             ));
         }
-        if let Some(smallest) = self.optimal().find(|c| c.size() == blocks.max(1)) {
+        if let Some(viscous) = best.rigid_body.iter().find(|p| p.0 == "viscous")
+            && viscous.1.value < 0.0
+        {
+            notes.push(format!(
+                "the viscous coefficient came out negative{}: friction falls with speed in this recording; do not use the model beyond the speeds that it holds",
+                if viscous.1.ci95.is_some_and(|ci| ci[1] > 0.0) { ", and may be zero" } else { "" }
+            ));
+        }
+        if blocks > 0 {
             let (shortest, longest) = self.yield_range;
-            for (_, d) in &smallest.blocks {
+            for (_, d) in &best.blocks {
                 if d.value <= 1.001 * shortest {
                     notes.push(format!(
                         "the stiffest block yields within one sample ({:.2e} {unit}): its stiffness is a lower bound; sample faster or reverse more slowly",
@@ -184,6 +200,7 @@ impl Identification {
         }
         notes.extend(self.explain_test(recording));
         self.notes.extend(notes);
+        self.recommendation = recommendation;
     }
 
     /// Whether three quarters of the moving samples have the median speed within a fifth.

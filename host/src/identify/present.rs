@@ -428,7 +428,7 @@ impl Identification {
     }
 }
 
-/// Breakaway force `ΣW` [N or N·m] of a GMS, Coulomb force of a Coulomb model.
+/// Breakaway force `ΣW` (N or N·m) of a GMS, Coulomb force of a Coulomb model.
 fn breakaway(model: &Model) -> f64 {
     model.friction.scalars().first().map_or(f64::NAN, |s| s.1)
 }

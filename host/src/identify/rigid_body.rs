@@ -13,9 +13,9 @@ const STANDSTILL: f64 = 1e-3;
 pub struct Kinematics {
     /// The filter and its band.
     pub filter: ZeroPhase,
-    /// Velocity [m/s or rad/s].
+    /// Velocity (m/s or rad/s).
     pub velocity: Vec<f64>,
-    /// Acceleration [m/s² or rad/s²].
+    /// Acceleration (m/s² or rad/s²).
     pub acceleration: Vec<f64>,
     /// `sgn v`, 0 at standstill, not filtered.
     pub direction: Vec<f64>,

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 /// A force–displacement curve from rest, both axes ascending from the origin.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct VirginCurve {
-    /// Displacement [m or rad].
+    /// Displacement (m or rad).
     pub displacement: Vec<f64>,
-    /// Force [N or N·m].
+    /// Force (N or N·m).
     pub force: Vec<f64>,
 }
 
@@ -93,7 +93,7 @@ impl VirginCurve {
             .collect()
     }
 
-    /// Eqs. (7)–(8): stiffnesses `k_i` [N/m] of the blocks that yield at the ascending `breakpoints` [m].
+    /// Eqs. (7)–(8): stiffnesses `k_i` (N/m) of the blocks that yield at the ascending `breakpoints` (m).
     ///
     /// `K_i` is the chord's slope from breakpoint `i − 1` (the origin for the first) to breakpoint `i`, and
     /// `k_i = K_i − K_{i+1}`, `k_N = K_N`. (The paper's indices of `D` and `F` in (8) count from the origin.)

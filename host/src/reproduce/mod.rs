@@ -27,32 +27,32 @@ pub const SAMPLES: usize = 2001;
 pub const SIZES: Range<usize> = 2..10;
 /// Yields in the grid of the global search, logarithmic …
 const GRID: usize = 120;
-/// … from here [m], a fifth of the first yield of Table 3, to [`paper::RANGE`].
+/// … from here \[m\], a fifth of the first yield of Table 3, to [`paper::RANGE`].
 const SHORTEST: f64 = 0.2e-6;
 /// Best subsets of the grid that are refined.
 const REFINED: usize = 6;
-/// The paper's own criterion for enough blocks [%]: "limiting the respective normalized Mean Square Error to less
+/// The paper's own criterion for enough blocks (%): "limiting the respective normalized Mean Square Error to less
 /// than 1 %".
 pub const CRITERION: f64 = 1.0;
 
 /// A virgin curve of the reference model: displacements from rest and the force there.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// Displacement [m], ascending from 0.
+    /// Displacement \[m\], ascending from 0.
     pub displacement: Vec<f64>,
-    /// Force [N] of the ten-block column of Table 3.
+    /// Force \[N\] of the ten-block column of Table 3.
     pub force: Vec<f64>,
-    pieces: [Range<usize>; 1],
+    piece: Range<usize>,
     velocity: Vec<f64>,
 }
 
 impl Curve {
-    /// The ten-block column along these displacements [m].
+    /// The ten-block column along these displacements \[m\].
     fn along(displacement: Vec<f64>) -> Result<Self, String> {
         let samples = displacement.len();
         let mut curve = Self {
             velocity: vec![0.0; samples],
-            pieces: [0..samples],
+            piece: 0..samples,
             force: Vec::new(),
             displacement,
         };
@@ -88,7 +88,7 @@ impl Curve {
         )
     }
 
-    /// Force [N] of a model along this curve's displacements from rest, computed by the library.
+    /// Force \[N\] of a model along this curve's displacements from rest, computed by the library.
     ///
     /// # Errors
     /// A parameter that the library refuses.
@@ -97,13 +97,13 @@ impl Curve {
             .force(Path {
                 position: &self.displacement,
                 velocity: &self.velocity,
-                pieces: &self.pieces,
+                pieces: std::slice::from_ref(&self.piece),
                 sample_time: 1.0,
             })
             .map_err(|e| e.to_string())
     }
 
-    /// NMSE (13) [%] of a model.
+    /// NMSE (13) (%) of a model.
     fn nmse_of(&self, model: &FrictionModel) -> Result<f64, String> {
         Ok(nmse(&self.force, &self.force_of(model)?, &self.rows()))
     }
@@ -118,24 +118,24 @@ impl Curve {
 pub struct Size {
     /// Number of blocks `N`.
     pub n: usize,
-    /// NMSE [%] of the column of Table 3.
+    /// NMSE (%) of the column of Table 3.
     pub nmse_table3: f64,
     /// The same over [`Curve::load_steps`].
     pub nmse_load_steps: f64,
-    /// What the paper's text prints [%].
+    /// What the paper's text prints (%).
     pub nmse_printed: Option<f64>,
-    /// NMSE [%] of optimal breakpoints.
+    /// NMSE (%) of optimal breakpoints.
     pub nmse_optimal: f64,
     /// Optimal breakpoints and stiffnesses.
     pub optimal: Fit,
-    /// Force [N] of the column of Table 3 along the curve.
+    /// Force \[N\] of the column of Table 3 along the curve.
     pub force_table3: Vec<f64>,
-    /// Force [N] of the optimal blocks along the curve.
+    /// Force \[N\] of the optimal blocks along the curve.
     pub force_optimal: Vec<f64>,
 }
 
 impl Size {
-    /// `ΣW` [N] of the optimal blocks.
+    /// `ΣW` \[N\] of the optimal blocks.
     pub fn limit(&self) -> f64 {
         let Fit {
             yields, stiffness, ..
@@ -251,7 +251,7 @@ fn column(n: usize) -> Result<&'static Column, String> {
 fn optimal(curve: &Curve, progress: &Progress) -> Result<Vec<Fit>, String> {
     let regression = Regression {
         position: &curve.displacement,
-        pieces: &curve.pieces,
+        pieces: std::slice::from_ref(&curve.piece),
         force: curve.force.clone(),
         columns: Vec::new(),
         filter: Box::new(<[f64]>::to_vec),

@@ -6,24 +6,24 @@
 use crate::friction::FrictionModel;
 use preslide::{Block, HsiehParams, Sliding};
 
-/// Breakaway force `F_s` [N]: Table 2, LuGre column; the text says "up to ~0.9 N". Table 3 is normalised by it.
+/// Breakaway force `F_s` \[N\]: Table 2, LuGre column; the text says "up to ~0.9 N". Table 3 is normalised by it.
 pub const BREAKAWAY: f64 = 0.9;
 
-/// End of the pre-sliding range [m]: the text says "displacements of up to 30–40 µm". Every yield of Table 3 lies
+/// End of the pre-sliding range \[m\]: the text says "displacements of up to 30–40 µm". Every yield of Table 3 lies
 /// below it.
 pub const RANGE: f64 = 40e-6;
 
-/// Load resolution of the micro-tensile machine [N] ("Experimental set-up").
+/// Load resolution of the micro-tensile machine \[N\] ("Experimental set-up").
 pub const LOAD_RESOLUTION: f64 = 0.010;
 
-/// NMSE (13) [%] that the text quotes, by number of blocks: "~ 14 %", "~ 3 %", "0,5 %", "0,1 %". Figure 8 shows
+/// NMSE (13) (%) that the text quotes, by number of blocks: "~ 14 %", "~ 3 %", "0,5 %", "0,1 %". Figure 8 shows
 /// the other sizes, as a picture only.
 pub const PRINTED_NMSE: [(usize, f64); 4] = [(3, 14.0), (4, 3.0), (6, 0.5), (7, 0.1)];
 
-/// One column of Table 3 (printed as two rows, `k_i` [N/m] and `α_i` [-]), for one number of blocks.
+/// One column of Table 3 (printed as two rows, `k_i` (N/m) and `α_i` (-)), for one number of blocks.
 #[derive(Clone, Copy, Debug)]
 pub struct Column {
-    /// `(k_i, α_i)` in [N/m] and [-].
+    /// `(k_i, α_i)` in (N/m) and (-).
     pub blocks: &'static [(f64, f64)],
 }
 
@@ -113,17 +113,17 @@ impl Column {
         self.blocks.len()
     }
 
-    /// `k_i` [N/m].
+    /// `k_i` (N/m).
     pub fn stiffness(&self) -> Vec<f64> {
         self.blocks.iter().map(|b| b.0).collect()
     }
 
-    /// `α_i` [-].
+    /// `α_i` (-).
     pub fn weights(&self) -> Vec<f64> {
         self.blocks.iter().map(|b| b.1).collect()
     }
 
-    /// `D_i = α_i·F_s/k_i` [m], eq. (9) solved for `D_i`; ascending.
+    /// `D_i = α_i·F_s/k_i` \[m\], eq. (9) solved for `D_i`; ascending.
     pub fn yields(&self) -> Vec<f64> {
         self.blocks
             .iter()
@@ -167,7 +167,7 @@ pub fn lugre() -> FrictionModel {
     }
 }
 
-/// Table 2, Hsieh: `k_1s`, `k_2s` [N/m], `C_v`, `β`, `ρ`, `ψ`, `a`.
+/// Table 2, Hsieh: `k_1s`, `k_2s` (N/m), `C_v`, `β`, `ρ`, `ψ`, `a`.
 ///
 /// The table prints no unit for the last five; (4)–(6) make them N·s/m, 1/m, 1/s, Nᵃ/m and 1. With the printed `ψ`
 /// the plastic module moves `0.9ᵃ/ψ` = 23 µm at breakaway, most of the pre-sliding range.

@@ -235,7 +235,7 @@ impl Reproduction {
             .min_by(|a, b| a.1.total_cmp(&b.1));
         if let Some(best) = best.filter(|_| !beyond.is_empty()) {
             remarks.push(format!(
-                "Missing samples are not the whole reason: against any curve over 0–{:.0} µm that the best printed size, {} blocks, fits to the printed {} %, Table 3 leaves {}. Sampling uniformly in force takes them further down from three blocks on (see the table). The printed figures must come from another range, normalisation or motion (with reversals, say), or from parameters other than those printed; the paper does not say",
+                "Missing samples are not the whole reason: against any curve sampled evenly over 0–{:.0} µm that the best printed size, {} blocks, fits to the printed {} %, Table 3 leaves {}. Sampling uniformly in force takes them further down from three blocks on (see the table). The printed figures must come from another range, normalisation or motion (with reversals, say), or from parameters other than those printed; the paper does not say",
                 1e6 * paper::RANGE,
                 best.0,
                 best.1,
@@ -245,7 +245,7 @@ impl Reproduction {
         for recovery in self.recovered.iter().filter(|r| !r.explained_by_rounding()) {
             let (place, force) = recovery.furthest;
             remarks.push(format!(
-                "The {}-block column deviates by up to {:.1} %, more than its digits allow: at its breakpoint {:.2} µm, which no other column has, it lies {:.1} mN {} the ten-block curve, about one step of the load cell ({:.0} mN). Perhaps it was read off another measured curve there; taking the curve's own force gives the values above",
+                "The {}-block column deviates by up to {:.1} %, more than its digits allow: at its breakpoint {:.2} µm, which no other column has, it lies {:.1} mN {} the ten-block curve, about one step of the load ({:.0} mN). Perhaps it was read off another measured curve there; taking the curve's own force gives the values above",
                 recovery.blocks.len(),
                 100.0 * recovery.largest_deviation(),
                 1e6 * place,

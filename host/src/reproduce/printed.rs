@@ -8,9 +8,9 @@ use crate::nmse::nmse;
 pub struct Bound {
     /// Number of blocks.
     pub n: usize,
-    /// NMSE [%] that the paper prints.
+    /// NMSE (%) that the paper prints.
     pub printed: f64,
-    /// Highest NMSE [%] against any measured curve that the best printed size fits as well as printed.
+    /// Highest NMSE (%) against any measured curve that the best printed size fits as well as printed.
     pub highest: f64,
 }
 

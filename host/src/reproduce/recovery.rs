@@ -9,23 +9,23 @@ const HALF_DIGIT: f64 = 0.0005;
 /// One block of a column, printed and recovered.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RecoveredBlock {
-    /// Yield displacement `D_i` [m] of the table.
+    /// Yield displacement `D_i` \[m\] of the table.
     pub yield_displacement: f64,
-    /// `k_i` [N/m] of the table.
+    /// `k_i` (N/m) of the table.
     pub stiffness_printed: f64,
-    /// `k_i` [N/m] by (7)–(8).
+    /// `k_i` (N/m) by (7)–(8).
     pub stiffness: f64,
-    /// `α_i` [-] of the table.
+    /// `α_i` (-) of the table.
     pub weight_printed: f64,
-    /// `α_i` [-] by (9).
+    /// `α_i` (-) by (9).
     pub weight: f64,
-    /// Relative deviation of `k_i` [-] that the three digits of the weights may cause, both in this column and in
+    /// Relative deviation of `k_i` (-) that the three digits of the weights may cause, both in this column and in
     /// the ten-block one. To first order, all digits at their worst.
     pub rounding: f64,
 }
 
 impl RecoveredBlock {
-    /// Relative deviation of the recovered from the printed stiffness [-]; that of the weight is the same, since
+    /// Relative deviation of the recovered from the printed stiffness (-); that of the weight is the same, since
     /// (9) is linear in `k_i`.
     pub fn deviation(&self) -> f64 {
         self.stiffness / self.stiffness_printed - 1.0
@@ -37,16 +37,16 @@ impl RecoveredBlock {
 pub struct Recovery {
     /// Its blocks.
     pub blocks: Vec<RecoveredBlock>,
-    /// Largest relative deviation of a stiffness [-] when the curve is the 2,001 samples with straight lines
+    /// Largest relative deviation of a stiffness (-) when the curve is the 2,001 samples with straight lines
     /// between them, which cut the corners at the breakpoints.
     pub sampled_deviation: f64,
-    /// Where the column leaves the ten-block curve furthest at one of its own breakpoints: that breakpoint [m]
-    /// and the column's force less the curve's [N].
+    /// Where the column leaves the ten-block curve furthest at one of its own breakpoints: that breakpoint \[m\]
+    /// and the column's force less the curve's \[N\].
     pub furthest: (f64, f64),
 }
 
 impl Recovery {
-    /// Largest relative deviation of a stiffness [-].
+    /// Largest relative deviation of a stiffness (-).
     pub fn largest_deviation(&self) -> f64 {
         largest(self.blocks.iter().map(|b| b.deviation()))
     }
@@ -108,7 +108,7 @@ pub fn recover(column: &Column, sampled: &VirginCurve) -> Result<Recovery, Strin
     })
 }
 
-/// By how much [N/m] each recovered stiffness may move when every weight moves by half its last digit.
+/// By how much (N/m) each recovered stiffness may move when every weight moves by half its last digit.
 fn rounding(column: &Column, found: &[f64]) -> Result<Vec<f64>, String> {
     let printed = column.stiffness();
     let reference = REFERENCE.weights();
@@ -155,7 +155,7 @@ fn yields(stiffness: &[f64], weights: &[f64]) -> Vec<f64> {
     pairs.map(|(k, weight)| weight * BREAKAWAY / k).collect()
 }
 
-/// Virgin force [N] of Maxwell-slip blocks at the displacement `x` [m].
+/// Virgin force \[N\] of Maxwell-slip blocks at the displacement `x` \[m\].
 fn force_at(stiffness: &[f64], yields: &[f64], x: f64) -> f64 {
     stiffness
         .iter()

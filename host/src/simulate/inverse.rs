@@ -5,7 +5,7 @@ use preslide::{Dahl, Friction, Hsieh, LuGre, Motion, ParamError, Sliding, Units}
 
 /// A model at rest under a force, waiting for the next one.
 pub trait Inverse {
-    /// Moves until the friction force is `force` [N or N·m]; the displacement [m or rad].
+    /// Moves until the friction force is `force` (N or N·m); the displacement (m or rad).
     ///
     /// # Errors
     /// [`SlidesAway`] where no displacement gives that force; the state is then as before.
@@ -15,11 +15,11 @@ pub trait Inverse {
 /// The body breaks away: friction cannot balance the force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlidesAway {
-    /// The highest friction force [N or N·m] of the model.
+    /// The highest friction force (N or N·m) of the model.
     pub limit: f64,
 }
 
-/// The inverse of `model`, from a body that was never moved, for forces `sample_time` [s] apart.
+/// The inverse of `model`, from a body that was never moved, for forces `sample_time` \[s\] apart.
 ///
 /// # Errors
 /// [`ParamError`] where the library refuses a parameter.
@@ -152,9 +152,9 @@ impl Inverse for MaxwellSlip {
 struct Searched<M: Friction<Scalar = f64>> {
     model: M,
     state: M::State,
-    /// A length over which the force changes [m or rad].
+    /// A length over which the force changes (m or rad).
     scale: f64,
-    /// The time of a step [s] where time matters: the velocity is then the displacement over it.
+    /// The time of a step \[s\] where time matters: the velocity is then the displacement over it.
     sample_time: Option<f64>,
 }
 

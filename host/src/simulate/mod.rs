@@ -17,13 +17,13 @@ use crate::recording::{EffortRole, MotionKind, Recording};
 pub struct Simulation {
     /// Linear or rotary.
     pub kind: MotionKind,
-    /// Time [s].
+    /// Time \[s\].
     pub t_s: Vec<f64>,
-    /// Position [m or rad].
+    /// Position (m or rad).
     pub position: Vec<f64>,
-    /// Velocity [m/s or rad/s]; `None` where the force is the input: in the quasi-static limit it plays no part.
+    /// Velocity (m/s or rad/s); `None` where the force is the input: in the quasi-static limit it plays no part.
     pub velocity: Option<Vec<f64>>,
-    /// Force [N] or torque [N·m]: inertia, friction, viscous part and constant force.
+    /// Force \[N\] or torque (N·m): inertia, friction, viscous part and constant force.
     pub force: Vec<f64>,
     /// How well it meets the measured effort, where there is one.
     pub agreement: Option<Agreement>,
@@ -36,22 +36,22 @@ pub struct Simulation {
 /// A measured effort against the simulated force.
 #[derive(Clone, Debug)]
 pub struct Agreement {
-    /// Measured [N or N·m], filtered like the acceleration where it contains inertia, as `identify` does.
+    /// Measured (N or N·m), filtered like the acceleration where it contains inertia, as `identify` does.
     pub measured: Vec<f64>,
     /// Simulated, filtered alike; without inertia where the measured effort is friction.
     pub simulated: Vec<f64>,
-    /// NMSE (13) [%] between the two.
+    /// NMSE (13) (%) between the two.
     pub nmse: f64,
-    /// Root mean square of their difference [N or N·m].
+    /// Root mean square of their difference (N or N·m).
     pub rms: f64,
 }
 
 /// The moment at which friction can no longer hold the force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Breakaway {
-    /// Time [s], interpolated between samples.
+    /// Time \[s\], interpolated between samples.
     pub time_s: f64,
-    /// The applied force [N or N·m] then.
+    /// The applied force (N or N·m) then.
     pub force: f64,
 }
 
@@ -146,7 +146,7 @@ pub fn force_of_motion(model: &Model, recording: &Recording) -> Result<Simulatio
 /// The motion that a slowly varying force causes, from rest at 0 in a body that was never moved: inertia and viscous
 /// friction play no part, and the friction force balances the applied one less the constant force.
 ///
-/// `sample_time` [s] is the time between samples, for models in which time matters.
+/// `sample_time` \[s\] is the time between samples, for models in which time matters.
 ///
 /// # Errors
 /// A parameter that the library refuses.

@@ -6,9 +6,9 @@ const MOST_SAMPLES: f64 = 1e7;
 /// Forces to go to one after the other, at a constant rate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ramp {
-    /// Forces [N or N·m] at which the ramp turns; the first is 0, where the body was never moved.
+    /// Forces (N or N·m) at which the ramp turns; the first is 0, where the body was never moved.
     pub corners: Vec<f64>,
-    /// Force per time [N/s or N·m/s].
+    /// Force per time (N/s or N·m/s).
     pub rate: f64,
 }
 
@@ -43,7 +43,7 @@ pub fn parse_ramp(text: &str) -> Result<Ramp, String> {
 }
 
 impl Ramp {
-    /// Times [s] and forces, `samples_per_second` [Hz] apart. Each leg takes a whole number of samples, so that every
+    /// Times \[s\] and forces, `samples_per_second` \[Hz\] apart. Each leg takes a whole number of samples, so that every
     /// corner is one; the rate is lower by up to one sample a leg.
     ///
     /// # Errors

@@ -146,8 +146,11 @@ fn hsieh_depends_on_time_and_says_so() {
     assert!((end(0.1) - end(1e-4)).abs() > 1e-9);
 }
 
+/// A column computed from position, velocity and acceleration.
+type Computed<'a> = dyn Fn(f64, f64, f64) -> f64 + 'a;
+
 /// Sine motion in the recording format; `extra` heads and fills a further column.
-fn sine(axis: &str, extra: Option<(&str, &dyn Fn(f64, f64, f64) -> f64)>) -> String {
+fn sine(axis: &str, extra: Option<(&str, &Computed)>) -> String {
     let mut text = format!(
         "t_s,{axis}{}\n",
         extra.map_or(String::new(), |e| format!(",{}", e.0))

@@ -1,0 +1,113 @@
+//! The task at the control rate.
+
+use crate::{Bridge, Change, Model};
+use core::convert::Infallible;
+use core::sync::atomic::{AtomicBool, Ordering};
+use embedded_hal::pwm::SetDutyCycle;
+use heapless::spsc::{Consumer, Producer};
+use preslide::control::{Command, Controller, Fault, Measurement, Move};
+use preslide_link::{FaultCode, Sample};
+
+/// What a board measured at the start of a tick, raw.
+#[derive(Clone, Copy, Debug)]
+pub struct Inputs {
+    /// Quadrature counter.
+    pub count: u32,
+    /// Supply (mV).
+    pub supply: u16,
+    /// Winding current (mA).
+    pub current: i16,
+    /// The last tick had not ended when this one was due.
+    pub late: bool,
+}
+
+/// Control: from the counter to the bridge, once a sample time.
+///
+/// **Deadline:** the next tick. A tick that misses it is followed at once by the one that it delayed, told by
+/// [`Inputs::late`]; the bridge holds the old code for the time between. The reference advances by ticks, so it
+/// waits with the axis and no step follows. After more than [`preslide::control::Watch::overruns`] late ticks
+/// in a row the axis goes to its safe state. A task that never ends is the watchdog's business.
+pub struct Control<F: Model> {
+    pub(crate) controller: Controller<F, u32>,
+    pub(crate) moves: Consumer<'static, Move<F::Scalar>>,
+    pub(crate) changes: Consumer<'static, Change<F>>,
+    pub(crate) samples: Producer<'static, Sample>,
+    pub(crate) stopped: &'static AtomicBool,
+    pub(crate) tick: u32,
+    pub(crate) sequence: u32,
+    pub(crate) dropped: u32,
+}
+
+impl<F: Model> Control<F> {
+    /// One tick. The bridge gets its code before the telemetry is written.
+    #[inline]
+    pub fn tick<A, B>(&mut self, inputs: Inputs, bridge: &mut Bridge<A, B>)
+    where
+        A: SetDutyCycle<Error = Infallible>,
+        B: SetDutyCycle<Error = Infallible>,
+    {
+        let change = self.changes.dequeue();
+        // In the safe state the queue is emptied, one move a tick: nobody can ask for a restart faster than that.
+        let wanted = self.controller.is_idle() || self.controller.fault().is_some();
+        let next = if wanted { self.moves.dequeue() } else { None };
+        let measurement = Measurement {
+            count: inputs.count,
+            supply: inputs.supply,
+            late: inputs.late,
+        };
+        let command = decide(&mut self.controller, change, next, measurement);
+        bridge.set(command.code);
+        self.stopped
+            .store(command.fault.is_some(), Ordering::Relaxed);
+
+        self.tick = self.tick.wrapping_add(1);
+        let sample = Sample {
+            sequence: self.sequence,
+            dropped: self.dropped,
+            tick: self.tick,
+            position: command.position as i32,
+            reference: command.reference,
+            // Within ± the limiter's, which is at most 32000.
+            code: command.code as i16,
+            current: inputs.current,
+            supply: inputs.supply,
+            fault: command.fault.map(on_the_wire),
+        };
+        if self.samples.enqueue(sample).is_ok() {
+            self.sequence = self.sequence.wrapping_add(1);
+        } else {
+            self.dropped = self.dropped.wrapping_add(1);
+        }
+    }
+}
+
+/// The control code proper, kept in one symbol so that `cargo xtask qemu` can show that it has no panic path.
+#[inline(never)]
+fn decide<F: Model>(
+    controller: &mut Controller<F, u32>,
+    change: Option<Change<F>>,
+    next: Option<Move<F::Scalar>>,
+    measurement: Measurement<u32>,
+) -> Command {
+    match change {
+        Some(Change::Swap(coefficients)) => controller.swap(coefficients),
+        Some(Change::Restart) => controller.restart(),
+        None => {}
+    }
+    if let Some(next) = next {
+        // Without effect in the safe state.
+        controller.start(next);
+    }
+    controller.tick(measurement)
+}
+
+fn on_the_wire(fault: Fault) -> FaultCode {
+    match fault {
+        Fault::EncoderJump => FaultCode::EncoderJump,
+        Fault::EncoderFrozen => FaultCode::EncoderFrozen,
+        Fault::FollowingError => FaultCode::FollowingError,
+        Fault::SupplyOutOfRange => FaultCode::SupplyOutOfRange,
+        Fault::Overrun => FaultCode::Overrun,
+        Fault::NotANumber => FaultCode::NotANumber,
+    }
+}

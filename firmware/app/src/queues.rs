@@ -1,0 +1,81 @@
+//! What lies between the two tasks.
+
+use crate::{Background, Control, Model};
+use core::sync::atomic::AtomicBool;
+use heapless::spsc::Queue;
+use preslide::ParamError;
+use preslide::control::{Coefficients, Controller, Move, Settings};
+use preslide_link::{ModelSettings, Sample};
+
+/// A change of the controller between two ticks.
+// The large variant is copied once when it is swapped in; there is no heap to box it in.
+#[allow(clippy::large_enum_variant)]
+pub enum Change<F: Model> {
+    /// New parameters.
+    Swap(Coefficients<F>),
+    /// Leave the safe state.
+    Restart,
+}
+
+/// The queues; one capacity is used up by the queue itself.
+pub struct Queues<F: Model> {
+    moves: Queue<Move<F::Scalar>, 9>,
+    changes: Queue<Change<F>, 3>,
+    /// 3 ms of telemetry at 20 kHz.
+    samples: Queue<Sample, 65>,
+    stopped: AtomicBool,
+}
+
+impl<F: Model> Queues<F> {
+    /// Empty ones.
+    pub const fn new() -> Self {
+        Self {
+            moves: Queue::new(),
+            changes: Queue::new(),
+            samples: Queue::new(),
+            stopped: AtomicBool::new(false),
+        }
+    }
+
+    /// Both tasks, with the controller at the counter's reading `first`.
+    ///
+    /// # Errors
+    /// The first setting or parameter that is not usable.
+    pub fn tasks(
+        &'static mut self,
+        settings: Settings,
+        model: &ModelSettings,
+        first: u32,
+    ) -> Result<(Control<F>, Background<F>), ParamError> {
+        let coefficients = Coefficients::try_new(&settings, F::build(model)?, F::UNITS)?;
+        let (moves_in, moves) = self.moves.split();
+        let (changes_in, changes) = self.changes.split();
+        let (samples, samples_out) = self.samples.split();
+        Ok((
+            Control {
+                controller: Controller::new(coefficients, first),
+                moves,
+                changes,
+                samples,
+                stopped: &self.stopped,
+                tick: 0,
+                sequence: 0,
+                dropped: 0,
+            },
+            Background::new(
+                settings,
+                *model,
+                moves_in,
+                changes_in,
+                samples_out,
+                &self.stopped,
+            ),
+        ))
+    }
+}
+
+impl<F: Model> Default for Queues<F> {
+    fn default() -> Self {
+        Self::new()
+    }
+}

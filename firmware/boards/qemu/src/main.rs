@@ -1,0 +1,157 @@
+//! The controller on QEMU's mps2-an386, in lock step with a simulated stage. `cargo xtask qemu` runs it.
+
+#![no_std]
+#![no_main]
+
+mod device;
+mod registers;
+mod stage;
+
+use core::panic::PanicInfo;
+use cortex_m_rt::exception;
+use cortex_m_semihosting::{debug, hprintln};
+
+#[cfg(feature = "float")]
+type Number = f32;
+#[cfg(not(feature = "float"))]
+type Number = fixed::types::I16F16;
+
+type Friction = preslide::QuasiStaticGms<{ preslide_link::MOST_BLOCKS }, Number>;
+
+/// As on the board: 170 MHz at 20 kHz.
+const STEPS: u16 = 8500;
+
+#[rtic::app(device = crate::device)]
+mod app {
+    use super::{Friction, STEPS};
+    use crate::registers::{self, CLOCK_HZ, Timer, Uart, Watchdog};
+    use crate::stage::{self, Channel};
+    use cortex_m_semihosting::{debug, hprintln};
+    use heapless::spsc::{Consumer, Producer, Queue};
+    use preslide::control::Settings;
+    use preslide_app::{Background, Bridge, Control, Inputs, Queues, STARTING_MODEL};
+    use preslide_link::{LARGEST_FRAME, Report, encode};
+
+    #[shared]
+    struct Shared {}
+
+    #[local]
+    struct Local {
+        control: Control<Friction>,
+        bridge: Bridge<Channel, Channel>,
+        background: Background<Friction>,
+        received: Consumer<'static, u8>,
+        arrived: Producer<'static, u8>,
+        late: bool,
+    }
+
+    #[init(local = [queues: Queues<Friction> = Queues::new(), bytes: Queue<u8, 65> = Queue::new()])]
+    fn init(cx: init::Context) -> (Shared, Local) {
+        Uart::LINK.start();
+        Uart::STAGE.start();
+        let settings = Settings::PAPER_AXIS;
+        let first = stage::exchange().count;
+        let (forward, backward) = Channel::pair(STEPS);
+        let tasks = cx.local.queues.tasks(settings, &STARTING_MODEL, first);
+        let (Ok((control, background)), Some(bridge)) =
+            (tasks, Bridge::new(forward, backward, STEPS))
+        else {
+            hprintln!("the built-in settings are not usable");
+            loop {
+                debug::exit(debug::EXIT_FAILURE);
+            }
+        };
+        let (arrived, received) = cx.local.bytes.split();
+        let cycles = (f64::from(CLOCK_HZ) * settings.sample_time) as u32;
+        // Ten ticks without a sign of life.
+        Watchdog::start(10 * cycles);
+        Timer::start(cycles);
+        let local = Local {
+            control,
+            bridge,
+            background,
+            received,
+            arrived,
+            late: false,
+        };
+        (Shared {}, local)
+    }
+
+    /// The control task; see [`Control`] for its deadline and what happens when it is missed.
+    #[task(binds = TIMER0, priority = 1, local = [control, bridge, arrived, late])]
+    fn tick(cx: tick::Context) {
+        Timer::acknowledge();
+        let reading = stage::exchange();
+        if reading.quit {
+            Watchdog::stop();
+            hprintln!("stack high-water mark: {} bytes", registers::stack_high_water());
+            debug::exit(debug::EXIT_SUCCESS);
+        }
+        if let Some(byte) = reading.byte {
+            // The background reads faster than one byte a tick; should it not, the frame's CRC tells.
+            let _ = cx.local.arrived.enqueue(byte);
+        }
+        while reading.hang {}
+        let inputs = Inputs {
+            count: reading.count,
+            supply: reading.supply,
+            current: reading.current,
+            late: *cx.local.late,
+        };
+        cx.local.control.tick(inputs, cx.local.bridge);
+        if reading.dawdle {
+            while !Timer::is_due() {}
+        }
+        *cx.local.late = Timer::is_due();
+        Watchdog::feed();
+    }
+
+    /// Requests and telemetry. Here, and only here, a slow listener makes the controller wait.
+    #[idle(local = [background, received])]
+    fn idle(cx: idle::Context) -> ! {
+        loop {
+            while let Some(byte) = cx.local.received.dequeue() {
+                if let Some(report) = cx.local.background.receive(byte) {
+                    send(&report);
+                }
+            }
+            match cx.local.background.sample() {
+                Some(report) => send(&report),
+                None => cortex_m::asm::wfi(),
+            }
+        }
+    }
+
+    fn send(report: &Report) {
+        let mut frame = [0; LARGEST_FRAME];
+        // Every report fits a frame (a test of the link crate), and there is no one to tell here.
+        let length = encode(report, &mut frame).unwrap_or(0);
+        for &byte in frame.iter().take(length) {
+            Uart::LINK.send(byte);
+        }
+    }
+}
+
+/// The watchdog's first expiry: the control task hangs. PWM off, and the stage learns of it.
+// Unsafe because it may interrupt anything: it takes no lock and shares only atomics.
+#[allow(unsafe_code)]
+#[exception]
+unsafe fn NonMaskableInt() -> ! {
+    registers::Watchdog::stop();
+    registers::Timer::run(false);
+    stage::off();
+    hprintln!("watchdog: the control task did not answer; PWM off");
+    stage::exchange();
+    loop {
+        debug::exit(debug::EXIT_FAILURE);
+    }
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo) -> ! {
+    stage::off();
+    hprintln!("{}", info);
+    loop {
+        debug::exit(debug::EXIT_FAILURE);
+    }
+}

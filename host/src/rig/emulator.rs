@@ -1,0 +1,244 @@
+//! QEMU with the firmware in it, on two sockets: the lock step with the stage, and the telemetry.
+
+use preslide_link::{Deframer, Exchange, Order, Reading, Report};
+use std::io::{Read, Write};
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// No exchange takes longer than this unless the firmware or QEMU hangs.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// Why a run on the emulator failed.
+#[derive(Debug, thiserror::Error)]
+pub enum RigError {
+    /// QEMU could not be started.
+    #[error("qemu-system-arm did not start: {0}; on Debian: apt-get install qemu-system-arm")]
+    Start(std::io::Error),
+    /// QEMU did not open its sockets.
+    #[error("QEMU did not connect within 20 s; its output: {0}")]
+    Connect(String),
+    /// The lock step broke off.
+    #[error("the lock step broke off at exchange {exchange}: {error}")]
+    LockStep {
+        /// Exchanges done before.
+        exchange: u64,
+        /// What the socket said.
+        error: std::io::Error,
+    },
+    /// A file or socket could not be made.
+    #[error("{0}: {1}")]
+    File(PathBuf, std::io::Error),
+    /// The stage or the host's controller could not be built.
+    #[error(transparent)]
+    Tracking(#[from] crate::tracking::TrackingError),
+}
+
+/// Where the telemetry goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Listener {
+    /// Into [`Remains`].
+    Here,
+    /// To the first client of this TCP port on this machine; QEMU waits for it.
+    Tcp(u16),
+}
+
+/// A running emulator.
+pub struct Emulator {
+    child: Child,
+    stage: UnixStream,
+    exchanges: u64,
+    listener: Option<JoinHandle<Vec<Report>>>,
+    paused: Arc<AtomicBool>,
+    folder: PathBuf,
+}
+
+/// What is left of a run.
+pub struct Remains {
+    /// Everything that came up the telemetry line, frames that could not be read left out.
+    pub reports: Vec<Report>,
+    /// What the firmware logged.
+    pub log: String,
+}
+
+impl Emulator {
+    /// Starts QEMU with the firmware `elf`.
+    ///
+    /// # Errors
+    /// [`RigError`] where QEMU does not start or does not connect.
+    pub fn start(elf: &Path, listener: Listener) -> Result<Self, RigError> {
+        static RUNS: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0);
+        let run = RUNS.fetch_add(1, Ordering::Relaxed);
+        let folder =
+            std::env::temp_dir().join(format!("preslide-rig-{}-{run}", std::process::id()));
+        let file = |error| RigError::File(folder.clone(), error);
+        std::fs::create_dir_all(&folder).map_err(file)?;
+        let (stage_path, link_path) = (folder.join("stage"), folder.join("link"));
+        let stage = UnixListener::bind(&stage_path).map_err(file)?;
+        let link = UnixListener::bind(&link_path).map_err(file)?;
+        let chardev = |id: &str, path: &Path| format!("socket,id={id},path={}", path.display());
+        let telemetry = match listener {
+            Listener::Here => chardev("link", &link_path),
+            Listener::Tcp(port) => {
+                format!("socket,id=link,host=127.0.0.1,port={port},server=on,wait=on")
+            }
+        };
+        let mut child = Command::new("qemu-system-arm")
+            .args(["-M", "mps2-an386", "-display", "none", "-monitor", "none"])
+            // 8 ns an instruction: about what a Cortex-M4 at 170 MHz makes of this code.
+            .args(["-icount", "shift=3,sleep=off"])
+            .args(["-semihosting-config", "enable=on,target=native"])
+            .args(["-chardev", &telemetry, "-serial", "chardev:link"])
+            .args([
+                "-chardev",
+                &chardev("stage", &stage_path),
+                "-serial",
+                "chardev:stage",
+            ])
+            .arg("-kernel")
+            .arg(elf)
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(RigError::Start)?;
+        let link = match listener {
+            Listener::Here => accept(&link).map(Some),
+            Listener::Tcp(_) => Some(None),
+        };
+        let (link, stage) = match (link, accept(&stage)) {
+            (Some(link), Some(stage)) => (link, stage),
+            _ => {
+                // Either way it is gone after the wait.
+                let _ = child.kill();
+                let log = output(&mut child);
+                let _ = std::fs::remove_dir_all(&folder);
+                return Err(RigError::Connect(log));
+            }
+        };
+        let paused = Arc::new(AtomicBool::new(false));
+        let listener = link.map(|link| {
+            let paused = Arc::clone(&paused);
+            std::thread::spawn(move || listen(link, &paused))
+        });
+        Ok(Self {
+            child,
+            stage,
+            exchanges: 0,
+            listener,
+            paused,
+            folder,
+        })
+    }
+
+    /// Waits for what the bridge got.
+    ///
+    /// # Errors
+    /// [`RigError::LockStep`] where the firmware does not answer.
+    pub fn order(&mut self) -> Result<Order, RigError> {
+        let mut bytes = [0; 2];
+        let result = self.stage.read_exact(&mut bytes);
+        self.step(result)?;
+        Ok(Order::from_bytes(bytes))
+    }
+
+    /// Shows the registers of the next tick.
+    ///
+    /// # Errors
+    /// [`RigError::LockStep`] where the firmware is gone.
+    pub fn reading(&mut self, reading: Reading) -> Result<(), RigError> {
+        let result = self.stage.write_all(&reading.to_bytes());
+        self.step(result)?;
+        self.exchanges += 1;
+        Ok(())
+    }
+
+    /// Stops or goes on listening to the telemetry.
+    pub fn pause_listening(&self, paused: bool) {
+        self.paused.store(paused, Ordering::Relaxed);
+    }
+
+    /// Waits for QEMU's end and collects what is left.
+    pub fn finish(mut self) -> Remains {
+        self.pause_listening(false);
+        let start = Instant::now();
+        while matches!(self.child.try_wait(), Ok(None)) {
+            if start.elapsed() > PATIENCE {
+                let _ = self.child.kill();
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        let log = output(&mut self.child);
+        let reports = self.listener.take().and_then(|thread| thread.join().ok());
+        Remains {
+            reports: reports.unwrap_or_default(),
+            log,
+        }
+    }
+
+    fn step(&self, result: std::io::Result<()>) -> Result<(), RigError> {
+        result.map_err(|error| RigError::LockStep {
+            exchange: self.exchanges,
+            error,
+        })
+    }
+}
+
+impl Drop for Emulator {
+    fn drop(&mut self) {
+        // It has ended already unless a run broke off.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        let _ = std::fs::remove_dir_all(&self.folder);
+    }
+}
+
+fn accept(listener: &UnixListener) -> Option<UnixStream> {
+    listener.set_nonblocking(true).ok()?;
+    let start = Instant::now();
+    while start.elapsed() < PATIENCE {
+        if let Ok((stream, _)) = listener.accept() {
+            stream.set_nonblocking(false).ok()?;
+            stream.set_read_timeout(Some(PATIENCE)).ok()?;
+            stream.set_write_timeout(Some(PATIENCE)).ok()?;
+            return Some(stream);
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    None
+}
+
+fn output(child: &mut Child) -> String {
+    let mut text = String::new();
+    if let Some(mut out) = child.stdout.take() {
+        // What cannot be read is not there.
+        let _ = out.read_to_string(&mut text);
+    }
+    if let Some(mut err) = child.stderr.take() {
+        let _ = err.read_to_string(&mut text);
+    }
+    text
+}
+
+fn listen(mut link: UnixStream, paused: &AtomicBool) -> Vec<Report> {
+    let mut deframer = Deframer::new();
+    let mut reports = Vec::new();
+    let mut buffer = [0; 4096];
+    loop {
+        if paused.load(Ordering::Relaxed) {
+            std::thread::sleep(Duration::from_millis(1));
+            continue;
+        }
+        match link.read(&mut buffer) {
+            Ok(0) | Err(_) => return reports,
+            Ok(length) => {
+                let bytes = buffer.iter().take(length);
+                reports.extend(bytes.filter_map(|&byte| deframer.push::<Report>(byte)?.ok()));
+            }
+        }
+    }
+}

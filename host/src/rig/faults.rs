@@ -1,0 +1,304 @@
+//! Faults, injected one at a time, and what the firmware makes of each, as text to compare with a golden file.
+
+use super::{Listener, Record, RigError, Script, frame, motion, requests, run};
+use crate::stage::{EncoderConfig, StageConfig};
+use preslide_link::{GainSettings, ModelSettings, Report, Request};
+use std::fmt::Write;
+use std::path::Path;
+
+/// The tick of the injection.
+const AT: u64 = 2000;
+
+/// One fault.
+pub struct Injection {
+    /// Name of the golden file.
+    pub name: &'static str,
+    /// What is done, and what should happen.
+    pub story: &'static str,
+    script: fn() -> Script<'static>,
+    /// The commands differ from an undisturbed run's.
+    unlike_undisturbed: bool,
+}
+
+fn moving(ticks: u64) -> Script<'static> {
+    Script::quiet(ticks).send(20, &requests(&motion()))
+}
+
+const GAINS: GainSettings = GainSettings {
+    proportional: 1e5,
+    integral: 3e6,
+    derivative: 600.0,
+};
+
+const MODEL: ModelSettings = ModelSettings {
+    breakaway_n: 0.9,
+    blocks: [
+        (313_728.0, 0.339),
+        (43_670.0, 0.236),
+        (10_545.0, 0.171),
+        (5_858.0, 0.253),
+    ],
+};
+
+/// All of them.
+pub fn injections() -> Vec<Injection> {
+    let injection = |name, story, script| Injection {
+        name,
+        story,
+        script,
+        unlike_undisturbed: true,
+    };
+    vec![
+        injection(
+            "encoder_frozen",
+            "the count stops while the axis moves: safe state once the error or the push is too large",
+            || {
+                let frozen = std::cell::Cell::new(0);
+                let far = Request::Move {
+                    distance_m: 2e-3,
+                    speed_m_s: 2e-3,
+                    ramp_s: 0.01,
+                };
+                let mut script = Script::quiet(6000).send(20, &[far]);
+                script.falsify = Box::new(move |tick, reading| {
+                    if tick < AT {
+                        frozen.set(reading.count);
+                    } else {
+                        reading.count = frozen.get();
+                    }
+                });
+                script
+            },
+        ),
+        injection(
+            "encoder_jump",
+            "the count jumps by 4000 in one tick: safe state in that tick; a restart stands where the axis is",
+            || {
+                let mut script = moving(6000).send(AT + 500, &[Request::Restart, Request::Ping]);
+                script.falsify = Box::new(|tick, reading| {
+                    if tick >= AT {
+                        reading.count = reading.count.wrapping_add(4000);
+                    }
+                });
+                script
+            },
+        ),
+        Injection {
+            unlike_undisturbed: false,
+            ..injection(
+                "count_wrap",
+                "the counter wraps during the motion: nothing happens, the commands are those of any other origin",
+                || {
+                    let mut script = moving(6000);
+                    script.stage = StageConfig {
+                        encoder: EncoderConfig {
+                            origin_count: -100,
+                            ..script.stage.encoder
+                        },
+                        ..script.stage
+                    };
+                    script
+                },
+            )
+        },
+        injection(
+            "overrun",
+            "one late tick, then two in a row, are ridden out; four in a row are not",
+            || {
+                let mut script = moving(6000);
+                script.falsify = Box::new(|tick, reading| {
+                    reading.dawdle = [0, 100, 101, 200, 201, 202, 203]
+                        .iter()
+                        .any(|t| tick == AT + t);
+                });
+                script
+            },
+        ),
+        Injection {
+            unlike_undisturbed: false,
+            ..injection(
+                "corrupt_parameters",
+                "a parameter block with a flipped bit: refused by its CRC, the running parameters stay",
+                || {
+                    let mut bytes = frame(&Request::Model(MODEL));
+                    if let Some(byte) = bytes.get_mut(9) {
+                        *byte ^= 0x04;
+                    }
+                    let mut script = moving(6000);
+                    script.bytes.push((AT, bytes));
+                    script
+                },
+            )
+        },
+        Injection {
+            unlike_undisturbed: false,
+            ..injection(
+                "invalid_parameters",
+                "NaN, infinite, negative, and weights that do not sum to 1: refused, the running parameters stay",
+                || {
+                    let gains = |proportional| {
+                        Request::Gains(GainSettings {
+                            proportional,
+                            ..GAINS
+                        })
+                    };
+                    let mut blocks = MODEL.blocks;
+                    blocks[1].1 = 0.5;
+                    let heavy = Request::Model(ModelSettings { blocks, ..MODEL });
+                    let negative = Request::Model(ModelSettings {
+                        breakaway_n: -0.9,
+                        ..MODEL
+                    });
+                    moving(6000).send(
+                        AT,
+                        &[
+                            gains(f32::NAN),
+                            gains(f32::INFINITY),
+                            gains(-1.0),
+                            gains(1e12),
+                            heavy,
+                            negative,
+                        ],
+                    )
+                },
+            )
+        },
+        injection(
+            "supply_sag",
+            "the supply falls to 4 V: ridden out for 1 ms, then safe state",
+            || {
+                let mut script = moving(6000);
+                script.disturb = Box::new(|tick, stage| {
+                    if tick == AT {
+                        // 4 V is a voltage that any stage takes.
+                        let _ = stage.set_supply_v(4.0);
+                    }
+                });
+                script
+            },
+        ),
+        Injection {
+            unlike_undisturbed: false,
+            ..injection(
+                "telemetry_unread",
+                "nobody reads the telemetry for a second: samples are lost and counted, the commands do not change",
+                || {
+                    let mut script = moving(14_000);
+                    script.listening = Box::new(|tick| !(500..12_000).contains(&tick));
+                    script
+                },
+            )
+        },
+        Injection {
+            unlike_undisturbed: false,
+            ..injection(
+                "garbage",
+                "noise, a truncated, an oversized and an unknown frame: each refused by kind, the next one is read",
+                || {
+                    let whole = frame(&Request::Gains(GAINS));
+                    let truncated = [whole.get(..6).unwrap_or_default(), &[0]].concat();
+                    let mut script = moving(6000);
+                    let noise: Vec<u8> = (1..=40_u32)
+                        .map(|i| (i * 97 % 251) as u8 + 1)
+                        .chain([0])
+                        .collect();
+                    let oversized = [vec![0x55; 200], vec![0]].concat();
+                    // A well-made frame of a message that does not exist: the tag 99 with its CRC.
+                    let unknown = frame(&99_u8);
+                    let good = frame(&Request::Ping);
+                    script
+                        .bytes
+                        .push((AT, [noise, truncated, oversized, unknown, good].concat()));
+                    script
+                },
+            )
+        },
+        injection(
+            "watchdog",
+            "the control task hangs: the watchdog turns the PWM off",
+            || {
+                let mut script = moving(6000);
+                script.falsify = Box::new(|tick, reading| reading.hang = tick == AT);
+                script
+            },
+        ),
+    ]
+}
+
+impl Injection {
+    /// Runs it and tells what happened. `undisturbed` is a run of [`motion`] without a fault.
+    ///
+    /// # Errors
+    /// [`RigError`] where the run cannot be made.
+    pub fn tell(&self, elf: &Path, undisturbed: &Record) -> Result<String, RigError> {
+        let record = run(elf, &(self.script)(), Listener::Here)?;
+        let mut text = format!("{}\n", self.story);
+        let mut fault = None;
+        let (mut last, mut sequence, mut missing) = (None, 0, 0);
+        for report in &record.remains.reports {
+            match report {
+                Report::Sample(sample) => {
+                    if sample.fault != fault {
+                        fault = sample.fault;
+                        // Ticks are counted from 1, the injection's from 0.
+                        let after = i64::from(sample.tick) - AT as i64;
+                        let _ = writeln!(
+                            text,
+                            "tick {} (injection {after:+}): {fault:?}, code {}",
+                            sample.tick, sample.code
+                        );
+                    }
+                    missing += u64::from(sample.sequence.wrapping_sub(sequence));
+                    sequence = sample.sequence.wrapping_add(1);
+                    last = Some(*sample);
+                }
+                other => {
+                    let _ = writeln!(text, "{other:?}");
+                }
+            }
+        }
+        if let Some(last) = last {
+            let _ = writeln!(
+                text,
+                "samples dropped: {}",
+                if last.dropped > 0 {
+                    "some, and counted"
+                } else {
+                    "none"
+                }
+            );
+            let _ = writeln!(text, "samples missing without being counted: {missing}");
+        }
+        if self.unlike_undisturbed {
+            let code = record.codes.last().copied().unwrap_or(0);
+            let _ = writeln!(text, "last code: {code}");
+        }
+        let _ = writeln!(
+            text,
+            "lock step: {}",
+            if record.broke_off {
+                "broken off"
+            } else {
+                "to the end"
+            }
+        );
+        if !self.unlike_undisturbed {
+            let same = record
+                .codes
+                .iter()
+                .zip(&undisturbed.codes)
+                .all(|(a, b)| a == b);
+            let _ = writeln!(
+                text,
+                "commands as without the fault: {}",
+                if same { "yes" } else { "no" }
+            );
+        }
+        // The stack's use is the build's, not the fault's.
+        let told = |line: &&str| !line.is_empty() && !line.starts_with("stack");
+        for line in record.remains.log.lines().filter(told) {
+            let _ = writeln!(text, "log: {line}");
+        }
+        Ok(text)
+    }
+}

@@ -1,0 +1,11 @@
+//! The firmware in QEMU against the simulated stage: agreement with the host's simulation, and injected faults.
+
+mod agreement;
+mod emulator;
+mod faults;
+mod run;
+
+pub use agreement::{Agreement, agreement, motion, requests, samples};
+pub use emulator::{Emulator, Listener, Remains, RigError};
+pub use faults::{Injection, injections};
+pub use run::{Record, Script, frame, registers, run};

@@ -1,0 +1,119 @@
+//! A run: the firmware in lock step with the stage, with what is sent to it and what is done to it.
+
+use super::{Emulator, Listener, Remains, RigError};
+use crate::stage::{EncoderReading, Stage, StageConfig};
+use crate::tracking::TrackingError;
+use preslide::control::Settings;
+use preslide_link::{LARGEST_FRAME, Reading, Request, encode};
+use std::path::Path;
+
+/// What happens in a run, by tick.
+pub struct Script<'a> {
+    /// Ticks before the quit.
+    pub ticks: u64,
+    /// The stage.
+    pub stage: StageConfig,
+    /// Bytes on the command link: from which tick on, and what.
+    pub bytes: Vec<(u64, Vec<u8>)>,
+    /// Changes the stage before the tick.
+    pub disturb: Box<dyn Fn(u64, &mut Stage) + 'a>,
+    /// Falsifies what the board reads in the tick.
+    pub falsify: Box<dyn Fn(u64, &mut Reading) + 'a>,
+    /// Whether someone listens to the telemetry in the tick.
+    pub listening: Box<dyn Fn(u64) -> bool + 'a>,
+}
+
+impl Script<'_> {
+    /// Nothing but the stage at rest.
+    pub fn quiet(ticks: u64) -> Self {
+        Self {
+            ticks,
+            stage: StageConfig {
+                seed: 7,
+                ..StageConfig::default()
+            },
+            bytes: Vec::new(),
+            disturb: Box::new(|_, _| {}),
+            falsify: Box::new(|_, _| {}),
+            listening: Box::new(|_| true),
+        }
+    }
+
+    /// Sends requests from `tick` on, one behind the other.
+    #[must_use]
+    pub fn send(mut self, tick: u64, requests: &[Request]) -> Self {
+        let bytes = requests.iter().flat_map(|request| frame(request)).collect();
+        self.bytes.push((tick, bytes));
+        self
+    }
+}
+
+/// A message as it goes over the line.
+pub fn frame<T: serde::Serialize>(message: &T) -> Vec<u8> {
+    let mut out = [0; LARGEST_FRAME];
+    let length = encode(message, &mut out).unwrap_or(0);
+    out.get(..length).unwrap_or_default().to_vec()
+}
+
+/// What the board's registers show for a reading of the stage.
+pub fn registers(reading: EncoderReading) -> Reading {
+    Reading {
+        count: reading.count.cast_unsigned(),
+        // Saturating casts: what an ADC does.
+        supply: (reading.supply_v * 1e3).round() as u16,
+        current: (reading.current_a * 1e3).round() as i16,
+        ..Reading::default()
+    }
+}
+
+/// A finished run.
+pub struct Record {
+    /// The code of every exchange; the first is the one before the first tick.
+    pub codes: Vec<i16>,
+    /// Telemetry and log.
+    pub remains: Remains,
+    /// The firmware broke the lock step before the script's end, as a watchdog does.
+    pub broke_off: bool,
+}
+
+/// Runs the script on the firmware `elf`.
+///
+/// # Errors
+/// [`RigError`] where QEMU or the stage cannot be started.
+pub fn run(elf: &Path, script: &Script, listener: Listener) -> Result<Record, RigError> {
+    let steps = Settings::PAPER_AXIS.motor.steps;
+    let mut stage = Stage::try_new(script.stage.clone()).map_err(TrackingError::from)?;
+    let mut emulator = Emulator::start(elf, listener)?;
+    let mut codes = Vec::new();
+    let mut broke_off = false;
+    let mut line = script
+        .bytes
+        .iter()
+        .flat_map(|(from, bytes)| bytes.iter().map(move |&byte| (*from, byte)));
+    let mut waiting = line.next();
+    for tick in 0..=script.ticks {
+        emulator.pause_listening(!(script.listening)(tick));
+        let Ok(order) = emulator.order() else {
+            broke_off = true;
+            break;
+        };
+        codes.push(order.code);
+        (script.disturb)(tick, &mut stage);
+        let mut reading = registers(stage.tick(f64::from(order.code) / steps));
+        if let Some((_, byte)) = waiting.filter(|(from, _)| *from <= tick) {
+            reading.byte = Some(byte);
+            waiting = line.next();
+        }
+        (script.falsify)(tick, &mut reading);
+        reading.quit = tick == script.ticks;
+        if emulator.reading(reading).is_err() {
+            broke_off = true;
+            break;
+        }
+    }
+    Ok(Record {
+        codes,
+        remains: emulator.finish(),
+        broke_off,
+    })
+}

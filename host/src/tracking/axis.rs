@@ -1,0 +1,158 @@
+//! The production controller on the simulated stage, tick by tick.
+
+use crate::stage::{Stage, StageConfig, StageError, interpolated_m};
+use preslide::control::{Coefficients, Command, Controller, Measurement, Move, Settings};
+use preslide::{Friction, ParamError, Units};
+
+/// Why a run could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum TrackingError {
+    /// The stage's configuration is not usable.
+    #[error(transparent)]
+    Stage(#[from] StageError),
+    /// The controller's settings or a friction model's parameters are not usable.
+    #[error("controller: {0}")]
+    Parameter(ParamError),
+    /// The identification experiment did not lead to a model.
+    #[error("identification: {0}")]
+    Identification(String),
+}
+
+impl From<ParamError> for TrackingError {
+    fn from(error: ParamError) -> Self {
+        Self::Parameter(error)
+    }
+}
+
+/// A motion in SI, to be planned for any arithmetic.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Step {
+    /// A move by `distance_m` at up to `speed_m_s`, reached in `ramp_s`.
+    Move {
+        /// Signed distance (m).
+        distance_m: f64,
+        /// Speed (m/s).
+        speed_m_s: f64,
+        /// Time to reach it (s).
+        ramp_s: f64,
+    },
+    /// Rest for this time (s).
+    Dwell(f64),
+}
+
+impl Step {
+    /// The planned move.
+    ///
+    /// # Errors
+    /// [`ParamError`] where the move cannot be planned.
+    pub fn plan<S: preslide::Scalar>(
+        &self,
+        settings: &Settings,
+        units: Units,
+    ) -> Result<Move<S>, ParamError> {
+        match *self {
+            Step::Move {
+                distance_m,
+                speed_m_s,
+                ramp_s,
+            } => Move::plan(
+                distance_m,
+                speed_m_s,
+                speed_m_s / ramp_s,
+                settings.encoder.count,
+                settings.sample_time,
+                units,
+            ),
+            Step::Dwell(time_s) => Move::dwell(time_s, settings.sample_time),
+        }
+    }
+}
+
+/// What one tick looked like from outside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Instant {
+    /// Which step of the motion was running.
+    pub step: usize,
+    /// The controller's decision.
+    pub command: Command,
+    /// The encoder's position before quantisation (m), for scoring.
+    pub encoder_m: f64,
+    /// True position of the mass (m), for scoring.
+    pub true_m: f64,
+    /// Winding current (A), which a drive with current sense measures.
+    pub current_a: f64,
+}
+
+/// The controller with the friction model `F` closed around a stage.
+pub struct Axis<F: Friction> {
+    controller: Controller<F, u32>,
+    stage: Stage,
+    steps: f64,
+    supply_code: f64,
+    /// Encoder position at the controller's zero (m).
+    origin_m: f64,
+}
+
+impl<F: Friction> Axis<F> {
+    /// Both at rest at the origin.
+    ///
+    /// # Errors
+    /// [`TrackingError`] where the settings or the stage's configuration are not usable.
+    pub fn try_new(
+        settings: &Settings,
+        friction: F,
+        units: Units,
+        stage: StageConfig,
+    ) -> Result<Self, TrackingError> {
+        let stage = Stage::try_new(stage)?;
+        let coefficients = Coefficients::try_new(settings, friction, units)?;
+        let first = stage.reading().count;
+        Ok(Self {
+            controller: Controller::new(coefficients, first.cast_unsigned()),
+            stage,
+            steps: settings.motor.steps,
+            supply_code: settings.supply_code,
+            origin_m: f64::from(first) * settings.encoder.count,
+        })
+    }
+
+    /// One tick: reads, decides, acts.
+    pub fn tick(&mut self) -> (Command, f64, f64, f64) {
+        let reading = self.stage.reading();
+        let true_m = self.stage.truth().position_m;
+        let encoder_m = interpolated_m(&self.stage.config().encoder, true_m) - self.origin_m;
+        let command = self.controller.tick(Measurement {
+            count: reading.count.cast_unsigned(),
+            // Saturating: what an ADC does.
+            supply: (reading.supply_v / self.supply_code).round() as u16,
+            late: false,
+        });
+        self.stage.tick(f64::from(command.code) / self.steps);
+        (command, encoder_m, true_m, reading.current_a)
+    }
+
+    /// Follows the moves one after the other and shows every tick to `observe`; ends early at a fault.
+    pub fn follow(&mut self, moves: &[Move<F::Scalar>], mut observe: impl FnMut(Instant)) {
+        for (step, &next) in moves.iter().enumerate() {
+            self.controller.start(next);
+            while !self.controller.is_idle() {
+                let (command, encoder_m, true_m, current_a) = self.tick();
+                observe(Instant {
+                    step,
+                    command,
+                    encoder_m,
+                    true_m,
+                    current_a,
+                });
+                if command.fault.is_some() {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// The stage, for scoring.
+    pub fn stage(&self) -> &Stage {
+        &self.stage
+    }
+}
