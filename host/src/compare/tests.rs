@@ -3,14 +3,20 @@
 use super::*;
 use crate::friction::FrictionModel;
 use crate::recording::{LoadOptions, load, load_csv};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use std::fmt::Write as _;
 use std::path::Path as FilePath;
 
 /// Integration steps per sample of the made recording.
 const FINE: usize = 40;
 
+/// Noise of the made recordings [N].
+const NOISE: f64 = 5e-3;
+
 /// A recording whose friction is `dF/dt` of the published equation, integrated by Heun's method, which shares
-/// nothing with the library's closed forms; the motion is two sines, so that strokes differ.
+/// nothing with the library's closed forms; the motion is two sines, so that strokes differ. The force carries
+/// uniform noise of ±[`NOISE`].
 ///
 /// `law(v, z)` is `dz/dt`, `force(v, z)` the friction.
 fn made(law: impl Fn(f64, f64) -> f64, force: impl Fn(f64, f64) -> f64) -> Recording {
@@ -18,10 +24,12 @@ fn made(law: impl Fn(f64, f64) -> f64, force: impl Fn(f64, f64) -> f64) -> Recor
     let place = |t: f64| 60e-6 * (2.0 * t).sin() + 25e-6 * (5.3 * t).sin();
     let speed = |t: f64| 120e-6 * (2.0 * t).cos() + 25e-6 * 5.3 * (5.3 * t).cos();
     let mut text = String::from("t_s,x_m,friction_N\n");
+    let mut random = ChaCha8Rng::seed_from_u64(1);
     let mut z = 0.0;
     for i in 0..samples {
         let t = i as f64 * sample_time;
-        let friction = force(speed(t), z) + 300.0 * speed(t) - 0.05;
+        let noise = random.random_range(-NOISE..NOISE);
+        let friction = force(speed(t), z) + 300.0 * speed(t) - 0.05 + noise;
         writeln!(text, "{t},{},{friction}", place(t)).unwrap();
         let h = sample_time / FINE as f64;
         for j in 0..FINE {
@@ -99,7 +107,8 @@ fn recovers_dahl() {
     near(n, exponent, 0.01);
     near(fit.model.viscous, 300.0, 0.05);
     near(fit.model.constant_force, -0.05, 0.01);
-    assert!(fit.nmse < 1e-4, "{}", fit.nmse);
+    // The noise's variance is NOISE²/3, about 0.002 % of the force's.
+    assert!(fit.nmse < 3e-3, "{}", fit.nmse);
     assert!(fit.at_edge.is_empty());
 }
 
@@ -138,7 +147,7 @@ fn finds_the_model_that_made_the_recording() {
     let progress = Progress::new("test", steps());
     let comparison = compare(&recording, &Options::default(), &progress).unwrap();
     let dahl = of_kind(&comparison, "Dahl");
-    assert!(dahl.nmse_test < 1e-3, "{}", dahl.nmse_test);
+    assert!(dahl.nmse_test < 3e-3, "{}", dahl.nmse_test);
     assert!(!dahl.memory.is_nonlocal());
     let gms = of_kind(&comparison, "GMS");
     assert!(gms.memory.is_nonlocal() && gms.nmse_test > dahl.nmse_test);
@@ -148,7 +157,11 @@ fn finds_the_model_that_made_the_recording() {
     assert!(json["models"][1]["loop_closure_N"].as_f64().unwrap() > 1e-3);
     let stiffness = &json["models"][1]["model"]["friction"]["stiffness_N_per_m"];
     near(stiffness.as_f64().unwrap(), 1e5, 0.02);
-    assert!(comparison.recommendation().starts_with("Use Dahl, n = 1"));
+    let recommendation = comparison.recommendation();
+    assert!(
+        recommendation.starts_with("Use Dahl, n = 1"),
+        "{recommendation}"
+    );
 }
 
 /// A real recording, or `None` and a loud line where there is none.
