@@ -61,7 +61,7 @@ pub fn registers(reading: EncoderReading) -> Reading {
         count: reading.count.cast_unsigned(),
         // Saturating casts: what an ADC does.
         supply: (reading.supply_v * 1e3).round() as u16,
-        current: (reading.current_a * 1e3).round() as i16,
+        current: (reading.current_a * 1e4).round() as i16,
         ..Reading::default()
     }
 }
