@@ -48,6 +48,9 @@ impl<S: Scalar> Friction for Coulomb<S> {
         } else {
             S::ZERO
         };
+        if self.viscous == S::ZERO {
+            return dry; // 0·∞ is NaN
+        }
         dry.add_input(self.viscous.mul_input(v))
     }
 

@@ -1,6 +1,6 @@
 //! Dahl's model (eq. 1): one state, a spring that yields gradually.
 
-use crate::param::{ParamError, Units, at_least, at_most, positive, to_scalar};
+use crate::param::{ParamError, Units, at_least, at_most, fits, positive, to_positive, to_scalar};
 use crate::{Friction, Motion, Scalar};
 
 /// `dF/dx = σ0·|1 − (F/F_c)·sgn v|ⁿ·sgn(1 − (F/F_c)·sgn v)` (eq. 1).
@@ -12,7 +12,8 @@ use crate::{Friction, Motion, Scalar};
 ///
 /// For `n < 1` the bracket reaches zero at a finite displacement, where the force is `F_c`. `|F| ≤ F_c` always.
 /// The model has no non-local memory: inner loops do not close (the paper, "Experimental set-up"). An
-/// exponent within 1e-4 of 1 is taken as 1.
+/// exponent within 1e-4 of 1 is taken as 1; in fixed point `e·κ·|dx|` also needs digits, so let `n` be 1 or
+/// differ from 1 by a tenth.
 #[derive(Clone, Debug)]
 pub struct Dahl<S = f32> {
     coulomb: S,
@@ -44,6 +45,8 @@ impl<S: Scalar> Dahl<S> {
         positive("Coulomb force", coulomb)?;
         at_least("exponent n", exponent, 0.1)?;
         at_most("exponent n", exponent, 5.0)?;
+        // On a reversal at full force, `u = 2`.
+        fits::<S>("u on a reversal", 2.0)?;
         let excess = if (exponent - 1.0).abs() < 1e-4 {
             0.0
         } else {
@@ -51,8 +54,8 @@ impl<S: Scalar> Dahl<S> {
         };
         let root = if excess == 0.0 { 0.0 } else { -1.0 / excess };
         Ok(Self {
-            coulomb: to_scalar("Coulomb force", coulomb / units.force)?,
-            per_length: to_scalar(
+            coulomb: to_positive("Coulomb force", coulomb / units.force)?,
+            per_length: to_positive(
                 "stiffness over Coulomb force",
                 stiffness * units.length / coulomb,
             )?,
@@ -83,10 +86,10 @@ impl<S: Scalar> Friction for Dahl<S> {
             } else if self.excess == S::ZERO {
                 u * (-path).exp()
             } else {
-                let bracket =
-                    S::ONE.add_input(self.excess.mul_input(path.mul_input(u.powf(self.excess))));
-                if bracket > S::ZERO {
-                    u.mul_input(bracket.powf(self.root))
+                // The bracket less 1, which keeps its digits where the exponent is near 1.
+                let growth = self.excess.mul_input(path.mul_input(u.powf(self.excess)));
+                if growth > -S::ONE {
+                    u.mul_input(self.root.mul_input(growth.ln_1p()).exp())
                 } else {
                     S::ZERO
                 }

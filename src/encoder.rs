@@ -1,6 +1,6 @@
 //! From a wrapping encoder count to displacement and velocity.
 
-use crate::param::{ParamError, Units, at_least, positive};
+use crate::param::{ParamError, Units, at_least, positive, to_positive};
 use crate::{Motion, Scalar};
 
 /// A raw reading of a quadrature counter that wraps around.
@@ -101,7 +101,7 @@ impl<S: Scalar> EncoderScale<S> {
     ///
     /// # Errors
     /// [`ParamError`] where a value is not finite or not positive, `timeout` is shorter than `window`, or one
-    /// count does not fit `S` in `units`.
+    /// count does not fit `S` in `units`, or one count per tick `f32`.
     pub fn try_new(
         count: f64,
         sample_time: f64,
@@ -116,10 +116,10 @@ impl<S: Scalar> EncoderScale<S> {
         positive("velocity timeout", timeout)?;
         at_least("velocity timeout", timeout, window)?;
         // Saturating casts: a window of more ticks than `u32` holds is as good as endless.
-        let ticks = |time: f64| libm::ceil(time / sample_time) as u32;
+        let ticks = |time: f64| (libm::ceil(time / sample_time) as u32).max(1);
         Ok(Self {
-            length: crate::param::to_scalar("length of a count", count / units.length)?,
-            velocity_per_tick: (count / sample_time / units.velocity) as f32,
+            length: to_positive("length of a count", count / units.length)?,
+            velocity_per_tick: to_positive("count per tick", count / sample_time / units.velocity)?,
             window: ticks(window),
             timeout: ticks(timeout),
         })

@@ -1,14 +1,19 @@
 //! The Generalized Maxwell-Slip model: N spring-slider blocks in parallel, with sliding dynamics.
 
-use crate::param::{Block, ParamError, Units, at_most, check_blocks, fits, positive, to_scalar};
+use crate::param::{
+    Block, ParamError, Units, at_most, check_blocks, fits, positive, to_positive, unsaturated,
+};
 use crate::stribeck::{Sliding, SpeedTable};
 use crate::{Friction, Motion, Scalar};
+use core::sync::atomic::{Ordering, compiler_fence};
 
 /// Stiffness and yield displacement of N blocks, in the model's units.
 #[derive(Clone, Debug)]
 pub(crate) struct Blocks<const N: usize, S> {
     pub(crate) stiffness: [S; N],
     pub(crate) yields: [S; N],
+    /// What |`F`| reaches: every product rounded as the run-time sum rounds it on its wider side.
+    pub(crate) limit: S,
 }
 
 impl<const N: usize, S: Scalar> Blocks<N, S> {
@@ -31,20 +36,21 @@ impl<const N: usize, S: Scalar> Blocks<N, S> {
             let displacement = block.yield_displacement(breakaway) / units.length;
             // On a reversal from slip a deflection changes by up to 2·D.
             fits::<S>("twice the yield displacement", 2.0 * displacement).map_err(of_block)?;
-            yields[i] = to_scalar("yield displacement", displacement).map_err(of_block)?;
-            stiffness[i] = to_scalar("stiffness", block.stiffness * units.length / units.force)
+            yields[i] = to_positive("yield displacement", displacement).map_err(of_block)?;
+            stiffness[i] = to_positive("stiffness", block.stiffness * units.length / units.force)
                 .map_err(of_block)?;
         }
-        let blocks = Self { stiffness, yields };
-        // Rounded stiffness times rounded yield, which is what the sum at run time can reach.
-        let reach: f64 = blocks
-            .stiffness
-            .iter()
-            .zip(&blocks.yields)
-            .map(|(k, d)| k.to_f64() * d.to_f64())
-            .sum();
-        fits::<S>("breakaway force", reach)?;
-        Ok(blocks)
+        // Fixed point products round down, so a negative force reaches further than a positive one.
+        let mut reach = S::ZERO;
+        for (k, d) in stiffness.iter().zip(&yields) {
+            reach = reach.add_input(k.mul_input(-*d));
+        }
+        let limit = unsaturated("breakaway force", reach)?;
+        Ok(Self {
+            stiffness,
+            yields,
+            limit,
+        })
     }
 
     /// `F = Σ k_i·z_i` (eq. 12).
@@ -75,7 +81,9 @@ impl<const N: usize, S: Scalar> Blocks<N, S> {
 /// have it stick when the velocity crosses zero, and so does this. A tick without motion is no crossing:
 /// with a quantised encoder most ticks of a slow slide have none. (c) "|F_i| < |W_i|" is tested in the
 /// direction of motion only: a block that unloads sticks even where a rising speed has lowered its limit
-/// below the force it still carries.
+/// below the force it still carries. (d) The law is discontinuous: a block that comes back to exactly its limit,
+/// as happens in encoder counts, slips or sticks by the last bit, and while the limit then rises the one lags
+/// where the other follows the motion. Two arithmetics can so differ for some ticks by up to `α_i·(F_s − F_c)`.
 ///
 /// The discretisation of (11) is its exact solution for a speed that is constant over the tick, so it is
 /// stable for every `C·T_s ≥ 0` (`C = ∞` means no lag), and `|z_i| ≤ D_i` always, hence `|F| ≤ ΣW`
@@ -103,10 +111,13 @@ pub struct Gms<const N: usize, S = f32> {
 }
 
 /// What a [`Gms`] remembers.
+///
+/// The deflections are kept along the direction of motion and the flags as bits, one word for all blocks: a block
+/// then costs two comparisons, whichever way the body moves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GmsState<const N: usize, S = f32> {
-    deflection: [S; N],
-    slipping: [bool; N],
+    along: [S; N],
+    slipping: u32,
     forward: bool,
 }
 
@@ -148,13 +159,19 @@ impl<const N: usize, S: Scalar> Gms<N, S> {
 
 impl<const N: usize, S: Scalar> GmsState<N, S> {
     /// The blocks' deflections `z_i`, in the model's units.
-    pub fn deflection(&self) -> &[S; N] {
-        &self.deflection
+    pub fn deflection(&self) -> [S; N] {
+        self.along.map(|z| if self.forward { z } else { -z })
     }
 
     /// Which blocks slip.
-    pub fn slipping(&self) -> &[bool; N] {
-        &self.slipping
+    pub fn slipping(&self) -> [bool; N] {
+        core::array::from_fn(|i| self.slipping >> i & 1 == 1)
+    }
+}
+
+impl<const N: usize, S: Scalar> GmsState<N, S> {
+    fn signed(&self, along: S) -> S {
+        if self.forward { along } else { -along }
     }
 }
 
@@ -163,48 +180,63 @@ impl<const N: usize, S: Scalar> Friction for Gms<N, S> {
     type State = GmsState<N, S>;
 
     fn at_rest(&self) -> Self::State {
+        const { assert!(N <= 32, "the slip flags of at most 32 blocks fit one word") };
         GmsState {
-            deflection: [S::ZERO; N],
-            slipping: [false; N],
+            along: [S::ZERO; N],
+            slipping: 0,
             forward: true,
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(&self, state: &mut Self::State, motion: Motion<S>) -> S {
         let dx = motion.displacement;
-        let moved = dx != S::ZERO;
-        if moved {
-            let forward = dx > S::ZERO;
-            if forward != state.forward {
-                state.forward = forward;
-                state.slipping = [false; N];
+        let mut advance = state.signed(dx);
+        if advance == S::ZERO {
+            if motion.velocity == S::ZERO {
+                return state.signed(self.blocks.force(&state.along));
             }
-        } else if motion.velocity == S::ZERO {
-            return self.blocks.force(&state.deflection);
+        } else if !(advance > S::ZERO) {
+            state.forward = !state.forward;
+            state.slipping = 0;
+            state.along = state.along.map(|z| -z);
+            advance = dx.magnitude();
         }
         let [weakening, lag] = self.sliding.at(motion.velocity);
-        let forward = state.forward;
-        let along = |value: S| if forward { value } else { -value };
-        let advance = dx.magnitude();
-
+        let mut slipping = state.slipping;
+        let mut force = S::ZERO;
+        // One block behind: the compiler then multiplies and adds, one cycle each, where a multiply-accumulate takes
+        // three on a Cortex-M4.
+        let mut product = S::ZERO;
         for i in 0..N {
-            let largest = self.blocks.yields[i];
-            let bound = largest * weakening;
-            let old = along(state.deflection[i]);
-            let stuck = old.add_input(advance);
-            let sticks = !state.slipping[i] && stuck < bound;
-            let enters = !state.slipping[i] && old < bound;
-            let start = if enters { bound } else { old };
-            let slid = start + lag * (bound - start);
-            let slid = if slid < largest { slid } else { largest };
-            state.slipping[i] = !sticks;
-            state.deflection[i] = along(if sticks { stuck } else { slid });
+            let bound = self.blocks.yields[i] * weakening;
+            let mut z = state.along[i];
+            if slipping >> i & 1 == 1 {
+                z = z + lag * (bound - z);
+            } else {
+                z = z.add_input(advance);
+                if !(z < bound) {
+                    slipping |= 1 << i;
+                    // Read again rather than kept, which would cost every sticking block a copy.
+                    compiler_fence(Ordering::SeqCst);
+                    let old = state.along[i];
+                    z = if old < bound {
+                        bound
+                    } else {
+                        old + lag * (bound - old)
+                    };
+                }
+            }
+            state.along[i] = z;
+            force = if i > 0 { force + product } else { force };
+            product = self.blocks.stiffness[i] * z;
         }
-        self.blocks.force(&state.deflection)
+        force = force + product;
+        state.slipping = slipping;
+        state.signed(force)
     }
 
     fn limit(&self) -> Option<S> {
-        Some(self.blocks.force(&self.blocks.yields))
+        Some(self.blocks.limit)
     }
 }

@@ -1,6 +1,8 @@
 //! Hsieh and Pan's model (eqs. 4–6): a nonlinear spring with memory in series with a plastic module.
 
-use crate::param::{ParamError, Units, at_most, not_negative, positive, to_scalar};
+use crate::param::{
+    ParamError, Units, at_most, fits, not_negative, positive, to_positive, to_scalar,
+};
 use crate::{Friction, Motion, Scalar};
 
 /// Reversal points that [`HsiehState`] can remember; see there.
@@ -40,6 +42,9 @@ pub struct HsiehParams {
 /// the caller's velocity less the plastic rate: differenced at 20 kHz, `C_v = 5000` would turn one 25 nm count
 /// into 2.5 N. (c) The branch after a reversal has the virgin branch's own shape and is not doubled (Masing),
 /// as eq. (4) is printed; loops close all the same because a branch is odd in `d`.
+///
+/// A displacement that is not finite, or that would take the float out of its range, is ignored; fixed point
+/// saturates.
 ///
 /// For identification and comparison on the host. A step costs one exponential and one power while elastic,
 /// and twenty of each while yielding: too slow for most control ticks, as the paper says of it.
@@ -105,22 +110,23 @@ impl<S: Scalar> Hsieh<S> {
         positive("hardening exponent", params.hardening_exponent)?;
         at_most("hardening exponent", params.hardening_exponent, 20.0)?;
         positive("sample time", sample_time)?;
+        fits::<S>("one", 1.0)?;
         let power_unit = libm::pow(units.force, params.hardening_exponent);
         Ok(Self {
-            k1: to_scalar("k1", params.k1 * units.length / units.force)?,
+            k1: to_positive("k1", params.k1 * units.length / units.force)?,
             saturation: to_scalar("k2/beta", params.k2 / params.beta / units.force)?,
-            beta: to_scalar("beta", params.beta * units.length)?,
+            beta: to_positive("beta", params.beta * units.length)?,
             viscous: to_scalar(
                 "viscous coefficient",
                 params.viscous * units.velocity / units.force,
             )?,
             creep: to_scalar("creep per tick", -libm::expm1(-params.creep * sample_time))?,
-            per_hardening: to_scalar(
+            per_hardening: to_positive(
                 "force per hardening",
                 power_unit / params.hardening / units.length,
             )?,
             exponent: to_scalar("hardening exponent", params.hardening_exponent)?,
-            rate: to_scalar(
+            rate: to_positive(
                 "ticks per second",
                 units.length / (sample_time * units.velocity),
             )?,
@@ -129,10 +135,16 @@ impl<S: Scalar> Hsieh<S> {
 
     /// The branch that the spring is on once it has moved to `spring`.
     fn branch(&self, state: &HsiehState<S>, spring: S) -> Branch {
-        let up = spring > state.spring;
+        let up = if spring == state.spring {
+            state.up
+        } else {
+            spring > state.spring
+        };
+        // The first motion leaves the origin in either direction without turning.
+        let untouched = state.count == 1 && state.spring == S::ZERO;
         let mut branch = Branch {
             count: state.count,
-            turned: spring != state.spring && up != state.up,
+            turned: up != state.up && !untouched,
         };
         loop {
             // The loop closes at the reversal before the one that the branch starts from. The first entry is
@@ -168,10 +180,11 @@ impl<S: Scalar> Hsieh<S> {
         } else {
             state.reversals[branch.count - 1]
         };
-        let d = spring - from.displacement;
+        let d = spring.sub_input(from.displacement);
         let faded = S::ONE - (-self.beta.mul_input(d.magnitude())).exp();
         let curved = self.saturation * faded;
-        from.force + self.k1 * d + if d < S::ZERO { -curved } else { curved }
+        let curved = if d < S::ZERO { -curved } else { curved };
+        from.force.add_input(self.k1.mul_input(d)).add_input(curved)
     }
 
     /// Growth of the work hardening in a tick at the force `force` (eq. 5).
@@ -213,30 +226,40 @@ impl<S: Scalar> Friction for Hsieh<S> {
         let mut force = self.spring_force(state, branch, spring);
         let mut growth = self.growth(state.hardened, force);
         if growth > S::ZERO {
-            let sign = |value: S| if force < S::ZERO { -value } else { value };
-            // `spring + sign·growth(force(spring))` rises with `spring`: the root lies between these two.
+            let pulls = force < S::ZERO;
+            let after = |yielded: S| {
+                if pulls {
+                    elastic.add_input(yielded)
+                } else {
+                    elastic.sub_input(yielded)
+                }
+            };
+            // `spring + sgn(F)·growth(force(spring))` rises with `spring`: the root lies between these two.
             let (mut yielded, mut width) = (growth, growth);
             for _ in 0..BISECTIONS {
                 width = width.half();
-                spring = elastic - sign(yielded);
+                spring = after(yielded);
                 branch = self.branch(state, spring);
                 let trial = self.spring_force(state, branch, spring);
-                let pushes = if sign(trial) > S::ZERO {
-                    trial
+                growth = if (trial < S::ZERO) == pulls {
+                    self.growth(state.hardened, trial)
                 } else {
                     S::ZERO
                 };
-                growth = self.growth(state.hardened, pushes);
                 yielded = if growth > yielded {
-                    yielded + width
+                    yielded.add_input(width)
                 } else {
                     yielded - width
                 };
             }
             growth = yielded;
-            spring = elastic - sign(yielded);
+            spring = after(yielded);
             branch = self.branch(state, spring);
             force = self.spring_force(state, branch, spring);
+        }
+        let outcome = force.magnitude().add_input(growth);
+        if outcome.sub_input(outcome) != S::ZERO {
+            return state.force; // not finite: the input was not, or took the float out of its range
         }
 
         if branch.turned {
@@ -256,12 +279,14 @@ impl<S: Scalar> Friction for Hsieh<S> {
             state.up = spring > state.spring;
         }
         state.spring = spring;
-        state.hardened = state.hardened + growth;
+        state.hardened = state.hardened.add_input(growth);
         state.force = force;
-        let plastic = self
-            .rate
-            .mul_input(if force < S::ZERO { -growth } else { growth });
-        force.add_input(self.viscous.mul_input(motion.velocity.add_input(-plastic)))
+        if self.viscous == S::ZERO {
+            return force;
+        }
+        let against = if force < S::ZERO { growth } else { -growth };
+        let rate = motion.velocity.add_input(self.rate.mul_input(against));
+        force.add_input(self.viscous.mul_input(rate))
     }
 
     fn limit(&self) -> Option<S> {

@@ -12,6 +12,7 @@
 //! | [`LuGre`] | eqs. (2)–(3) | one state |
 //! | [`Hsieh`] | eqs. (4)–(6) | non-local, creep |
 //! | [`Coulomb`] | `F_c·sgn v + b·v`, the baseline | none |
+//! | [`kernels`] | the two Maxwell-slip laws in whole numbers, for a cycle budget | non-local |
 //!
 //! The way through the crate is the way of the signal: an encoder [`Count`] becomes a [`Motion`]
 //! ([`CountTracker`], [`EncoderScale`]), a [`Friction`] model turns that into a force; [`control`] is the loop around
@@ -39,6 +40,8 @@
 //! # Ok::<(), preslide::ParamError>(())
 //! ```
 #![no_std]
+// `!(a < b)` is meant: NaN has to take the branch that bounds it, without the cost of `partial_cmp`.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
 #![warn(missing_docs)]
 
 mod param;
@@ -57,6 +60,8 @@ mod gms;
 mod hsieh;
 mod lugre;
 mod quasi_static;
+
+pub mod kernels;
 
 pub use coulomb::Coulomb;
 pub use dahl::{Dahl, DahlState};

@@ -1,6 +1,8 @@
 //! The LuGre model (eqs. 2–3): bristles with an average deflection.
 
-use crate::param::{ParamError, Units, fits, not_negative, positive, to_scalar};
+use crate::param::{
+    ParamError, Units, fits, not_negative, positive, to_positive, to_scalar, unsaturated,
+};
 use crate::stribeck::{Sliding, SpeedTable};
 use crate::{Friction, Motion, Scalar};
 
@@ -20,6 +22,8 @@ pub struct LuGre<S = f32> {
     stiffness: S,
     damping: S,
     largest: S,
+    /// What |`σ0·z`| reaches.
+    limit: S,
     /// `g(v)` and `1/g(v)`.
     deflection: SpeedTable<S>,
 }
@@ -50,11 +54,15 @@ impl<S: Scalar> LuGre<S> {
         sliding.check(breakaway)?;
         let largest = breakaway / stiffness / units.length;
         fits::<S>("twice the largest deflection", 2.0 * largest)?;
-        fits::<S>("breakaway force", breakaway / units.force)?;
+        let scaled_stiffness: S = to_positive("stiffness", stiffness * units.length / units.force)?;
+        let scaled_largest: S = to_positive("largest deflection", largest)?;
+        // Fixed point products round down, so a negative force reaches further than a positive one.
+        let reach = scaled_stiffness.mul_input(-scaled_largest);
         Ok(Self {
-            stiffness: to_scalar("stiffness", stiffness * units.length / units.force)?,
+            stiffness: scaled_stiffness,
             damping: to_scalar("damping", damping * units.velocity / units.force)?,
-            largest: to_scalar("largest deflection", largest)?,
+            largest: scaled_largest,
+            limit: unsaturated("breakaway force", reach)?,
             deflection: SpeedTable::try_new(
                 &sliding,
                 breakaway,
@@ -89,12 +97,16 @@ impl<S: Scalar> Friction for LuGre<S> {
             let z = end + (state.deflection - end) * decay;
             state.deflection = z.limited(self.largest);
         }
-        let strain = state.deflection * per_steady;
-        let rate = v.add_input(-v.magnitude().mul_input(strain));
-        (self.stiffness * state.deflection).add_input(self.damping.mul_input(rate))
+        let elastic = self.stiffness * state.deflection;
+        if self.damping == S::ZERO {
+            return elastic;
+        }
+        let strain = state.deflection.mul_input(per_steady);
+        let rate = v.sub_input(v.magnitude().mul_input(strain));
+        elastic.add_input(self.damping.mul_input(rate))
     }
 
     fn limit(&self) -> Option<S> {
-        (self.damping == S::ZERO).then_some(self.stiffness * self.largest)
+        (self.damping == S::ZERO).then_some(self.limit)
     }
 }

@@ -178,12 +178,36 @@ pub(crate) fn to_scalar<S: Scalar>(name: &'static str, value: f64) -> Result<S, 
     Ok(scalar)
 }
 
+/// The same for a value that is positive, refusing also one that has already vanished in `f64`.
+pub(crate) fn to_positive<S: Scalar>(name: &'static str, value: f64) -> Result<S, ParamError> {
+    let scalar = to_scalar(name, value)?;
+    if scalar > S::ZERO {
+        Ok(scalar)
+    } else {
+        Err(refuse(name, value, Bound::Resolvable))
+    }
+}
+
 /// Refuses a bound on a run-time result that the number type could not hold.
 pub(crate) fn fits<S: Scalar>(name: &'static str, value: f64) -> Result<(), ParamError> {
     if value.abs() <= S::greatest() {
         Ok(())
     } else {
         Err(refuse(name, value, Bound::Representable(S::greatest())))
+    }
+}
+
+/// The magnitude of a result that was computed with saturation, refusing one at the range's end.
+pub(crate) fn unsaturated<S: Scalar>(name: &'static str, result: S) -> Result<S, ParamError> {
+    let magnitude = result.magnitude();
+    if magnitude.to_f64() < S::greatest() {
+        Ok(magnitude)
+    } else {
+        Err(refuse(
+            name,
+            result.to_f64(),
+            Bound::Representable(S::greatest()),
+        ))
     }
 }
 

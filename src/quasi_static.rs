@@ -63,6 +63,6 @@ impl<const N: usize, S: Scalar> Friction for QuasiStaticGms<N, S> {
     }
 
     fn limit(&self) -> Option<S> {
-        Some(self.blocks.force(&self.blocks.yields))
+        Some(self.blocks.limit)
     }
 }

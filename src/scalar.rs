@@ -9,7 +9,7 @@ use fixed::{FixedI32, FixedI64};
 ///
 /// Floats follow IEEE 754. Fixed point numbers use the plain operators only where construction has proved
 /// that the result fits, and saturate where a quantity from outside enters ([`Scalar::add_input`],
-/// [`Scalar::mul_input`], [`Scalar::magnitude`]), so that no input can overflow.
+/// [`Scalar::sub_input`], [`Scalar::mul_input`], [`Scalar::magnitude`]), so that no input can overflow.
 pub trait Scalar:
     Copy
     + PartialOrd
@@ -37,7 +37,7 @@ pub trait Scalar:
     /// `self + input`, saturating at the range's ends instead of wrapping.
     fn add_input(self, input: Self) -> Self;
 
-    /// `self - input`, saturating at the range's ends.
+    /// `self − input`, saturating at the range's ends instead of wrapping.
     fn sub_input(self, input: Self) -> Self;
 
     /// `self · input`, saturating at the range's ends.
@@ -49,6 +49,9 @@ pub trait Scalar:
     /// `eˢᵉˡᶠ`. Fixed point goes through `libm`'s software `f32`: the same bits on every machine, and slow
     /// on a core without a float unit.
     fn exp(self) -> Self;
+
+    /// `ln(1 + self)` for `self > −1`; see [`Scalar::exp`] for fixed point.
+    fn ln_1p(self) -> Self;
 
     /// `selfᵖ` for `self ≥ 0`; see [`Scalar::exp`] for fixed point.
     fn powf(self, p: Self) -> Self;
@@ -84,7 +87,7 @@ pub trait Scalar:
 }
 
 macro_rules! float_scalar {
-    ($t:ty, $exp:path, $pow:path) => {
+    ($t:ty, $exp:path, $ln_1p:path, $pow:path) => {
         impl Scalar for $t {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -115,11 +118,15 @@ macro_rules! float_scalar {
             }
             #[inline]
             fn magnitude(self) -> Self {
-                if self < 0.0 { -self } else { self }
+                self.abs()
             }
             #[inline]
             fn exp(self) -> Self {
                 $exp(self)
+            }
+            #[inline]
+            fn ln_1p(self) -> Self {
+                $ln_1p(self)
             }
             #[inline]
             fn powf(self, p: Self) -> Self {
@@ -154,8 +161,8 @@ macro_rules! float_scalar {
     };
 }
 
-float_scalar!(f32, libm::expf, libm::powf);
-float_scalar!(f64, libm::exp, libm::pow);
+float_scalar!(f32, libm::expf, libm::log1pf, libm::powf);
+float_scalar!(f64, libm::exp, libm::log1p, libm::pow);
 
 macro_rules! fixed_scalar {
     ($t:ident, $bound:ident) => {
@@ -201,12 +208,15 @@ macro_rules! fixed_scalar {
             fn exp(self) -> Self {
                 Self::from_f32(libm::expf(self.to_num()))
             }
+            fn ln_1p(self) -> Self {
+                Self::from_f32(libm::log1pf(self.to_num()))
+            }
             fn powf(self, p: Self) -> Self {
                 Self::from_f32(libm::powf(self.to_num(), p.to_num()))
             }
             #[inline]
             fn to_index(self, max: usize) -> usize {
-                let whole = self.to_bits() >> Frac::U32;
+                let whole = self.to_bits().checked_shr(Frac::U32).unwrap_or(0); // no whole part in `I0F32`
                 if whole <= 0 {
                     0
                 } else if (whole as u64) < max as u64 {

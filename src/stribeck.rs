@@ -1,7 +1,9 @@
 //! Velocity weakening `s(v)`, tabulated: no exponential and no division in the control tick.
 
 use crate::Scalar;
-use crate::param::{ParamError, at_least, at_most, not_negative, positive, to_scalar};
+use crate::param::{
+    ParamError, at_least, at_most, fits, not_negative, positive, to_positive, to_scalar,
+};
 
 /// Sliding behaviour above breakaway: the Stribeck curve and the frictional lag.
 ///
@@ -37,6 +39,12 @@ impl Sliding {
         share + (1.0 - share) * libm::exp(-decay)
     }
 
+    /// The speed (m/s) at which the exponential has fallen to 1e-4.
+    pub(crate) fn levelled(&self) -> f64 {
+        const DECAYED: f64 = 9.210_340_371_976_184; // ln 1e4
+        self.stribeck_velocity * libm::pow(DECAYED, 1.0 / self.stribeck_exponent)
+    }
+
     pub(crate) fn check(&self, breakaway: f64) -> Result<(), ParamError> {
         positive("Coulomb force", self.coulomb)?;
         at_most("Coulomb force", self.coulomb, breakaway)?;
@@ -56,8 +64,8 @@ const INTERVALS: usize = 64;
 /// Two functions of speed on one uniform table with linear interpolation.
 ///
 /// It reaches up to the speed where the exponential has fallen to 1e-4 and is flat beyond. Its error in
-/// `s(v)/F_s` is at most `3e-3·(1 − F_c/F_s)`, largest at `δ = 1` (`host-tests` assert it); a cusp sharper
-/// than that would need finer nodes near standstill, so `δ < 1` is refused.
+/// `s(v)/F_s` is at most `4e-3·(1 − F_c/F_s)`, largest at `δ = 1.3`, and `6e-4·(1 − F_c/F_s)` at `δ ≥ 2`
+/// (`host-tests` assert it); a cusp sharper than `δ = 1` would need finer nodes near standstill and is refused.
 #[derive(Clone, Debug)]
 pub(crate) struct SpeedTable<S> {
     nodes: [[S; 2]; INTERVALS + 1],
@@ -73,8 +81,10 @@ impl<S: Scalar> SpeedTable<S> {
         names: [&'static str; 2],
         functions: impl Fn(f64) -> [f64; 2],
     ) -> Result<Self, ParamError> {
-        const DECAYED: f64 = 9.210_340_371_976_184; // ln 1e4
-        let end = sliding.stribeck_velocity * libm::pow(DECAYED, 1.0 / sliding.stribeck_exponent);
+        // A place in the table is computed in `S`: a type that cannot count the intervals would never reach
+        // its end, and slide with too much friction.
+        fits::<S>("number of Stribeck table intervals", INTERVALS as f64)?;
+        let end = sliding.levelled();
         let mut nodes = [[S::ZERO; 2]; INTERVALS + 1];
         for (j, node) in nodes.iter_mut().enumerate() {
             let speed = end * j as f64 / INTERVALS as f64;
@@ -85,30 +95,32 @@ impl<S: Scalar> SpeedTable<S> {
             };
             let values = functions(weakening);
             *node = [
-                to_scalar(names[0], values[0])?,
+                to_positive(names[0], values[0])?,
                 to_scalar(names[1], values[1])?,
             ];
         }
         Ok(Self {
             nodes,
-            per_velocity: to_scalar(
+            per_velocity: to_positive(
                 "Stribeck table nodes per velocity unit",
                 INTERVALS as f64 / end * velocity_unit,
             )?,
         })
     }
 
-    /// Both functions at the velocity `v` (its sign does not matter; NaN counts as standstill).
+    /// Both functions at the velocity `v` (its sign does not matter; NaN counts as fast).
     #[inline]
     pub(crate) fn at(&self, v: S) -> [S; 2] {
         let place = v.magnitude().mul_input(self.per_velocity);
-        let j = place.to_index(INTERVALS);
-        if j >= INTERVALS {
-            return self.nodes[INTERVALS];
+        let flat = || self.nodes[INTERVALS];
+        if !(place < S::from_int(INTERVALS as i32)) {
+            return flat();
         }
+        let j = place.to_index(INTERVALS);
+        let (Some(low), Some(high)) = (self.nodes.get(j), self.nodes.get(j + 1)) else {
+            return flat();
+        };
         let part = place - S::from_int(j as i32);
-        let part = if part > S::ZERO { part } else { S::ZERO };
-        let [low, high] = [self.nodes[j], self.nodes[j + 1]];
         [
             low[0] + part * (high[0] - low[0]),
             low[1] + part * (high[1] - low[1]),

@@ -14,25 +14,25 @@ pub const MOST_BLOCKS: usize = 16;
 pub enum FrictionModel {
     /// [`Coulomb`]; viscous friction is kept beside every model, see [`crate::model::Model`].
     Coulomb {
-        /// `F_c` [N].
+        /// `F_c` (N).
         coulomb: f64,
     },
     /// [`Dahl`].
     Dahl {
-        /// `σ0` [N/m].
+        /// `σ0` (N/m).
         stiffness: f64,
-        /// `F_c` [N].
+        /// `F_c` (N).
         coulomb: f64,
-        /// `n` [-].
+        /// `n` (-).
         exponent: f64,
     },
     /// [`LuGre`].
     LuGre {
-        /// `σ0` [N/m].
+        /// `σ0` (N/m).
         stiffness: f64,
-        /// `σp` [N·s/m].
+        /// `σp` (N·s/m).
         damping: f64,
-        /// `F_s` [N].
+        /// `F_s` (N).
         breakaway: f64,
         /// Stribeck curve.
         sliding: Sliding,
@@ -41,7 +41,7 @@ pub enum FrictionModel {
     Hsieh(HsiehParams),
     /// [`QuasiStaticGms`], or [`Gms`] where `sliding` is given.
     Gms {
-        /// `F_s` [N].
+        /// `F_s` (N).
         breakaway: f64,
         /// 1…[`MOST_BLOCKS`] blocks.
         blocks: Vec<Block>,
@@ -53,18 +53,18 @@ pub enum FrictionModel {
 /// A motion to run a model along.
 #[derive(Clone, Copy)]
 pub struct Path<'a> {
-    /// Position [m or rad].
+    /// Position (m or rad).
     pub position: &'a [f64],
-    /// Velocity [m/s or rad/s].
+    /// Velocity (m/s or rad/s).
     pub velocity: &'a [f64],
     /// Contiguous samples; a model keeps its state from one to the next.
     pub pieces: &'a [Range<usize>],
-    /// Time between samples [s].
+    /// Time between samples (s).
     pub sample_time: f64,
 }
 
 impl Path<'_> {
-    /// The force [N or N·m] of `model` at every sample, from rest.
+    /// The force (N or N·m) of `model` at every sample, from rest.
     fn run<M: Friction<Scalar = f64>>(&self, model: &M) -> Vec<f64> {
         let mut state = model.at_rest();
         let mut force = vec![0.0; self.position.len()];
@@ -114,7 +114,7 @@ impl FrictionModel {
         }
     }
 
-    /// A quasi-static GMS from stiffnesses [N/m] and yield displacements [m].
+    /// A quasi-static GMS from stiffnesses (N/m) and yield displacements (m).
     pub fn maxwell_slip(stiffness: &[f64], yields: &[f64]) -> Self {
         let breakaway: f64 = stiffness.iter().zip(yields).map(|(k, d)| k * d).sum();
         Self::Gms {

@@ -20,7 +20,7 @@ const MARGIN: f64 = 5.0;
 
 /// A zero-phase low-pass and its derivatives, for the pieces of one recording.
 ///
-/// Works in the frequency domain on samples spaced evenly at the median sample time, each piece continued at its
+/// Works in the frequency domain on samples spaced evenly at the piece's median sample time, each piece continued at its
 /// ends by point reflection, which keeps value and slope. Pieces with uneven time stamps are interpolated
 /// linearly to that spacing and back.
 pub struct ZeroPhase {
@@ -41,8 +41,19 @@ struct Piece {
 }
 
 impl Piece {
-    fn new(t_s: &[f64], rows: Range<usize>, sample_time: f64, cutoff_hz: f64) -> Self {
+    /// `usual` is the recording's sample time, for a piece that has none of its own. The others keep to theirs,
+    /// so that runs of very different rates stay as long as they are.
+    fn new(
+        planner: &mut RealFftPlanner<f64>,
+        t_s: &[f64],
+        rows: Range<usize>,
+        usual: f64,
+        cutoff_hz: f64,
+    ) -> Self {
         let t = &t_s[rows.clone()];
+        let mut steps: Vec<f64> = t.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        steps.sort_by(f64::total_cmp);
+        let sample_time = steps.get(steps.len() / 2).copied().unwrap_or(usual);
         let places: Vec<f64> = t.iter().map(|t_i| (t_i - t[0]) / sample_time).collect();
         let even = places
             .iter()
@@ -52,7 +63,6 @@ impl Piece {
         let margin = (MARGIN / (cutoff_hz * sample_time)).ceil() as usize;
         let margin = margin.min(length.saturating_sub(1));
         let size = smooth_size(length + 2 * margin + 2);
-        let mut planner = RealFftPlanner::new();
         Self {
             rows,
             uneven: (!even).then_some(places),
@@ -162,14 +172,17 @@ fn interpolate(places: &[f64], values: &[f64], length: usize) -> Vec<f64> {
 impl ZeroPhase {
     /// A filter with the cut-off (−6 dB) `cutoff_hz` for the samples of `recording`.
     pub fn new(recording: &Recording, cutoff_hz: f64) -> Self {
-        let sample_time = recording.sample_time_s();
+        let usual = recording.sample_time_s();
+        let mut planner = RealFftPlanner::new();
         Self {
             cutoff_hz,
             pieces: recording
                 .pieces
                 .iter()
                 .filter(|rows| !rows.is_empty())
-                .map(|rows| Piece::new(&recording.t_s, rows.clone(), sample_time, cutoff_hz))
+                .map(|rows| {
+                    Piece::new(&mut planner, &recording.t_s, rows.clone(), usual, cutoff_hz)
+                })
                 .collect(),
             samples: recording.t_s.len(),
         }
@@ -187,7 +200,13 @@ impl ZeroPhase {
             return Self::new(recording, highest);
         };
         let lowest = (10.0 / (longest.len() as f64 * sample_time)).min(highest);
-        let piece = Piece::new(&recording.t_s, longest.clone(), sample_time, lowest);
+        let piece = Piece::new(
+            &mut RealFftPlanner::new(),
+            &recording.t_s,
+            longest.clone(),
+            sample_time,
+            lowest,
+        );
         let power: Vec<f64> = piece
             .spectrum(&recording.position[longest.clone()])
             .iter()
@@ -215,7 +234,7 @@ impl ZeroPhase {
         Self::new(recording, cutoff)
     }
 
-    /// The cut-off (−6 dB) [Hz].
+    /// The cut-off (−6 dB) (Hz).
     pub fn cutoff_hz(&self) -> f64 {
         self.cutoff_hz
     }

@@ -1,6 +1,8 @@
 //! From a recording to the parameters of a real-time friction model, and to its simulation.
 
 pub mod capture;
+pub mod compare;
+pub mod demo;
 pub mod friction;
 pub mod identify;
 pub mod kinematics;
@@ -9,6 +11,8 @@ pub mod nmse;
 pub mod progress;
 pub mod recording;
 pub mod report;
+pub mod reproduce;
 pub mod rig;
+pub mod simulate;
 pub mod stage;
 pub mod tracking;

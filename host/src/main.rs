@@ -18,12 +18,20 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
+    Demo(commands::demo::Demo),
+    Compare(commands::compare::Compare),
     Identify(commands::identify::Identify),
+    Reproduce(commands::reproduce::Reproduce),
+    Simulate(commands::simulate::Simulate),
 }
 
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
+        Command::Demo(command) => command.run(),
+        Command::Compare(command) => command.run(),
         Command::Identify(command) => command.run(),
+        Command::Reproduce(command) => command.run(),
+        Command::Simulate(command) => command.run(),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

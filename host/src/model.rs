@@ -16,13 +16,13 @@ pub const SCHEMA: &str = "preslide.model/1";
 pub struct Model {
     /// Linear or rotary.
     pub motion: MotionKind,
-    /// Mass [kg] or inertia [kg·m²]; 0 where it is not known.
+    /// Mass (kg) or inertia (kg·m²); 0 where it is not known.
     pub inertia: f64,
-    /// Viscous coefficient [N·s/m or N·m·s/rad].
+    /// Viscous coefficient (N·s/m or N·m·s/rad).
     pub viscous: f64,
     /// The friction model.
     pub friction: FrictionModel,
-    /// Effect `constant_force` [N or N·m]: gravity, tilt, current offset.
+    /// Effect `constant_force` (N or N·m): gravity, tilt, current offset.
     pub constant_force: f64,
     /// Known lengths and periods of the drive, by key.
     pub mechanics: Vec<(String, f64)>,
@@ -211,7 +211,8 @@ impl Model {
         };
         let mut constant_force = 0.0;
         for (i, effect) in file.effects.iter().enumerate() {
-            constant_force += read_effect(effect).map_err(|e| format!("effects[{}].{e}", i + 1))?;
+            constant_force += read_effect(effect, &say("force_N"))
+                .map_err(|e| format!("effects[{}].{e}", i + 1))?;
         }
         let MechanicsToml {
             screw_lead_m,
@@ -277,7 +278,7 @@ impl Model {
         let still = Path {
             position: &[0.0],
             velocity: &[0.0],
-            pieces: &[0..1],
+            pieces: std::slice::from_ref(&(0..1)),
             sample_time: 1e-3,
         };
         match self.friction.force(still) {
@@ -286,7 +287,7 @@ impl Model {
         }
     }
 
-    /// Friction, viscous and constant force [N or N·m] at every sample, without inertia.
+    /// Friction, viscous and constant force (N or N·m) at every sample, without inertia.
     ///
     /// # Errors
     /// [`preslide::ParamError`] where the library refuses a parameter.
@@ -550,7 +551,9 @@ impl FrictionModel {
 }
 
 /// The force of an effect, all that is known of effects so far.
-fn read_effect(effect: &toml::Table) -> Result<f64, String> {
+///
+/// `named` is what the file calls `force_N`.
+fn read_effect(effect: &toml::Table, named: &str) -> Result<f64, String> {
     match effect.get("id").and_then(toml::Value::as_str) {
         Some("constant_force") => {}
         Some(other) => {
@@ -565,11 +568,11 @@ fn read_effect(effect: &toml::Table) -> Result<f64, String> {
         .find(|key| !["id", "force_N"].contains(&key.as_str()))
     {
         return Err(format!(
-            "{key}: unknown key; constant_force has force_N only"
+            "{key}: unknown key; constant_force has {named} only"
         ));
     }
     effect
         .get("force_N")
         .and_then(|v| v.as_float().or_else(|| v.as_integer().map(|i| i as f64)))
-        .ok_or_else(|| "force_N: missing or not a number".to_owned())
+        .ok_or_else(|| format!("{named}: missing or not a number"))
 }

@@ -9,10 +9,10 @@ mod price;
 mod recorder;
 mod table;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
-use crate::process::{output, root, run};
+use crate::process::{cargo, output, root, run};
 use crate::thumb::{TARGET, Toolchain};
 use crate::tools::Need;
 use disassembly::Disassembly;
@@ -94,6 +94,7 @@ fn measure() -> Result<(Vec<String>, Vec<Row>), String> {
 
     let mut rows = Vec::new();
     let mut seed = "";
+    let mut checksums = BTreeMap::new();
     for line in recording.printed.lines() {
         let words: Vec<&str> = line.split(' ').collect();
         match words[..] {
@@ -110,19 +111,22 @@ fn measure() -> Result<(Vec<String>, Vec<Row>), String> {
                 state,
                 "force_rms",
                 _,
+                "checksum",
+                checksum,
             ] => {
                 let number = |text: &str| {
                     text.parse::<u32>()
                         .map_err(|error| format!("`{line}`: {error}"))
                 };
                 let (blocks, calls) = (number(blocks)?, number(calls)?);
+                let recorded = |name: &str| {
+                    let mut functions = disassembly.functions_named(PREFIX);
+                    let (entry, _) = functions.find(|(_, found)| *found == name)?;
+                    recording.paths.get(&entry)
+                };
                 let name = format!("{kernel}__{blocks}");
-                let entry = disassembly
-                    .functions_named(PREFIX)
-                    .find(|(_, found)| *found == name);
-                let paths = entry.and_then(|(address, _)| recording.paths.get(&address));
-                let paths =
-                    paths.ok_or_else(|| format!("no call of {PREFIX}{name} was recorded"))?;
+                let paths = recorded(&name)
+                    .ok_or_else(|| format!("no call of {PREFIX}{name} was recorded"))?;
                 let mut row = price_paths(&disassembly, paths)?;
                 if row.calls != calls {
                     // The linker folds functions of equal code: their calls cannot be told apart.
@@ -131,6 +135,15 @@ fn measure() -> Result<(Vec<String>, Vec<Row>), String> {
                         row.calls
                     ));
                 }
+                if let (Some(with), Some(without)) = (
+                    recorded(&format!("tick__{name}")),
+                    recorded("tick__empty_call__1"),
+                ) {
+                    let with = price_paths(&disassembly, with)?.cycles_mean;
+                    let without = price_paths(&disassembly, without)?.cycles_mean;
+                    row.cycles_in_tick = Some(with - without);
+                }
+                checksums.insert(format!("{kernel} {blocks}"), checksum.to_string());
                 row.kernel = kernel.to_string();
                 row.blocks = blocks;
                 row.flash_bytes += number(model)?;
@@ -143,7 +156,34 @@ fn measure() -> Result<(Vec<String>, Vec<Row>), String> {
     if rows.is_empty() {
         return Err("the harness measured nothing".to_string());
     }
+    compare_with_host(&checksums)?;
     Ok((header(toolchain, seed)?, rows))
+}
+
+/// The forces that every kernel computed on the target must be, bit for bit, those it computes here.
+fn compare_with_host(target: &BTreeMap<String, String>) -> Result<(), String> {
+    let printed = output(
+        cargo(&["run", "--quiet", "--package", "preslide-host-tests"])
+            .args(["--example", "kernel_forces"])
+            .current_dir(root()),
+    )?;
+    let mut compared = 0;
+    for line in printed.lines() {
+        let (kernel, checksum) = line
+            .rsplit_once(' ')
+            .ok_or_else(|| format!("kernel_forces printed `{line}`"))?;
+        match target.get(kernel) {
+            Some(found) if found == checksum => compared += 1,
+            Some(found) => {
+                return Err(format!(
+                    "{kernel}: the forces on the target (checksum {found}) differ from the host's ({checksum})"
+                ));
+            }
+            None => return Err(format!("{kernel} ran on the host but not on the target")),
+        }
+    }
+    println!("the forces of {compared} kernels are the host's, bit for bit");
+    Ok(())
 }
 
 /// A row but for what only the harness knows.
@@ -182,6 +222,7 @@ fn price_paths(disassembly: &Disassembly, paths: &[TakenPath]) -> Result<Row, St
         cycles_worst: worst,
         cycles_low: mean(low),
         cycles_high: mean(high),
+        cycles_in_tick: None,
         flash_bytes: functions.iter().map(|(_, length)| length).sum(),
         ram_bytes: 0,
         paths: paths.len() as u32,

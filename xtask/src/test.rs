@@ -229,6 +229,7 @@ fn package_list() -> Result<(), String> {
     let belongs = |path: &str| {
         path.starts_with("src/")
             || path.starts_with("LICENSE-")
+            || path == "build.rs"
             || path == "README.md"
             || path == "CHANGELOG.md"
             || made_by_cargo.contains(&path)

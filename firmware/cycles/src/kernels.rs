@@ -1,6 +1,7 @@
 //! The library's kernels that are measured, with the paper's parameters.
 
 use fixed::types::I16F16;
+use preslide::kernels::{ConstantTimeSlipReserve, CountGms, PackedSlipReserve, SlipReserve};
 use preslide::{Block, Coulomb, Dahl, Gms, LuGre, ParamError, QuasiStaticGms, Sliding, Units};
 
 use crate::motion::{COUNT, SAMPLE_TIME};
@@ -89,32 +90,81 @@ fn built<M>(model: Result<M, ParamError>) -> M {
     }
 }
 
+fn packed_force(blocks: &[Block]) -> f64 {
+    PackedSlipReserve::<1>::finest_force(blocks, BREAKAWAY, COUNT)
+}
+
+/// Counts, velocity in steps of 0.1 µm/s, and the unit of force that the kernel asks for.
+const fn counts(force: f64) -> Units {
+    Units {
+        length: COUNT,
+        force,
+        velocity: 1e-7,
+    }
+}
+
 /// One kernel at every measured N.
 macro_rules! sweep {
-    ($kernel:literal, $model:ident < N, $scalar:ty >, $units:expr, |$blocks:ident| $make:expr) => {
-        sweep!($kernel, $model, $scalar, $units, |$blocks| $make, 1 2 3 4 6 8 10)
+    ($kernel:literal, $model:ident < N, $scalar:ty >, |$blocks:ident| $units:expr, $make:expr) => {
+        sweep!(@ $kernel, $blocks, $units, $make, [$model<1, $scalar>] 1, [$model<2, $scalar>] 2, [$model<3, $scalar>] 3,
+               [$model<4, $scalar>] 4, [$model<6, $scalar>] 6, [$model<8, $scalar>] 8, [$model<10, $scalar>] 10)
     };
-    ($kernel:literal, $model:ident, $scalar:ty, $units:expr, |$blocks:ident| $make:expr, $($n:literal)*) => {
-        $(stub!($kernel, $n, $model<$n, $scalar>, $units, {
+    ($kernel:literal, $model:ident < N >, |$blocks:ident| $units:expr, $make:expr) => {
+        sweep!(@ $kernel, $blocks, $units, $make, [$model<1>] 1, [$model<2>] 2, [$model<3>] 3, [$model<4>] 4,
+               [$model<6>] 6, [$model<8>] 8, [$model<10>] 10)
+    };
+    ($kernel:literal, $model:ident < PAIRS >, |$blocks:ident| $units:expr, $make:expr) => {
+        sweep!(@ $kernel, $blocks, $units, $make, [$model<1>] 1, [$model<1>] 2, [$model<2>] 3, [$model<2>] 4,
+               [$model<3>] 6, [$model<4>] 8, [$model<5>] 10)
+    };
+    (@ $kernel:literal, $blocks:ident, $units:expr, $make:expr, $([$model:ty] $n:literal),*) => {
+        $({
             let $blocks = &blocks::<$n>();
-            built($make)
-        });)*
+            let units: Units = $units;
+            let make = $make;
+            stub!($kernel, $n, $model, units, built(make($blocks, units)));
+        })*
     };
 }
 
 pub fn run() {
-    sweep!("gms_f32", Gms<N, f32>, Units::SI, |blocks| {
-        Gms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, Units::SI)
+    sweep!("gms_f32", Gms<N, f32>, |_blocks| Units::SI, |blocks, units| {
+        Gms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units)
     });
-    sweep!("gms_i16f16", Gms<N, I16F16>, COUNTS, |blocks| {
-        Gms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, COUNTS)
+    sweep!("gms_i16f16", Gms<N, I16F16>, |_blocks| COUNTS, |blocks, units| {
+        Gms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units)
     });
-    sweep!("quasi_static_f32", QuasiStaticGms<N, f32>, Units::SI, |blocks| {
-        QuasiStaticGms::try_new(blocks, BREAKAWAY, Units::SI)
+    sweep!(
+        "gms_i32",
+        CountGms<N>,
+        |blocks| counts(CountGms::finest_force(blocks, BREAKAWAY, COUNT)),
+        |blocks, units| { CountGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units) }
+    );
+    sweep!("quasi_static_f32", QuasiStaticGms<N, f32>, |_blocks| Units::SI, |blocks, units| {
+        QuasiStaticGms::try_new(blocks, BREAKAWAY, units)
     });
-    sweep!("quasi_static_i16f16", QuasiStaticGms<N, I16F16>, COUNTS, |blocks| {
-        QuasiStaticGms::try_new(blocks, BREAKAWAY, COUNTS)
+    sweep!("quasi_static_i16f16", QuasiStaticGms<N, I16F16>, |_blocks| COUNTS, |blocks, units| {
+        QuasiStaticGms::try_new(blocks, BREAKAWAY, units)
     });
+    // In the packed kernel's unit of force, so that the three kernels' checksums are equal.
+    sweep!(
+        "slip_reserve_i32",
+        SlipReserve<N>,
+        |blocks| counts(packed_force(blocks)),
+        |blocks, units| { SlipReserve::try_new(blocks, BREAKAWAY, units) }
+    );
+    sweep!(
+        "packed",
+        PackedSlipReserve<PAIRS>,
+        |blocks| counts(packed_force(blocks)),
+        |blocks, units| { PackedSlipReserve::try_new(blocks, BREAKAWAY, units) }
+    );
+    sweep!(
+        "constant_time",
+        ConstantTimeSlipReserve<PAIRS>,
+        |blocks| counts(packed_force(blocks)),
+        |blocks, units| { ConstantTimeSlipReserve::try_new(blocks, BREAKAWAY, units) }
+    );
     // Table 2's parameters; Dahl also with the exponent 1, which needs no power.
     stub!(
         "dahl_n1_f32",

@@ -2,15 +2,17 @@
 //!
 //! A stub is a function named `cycles__KERNEL__N` that nothing is inlined into or out of; its instruction path is
 //! what is measured. For each, one line says what the recorder cannot see:
-//! `kernel NAME N calls COUNT model BYTES state BYTES force_rms NEWTONS`.
+//! `kernel NAME N calls COUNT model BYTES state BYTES force_rms NEWTONS checksum HEX`.
 
 #![no_std]
 #![no_main]
 
+mod checksum;
 mod kernels;
 mod motion;
 mod peers;
 mod stub;
+mod tick;
 
 use core::panic::PanicInfo;
 use cortex_m::asm::wfi;

@@ -1,5 +1,7 @@
 //! The random motion that every kernel sees: strokes of random length and speed, each in the other direction.
 
+use preslide::{Motion, Scalar, Units};
+
 /// Printed with the results, so that they can be repeated.
 pub const SEED: u32 = 0x1727_2018;
 
@@ -8,6 +10,9 @@ pub const COUNT: f64 = 25e-9;
 
 /// Control period \[s\].
 pub const SAMPLE_TIME: f64 = 50e-6;
+
+/// Enough for the worst paths to appear; more changes no figure by 1 %.
+pub const TICKS: usize = 10_000;
 
 /// Turn back within this range \[counts\]: 60 µm, half as much again as the largest yield displacement of Table 3.
 const RANGE: i32 = 2_400;
@@ -23,8 +28,19 @@ pub struct Tick {
     pub velocity: f32,
 }
 
+impl Tick {
+    /// The same in the units of a model.
+    pub fn motion<S: Scalar>(&self, units: Units) -> Motion<S> {
+        let scalar = |value: f64| S::try_from_f64(value).unwrap_or(S::ZERO);
+        Motion {
+            displacement: scalar(f64::from(self.counts) * COUNT / units.length),
+            velocity: scalar(f64::from(self.velocity) * COUNT / SAMPLE_TIME / units.velocity),
+        }
+    }
+}
+
 /// An endless motion: strokes at 1/16 to 32 counts per tick (0.03 to 16 mm/s), one in four followed by a rest.
-pub struct Motion {
+pub struct Strokes {
     random: u32,
     position: i32,
     /// Sixteenths of a count per tick, and what is left of a count.
@@ -34,7 +50,7 @@ pub struct Motion {
     rest_ticks: u32,
 }
 
-impl Motion {
+impl Strokes {
     pub fn new() -> Self {
         Self {
             random: SEED,
@@ -71,7 +87,7 @@ impl Motion {
     }
 }
 
-impl Iterator for Motion {
+impl Iterator for Strokes {
     type Item = Tick;
 
     fn next(&mut self) -> Option<Tick> {

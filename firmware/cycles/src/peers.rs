@@ -7,7 +7,8 @@ use preslide::Units;
 
 use crate::kernels::{BREAKAWAY, SLIDING, table_3};
 use crate::motion::{COUNT, SAMPLE_TIME};
-use crate::stub::Row;
+use crate::stub::{Controller, Row};
+use crate::tick::{Inputs, Pid, PidState};
 
 /// The C peer's `struct gms`.
 #[repr(C)]
@@ -76,6 +77,29 @@ extern "C" fn empty_call(_model: &(), _state: &mut (), displacement: f32, _veloc
     displacement
 }
 
+/// The control tick without a kernel: what a tick with one is compared with.
+// SAFETY: the symbol is this crate's own.
+#[unsafe(export_name = "cycles__tick__empty_call__1")]
+#[inline(never)]
+extern "C" fn empty_tick(
+    _model: &(),
+    _state: &mut (),
+    (pid, pid_state): &mut Controller,
+    inputs: &Inputs<f32>,
+) -> f32 {
+    pid.step(pid_state, inputs.error);
+    inputs.motion.displacement
+}
+
+/// A PID alone.
+// SAFETY: the symbol is this crate's own.
+#[unsafe(export_name = "cycles__pid_f32__1")]
+#[inline(never)]
+extern "C" fn pid(model: &Pid, state: &mut PidState, _displacement: f32, velocity: f32) -> f32 {
+    model.step(state, velocity);
+    state.output
+}
+
 type Biquad = BiquadClamp<dsp_fixedpoint::Q<i32, i64, 29>, i32>;
 
 // SAFETY: the symbol is this crate's own.
@@ -101,6 +125,8 @@ pub fn run() {
         units,
     };
     single("empty_call", Units::SI).run(&(), (), empty_call);
+    single("empty_call", Units::SI).run_in_tick(&(), (), empty_tick);
+    single("pid_f32", Units::SI).run(&Pid::EXAMPLE, PidState::default(), pid);
     // A low-pass at a tenth of the sample rate.
     let counts = Units {
         length: COUNT,

@@ -2,15 +2,20 @@
 
 use core::hint::black_box;
 use cortex_m_semihosting::hprintln;
-use preslide::{Scalar, Units};
+use preslide::{Friction, Motion, Scalar, Units};
 
-use crate::motion::{COUNT, Motion, SAMPLE_TIME};
+use crate::checksum::Checksum;
+use crate::motion::{Strokes, TICKS};
+use crate::tick::{Inputs, Pid, PidState};
 
 /// A kernel's update: model, state, displacement, velocity in; force out.
 pub type Step<M, State, S> = unsafe extern "C" fn(&M, &mut State, S, S) -> S;
 
-/// Enough for the worst paths to appear; more changes no figure by 1 %.
-const TICKS: usize = 10_000;
+/// A control tick around it.
+pub type ControlTick<M, State, S> = extern "C" fn(&M, &mut State, &mut Controller, &Inputs<S>) -> S;
+
+/// The controller that shares the tick.
+pub type Controller = (Pid, PidState);
 
 /// What the line about a kernel says beside its size.
 pub struct Row {
@@ -22,33 +27,68 @@ pub struct Row {
 impl Row {
     /// Calls `step` for every tick of the motion and prints the kernel's line.
     ///
-    /// The rms of the force stands there to show that kernels of one law compute the same thing.
+    /// The rms of the force shows that kernels of one law compute the same thing; the checksum, that this
+    /// processor computes the same bits as another.
     pub fn run<M, State, S: Scalar>(&self, model: &M, mut state: State, step: Step<M, State, S>) {
         let step = black_box(step);
-        let scalar = |value: f64| S::try_from_f64(value).unwrap_or(S::ZERO);
         let mut squares = 0.0;
-        for tick in Motion::new().take(TICKS) {
-            let displacement = scalar(f64::from(tick.counts) * COUNT / self.units.length);
-            let velocity =
-                scalar(f64::from(tick.velocity) * COUNT / SAMPLE_TIME / self.units.velocity);
+        let mut checksum = Checksum::new();
+        for tick in Strokes::new().take(TICKS) {
+            let Motion {
+                displacement,
+                velocity,
+            } = tick.motion(self.units);
             // SAFETY: every stub is a safe Rust function, or a C peer whose structures `peers.rs` mirrors.
             let force = unsafe { step(model, &mut state, displacement, velocity) };
+            checksum.add(force.to_f64());
             let newtons = force.to_f64() * self.units.force;
             squares += newtons * newtons;
         }
         hprintln!(
-            "kernel {} {} calls {} model {} state {} force_rms {:.6}",
+            "kernel {} {} calls {} model {} state {} force_rms {:.6} checksum {:016x}",
             self.kernel,
             self.blocks,
             TICKS,
             size_of::<M>(),
             size_of::<State>(),
-            libm::sqrt(squares / TICKS as f64)
+            libm::sqrt(squares / TICKS as f64),
+            checksum.value()
         );
+    }
+
+    /// The same motion once more, with the kernel inlined into a control tick.
+    pub fn run_in_tick<M, State, S: Scalar>(
+        &self,
+        model: &M,
+        mut state: State,
+        control: ControlTick<M, State, S>,
+    ) {
+        let control = black_box(control);
+        let mut controller = (Pid::EXAMPLE, PidState::default());
+        for tick in Strokes::new().take(TICKS) {
+            let inputs = Inputs {
+                motion: tick.motion(self.units),
+                error: tick.velocity,
+            };
+            black_box(control(model, &mut state, &mut controller, &inputs));
+        }
+        black_box(controller.1.output);
     }
 }
 
-/// Defines the stub of a library model and drives it: `stub!("name", n, Model, model, units)`.
+/// The control tick: the controller, then friction, inlined.
+#[inline(always)]
+pub fn tick<F: Friction>(
+    model: &F,
+    state: &mut F::State,
+    (pid, pid_state): &mut Controller,
+    inputs: &Inputs<F::Scalar>,
+) -> F::Scalar {
+    pid.step(pid_state, inputs.error);
+    model.step(state, inputs.motion)
+}
+
+/// Defines the stubs of a library model and drives them: `stub!("name", n, Model, units, model)`.
 #[macro_export]
 macro_rules! stub {
     ($kernel:literal, $n:literal, $model:ty, $units:expr, $make:expr) => {{
@@ -62,9 +102,23 @@ macro_rules! stub {
             unsafe { core::arch::asm!(concat!("// ", $kernel, $n), options(nomem, nostack, preserves_flags)) };
             preslide::Friction::step(model, state, preslide::Motion { displacement, velocity })
         }
+        // SAFETY: as above.
+        #[unsafe(export_name = concat!("cycles__tick__", $kernel, "__", $n))]
+        #[inline(never)]
+        extern "C" fn in_tick(
+            model: &$model,
+            state: &mut State,
+            controller: &mut $crate::stub::Controller,
+            inputs: &$crate::tick::Inputs<Scalar>,
+        ) -> Scalar {
+            // SAFETY: as above.
+            unsafe { core::arch::asm!(concat!("// tick ", $kernel, $n), options(nomem, nostack, preserves_flags)) };
+            $crate::stub::tick(model, state, controller, inputs)
+        }
         let model: $model = $make;
         let row = $crate::stub::Row { kernel: $kernel, blocks: $n, units: $units };
         let state = preslide::Friction::at_rest(&model);
-        row.run(&model, state, stub);
+        row.run(&model, state.clone(), stub);
+        row.run_in_tick(&model, state, in_tick);
     }};
 }

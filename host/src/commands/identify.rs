@@ -2,14 +2,21 @@
 
 use super::{Failure, OutputArgs, RecordingArgs, command_line, write_text};
 use clap::Args;
-use preslide_host::identify::split::{Window, parse_window};
-use preslide_host::identify::{Options, identify};
+use preslide_host::identify::split::{Window, check_windows, parse_window};
+use preslide_host::identify::{Identification, Options, identify};
 use preslide_host::progress::Progress;
+use preslide_host::recording::Recording;
 use std::path::PathBuf;
 use std::time::Instant;
 
+/// Steps of the progress bar: the search, its repetitions on held-out data, and each number of blocks.
+pub const STEPS: u64 = 17;
+
 /// Rigid body and friction model from recordings
 #[derive(Args)]
+#[command(
+    after_help = "Example: preslide identify axis.csv --map force_N=35.15*voltage_V -o model.toml --report report.html"
+)]
 pub struct Identify {
     #[command(flatten)]
     recordings: RecordingArgs,
@@ -22,7 +29,11 @@ pub struct Identify {
     #[arg(long, value_name = "FROM..TO", value_parser = parse_window)]
     test: Option<Window>,
 
-    /// Write the recommended model
+    /// Write GMS with this many blocks instead of the recommended model (0: Coulomb + viscous)
+    #[arg(long, value_name = "N")]
+    blocks: Option<usize>,
+
+    /// Write the model
     #[arg(short, long, value_name = "MODEL.toml")]
     output: Option<PathBuf>,
 
@@ -39,17 +50,47 @@ impl Identify {
             train: self.train,
             test: self.test,
         };
-        let progress = Progress::new("identify", 20);
-        let found = identify(&recording, &options, &progress).map_err(Failure::Data)?;
+        check_windows(&recording, self.train, self.test).map_err(Failure::Input)?;
+        let progress = Progress::new("identify", STEPS);
+        let mut found = identify(&recording, &options, &progress).map_err(Failure::Data)?;
         progress.finish();
-        let _ = (
-            found,
-            start,
-            write_text,
-            command_line(),
-            &self.output,
-            &self.outputs,
-        );
-        Ok(())
+        if let Some(blocks) = self.blocks {
+            found.choose(blocks).map_err(Failure::Input)?;
+        }
+
+        print(&found, &recording);
+
+        if let Some(path) = &self.output {
+            write_text(path, &model_text(&found, &recording))?;
+        }
+        let seconds = start.elapsed().as_secs_f64();
+        self.outputs.write(&found.to_json(&recording, seconds), || {
+            found.page(&recording, command_line())
+        })
     }
+}
+
+/// The tables, the notes and the recommendation.
+pub fn print(found: &Identification, recording: &Recording) {
+    println!("{}", found.rigid_body_table(recording).to_text());
+    println!("{}", found.size_table().to_text());
+    if let Some(table) = found.block_table(recording) {
+        println!("{}", table.to_text());
+    }
+    for note in &found.notes {
+        println!("Note: {note}.");
+    }
+    println!("{}", found.recommendation);
+}
+
+/// The recommended model's file, with where it comes from at its head.
+pub fn model_text(found: &Identification, recording: &Recording) -> String {
+    let best = found.best();
+    best.model.to_toml(&[
+        format!("identified from {}", recording.name),
+        format!(
+            "NMSE {:.4} % fitted, {:.4} % held out",
+            best.nmse_train, best.nmse_test
+        ),
+    ])
 }

@@ -1,6 +1,10 @@
 //! The commands: each reads its arguments, calls the library, and prints one recommendation.
 
+pub mod compare;
+pub mod demo;
 pub mod identify;
+pub mod reproduce;
+pub mod simulate;
 
 use clap::Args;
 use preslide_host::model::ModelError;
@@ -112,6 +116,16 @@ impl OutputArgs {
         json: &serde_json::Value,
         page: impl FnOnce() -> Page,
     ) -> Result<(), Failure> {
+        if let Some(path) = &self.report
+            && path
+                .extension()
+                .is_some_and(|e| e.eq_ignore_ascii_case("png"))
+        {
+            return Err(Failure::Input(format!(
+                "--report {}: this is where its picture would go; name the page .html",
+                path.display()
+            )));
+        }
         if let Some(path) = &self.json {
             let text =
                 serde_json::to_string_pretty(json).map_err(|e| Failure::Tool(e.to_string()))?;
@@ -133,7 +147,12 @@ impl OutputArgs {
 
 /// Writes a text file and says so.
 pub fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
-    std::fs::write(path, text).map_err(|e| Failure::Tool(format!("{}: {e}", path.display())))?;
+    std::fs::write(path, text).map_err(|e| {
+        Failure::Tool(format!(
+            "cannot write {}: {e}; name a file in a folder that exists and is writable",
+            path.display()
+        ))
+    })?;
     eprintln!("wrote {}", path.display());
     Ok(())
 }

@@ -6,7 +6,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 /// A parameter's estimate.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Estimate {
-    /// Its value [SI].
+    /// Its value (SI).
     pub value: f64,
     /// 95 % confidence interval; `None` where the recording has too few folds to tell.
     pub ci95: Option<[f64; 2]>,

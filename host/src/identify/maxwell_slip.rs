@@ -14,6 +14,10 @@ pub const MOST: usize = 10;
 const GRID: usize = 56;
 /// Best subsets of the grid that are refined.
 const REFINED: usize = 3;
+/// Samples beyond which only the best of these is: each refinement runs along all of the motion.
+const LONG: usize = 500_000;
+/// Relative improvement below which a refinement has converged where only the held-out error is asked for.
+const HELD_OUT: f64 = 1e-4;
 /// Groups of folds that take turns in being held out.
 const GROUPS: usize = 6;
 
@@ -22,7 +26,7 @@ const GROUPS: usize = 6;
 pub struct Sized {
     /// The fit on all training samples.
     pub fit: Fit,
-    /// NMSE [%] on samples that were held out in turn.
+    /// NMSE (%) on samples that were held out in turn.
     pub nmse_cross: f64,
     /// Squared error of each held-out group of folds.
     pub held_out: Vec<f64>,
@@ -33,13 +37,11 @@ pub struct Sized {
 pub struct Selection {
     /// Optimal breakpoints, for each number of blocks that has a fit with positive stiffness.
     pub optimal: Vec<Sized>,
-    /// The same without any block: the linear columns alone. NMSE [%] held out in turn.
-    pub nmse_cross_without: f64,
-    /// Index into `optimal` of the smallest model within one standard error of the best.
+    /// Index into `optimal` of the smallest model that is not clearly worse than the best.
     pub knee: usize,
 }
 
-/// The range of yields worth trying: from `shortest` to `longest` [m or rad].
+/// The range of yields worth trying: from `shortest` to `longest` (m or rad).
 pub fn grid((shortest, longest): (f64, f64)) -> Vec<f64> {
     (0..GRID)
         .map(|j| shortest * (longest / shortest).powf(j as f64 / (GRID - 1) as f64))
@@ -58,32 +60,40 @@ pub fn select(
     let grid = grid(range);
     let linear = regression.columns.len();
     let grams = regression.grams(&grid);
-    let groups = grouped(&grams);
+    let per_group = grams.len().div_ceil(GROUPS).max(1);
+    let groups: Vec<Gram> = grams.chunks(per_group).filter_map(Gram::sum).collect();
+    let rows_of = |group: usize| -> &[Vec<usize>] {
+        let folds = regression.folds.chunks(per_group).nth(group);
+        folds.unwrap_or_default()
+    };
     let total = Gram::sum(&groups).ok_or("there are no samples to fit")?;
     let choices = best_choices(&total, linear, MOST);
-    progress.inc(1);
+    progress.inc(1 + (GROUPS.saturating_sub(groups.len())) as u64);
 
-    // Every group of folds takes its turn: yields and stiffnesses come from the others alone.
+    // Every group of folds takes its turn: yields and stiffnesses come from the others alone. The yields are
+    // refined here too: on the grid alone a block between two of its yields is fitted better by two blocks.
     let held_out: Vec<Vec<f64>> = (0..groups.len())
         .into_par_iter()
         .map(|out| {
-            let errors = match Gram::sum(
-                groups
-                    .iter()
-                    .enumerate()
-                    .filter(|(g, _)| *g != out)
-                    .map(|g| g.1),
-            ) {
+            let others = || (0..groups.len()).filter(move |&g| g != out);
+            let rest: Vec<usize> = others().flat_map(|g| rows_of(g).concat()).collect();
+            let errors = match Gram::sum(others().map(|g| &groups[g])) {
                 None => vec![f64::NAN; MOST + 1],
-                Some(rest) => {
-                    let choices = best_choices(&rest, linear, MOST);
-                    let mut errors = vec![error_on(&groups[out], &rest, linear, &[])];
-                    errors.extend(choices.iter().map(|best| match best.first() {
-                        Some(Choice { yields, .. }) => {
-                            error_on(&groups[out], &rest, linear, yields)
-                        }
-                        None => f64::NAN,
-                    }));
+                Some(gram) => {
+                    let choices = best_choices(&gram, linear, MOST);
+                    let held_out = rows_of(out).concat();
+                    let mut errors = vec![error_on(&groups[out], &gram, linear)];
+                    for best in &choices {
+                        let error = best.first().and_then(|choice| {
+                            let start = choice.yields.iter().map(|&j| grid[j]).collect();
+                            let fit =
+                                refine::refine_until(regression, &rest, start, range, HELD_OUT)?;
+                            refine::squared_error(regression, &fit, &held_out)
+                        });
+                        // A size without a fit of positive stiffness: the best is then a smaller one.
+                        let smaller = errors.last().copied().unwrap_or(f64::NAN);
+                        errors.push(error.unwrap_or(smaller));
+                    }
                     errors
                 }
             };
@@ -101,47 +111,46 @@ pub fn select(
     let percent = |errors: &[f64]| 100.0 * errors.iter().sum::<f64>() / variation;
 
     let rows = regression.folds.concat();
-    let optimal: Vec<Sized> = (1..=MOST)
+    let mut optimal: Vec<Sized> = (1..=MOST)
         .into_par_iter()
         .filter_map(|size| {
-            let starts = distinct(&choices[size - 1]);
+            let long = regression.position.len() > LONG;
+            let starts = distinct(&choices[size - 1], if long { 1 } else { REFINED });
             let best = starts
                 .into_par_iter()
                 .filter_map(|choice| {
                     let yields = choice.yields.iter().map(|&j| grid[j]).collect();
                     refine::refine(regression, &rows, yields, range)
                 })
-                .min_by(|a, b| a.squared_error.total_cmp(&b.squared_error))?;
+                .min_by(|a, b| a.squared_error.total_cmp(&b.squared_error));
             progress.inc(1);
             let held_out = of_size(size);
             Some(Sized {
-                fit: best,
+                fit: best?,
                 nmse_cross: percent(&held_out),
                 held_out,
             })
         })
         .collect();
+    // Where the data are exhausted a further block finds nothing to do.
+    let mut least = f64::INFINITY;
+    optimal.retain(|model| {
+        let improves = model.fit.squared_error < least;
+        least = least.min(model.fit.squared_error);
+        improves
+    });
     if optimal.is_empty() {
         return Err("no Maxwell-slip block with a positive stiffness fits: the effort does not resist the motion; check its sign (--sign) and column (--map)".to_owned());
     }
     Ok(Selection {
         knee: knee(&optimal),
-        nmse_cross_without: percent(&of_size(0)),
         optimal,
     })
 }
 
-/// Folds in at most [`GROUPS`] groups of neighbours.
-fn grouped(grams: &[Gram]) -> Vec<Gram> {
-    let per_group = grams.len().div_ceil(GROUPS).max(1);
-    grams.chunks(per_group).filter_map(Gram::sum).collect()
-}
-
-/// Squared error on `held_out` of the model fitted on `rest` with the linear columns and these yields.
-fn error_on(held_out: &Gram, rest: &Gram, linear: usize, yields: &[usize]) -> f64 {
-    let chosen: Vec<usize> = (0..linear)
-        .chain(yields.iter().map(|j| linear + j))
-        .collect();
+/// Squared error on `held_out` of the linear columns alone, fitted on `rest`.
+fn error_on(held_out: &Gram, rest: &Gram, linear: usize) -> f64 {
+    let chosen: Vec<usize> = (0..linear).collect();
     let (matrix, right) = rest.normal(&chosen);
     match solve_normal(&matrix, &right) {
         Some(coefficients) => held_out.squared_error(&chosen, &coefficients),
@@ -151,7 +160,7 @@ fn error_on(held_out: &Gram, rest: &Gram, linear: usize, yields: &[usize]) -> f6
 }
 
 /// The best choices that are not neighbours of a better one on the grid: starts that lead elsewhere.
-fn distinct(choices: &[Choice]) -> Vec<&Choice> {
+fn distinct(choices: &[Choice], most: usize) -> Vec<&Choice> {
     let near = |a: &Choice, b: &Choice| {
         a.yields
             .iter()
@@ -160,15 +169,18 @@ fn distinct(choices: &[Choice]) -> Vec<&Choice> {
     };
     let mut kept: Vec<&Choice> = Vec::new();
     for choice in choices {
-        if kept.len() < REFINED && !kept.iter().any(|k| near(k, choice)) {
+        if kept.len() < most && !kept.iter().any(|k| near(k, choice)) {
             kept.push(choice);
         }
     }
     kept
 }
 
-/// The smallest model whose held-out error is within one standard error of the best: the paired difference
-/// over the held-out groups, so that what is common to both models does not count.
+/// A block must take at least this share off the held-out error to be worth its cycles.
+const WORTH: f64 = 0.1;
+
+/// The smallest model whose held-out error exceeds the best by no more than a tenth, or by no more than one
+/// standard error of the paired difference over the held-out groups (what is common to both does not count).
 fn knee(models: &[Sized]) -> usize {
     let best = (0..models.len())
         .min_by(|&a, &b| models[a].nmse_cross.total_cmp(&models[b].nmse_cross))
@@ -185,8 +197,18 @@ fn knee(models: &[Sized]) -> usize {
             let mean = difference.iter().sum::<f64>() / n;
             let spread = difference.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (n - 1.0);
             mean <= (spread / n).sqrt()
+                || models[size].nmse_cross <= (1.0 + WORTH) * models[best].nmse_cross
         })
         .unwrap_or(best)
+}
+
+/// Whether the model without any block, with the held-out error `baseline` (%), does as well.
+pub fn baseline_suffices(baseline: f64, models: &[Sized]) -> bool {
+    let best = models
+        .iter()
+        .map(|m| m.nmse_cross)
+        .fold(f64::INFINITY, f64::min);
+    baseline <= (1.0 + WORTH) * best
 }
 
 /// The paper's procedure (7)–(9) with `blocks` breakpoints at equal steps of force.

@@ -1,7 +1,10 @@
 //! From a recording to parameters: the rigid body, and friction models of every size.
 
 pub mod estimate;
+mod judge;
 pub mod maxwell_slip;
+mod notes;
+mod present;
 pub mod refine;
 pub mod regression;
 pub mod rigid_body;
@@ -10,24 +13,24 @@ pub mod split;
 pub mod stop;
 pub mod virgin;
 
-use crate::friction::{FrictionModel, Path};
+use crate::friction::FrictionModel;
 use crate::model::Model;
-use crate::nmse::nmse;
 use crate::progress::Progress;
-use crate::recording::Recording;
+use crate::recording::{MotionKind, Recording};
 use estimate::Estimate;
-use maxwell_slip::{Selection, Sized};
 use regression::{Column, Regression};
-use rigid_body::Kinematics;
+use rigid_body::{Kinematics, Terms};
 use split::{Split, Window};
 use virgin::VirginCurve;
+
+use judge::Judge;
 
 /// What to fit and what to hold out.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Fit only this window [s].
+    /// Fit only this window (s).
     pub train: Option<Window>,
-    /// Judge on this window [s], which is never fitted.
+    /// Judge on this window (s), which is never fitted.
     pub test: Option<Window>,
 }
 
@@ -60,11 +63,14 @@ pub struct Candidate {
     pub model: Model,
     /// How it was found.
     pub method: Method,
-    /// NMSE (13) on the samples that were fitted [%].
+    /// NMSE (13) on the samples that were fitted (%).
     pub nmse_train: f64,
-    /// NMSE (13) on the test window, or on folds held out in turn [%].
+    /// NMSE (13) on the test window, or on folds held out in turn (%).
     pub nmse_test: f64,
-    /// Stiffness [N/m] and yield displacement [m] of each block with confidence.
+    /// `mass` (where one is fitted), `viscous`, `offset` and `coulomb`, which for GMS is the breakaway force ΣW;
+    /// empty for the paper's procedure, which has none.
+    pub rigid_body: Vec<(&'static str, Estimate)>,
+    /// Stiffness (N/m) and yield displacement (m) of each block with confidence.
     pub blocks: Vec<(Estimate, Estimate)>,
     /// Modelled effort at every sample, filtered like the measured one.
     pub fitted: Vec<f64>,
@@ -83,9 +89,7 @@ impl Candidate {
 /// Everything that `identify` found.
 #[derive(Clone, Debug)]
 pub struct Identification {
-    /// Rigid body: `mass`, `viscous`, `coulomb`, `offset`.
-    pub rigid_body: Vec<(&'static str, Estimate)>,
-    /// Cut-off of the zero-phase filter [Hz].
+    /// Cut-off of the zero-phase filter (Hz).
     pub band_hz: f64,
     /// Whether the effort went through that filter (it does where it contains inertia).
     pub filtered: bool,
@@ -99,12 +103,14 @@ pub struct Identification {
     pub notes: Vec<String>,
     /// The effort that the models explain, filtered where `filtered`.
     pub effort: Vec<f64>,
-    /// Velocity [m/s or rad/s].
+    /// Velocity (m/s or rad/s).
     pub velocity: Vec<f64>,
     /// The split that was used.
     pub split: Split,
     /// The virgin curve of the training strokes.
     pub virgin: VirginCurve,
+    /// Shortest and longest yield displacement that were tried (m or rad).
+    pub yield_range: (f64, f64),
 }
 
 /// Warnings of the loader that leave nothing to identify, with what would.
@@ -117,6 +123,17 @@ const FATAL: [(&str, &str); 4] = [
         "record or map the column that holds the effort",
     ),
 ];
+
+/// Folds without which holding one out leaves motion in one direction only, where every fold is a stroke.
+const FEWEST_FOLDS: usize = 4;
+
+/// Shortest yield displacement that is tried, relative to half of the longest stroke.
+const FINEST: f64 = 1e-5;
+
+/// Samples that the breakpoints are fitted to. Of a longer recording every n-th is taken, which bounds the memory
+/// of the search (450 B per sample) at what a small machine has; the models still run along all samples and are
+/// measured on all of them.
+const MOST_SCORED: usize = 250_000;
 
 /// Identifies rigid body and friction.
 ///
@@ -140,21 +157,15 @@ pub fn identify(
             recording.effort_unit()
         ));
     }
+    split::check_windows(recording, options.train, options.test)?;
     let split = Split::new(recording, options.train, options.test);
     let train = split.train();
-    if split.folds.len() < 2 {
+    if split.unit == "segment" && split.folds.len() < FEWEST_FOLDS {
         return Err(format!(
-            "{}: {} stroke(s) to fit and none to hold out; record at least three reversals, or widen --train",
+            "{}: {} stroke{} to fit, but at least {FEWEST_FOLDS} are needed, so that any one can be held out and both directions are left; record at least three reversals, or widen --train",
             recording.name,
-            split.folds.len()
-        ));
-    }
-    if split.test.as_ref().is_some_and(|rows| rows.len() < 2) {
-        return Err(format!(
-            "{}: the test window holds no samples; the recording runs from {} to {} s",
-            recording.name,
-            recording.t_s[0],
-            recording.t_s[recording.len() - 1]
+            split.folds.len(),
+            if split.folds.len() == 1 { "" } else { "s" },
         ));
     }
 
@@ -165,10 +176,43 @@ pub fn identify(
     } else {
         recording.effort.clone()
     };
-    let rigid = rigid_body::fit(recording, &kinematics, &effort, &split.folds)?;
+    let mut notes = Vec::new();
+    if let (Some(train), Some(test)) = (options.train, options.test)
+        && train.0.max(test.0) < train.1.min(test.1)
+    {
+        notes.push(format!(
+            "--train and --test overlap from {} to {} s: these samples are judged, not fitted",
+            train.0.max(test.0),
+            train.1.min(test.1)
+        ));
+    }
+    let mut terms = Terms {
+        mass: inertial,
+        viscous: true,
+    };
+    let fit = |terms| rigid_body::fit(recording, &kinematics, &effort, &split.folds, terms);
+    let mut rigid = fit(terms)?;
+    let mass = rigid.value("mass");
+    if mass < 0.0 {
+        notes.push(format!(
+            "the inertia came out as {mass:.3e} {} and was left out: this motion has too little acceleration to show one; record faster reversals",
+            match recording.kind {
+                MotionKind::Linear => "kg",
+                MotionKind::Rotary => "kg·m²",
+            }
+        ));
+        terms.mass = false;
+        rigid = fit(terms)?;
+    }
+    let with_mass = terms.mass;
+    if rigid.value("coulomb") < 0.0 {
+        // Viscous friction that imitates the rounded reversals of pre-sliding.
+        terms.viscous = false;
+        rigid = fit(terms)?;
+    }
 
     let mut columns = Vec::new();
-    if inertial {
+    if with_mass {
         columns.push(Column {
             name: "mass",
             values: kinematics.acceleration.clone(),
@@ -195,7 +239,11 @@ pub fn identify(
         force: effort.clone(),
         columns,
         filter: Box::new(filter),
-        folds: split.folds.clone(),
+        folds: {
+            let stride = train.len().div_ceil(MOST_SCORED).max(1);
+            let thinned = |fold: &Vec<usize>| fold.iter().step_by(stride).copied().collect();
+            split.folds.iter().map(thinned).collect()
+        },
     };
     let range = yield_range(recording, &train)?;
     let selection = maxwell_slip::select(&regression, range, progress)?;
@@ -207,8 +255,10 @@ pub fn identify(
         split: &split,
         train: &train,
         inertial,
+        terms,
     };
-    let mut candidates = vec![judge.coulomb(&rigid.parameters)?];
+    let (coulomb, baseline) = judge.coulomb(rigid)?;
+    let mut candidates = vec![coulomb];
     let virgin = judge.virgin(&selection);
     let paper = judge.by_paper(&selection, &virgin)?;
     candidates.extend(paper);
@@ -216,21 +266,26 @@ pub fn identify(
     for sized in &selection.optimal {
         candidates.push(judge.optimal(&regression, sized)?);
     }
-    let recommended = first_optimal + selection.knee;
+    let resolved = !maxwell_slip::baseline_suffices(baseline, &selection.optimal);
+    let recommended = if resolved {
+        first_optimal + selection.knee
+    } else {
+        0
+    };
     let mut identification = Identification {
-        rigid_body: rigid.parameters,
         band_hz: kinematics.filter.cutoff_hz(),
         filtered: inertial,
-        recommendation: String::new(),
-        notes: Vec::new(),
         candidates,
         recommended,
+        recommendation: String::new(),
+        notes,
         effort,
         velocity: kinematics.velocity,
         split,
         virgin,
+        yield_range: range,
     };
-    identification.conclude(recording, &selection, first_optimal);
+    identification.conclude(recording);
     Ok(identification)
 }
 
@@ -255,7 +310,9 @@ fn yield_range(recording: &Recording, train: &[usize]) -> Result<(f64, f64), Str
         .map(|(low, high)| high - low)
         .fold(0.0, f64::max)
         / 2.0;
-    let shortest = steps.get(steps.len() / 2).copied().unwrap_or(longest) / 2.0;
+    let shortest = steps.get(steps.len() / 10).copied().unwrap_or(longest) / 2.0;
+    // A filtered position creeps by rounding errors while it rests.
+    let shortest = shortest.max(longest * FINEST);
     if shortest.max(steps.first().copied().unwrap_or(0.0)) >= longest / 2.0 {
         return Err(format!(
             "{}: strokes of {:.3e} {} are sampled every {:.3e}: too coarse for a friction model; sample faster or move slower",
@@ -266,237 +323,4 @@ fn yield_range(recording: &Recording, train: &[usize]) -> Result<(f64, f64), Str
         ));
     }
     Ok((shortest.max(steps[0]).min(longest / 10.0), longest))
-}
-
-/// Runs finished models through the library and measures them.
-struct Judge<'a> {
-    recording: &'a Recording,
-    kinematics: &'a Kinematics,
-    effort: &'a [f64],
-    split: &'a Split,
-    train: &'a [usize],
-    inertial: bool,
-}
-
-impl Judge<'_> {
-    fn path(&self) -> Path<'_> {
-        Path {
-            position: &self.recording.position,
-            velocity: &self.kinematics.velocity,
-            pieces: &self.recording.pieces,
-            sample_time: self.recording.sample_time_s(),
-        }
-    }
-
-    /// The whole effort of a model, filtered like the measured one.
-    fn effort_of(&self, model: &Model) -> Result<Vec<f64>, String> {
-        let friction = model
-            .friction
-            .force(self.path())
-            .map_err(|e| e.to_string())?;
-        let mut effort = if self.inertial {
-            self.kinematics.filter.smooth(&friction)
-        } else {
-            friction
-        };
-        for (i, effort) in effort.iter_mut().enumerate() {
-            *effort += model.inertia * self.kinematics.acceleration[i]
-                + model.viscous * self.kinematics.velocity[i]
-                + model.constant_force;
-        }
-        Ok(effort)
-    }
-
-    /// Measures a model. Where no test window was asked for, `nmse_cross` stands for the test figure.
-    fn candidate(
-        &self,
-        model: Model,
-        method: Method,
-        nmse_cross: f64,
-    ) -> Result<Candidate, String> {
-        let fitted = self.effort_of(&model)?;
-        let nmse_test = match &self.split.test {
-            Some(rows) => nmse(self.effort, &fitted, rows),
-            None => nmse_cross,
-        };
-        Ok(Candidate {
-            nmse_train: nmse(self.effort, &fitted, self.train),
-            nmse_test,
-            blocks: Vec::new(),
-            model,
-            method,
-            fitted,
-        })
-    }
-
-    fn model(&self, friction: FrictionModel, linear: &[(&'static str, f64)]) -> Model {
-        let of = |name| linear.iter().find(|p| p.0 == name).map_or(0.0, |p| p.1);
-        Model {
-            motion: self.recording.kind,
-            inertia: of("mass"),
-            viscous: of("viscous"),
-            friction,
-            constant_force: of("offset"),
-            mechanics: Vec::new(),
-        }
-    }
-
-    /// Coulomb and viscous friction as least squares found them, with `sgn v` as there.
-    fn coulomb(&self, rigid: &[(&'static str, Estimate)]) -> Result<Candidate, String> {
-        let linear: Vec<_> = rigid.iter().map(|(name, e)| (*name, e.value)).collect();
-        let coulomb = linear
-            .iter()
-            .find(|p| p.0 == "coulomb")
-            .map_or(0.0, |p| p.1.max(0.0));
-        let model = self.model(FrictionModel::Coulomb { coulomb }, &linear);
-        let mut candidate = self.candidate(model, Method::LeastSquares, f64::NAN)?;
-        if self.split.test.is_none() {
-            candidate.nmse_test = self.cross_validated(|rows| {
-                let rigid = rigid_body::fit(self.recording, self.kinematics, self.effort, rows)?;
-                Ok(rigid.fitted)
-            })?;
-        }
-        Ok(candidate)
-    }
-
-    /// NMSE over folds held out in turn of whatever `fit` predicts from the others.
-    fn cross_validated(
-        &self,
-        fit: impl Fn(&[Vec<usize>]) -> Result<Vec<f64>, String>,
-    ) -> Result<f64, String> {
-        let mut predicted = vec![0.0; self.recording.len()];
-        let per_group = self.split.folds.len().div_ceil(6);
-        for group in self.split.folds.chunks(per_group) {
-            let rest: Vec<Vec<usize>> = self
-                .split
-                .folds
-                .iter()
-                .filter(|fold| !group.contains(fold))
-                .cloned()
-                .collect();
-            let fitted = fit(&rest)?;
-            for &i in group.iter().flatten() {
-                predicted[i] = fitted[i];
-            }
-        }
-        Ok(nmse(self.effort, &predicted, self.train))
-    }
-
-    fn linear_of(&self, linear: &[f64]) -> Vec<(&'static str, f64)> {
-        let names: &[&'static str] = if self.inertial {
-            &["mass", "viscous", "offset"]
-        } else {
-            &["viscous", "offset"]
-        };
-        names.iter().copied().zip(linear.iter().copied()).collect()
-    }
-
-    fn optimal(&self, regression: &Regression, sized: &Sized) -> Result<Candidate, String> {
-        let fit = &sized.fit;
-        let friction = FrictionModel::maxwell_slip(&fit.stiffness, &fit.yields);
-        let model = self.model(friction, &self.linear_of(&fit.linear));
-        let mut candidate = self.candidate(model, Method::Optimal, sized.nmse_cross)?;
-        let errors = refine::standard_errors(regression, fit);
-        let (p, n, folds) = (fit.linear.len(), fit.yields.len(), self.split.folds.len());
-        candidate.blocks = (0..n)
-            .map(|i| {
-                let of = |at: usize| errors.as_ref().map(|e| e[at]);
-                (
-                    Estimate::new(fit.stiffness[i], of(p + i), folds),
-                    Estimate::logarithmic(fit.yields[i], of(p + n + i), folds),
-                )
-            })
-            .collect();
-        Ok(candidate)
-    }
-
-    /// The averaged branch of the training strokes, without what the recommended model's linear columns explain.
-    fn virgin(&self, selection: &Selection) -> VirginCurve {
-        self.virgin_of(selection, self.train)
-    }
-
-    fn virgin_of(&self, selection: &Selection, rows: &[usize]) -> VirginCurve {
-        let linear = self.linear_of(&selection.optimal[selection.knee].fit.linear);
-        let model = self.model(FrictionModel::Coulomb { coulomb: 0.0 }, &linear);
-        let friction: Vec<f64> = (0..self.recording.len())
-            .map(|i| {
-                self.effort[i]
-                    - model.inertia * self.kinematics.acceleration[i]
-                    - model.viscous * self.kinematics.velocity[i]
-                    - model.constant_force
-            })
-            .collect();
-        let mut strokes = std::collections::BTreeMap::<u32, Vec<usize>>::new();
-        for &i in rows {
-            strokes
-                .entry(self.recording.segment[i])
-                .or_default()
-                .push(i);
-        }
-        // A stroke that the window cuts does not start at its reversal.
-        let whole: Vec<Vec<usize>> = strokes
-            .into_iter()
-            .filter(|(segment, rows)| {
-                rows[0] == 0 || self.recording.segment[rows[0] - 1] != *segment
-            })
-            .map(|(_, rows)| rows)
-            .collect();
-        VirginCurve::from_strokes(&self.recording.position, &friction, &whole)
-    }
-
-    /// Eqs. (7)–(9) for 1…10 blocks; sizes at which the measured curve is not concave have fewer blocks and are
-    /// left out.
-    fn by_paper(
-        &self,
-        selection: &Selection,
-        virgin: &VirginCurve,
-    ) -> Result<Vec<Candidate>, String> {
-        let linear = self.linear_of(&selection.optimal[selection.knee].fit.linear);
-        let mut candidates = Vec::new();
-        for n in 1..=maxwell_slip::MOST {
-            let of_curve = |curve: &VirginCurve| {
-                let fit = maxwell_slip::by_paper(curve, n);
-                let whole = fit.yields.len() == n;
-                whole.then(|| {
-                    self.model(
-                        FrictionModel::maxwell_slip(&fit.stiffness, &fit.yields),
-                        &linear,
-                    )
-                })
-            };
-            let Some(model) = of_curve(virgin) else {
-                continue;
-            };
-            let mut candidate = self.candidate(model.clone(), Method::Paper, f64::NAN)?;
-            if self.split.test.is_none() {
-                candidate.nmse_test = self.cross_validated(|folds| {
-                    let curve = self.virgin_of(selection, &folds.concat());
-                    self.effort_of(&of_curve(&curve).unwrap_or_else(|| model.clone()))
-                })?;
-            }
-            candidates.push(candidate);
-        }
-        Ok(candidates)
-    }
-}
-
-impl Identification {
-    /// Writes the recommendation and the notes.
-    fn conclude(&mut self, recording: &Recording, selection: &Selection, first_optimal: usize) {
-        let baseline = self.candidates[0].nmse_test;
-        let best = &self.candidates[self.recommended];
-        let lowest = self.candidates[first_optimal..]
-            .iter()
-            .map(|c| c.nmse_test)
-            .fold(f64::INFINITY, f64::min);
-        let _ = (recording, selection);
-        self.recommendation = format!(
-            "Use GMS with {} block{}: {:.3} % of the variance left on held-out data (best of all sizes {:.3} %, Coulomb + viscous {:.3} %).",
-            best.size(),
-            if best.size() == 1 { "" } else { "s" },
-            best.nmse_test,
-            lowest,
-            baseline
-        );
-    }
 }

@@ -4,13 +4,14 @@ use super::regression::{Gram, Regression, solve_normal};
 use super::stop::Deflection;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// A fitted Maxwell-slip model with its linear companions.
 #[derive(Clone, Debug)]
 pub struct Fit {
-    /// Yield displacements `D_i` [m or rad], ascending.
+    /// Yield displacements `D_i` (m or rad), ascending.
     pub yields: Vec<f64>,
-    /// Stiffnesses `k_i` [N/m or N·m/rad].
+    /// Stiffnesses `k_i` (N/m or N·m/rad).
     pub stiffness: Vec<f64>,
     /// Coefficients of the regression's linear columns, in their order.
     pub linear: Vec<f64>,
@@ -22,35 +23,40 @@ const ITERATIONS: usize = 40;
 /// Relative improvement below which a refinement has converged.
 const CONVERGED: f64 = 1e-9;
 
-/// Everything that the force is regressed on for given yields, sample by sample.
-struct Design<'a> {
-    regression: &'a Regression<'a>,
-    deflections: Vec<Deflection>,
+/// Step of `ln D` below which a refused step means that the optimum is reached, not that it was too long.
+const STILL: f64 = 1e-6;
+
+/// Everything that the force is regressed on for given yields, at the samples `rows`: linear columns,
+/// deflections, derivatives with respect to `D`, force.
+struct Design {
+    columns: Vec<Vec<f64>>,
 }
 
-impl<'a> Design<'a> {
-    fn new(regression: &'a Regression<'a>, yields: &[f64]) -> Self {
+impl Design {
+    fn new(regression: &Regression, rows: &[usize], yields: &[f64]) -> Self {
+        let of_rows = |values: &[f64]| rows.iter().map(|&i| values[i]).collect::<Vec<f64>>();
+        let (deflections, slopes): (Vec<_>, Vec<_>) = yields
+            .par_iter()
+            .map(|&d| {
+                let Deflection { z, slope } = regression.deflection(d);
+                (of_rows(&z), of_rows(&slope))
+            })
+            .unzip();
+        let linear = regression.columns.iter().map(|c| of_rows(&c.values));
         Self {
-            regression,
-            deflections: yields
-                .par_iter()
-                .map(|&d| regression.deflection(d))
+            columns: linear
+                .chain(deflections)
+                .chain(slopes)
+                .chain([of_rows(&regression.force)])
                 .collect(),
         }
     }
 
-    /// Sums of products over `rows`: linear columns, deflections, derivatives with respect to `D`, force.
-    fn gram(&self, rows: &[usize]) -> Option<Gram> {
-        let columns: Vec<&[f64]> = self
-            .regression
-            .columns
-            .iter()
-            .map(|c| c.values.as_slice())
-            .chain(self.deflections.iter().map(|d| d.z.as_slice()))
-            .chain(self.deflections.iter().map(|d| d.slope.as_slice()))
-            .chain([self.regression.force.as_slice()])
-            .collect();
-        let parts: Vec<Gram> = rows
+    /// Sums of products over a part of the samples.
+    fn gram(&self, part: Range<usize>) -> Option<Gram> {
+        let columns: Vec<&[f64]> = self.columns.iter().map(Vec::as_slice).collect();
+        let parts: Vec<Gram> = part
+            .collect::<Vec<usize>>()
             .par_chunks(4096)
             .map(|rows| Gram::of(&columns, rows))
             .collect();
@@ -66,7 +72,7 @@ struct Solved {
 
 /// `None` where a stiffness would not be positive.
 fn solve(regression: &Regression, rows: &[usize], yields: Vec<f64>) -> Option<Solved> {
-    let gram = Design::new(regression, &yields).gram(rows)?;
+    let gram = Design::new(regression, rows, &yields).gram(0..rows.len())?;
     let (linear, n) = (regression.columns.len(), yields.len());
     let chosen: Vec<usize> = (0..linear + n).collect();
     let (matrix, right) = gram.normal(&chosen);
@@ -120,7 +126,7 @@ fn joint(fit: &Fit, gram: &Gram) -> (DMatrix<f64>, DVector<f64>) {
     )
 }
 
-/// Moves the yields, within `[shortest, longest]`, to the nearest least squares optimum.
+/// Moves the yields, within `(shortest, longest)`, to the nearest least squares optimum.
 ///
 /// Variable projection: stiffnesses and linear coefficients are solved exactly for any yields, and the yields
 /// move by damped Gauss–Newton steps on `ln D`. A step that makes a stiffness negative is refused.
@@ -128,7 +134,18 @@ pub fn refine(
     regression: &Regression,
     rows: &[usize],
     start: Vec<f64>,
+    range: (f64, f64),
+) -> Option<Fit> {
+    refine_until(regression, rows, start, range, CONVERGED)
+}
+
+/// [`refine`] that ends at relative improvements below `converged`.
+pub fn refine_until(
+    regression: &Regression,
+    rows: &[usize],
+    start: Vec<f64>,
     (shortest, longest): (f64, f64),
+    converged: f64,
 ) -> Option<Fit> {
     let mut best = solve(regression, rows, start)?;
     let (p, n) = (best.fit.linear.len(), best.fit.yields.len());
@@ -139,7 +156,12 @@ pub fn refine(
             matrix[(i, i)] *= 1.0 + damping;
         }
         let before = best.fit.squared_error;
+        let mut reach = f64::INFINITY;
         let trial = solve_normal(&matrix, &right).and_then(|step| {
+            reach = step
+                .iter()
+                .skip(p + n)
+                .fold(0.0, |r: f64, s| r.max(s.abs()));
             let mut yields: Vec<f64> = best
                 .fit
                 .yields
@@ -155,13 +177,13 @@ pub fn refine(
                 let gain = before - trial.fit.squared_error;
                 best = trial;
                 damping = (damping / 10.0_f64).max(1e-9);
-                if gain < CONVERGED * before {
+                if gain < converged * before {
                     break;
                 }
             }
             _ => {
                 damping *= 10.0;
-                if damping > 1e6 {
+                if damping > 1e6 || reach < STILL {
                     break;
                 }
             }
@@ -170,23 +192,37 @@ pub fn refine(
     Some(best.fit)
 }
 
-/// Standard errors of (linear, k, ln D) that hold although neighbouring errors are alike.
+/// Squared error that `fit` leaves on `rows`.
+pub fn squared_error(regression: &Regression, fit: &Fit, rows: &[usize]) -> Option<f64> {
+    let gram = Design::new(regression, rows, &fit.yields).gram(0..rows.len())?;
+    let coefficients = DVector::from_iterator(
+        fit.linear.len() + fit.stiffness.len(),
+        fit.linear.iter().chain(&fit.stiffness).copied(),
+    );
+    let chosen: Vec<usize> = (0..coefficients.len()).collect();
+    Some(gram.squared_error(&chosen, &coefficients))
+}
+
+/// Covariance of (linear, k, ln D) that holds although neighbouring errors are alike.
 ///
 /// Sandwich estimate clustered by fold, with the small-sample factor `G/(G − 1)`: the scatter of the folds'
 /// scores takes the place of a noise variance. `None` with fewer than two folds or a singular matrix.
-pub fn standard_errors(regression: &Regression, fit: &Fit) -> Option<DVector<f64>> {
+pub fn covariance(regression: &Regression, fit: &Fit) -> Option<DMatrix<f64>> {
     let folds = regression.folds.len();
     if folds < 2 {
         return None;
     }
-    let design = Design::new(regression, &fit.yields);
-    let (bread, _) = joint(fit, &design.gram(&regression.folds.concat())?);
+    let rows = regression.folds.concat();
+    let design = Design::new(regression, &rows, &fit.yields);
+    let (bread, _) = joint(fit, &design.gram(0..rows.len())?);
     let mut meat = DMatrix::zeros(bread.nrows(), bread.nrows());
+    let mut end = 0;
     for fold in &regression.folds {
-        let (_, score) = joint(fit, &design.gram(fold)?);
+        let start = end;
+        end += fold.len();
+        let (_, score) = joint(fit, &design.gram(start..end)?);
         meat += &score * score.transpose();
     }
     let inverse = bread.cholesky()?.inverse();
-    let covariance = &inverse * meat * &inverse * (folds as f64 / (folds as f64 - 1.0));
-    Some(covariance.diagonal().map(|v| v.max(0.0).sqrt()))
+    Some(&inverse * meat * &inverse * (folds as f64 / (folds as f64 - 1.0)))
 }

@@ -14,18 +14,21 @@ pub struct Column {
     pub values: Vec<f64>,
 }
 
+/// A filter that returns as many values as it is given.
+pub type Filter<'a> = Box<dyn Fn(&[f64]) -> Vec<f64> + Send + Sync + 'a>;
+
 /// What is to be explained (`force`), by what (`position` through Maxwell-slip blocks, and `columns`).
 pub struct Regression<'a> {
-    /// Position [m or rad] that drives the blocks, for every sample of the recording.
+    /// Position (m or rad) that drives the blocks, for every sample of the recording.
     pub position: &'a [f64],
     /// Contiguous stretches of it.
     pub pieces: &'a [Range<usize>],
-    /// Measured effort [N or N·m].
+    /// Measured effort (N or N·m).
     pub force: Vec<f64>,
     /// Linear columns.
     pub columns: Vec<Column>,
     /// The filter that `force` and `columns` went through, to be applied to the blocks' deflections too.
-    pub filter: Box<dyn Fn(&[f64]) -> Vec<f64> + Send + Sync + 'a>,
+    pub filter: Filter<'a>,
     /// Samples used for fitting, in folds: a fold is the unit that is held out, or resampled for confidence.
     pub folds: Vec<Vec<usize>>,
 }
@@ -129,19 +132,35 @@ impl Regression<'_> {
     }
 
     /// One [`Gram`] per fold over the linear columns, the deflections for `yields`, and the force.
+    ///
+    /// Of each deflection only the folds' samples are kept, so that thinned folds bound the memory.
     pub fn grams(&self, yields: &[f64]) -> Vec<Gram> {
+        let rows = self.folds.concat();
+        let of_rows = |values: &[f64]| rows.iter().map(|&i| values[i]).collect::<Vec<f64>>();
         let deflections: Vec<Vec<f64>> = yields
             .par_iter()
-            .map(|&d| (self.filter)(&Deflection::along(self.position, self.pieces, d).z))
+            .map(|&d| {
+                of_rows(&(self.filter)(
+                    &Deflection::along(self.position, self.pieces, d).z,
+                ))
+            })
             .collect();
-        let columns: Vec<&[f64]> = self
-            .columns
+        let linear = self.columns.iter().map(|column| of_rows(&column.values));
+        let columns: Vec<Vec<f64>> = linear
+            .chain(deflections)
+            .chain([of_rows(&self.force)])
+            .collect();
+        let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let mut end = 0;
+        let parts: Vec<Vec<usize>> = self
+            .folds
             .iter()
-            .map(|column| column.values.as_slice())
-            .chain(deflections.iter().map(Vec::as_slice))
-            .chain([self.force.as_slice()])
+            .map(|fold| {
+                end += fold.len();
+                (end - fold.len()..end).collect()
+            })
             .collect();
-        self.folds
+        parts
             .par_iter()
             .map(|rows| Gram::of(&columns, rows))
             .collect()

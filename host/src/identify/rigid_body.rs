@@ -13,12 +13,22 @@ const STANDSTILL: f64 = 1e-3;
 pub struct Kinematics {
     /// The filter and its band.
     pub filter: ZeroPhase,
-    /// Velocity [m/s or rad/s].
+    /// Velocity (m/s or rad/s).
     pub velocity: Vec<f64>,
-    /// Acceleration [m/s² or rad/s²].
+    /// Acceleration (m/s² or rad/s²).
     pub acceleration: Vec<f64>,
     /// `sgn v`, 0 at standstill, not filtered.
     pub direction: Vec<f64>,
+}
+
+impl RigidBody {
+    /// The value of a coefficient, 0 where it was not fitted.
+    pub fn value(&self, name: &str) -> f64 {
+        self.parameters
+            .iter()
+            .find(|p| p.0 == name)
+            .map_or(0.0, |p| p.1.value)
+    }
 }
 
 impl Kinematics {
@@ -44,10 +54,19 @@ impl Kinematics {
 /// `effort = inertia·a + viscous·v + coulomb·sgn v + offset`.
 #[derive(Clone, Debug)]
 pub struct RigidBody {
-    /// Coefficients by name: `mass` (where the effort contains inertia), `viscous`, `coulomb`, `offset`.
+    /// Coefficients by name: `mass` and `viscous` where they are fitted, `coulomb`, `offset`.
     pub parameters: Vec<(&'static str, Estimate)>,
     /// Coefficient times column, summed: the fitted effort at every sample.
     pub fitted: Vec<f64>,
+}
+
+/// What a rigid body fit contains beside Coulomb friction and offset.
+#[derive(Clone, Copy, Debug)]
+pub struct Terms {
+    /// Inertia.
+    pub mass: bool,
+    /// Viscous friction.
+    pub viscous: bool,
 }
 
 /// Fits the rigid body over the folds' samples. Both sides of the equation go through the same zero-phase filter
@@ -60,19 +79,22 @@ pub fn fit(
     kinematics: &Kinematics,
     effort: &[f64],
     folds: &[Vec<usize>],
+    terms: Terms,
 ) -> Result<RigidBody, String> {
     let inertial = recording.role.contains_inertia();
     let mut columns = Vec::new();
-    if inertial {
+    if terms.mass {
         columns.push(Column {
             name: "mass",
             values: kinematics.acceleration.clone(),
         });
     }
-    columns.push(Column {
-        name: "viscous",
-        values: kinematics.velocity.clone(),
-    });
+    if terms.viscous {
+        columns.push(Column {
+            name: "viscous",
+            values: kinematics.velocity.clone(),
+        });
+    }
     columns.push(Column {
         name: "coulomb",
         values: if inertial {
@@ -120,7 +142,7 @@ pub fn fit(
     Ok(RigidBody { parameters, fitted })
 }
 
-/// Standard errors clustered by fold, as in [`super::refine::standard_errors`].
+/// Standard errors clustered by fold, as in [`super::refine::covariance`].
 fn clustered_errors(
     matrix: &DMatrix<f64>,
     coefficients: &DVector<f64>,

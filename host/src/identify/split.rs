@@ -3,7 +3,7 @@
 use crate::recording::Recording;
 use std::collections::BTreeMap;
 
-/// A window of time [s], from (inclusive) to (exclusive).
+/// A window of time (s), from (inclusive) to (exclusive).
 pub type Window = (f64, f64);
 
 /// Reads `100..145`.
@@ -22,6 +22,72 @@ pub fn parse_window(text: &str) -> Result<Window, String> {
         )),
         _ => Err(wrong()),
     }
+}
+
+/// A fold shorter than the usual one by this factor, such as a window's or a recording's end cuts it, tells too
+/// little to stand alone.
+const SHORT: usize = 4;
+
+/// Folds beyond this number tell nothing more about confidence; neighbours join.
+const MOST_FOLDS: usize = 200;
+
+/// Joins short folds to the one before (leading ones to the first that is not), then neighbours.
+fn joined(folds: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
+    let mut lengths: Vec<usize> = folds.iter().map(Vec::len).collect();
+    lengths.sort_unstable();
+    let usual = lengths.get(lengths.len() / 2).copied().unwrap_or(0);
+    let mut whole: Vec<Vec<usize>> = Vec::new();
+    let mut leading = Vec::new();
+    for fold in folds {
+        match whole.last_mut() {
+            _ if SHORT * fold.len() >= usual => {
+                whole.push([std::mem::take(&mut leading), fold].concat());
+            }
+            Some(before) => before.extend(fold),
+            None => leading.extend(fold),
+        }
+    }
+    let together = whole.len().div_ceil(MOST_FOLDS).max(1);
+    whole.chunks(together).map(<[_]>::concat).collect()
+}
+
+/// Checks that both windows hold samples, and that the test window leaves some of the training window.
+///
+/// # Errors
+/// Which window does not, and what the recording covers.
+pub fn check_windows(
+    recording: &Recording,
+    train: Option<Window>,
+    test: Option<Window>,
+) -> Result<(), String> {
+    let inside = |window: Window, t: f64| (window.0..window.1).contains(&t);
+    let bound = |pick: fn(f64, f64) -> f64| recording.t_s.iter().copied().reduce(pick);
+    let covers = format!(
+        "{} runs from {} to {} s",
+        recording.name,
+        bound(f64::min).unwrap_or(f64::NAN),
+        bound(f64::max).unwrap_or(f64::NAN)
+    );
+    for (option, window) in [("--train", train), ("--test", test)] {
+        if let Some(window) = window
+            && recording.t_s.iter().filter(|&&t| inside(window, t)).count() < 2
+        {
+            return Err(format!(
+                "{option} {}..{} holds no two samples: {covers}; choose a window within",
+                window.0, window.1
+            ));
+        }
+    }
+    let left = |&&t: &&f64| {
+        train.is_none_or(|window| inside(window, t))
+            && !test.is_some_and(|window| inside(window, t))
+    };
+    if recording.t_s.iter().filter(left).count() < 2 {
+        return Err(format!(
+            "--test covers all that --train would fit, and no sample is both fitted and judged: {covers}; choose windows that do not overlap"
+        ));
+    }
+    Ok(())
 }
 
 /// Training samples in folds, and the held-out samples where a window of their own was asked for.
@@ -52,11 +118,11 @@ impl Split {
             }
             groups.into_values().collect::<Vec<_>>()
         };
-        let repeats = group(&recording.repeat);
+        let repeats = joined(group(&recording.repeat));
         let (folds, unit) = if repeats.len() > 2 {
             (repeats, "repeat")
         } else {
-            (group(&recording.segment), "segment")
+            (joined(group(&recording.segment)), "segment")
         };
         let test = test.map(|_| (0..recording.len()).filter(|&i| within(test, i)).collect());
         Self { folds, unit, test }

@@ -3,17 +3,17 @@
 use preslide::Scalar;
 use std::ops::Range;
 
-/// Deflection `z(t; D)` [m] of a block with yield displacement `D` [m] that follows the position `x` [m], and its
-/// derivative `∂z/∂D` [-], for every sample.
+/// Deflection `z(t; D)` (m) of a block with yield displacement `D` (m) that follows the position `x` (m), and its
+/// derivative `∂z/∂D` (-), for every sample.
 ///
 /// `z ← clamp(z + dx, −D, D)`: eq. (10) with the limit of the quasi-static form. A model with fixed yields is
 /// linear in its stiffnesses, `F = Σ k_i·z(t; D_i)`, which is what makes the search for breakpoints tractable.
 /// Every piece of contiguous samples starts with the state that the piece before left (the body does not move
 /// between them as far as anyone knows); the first starts from rest.
 pub struct Deflection {
-    /// `z` [m or rad].
+    /// `z` (m or rad).
     pub z: Vec<f64>,
-    /// `∂z/∂D` [-]: 0 until the block first slips, then ±1 since its last slip.
+    /// `∂z/∂D` (-): 0 until the block first slips, then ±1 since its last slip.
     pub slope: Vec<f64>,
 }
 

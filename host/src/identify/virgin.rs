@@ -5,14 +5,17 @@ use std::collections::BTreeMap;
 /// A force–displacement curve from rest, both axes ascending from the origin.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct VirginCurve {
-    /// Displacement [m or rad].
+    /// Displacement (m or rad).
     pub displacement: Vec<f64>,
-    /// Force [N or N·m].
+    /// Force (N or N·m).
     pub force: Vec<f64>,
 }
 
 /// Bins over the longest stroke when branches are averaged.
 const BINS: usize = 400;
+
+/// Share of the longest stroke that a stroke must have to count.
+const LONG: f64 = 0.9;
 
 /// Share of the highest force at which the curve counts as having reached the breakaway force.
 const BREAKAWAY_REACHED: f64 = 0.98;
@@ -22,17 +25,18 @@ impl VirginCurve {
     /// the virgin curve at twice the scale, as for every Maxwell-slip model).
     ///
     /// `friction` is the force without inertia, viscous part and offset; `strokes` are samples of one stroke
-    /// each, in order. Each stroke's own first sample is taken as its reversal.
+    /// each, in order. Each stroke's own first sample is taken as its reversal. Only strokes nearly as long as the
+    /// longest count: a short one does not start from saturation, where Masing's rule holds.
     pub fn from_strokes(position: &[f64], friction: &[f64], strokes: &[Vec<usize>]) -> Self {
-        let longest = strokes
-            .iter()
-            .flat_map(|rows| {
-                rows.iter()
-                    .map(|&i| (position[i] - position[rows[0]]).abs())
-            })
-            .fold(0.0, f64::max);
+        let travel = |rows: &Vec<usize>| {
+            let start = rows.first().map_or(0.0, |&i| position[i]);
+            rows.iter()
+                .map(|&i| (position[i] - start).abs())
+                .fold(0.0, f64::max)
+        };
+        let longest = strokes.iter().map(travel).fold(0.0, f64::max);
         let mut bins: BTreeMap<usize, (f64, f64, f64)> = BTreeMap::new();
-        for rows in strokes {
+        for rows in strokes.iter().filter(|rows| travel(rows) >= LONG * longest) {
             let Some((&first, &last)) = rows.first().zip(rows.last()) else {
                 continue;
             };
@@ -89,7 +93,7 @@ impl VirginCurve {
             .collect()
     }
 
-    /// Eqs. (7)–(8): stiffnesses `k_i` [N/m] of the blocks that yield at the ascending `breakpoints` [m].
+    /// Eqs. (7)–(8): stiffnesses `k_i` (N/m) of the blocks that yield at the ascending `breakpoints` (m).
     ///
     /// `K_i` is the chord's slope from breakpoint `i − 1` (the origin for the first) to breakpoint `i`, and
     /// `k_i = K_i − K_{i+1}`, `k_N = K_N`. (The paper's indices of `D` and `F` in (8) count from the origin.)

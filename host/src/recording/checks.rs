@@ -87,7 +87,7 @@ pub(super) fn clipping(effort: &[f64], unit: &str, warnings: &mut Vec<Warning>) 
     }
 }
 
-/// Work against closed motion: `(net, exchanged)` [J for force and torque], the effort's mean
+/// Work against closed motion: `(net, exchanged)` (J for force and torque), the effort's mean
 /// taken off because a nearly closed path multiplies any offset by what is left open.
 fn closed_work(x: &[f64], effort: &[f64], strokes: &Strokes) -> Option<(f64, f64)> {
     let first = *strokes.reversals.first()?;

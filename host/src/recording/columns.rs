@@ -1,7 +1,7 @@
 //! Which column is what: names with SI units, `--map`, and columns that claim the same role.
 
 use super::error::Problem;
-use super::{EffortRole, MotionKind, Warning};
+use super::{EffortRole, MotionKind, Needs, Warning};
 
 /// A role that a column can have in a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -208,6 +208,7 @@ pub(super) fn plan(
     columns: &[String],
     listing: &str,
     map: &[(String, String)],
+    needs: Needs,
 ) -> Result<Plan, Problem> {
     let mut sources: Vec<Source> = Vec::new();
     let mut taken = vec![false; columns.len()];
@@ -292,11 +293,18 @@ pub(super) fn plan(
         }
     }
     let mut warnings = Vec::new();
-    let (kind, position) = axis_of(&sources, listing)?;
-    let Some(effort) = sources.iter().find(|s| s.known.slot == Slot::Effort) else {
-        return Err(missing(&sources, listing));
+    let effort = sources.iter().find(|s| s.known.slot == Slot::Effort);
+    let (kind, position) = match (needs, effort.and_then(|s| s.known.axis)) {
+        (Needs::Effort, Some(axis)) if sources.iter().any(|s| s.known.slot == Slot::Time) => {
+            (axis, axis.name())
+        }
+        (Needs::Effort, _) => return Err(missing(&sources, listing, needs)),
+        _ => axis_of(&sources, listing, needs)?,
     };
-    if effort.known.axis.is_some_and(|axis| axis != kind) {
+    if effort.is_none() && needs != Needs::Motion {
+        return Err(missing(&sources, listing, needs));
+    }
+    if let Some(effort) = effort.filter(|s| s.known.axis.is_some_and(|axis| axis != kind)) {
         return Err(Problem::AxisMismatch {
             effort: effort.known.name.into(),
             axis: kind.name(),
@@ -308,7 +316,10 @@ pub(super) fn plan(
             },
         });
     }
-    let role = effort.known.role.unwrap_or(EffortRole::Force);
+    let role = effort.and_then(|s| s.known.role).unwrap_or(match kind {
+        MotionKind::Linear => EffortRole::Force,
+        MotionKind::Rotary => EffortRole::Torque,
+    });
     // A motor's angle beside the stage's displacement: of no use here without a ratio.
     let mut other_axis = Vec::new();
     sources.retain(|s| {
@@ -351,27 +362,37 @@ pub(super) fn plan(
 }
 
 /// The kind of axis and the column that says so: the position, or the velocity where there is none.
-fn axis_of(sources: &[Source], listing: &str) -> Result<(MotionKind, &'static str), Problem> {
+fn axis_of(
+    sources: &[Source],
+    listing: &str,
+    needs: Needs,
+) -> Result<(MotionKind, &'static str), Problem> {
     let has_time = sources.iter().any(|s| s.known.slot == Slot::Time);
     [Slot::Position, Slot::Velocity]
         .iter()
         .find_map(|slot| sources.iter().find(|s| s.known.slot == *slot))
         .and_then(|s| s.known.axis.map(|axis| (axis, s.known.name)))
         .filter(|_| has_time)
-        .ok_or_else(|| missing(sources, listing))
+        .ok_or_else(|| missing(sources, listing, needs))
 }
 
 /// Everything that is missing, in one message.
-fn missing(sources: &[Source], listing: &str) -> Problem {
+fn missing(sources: &[Source], listing: &str, needs: Needs) -> Problem {
     let has = |slot: Slot| sources.iter().any(|s| s.known.slot == slot);
     let mut missing = Vec::new();
     let mut example = "t_s";
-    if !has(Slot::Effort) {
+    if needs == Needs::Effort {
+        let is_force = |s: &&Source| s.known.slot == Slot::Effort && s.known.axis.is_some();
+        if sources.iter().find(is_force).is_none() {
+            missing.push("force or torque (`force_N` or `torque_Nm`)");
+            example = "force_N";
+        }
+    } else if !has(Slot::Effort) && needs == Needs::Both {
         missing.push("effort (`force_N`, `friction_N`, `torque_Nm`, `current_A` or `voltage_V`)");
         let rotary = sources.iter().any(|s| s.known.axis == ROTARY);
         example = if rotary { "torque_Nm" } else { "force_N" };
     }
-    if !has(Slot::Position) && !has(Slot::Velocity) {
+    if needs != Needs::Effort && !has(Slot::Position) && !has(Slot::Velocity) {
         missing.push("position (`x_m` or `q_rad`, else velocity `v_m_s` or `qd_rad_s`)");
         example = "x_m";
     }
@@ -398,7 +419,7 @@ mod tests {
             .iter()
             .map(|(a, b)| (a.to_string(), b.to_string()))
             .collect();
-        plan(&names(list), list, &map)
+        plan(&names(list), list, &map, Needs::Both)
     }
 
     #[test]

@@ -48,7 +48,7 @@ pub(super) fn read(input: impl Read, options: &LoadOptions) -> Result<Table, Pro
     let mut line = 0;
     let header = header_line(&mut input, &mut line)?;
     let names = column_names(&header, line)?;
-    let plan = columns::plan(&names, &names.join(", "), &options.map)?;
+    let plan = columns::plan(&names, &names.join(", "), &options.map, options.needs)?;
     let mut data: Vec<Data> = plan
         .sources
         .iter()

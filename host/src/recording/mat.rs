@@ -70,24 +70,29 @@ pub(super) fn read(bytes: &[u8], options: &LoadOptions) -> Result<Table, Problem
         .collect::<Vec<_>>()
         .join(", ");
     let names: Vec<String> = variables.iter().map(|v| v.name.clone()).collect();
-    let plan =
-        columns::plan(&names, &format!("the variables {listing}"), &options.map).map_err(|e| {
-            match e {
-                // A bare `t` in a file of other names: what else there is helps to write the `--map`.
-                Problem::Unit {
-                    column,
-                    reason,
-                    accepted,
-                    example,
-                } => Problem::Unit {
-                    column,
-                    reason: format!("{reason}, in the file with the variables {listing}"),
-                    accepted,
-                    example,
-                },
-                other => other,
-            }
-        })?;
+    let plan = columns::plan(
+        &names,
+        &format!("the variables {listing}"),
+        &options.map,
+        options.needs,
+    )
+    .map_err(|e| {
+        match e {
+            // A bare `t` in a file of other names: what else there is helps to write the `--map`.
+            Problem::Unit {
+                column,
+                reason,
+                accepted,
+                example,
+            } => Problem::Unit {
+                column,
+                reason: format!("{reason}, in the file with the variables {listing}"),
+                accepted,
+                example,
+            },
+            other => other,
+        }
+    })?;
     let mut data = Vec::new();
     let mut length: Option<(String, usize)> = None;
     for source in &plan.sources {

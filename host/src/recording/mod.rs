@@ -113,7 +113,8 @@ impl std::fmt::Display for Warning {
     }
 }
 
-/// A motion and the effort it took. All columns have the same length; samples are in file order.
+/// A motion and the effort it took. All columns have the same length, but for those that [`Needs`] lets be absent;
+/// samples are in file order.
 #[derive(Clone, Debug)]
 pub struct Recording {
     /// File name, for messages.
@@ -248,9 +249,24 @@ impl Recording {
     }
 }
 
+/// What a file must hold to be of use.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Needs {
+    /// Motion and effort: a recording.
+    #[default]
+    Both,
+    /// A motion; where no column gives the effort, [`Recording::effort`] is empty.
+    Motion,
+    /// An effort that is a force or a torque; where no column gives the motion, [`Recording::position`] is empty.
+    /// Nothing is said about the motion and no sign is looked for.
+    Effort,
+}
+
 /// How to read a file.
 #[derive(Clone, Debug)]
 pub struct LoadOptions {
+    /// What the file must hold.
+    pub needs: Needs,
     /// `--map`: name in the format, and the file's column or product such as `35.1507*vir`.
     pub map: Vec<(String, String)>,
     /// `--sign`: 1 or -1, multiplies the effort; without it an opposed sign is found and flipped.
@@ -264,6 +280,7 @@ pub struct LoadOptions {
 impl Default for LoadOptions {
     fn default() -> Self {
         LoadOptions {
+            needs: Needs::Both,
             map: Vec::new(),
             sign: None,
             max_bytes: 1 << 30,
@@ -424,6 +441,7 @@ fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recor
     let position_integrated = measured.is_none();
     let position = match measured {
         Some(position) => position,
+        None if options.needs == Needs::Effort && velocity.is_none() => Vec::new(),
         None => timing::integrate(
             &t_s,
             velocity.as_deref().unwrap_or_default(),
@@ -445,22 +463,30 @@ fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recor
         .iter()
         .map(|run| segments::strokes(&position, run.clone()))
         .collect();
-    checks::motion(&runs, samples, unit, &mut warnings);
-    checks::clipping(&effort, role.unit(), &mut warnings);
-    checks::sign(
-        &position,
-        &mut effort,
-        &runs,
-        role,
-        options.sign,
-        &mut warnings,
-    );
+    if options.needs == Needs::Effort {
+        let sign = options.sign.unwrap_or(1.0);
+        effort.iter_mut().for_each(|f| *f *= sign);
+    } else {
+        checks::motion(&runs, samples, unit, &mut warnings);
+    }
+    if options.needs == Needs::Both || (options.needs == Needs::Motion && !effort.is_empty()) {
+        checks::clipping(&effort, role.unit(), &mut warnings);
+        checks::sign(
+            &position,
+            &mut effort,
+            &runs,
+            role,
+            options.sign,
+            &mut warnings,
+        );
+    }
 
     let segments_found = given_segment.is_none();
     let segment =
         given_segment.unwrap_or_else(|| segments::segments(&runs, &timing.pieces, samples));
     let (repeat, repeats_found) = match given_repeat {
         Some(repeat) => (repeat, false),
+        None if options.needs == Needs::Effort => (vec![0; samples], false),
         None => segments::repeats(&position, &t_s, &runs, samples, &mut warnings),
     };
     let name = Path::new(path)

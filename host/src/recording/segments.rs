@@ -21,7 +21,7 @@ const MAX_PERIOD: usize = 256;
 pub(super) struct Strokes {
     /// Samples of the run.
     pub(super) run: Range<usize>,
-    /// The samples where the motion turns, in order; stroke `k` ends at `reversals[k]`.
+    /// The samples where the motion turns, in order; stroke `k` ends at `reversals(k)`.
     pub(super) reversals: Vec<usize>,
     /// Highest less lowest position (m or rad).
     pub(super) travel: f64,

@@ -13,7 +13,7 @@
 //!     title: "Identification".into(),
 //!     lead: "Use GMS with four blocks.".into(),
 //!     command: "preslide identify a.csv".into(),
-//!     sections: vec![Section { heading: "Fit".into(), figures: vec![loops], ..Section::default() }],
+//!     sections: vec![Section { heading: "Fit".into(), figures: vec!(loops), ..Section::default() }],
 //! }
 //! .write_html("report.html".as_ref())?;
 //! # anyhow::Ok(())

@@ -1,0 +1,59 @@
+//! `preslide compare`.
+
+use super::{Failure, OutputArgs, RecordingArgs, command_line};
+use clap::Args;
+use preslide_host::compare::{compare, steps};
+use preslide_host::identify::Options;
+use preslide_host::identify::split::{Window, parse_window};
+use preslide_host::progress::Progress;
+use std::time::Instant;
+
+/// Every friction model on the same recording: error in and out of sample, memory, cost
+#[derive(Args)]
+#[command(
+    after_help = "Example: preslide compare axis.csv --train 100..145 --test 145..190 --report comparison.html"
+)]
+pub struct Compare {
+    #[command(flatten)]
+    recordings: RecordingArgs,
+
+    /// Fit only this window of time, in seconds: 100..145
+    #[arg(long, value_name = "FROM..TO", value_parser = parse_window)]
+    train: Option<Window>,
+
+    /// Judge on this window, which is never fitted; without it repeats or strokes take turns
+    #[arg(long, value_name = "FROM..TO", value_parser = parse_window)]
+    test: Option<Window>,
+
+    #[command(flatten)]
+    outputs: OutputArgs,
+}
+
+impl Compare {
+    /// Runs the command.
+    pub fn run(self) -> Result<(), Failure> {
+        let start = Instant::now();
+        let recording = self.recordings.load()?;
+        let options = Options {
+            train: self.train,
+            test: self.test,
+        };
+        let progress = Progress::new("compare", steps());
+        let found = compare(&recording, &options, &progress).map_err(Failure::Data)?;
+        progress.finish();
+
+        println!("{}", found.table(&recording).to_text());
+        for model in &found.models {
+            println!("{}: {}", model.name(), model.parameters_in_words());
+        }
+        println!();
+        for note in &found.notes {
+            println!("Note: {note}.");
+        }
+        println!("{}", found.recommendation());
+        let seconds = start.elapsed().as_secs_f64();
+        self.outputs.write(&found.to_json(&recording, seconds), || {
+            found.page(&recording, command_line())
+        })
+    }
+}

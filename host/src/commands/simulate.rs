@@ -1,0 +1,130 @@
+//! `preslide simulate`.
+
+use super::{Failure, OutputArgs, command_line, write_text};
+use clap::{ArgGroup, Args};
+use preslide_host::model::Model;
+use preslide_host::recording::{self, LoadOptions, Needs, Recording};
+use preslide_host::simulate::ramp::{Ramp, parse_ramp};
+use preslide_host::simulate::{Simulation, force_of_motion, motion_of_force};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// The force that a motion takes, or the motion that a slow force causes
+#[derive(Args)]
+#[command(
+    after_help = "Example: preslide simulate model.toml --motion axis.csv --report simulation.html"
+)]
+#[command(group = ArgGroup::new("input").required(true).args(["motion", "force", "ramp"]))]
+pub struct Simulate {
+    /// Model file, as `identify` writes it
+    #[arg(value_name = "MODEL.toml")]
+    model: PathBuf,
+
+    /// Motion → force: t_s and x_m or q_rad; an effort, where there is one, is compared
+    #[arg(long, value_name = "REC")]
+    motion: Option<PathBuf>,
+
+    /// Force → motion, quasi-static: t_s and force_N or torque_Nm
+    #[arg(long, value_name = "REC")]
+    force: Option<PathBuf>,
+
+    /// The same for forces (N or N·m) gone to at a constant rate (per second): "0,0.9,0,0.6,-0.9@0.01"
+    #[arg(long, value_name = "FORCES@RATE", value_parser = parse_ramp, allow_hyphen_values = true)]
+    ramp: Option<Ramp>,
+
+    /// Samples per second of --ramp (Hz)
+    #[arg(long, value_name = "HZ", default_value_t = 10.0, conflicts_with_all = ["motion", "force"])]
+    rate: f64,
+
+    /// Read a column under the tool's name, times numbers or columns: force_N=35.15*vir
+    #[arg(long, value_name = "NAME=COLUMN", value_parser = recording::parse_map)]
+    map: Vec<(String, String)>,
+
+    /// Sign of the effort: 1 or -1
+    #[arg(long, value_name = "SIGN", allow_negative_numbers = true)]
+    sign: Option<f64>,
+
+    /// Write the simulated recording
+    #[arg(short, long, value_name = "OUT.csv")]
+    output: Option<PathBuf>,
+
+    #[command(flatten)]
+    outputs: OutputArgs,
+}
+
+impl Simulate {
+    /// Runs the command.
+    pub fn run(self) -> Result<(), Failure> {
+        let start = Instant::now();
+        let model = Model::load(&self.model)?;
+        let (found, name) = self.simulate(&model)?;
+
+        println!("{}", found.table().to_text());
+        for note in &found.notes {
+            println!("Note: {note}.");
+        }
+        if let Some(path) = &self.output {
+            write_text(path, &found.to_csv())?;
+        }
+        let seconds = start.elapsed().as_secs_f64();
+        self.outputs.write(&found.to_json(&model, seconds), || {
+            found.page(&name, command_line())
+        })?;
+        if found.breakaway.is_some() {
+            return Err(Failure::Data(format!("{name}: {}", found.conclusion())));
+        }
+        println!("{}", found.conclusion());
+        Ok(())
+    }
+
+    fn simulate(&self, model: &Model) -> Result<(Simulation, String), Failure> {
+        if let Some(path) = &self.motion {
+            let recording = self.load(path, Needs::Motion)?;
+            let found = force_of_motion(model, &recording).map_err(Failure::Input)?;
+            return Ok((found, recording.name));
+        }
+        if let Some(path) = &self.force {
+            let recording = self.load(path, Needs::Effort)?;
+            if recording.kind != model.motion {
+                return Err(Failure::Input(format!(
+                    "{}: the effort is that of a {} axis, the model is {}; use a model of the same axis, or --map with the ratio of the drive",
+                    recording.name,
+                    recording.kind.name(),
+                    model.motion.name()
+                )));
+            }
+            let found = motion_of_force(
+                model,
+                &recording.t_s,
+                &recording.effort,
+                recording.sample_time_s(),
+            )
+            .map_err(Failure::Input)?;
+            return Ok((found, recording.name));
+        }
+        // The argument group sees to it that one of the three is given.
+        let Some(ramp) = &self.ramp else {
+            return Err(Failure::Input(
+                "give --motion, --force or --ramp".to_owned(),
+            ));
+        };
+        let (t_s, force) = ramp.samples(self.rate).map_err(Failure::Input)?;
+        let found =
+            motion_of_force(model, &t_s, &force, 1.0 / self.rate).map_err(Failure::Input)?;
+        Ok((found, "force ramp".to_owned()))
+    }
+
+    fn load(&self, path: &Path, needs: Needs) -> Result<Recording, Failure> {
+        let options = LoadOptions {
+            needs,
+            map: self.map.clone(),
+            sign: self.sign,
+            ..LoadOptions::default()
+        };
+        let recording = recording::load(path, &options)?;
+        for warning in &recording.warnings {
+            eprintln!("{}: warning: {warning}", recording.name);
+        }
+        Ok(recording)
+    }
+}

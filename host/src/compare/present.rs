@@ -1,0 +1,419 @@
+//! A comparison for people and for machines.
+
+use super::{Compared, Comparison, NEAR, SEED};
+use crate::friction::FrictionModel;
+use crate::recording::{MotionKind, Recording};
+use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
+use serde_json::{Value, json};
+
+/// Strokes drawn in the loop figure; more would hide each other.
+const STROKES: usize = 2;
+
+impl Compared {
+    /// Its name in tables.
+    pub fn name(&self) -> String {
+        match &self.model.friction {
+            FrictionModel::Coulomb { .. } => "Coulomb + viscous".to_owned(),
+            FrictionModel::Dahl { exponent: 1.0, .. } => "Dahl, n = 1".to_owned(),
+            FrictionModel::Dahl { .. } => "Dahl".to_owned(),
+            FrictionModel::LuGre { .. } => "LuGre".to_owned(),
+            FrictionModel::Hsieh(_) => "Hsieh".to_owned(),
+            FrictionModel::Gms { blocks, .. } => format!("GMS, N = {}", blocks.len()),
+        }
+    }
+
+    /// The model file as JSON: its keys carry the unit, on linear and rotary axes alike.
+    fn file(&self) -> Value {
+        toml::from_str(&self.model.to_toml(&[])).unwrap_or(Value::Null)
+    }
+
+    /// `key value, key value, …`.
+    pub fn parameters_in_words(&self) -> String {
+        fn words(value: &Value, skip: &[&str]) -> String {
+            let pairs = value.as_object().into_iter().flatten();
+            let pairs = pairs.filter(|(key, _)| !skip.contains(&key.as_str()));
+            let said = pairs.filter_map(|(key, value)| match value {
+                Value::Number(number) => Some(format!("{key} {}", digits(number.as_f64()?))),
+                Value::Array(items) => {
+                    let items: Vec<String> = items.iter().map(|i| words(i, &[])).collect();
+                    Some(format!("{key} ({})", items.join("; ")))
+                }
+                Value::Object(_) => Some(words(value, &["kind"])),
+                _ => None,
+            });
+            said.collect::<Vec<_>>().join(", ")
+        }
+        words(&self.file(), &[])
+    }
+
+    fn memory_in_words(&self) -> &'static str {
+        match (self.memory.is_nonlocal(), self.memory.remembers) {
+            (true, _) => "yes",
+            (false, true) => "no",
+            (false, false) => "no memory",
+        }
+    }
+}
+
+impl Comparison {
+    /// One sentence: what to use and why.
+    pub fn recommendation(&self) -> String {
+        let Some(best) = self.models.get(self.recommended) else {
+            return String::new();
+        };
+        let cost = best.cycles.as_ref().map_or(String::new(), |c| {
+            format!(", {:.0} cycles an update", c.mean)
+        });
+        let others: Vec<String> = self
+            .models
+            .iter()
+            .filter(|m| m.model.friction.kind() != best.model.friction.kind())
+            .map(|m| format!("{} {} %", m.name(), percent(m.nmse_test)))
+            .collect();
+        let loops = match best.memory_in_words() {
+            "yes" => "its inner loops close",
+            "no" => "its inner loops do not close",
+            _ => "it has no memory",
+        };
+        format!(
+            "Use {}: {} % of the variance left on held-out data ({}); {loops}{cost}. Of the models with a measured update it is the cheapest within {:.0} % of the lowest error.",
+            best.name(),
+            percent(best.nmse_test),
+            others.join(", "),
+            100.0 * (NEAR - 1.0),
+        )
+    }
+
+    /// `preslide.comparison/1`; `seconds` is the time it took.
+    pub fn to_json(&self, recording: &Recording, seconds: f64) -> Value {
+        let closure_key = match recording.kind {
+            MotionKind::Linear => "loop_closure_N",
+            MotionKind::Rotary => "loop_closure_Nm",
+        };
+        let models: Vec<Value> = self
+            .models
+            .iter()
+            .map(|m| {
+                let blocks = match &m.model.friction {
+                    FrictionModel::Gms { blocks, .. } => Some(blocks.len()),
+                    _ => None,
+                };
+                json!({
+                    "kind": m.model.friction.kind(),
+                    "blocks": blocks,
+                    "nmse_train": m.nmse_train,
+                    "nmse_test": m.nmse_test,
+                    closure_key: m.memory.largest,
+                    "loop_closure_share": m.memory.largest / m.memory.range,
+                    "nonlocal_memory": m.memory.is_nonlocal(),
+                    "cycles_mean": m.cycles.as_ref().map(|c| c.mean),
+                    "cycles_worst": m.cycles.as_ref().map(|c| c.worst),
+                    "fitted_parameters": m.parameters,
+                    "at_edge": m.at_edge,
+                    "model": m.file(),
+                })
+            })
+            .collect();
+        json!({
+            "schema": "preslide.comparison/1",
+            "recording": recording.name,
+            "held_out": self.held_out(),
+            "band_hz": self.identification.filtered.then_some(self.identification.band_hz),
+            "seed": SEED,
+            "models": models,
+            "recommended": self.models.get(self.recommended).map(|m| json!({
+                "kind": m.model.friction.kind(),
+                "index": self.recommended,
+                "reason": self.recommendation(),
+            })),
+            "warnings": recording.warnings.iter().map(ToString::to_string).chain(self.notes.iter().cloned()).collect::<Vec<_>>(),
+            "seconds": seconds,
+        })
+    }
+
+    fn held_out(&self) -> String {
+        let split = &self.identification.split;
+        match &split.test {
+            Some(_) => "test window".to_owned(),
+            None => format!("{}s in turn", split.unit),
+        }
+    }
+
+    /// Error, memory and cost of every model.
+    pub fn table(&self, recording: &Recording) -> Table {
+        let unit = recording.effort_unit();
+        Table {
+            caption: format!(
+                "NMSE (eq. 13) in % of the variance; seed of the starts {SEED}; * recommended"
+            ),
+            head: [
+                "model".to_owned(),
+                "train".to_owned(),
+                self.held_out(),
+                "parameters".to_owned(),
+                format!("loop closure {unit}"),
+                "of range".to_owned(),
+                "non-local memory".to_owned(),
+                "cycles (Cortex-M4F)".to_owned(),
+            ]
+            .to_vec(),
+            rows: self
+                .models
+                .iter()
+                .enumerate()
+                .map(|(i, m)| {
+                    let mark = if i == self.recommended { " *" } else { "" };
+                    vec![
+                        format!("{}{mark}", m.name()),
+                        percent(m.nmse_train),
+                        percent(m.nmse_test),
+                        m.parameters.to_string(),
+                        format!("{:.1e}", m.memory.largest),
+                        if m.memory.range > 0.0 {
+                            format!("{:.1e}", m.memory.largest / m.memory.range)
+                        } else {
+                            "–".to_owned()
+                        },
+                        m.memory_in_words().to_owned(),
+                        m.cycles
+                            .as_ref()
+                            .map_or("not measured".to_owned(), |c| format!("{:.0}", c.mean)),
+                    ]
+                })
+                .collect(),
+        }
+    }
+
+    /// The parameters of every model, by their keys in model files.
+    pub fn parameter_table(&self) -> Table {
+        Table {
+            caption: "Parameters, by their keys in model files".to_owned(),
+            head: vec!["model".to_owned(), "parameters".to_owned()],
+            rows: self
+                .models
+                .iter()
+                .map(|m| vec![m.name(), m.parameters_in_words()])
+                .collect(),
+        }
+    }
+
+    /// How far each nested loop is from closing.
+    fn memory_table(&self, recording: &Recording) -> Table {
+        Table {
+            caption: format!(
+                "|force on return − force at the reversal| {}, the widest inner loop first, each half as wide as the one before",
+                recording.effort_unit()
+            ),
+            head: [
+                "model".to_owned(),
+                format!("widest {}", recording.position_unit()),
+                "errors".to_owned(),
+                "worst at a hundredth of the speed".to_owned(),
+            ]
+            .to_vec(),
+            rows: self
+                .models
+                .iter()
+                .map(|m| {
+                    let errors: Vec<String> =
+                        m.memory.errors.iter().map(|e| format!("{e:.1e}")).collect();
+                    vec![
+                        m.name(),
+                        m.memory
+                            .widths
+                            .first()
+                            .map_or(String::new(), |w| format!("{w:.1e}")),
+                        errors.join(", "),
+                        format!("{:.1e}", m.memory.largest_slow),
+                    ]
+                })
+                .collect(),
+        }
+    }
+
+    /// The report page.
+    pub fn page(&self, recording: &Recording, command: String) -> Page {
+        let (x, f) = (recording.position_unit(), recording.effort_unit());
+        let split = &self.identification.split;
+        let train = split.train();
+        let judged = split.test.as_ref().unwrap_or(&train);
+        let shown = last_strokes(recording, judged);
+        let of = |values: &[f64], rows: &[usize]| -> Vec<f64> {
+            rows.iter().map(|&i| values[i]).collect()
+        };
+        let effort = &self.identification.effort;
+        let drawn = || self.drawn().zip(Colour::PALETTE);
+
+        let mut loops = Figure::new(
+            "Force–displacement loops",
+            Axis::new("position", x),
+            Axis::new(
+                if self.identification.filtered {
+                    "effort, low-passed"
+                } else {
+                    "friction"
+                },
+                f,
+            ),
+        )
+        .with(
+            Series::line(
+                "measured",
+                of(&recording.position, &shown),
+                of(effort, &shown),
+            )
+            .colour(Colour::Black)
+            .emphasis(Emphasis::Strong),
+        );
+        let mut residuals = Figure::new(
+            "Residual against time, held-out samples",
+            Axis::new("time", "s"),
+            Axis::new("measured − model", f),
+        );
+        let mut nested = Figure::new(
+            "Nested reversals",
+            Axis::new("position", x),
+            Axis::new("friction model", f),
+        );
+        for (m, colour) in drawn() {
+            loops = loops.with(
+                Series::line(
+                    m.name(),
+                    of(&recording.position, &shown),
+                    of(&m.fitted, &shown),
+                )
+                .colour(colour),
+            );
+            let residual: Vec<f64> = judged.iter().map(|&i| effort[i] - m.fitted[i]).collect();
+            residuals = residuals
+                .with(Series::line(m.name(), of(&recording.t_s, judged), residual).colour(colour));
+            nested = nested.with(
+                Series::line(m.name(), m.memory.position.clone(), m.memory.force.clone())
+                    .colour(colour),
+            );
+        }
+        let loops = loops.note(format!(
+            "The last {STROKES} whole strokes of the {} data.",
+            if split.test.is_some() {
+                "test"
+            } else {
+                "training"
+            }
+        ));
+        let nested = nested.note("Each model runs an outer loop over the recording's stroke, then reversals at 1/2, 1/4, … of its half, and back through the same reversals. A model with non-local memory draws each inner branch as a closed loop.");
+
+        let mut sizes = Figure::new(
+            "Error against number of parameters",
+            Axis::new("fitted friction parameters", ""),
+            Axis::new("NMSE (13), held out", "%").log(),
+        );
+        let mut costs = Figure::new(
+            "Error against cost",
+            Axis::new("cycles of one update in f32, Cortex-M4F", ""),
+            Axis::new("NMSE (13), held out", "%").log(),
+        )
+        .note("Models without a measured kernel are missing here.");
+        for m in &self.models {
+            let point =
+                |at: f64| Series::line(m.name(), vec![at], vec![m.nmse_test]).style(Style::Points);
+            sizes = sizes.with(point(m.parameters as f64));
+            if let Some(cycles) = &m.cycles {
+                costs = costs.with(point(cycles.mean));
+            }
+        }
+        let section = |heading: &str, tables, figures, paragraphs| Section {
+            heading: heading.to_owned(),
+            paragraphs,
+            tables,
+            figures,
+        };
+        Page {
+            title: format!("Friction models on {}", recording.name),
+            lead: self.recommendation(),
+            command,
+            sections: vec![
+                section(
+                    "Models",
+                    vec![self.table(recording), self.parameter_table()],
+                    vec![loops, sizes, costs],
+                    vec![format!(
+                        "NMSE is the squared error over the variance of the effort that the model explains{}. Held-out figures come from {}. Inertia, viscous part and offset are fitted beside every model.",
+                        if self.identification.filtered {
+                            format!(
+                                " (measured effort after the zero-phase low-pass at {:.1} Hz)",
+                                self.identification.band_hz
+                            )
+                        } else {
+                            String::new()
+                        },
+                        match &split.test {
+                            Some(_) => "the test window, which no fit saw".to_owned(),
+                            None => format!("{}s that were left out of the fit in turn", split.unit),
+                        }
+                    )],
+                ),
+                section(
+                    "Non-local memory",
+                    vec![self.memory_table(recording)],
+                    vec![nested],
+                    vec!["A model has non-local memory when every inner loop closes to rounding (1e-9 of the force's range). Coulomb friction has nothing to remember; its zeros say no more than that.".to_owned()],
+                ),
+                section("What the models leave", Vec::new(), vec![residuals], Vec::new()),
+                section(
+                    "Notes",
+                    Vec::new(),
+                    Vec::new(),
+                    recording
+                        .warnings
+                        .iter()
+                        .map(ToString::to_string)
+                        .chain(self.notes.iter().cloned())
+                        .collect(),
+                ),
+            ],
+        }
+    }
+
+    /// The models worth a curve of their own: one of each kind, for GMS the one that errs least.
+    fn drawn(&self) -> impl Iterator<Item = &Compared> {
+        self.models.iter().filter(|m| {
+            self.models.iter().all(|other| {
+                other.model.friction.kind() != m.model.friction.kind()
+                    || m.nmse_test <= other.nmse_test
+            })
+        })
+    }
+}
+
+/// Samples of the last whole strokes among `rows`; the last one may be cut by the window.
+fn last_strokes(recording: &Recording, rows: &[usize]) -> Vec<usize> {
+    let mut strokes: Vec<u32> = rows.iter().map(|&i| recording.segment[i]).collect();
+    strokes.dedup();
+    let end = strokes.len().saturating_sub(1).max(1).min(strokes.len());
+    let kept = &strokes[end.saturating_sub(STROKES)..end];
+    rows.iter()
+        .copied()
+        .filter(|&i| kept.contains(&recording.segment[i]))
+        .collect()
+}
+
+/// Five significant digits.
+fn digits(value: f64) -> String {
+    let short = format!("{value:.4e}");
+    match short.parse::<f64>() {
+        Ok(rounded) if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) => {
+            rounded.to_string()
+        }
+        _ => short,
+    }
+}
+
+/// Three significant digits or more.
+fn percent(value: f64) -> String {
+    match value {
+        v if v >= 10.0 => format!("{v:.1}"),
+        v if v >= 1.0 => format!("{v:.2}"),
+        v if v >= 0.001 => format!("{v:.4}"),
+        v => format!("{v:.2e}"),
+    }
+}

@@ -1,0 +1,292 @@
+//! Finished models, run through the library and measured.
+
+use super::estimate::Estimate;
+use super::maxwell_slip::{self, Selection, Sized};
+use super::refine;
+use super::regression::Regression;
+use super::rigid_body::{self, Kinematics, RigidBody, Terms};
+use super::split::Split;
+use super::virgin::VirginCurve;
+use super::{Candidate, Method};
+use crate::friction::{FrictionModel, Path};
+use crate::model::Model;
+use crate::nmse::nmse;
+use crate::recording::Recording;
+use std::collections::BTreeMap;
+
+/// Runs finished models through the library and measures them.
+pub(super) struct Judge<'a> {
+    pub(super) recording: &'a Recording,
+    pub(super) kinematics: &'a Kinematics,
+    pub(super) effort: &'a [f64],
+    pub(super) split: &'a Split,
+    pub(super) train: &'a [usize],
+    /// The effort contains inertia, so that it went through the filter.
+    pub(super) inertial: bool,
+    /// What the baseline contains; its inertia decides for every model.
+    pub(super) terms: Terms,
+}
+
+impl Judge<'_> {
+    fn path(&self) -> Path<'_> {
+        Path {
+            position: &self.recording.position,
+            velocity: &self.kinematics.velocity,
+            pieces: &self.recording.pieces,
+            sample_time: self.recording.sample_time_s(),
+        }
+    }
+
+    /// The whole effort of a model, filtered like the measured one.
+    fn effort_of(&self, model: &Model) -> Result<Vec<f64>, String> {
+        let friction = model
+            .friction
+            .force(self.path())
+            .map_err(|e| e.to_string())?;
+        let mut effort = if self.inertial {
+            self.kinematics.filter.smooth(&friction)
+        } else {
+            friction
+        };
+        for (i, effort) in effort.iter_mut().enumerate() {
+            *effort += model.inertia * self.kinematics.acceleration[i]
+                + model.viscous * self.kinematics.velocity[i]
+                + model.constant_force;
+        }
+        Ok(effort)
+    }
+
+    /// Runs a model through the library and measures it.
+    fn candidate(
+        &self,
+        model: Model,
+        method: Method,
+        nmse_cross: f64,
+    ) -> Result<Candidate, String> {
+        let fitted = self.effort_of(&model)?;
+        Ok(self.measured(model, method, nmse_cross, fitted))
+    }
+
+    /// Measures a fit. Where no test window was asked for, `nmse_cross` stands for the test figure.
+    fn measured(
+        &self,
+        model: Model,
+        method: Method,
+        nmse_cross: f64,
+        fitted: Vec<f64>,
+    ) -> Candidate {
+        let nmse_test = match &self.split.test {
+            Some(rows) => nmse(self.effort, &fitted, rows),
+            None => nmse_cross,
+        };
+        Candidate {
+            nmse_train: nmse(self.effort, &fitted, self.train),
+            nmse_test,
+            rigid_body: Vec::new(),
+            blocks: Vec::new(),
+            model,
+            method,
+            fitted,
+        }
+    }
+
+    fn model(&self, friction: FrictionModel, linear: &[(&'static str, f64)]) -> Model {
+        let of = |name| linear.iter().find(|p| p.0 == name).map_or(0.0, |p| p.1);
+        Model {
+            motion: self.recording.kind,
+            inertia: of("mass"),
+            viscous: of("viscous"),
+            friction,
+            constant_force: of("offset"),
+            mechanics: Vec::new(),
+        }
+    }
+
+    /// Coulomb and viscous friction as least squares found them, and its NMSE (%) on folds held out in turn.
+    pub(super) fn coulomb(&self, rigid: RigidBody) -> Result<(Candidate, f64), String> {
+        let linear: Vec<_> = rigid
+            .parameters
+            .iter()
+            .map(|(name, estimate)| (*name, estimate.value))
+            .collect();
+        let coulomb = rigid.value("coulomb").max(0.0);
+        let model = self.model(FrictionModel::Coulomb { coulomb }, &linear);
+        let nmse_cross = self.cross_validated(|folds| {
+            let rigid = rigid_body::fit(
+                self.recording,
+                self.kinematics,
+                self.effort,
+                folds,
+                self.terms,
+            )?;
+            Ok(rigid.fitted)
+        })?;
+        let mut candidate = self.measured(model, Method::LeastSquares, nmse_cross, rigid.fitted);
+        candidate.rigid_body = rigid.parameters;
+        Ok((candidate, nmse_cross))
+    }
+
+    /// NMSE over folds held out in turn of whatever `fit` predicts from the others.
+    fn cross_validated(
+        &self,
+        fit: impl Fn(&[Vec<usize>]) -> Result<Vec<f64>, String>,
+    ) -> Result<f64, String> {
+        let mut predicted = vec![0.0; self.recording.len()];
+        let per_group = self.split.folds.len().div_ceil(6);
+        for group in self.split.folds.chunks(per_group) {
+            let rest: Vec<Vec<usize>> = self
+                .split
+                .folds
+                .iter()
+                .filter(|fold| !group.contains(fold))
+                .cloned()
+                .collect();
+            let fitted = fit(&rest)?;
+            for &i in group.iter().flatten() {
+                predicted[i] = fitted[i];
+            }
+        }
+        Ok(nmse(self.effort, &predicted, self.train))
+    }
+
+    fn linear_of(&self, linear: &[f64]) -> Vec<(&'static str, f64)> {
+        let names: &[&'static str] = if self.terms.mass {
+            &["mass", "viscous", "offset"]
+        } else {
+            &["viscous", "offset"]
+        };
+        names.iter().copied().zip(linear.iter().copied()).collect()
+    }
+
+    pub(super) fn optimal(
+        &self,
+        regression: &Regression,
+        sized: &Sized,
+    ) -> Result<Candidate, String> {
+        let fit = &sized.fit;
+        let friction = FrictionModel::maxwell_slip(&fit.stiffness, &fit.yields);
+        let model = self.model(friction, &self.linear_of(&fit.linear));
+        let mut candidate = self.candidate(model, Method::Optimal, sized.nmse_cross)?;
+        let covariance = refine::covariance(regression, fit);
+        let folds = self.split.folds.len();
+        // Standard error of a sum of `(index, weight)` of the parameters (linear, k, ln D).
+        let error = |terms: &[(usize, f64)]| {
+            let c = covariance.as_ref()?;
+            let variance: f64 = terms
+                .iter()
+                .flat_map(|(i, a)| terms.iter().map(move |(j, b)| a * b * c[(*i, *j)]))
+                .sum();
+            Some(variance.max(0.0).sqrt())
+        };
+        let (p, n) = (fit.linear.len(), fit.yields.len());
+        candidate.blocks = (0..n)
+            .map(|i| {
+                (
+                    Estimate::logarithmic(
+                        fit.stiffness[i],
+                        error(&[(p + i, 1.0 / fit.stiffness[i])]),
+                        folds,
+                    ),
+                    Estimate::logarithmic(fit.yields[i], error(&[(p + n + i, 1.0)]), folds),
+                )
+            })
+            .collect();
+        let weights: Vec<f64> = fit
+            .stiffness
+            .iter()
+            .zip(&fit.yields)
+            .map(|(k, d)| k * d)
+            .collect();
+        let of_breakaway: Vec<(usize, f64)> = (0..n)
+            .flat_map(|i| [(p + i, fit.yields[i]), (p + n + i, weights[i])])
+            .collect();
+        candidate.rigid_body = self
+            .linear_of(&fit.linear)
+            .into_iter()
+            .enumerate()
+            .map(|(i, (name, value))| (name, Estimate::new(value, error(&[(i, 1.0)]), folds)))
+            .collect();
+        candidate.rigid_body.push((
+            "coulomb",
+            Estimate::new(weights.iter().sum(), error(&of_breakaway), folds),
+        ));
+        Ok(candidate)
+    }
+
+    /// The averaged branch of the training strokes, without what the recommended model's linear columns explain.
+    pub(super) fn virgin(&self, selection: &Selection) -> VirginCurve {
+        self.virgin_of(selection, self.train)
+    }
+
+    fn virgin_of(&self, selection: &Selection, rows: &[usize]) -> VirginCurve {
+        let linear = self.linear_of(&selection.optimal[selection.knee].fit.linear);
+        let model = self.model(FrictionModel::Coulomb { coulomb: 0.0 }, &linear);
+        let friction: Vec<f64> = (0..self.recording.len())
+            .map(|i| {
+                self.effort[i]
+                    - model.inertia * self.kinematics.acceleration[i]
+                    - model.viscous * self.kinematics.velocity[i]
+                    - model.constant_force
+            })
+            .collect();
+        let mut strokes = BTreeMap::<u32, Vec<usize>>::new();
+        for &i in rows {
+            strokes
+                .entry(self.recording.segment[i])
+                .or_default()
+                .push(i);
+        }
+        // A stroke that the window cuts, or that begins with the recording or after a gap, does not start at a
+        // reversal, and Masing's rule does not hold for it.
+        let at_reversal = |segment: u32, first: usize| {
+            first > 0
+                && self.recording.segment[first - 1] != segment
+                && self
+                    .recording
+                    .pieces
+                    .iter()
+                    .all(|piece| piece.start != first)
+        };
+        let whole: Vec<Vec<usize>> = strokes
+            .into_iter()
+            .filter(|(segment, rows)| at_reversal(*segment, rows[0]))
+            .map(|(_, rows)| rows)
+            .collect();
+        VirginCurve::from_strokes(&self.recording.position, &friction, &whole)
+    }
+
+    /// Eqs. (7)–(9) for 1…10 blocks; sizes at which the measured curve is not concave have fewer blocks and are
+    /// left out.
+    pub(super) fn by_paper(
+        &self,
+        selection: &Selection,
+        virgin: &VirginCurve,
+    ) -> Result<Vec<Candidate>, String> {
+        let linear = self.linear_of(&selection.optimal[selection.knee].fit.linear);
+        let mut candidates = Vec::new();
+        for n in 1..=maxwell_slip::MOST {
+            let of_curve = |curve: &VirginCurve| {
+                let fit = maxwell_slip::by_paper(curve, n);
+                let whole = fit.yields.len() == n;
+                whole.then(|| {
+                    self.model(
+                        FrictionModel::maxwell_slip(&fit.stiffness, &fit.yields),
+                        &linear,
+                    )
+                })
+            };
+            let Some(model) = of_curve(virgin) else {
+                continue;
+            };
+            let mut candidate = self.candidate(model.clone(), Method::Paper, f64::NAN)?;
+            if self.split.test.is_none() {
+                candidate.nmse_test = self.cross_validated(|folds| {
+                    let curve = self.virgin_of(selection, &folds.concat());
+                    self.effort_of(&of_curve(&curve).unwrap_or_else(|| model.clone()))
+                })?;
+            }
+            candidates.push(candidate);
+        }
+        Ok(candidates)
+    }
+}

@@ -1,0 +1,261 @@
+//! What a user should know about an identification, in words.
+
+use super::{Candidate, Identification, Method};
+use crate::nmse::nmse;
+use crate::recording::Recording;
+
+/// Difference between training and test NMSE that wants an explanation.
+const WORTH_EXPLAINING: f64 = 0.15;
+/// Folds below which an interval clustered by fold is a rough guess.
+const FEW_FOLDS: usize = 6;
+
+/// Held-out NMSE of the best model (%) above which it explains nothing.
+const UNEXPLAINED: f64 = 50.0;
+
+/// NMSE of Coulomb + viscous friction (%) above which the motion hardly slides.
+const MOSTLY_PRESLIDING: f64 = 30.0;
+
+/// How the friction level of one fold differs from the model's: `effort ≈ gain·friction + rest + offset`.
+#[derive(Clone, Copy, Debug)]
+pub struct Level {
+    /// Start of the fold (s).
+    pub start: f64,
+    /// Gain on the model's friction (-).
+    pub gain: f64,
+    /// Offset beside the model's (N or N·m).
+    pub offset: f64,
+    /// The fold lies in the test window.
+    pub test: bool,
+}
+
+impl Identification {
+    /// The model to use.
+    pub fn best(&self) -> &Candidate {
+        &self.candidates[self.recommended]
+    }
+
+    /// Recommends GMS with `blocks` blocks, or Coulomb + viscous friction for 0, because the user wants it.
+    ///
+    /// # Errors
+    /// Which sizes there are, where this one is not among them.
+    pub fn choose(&mut self, blocks: usize) -> Result<(), String> {
+        let wanted =
+            |c: &Candidate| c.size() == blocks && (blocks == 0 || c.method == Method::Optimal);
+        let sizes: Vec<String> = self.optimal().map(|c| c.size().to_string()).collect();
+        self.recommended = self.candidates.iter().position(wanted).ok_or_else(|| {
+            format!(
+                "--blocks {blocks}: this recording gives models of 0, {} blocks",
+                sizes.join(", ")
+            )
+        })?;
+        self.recommendation = format!(
+            "Taken as asked: N = {blocks}, {:.3} % held out. {}",
+            self.best().nmse_test,
+            self.recommendation
+        );
+        Ok(())
+    }
+
+    /// The GMS models with optimal breakpoints, ascending in size.
+    pub fn optimal(&self) -> impl Iterator<Item = &Candidate> {
+        self.candidates
+            .iter()
+            .filter(|c| c.method == Method::Optimal)
+    }
+
+    /// Gain and offset of every repeat of training and test data against the recommended model.
+    pub fn levels(&self, recording: &Recording) -> Vec<Level> {
+        let model = self.best();
+        let mut levels: Vec<Level> = self
+            .rows_by_repeat(recording)
+            .iter()
+            .filter_map(|(rows, test)| {
+                let (gain, offset) = self.gain_and_offset(model, rows)?;
+                Some(Level {
+                    start: recording.t_s[rows[0]],
+                    gain,
+                    offset,
+                    test: *test,
+                })
+            })
+            .collect();
+        levels.sort_by(|a, b| a.start.total_cmp(&b.start));
+        levels
+    }
+
+    fn rows_by_repeat(&self, recording: &Recording) -> Vec<(Vec<usize>, bool)> {
+        let train = self.split.folds.iter().map(|rows| (rows.clone(), false));
+        let mut test = std::collections::BTreeMap::<u32, Vec<usize>>::new();
+        for &i in self.split.test.iter().flatten() {
+            test.entry(recording.repeat[i]).or_default().push(i);
+        }
+        train
+            .chain(test.into_values().map(|rows| (rows, true)))
+            .collect()
+    }
+
+    fn gain_and_offset(&self, model: &Candidate, rows: &[usize]) -> Option<(f64, f64)> {
+        let n = rows.len() as f64;
+        let (mut f, mut e, mut ff, mut fe) = (0.0, 0.0, 0.0, 0.0);
+        for &i in rows {
+            f += model.fitted[i];
+            e += self.effort[i];
+            ff += model.fitted[i] * model.fitted[i];
+            fe += model.fitted[i] * self.effort[i];
+        }
+        let variation = ff - f * f / n;
+        (variation > 0.0).then(|| {
+            let gain = (fe - f * e / n) / variation;
+            (gain, (e - gain * f) / n)
+        })
+    }
+
+    /// NMSE (%) that stays over `test` or training rows when every repeat may have its own gain and offset.
+    fn nmse_with_own_levels(&self, recording: &Recording, of_test: bool) -> f64 {
+        let model = self.best();
+        let mut corrected = model.fitted.clone();
+        let mut all = Vec::new();
+        for (rows, test) in self.rows_by_repeat(recording) {
+            if test == of_test
+                && let Some((gain, offset)) = self.gain_and_offset(model, &rows)
+            {
+                for &i in &rows {
+                    corrected[i] = gain * model.fitted[i] + offset;
+                }
+                all.extend(rows);
+            }
+        }
+        nmse(&self.effort, &corrected, &all)
+    }
+
+    /// Writes the recommendation and the notes.
+    pub(super) fn conclude(&mut self, recording: &Recording) {
+        let unit = recording.position_unit();
+        let baseline = self.candidates[0].nmse_test;
+        let lowest = self
+            .optimal()
+            .map(|c| c.nmse_test)
+            .fold(f64::INFINITY, f64::min);
+        let best = self.best();
+        let blocks = best.size();
+        let plural = if blocks == 1 { "" } else { "s" };
+        let recommendation = if best.nmse_test.is_nan() || best.nmse_test > UNEXPLAINED {
+            format!(
+                "Use none of these models: the best leaves {:.3} % of the variance on held-out data. Friction is not what moves this effort; look at the residual against time and position, at the effort's column (--map) and sign (--sign), and record faster or longer strokes.",
+                best.nmse_test
+            )
+        } else if blocks == 0 {
+            format!(
+                "Use Coulomb + viscous friction ({baseline:.3} % of the variance left on held-out data): GMS reaches {lowest:.3} %, so this recording does not show pre-sliding; to see it, reverse slowly enough for tens of samples before the friction force is back at its level."
+            )
+        } else {
+            format!(
+                "Use GMS with {blocks} block{plural}: {:.3} % of the variance left on held-out data (the best of all sizes leaves {lowest:.3} %, Coulomb + viscous {baseline:.3} %).",
+                best.nmse_test
+            )
+        };
+
+        let mut notes = Vec::new();
+        if baseline > MOSTLY_PRESLIDING && lowest < 0.5 * baseline {
+            notes.push(format!(
+                "Coulomb + viscous friction leaves {baseline:.0} %: most of this motion is pre-sliding, where it says nothing"
+            ));
+        }
+        if let Some(viscous) = best.rigid_body.iter().find(|p| p.0 == "viscous")
+            && viscous.1.value < 0.0
+        {
+            notes.push(format!(
+                "the viscous coefficient came out negative{}: friction falls with speed in this recording; do not use the model beyond the speeds that it holds",
+                if viscous.1.ci95.is_some_and(|ci| ci[1] > 0.0) { ", and may be zero" } else { "" }
+            ));
+        }
+        if blocks > 0 {
+            let (shortest, longest) = self.yield_range;
+            for (_, d) in &best.blocks {
+                if d.value <= 1.001 * shortest {
+                    notes.push(format!(
+                        "the stiffest block yields within one sample ({:.2e} {unit}): its stiffness is a lower bound; sample faster or reverse more slowly",
+                        d.value
+                    ));
+                }
+                if d.value >= 0.98 * longest {
+                    notes.push(format!(
+                        "the softest block yields at half of the longest stroke ({:.2e} {unit}) and may never have slipped: its weight is a lower bound; record longer strokes",
+                        d.value
+                    ));
+                }
+            }
+        }
+        if self.split.folds.len() < FEW_FOLDS {
+            notes.push(format!(
+                "only {} {}s to judge by: the confidence intervals are rough; record more",
+                self.split.folds.len(),
+                self.split.unit
+            ));
+        }
+        if self.one_speed() {
+            notes.push(
+                "nearly all of the motion is at one speed: viscous friction and friction level cannot be told apart; move at several speeds".to_owned(),
+            );
+        }
+        notes.extend(self.explain_test(recording));
+        self.notes.extend(notes);
+        self.recommendation = recommendation;
+    }
+
+    /// Whether three quarters of the moving samples have the median speed within a fifth.
+    fn one_speed(&self) -> bool {
+        let mut speeds: Vec<f64> = self
+            .split
+            .folds
+            .iter()
+            .flatten()
+            .map(|&i| self.velocity[i].abs())
+            .collect();
+        speeds.sort_by(f64::total_cmp);
+        let top = speeds.last().copied().unwrap_or(0.0);
+        speeds.retain(|speed| *speed > 0.05 * top);
+        let median = speeds.get(speeds.len() / 2).copied().unwrap_or(0.0);
+        let near = speeds
+            .iter()
+            .filter(|s| (*s / median - 1.0).abs() < 0.2)
+            .count();
+        4 * near > 3 * speeds.len()
+    }
+
+    /// Why training and test data fit differently well, where they do.
+    fn explain_test(&self, recording: &Recording) -> Option<String> {
+        self.split.test.as_ref()?;
+        let best = self.best();
+        let (worse, better) = if best.nmse_train > best.nmse_test {
+            ("training", "test")
+        } else {
+            ("test", "training")
+        };
+        if (best.nmse_train / best.nmse_test).ln().abs() < WORTH_EXPLAINING {
+            return None;
+        }
+        let levels = self.levels(recording);
+        // The median: the window may cut a repeat to a few samples.
+        let median = |test: bool, pick: fn(&Level) -> f64| {
+            let mut of: Vec<f64> = levels.iter().filter(|l| l.test == test).map(pick).collect();
+            of.sort_by(f64::total_cmp);
+            of.get(of.len() / 2).copied().unwrap_or(f64::NAN)
+        };
+        Some(format!(
+            "the {worse} part fits worse than the {better} part ({:.3} % and {:.3} %): in training the friction level per {} is {:.2} % and the offset {:+.4} {} off the model, in test {:.2} % and {:+.4} {}; with a level and an offset of their own for every {} {:.3} % and {:.3} % would be left, the rest is the shape of the loops",
+            best.nmse_train.max(best.nmse_test),
+            best.nmse_train.min(best.nmse_test),
+            self.split.unit,
+            100.0 * (median(false, |l| l.gain) - 1.0),
+            median(false, |l| l.offset),
+            recording.effort_unit(),
+            100.0 * (median(true, |l| l.gain) - 1.0),
+            median(true, |l| l.offset),
+            recording.effort_unit(),
+            self.split.unit,
+            self.nmse_with_own_levels(recording, best.nmse_train < best.nmse_test),
+            self.nmse_with_own_levels(recording, best.nmse_train >= best.nmse_test),
+        ))
+    }
+}

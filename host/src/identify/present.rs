@@ -1,0 +1,462 @@
+//! An identification for people and for machines.
+
+use super::{Identification, Method};
+use crate::model::Model;
+use crate::recording::{MotionKind, Recording};
+use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
+use serde_json::{Value, json};
+
+/// Repeats drawn in the loop figure; more would hide each other.
+const LOOPS: usize = 2;
+
+/// Keys of the JSON output for a rigid body parameter.
+fn key(kind: MotionKind, name: &str) -> &'static str {
+    match (kind, name) {
+        (MotionKind::Linear, "mass") => "mass_kg",
+        (MotionKind::Linear, "viscous") => "viscous_N_s_per_m",
+        (MotionKind::Linear, "coulomb") => "coulomb_N",
+        (MotionKind::Linear, _) => "offset_N",
+        (MotionKind::Rotary, "mass") => "inertia_kg_m2",
+        (MotionKind::Rotary, "viscous") => "viscous_Nm_s_per_rad",
+        (MotionKind::Rotary, "coulomb") => "coulomb_Nm",
+        (MotionKind::Rotary, _) => "offset_Nm",
+    }
+}
+
+/// Unit of a rigid body parameter, for people.
+fn unit(kind: MotionKind, name: &str) -> &'static str {
+    match (kind, name) {
+        (MotionKind::Linear, "mass") => "kg",
+        (MotionKind::Linear, "viscous") => "N·s/m",
+        (MotionKind::Linear, _) => "N",
+        (MotionKind::Rotary, "mass") => "kg·m²",
+        (MotionKind::Rotary, "viscous") => "N·m·s/rad",
+        (MotionKind::Rotary, _) => "N·m",
+    }
+}
+
+impl Identification {
+    /// `preslide.identification/1`; `warnings` are the loader's, `seconds` the time it took.
+    pub fn to_json(&self, recording: &Recording, seconds: f64) -> Value {
+        let parameters: serde_json::Map<String, Value> = self
+            .best()
+            .rigid_body
+            .iter()
+            .map(|(name, estimate)| (key(recording.kind, name).to_owned(), json!(estimate)))
+            .collect();
+        let friction: Vec<Value> = self
+            .candidates
+            .iter()
+            .map(|c| {
+                json!({
+                    "kind": c.model.friction.kind(),
+                    "blocks": c.size(),
+                    "method": c.method.name(),
+                    "nmse_train": c.nmse_train,
+                    "nmse_test": c.nmse_test,
+                    "breakaway": breakaway(&c.model),
+                    "stiffness": c.blocks.iter().map(|b| b.0).collect::<Vec<_>>(),
+                    "yield_displacement": c.blocks.iter().map(|b| b.1).collect::<Vec<_>>(),
+                })
+            })
+            .collect();
+        let best = self.best();
+        json!({
+            "schema": "preslide.identification/1",
+            "recording": recording.name,
+            "parameters": parameters,
+            "band_hz": self.band_hz,
+            "held_out": if self.split.test.is_some() { "test window".to_owned() } else { format!("{}s in turn", self.split.unit) },
+            "friction": friction,
+            "recommended": { "kind": best.model.friction.kind(), "blocks": best.size(), "reason": self.recommendation },
+            "warnings": recording.warnings.iter().map(ToString::to_string).chain(self.notes.iter().cloned()).collect::<Vec<_>>(),
+            "seconds": seconds,
+        })
+    }
+
+    /// Rigid body with confidence.
+    pub fn rigid_body_table(&self, recording: &Recording) -> Table {
+        Table {
+            caption: format!("Rigid body, effort low-passed at {:.2} Hz", self.band_hz),
+            head: ["parameter", "value", "95 % from", "to", "unit"]
+                .map(String::from)
+                .to_vec(),
+            rows: self
+                .best()
+                .rigid_body
+                .iter()
+                .map(|(name, e)| {
+                    let bound = |i: usize| e.ci95.map_or("–".to_owned(), |ci| digits(ci[i]));
+                    let name_shown = match *name {
+                        "mass" if recording.kind == MotionKind::Rotary => "inertia",
+                        "coulomb" if self.best().size() > 0 => "coulomb (ΣW)",
+                        name => name,
+                    };
+                    vec![
+                        name_shown.to_owned(),
+                        digits(e.value),
+                        bound(0),
+                        bound(1),
+                        unit(recording.kind, name).to_owned(),
+                    ]
+                })
+                .collect(),
+        }
+    }
+
+    /// NMSE against the number of blocks.
+    pub fn size_table(&self) -> Table {
+        let of = |method: Method, size: usize| {
+            self.candidates
+                .iter()
+                .find(|c| c.method == method && c.size() == size)
+                .map_or(["–".to_owned(), "–".to_owned()], |c| {
+                    [
+                        format!("{:.4}", c.nmse_train),
+                        format!("{:.4}", c.nmse_test),
+                    ]
+                })
+        };
+        let largest = self.candidates.iter().map(|c| c.size()).max().unwrap_or(0);
+        let held_out = if self.split.test.is_some() {
+            "test".to_owned()
+        } else {
+            format!("{}s held out", self.split.unit)
+        };
+        let mut rows = vec![{
+            let [train, test] = of(Method::LeastSquares, 0);
+            let mark = if self.best().size() == 0 {
+                "Coulomb + viscous *"
+            } else {
+                "Coulomb + viscous"
+            };
+            vec![mark.to_owned(), train, test, "–".to_owned(), "–".to_owned()]
+        }];
+        rows.extend((1..=largest).map(|size| {
+            let [train, test] = of(Method::Optimal, size);
+            let [paper_train, paper_test] = of(Method::Paper, size);
+            let mark = if size == self.best().size() { " *" } else { "" };
+            vec![
+                format!("GMS, N = {size}{mark}"),
+                train,
+                test,
+                paper_train,
+                paper_test,
+            ]
+        }));
+        Table {
+            caption: "NMSE (eq. 13) in % of the effort's variance; * recommended".to_owned(),
+            head: [
+                "model".to_owned(),
+                "optimal: train".to_owned(),
+                held_out.clone(),
+                "by (7)–(9): train".to_owned(),
+                held_out,
+            ]
+            .to_vec(),
+            rows,
+        }
+    }
+
+    /// The recommended model's blocks with confidence; none for Coulomb.
+    pub fn block_table(&self, recording: &Recording) -> Option<Table> {
+        let best = self.best();
+        let total: f64 = best.blocks.iter().map(|(k, d)| k.value * d.value).sum();
+        let (x, f) = (recording.position_unit(), recording.effort_unit());
+        (!best.blocks.is_empty()).then(|| Table {
+            caption: format!("Maxwell-slip blocks, breakaway force {} {f}", digits(total)),
+            head: [
+                "block".to_owned(),
+                format!("stiffness {f}/{x}"),
+                "95 %".to_owned(),
+                format!("yield displacement {x}"),
+                "95 %".to_owned(),
+                "weight".to_owned(),
+            ]
+            .to_vec(),
+            rows: best
+                .blocks
+                .iter()
+                .enumerate()
+                .map(|(i, (k, d))| {
+                    let interval = |ci: Option<[f64; 2]>| {
+                        ci.map_or("–".to_owned(), |[a, b]| {
+                            format!("{} … {}", digits(a), digits(b))
+                        })
+                    };
+                    vec![
+                        (i + 1).to_string(),
+                        digits(k.value),
+                        interval(k.ci95),
+                        digits(d.value),
+                        interval(d.ci95),
+                        format!("{:.3}", k.value * d.value / total),
+                    ]
+                })
+                .collect(),
+        })
+    }
+
+    /// The report page.
+    pub fn page(&self, recording: &Recording, command: String) -> Page {
+        let (x, f) = (recording.position_unit(), force_unit(recording));
+        let best = self.best();
+        let shown = self.shown(recording);
+        let of =
+            |values: &[f64], rows: &[usize]| rows.iter().map(|&i| values[i]).collect::<Vec<_>>();
+        let position = of(&recording.position, &shown);
+        let mut loops = Figure::new(
+            "Force–displacement loops",
+            Axis::new("position", x),
+            Axis::new(
+                if self.filtered {
+                    "effort, low-passed"
+                } else {
+                    "friction"
+                },
+                f,
+            ),
+        )
+        .with(
+            Series::line("measured", position.clone(), of(&self.effort, &shown))
+                .colour(Colour::Black),
+        )
+        .with(
+            Series::line(
+                "Coulomb + viscous",
+                position.clone(),
+                of(&self.candidates[0].fitted, &shown),
+            )
+            .style(Style::Dashed)
+            .colour(Colour::Sky),
+        );
+        if best.size() > 0 {
+            loops = loops.with(
+                Series::line(
+                    format!("GMS, N = {}", best.size()),
+                    position,
+                    of(&best.fitted, &shown),
+                )
+                .emphasis(Emphasis::Strong)
+                .colour(Colour::Vermillion),
+            );
+        }
+        let loops = loops.note(format!(
+            "{} repeat(s) that end at t = {:.1} s.",
+            LOOPS,
+            shown.last().map_or(0.0, |&i| recording.t_s[i])
+        ));
+
+        let rows: Vec<usize> = match &self.split.test {
+            Some(test) => [self.split.train(), test.clone()].concat(),
+            None => self.split.train(),
+        };
+        let residual: Vec<f64> = rows
+            .iter()
+            .map(|&i| self.effort[i] - best.fitted[i])
+            .collect();
+        let against = |title: &str, axis: Axis, values: &[f64]| {
+            Figure::new(title, axis, Axis::new("measured − model", f)).with(Series::points(
+                "residual",
+                of(values, &rows),
+                residual.clone(),
+            ))
+        };
+        let mut sizes = Figure::new(
+            "What each block buys",
+            Axis::new("Maxwell-slip blocks N", ""),
+            Axis::new("NMSE (13)", "%").log(),
+        );
+        for (method, name, colour) in [
+            (Method::Optimal, "optimal breakpoints", Colour::Vermillion),
+            (Method::Paper, "procedure (7)–(9)", Colour::Blue),
+        ] {
+            let of_method: Vec<_> = self
+                .candidates
+                .iter()
+                .filter(|c| c.method == method)
+                .collect();
+            let n: Vec<f64> = of_method.iter().map(|c| c.size() as f64).collect();
+            sizes = sizes
+                .with(
+                    Series::line(
+                        format!("{name}, held out"),
+                        n.clone(),
+                        of_method.iter().map(|c| c.nmse_test).collect(),
+                    )
+                    .style(Style::LinePoints)
+                    .colour(colour),
+                )
+                .with(
+                    Series::line(
+                        format!("{name}, train"),
+                        n,
+                        of_method.iter().map(|c| c.nmse_train).collect(),
+                    )
+                    .style(Style::Dashed)
+                    .colour(colour),
+                );
+        }
+        let mut virgin = Figure::new(
+            "Virgin curve (mean branch after a reversal, halved)",
+            Axis::new("displacement", x),
+            Axis::new("friction", f),
+        )
+        .with(
+            Series::line(
+                "measured",
+                self.virgin.displacement.clone(),
+                self.virgin.force.clone(),
+            )
+            .colour(Colour::Black),
+        );
+        if best.size() > 0 {
+            let corners = corners(
+                best.blocks.iter().map(|(k, d)| (k.value, d.value)),
+                self.yield_range.1,
+            );
+            virgin = virgin.with(
+                Series::line(format!("GMS, N = {}", best.size()), corners.0, corners.1)
+                    .style(Style::LinePoints)
+                    .colour(Colour::Vermillion),
+            );
+        }
+        let levels = self.levels(recording);
+        let level = Figure::new(
+            "Friction level over time",
+            Axis::new("time", "s"),
+            Axis::new("measured over model", ""),
+        )
+        .with(
+            Series::line(
+                format!("gain per {}", self.split.unit),
+                levels.iter().map(|l| l.start).collect(),
+                levels.iter().map(|l| l.gain).collect(),
+            )
+            .style(Style::LinePoints),
+        );
+
+        let tables = [Some(self.size_table()), self.block_table(recording)];
+        Page {
+            title: format!("Identification of {}", recording.name),
+            lead: self.recommendation.clone(),
+            command,
+            sections: vec![
+                Section {
+                    heading: "Friction model".to_owned(),
+                    paragraphs: vec![format!(
+                        "NMSE is the squared error over the variance of the effort that the model explains{}. Held-out figures come from {}.",
+                        if self.filtered {
+                            format!(
+                                " (measured effort after the zero-phase low-pass at {:.1} Hz)",
+                                self.band_hz
+                            )
+                        } else {
+                            String::new()
+                        },
+                        if self.split.test.is_some() {
+                            "the test window, which no fit saw".to_owned()
+                        } else {
+                            format!("{}s that were left out of the fit in turn", self.split.unit)
+                        },
+                    )],
+                    tables: tables.into_iter().flatten().collect(),
+                    figures: vec![loops, sizes, virgin],
+                },
+                Section {
+                    heading: "Rigid body".to_owned(),
+                    tables: vec![self.rigid_body_table(recording)],
+                    ..Section::default()
+                },
+                Section {
+                    heading: "What the model leaves".to_owned(),
+                    paragraphs: vec![
+                        "Structure in these plots is physics that the model lacks.".to_owned(),
+                    ],
+                    figures: vec![
+                        against(
+                            "Residual against time",
+                            Axis::new("time", "s"),
+                            &recording.t_s,
+                        ),
+                        against(
+                            "Residual against position",
+                            Axis::new("position", x),
+                            &recording.position,
+                        ),
+                        against(
+                            "Residual against velocity",
+                            Axis::new("velocity", format!("{x}/s")),
+                            &self.velocity,
+                        ),
+                        level,
+                    ],
+                    ..Section::default()
+                },
+                Section {
+                    heading: "Notes".to_owned(),
+                    paragraphs: recording
+                        .warnings
+                        .iter()
+                        .map(ToString::to_string)
+                        .chain(self.notes.iter().cloned())
+                        .collect(),
+                    ..Section::default()
+                },
+            ],
+        }
+    }
+
+    /// The last whole repeats of the test data, or of the training data.
+    fn shown(&self, recording: &Recording) -> Vec<usize> {
+        let train = self.split.train();
+        let rows = self.split.test.as_ref().unwrap_or(&train);
+        let labels = if self.split.unit == "repeat" {
+            &recording.repeat
+        } else {
+            &recording.segment
+        };
+        let mut last: Vec<u32> = rows.iter().map(|&i| labels[i]).collect();
+        last.dedup();
+        // The window may cut the last one short.
+        let end = last.len().saturating_sub(1).max(1);
+        let kept = &last[end.saturating_sub(LOOPS)..end];
+        rows.iter()
+            .copied()
+            .filter(|&i| kept.contains(&labels[i]))
+            .collect()
+    }
+}
+
+/// Breakaway force `ΣW` (N or N·m) of a GMS, Coulomb force of a Coulomb model.
+fn breakaway(model: &Model) -> f64 {
+    model.friction.scalars().first().map_or(f64::NAN, |s| s.1)
+}
+
+fn force_unit(recording: &Recording) -> &'static str {
+    match recording.kind {
+        MotionKind::Linear => "N",
+        MotionKind::Rotary => "N·m",
+    }
+}
+
+/// Corners of the virgin curve of these blocks, up to `end`.
+fn corners(blocks: impl Iterator<Item = (f64, f64)> + Clone, end: f64) -> (Vec<f64>, Vec<f64>) {
+    let mut x: Vec<f64> = blocks.clone().map(|(_, d)| d).chain([0.0, end]).collect();
+    x.sort_by(f64::total_cmp);
+    let force = x
+        .iter()
+        .map(|&x| blocks.clone().map(|(k, d)| k * x.min(d)).sum())
+        .collect();
+    (x, force)
+}
+
+/// Five significant digits.
+fn digits(value: f64) -> String {
+    let size = value.abs();
+    if size != 0.0 && !(1e-2..1e5).contains(&size) {
+        return format!("{value:.4e}");
+    }
+    let decimals = 4 - size.max(1e-9).log10().floor().clamp(-4.0, 4.0) as i32;
+    format!("{value:.*}", decimals.max(0) as usize)
+}

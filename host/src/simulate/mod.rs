@@ -1,0 +1,227 @@
+//! A model at work: the force that a motion takes, and the motion that a slow force causes.
+
+pub mod inverse;
+mod present;
+pub mod ramp;
+#[cfg(test)]
+mod tests;
+
+use crate::friction::{FrictionModel, Path};
+use crate::identify::rigid_body::Kinematics;
+use crate::model::Model;
+use crate::nmse::nmse;
+use crate::recording::{EffortRole, MotionKind, Recording};
+
+/// A simulated recording.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    /// Linear or rotary.
+    pub kind: MotionKind,
+    /// Time \[s\].
+    pub t_s: Vec<f64>,
+    /// Position (m or rad).
+    pub position: Vec<f64>,
+    /// Velocity (m/s or rad/s); `None` where the force is the input: in the quasi-static limit it plays no part.
+    pub velocity: Option<Vec<f64>>,
+    /// Force \[N\] or torque (N·m): inertia, friction, viscous part and constant force.
+    pub force: Vec<f64>,
+    /// How well it meets the measured effort, where there is one.
+    pub agreement: Option<Agreement>,
+    /// Where the body slid away; the columns end before it.
+    pub breakaway: Option<Breakaway>,
+    /// What the user should know, a sentence without its full stop each.
+    pub notes: Vec<String>,
+}
+
+/// A measured effort against the simulated force.
+#[derive(Clone, Debug)]
+pub struct Agreement {
+    /// Measured (N or N·m), filtered like the acceleration where it contains inertia, as `identify` does.
+    pub measured: Vec<f64>,
+    /// Simulated, filtered alike; without inertia where the measured effort is friction.
+    pub simulated: Vec<f64>,
+    /// NMSE (13) (%) between the two.
+    pub nmse: f64,
+    /// Root mean square of their difference (N or N·m).
+    pub rms: f64,
+}
+
+/// The moment at which friction can no longer hold the force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Breakaway {
+    /// Time \[s\], interpolated between samples.
+    pub time_s: f64,
+    /// The applied force (N or N·m) then.
+    pub force: f64,
+}
+
+fn same_axis(model: &Model, kind: MotionKind, name: &str) -> Result<(), String> {
+    if model.motion == kind {
+        Ok(())
+    } else {
+        Err(format!(
+            "{name}: the motion is {}, the model is {}; use a model of the same axis, or bring the columns over with --map and the ratio of the drive",
+            kind.name(),
+            model.motion.name()
+        ))
+    }
+}
+
+/// The force that a motion takes: `inertia·a + friction + viscous·v + constant force`, velocity and acceleration by
+/// the zero-phase filter of `identify`.
+///
+/// # Errors
+/// A model of the other kind of axis, or a parameter that the library refuses.
+pub fn force_of_motion(model: &Model, recording: &Recording) -> Result<Simulation, String> {
+    same_axis(model, recording.kind, &recording.name)?;
+    let Kinematics {
+        filter,
+        velocity,
+        acceleration,
+        ..
+    } = Kinematics::of(recording);
+    let friction = model
+        .friction
+        .force(Path {
+            position: &recording.position,
+            velocity: &velocity,
+            pieces: &recording.pieces,
+            sample_time: recording.sample_time_s(),
+        })
+        .map_err(|e| e.to_string())?;
+    let with = |friction: &[f64], inertia: f64| -> Vec<f64> {
+        let rigid = velocity.iter().zip(&acceleration);
+        friction
+            .iter()
+            .zip(rigid)
+            .map(|(f, (v, a))| f + inertia * a + model.viscous * v + model.constant_force)
+            .collect()
+    };
+    let mut notes = vec![format!(
+        "Velocity and acceleration by a zero-phase low-pass at {:.3} Hz, chosen from the position's noise",
+        filter.cutoff_hz()
+    )];
+    let comparable = matches!(
+        recording.role,
+        EffortRole::Force | EffortRole::Friction | EffortRole::Torque
+    );
+    if !recording.effort.is_empty() && !comparable {
+        notes.push(format!(
+            "The {} of the recording is not compared: it is in {}; map it with the drive's constant, such as --map force_N=35.15*voltage_V",
+            recording.role.name(),
+            recording.effort_unit()
+        ));
+    }
+    let agreement = (comparable && !recording.effort.is_empty()).then(|| {
+        let (measured, simulated) = if recording.role.contains_inertia() {
+            let simulated = with(&filter.smooth(&friction), model.inertia);
+            (filter.smooth(&recording.effort), simulated)
+        } else {
+            (recording.effort.clone(), with(&friction, 0.0))
+        };
+        let rows: Vec<usize> = (0..measured.len()).collect();
+        let error = measured
+            .iter()
+            .zip(&simulated)
+            .map(|(m, s)| (m - s).powi(2));
+        Agreement {
+            nmse: nmse(&measured, &simulated, &rows),
+            rms: (error.sum::<f64>() / measured.len() as f64).sqrt(),
+            measured,
+            simulated,
+        }
+    });
+    Ok(Simulation {
+        kind: recording.kind,
+        t_s: recording.t_s.clone(),
+        position: recording.position.clone(),
+        force: with(&friction, model.inertia),
+        velocity: Some(velocity),
+        agreement,
+        breakaway: None,
+        notes,
+    })
+}
+
+/// The motion that a slowly varying force causes, from rest at 0 in a body that was never moved: inertia and viscous
+/// friction play no part, and the friction force balances the applied one less the constant force.
+///
+/// `sample_time` \[s\] is the time between samples, for models in which time matters.
+///
+/// # Errors
+/// A parameter that the library refuses.
+pub fn motion_of_force(
+    model: &Model,
+    t_s: &[f64],
+    force: &[f64],
+    sample_time: f64,
+) -> Result<Simulation, String> {
+    let mut inverse = inverse::inverse(&model.friction, sample_time).map_err(|e| e.to_string())?;
+    let mut simulation = Simulation {
+        kind: model.motion,
+        t_s: Vec::new(),
+        position: Vec::new(),
+        velocity: None,
+        force: Vec::new(),
+        agreement: None,
+        breakaway: None,
+        notes: time_dependence(model),
+    };
+    if let Some(first) = force.first().filter(|f| **f != model.constant_force) {
+        simulation.notes.push(format!(
+            "The first force, {first}, less the constant force, {}, acts at once on a body that was never moved",
+            model.constant_force
+        ));
+    }
+    let mut position = 0.0;
+    let mut last: Option<(f64, f64)> = None;
+    for (&t, &f) in t_s.iter().zip(force) {
+        match inverse.advance(f - model.constant_force) {
+            Ok(displacement) => position += displacement,
+            Err(away) => {
+                let at = model.constant_force + away.limit.copysign(f - model.constant_force);
+                let time_s = match last {
+                    Some((t0, f0)) if f != f0 => {
+                        t0 + ((at - f0) / (f - f0)).clamp(0.0, 1.0) * (t - t0)
+                    }
+                    _ => t,
+                };
+                simulation.breakaway = Some(Breakaway { time_s, force: at });
+                break;
+            }
+        }
+        simulation.t_s.push(t);
+        simulation.position.push(position);
+        simulation.force.push(f);
+        last = Some((t, f));
+    }
+    Ok(simulation)
+}
+
+/// What the quasi-static limit leaves out or keeps of time.
+fn time_dependence(model: &Model) -> Vec<String> {
+    let mut notes = Vec::new();
+    match &model.friction {
+        FrictionModel::Coulomb { .. } => notes.push(
+            "Coulomb friction has no pre-sliding: the body does not move below the Coulomb force".to_owned(),
+        ),
+        FrictionModel::Dahl { .. } => {}
+        FrictionModel::LuGre { .. } => notes.push(
+            "LuGre in the quasi-static limit: σp·dz/dt and the Stribeck effect vanish with the velocity, so time does not enter".to_owned(),
+        ),
+        FrictionModel::Hsieh(_) => notes.push(
+            "Hsieh's model depends on time: C_v acts on the velocity of every step and the plastic module creeps while the force is held, so the motion changes with the ramp's rate".to_owned(),
+        ),
+        FrictionModel::Gms { sliding: Some(_), .. } => notes.push(
+            "GMS in the quasi-static limit: blocks slip at α_i·F_s, the Stribeck effect and frictional lag begin with sliding, so time does not enter".to_owned(),
+        ),
+        FrictionModel::Gms { sliding: None, .. } => {}
+    }
+    if model.inertia > 0.0 || model.viscous != 0.0 {
+        notes.push(
+            "Inertia and viscous friction are left out: the force is taken to vary slowly"
+                .to_owned(),
+        );
+    }
+    notes
+}

@@ -1,0 +1,195 @@
+//! A simulation for people and for machines.
+
+use super::Simulation;
+use crate::model::Model;
+use crate::recording::MotionKind;
+use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Table};
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+
+impl Simulation {
+    fn units(&self) -> (&'static str, &'static str) {
+        match self.kind {
+            MotionKind::Linear => ("m", "N"),
+            MotionKind::Rotary => ("rad", "N·m"),
+        }
+    }
+
+    /// The simulated recording, in the recording format; every number reads back as it is.
+    pub fn to_csv(&self) -> String {
+        let (x, v, force) = match self.kind {
+            MotionKind::Linear => ("x_m", "v_m_s", "force_N"),
+            MotionKind::Rotary => ("q_rad", "qd_rad_s", "torque_Nm"),
+        };
+        let mut text = match self.velocity {
+            Some(_) => format!("t_s,{x},{v},{force}\n"),
+            None => format!("t_s,{x},{force}\n"),
+        };
+        for (i, (t, (position, force))) in self
+            .t_s
+            .iter()
+            .zip(self.position.iter().zip(&self.force))
+            .enumerate()
+        {
+            let _ = write!(text, "{t},{position:e},");
+            if let Some(velocity) = self.velocity.as_ref().and_then(|v| v.get(i)) {
+                let _ = write!(text, "{velocity:e},");
+            }
+            let _ = writeln!(text, "{force}");
+        }
+        text
+    }
+
+    /// `preslide.simulation/1`; `seconds` is the time it took.
+    pub fn to_json(&self, model: &Model, seconds: f64) -> Value {
+        json!({
+            "schema": "preslide.simulation/1",
+            "motion": self.kind.name(),
+            "kind": model.friction.kind(),
+            "input": if self.velocity.is_some() { "motion" } else { "force" },
+            "samples": self.t_s.len(),
+            "nmse": self.agreement.as_ref().map(|a| a.nmse),
+            "rms": self.agreement.as_ref().map(|a| a.rms),
+            "position_range": range(&self.position),
+            "force_range": range(&self.force),
+            "breakaway": self.breakaway.map(|b| json!({ "time_s": b.time_s, "force": b.force })),
+            "notes": self.notes,
+            "seconds": seconds,
+        })
+    }
+
+    /// The columns' ranges and, where there is one, the agreement with the measurement.
+    pub fn table(&self) -> Table {
+        let (x, f) = self.units();
+        let row = |name: &str, values: &[f64]| {
+            let [low, high] = range(values);
+            vec![name.to_owned(), format!("{low:.5e}"), format!("{high:.5e}")]
+        };
+        let mut rows = vec![
+            row("time [s]", &self.t_s),
+            row(&format!("position [{x}]"), &self.position),
+        ];
+        if let Some(velocity) = &self.velocity {
+            rows.push(row(&format!("velocity [{x}/s]"), velocity));
+        }
+        rows.push(row(&format!("force [{f}]"), &self.force));
+        Table {
+            caption: format!("{} samples", self.t_s.len()),
+            head: ["", "lowest", "highest"].map(str::to_owned).to_vec(),
+            rows,
+        }
+    }
+
+    /// What came out, in one sentence.
+    pub fn conclusion(&self) -> String {
+        let (x, f) = self.units();
+        match (&self.agreement, self.breakaway) {
+            (Some(a), _) => format!(
+                "The model leaves {:.3} % of the measured effort's variance (NMSE), {:.4e} {f} RMS.",
+                a.nmse, a.rms
+            ),
+            (None, Some(b)) => format!(
+                "breakaway: at {:.4} s and {:.6} {f} friction can no longer hold the force and the body slides away; keep the force below that, or simulate the motion with inertia",
+                b.time_s, b.force
+            ),
+            (None, None) => {
+                let [low, high] = range(&self.position);
+                let [least, most] = range(&self.force);
+                format!(
+                    "The motion covers {low:.4e} to {high:.4e} {x}, the force {least:.4e} to {most:.4e} {f}."
+                )
+            }
+        }
+    }
+
+    /// The report.
+    pub fn page(&self, name: &str, command: String) -> Page {
+        let (x, f) = self.units();
+        let loops = Figure::new(
+            "Force–displacement",
+            Axis::new("displacement", x),
+            Axis::new("force", f),
+        );
+        let over_time = Figure::new(
+            "Force over time",
+            Axis::new("time", "s"),
+            Axis::new("force", f),
+        );
+        let (measured, simulated) = match &self.agreement {
+            Some(a) => (Some(&a.measured), &a.simulated),
+            None => (None, &self.force),
+        };
+        let both = |mut figure: Figure, abscissa: &[f64]| {
+            if let Some(measured) = measured {
+                figure = figure.with(
+                    Series::line("measured", abscissa.to_vec(), measured.clone())
+                        .colour(Colour::Black),
+                );
+            }
+            figure.with(
+                Series::line("simulated", abscissa.to_vec(), simulated.clone())
+                    .colour(Colour::Vermillion)
+                    .emphasis(Emphasis::Strong),
+            )
+        };
+        let mut figures = vec![
+            both(loops, &self.position),
+            both(over_time, &self.t_s),
+            Figure::new(
+                "Position over time",
+                Axis::new("time", "s"),
+                Axis::new("position", x),
+            )
+            .with(Series::line(
+                "position",
+                self.t_s.clone(),
+                self.position.clone(),
+            )),
+        ];
+        if let Some(velocity) = &self.velocity {
+            figures.push(
+                Figure::new(
+                    "Velocity over time",
+                    Axis::new("time", "s"),
+                    Axis::new("velocity", format!("{x}/s")),
+                )
+                .with(Series::line("velocity", self.t_s.clone(), velocity.clone())),
+            );
+        }
+        if let Some(a) = &self.agreement {
+            let residual = a
+                .measured
+                .iter()
+                .zip(&a.simulated)
+                .map(|(m, s)| m - s)
+                .collect();
+            figures.push(
+                Figure::new(
+                    "What the model leaves",
+                    Axis::new("time", "s"),
+                    Axis::new("measured − simulated", f),
+                )
+                .with(Series::line("residual", self.t_s.clone(), residual)),
+            );
+        }
+        Page {
+            title: format!("Simulation of {name}"),
+            lead: self.conclusion(),
+            command,
+            sections: vec![Section {
+                heading: "Simulation".to_owned(),
+                paragraphs: self.notes.iter().map(|note| format!("{note}.")).collect(),
+                tables: vec![self.table()],
+                figures,
+            }],
+        }
+    }
+}
+
+fn range(values: &[f64]) -> [f64; 2] {
+    values
+        .iter()
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &v| {
+            [low.min(v), high.max(v)]
+        })
+}

@@ -1,0 +1,295 @@
+//! The full GMS law in whole numbers: no exponential and no division in the control tick.
+
+use super::Whole;
+use super::quantised::whole;
+use crate::param::{at_most, check_blocks, positive};
+use crate::{Block, Friction, Motion, ParamError, Sliding, Units};
+
+/// Intervals of the table of speed; beyond the last the curves are flat.
+const INTERVALS: usize = 63;
+
+/// Leaves at least 8 bits for the reciprocal of the largest yield displacement: an error of 0.2 %, usually far less.
+const GREATEST_SPREAD: f64 = 1_048_576.0;
+
+/// The full GMS law in `i32`: that of [`Gms`](crate::Gms), stick and slip, Stribeck curve and lag, on counts.
+///
+/// A block's force is kept as the share `q_i = dir·F_i/(α_i·F_s) ∈ [−1, 1]` of its breakaway force. The threshold
+/// `σ(v)` and the lag `λ(v)` of [`Gms`](crate::Gms) are then the same two numbers for every block:
+///
+/// - sticking: `q_i ← q_i + |dx|/D_i`; the block slips from `q_i ≥ σ(v)` on;
+/// - slipping: `q_i ← q_i + λ(v)·(σ(v) − q_i)`;
+/// - `F = dir·F_s·Σ α_i·q_i`; on a reversal every `q_i` changes its sign and every block sticks.
+///
+/// `σ` and `λ` come from a table of 63 intervals with linear interpolation. A product keeps its upper 32 bits.
+///
+/// Accepts `D_max²/D_min` up to 2²⁰ units of length (at 25 nm a count and `D_min` = 1 µm, `D_max` up to 160 µm), units of
+/// force down to [`CountGms::finest_force`], and a unit of velocity up to 1/63 of the speed at which the Stribeck curve
+/// has levelled out. No input overflows: a displacement beyond `2·D_max` is cut, and slips every block all the same.
+///
+/// ```
+/// use preslide::kernels::{CountGms, Whole};
+/// use preslide::{Block, Friction, Motion, Sliding, Units};
+/// let blocks = [Block { stiffness: 113_948.0, weight: 0.616 }, Block { stiffness: 8_870.0, weight: 0.384 }];
+/// let sliding = Sliding { coulomb: 0.81, stribeck_velocity: 1e-3, stribeck_exponent: 2.0, attraction: 20.0 };
+/// let force = CountGms::finest_force(&blocks, 0.9, 25e-9);
+/// let units = Units { length: 25e-9, force, velocity: 1e-7 };
+/// let gms = CountGms::try_new(&blocks, 0.9, sliding, 50e-6, units)?;
+/// let mut state = gms.at_rest();
+/// let motion = Motion { displacement: Whole::from_num(4), velocity: Whole::from_num(20_000) }; // 2 mm/s
+/// let newtons = f64::from(gms.step(&mut state, motion).to_num::<i32>()) * force;
+/// assert!((newtons - 4.0 * 25e-9 * (113_948.0 + 8_870.0)).abs() < 1e-4);
+/// # Ok::<(), preslide::ParamError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct CountGms<const N: usize> {
+    blocks: [ShareBlock; N],
+    /// Longest displacement of a tick.
+    longest: i32,
+    /// Intervals per unit of velocity, times 2³².
+    per_velocity: u32,
+    /// 1 of the scale of `q`.
+    one: i32,
+    table: [Interval; INTERVALS + 1],
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct ShareBlock {
+    /// `1/D_i`, in the scale of `q` per unit of length.
+    rate: i32,
+    /// `α_i·F_s`, so that the upper word of its product with `q` is in units of force.
+    share: i32,
+}
+
+/// `σ` and `λ` in the middle of an interval of speed, and their differences across it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Interval {
+    /// In the scale of `q`.
+    weakening: i32,
+    weakening_step: i32,
+    /// Times 2³¹.
+    lag: i32,
+    lag_step: i32,
+}
+
+/// What a [`CountGms`] remembers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CountGmsState<const N: usize> {
+    /// 0 while the body moves forward, −1 backward: `(x ^ b) − b` is `dir·x`.
+    backward: i32,
+    slipping: u32,
+    share: [i32; N],
+}
+
+/// Largest and smallest yield displacement, in units of length.
+fn extremes(blocks: &[Block], breakaway: f64, length: f64) -> [f64; 2] {
+    let yields = blocks.iter();
+    let yields = yields.map(|block| block.yield_displacement(breakaway) / length);
+    yields.fold([0.0, f64::INFINITY], |[largest, smallest], d| {
+        [f64::max(largest, d), f64::min(smallest, d)]
+    })
+}
+
+/// The longest displacement that a tick must take: from one limit of the slowest block to the other.
+fn longest([largest, _]: [f64; 2]) -> f64 {
+    libm::ceil(2.0 * largest) + 1.0
+}
+
+/// The scale of `q`, a power of two: `q` and the longest displacement must not overflow together.
+fn scale(extremes: [f64; 2]) -> f64 {
+    let room = f64::from(i32::MAX) / (1.0 + (longest(extremes) + 1.0) / extremes[1]);
+    libm::exp2(libm::floor(libm::log2(room)).min(28.0))
+}
+
+impl<const N: usize> CountGms<N> {
+    /// Validates the parameters and computes the table.
+    ///
+    /// `breakaway` is `F_s` (N or N·m), `sample_time` is `T_s` (s), at most 1 s.
+    ///
+    /// # Errors
+    /// [`ParamError`] where a value is not finite or not positive, `F_c > F_s`, the weights do not sum to 1,
+    /// or something lies outside the range above in `units`.
+    pub fn try_new(
+        blocks: &[Block; N],
+        breakaway: f64,
+        sliding: Sliding,
+        sample_time: f64,
+        units: Units,
+    ) -> Result<Self, ParamError> {
+        const {
+            assert!(N > 0, "a Maxwell-slip model needs at least one block");
+            assert!(N <= 32, "the slip flags of at most 32 blocks fit one word");
+        }
+        units.check()?;
+        positive("breakaway force", breakaway)?;
+        check_blocks(blocks)?;
+        sliding.check(breakaway)?;
+        positive("sample time", sample_time)?;
+        at_most("sample time", sample_time, 1.0)?;
+        let extremes = extremes(blocks, breakaway, units.length);
+        let [largest, smallest] = extremes;
+        let spread =
+            "square of the largest yield displacement over the smallest, in units of length,";
+        at_most(spread, largest * largest / smallest, GREATEST_SPREAD)?;
+        let one = scale(extremes);
+        let per_force = breakaway / units.force * 4_294_967_296.0 / one;
+
+        let mut shares = [ShareBlock::default(); N];
+        for (i, (block, share)) in blocks.iter().zip(&mut shares).enumerate() {
+            let of_block = |e: ParamError| ParamError {
+                block: Some(i + 1),
+                ..e
+            };
+            let rate = one * units.length / block.yield_displacement(breakaway);
+            *share = ShareBlock {
+                rate: whole("reciprocal yield displacement", rate, i32::MAX).map_err(of_block)?,
+                share: whole(
+                    "weight times breakaway force",
+                    block.weight * per_force,
+                    i32::MAX,
+                )
+                .map_err(of_block)?,
+            };
+        }
+        let end = sliding.levelled();
+        let per_velocity = INTERVALS as f64 * units.velocity / end * 4_294_967_296.0;
+        at_most("unit of velocity", units.velocity, end / INTERVALS as f64)?;
+        let relaxation = sliding.attraction * sample_time / breakaway;
+        Ok(Self {
+            blocks: shares,
+            longest: longest(extremes) as i32,
+            per_velocity: (per_velocity as u32).max(1),
+            one: one as i32,
+            table: table(one, |place| {
+                let speed = end * place as f64 / INTERVALS as f64;
+                let weakening = if place < INTERVALS {
+                    sliding.weakening(breakaway, speed)
+                } else {
+                    sliding.coulomb / breakaway
+                };
+                [weakening, -libm::expm1(-relaxation / weakening)]
+            }),
+        })
+    }
+
+    /// The finest unit of force (N or N·m) that it accepts for these blocks at the unit of length `length` (m or rad).
+    pub fn finest_force(blocks: &[Block; N], breakaway: f64, length: f64) -> f64 {
+        let heaviest = blocks.iter().fold(0.0, |most: f64, b| most.max(b.weight));
+        2.02 * heaviest * breakaway / scale(extremes(blocks, breakaway, length))
+    }
+
+    /// `σ(v)` and `λ(v)`.
+    #[inline]
+    fn at(&self, velocity: i32) -> (i32, i32) {
+        let place = u64::from(velocity.unsigned_abs()) * u64::from(self.per_velocity);
+        let interval = &self.table[((place >> 32) as usize).min(INTERVALS)];
+        // From the middle of the interval, −½ to ½ of it.
+        let part = (place as u32 ^ 0x8000_0000).cast_signed();
+        (
+            interval.weakening + upper(interval.weakening_step, part),
+            interval.lag + upper(interval.lag_step, part),
+        )
+    }
+
+    /// `F_s·Σ α_i·q_i`, in units of force.
+    #[inline]
+    fn force(&self, shares: &[i32; N]) -> i32 {
+        let products = self
+            .blocks
+            .iter()
+            .zip(shares)
+            .map(|(block, &q)| upper(block.share, q));
+        products.fold(0, i32::wrapping_add)
+    }
+}
+
+/// The upper word of a product: one instruction.
+#[inline(always)]
+fn upper(a: i32, b: i32) -> i32 {
+    ((i64::from(a) * i64::from(b)) >> 32) as i32
+}
+
+/// `functions(place)` gives `σ` and `λ` at the start of interval `place`.
+fn table(one: f64, functions: impl Fn(usize) -> [f64; 2]) -> [Interval; INTERVALS + 1] {
+    // λ = 1 becomes 1 − 2⁻³¹.
+    let whole = |[weakening, lag]: [f64; 2]| {
+        [
+            libm::round(weakening * one) as i32,
+            (lag * 2_147_483_648.0) as i32,
+        ]
+    };
+    let nodes: [[i32; 2]; INTERVALS + 1] = core::array::from_fn(|place| whole(functions(place)));
+    core::array::from_fn(|place| {
+        let [weakening, lag] = nodes[place];
+        let [next_weakening, next_lag] = nodes[(place + 1).min(INTERVALS)];
+        let middle = |a: i32, b: i32| ((i64::from(a) + i64::from(b)) / 2) as i32;
+        Interval {
+            weakening: middle(weakening, next_weakening),
+            weakening_step: next_weakening - weakening,
+            lag: middle(lag, next_lag),
+            lag_step: next_lag - lag,
+        }
+    })
+}
+
+impl<const N: usize> CountGmsState<N> {
+    #[inline(always)]
+    fn signed(&self, along: i32) -> i32 {
+        (along ^ self.backward).wrapping_sub(self.backward)
+    }
+}
+
+impl<const N: usize> Friction for CountGms<N> {
+    type Scalar = Whole;
+    type State = CountGmsState<N>;
+
+    fn at_rest(&self) -> Self::State {
+        CountGmsState {
+            backward: 0,
+            slipping: 0,
+            share: [0; N],
+        }
+    }
+
+    #[inline(always)]
+    fn step(&self, state: &mut Self::State, motion: Motion<Whole>) -> Whole {
+        let dx = motion.displacement.to_bits().clamp(-i32::MAX, i32::MAX);
+        let velocity = motion.velocity.to_bits();
+        if dx == 0 && velocity == 0 {
+            return Whole::from_bits(state.signed(self.force(&state.share)));
+        }
+        let mut advance = state.signed(dx);
+        if advance < 0 {
+            advance = -advance;
+            state.backward = !state.backward;
+            state.slipping = 0;
+            state.share = state.share.map(|q| -q);
+        }
+        let advance = advance.min(self.longest);
+        let (bound, lag) = self.at(velocity);
+        let mut slipping = state.slipping;
+        let mut force = 0_i32;
+        for (i, (share, block)) in state.share.iter_mut().zip(&self.blocks).enumerate() {
+            let old = *share;
+            let mut new = old.wrapping_add(block.rate.wrapping_mul(advance));
+            let slips = slipping >> i & 1 == 1;
+            if slips || new >= bound {
+                slipping |= 1 << i;
+                new = if slips || old >= bound {
+                    old + upper(lag, 2 * (bound - old))
+                } else {
+                    bound
+                };
+            }
+            *share = new;
+            force = force.wrapping_add(upper(block.share, new));
+        }
+        state.slipping = slipping;
+        Whole::from_bits(state.signed(force))
+    }
+
+    fn limit(&self) -> Option<Whole> {
+        // The upper word of a negative product is rounded away from zero: a unit of force a block.
+        let limit = self.force(&[-self.one; N]);
+        Some(Whole::from_bits(-limit))
+    }
+}

@@ -1,0 +1,90 @@
+//! The quasi-static law in whole numbers, as all slip-reserve kernels share it.
+
+use crate::param::{Block, Bound, ParamError, Units, check_blocks, positive};
+
+/// One block: `2·D_i` in units of length, and `k_i` in units of force per unit of length.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Reserve {
+    pub(super) full: i32,
+    pub(super) stiffness: i32,
+}
+
+/// The largest values that a kernel holds.
+#[derive(Clone, Copy)]
+pub(super) struct Range {
+    pub(super) yields: i32,
+    pub(super) stiffness: i32,
+}
+
+/// Rounds the blocks, and returns `ΣW_i` with them.
+///
+/// `D_i` is rounded to a whole unit of length, so that no force is left at rest and none is made by a reversal; `k_i`
+/// then follows from `W_i = k_i·D_i`: a slipping block carries its force to within the rounding of `k_i`, whatever
+/// became of `D_i`.
+pub(super) fn quantise<const N: usize>(
+    blocks: &[Block; N],
+    breakaway: f64,
+    units: Units,
+    range: Range,
+) -> Result<([Reserve; N], i32), ParamError> {
+    units.check()?;
+    positive("breakaway force", breakaway)?;
+    check_blocks(blocks)?;
+    let mut reserves = [Reserve::default(); N];
+    let mut limit = 0_i64;
+    for (i, (block, reserve)) in blocks.iter().zip(&mut reserves).enumerate() {
+        let of_block = |e: ParamError| ParamError {
+            block: Some(i + 1),
+            ..e
+        };
+        let yields = block.yield_displacement(breakaway) / units.length;
+        let yields = whole("yield displacement", yields, range.yields).map_err(of_block)?;
+        let stiffness = block.weight * breakaway / units.force / f64::from(yields);
+        let stiffness = whole("stiffness", stiffness, range.stiffness).map_err(of_block)?;
+        limit += i64::from(yields) * i64::from(stiffness);
+        *reserve = Reserve {
+            full: 2 * yields,
+            stiffness,
+        };
+    }
+    // `Σ k_i·w_i` reaches twice the limit.
+    if limit > i64::from(i32::MAX / 2) {
+        return Err(ParamError {
+            parameter: "breakaway force",
+            block: None,
+            value: limit as f64,
+            bound: Bound::Representable(f64::from(i32::MAX / 2)),
+        });
+    }
+    Ok((reserves, limit as i32))
+}
+
+/// The finest unit of force in which [`quantise`] accepts the blocks.
+pub(super) fn finest_force(blocks: &[Block], breakaway: f64, length: f64, range: Range) -> f64 {
+    // 1 % of room for a sum of rounded stiffnesses and for weights that sum to a little more than 1.
+    let for_sum = 2.02 * breakaway / f64::from(i32::MAX);
+    blocks.iter().fold(for_sum, |finest, block| {
+        let yields = libm::round(block.yield_displacement(breakaway) / length).max(1.0);
+        finest.max(block.weight * breakaway / yields / f64::from(range.stiffness))
+    })
+}
+
+/// The nearest whole number, refused where it is 0 or above `greatest`.
+pub(super) fn whole(parameter: &'static str, value: f64, greatest: i32) -> Result<i32, ParamError> {
+    let refuse = |bound| {
+        Err(ParamError {
+            parameter,
+            block: None,
+            value,
+            bound,
+        })
+    };
+    let rounded = libm::round(value);
+    if !(rounded <= f64::from(greatest)) {
+        refuse(Bound::Representable(f64::from(greatest)))
+    } else if rounded < 1.0 {
+        refuse(Bound::Resolvable)
+    } else {
+        Ok(rounded as i32)
+    }
+}
