@@ -122,7 +122,7 @@ fn never_exceeds<F: Friction + Clone>(
         if command.fault.is_some() {
             assert_eq!(command.code, 0);
             faults += 1;
-            if chance % 16 == 0 {
+            if chance.is_multiple_of(16) {
                 controller.restart();
             }
         }

@@ -16,7 +16,7 @@ pub struct Reading {
     pub count: u32,
     /// Supply (mV).
     pub supply: u16,
-    /// Winding current (mA).
+    /// Winding current (0.1 mA).
     pub current: i16,
     /// A byte on the command link.
     pub byte: Option<u8>,

@@ -78,7 +78,7 @@ pub struct Sample {
     pub reference: i64,
     /// PWM code.
     pub code: i16,
-    /// Winding current (mA).
+    /// Winding current (0.1 mA).
     pub current: i16,
     /// Supply voltage (mV).
     pub supply: u16,

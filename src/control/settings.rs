@@ -67,7 +67,7 @@ impl Settings {
             limit: 5.0,
             mass: 4.05,
         },
-        duty_limit: 0.4,
+        duty_limit: 0.38,
         watch: Watch {
             top_speed: 20e-3,
             following_error: 50e-6,

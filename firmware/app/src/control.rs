@@ -15,7 +15,7 @@ pub struct Inputs {
     pub count: u32,
     /// Supply (mV).
     pub supply: u16,
-    /// Winding current (mA).
+    /// Winding current (0.1 mA).
     pub current: i16,
     /// The last tick had not ended when this one was due.
     pub late: bool,

@@ -111,7 +111,7 @@ pub fn capture(
             summary.samples += 1;
             summary.dropped = sample.dropped.into();
             summary.fault = summary.fault.or(sample.fault);
-            current += f64::from(sample.current) * 1e-3;
+            current += f64::from(sample.current) * 1e-4;
             gathered += 1;
             if gathered == scale.every {
                 row(&mut to, scale, &sample, current / f64::from(gathered))?;
@@ -162,7 +162,7 @@ mod tests {
                 position: 3 * sequence.cast_signed(),
                 reference: i64::from(sequence) << 16,
                 code: 0,
-                current: 100,
+                current: 1000,
                 supply: 6000,
                 fault: (sequence == 8).then_some(FaultCode::Overrun),
             };

@@ -8,4 +8,4 @@ mod run;
 pub use agreement::{Agreement, agreement, motion, requests, samples};
 pub use emulator::{Emulator, Listener, Remains, RigError};
 pub use faults::{Injection, injections};
-pub use run::{Record, Script, frame, registers, run};
+pub use run::{ByTick, Record, Script, frame, registers, run};

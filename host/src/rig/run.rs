@@ -7,6 +7,9 @@ use preslide::control::Settings;
 use preslide_link::{LARGEST_FRAME, Reading, Request, encode};
 use std::path::Path;
 
+/// Does something to `T` in the tick given.
+pub type ByTick<'a, T> = Box<dyn Fn(u64, &mut T) + 'a>;
+
 /// What happens in a run, by tick.
 pub struct Script<'a> {
     /// Ticks before the quit.
@@ -16,9 +19,9 @@ pub struct Script<'a> {
     /// Bytes on the command link: from which tick on, and what.
     pub bytes: Vec<(u64, Vec<u8>)>,
     /// Changes the stage before the tick.
-    pub disturb: Box<dyn Fn(u64, &mut Stage) + 'a>,
+    pub disturb: ByTick<'a, Stage>,
     /// Falsifies what the board reads in the tick.
-    pub falsify: Box<dyn Fn(u64, &mut Reading) + 'a>,
+    pub falsify: ByTick<'a, Reading>,
     /// Whether someone listens to the telemetry in the tick.
     pub listening: Box<dyn Fn(u64) -> bool + 'a>,
 }
@@ -42,7 +45,7 @@ impl Script<'_> {
     /// Sends requests from `tick` on, one behind the other.
     #[must_use]
     pub fn send(mut self, tick: u64, requests: &[Request]) -> Self {
-        let bytes = requests.iter().flat_map(|request| frame(request)).collect();
+        let bytes = requests.iter().flat_map(frame).collect();
         self.bytes.push((tick, bytes));
         self
     }
@@ -61,7 +64,7 @@ pub fn registers(reading: EncoderReading) -> Reading {
         count: reading.count.cast_unsigned(),
         // Saturating casts: what an ADC does.
         supply: (reading.supply_v * 1e3).round() as u16,
-        current: (reading.current_a * 1e3).round() as i16,
+        current: (reading.current_a * 1e4).round() as i16,
         ..Reading::default()
     }
 }

@@ -56,7 +56,7 @@ pub struct Steps {
 impl Steps {
     /// Steps are a move and a dwell in turn; `now.step` is even while moving.
     pub(super) fn add(&mut self, now: &Instant, sample_time: f64) {
-        let moving = now.step % 2 == 0;
+        let moving = now.step.is_multiple_of(2);
         if moving && now.step != self.step {
             self.finish();
         }

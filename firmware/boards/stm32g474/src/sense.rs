@@ -10,8 +10,8 @@ const FULL: u32 = 4096;
 /// Supply (mV) at full scale: 3.3 V behind a divider by 11. Assumption: replace with the bridge's own.
 const SUPPLY_FULL: u32 = 36_300;
 
-/// Winding current (mA) from end to end of the scale, zero in the middle: ±3.3 A. Assumption, as above.
-const CURRENT_SPAN: i32 = 6_600;
+/// Winding current (0.1 mA) from end to end of the scale, zero in the middle: ±3.2 A. Assumption, as above.
+const CURRENT_SPAN: i32 = 64_000;
 
 /// Two conversions a tick, about 0.5 µs each.
 pub struct Sense {
@@ -34,7 +34,7 @@ impl Sense {
         }
     }
 
-    /// Supply (mV) and winding current (mA).
+    /// Supply (mV) and winding current (0.1 mA).
     #[inline]
     pub fn read(&mut self) -> (u16, i16) {
         let supply = u32::from(
@@ -45,7 +45,7 @@ impl Sense {
             self.adc
                 .blocking_read(&mut self.current, SampleTime::CYCLES12_5),
         );
-        let milliamperes = (current - FULL as i32 / 2) * CURRENT_SPAN / FULL as i32;
-        ((supply * SUPPLY_FULL / FULL) as u16, milliamperes as i16)
+        let current = (current - FULL as i32 / 2) * CURRENT_SPAN / FULL as i32;
+        ((supply * SUPPLY_FULL / FULL) as u16, current as i16)
     }
 }
