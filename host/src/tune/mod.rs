@@ -306,7 +306,7 @@ fn recommend(choices: &[Choice], budget: Budget) -> Result<(usize, String), Stri
     let pool: Vec<&Choice> = match fitting
         .iter()
         .copied()
-        .filter(|c| sound(&c))
+        .filter(|c| sound(c))
         .collect::<Vec<_>>()
     {
         sound if sound.is_empty() => fitting,
