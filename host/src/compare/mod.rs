@@ -23,7 +23,10 @@ use fit::{Data, Fit};
 use memory::{LoopClosure, Scale, loop_closure};
 use rayon::prelude::*;
 
-/// Seed of the starts; another one must not change what is found.
+/// Seed of the starts.
+///
+/// On the tribometer five seeds gave the same Dahl and LuGre fits to four digits. Hsieh's error has several minima:
+/// four seeds led to 0.237–0.241 % in training with quite different parameters, one to 1.26 %.
 pub const SEED: u64 = 20_170_515;
 
 /// Groups of folds that take turns in being held out, as in `identify`.
@@ -152,6 +155,9 @@ pub fn compare(
                 family.name()
             )),
         }
+    }
+    if models.iter().any(|m| m.model.friction.kind() == "hsieh") {
+        notes.push("Hsieh: its error has several minima, so that another seed may find other parameters and a different error; take the row as what was reached, not as the best there is".to_owned());
     }
     models.extend(gms);
     for model in models.iter().filter(|m| !m.at_edge.is_empty()) {
