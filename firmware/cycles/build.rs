@@ -25,7 +25,10 @@ const PEERS: &[(&str, &str, &str, &[&str])] = &[
 fn main() -> Result<(), String> {
     let crate_folder = env_path("CARGO_MANIFEST_DIR")?;
     let out = env_path("OUT_DIR")?;
-    println!("cargo:rustc-link-search={}", crate_folder.display());
+    let is_board = std::env::var_os("CARGO_FEATURE_BOARD").is_some();
+    let memory = crate_folder.join(if is_board { "board" } else { "" });
+    println!("cargo:rustc-link-search={}", memory.display());
+    println!("cargo:rerun-if-changed=board/memory.x");
     println!("cargo:rustc-link-arg=-Tlink.x");
     println!("cargo:rerun-if-changed=memory.x");
     println!("cargo:rerun-if-changed=peers/gms.c");

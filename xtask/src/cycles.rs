@@ -246,6 +246,11 @@ fn header(toolchain: Toolchain, seed: &str) -> Result<Vec<String>, String> {
             .to_string(),
         "cycles_low and cycles_high: the mean, where the manual leaves the cost open (xtask/src/cycles/price.rs)."
             .to_string(),
+        "cycles_in_tick: by how much a control tick (PID, sensors in memory) grows with the kernel inlined, saved registers"
+            .to_string(),
+        "included. floor: the least that the quasi-static law takes by argument (xtask/src/cycles/table.rs); compare it with"
+            .to_string(),
+        "cycles_in_tick.".to_string(),
         "flash_bytes: code of all functions on the paths and the parameters; libraries' constant tables not counted."
             .to_string(),
         format!("motion seed: {seed}"),

@@ -11,6 +11,7 @@ mod checksum;
 mod kernels;
 mod motion;
 mod peers;
+mod spent;
 mod stub;
 mod tick;
 
@@ -20,7 +21,19 @@ use cortex_m_semihosting::{debug, hprintln};
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    hprintln!("motion seed {:#x}", motion::SEED);
+    if cfg!(feature = "board") {
+        spent::start_counter();
+        hprintln!(
+            "# Measured with DWT.CYCCNT, motion seed {:#x}",
+            motion::SEED
+        );
+        hprintln!(
+            "kernel,n,instructions_mean,instructions_max,cycles_mean,cycles_worst,cycles_low,cycles_high,cycles_in_tick,\
+             floor,flash_bytes,ram_bytes,paths,calls"
+        );
+    } else {
+        hprintln!("motion seed {:#x}", motion::SEED);
+    }
     kernels::run();
     peers::run();
     debug::exit(debug::EXIT_SUCCESS);

@@ -6,6 +6,7 @@ use preslide::{Friction, Motion, Scalar, Units};
 
 use crate::checksum::Checksum;
 use crate::motion::{Strokes, TICKS};
+use crate::spent::Spent;
 use crate::tick::{Inputs, Pid, PidState};
 
 /// A kernel's update: model, state, displacement, velocity in; force out.
@@ -33,16 +34,24 @@ impl Row {
         let step = black_box(step);
         let mut squares = 0.0;
         let mut checksum = Checksum::new();
+        let mut spent = Spent::new();
         for tick in Strokes::new().take(TICKS) {
             let Motion {
                 displacement,
                 velocity,
             } = tick.motion(self.units);
             // SAFETY: every stub is a safe Rust function, or a C peer whose structures `peers.rs` mirrors.
-            let force = unsafe { step(model, &mut state, displacement, velocity) };
+            let force = spent.by(|| unsafe { step(model, &mut state, displacement, velocity) });
             checksum.add(force.to_f64());
             let newtons = force.to_f64() * self.units.force;
             squares += newtons * newtons;
+        }
+        if cfg!(feature = "board") {
+            // The columns of cortex-m4.csv; a board counts no instructions and knows no size of code.
+            let (kernel, blocks, state) = (self.kernel, self.blocks, size_of::<State>());
+            let (mean, worst) = (spent.mean(), spent.worst);
+            hprintln!("{kernel},{blocks},,,{mean:.1},{worst},,,,,,{state},,{TICKS}");
+            return;
         }
         hprintln!(
             "kernel {} {} calls {} model {} state {} force_rms {:.6} checksum {:016x}",
@@ -63,6 +72,9 @@ impl Row {
         mut state: State,
         control: ControlTick<M, State, S>,
     ) {
+        if cfg!(feature = "board") {
+            return;
+        }
         let control = black_box(control);
         let mut controller = (Pid::EXAMPLE, PidState::default());
         for tick in Strokes::new().take(TICKS) {
