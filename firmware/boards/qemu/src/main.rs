@@ -91,7 +91,11 @@ mod app {
             // The background reads faster than one byte a tick; should it not, the frame's CRC tells.
             let _ = cx.local.arrived.enqueue(byte);
         }
-        while reading.hang {}
+        if reading.hang {
+            loop {
+                cortex_m::asm::nop();
+            }
+        }
         let inputs = Inputs {
             count: reading.count,
             supply: reading.supply,
