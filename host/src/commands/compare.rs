@@ -42,15 +42,15 @@ impl Compare {
         let found = compare(&recording, &options, &progress).map_err(Failure::Data)?;
         progress.finish();
 
-        println!("{}", found.table(&recording).to_text());
+        say!("{}", found.table(&recording).to_text());
         for model in &found.models {
-            println!("{}: {}", model.name(), model.parameters_in_words());
+            say!("{}: {}", model.name(), model.parameters_in_words());
         }
-        println!();
+        say!("");
         for note in &found.notes {
-            println!("Note: {note}.");
+            say!("Note: {note}.");
         }
-        println!("{}", found.recommendation());
+        say!("{}", found.recommendation());
         let seconds = start.elapsed().as_secs_f64();
         self.outputs.write(&found.to_json(&recording, seconds), || {
             found.page(&recording, command_line())

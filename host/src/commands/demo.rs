@@ -32,7 +32,7 @@ impl Demo {
             .map_err(|e| Failure::Input(format!("--out {}: {e}", self.out.display())))?;
         let file = |name: &str| self.out.join(name);
 
-        println!(
+        say!(
             "1. A stage moves back and forth by 150, 60, 20 and 8 µm, six times, at 40 µm/s, under a plain position\n   \
              controller. Encoder count and motor current are recorded. The stage is simulated (seed {}): 3 kg on a 2 mm\n   \
              screw; its friction is a 64-element hysteresis that yields smoothly, wanders by up to ±15 % and is no GMS.\n",
@@ -43,7 +43,7 @@ impl Demo {
         progress.finish();
         write_text(&file("recording.csv"), &samples.to_csv())?;
 
-        println!(
+        say!(
             "\n2. `preslide identify {}`\n",
             file("recording.csv").display()
         );
@@ -53,7 +53,7 @@ impl Demo {
         progress.finish();
         super::identify::print(&found, &recording);
 
-        println!("\n3. What to do with it\n");
+        say!("\n3. What to do with it\n");
         write_text(
             &file("model.toml"),
             &super::identify::model_text(&found, &recording),
@@ -66,7 +66,7 @@ impl Demo {
         outputs.write(&found.to_json(&recording, seconds), || {
             found.page(&recording, command_line())
         })?;
-        println!(
+        say!(
             "Open {} in a browser. Then try a recording of your own: preslide identify REC.csv",
             file("identification.html").display()
         );

@@ -69,15 +69,15 @@ impl Identify {
 
 /// The tables, the notes and the recommendation.
 pub fn print(found: &Identification, recording: &Recording) {
-    println!("{}", found.rigid_body_table(recording).to_text());
-    println!("{}", found.size_table().to_text());
+    say!("{}", found.rigid_body_table(recording).to_text());
+    say!("{}", found.size_table().to_text());
     if let Some(table) = found.block_table(recording) {
-        println!("{}", table.to_text());
+        say!("{}", table.to_text());
     }
     for note in &found.notes {
-        println!("Note: {note}.");
+        say!("Note: {note}.");
     }
-    println!("{}", found.recommendation);
+    say!("{}", found.recommendation);
 }
 
 /// The recommended model's file, with where it comes from at its head.

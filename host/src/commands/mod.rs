@@ -1,5 +1,11 @@
 //! The commands: each reads its arguments, calls the library, and prints one recommendation.
 
+/// Prints a line for the user. A reader that has closed the pipe (`preslide … | head`) ends nothing: files are
+/// still written. Any other failure ends the program, because the answer would be lost.
+macro_rules! say {
+    ($($line:tt)*) => { $crate::commands::print_line(format_args!($($line)*)) };
+}
+
 pub mod compare;
 pub mod demo;
 pub mod identify;
@@ -143,6 +149,18 @@ impl OutputArgs {
             }
         }
         Ok(())
+    }
+}
+
+/// The work of `say!`.
+pub fn print_line(line: std::fmt::Arguments) {
+    use std::io::Write;
+    match writeln!(std::io::stdout(), "{line}") {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            eprintln!("preslide: standard output: {error}");
+            std::process::exit(1);
+        }
+        _ => {}
     }
 }
 

@@ -29,12 +29,12 @@ impl Reproduce {
             found.column_table(),
             found.closure_table(),
         ] {
-            println!("{}", table.to_text());
+            say!("{}", table.to_text());
         }
         for remark in found.remarks() {
-            println!("Note: {remark}.");
+            say!("Note: {remark}.");
         }
-        println!("{}", found.recommendation);
+        say!("{}", found.recommendation);
         let seconds = start.elapsed().as_secs_f64();
         self.outputs
             .write(&found.to_json(seconds), || found.page(command_line()))

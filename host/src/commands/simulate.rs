@@ -59,9 +59,9 @@ impl Simulate {
         let model = Model::load(&self.model)?;
         let (found, name) = self.simulate(&model)?;
 
-        println!("{}", found.table().to_text());
+        say!("{}", found.table().to_text());
         for note in &found.notes {
-            println!("Note: {note}.");
+            say!("Note: {note}.");
         }
         if let Some(path) = &self.output {
             write_text(path, &found.to_csv())?;
@@ -73,7 +73,7 @@ impl Simulate {
         if found.breakaway.is_some() {
             return Err(Failure::Data(format!("{name}: {}", found.conclusion())));
         }
-        println!("{}", found.conclusion());
+        say!("{}", found.conclusion());
         Ok(())
     }
 

@@ -131,16 +131,16 @@ impl Tune {
             of_recording(&recording, &found, count, &costs, budget).map_err(Failure::Data)?
         };
 
-        println!("{}", tuning.table().to_text());
+        say!("{}", tuning.table().to_text());
         for note in &tuning.notes {
-            println!("Note: {note}.");
+            say!("Note: {note}.");
         }
         let seconds = start.elapsed().as_secs_f64();
         self.outputs
             .write(&tuning.to_json(seconds), || tuning.page(command_line()))?;
         match &tuning.recommended {
             Ok(_) => {
-                println!("{}", tuning.recommendation());
+                say!("{}", tuning.recommendation());
                 Ok(())
             }
             Err(reason) => Err(Failure::Data(reason.clone())),
