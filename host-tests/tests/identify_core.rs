@@ -15,6 +15,11 @@ use rand_chacha::ChaCha8Rng;
 
 const SAMPLES: usize = 3000;
 
+/// All samples in one piece.
+fn whole() -> Vec<std::ops::Range<usize>> {
+    std::iter::once(0..SAMPLES).collect()
+}
+
 /// A random motion with reversals of all sizes, and the force of four blocks off the grid, with noise.
 fn problem(seed: u64) -> (Vec<f64>, Vec<f64>) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -30,7 +35,7 @@ fn problem(seed: u64) -> (Vec<f64>, Vec<f64>) {
         .collect();
     let mut force = vec![0.3; SAMPLES];
     for (k, d) in [(4.0, 0.07), (2.0, 0.23), (1.0, 0.61), (0.4, 1.9)] {
-        let z = Deflection::along(&position, std::slice::from_ref(&(0..SAMPLES)), d).z;
+        let z = Deflection::along(&position, &whole(), d).z;
         for (f, z) in force.iter_mut().zip(z) {
             *f += k * z;
         }
@@ -89,10 +94,7 @@ fn the_search_finds_what_exhaustive_enumeration_finds() {
     const GRID: usize = 18;
     for seed in 0..6 {
         let (position, force) = problem(seed);
-        let pieces = vec![std::ops::Range {
-            start: 0,
-            end: SAMPLES,
-        }];
+        let pieces = whole();
         let regression = regression(&position, &pieces, force);
         let yields: Vec<f64> = (0..GRID)
             .map(|j| 0.02 * 200f64.powf(j as f64 / (GRID - 1) as f64))
@@ -153,10 +155,7 @@ fn profile(regression: &Regression, yields: &[f64]) -> f64 {
 #[test]
 fn the_refinement_ends_where_the_error_is_stationary() {
     let (position, force) = problem(11);
-    let pieces = vec![std::ops::Range {
-        start: 0,
-        end: SAMPLES,
-    }];
+    let pieces = whole();
     let regression = regression(&position, &pieces, force);
     let start = vec![0.05, 0.3, 0.8, 1.5];
     let rows = regression.folds.concat();
