@@ -14,6 +14,9 @@ use std::time::Instant;
 
 /// How many blocks in which arithmetic fit a cycle budget, and which to take
 #[derive(Args)]
+#[command(
+    after_help = "Example: preslide tune model.toml --recording axis.csv --count 25e-9 --clock 170MHz --rate 20kHz --budget 5%"
+)]
 pub struct Tune {
     /// Model to run: its number of blocks, unless a recording is given
     #[arg(value_name = "MODEL.toml")]
