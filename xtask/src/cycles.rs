@@ -5,6 +5,7 @@
 
 mod disassembly;
 mod instruction;
+mod m7;
 mod price;
 mod recorder;
 mod table;
@@ -143,6 +144,7 @@ fn measure() -> Result<(Vec<String>, Vec<Row>), String> {
                     let without = price_paths(&disassembly, without)?.cycles_mean;
                     row.cycles_in_tick = Some(with - without);
                 }
+                row.m7_estimate = m7::estimate(&disassembly, paths);
                 checksums.insert(format!("{kernel} {blocks}"), checksum.to_string());
                 row.kernel = kernel.to_string();
                 row.blocks = blocks;
@@ -223,6 +225,7 @@ fn price_paths(disassembly: &Disassembly, paths: &[TakenPath]) -> Result<Row, St
         cycles_low: mean(low),
         cycles_high: mean(high),
         cycles_in_tick: None,
+        m7_estimate: None,
         flash_bytes: functions.iter().map(|(_, length)| length).sum(),
         ram_bytes: 0,
         paths: paths.len() as u32,
@@ -250,7 +253,8 @@ fn header(toolchain: Toolchain, seed: &str) -> Result<Vec<String>, String> {
             .to_string(),
         "included. floor: the least that the quasi-static law takes by argument (xtask/src/cycles/table.rs); compare it with"
             .to_string(),
-        "cycles_in_tick.".to_string(),
+        "cycles_in_tick. m7_estimate: llvm-mca's Cortex-M7 on the most frequent path, an ESTIMATE, ±40 %, empty without it."
+            .to_string(),
         "flash_bytes: code of all functions on the paths and the parameters; libraries' constant tables not counted."
             .to_string(),
         format!("motion seed: {seed}"),

@@ -29,7 +29,7 @@ fn main() -> ! {
         );
         hprintln!(
             "kernel,n,instructions_mean,instructions_max,cycles_mean,cycles_worst,cycles_low,cycles_high,cycles_in_tick,\
-             floor,flash_bytes,ram_bytes,paths,calls"
+             floor,m7_estimate,flash_bytes,ram_bytes,paths,calls"
         );
     } else {
         hprintln!("motion seed {:#x}", motion::SEED);

@@ -50,7 +50,7 @@ impl Row {
             // The columns of cortex-m4.csv; a board counts no instructions and knows no size of code.
             let (kernel, blocks, state) = (self.kernel, self.blocks, size_of::<State>());
             let (mean, worst) = (spent.mean(), spent.worst);
-            hprintln!("{kernel},{blocks},,,{mean:.1},{worst},,,,,,{state},,{TICKS}");
+            hprintln!("{kernel},{blocks},,,{mean:.1},{worst},,,,,,,{state},,{TICKS}");
             return;
         }
         hprintln!(

@@ -303,12 +303,7 @@ fn recommend(choices: &[Choice], budget: Budget) -> Result<(usize, String), Stri
     }
     let sound = |c: &&Choice| c.share <= budget.share && c.arithmetic <= ARITHMETIC;
     let fitting: Vec<&Choice> = choices.iter().filter(|c| c.share <= budget.share).collect();
-    let pool: Vec<&Choice> = match fitting
-        .iter()
-        .copied()
-        .filter(|c| sound(c))
-        .collect::<Vec<_>>()
-    {
+    let pool: Vec<&Choice> = match fitting.iter().copied().filter(sound).collect::<Vec<_>>() {
         sound if sound.is_empty() => fitting,
         sound => sound,
     };

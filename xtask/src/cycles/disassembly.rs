@@ -11,6 +11,8 @@ use crate::process::output;
 pub struct Disassembly {
     /// By address. What has no price is an error only once a path runs over it.
     instructions: HashMap<u32, Result<Instruction, String>>,
+    /// Mnemonic and operands, as objdump prints them.
+    texts: HashMap<u32, String>,
     /// Name and length in bytes, literals included, by start address.
     functions: BTreeMap<u32, (String, u32)>,
 }
@@ -44,6 +46,8 @@ impl Disassembly {
             }
             let instruction = Instruction::parse(size, mnemonic, operands, conditional > 0);
             disassembly.instructions.insert(address, instruction);
+            let text = format!("{mnemonic}\t{operands}");
+            disassembly.texts.insert(address, text);
             // `itte` makes the next three conditional: one for each letter after the i.
             let is_it = mnemonic.starts_with("it");
             conditional = if is_it {
@@ -63,6 +67,10 @@ impl Disassembly {
                 "the path runs over {address:#x}, which objdump shows no instruction for"
             )),
         }
+    }
+
+    pub fn text(&self, address: u32) -> Option<&str> {
+        self.texts.get(&address).map(String::as_str)
     }
 
     /// Start address of each function whose name begins with `prefix`, and the rest of its name.

@@ -132,7 +132,7 @@ impl Instruction {
     }
 }
 
-fn without_condition(name: &str) -> &str {
+pub fn without_condition(name: &str) -> &str {
     const CONDITIONS: [&str; 16] = [
         "eq", "ne", "cs", "cc", "mi", "pl", "vs", "vc", "hi", "ls", "ge", "lt", "gt", "le", "hs",
         "lo",
@@ -179,7 +179,7 @@ fn class_of(name: &str, operands: &str) -> Option<Class> {
     })
 }
 
-fn is_condition_branch(name: &str) -> bool {
+pub fn is_condition_branch(name: &str) -> bool {
     name.len() == 3 && name.starts_with('b') && without_condition(name) == "b"
 }
 

@@ -16,6 +16,8 @@ pub struct Row {
     pub cycles_high: f64,
     /// By how much the mean control tick grows where the kernel is inlined into it; `None` where it cannot be.
     pub cycles_in_tick: Option<f64>,
+    /// Cycles of the most frequent path on a Cortex-M7, by llvm-mca: an estimate.
+    pub m7_estimate: Option<f64>,
     pub flash_bytes: u32,
     pub ram_bytes: u32,
     pub paths: u32,
@@ -23,7 +25,7 @@ pub struct Row {
 }
 
 const COLUMNS: &str = "kernel,n,instructions_mean,instructions_max,cycles_mean,cycles_worst,cycles_low,cycles_high,\
-                       cycles_in_tick,floor,flash_bytes,ram_bytes,paths,calls";
+                       cycles_in_tick,floor,m7_estimate,flash_bytes,ram_bytes,paths,calls";
 
 /// A count may grow by this much before the check fails.
 const TOLERANCE: f64 = 0.03;
@@ -36,7 +38,7 @@ pub fn to_csv(header: &[String], rows: &[Row]) -> String {
     for row in rows {
         let _ = writeln!(
             text,
-            "{},{},{:.1},{},{:.1},{},{:.1},{:.1},{},{},{},{},{},{}",
+            "{},{},{:.1},{},{:.1},{},{:.1},{:.1},{},{},{},{},{},{},{}",
             row.kernel,
             row.blocks,
             row.instructions_mean,
@@ -47,6 +49,7 @@ pub fn to_csv(header: &[String], rows: &[Row]) -> String {
             row.cycles_high,
             decimal(row.cycles_in_tick),
             decimal(floor(row)),
+            decimal(row.m7_estimate),
             row.flash_bytes,
             row.ram_bytes,
             row.paths,
@@ -81,6 +84,10 @@ fn row(line: &str) -> Option<Row> {
     let cells: Vec<&str> = line.split(',').collect();
     let whole = |index: usize| cells.get(index)?.parse::<u32>().ok();
     let decimal = |index: usize| cells.get(index)?.parse::<f64>().ok();
+    let optional = |index: usize| match *cells.get(index)? {
+        "" => Some(None),
+        cell => cell.parse::<f64>().ok().map(Some),
+    };
     Some(Row {
         kernel: cells.first()?.to_string(),
         blocks: whole(1)?,
@@ -90,14 +97,12 @@ fn row(line: &str) -> Option<Row> {
         cycles_worst: whole(5)?,
         cycles_low: decimal(6)?,
         cycles_high: decimal(7)?,
-        cycles_in_tick: match *cells.get(8)? {
-            "" => None,
-            cell => Some(cell.parse().ok()?),
-        },
-        flash_bytes: whole(10)?,
-        ram_bytes: whole(11)?,
-        paths: whole(12)?,
-        calls: whole(13)?,
+        cycles_in_tick: optional(8)?,
+        m7_estimate: optional(10)?,
+        flash_bytes: whole(11)?,
+        ram_bytes: whole(12)?,
+        paths: whole(13)?,
+        calls: whole(14)?,
     })
 }
 
@@ -125,7 +130,7 @@ fn gap(row: &Row) -> Option<f64> {
 
 pub fn print(rows: &[Row]) {
     println!(
-        "{:<24} {:>3} {:>14} {:>8} {:>6} {:>15} {:>8} {:>6} {:>6} {:>4} {:>6}",
+        "{:<24} {:>3} {:>14} {:>8} {:>6} {:>15} {:>8} {:>6} {:>7} {:>6} {:>4} {:>6}",
         "kernel",
         "N",
         "instructions",
@@ -134,13 +139,14 @@ pub fn print(rows: &[Row]) {
         "mean's range",
         "in tick",
         "gap",
+        "M7 est.",
         "flash",
         "RAM",
         "paths"
     );
     for row in rows {
         println!(
-            "{:<24} {:>3} {:>7.1} {:>6} {:>8.1} {:>6} {:>7.1}…{:<7.1} {:>8} {:>6} {:>6} {:>4} {:>6}",
+            "{:<24} {:>3} {:>7.1} {:>6} {:>8.1} {:>6} {:>7.1}…{:<7.1} {:>8} {:>6} {:>7} {:>6} {:>4} {:>6}",
             row.kernel,
             row.blocks,
             row.instructions_mean,
@@ -151,6 +157,7 @@ pub fn print(rows: &[Row]) {
             row.cycles_high,
             decimal(row.cycles_in_tick),
             decimal(gap(row)),
+            decimal(row.m7_estimate),
             row.flash_bytes,
             row.ram_bytes,
             row.paths
@@ -211,6 +218,7 @@ mod tests {
             cycles_low: 130.0,
             cycles_high: 150.0,
             cycles_in_tick: (kernel == "a").then_some(110.0),
+            m7_estimate: (kernel == "b").then_some(70.0),
             flash_bytes: 400,
             ram_bytes: 24,
             paths: 17,
