@@ -96,7 +96,7 @@ pub fn agreement<F: Friction>(
     let steps = motion();
     let ticks = 16_000;
     let script = Script::quiet(ticks).send(20, &requests(&steps));
-    let record = run(elf, &script, Listener::Here)?;
+    let record = run(elf, &script, Listener::File)?;
     let samples: Vec<Sample> = samples(&record).collect();
     // Single moves are planned below the interrupt, so the tick of the first one is the firmware's to tell.
     let begin = samples

@@ -13,6 +13,9 @@ use std::time::{Duration, Instant};
 /// No exchange takes longer than this unless the firmware or QEMU hangs.
 const PATIENCE: Duration = Duration::from_secs(20);
 
+/// The telemetry's file in the run's folder.
+const TELEMETRY: &str = "telemetry";
+
 /// Why a run on the emulator failed.
 #[derive(Debug, thiserror::Error)]
 pub enum RigError {
@@ -41,8 +44,10 @@ pub enum RigError {
 /// Where the telemetry goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Listener {
-    /// Into [`Remains`].
-    Here,
+    /// Into a file, read at the end. A file takes every byte at once, so the run depends on nothing outside.
+    File,
+    /// Into a socket that holds a few samples, read by a thread that can pause.
+    Line,
     /// To the first client of this TCP port on this machine; QEMU waits for it.
     Tcp(u16),
 }
@@ -82,7 +87,8 @@ impl Emulator {
         let link = UnixListener::bind(&link_path).map_err(file)?;
         let chardev = |id: &str, path: &Path| format!("socket,id={id},path={}", path.display());
         let telemetry = match listener {
-            Listener::Here => chardev("link", &link_path),
+            Listener::File => format!("file,id=link,path={}", folder.join(TELEMETRY).display()),
+            Listener::Line => chardev("link", &link_path),
             Listener::Tcp(port) => {
                 format!("socket,id=link,host=127.0.0.1,port={port},server=on,wait=on")
             }
@@ -107,8 +113,8 @@ impl Emulator {
             .spawn()
             .map_err(RigError::Start)?;
         let link = match listener {
-            Listener::Here => accept(&link).map(Some),
-            Listener::Tcp(_) => Some(None),
+            Listener::Line => accept(&link).map(Some),
+            Listener::File | Listener::Tcp(_) => Some(None),
         };
         let (link, stage) = match (link, accept(&stage)) {
             (Some(link), Some(stage)) => (link, stage),
@@ -173,11 +179,14 @@ impl Emulator {
             std::thread::sleep(Duration::from_millis(2));
         }
         let log = output(&mut self.child);
-        let reports = self.listener.take().and_then(|thread| thread.join().ok());
-        Remains {
-            reports: reports.unwrap_or_default(),
-            log,
-        }
+        let reports = match self.listener.take() {
+            Some(thread) => thread.join().unwrap_or_default(),
+            None => {
+                let file = std::fs::File::open(self.folder.join(TELEMETRY));
+                file.map_or(Vec::new(), |file| listen(file, &self.paused))
+            }
+        };
+        Remains { reports, log }
     }
 
     fn step(&self, result: std::io::Result<()>) -> Result<(), RigError> {
@@ -224,7 +233,7 @@ fn output(child: &mut Child) -> String {
     text
 }
 
-fn listen(mut link: UnixStream, paused: &AtomicBool) -> Vec<Report> {
+fn listen(mut link: impl Read, paused: &AtomicBool) -> Vec<Report> {
     let mut deframer = Deframer::new();
     let mut reports = Vec::new();
     let mut buffer = [0; 4096];

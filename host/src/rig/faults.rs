@@ -16,6 +16,7 @@ pub struct Injection {
     /// What is done, and what should happen.
     pub story: &'static str,
     script: fn() -> Script<'static>,
+    listener: Listener,
     /// The commands differ from an undisturbed run's.
     unlike_undisturbed: bool,
 }
@@ -46,6 +47,7 @@ pub fn injections() -> Vec<Injection> {
         name,
         story,
         script,
+        listener: Listener::File,
         unlike_undisturbed: true,
     };
     vec![
@@ -179,6 +181,7 @@ pub fn injections() -> Vec<Injection> {
         ),
         Injection {
             unlike_undisturbed: false,
+            listener: Listener::Line,
             ..injection(
                 "telemetry_unread",
                 "nobody reads the telemetry for a second: samples are lost and counted, the commands do not change",
@@ -231,7 +234,7 @@ impl Injection {
     /// # Errors
     /// [`RigError`] where the run cannot be made.
     pub fn tell(&self, elf: &Path, undisturbed: &Record) -> Result<String, RigError> {
-        let record = run(elf, &(self.script)(), Listener::Here)?;
+        let record = run(elf, &(self.script)(), self.listener)?;
         let mut text = format!("{}\n", self.story);
         let mut fault = None;
         let (mut last, mut sequence, mut missing) = (None, 0, 0);

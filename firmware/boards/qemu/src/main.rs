@@ -84,7 +84,10 @@ mod app {
         let reading = stage::exchange();
         if reading.quit {
             Watchdog::stop();
-            hprintln!("stack high-water mark: {} bytes", registers::stack_high_water());
+            hprintln!(
+                "stack high-water mark: {} bytes",
+                registers::stack_high_water()
+            );
             debug::exit(debug::EXIT_SUCCESS);
         }
         if let Some(byte) = reading.byte {
