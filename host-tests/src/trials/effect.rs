@@ -175,7 +175,7 @@ const NAMES: [(Id, &str, &[&str]); 31] = [
     (
         Id::DriveCompliance,
         "drive_compliance",
-        &["stiffness_N_per_m"],
+        &["stiffness_N_per_m", "frequency_Hz"],
     ),
     (Id::ChannelDelay, "channel_delay", &["delay_s"]),
     (Id::ActuatorDeadZone, "actuator_dead_zone", &["width_N"]),
@@ -378,11 +378,11 @@ impl Effect {
                 [0.1e-6 * s, super::ENCODER_PERIOD_M / order, phase, 0.0]
             }
             Id::Backlash => [4e-6 * s, 0.0, 0.0, 0.0],
-            // Resonances of about 170, 120 and 85 Hz with a fifth of the mass on the motor's side.
-            Id::DriveCompliance => [3.2e5 * draw.uniform(0.8, 1.25) / s, 0.0, 0.0, 0.0],
+            // Resonances of about 170, 120 and 85 Hz with 40 % of the mass on the motor's side.
+            Id::DriveCompliance => [4.8e5 * draw.uniform(0.8, 1.25) / s, 0.0, 0.0, 0.0],
             Id::ChannelDelay => [1e-3 * s, 0.0, 0.0, 0.0],
             Id::ActuatorDeadZone => [0.1 * s, 0.0, 0.0, 0.0],
-            Id::ActuatorSaturation => [1.6 * breakaway / s.powf(0.4), 0.0, 0.0, 0.0],
+            Id::ActuatorSaturation => [breakaway + 1.4 / s.powf(0.4), 0.0, 0.0, 0.0],
             Id::LoadDependentFriction => [0.012 * s, 0.0, 0.0, 0.0],
             Id::ThermalDrift => [-0.015 * s, 0.0, 0.0, 0.0],
             Id::RunIn => [0.12 * s, draw.log_uniform(0.1, 0.4), 0.0, 0.0],

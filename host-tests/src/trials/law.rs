@@ -48,7 +48,7 @@ impl Law {
 struct Element {
     stiffness: f64,
     limit: f64,
-    stretch: f64,
+    force: f64,
 }
 
 /// Virgin curve: share of the breakaway force after a displacement `s` ≥ 0 [m].
@@ -141,7 +141,7 @@ impl Hysteresis {
                 let element = |q: &f64| Element {
                     stiffness: limit / (median * (spread * q).exp()),
                     limit,
-                    stretch: 0.0,
+                    force: 0.0,
                 };
                 Memory::Elements {
                     elements: quantiles.iter().map(element).collect(),
@@ -158,7 +158,7 @@ impl Hysteresis {
                     .map(|(i, w)| Element {
                         stiffness: breakaway * w / total / (first * ratio.powi(i as i32)),
                         limit: breakaway * w / total,
-                        stretch: 0.0,
+                        force: 0.0,
                     })
                     .collect();
                 Memory::Elements {
@@ -191,7 +191,7 @@ impl Hysteresis {
             .map(|&(stiffness, limit)| Element {
                 stiffness,
                 limit,
-                stretch: 0.0,
+                force: 0.0,
             })
             .collect();
         Hysteresis {
@@ -222,18 +222,11 @@ impl Hysteresis {
                 elements,
                 damping_s,
             } => {
-                let damping = *damping_s * v;
                 let mut force = 0.0;
                 for e in elements {
                     let (low, high) = (-down * e.limit, up * e.limit);
-                    let trial = e.stiffness * (e.stretch + dx);
-                    let held = trial.min(high).max(low);
-                    e.stretch = if held == trial {
-                        e.stretch + dx
-                    } else {
-                        held / e.stiffness
-                    };
-                    force += (held + e.stiffness * damping).min(high).max(low);
+                    e.force = (e.force + e.stiffness * dx).min(high).max(low);
+                    force += (e.force + e.stiffness * *damping_s * v).min(high).max(low);
                 }
                 force
             }

@@ -144,8 +144,8 @@ impl Motion {
             .iter()
             .map(|v| v * draw.uniform(0.7, 1.4))
             .collect();
-        let rests = [0.1, 0.5, 2.0].map(|t: f64| t * draw.uniform(0.7, 1.4) * unhurried);
-        let stroke_speeds = [draw.uniform(10e-3, 25e-3), draw.uniform(30e-3, 60e-3)];
+        let rests = [0.1, 1.0, 0.3, 2.5].map(|t: f64| t * draw.uniform(0.7, 1.4) * unhurried);
+        let stroke_speeds = [draw.uniform(7e-3, 14e-3), draw.uniform(30e-3, 60e-3)];
         let lines: Vec<(f64, f64, f64)> = [0.37, 0.9, 2.1, 4.7, 8.3, 13.0]
             .iter()
             .map(|f| {

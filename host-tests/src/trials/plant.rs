@@ -12,10 +12,10 @@ pub const TICK_S: f64 = 0.25e-3;
 /// Time constant of the current loop [s].
 const CURRENT_LOOP_S: f64 = 0.3e-3;
 /// Share of the moving mass on the motor's side of a compliant drive.
-pub const MOTOR_SHARE: f64 = 0.2;
+pub const MOTOR_SHARE: f64 = 0.4;
 /// Stiffness [N/m] and damping [N·s/m] of the contact behind a backlash; the damping serves a compliant
-/// drive as well (2 to 5 % of critical).
-const CONTACT: (f64, f64) = (3e6, 40.0);
+/// drive as well (about 5 % of critical).
+const CONTACT: (f64, f64) = (3e6, 120.0);
 
 /// How a scenario is marched; [`Marching::default`] is what trials use.
 #[derive(Clone, Copy, Debug)]
@@ -105,7 +105,7 @@ fn drive(scenario: &Scenario, apart: f64, speed: f64) -> f64 {
         .effects
         .iter()
         .map(|effect| match effect.id {
-            Id::DriveCompliance => effect.values[0] * apart + CONTACT.1 * speed,
+            Id::DriveCompliance => effect.values[0] * apart + 0.5 * CONTACT.1 * speed,
             Id::Backlash => {
                 let pressed = apart - apart.clamp(-0.5 * effect.values[0], 0.5 * effect.values[0]);
                 // Damping grows with the indentation and never pulls (Hunt and Crossley 1975).
@@ -180,13 +180,14 @@ pub fn march(scenario: &Scenario, marching: Marching) -> Vec<Tick> {
     let mut disturbance = 0.0;
 
     // Gains of a PID whose crossover is at `bandwidth`, velocity from a filtered difference.
-    let w = TAU * scenario.bandwidth_hz;
+    // Slower with two masses: in the gap, and above the resonance, the loop moves the motor alone.
+    let w = TAU * scenario.bandwidth_hz * if two_masses { 0.6 } else { 1.0 };
     let (kp, ki, kd) = (
         scenario.mass * w * w,
         scenario.mass * w * w * w / 5.0,
         1.6 * scenario.mass * w,
     );
-    let smooth = 1.0 - (-7.0 * w * TICK_S).exp();
+    let smooth = 1.0 - (-if two_masses { 14.0 } else { 7.0 } * w * TICK_S).exp();
     let (mut integral, mut velocity, mut before) = (0.0, 0.0, None);
 
     let (mut x1, mut v1, mut a1, mut x2, mut v2, mut a2) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
@@ -227,7 +228,10 @@ pub fn march(scenario: &Scenario, marching: Marching) -> Vec<Tick> {
         velocity += smooth * ((measured - before.unwrap_or(measured)) / TICK_S - velocity);
         before = Some(measured);
         let error = reference.x - measured;
-        integral = (integral + ki * error * TICK_S).clamp(-4.0, 4.0);
+        // The drive reports that it saturates, and the integral waits.
+        if (tick.commanded - tick.acted).abs() < 0.5 {
+            integral = (integral + ki * error * TICK_S).clamp(-4.0, 4.0);
+        }
         let command = kp * error
             + integral
             + kd * (reference.v - velocity)

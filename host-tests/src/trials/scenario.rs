@@ -6,7 +6,7 @@ use super::effect::{CORNER, Effect, Id, Strength};
 use super::friction::{Friction, burst_times};
 use super::law::{Hysteresis, LAWS, Law};
 use super::motion::Motion;
-use super::plant::TICK_S;
+use super::plant::{TICK_S, resonance_hz};
 
 /// What does not repeat.
 #[derive(Clone, Copy, Debug)]
@@ -116,6 +116,9 @@ impl Scenario {
             let mut own = Draw::new(seed, 16 + id as u64);
             let half_travel = scenario.motion.half_travel;
             let mut effect = Effect::draw(id, strength, half_travel, breakaway, &mut own);
+            if id == Id::DriveCompliance {
+                effect.values[1] = resonance_hz(mass, effect.values[0]);
+            }
             if matches!(kind, Kind::Corner(..)) && CORNER.contains(&id) {
                 effect.corner = Some(own.sign() * half_travel * own.uniform(0.5, 0.75));
             }

@@ -59,12 +59,6 @@ impl Achievable {
             baseline_nmse,
         }
     }
-
-    /// Whether the effects take more than twice the floor's tenth from what a refitted baseline leaves:
-    /// x.
-    pub fn visible(&self) -> bool {
-        self.baseline_nmse > 1.2 * self.floor_nmse
-    }
 }
 
 /// Root mean square of a sequence.
