@@ -78,7 +78,8 @@ fn half_the_step_changes_nothing_that_can_be_seen() {
 }
 
 /// Without noise, the deterministic force is the force that the loop applied, for every effect: what is
-/// called the truth is what was simulated.
+/// called the truth is what was simulated. It is computed at the controller's ticks, so dither between them
+/// is lost; the bound is a tenth of what friction's variability leaves (30 to 60 mN).
 #[test]
 fn without_noise_the_truth_is_the_recording() {
     for (i, &id) in CATALOGUE.iter().chain(&OUTSIDE).enumerate() {
@@ -95,7 +96,7 @@ fn without_noise_the_truth_is_the_recording() {
         let recorded =
             preslide_host_tests::trials::truth::sample(&scenario, &commanded, &scenario.effects);
         let error = rms(truth.iter().zip(&recorded).map(|(a, b)| a - b));
-        assert!(error < 1.5e-3, "{}: {error:e} N", id.name());
+        assert!(error < 4e-3, "{}: {error:e} N", id.name());
     }
 }
 
@@ -114,7 +115,8 @@ fn a_seed_gives_the_same_trial_and_another_seed_another() {
 fn every_effect_acts_by_its_strength() {
     for (i, &id) in CATALOGUE.iter().chain(&OUTSIDE).enumerate() {
         let size = |strength| {
-            let scenario = short(5 + i as u64, Kind::Single(id, strength), 16.0);
+            let mut scenario = Scenario::new(5 + i as u64, Kind::Single(id, strength), &[]);
+            scenario.motion.ticks.retain(|tick| tick.repeat == 0);
             let ticks = march(&scenario, Marching::default());
             let (with, without) = (
                 deterministic(&scenario, &ticks, &[]),
@@ -138,14 +140,14 @@ fn every_effect_acts_by_its_strength() {
         );
         assert!(weak.0 > 1e-4, "{}: {} N", id.name(), weak.0);
         assert!(
-            typical.0 > 1.15 * weak.0,
+            typical.0 > 1.1 * weak.0,
             "{}: {} after {} N",
             id.name(),
             typical.0,
             weak.0
         );
         assert!(
-            strong.0 > 1.15 * typical.0,
+            strong.0 > 1.1 * typical.0,
             "{}: {} after {} N",
             id.name(),
             strong.0,

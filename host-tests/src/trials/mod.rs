@@ -6,7 +6,7 @@
 //! A trial is its seed and its [`Kind`]; the law follows from the seed (`seed % 5`, [`law::LAWS`]).
 //!
 //! What is generated: a stage of 3 to 4 kg and 0.72 to 1.13 N of friction under a PID loop of 15 to 35 Hz;
-//! 4 to 6 repeats of nested triangles, slides, rests, long strokes and a sum of sines; 40 to 180 s at 1 kHz
+//! 3 to 6 repeats of nested triangles, slides, rests, long strokes and a sum of sines; 40 to 180 s at 1 kHz
 //! or 500 Hz; an encoder of 25 to 100 nm; coloured force noise; friction that differs by ±5 to ±15 % (two
 //! standard deviations) between repeats and along the path. Sample times of force and position agree, and
 //! the force is that of a current loop, so that no zero-order hold looks like a delay.

@@ -22,6 +22,9 @@ pub struct Reference {
     pub repeat: u32,
 }
 
+/// Longest recording [s]: the design's 180 s, and room for rounding.
+const LONGEST_S: f64 = 178.0;
+
 /// The reference at every tick of length `tick_s` [s].
 pub struct Motion {
     /// Half of the travel [m]; the axis moves within ± this.
@@ -127,12 +130,12 @@ impl Path {
 }
 
 impl Motion {
-    /// A motion of 4 to 6 repeats, 40 to 180 s in all. Slow and small parts are made at several
+    /// A motion of 3 to 6 repeats, 40 to 180 s in all. Slow and small parts are made at several
     /// stations, so that they do not all see the same stretch of the guide.
     pub fn draw(draw: &mut Draw, tick_s: f64) -> Self {
         let half_travel = draw.uniform(8e-3, 20e-3);
-        let repeats = draw.whole(4, 7) as u32;
-        let unhurried = draw.uniform(0.6, 2.0);
+        let asked = draw.whole(4, 7) as u32;
+        let unhurried = draw.uniform(0.5, 1.6);
         let mut station = || draw.uniform(-0.85, 0.85) * half_travel;
         let stations: [f64; 4] = std::array::from_fn(|_| station());
         let sizes: Vec<f64> = [500e-6, 160e-6, 50e-6, 16e-6, 5e-6]
@@ -163,8 +166,15 @@ impl Motion {
             here: Reference::default(),
         };
         let transit = 30e-3;
-        for repeat in 0..repeats {
-            path.here.repeat = repeat;
+        // All repeats take as long as the first, but for the way to its start.
+        let longest = (LONGEST_S / tick_s) as usize;
+        let mut repeats = 0;
+        while repeats < asked
+            && (repeats < 3
+                || path.ticks.len() / repeats as usize * (repeats as usize + 1) < longest)
+        {
+            path.here.repeat = repeats;
+            repeats += 1;
             path.here.segment = 0;
             path.go(stations[0], transit);
             path.rest(0.1);

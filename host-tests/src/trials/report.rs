@@ -242,7 +242,7 @@ fn confusion(all: &[Judged], text: &mut String) {
 fn parameters(scores: &[ParameterScore], text: &mut String) {
     let _ = writeln!(
         text,
-        "\nParameters of rightly named effects (same name in label and answer):"
+        "\nParameters of rightly named effects (by name, or else by unit):"
     );
     let mut rows: BTreeMap<&str, Vec<&ParameterScore>> = BTreeMap::new();
     for score in scores {

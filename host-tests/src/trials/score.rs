@@ -148,6 +148,53 @@ pub fn tenable(named: &Named, truth: &[Id]) -> bool {
         .any(|&id| right(named, id) || (id == Id::FrictionalLag && named.id == Id::Stribeck.name()))
 }
 
+/// Unit at the end of a parameter's name; empty for a pure number.
+fn unit(name: &str) -> &str {
+    const UNITS: [&str; 14] = [
+        "_N_s2_per_m2",
+        "_N_s_per_m",
+        "_N_per_m",
+        "_m2_s3",
+        "_per_decade",
+        "_per_K",
+        "_per_N",
+        "_per_m",
+        "_m_s",
+        "_rad",
+        "_Hz",
+        "_N",
+        "_m",
+        "_s",
+    ];
+    UNITS
+        .into_iter()
+        .find(|unit| name.ends_with(unit))
+        .unwrap_or("")
+}
+
+/// The stated parameter that means the true one called `name`, among the true ones `all`.
+fn stated<'a>(
+    named: &'a Named,
+    name: &str,
+    all: impl Iterator<Item = &'static str>,
+) -> Option<&'a (String, f64, Option<(f64, f64)>)> {
+    if let Some(same) = named.parameters.iter().find(|(stated, ..)| stated == name) {
+        return Some(same);
+    }
+    let mut alike = named
+        .parameters
+        .iter()
+        .filter(|(stated, ..)| unit(stated) == unit(name));
+    match (
+        alike.next(),
+        alike.next(),
+        all.filter(|other| unit(other) == unit(name)).count(),
+    ) {
+        (Some(only), None, 1) => Some(only),
+        _ => None,
+    }
+}
+
 /// A parameter that was stated and is known.
 #[derive(Clone, Debug)]
 pub struct ParameterScore {
@@ -249,21 +296,20 @@ impl Judged {
         Some(error)
     }
 
-    /// Stated parameters of rightly named effects, by the same name. Phases are left out: their origin
-    /// is a convention.
+    /// Stated parameters of rightly named effects: of the same name, or else the only one stated in the
+    /// same unit, where the effect has only one in it. Phases are left out: their origin is a convention.
     pub fn parameters(&self) -> Vec<ParameterScore> {
         let mut scores = Vec::new();
         for effect in &self.label.effects {
             for named in self.names().iter().filter(|n| n.id == effect.id.name()) {
-                for (name, value) in effect
-                    .parameters()
-                    .filter(|(name, _)| !name.starts_with("phase"))
-                {
-                    let Some((_, stated, interval)) =
-                        named.parameters.iter().find(|(stated, ..)| stated == name)
-                    else {
+                for (name, value) in effect.parameters() {
+                    let own = effect.parameters().map(|(other, _)| other);
+                    let Some((_, stated, interval)) = stated(named, name, own) else {
                         continue;
                     };
+                    if name.starts_with("phase") || value == 0.0 {
+                        continue;
+                    }
                     scores.push(ParameterScore {
                         name: format!("{}.{name}", named.id),
                         relative_error: (stated - value).abs() / value.abs(),
