@@ -138,16 +138,19 @@ fn every_effect_acts_by_its_strength() {
             strong.0,
             typical.1
         );
+        // How much a resonance rings in a closed loop does not grow with its compliance, nor does a model's
+        // mismatch with its wrong stiffness: it crosses the true one.
+        let ringing = matches!(id, Id::DriveCompliance | Id::PreslidingShape);
         assert!(weak.0 > 1e-4, "{}: {} N", id.name(), weak.0);
         assert!(
-            typical.0 > 1.1 * weak.0,
+            ringing || typical.0 > 1.1 * weak.0,
             "{}: {} after {} N",
             id.name(),
             typical.0,
             weak.0
         );
         assert!(
-            strong.0 > 1.1 * typical.0,
+            ringing || strong.0 > 1.1 * typical.0,
             "{}: {} after {} N",
             id.name(),
             strong.0,

@@ -14,7 +14,7 @@ const CURRENT_LOOP_S: f64 = 0.3e-3;
 /// Share of the moving mass on the motor's side of a compliant drive.
 pub const MOTOR_SHARE: f64 = 0.4;
 /// Stiffness [N/m] and damping [N·s/m] of the contact behind a backlash; the damping serves a compliant
-/// drive as well (about 5 % of critical).
+/// drive as well (about 10 % of critical).
 const CONTACT: (f64, f64) = (3e6, 120.0);
 
 /// How a scenario is marched; [`Marching::default`] is what trials use.
@@ -105,7 +105,7 @@ fn drive(scenario: &Scenario, apart: f64, speed: f64) -> f64 {
         .effects
         .iter()
         .map(|effect| match effect.id {
-            Id::DriveCompliance => effect.values[0] * apart + 0.5 * CONTACT.1 * speed,
+            Id::DriveCompliance => effect.values[0] * apart + CONTACT.1 * speed,
             Id::Backlash => {
                 let pressed = apart - apart.clamp(-0.5 * effect.values[0], 0.5 * effect.values[0]);
                 // Damping grows with the indentation and never pulls (Hunt and Crossley 1975).

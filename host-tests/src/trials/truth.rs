@@ -67,9 +67,12 @@ pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
     (sum / n.max(1) as f64).sqrt()
 }
 
-/// Position, velocity and acceleration as the encoder shows them, without quantisation.
+/// Position, velocity and acceleration as the encoder shows them, without quantisation, through a filter
+/// of 100 Hz: the second derivative of an error at kilohertz is nothing that anyone would compute.
 fn as_measured(scenario: &Scenario, [x, v, a]: [f64; 3]) -> [f64; 3] {
-    let [e, de, dde] = encoder_error(scenario, x);
+    let corner = 100.0 * super::ENCODER_PERIOD_M;
+    let passed = 1.0 / (1.0 + (v / corner).powi(4));
+    let [e, de, dde] = encoder_error(scenario, x).map(|part| passed * part);
     [x + e, v * (1.0 + de), a * (1.0 + de) + dde * v * v]
 }
 
