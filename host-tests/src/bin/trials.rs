@@ -1,0 +1,297 @@
+//! Runs `preslide diagnose` on generated recordings whose truth it does not see, and prints what it is worth.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode, Stdio};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+use preslide_host_tests::trials::files::{MODEL, RECORDING};
+use preslide_host_tests::trials::score::{Diagnosis, Judged};
+use preslide_host_tests::trials::{Kind, catalogue_plan, report, trial};
+
+const HELP: &str = "\
+Usage: trials [OPTIONS]
+
+  --count N        trials of the plan to run [default: 300]
+  --seed S         another set of recordings of the same plan [default: 0]
+  --only WORDS     only trials whose kind, law or effect contains one of these words, separated by commas
+  --diagnose CMD   the command to judge, called as `CMD RECORDING --model MODEL --json ANSWER`
+                   [default: `preslide diagnose` from the folder of this program]
+  --limit SECONDS  longest time for one diagnosis [default: 120]
+  --jobs N         trials at a time [default: the number of cores]
+  --json FILE      every trial with label and answer, for machines
+  --write FOLDER   only write the trials as files, one folder each: recording.csv, model.toml, label.toml
+  --sizes          only print what each effect adds to the force, at its strengths
+  --quiet          no line for each trial";
+
+struct Options {
+    count: usize,
+    seed: u64,
+    only: Vec<String>,
+    diagnose: Vec<String>,
+    limit: Duration,
+    jobs: usize,
+    json: Option<PathBuf>,
+    write: Option<PathBuf>,
+    sizes: bool,
+    quiet: bool,
+}
+
+fn options(mut arguments: impl Iterator<Item = String>) -> Result<Option<Options>, String> {
+    let mut o = Options {
+        count: 300,
+        seed: 0,
+        only: Vec::new(),
+        diagnose: Vec::new(),
+        limit: Duration::from_secs(120),
+        jobs: std::thread::available_parallelism().map_or(1, usize::from),
+        json: None,
+        write: None,
+        sizes: false,
+        quiet: false,
+    };
+    while let Some(argument) = arguments.next() {
+        let mut value = || {
+            arguments.next().ok_or(format!(
+                "{argument} needs a value; --help lists the options"
+            ))
+        };
+        let whole = |text: String| {
+            text.parse::<u64>()
+                .map_err(|_| format!("{argument}: `{text}` is not a whole number from 0"))
+        };
+        match argument.as_str() {
+            "--count" => o.count = whole(value()?)? as usize,
+            "--seed" => o.seed = whole(value()?)?,
+            "--only" => o.only = value()?.split(',').map(str::to_owned).collect(),
+            "--diagnose" => o.diagnose = value()?.split_whitespace().map(str::to_owned).collect(),
+            "--limit" => o.limit = Duration::from_secs(whole(value()?)?),
+            "--jobs" => o.jobs = (whole(value()?)? as usize).max(1),
+            "--json" => o.json = Some(value()?.into()),
+            "--write" => o.write = Some(value()?.into()),
+            "--sizes" => o.sizes = true,
+            "--quiet" => o.quiet = true,
+            "--help" | "-h" => return Ok(None),
+            _ => return Err(format!("`{argument}` is no option; --help lists them")),
+        }
+    }
+    Ok(Some(o))
+}
+
+fn plan(o: &Options) -> Vec<(u64, Kind)> {
+    let wanted = |seed: u64, kind: Kind| {
+        let law = preslide_host_tests::trials::law::LAWS[(seed % 5) as usize].name();
+        let effects = kind.ids().into_iter().map(|id| id.name());
+        let mut words = effects.chain([kind.name(), law]);
+        o.only.is_empty()
+            || words.any(|word| o.only.iter().any(|only| word.contains(only.as_str())))
+    };
+    catalogue_plan(o.count)
+        .into_iter()
+        // A million trials lie between two sets.
+        .map(|(seed, kind)| (seed + 5_000_000 * o.seed, kind))
+        .filter(|&(seed, kind)| wanted(seed, kind))
+        .collect()
+}
+
+/// Runs `work` on every item, on `jobs` threads; results in the order of the items.
+fn parallel<T: Sync, R: Send>(
+    items: &[T],
+    jobs: usize,
+    work: impl Fn(usize, &T) -> R + Sync,
+) -> Vec<R> {
+    let next = AtomicUsize::new(0);
+    let results = Mutex::new(Vec::new());
+    std::thread::scope(|scope| {
+        for _ in 0..jobs {
+            scope.spawn(|| {
+                loop {
+                    let i = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(item) = items.get(i) else { break };
+                    let result = work(i, item);
+                    if let Ok(mut results) = results.lock() {
+                        results.push((i, result));
+                    }
+                }
+            });
+        }
+    });
+    let mut results = results.into_inner().unwrap_or_default();
+    results.sort_by_key(|(i, _)| *i);
+    results.into_iter().map(|(_, result)| result).collect()
+}
+
+/// Runs the diagnosis on the files in `folder`; the label is not among them.
+fn diagnose(command: &[String], folder: &Path, limit: Duration) -> Result<Diagnosis, String> {
+    let (program, arguments) = command.split_first().ok_or("--diagnose is empty")?;
+    let answer = folder.join("answer.json");
+    let errors = folder.join("stderr.txt");
+    let stderr = std::fs::File::create(&errors).map_err(|e| e.to_string())?;
+    let mut child = Command::new(program)
+        .args(arguments)
+        .arg(folder.join(RECORDING))
+        .arg("--model")
+        .arg(folder.join(MODEL))
+        .arg("--json")
+        .arg(&answer)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(stderr)
+        .spawn()
+        .map_err(|e| format!("`{program}` does not start: {e}"))?;
+    let started = Instant::now();
+    let status = loop {
+        if let Some(status) = child.try_wait().map_err(|e| e.to_string())? {
+            break status;
+        }
+        if started.elapsed() > limit {
+            let _ = child.kill();
+            let _ = child.wait();
+            return Err(format!("still running after {} s", limit.as_secs()));
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    };
+    let text = std::fs::read_to_string(&answer).map_err(|_| {
+        let said = std::fs::read_to_string(&errors).unwrap_or_default();
+        let last = said
+            .lines()
+            .rev()
+            .find(|line| !line.trim().is_empty())
+            .unwrap_or("no message");
+        format!("no JSON ({status}): {last}")
+    })?;
+    Diagnosis::parse(&text)
+}
+
+fn judge(o: &Options, plan: &[(u64, Kind)]) -> Result<(), String> {
+    let scratch = std::env::temp_dir().join(format!("preslide-trials-{}", std::process::id()));
+    let done = AtomicUsize::new(0);
+    let started = Instant::now();
+    let judged: Vec<Result<Judged, String>> = parallel(plan, o.jobs, |i, &(seed, kind)| {
+        let made = trial(seed, kind);
+        let folder = scratch.join(i.to_string());
+        std::fs::create_dir_all(&folder)
+            .and_then(|()| made.write(&folder))
+            // Blind: the command gets a folder without the truth.
+            .and_then(|()| {
+                std::fs::remove_file(folder.join(preslide_host_tests::trials::files::LABEL))
+            })
+            .map_err(|e| format!("{}: {e}", folder.display()))?;
+        let begun = Instant::now();
+        let answer = diagnose(&o.diagnose, &folder, o.limit);
+        let judged = Judged::new(&made, answer, begun.elapsed().as_secs_f64());
+        let _ = std::fs::remove_dir_all(&folder);
+        let n = done.fetch_add(1, Ordering::Relaxed) + 1;
+        if !o.quiet {
+            let left = started.elapsed().as_secs_f64() / n as f64 * (plan.len() - n) as f64;
+            eprintln!(
+                "{n:>4}/{} {:>4.0} s left {}",
+                plan.len(),
+                left,
+                judged.line()
+            );
+        }
+        Ok(judged)
+    });
+    let _ = std::fs::remove_dir_all(&scratch);
+    let judged = judged.into_iter().collect::<Result<Vec<_>, _>>()?;
+    println!("{}", report::tables(&judged));
+    if let Some(file) = &o.json {
+        let text =
+            serde_json::to_string_pretty(&report::to_json(&judged)).map_err(|e| e.to_string())?;
+        std::fs::write(file, text).map_err(|e| format!("{}: {e}", file.display()))?;
+    }
+    if judged.iter().all(|j| j.answer.is_err()) {
+        return Err("no trial got an answer".to_owned());
+    }
+    Ok(())
+}
+
+fn write(o: &Options, plan: &[(u64, Kind)], to: &Path) -> Result<(), String> {
+    let results = parallel(plan, o.jobs, |_, &(seed, kind)| {
+        let folder = to.join(seed.to_string());
+        std::fs::create_dir_all(&folder)
+            .and_then(|()| trial(seed, kind).write(&folder))
+            .map_err(|e| format!("{}: {e}", folder.display()))
+    });
+    results.into_iter().collect()
+}
+
+/// What each effect adds: RMS share of the force, and NMSE of a refitted baseline and of the noise.
+fn sizes(o: &Options, plan: &[(u64, Kind)]) {
+    println!(
+        "{:<52} {:>8} {:>8} {:>10} {:>10}",
+        "trial", "RMS [N]", "share %", "baseline %", "floor %"
+    );
+    let lines = parallel(plan, o.jobs, |_, &(seed, kind)| {
+        let made = trial(seed, kind);
+        let (label, a) = (&made.label, &made.achievable);
+        let effects = label.effects.iter().zip(&a.effect_rms);
+        let rows = effects
+            .map(|(e, rms)| (e.id.name(), *rms))
+            .collect::<Vec<_>>();
+        let rows = if rows.is_empty() {
+            vec![("clean", 0.0)]
+        } else {
+            rows
+        };
+        rows.iter()
+            .map(|(name, rms)| {
+                format!(
+                    "{:<24} {:<8} {:<18} {rms:8.4} {:8.2} {:10.3} {:10.3}",
+                    name,
+                    label.strength,
+                    label.law.name(),
+                    100.0 * rms / a.force_rms,
+                    a.baseline_nmse,
+                    a.floor_nmse
+                )
+            })
+            .collect::<Vec<_>>()
+            .join("\n")
+    });
+    println!("{}", lines.join("\n"));
+}
+
+fn run() -> Result<(), String> {
+    let Some(mut o) = options(std::env::args().skip(1))? else {
+        println!("{HELP}");
+        return Ok(());
+    };
+    let plan = plan(&o);
+    if plan.is_empty() {
+        return Err(
+            "no trial is left; choose a larger --count or other words for --only".to_owned(),
+        );
+    }
+    if let Some(folder) = &o.write {
+        return write(&o, &plan, folder);
+    }
+    if o.sizes {
+        sizes(&o, &plan);
+        return Ok(());
+    }
+    if o.diagnose.is_empty() {
+        let own = std::env::current_exe().map_err(|e| e.to_string())?;
+        let tool = own.with_file_name(format!("preslide{}", std::env::consts::EXE_SUFFIX));
+        if !tool.exists() {
+            return Err(format!(
+                "{} is not built; run `cargo build --release -p preslide-cli`, or name a command with --diagnose",
+                tool.display()
+            ));
+        }
+        o.diagnose = vec![tool.display().to_string(), "diagnose".to_owned()];
+    }
+    judge(&o, &plan)
+}
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(reason) => {
+            eprintln!("trials: {reason}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! A trial as files: the recording as CSV and the model as TOML for the diagnosis, the label as TOML for
+//! whoever judges it.
+
+use std::fmt::Write as _;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+use super::scenario::Scenario;
+use super::{ENCODER_PERIOD_M, Trial};
+
+/// Names of the three files in a trial's folder.
+pub const RECORDING: &str = "recording.csv";
+/// See [`RECORDING`].
+pub const MODEL: &str = "model.toml";
+/// See [`RECORDING`]. The diagnosis must not see this one.
+pub const LABEL: &str = "label.toml";
+
+impl Trial {
+    /// Writes the recording in the project's format (design, "Recording").
+    ///
+    /// # Errors
+    /// Those of the stream.
+    pub fn write_csv(&self, out: impl Write) -> io::Result<()> {
+        let mut out = BufWriter::new(out);
+        let r = &self.recording;
+        write!(out, "t_s,x_m,force_N,segment,repeat")?;
+        for (name, column) in [
+            ("temperature_C", &r.temperature_c),
+            ("normal_N", &r.normal_n),
+        ] {
+            if column.is_some() {
+                write!(out, ",{name}")?;
+            }
+        }
+        writeln!(out)?;
+        for i in 0..r.t_s.len() {
+            // A tenth of a nanometre and of a millinewton: below the count and the noise.
+            let (t, x, force) = (r.t_s[i], r.x_m[i], r.force_n[i]);
+            write!(
+                out,
+                "{t:.3},{x:.10},{force:.4},{},{}",
+                r.segment[i], r.repeat[i]
+            )?;
+            for column in [&r.temperature_c, &r.normal_n].into_iter().flatten() {
+                write!(out, ",{:.3}", column[i])?;
+            }
+            writeln!(out)?;
+        }
+        out.flush()
+    }
+
+    /// The truth, and what can be achieved, as TOML.
+    pub fn label_toml(&self) -> String {
+        let label = &self.label;
+        let a = &self.achievable;
+        let mut text = String::new();
+        let _ = writeln!(
+            text,
+            "schema = \"preslide.trial/1\"\nseed = {}\nkind = \"{}\"\nlaw = \"{}\"\nstrength = \"{}\"\nmass_kg = {:?}\n\
+             breakaway_N = {:?}\n\n[achievable]\nforce_rms_N = {:?}\nbaseline_nmse = {:?}\nfloor_nmse = {:?}",
+            label.seed,
+            label.kind.name(),
+            label.law.name(),
+            label.strength,
+            label.mass,
+            label.breakaway,
+            a.force_rms,
+            a.baseline_nmse,
+            a.floor_nmse,
+        );
+        if let Some(region) = label.region {
+            let _ = writeln!(
+                text,
+                "\n[region]\naxis = \"{}\"\nfrom = {:?}\nto = {:?}",
+                region.axis, region.from, region.to
+            );
+        }
+        for (effect, rms) in label.effects.iter().zip(&a.effect_rms) {
+            let _ = writeln!(
+                text,
+                "\n[[effects]]\nid = \"{}\"\nin_catalogue = {}\nrms_N = {rms:?}",
+                effect.id.name(),
+                effect.id.in_catalogue()
+            );
+            for (name, value) in effect.parameters() {
+                let _ = writeln!(text, "{name} = {value:?}");
+            }
+        }
+        text
+    }
+
+    /// Writes [`RECORDING`], [`MODEL`] and [`LABEL`] into an existing folder.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn write(&self, folder: &Path) -> io::Result<()> {
+        self.write_csv(std::fs::File::create(folder.join(RECORDING))?)?;
+        std::fs::write(folder.join(MODEL), &self.model_toml)?;
+        std::fs::write(folder.join(LABEL), self.label_toml())
+    }
+}
+
+/// The model file that a diagnosis starts from: mass and Maxwell-slip blocks, and the known periods.
+pub(super) fn model_toml(scenario: &Scenario) -> String {
+    let breakaway: f64 = scenario.model_blocks.iter().map(|(_, limit)| limit).sum();
+    let mut text = format!(
+        "schema = \"preslide.model/1\"\nmotion = \"linear\"\n\n[inertia]\nmass_kg = {:?}\n\n[friction]\nkind = \"gms\"\n\
+         breakaway_N = {breakaway:?}\nblocks = [\n",
+        scenario.model_mass
+    );
+    // Rounding must not make the weights add up to more than 1.
+    let last = scenario.model_blocks.len().saturating_sub(1);
+    let mut left = 1.0;
+    for (i, (stiffness, limit)) in scenario.model_blocks.iter().enumerate() {
+        let weight = if i == last { left } else { limit / breakaway };
+        left -= weight;
+        let _ = writeln!(
+            text,
+            "  {{ stiffness_N_per_m = {stiffness:?}, weight = {weight:?} }},"
+        );
+    }
+    let _ = writeln!(
+        text,
+        "]\n\n[mechanics]\nscrew_lead_m = 0.002\nencoder_period_m = {ENCODER_PERIOD_M:?}\nencoder_count_m = {:?}",
+        scenario.encoder_count
+    );
+    text
+}

@@ -1,0 +1,202 @@
+//! Friction and the other forces that resist motion, as a function of the path: a hysteresis law and the
+//! effects that change its level or add to it.
+
+use std::f64::consts::TAU;
+
+use super::draw::Draw;
+use super::effect::{Effect, Id};
+use super::law::Hysteresis;
+
+/// Temperature [°C] and preload [N] at which the friction level is the nominal one.
+pub const TEMPERATURE_C: f64 = 20.0;
+/// See [`TEMPERATURE_C`].
+pub const LOAD_N: f64 = 30.0;
+
+/// The state of the moving part at an instant.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Now {
+    /// Time [s].
+    pub t: f64,
+    /// Position [m].
+    pub x: f64,
+    /// Velocity [m/s].
+    pub v: f64,
+    /// Temperature [°C].
+    pub temperature: f64,
+    /// Preload [N].
+    pub load: f64,
+}
+
+/// Resistance to motion with everything that it remembers.
+#[derive(Clone)]
+pub struct Friction<'a> {
+    law: Hysteresis,
+    effects: &'a [Effect],
+    bursts: &'a [f64],
+    half_travel: f64,
+    breakaway: f64,
+    x: f64,
+    path: f64,
+    lag: Option<f64>,
+    age_s: f64,
+    hysteretic: f64,
+    heading: f64,
+    /// Time and place of the last reversal, and the farthest point since [s, m, m].
+    turn: (f64, f64, f64),
+    recent_speed: f64,
+    trend: f64,
+}
+
+impl<'a> Friction<'a> {
+    /// At rest at position 0. `bursts` are the start times [s] of [`Id::RandomBursts`].
+    pub fn new(
+        law: Hysteresis,
+        effects: &'a [Effect],
+        bursts: &'a [f64],
+        half_travel: f64,
+        breakaway: f64,
+    ) -> Self {
+        Friction {
+            law,
+            effects,
+            bursts,
+            half_travel,
+            breakaway,
+            x: 0.0,
+            path: 0.0,
+            lag: None,
+            age_s: 0.0,
+            hysteretic: 0.0,
+            heading: 1.0,
+            turn: (0.0, 0.0, 0.0),
+            recent_speed: 0.0,
+            trend: 0.0,
+        }
+    }
+
+    /// Moves to `now`, `dt` [s] after the last call, and returns the resisting force [N]. `variability`
+    /// multiplies the friction level: 1, or what does not repeat.
+    pub fn step(&mut self, dt: f64, now: &Now, variability: f64) -> f64 {
+        let dx = now.x - self.x;
+        self.remember(dx, now);
+        let (mut level, mut tilt, mut added, mut crept) = (1.0, 0.0, 0.0, 0.0);
+        for effect in self.effects {
+            let [p0, p1, p2, p3] = effect.values;
+            let here = effect.presence(now.x);
+            let xi = now.x / self.half_travel;
+            let bend = 1.5 * xi * xi - 0.5;
+            let speed = now.v.abs();
+            match effect.id {
+                Id::ConstantForce => added += p0,
+                Id::CoulombAsymmetry => tilt += here * p0,
+                Id::Viscous => added += here * p0 * now.v,
+                Id::QuadraticDrag => added += p0 * now.v * speed,
+                Id::Stribeck => level += here * p0 * (-(speed / p1).powf(p2)).exp(),
+                Id::FrictionalLag => {
+                    let steady = p0 * (-(speed / p1).powf(p2)).exp();
+                    let before = self.lag.unwrap_or(steady);
+                    let after = steady + (before - steady) * (-dt / p3).exp();
+                    self.lag = Some(after);
+                    level += after;
+                }
+                Id::PositionSpring => {
+                    // In a corner the spring begins at the edge, as an end stop or a cable guide does.
+                    added += match effect.corner {
+                        None => p0 * (now.x - p1),
+                        Some(edge) => 4.0 * p0 * here * (now.x - edge),
+                    }
+                }
+                Id::PositionForce => {
+                    let bump = (now.x - p2) / p3;
+                    added += p0 * bend + p1 * (-bump * bump).exp();
+                }
+                Id::PositionFriction => level += p0 * xi + p1 * bend,
+                Id::LocalFrictionSpot => {
+                    let away = (now.x - p1) / p2;
+                    level += p0 * (-away * away).exp();
+                }
+                Id::PeriodicForce => added += here * p0 * (TAU * now.x / p1 + p2).cos(),
+                Id::PeriodicFriction => level += here * p0 * (TAU * now.x / p1 + p2).cos(),
+                Id::LoadDependentFriction => level += p0 * (now.load - LOAD_N),
+                Id::ThermalDrift => level += p0 * (now.temperature - TEMPERATURE_C),
+                Id::RunIn => level += p0 * (-self.path / p1).exp(),
+                Id::DwellAging => {
+                    // Age of the contact: grows with time, erased along a path (Dieterich 1979).
+                    self.age_s = (self.age_s + dt) / (1.0 + dx.abs() / p2);
+                    level += p0 * (1.0 + self.age_s / p1).log10();
+                }
+                Id::Creep => crept += dt * p0 * (self.hysteretic / (p1 * self.breakaway)).sinh(),
+                Id::ExternalVibration => added += p0 * (TAU * p1 * now.t + p2).sin(),
+                Id::RandomBursts => {
+                    let since = self.bursts.iter().map(|start| now.t - start);
+                    for since in since.filter(|s| (0.0..8.0 * p2).contains(s)) {
+                        added += p0 * (-since / p2).exp() * (TAU * p1 * since).sin();
+                    }
+                }
+                Id::RelaxingMemory => {
+                    // Fades in over micrometres, so that a dithering rest does not chatter.
+                    let moved = 1.0 - (-(now.x - self.turn.1).abs() / 3e-6).exp();
+                    added += p0 * self.heading * moved * (-(now.t - self.turn.0) / p1).exp();
+                }
+                Id::SpeedDetent => {
+                    added += p0 * speed / (p3 + speed) * (TAU * now.x / p1 + p2).cos()
+                }
+                Id::AccelerationFriction => {
+                    // Delayed by 20 ms: friction that answers its own acceleration at once has no solution.
+                    self.trend += (now.v - self.trend) * (1.0 - (-dt / 0.02).exp());
+                    let power = (now.v - self.trend) / 0.02 * now.v;
+                    level += p0 * (power / p1).tanh();
+                }
+                // The clock's switch takes 0.1 s, as a valve does.
+                Id::TimeOfDay => level += p0 * ((TAU * now.t / p1).sin() * p1 / 0.6).tanh(),
+                Id::SpeedHistory => {
+                    self.recent_speed = speed.max(self.recent_speed * (-dt / p2).exp());
+                    level -= p0 * self.recent_speed / (p1 + self.recent_speed);
+                }
+                // These act between command, motor and encoder, or are errors of the model file.
+                Id::EncoderError
+                | Id::Backlash
+                | Id::DriveCompliance
+                | Id::ChannelDelay
+                | Id::ActuatorDeadZone
+                | Id::ActuatorSaturation
+                | Id::PreslidingShape => {}
+            }
+        }
+        // An element that creeps as fast as it is moved stays where it is: limits the sinh of an overload.
+        let crept = crept.clamp(-1e-7, 1e-7);
+        let level = level * variability;
+        let (up, down) = ((level + tilt).max(0.05), (level - tilt).max(0.05));
+        self.hysteretic = self.law.step(dx - crept, now.v, up, down);
+        self.hysteretic + added
+    }
+
+    /// Path travelled and the last reversal, which counts once the stage has come back by a micrometre
+    /// from its farthest point; dither at rest is none.
+    fn remember(&mut self, dx: f64, now: &Now) {
+        const TURN: f64 = 1e-6;
+        self.x = now.x;
+        self.path += dx.abs();
+        let farthest = self.turn.2;
+        if (now.x - farthest) * self.heading > 0.0 {
+            self.turn.2 = now.x;
+        } else if (now.x - farthest) * self.heading < -TURN {
+            self.heading = -self.heading;
+            self.turn = (now.t, now.x, now.x);
+        }
+    }
+}
+
+/// Start times [s] of random bursts up to `end` [s], a Poisson process with the effect's mean interval.
+pub fn burst_times(effects: &[Effect], end: f64, draw: &mut Draw) -> Vec<f64> {
+    let Some(effect) = effects.iter().find(|e| e.id == Id::RandomBursts) else {
+        return Vec::new();
+    };
+    let mut times = Vec::new();
+    let mut t = 0.0;
+    while t < end {
+        t -= effect.values[3] * draw.uniform(1e-12, 1.0).ln();
+        times.push(t);
+    }
+    times
+}
