@@ -20,7 +20,7 @@ fn short(seed: u64, kind: Kind, seconds: f64) -> Scenario {
     scenario
 }
 
-/// RMS differences of motor position [m] and force [N] between two marches.
+/// RMS differences of motor position (m) and force (N) between two marches.
 fn apart(a: &[Tick], b: &[Tick]) -> (f64, f64) {
     let pairs = || a.iter().zip(b);
     (

@@ -293,11 +293,11 @@ pub struct Effect {
     pub id: Id,
     /// Parameters in SI, named by [`Effect::parameters`].
     pub values: [f64; 4],
-    /// Position [m] beyond which it acts, towards the end of the travel with the same sign; everywhere without.
+    /// Position (m) beyond which it acts, towards the end of the travel with the same sign; everywhere without.
     pub corner: Option<f64>,
 }
 
-/// Length over which an effect in a corner fades in [m].
+/// Length over which an effect in a corner fades in (m).
 const CORNER_EDGE: f64 = 0.3e-3;
 
 impl Effect {
@@ -306,7 +306,7 @@ impl Effect {
         self.id.names().1.iter().copied().zip(self.values)
     }
 
-    /// Share of the amplitude that acts at position `x` [m].
+    /// Share of the amplitude that acts at position `x` (m).
     pub fn presence(&self, x: f64) -> f64 {
         match self.corner {
             None => 1.0,
@@ -314,8 +314,8 @@ impl Effect {
         }
     }
 
-    /// Draws an effect `strength` times as strong as is typical, on an axis with the given half travel [m]
-    /// and breakaway force [N]. Everything but the amplitude depends on `draw` alone.
+    /// Draws an effect `strength` times as strong as is typical, on an axis with the given half travel (m)
+    /// and breakaway force (N). Everything but the amplitude depends on `draw` alone.
     pub fn draw(id: Id, strength: f64, half_travel: f64, breakaway: f64, draw: &mut Draw) -> Self {
         let s = strength * draw.log_uniform(0.8, 1.25);
         let signed = s * draw.sign();

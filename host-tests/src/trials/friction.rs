@@ -7,7 +7,7 @@ use super::draw::Draw;
 use super::effect::{Effect, Id};
 use super::law::Hysteresis;
 
-/// Temperature [°C] and preload [N] at which the friction level is the nominal one.
+/// Temperature (°C) and preload (N) at which the friction level is the nominal one.
 pub const TEMPERATURE_C: f64 = 20.0;
 /// See [`TEMPERATURE_C`].
 pub const LOAD_N: f64 = 30.0;
@@ -15,15 +15,15 @@ pub const LOAD_N: f64 = 30.0;
 /// The state of the moving part at an instant.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Now {
-    /// Time [s].
+    /// Time (s).
     pub t: f64,
-    /// Position [m].
+    /// Position (m).
     pub x: f64,
-    /// Velocity [m/s].
+    /// Velocity (m/s).
     pub v: f64,
-    /// Temperature [°C].
+    /// Temperature (°C).
     pub temperature: f64,
-    /// Preload [N].
+    /// Preload (N).
     pub load: f64,
 }
 
@@ -41,14 +41,14 @@ pub struct Friction<'a> {
     age_s: f64,
     hysteretic: f64,
     heading: f64,
-    /// Time and place of the last reversal, and the farthest point since [s, m, m].
+    /// Time and place of the last reversal, and the farthest point since (s, m, m).
     turn: (f64, f64, f64),
     recent_speed: f64,
     trend: f64,
 }
 
 impl<'a> Friction<'a> {
-    /// At rest at position 0. `bursts` are the start times [s] of [`Id::RandomBursts`].
+    /// At rest at position 0. `bursts` are the start times (s) of [`Id::RandomBursts`].
     pub fn new(
         law: Hysteresis,
         effects: &'a [Effect],
@@ -74,7 +74,7 @@ impl<'a> Friction<'a> {
         }
     }
 
-    /// Moves to `now`, `dt` [s] after the last call, and returns the resisting force [N]. `variability`
+    /// Moves to `now`, `dt` (s) after the last call, and returns the resisting force (N). `variability`
     /// multiplies the friction level: 1, or what does not repeat.
     pub fn step(&mut self, dt: f64, now: &Now, variability: f64) -> f64 {
         let dx = now.x - self.x;
@@ -187,7 +187,7 @@ impl<'a> Friction<'a> {
     }
 }
 
-/// Start times [s] of random bursts up to `end` [s], a Poisson process with the effect's mean interval.
+/// Start times (s) of random bursts up to `end` (s), a Poisson process with the effect's mean interval.
 pub fn burst_times(effects: &[Effect], end: f64, draw: &mut Draw) -> Vec<f64> {
     let Some(effect) = effects.iter().find(|e| e.id == Id::RandomBursts) else {
         return Vec::new();

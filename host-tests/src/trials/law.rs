@@ -51,7 +51,7 @@ struct Element {
     force: f64,
 }
 
-/// Virgin curve: share of the breakaway force after a displacement `s` ≥ 0 [m].
+/// Virgin curve: share of the breakaway force after a displacement `s` ≥ 0 (m).
 #[derive(Clone, Copy, Debug)]
 enum Virgin {
     Power {
@@ -93,7 +93,7 @@ impl Virgin {
     }
 }
 
-/// A reversal: position [m] and share of the breakaway force.
+/// A reversal: position (m) and share of the breakaway force.
 #[derive(Clone, Copy, Debug)]
 struct Reversal {
     x: f64,
@@ -104,7 +104,7 @@ struct Reversal {
 enum Memory {
     Elements {
         elements: Vec<Element>,
-        /// Damping over stiffness of each element [s].
+        /// Damping over stiffness of each element (s).
         damping_s: f64,
     },
     Masing {
@@ -124,7 +124,7 @@ pub struct Hysteresis {
 }
 
 impl Hysteresis {
-    /// A law with breakaway force `breakaway` [N] and drawn lengths, unloaded, at position 0.
+    /// A law with breakaway force `breakaway` (N) and drawn lengths, unloaded, at position 0.
     pub fn draw(law: Law, breakaway: f64, draw: &mut Draw) -> Self {
         let masing = |virgin| Memory::Masing {
             virgin,
@@ -184,7 +184,7 @@ impl Hysteresis {
         Hysteresis { breakaway, memory }
     }
 
-    /// Parallel blocks of given `(stiffness [N/m], limit [N])`, for the force of a model file.
+    /// Parallel blocks of given `(stiffness (N/m), limit (N))`, for the force of a model file.
     pub fn of_blocks(blocks: &[(f64, f64)]) -> Self {
         let elements = blocks
             .iter()
@@ -203,7 +203,7 @@ impl Hysteresis {
         }
     }
 
-    /// Force [N] after a displacement `s` ≥ 0 [m] from rest, slowly.
+    /// Force (N) after a displacement `s` ≥ 0 (m) from rest, slowly.
     pub fn virgin(&self, s: f64) -> f64 {
         match &self.memory {
             Memory::Elements { elements, .. } => elements
@@ -214,7 +214,7 @@ impl Hysteresis {
         }
     }
 
-    /// Moves by `dx` [m] at velocity `v` [m/s] and returns the force [N]. `up` and `down` multiply the
+    /// Moves by `dx` (m) at velocity `v` (m/s) and returns the force (N). `up` and `down` multiply the
     /// friction level against motion in +x and −x: the limits of elements, the force of Masing's laws.
     pub fn step(&mut self, dx: f64, v: f64, up: f64, down: f64) -> f64 {
         match &mut self.memory {

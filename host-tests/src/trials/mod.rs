@@ -29,7 +29,7 @@ use plant::{Marching, march};
 use scenario::Scenario;
 use truth::{Achievable, sample};
 
-/// Period of the encoder's signal [m].
+/// Period of the encoder's signal (m).
 pub const ENCODER_PERIOD_M: f64 = 10e-6;
 
 /// How many times larger than the hidden effect the one before it is, by RMS of the force.
@@ -95,19 +95,19 @@ impl Kind {
 /// What was recorded: columns of equal length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Columns {
-    /// Time [s].
+    /// Time (s).
     pub t_s: Vec<f64>,
-    /// Position as the encoder reads it [m].
+    /// Position as the encoder reads it (m).
     pub x_m: Vec<f64>,
-    /// Force of the motor [N], positive in +x.
+    /// Force of the motor (N), positive in +x.
     pub force_n: Vec<f64>,
     /// Number of the part of the motion, the same in each repeat.
     pub segment: Vec<u32>,
     /// Number of the repeat.
     pub repeat: Vec<u32>,
-    /// Temperature [°C].
+    /// Temperature (°C).
     pub temperature_c: Option<Vec<f64>>,
-    /// Preload of the guide [N].
+    /// Preload of the guide (N).
     pub normal_n: Option<Vec<f64>>,
 }
 
@@ -116,9 +116,9 @@ pub struct Columns {
 pub struct Region {
     /// `position` or `velocity` (its magnitude).
     pub axis: &'static str,
-    /// Start [m or m/s].
+    /// Start (m or m/s).
     pub from: f64,
-    /// End [m or m/s].
+    /// End (m or m/s).
     pub to: f64,
 }
 
@@ -137,9 +137,9 @@ pub struct Label {
     pub strength: &'static str,
     /// Where the first effect acts, if only there.
     pub region: Option<Region>,
-    /// Moving mass [kg].
+    /// Moving mass (kg).
     pub mass: f64,
-    /// Breakaway force [N].
+    /// Breakaway force (N).
     pub breakaway: f64,
 }
 

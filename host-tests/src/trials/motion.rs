@@ -10,11 +10,11 @@ pub const SEGMENTS: [&str; 5] = ["triangles", "slides", "rests", "strokes", "sin
 /// Where the stage should be at one tick of the controller.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reference {
-    /// Position [m].
+    /// Position (m).
     pub x: f64,
-    /// Velocity [m/s].
+    /// Velocity (m/s).
     pub v: f64,
-    /// Acceleration [m/s²].
+    /// Acceleration (m/s²).
     pub a: f64,
     /// Number of the segment within its repeat.
     pub segment: u32,
@@ -22,12 +22,12 @@ pub struct Reference {
     pub repeat: u32,
 }
 
-/// Longest recording [s]: the design's 180 s, and room for rounding.
+/// Longest recording (s): the design's 180 s, and room for rounding.
 const LONGEST_S: f64 = 178.0;
 
-/// The reference at every tick of length `tick_s` [s].
+/// The reference at every tick of length `tick_s` (s).
 pub struct Motion {
-    /// Half of the travel [m]; the axis moves within ± this.
+    /// Half of the travel (m); the axis moves within ± this.
     pub half_travel: f64,
     /// Repeats of the motion.
     pub repeats: u32,
@@ -53,7 +53,7 @@ impl Path {
         self.ticks.push(self.here);
     }
 
-    /// Goes to `target` [m] at most at `speed` [m/s], from rest to rest, with trapezoidal velocity.
+    /// Goes to `target` (m) at most at `speed` (m/s), from rest to rest, with trapezoidal velocity.
     fn go(&mut self, target: f64, speed: f64) {
         let (start, distance) = (self.here.x, (target - self.here.x).abs());
         if distance == 0.0 {
@@ -91,7 +91,7 @@ impl Path {
         (self.here.v, self.here.a) = (0.0, 0.0);
     }
 
-    /// Sines `(amplitude [m], frequency [Hz], phase [rad])` about here, faded in and out over 0.5 s.
+    /// Sines `(amplitude (m), frequency (Hz), phase (rad))` about here, faded in and out over 0.5 s.
     fn sines(&mut self, seconds: f64, lines: &[(f64, f64, f64)]) {
         const FADE_S: f64 = 0.5;
         let centre = self.here.x;

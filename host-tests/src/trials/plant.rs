@@ -7,13 +7,13 @@ use super::effect::Id;
 use super::friction::{Friction, LOAD_N, Now, TEMPERATURE_C};
 use super::scenario::Scenario;
 
-/// Sample time of the controller [s].
+/// Sample time of the controller (s).
 pub const TICK_S: f64 = 0.25e-3;
-/// Time constant of the current loop [s].
+/// Time constant of the current loop (s).
 const CURRENT_LOOP_S: f64 = 0.3e-3;
 /// Share of the moving mass on the motor's side of a compliant drive.
 pub const MOTOR_SHARE: f64 = 0.4;
-/// Stiffness [N/m] and damping [N·s/m] of the contact behind a backlash; the damping serves a compliant
+/// Stiffness (N/m) and damping (N·s/m) of the contact behind a backlash; the damping serves a compliant
 /// drive as well (about 10 % of critical).
 const CONTACT: (f64, f64) = (3e6, 120.0);
 
@@ -42,24 +42,24 @@ impl Default for Marching {
 /// What happened at one tick of the controller.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tick {
-    /// Motor side, where the encoder is: position [m], velocity [m/s], acceleration [m/s²].
+    /// Motor side, where the encoder is: position (m), velocity (m/s), acceleration (m/s²).
     pub motor: [f64; 3],
     /// Load side, where friction acts; the same without a compliant drive.
     pub load: [f64; 3],
-    /// Force commanded, after the current loop [N].
+    /// Force commanded, after the current loop (N).
     pub commanded: f64,
-    /// Force that acted [N].
+    /// Force that acted (N).
     pub acted: f64,
-    /// Encoder reading [m].
+    /// Encoder reading (m).
     pub measured: f64,
-    /// Temperature [°C].
+    /// Temperature (°C).
     pub temperature: f64,
-    /// Preload [N].
+    /// Preload (N).
     pub preload: f64,
 }
 
 impl Tick {
-    /// The state that friction sees, at time `t` [s], from `[x, v, a]` of one side.
+    /// The state that friction sees, at time `t` (s), from `(x, v, a)` of one side.
     pub fn now(&self, t: f64, side: [f64; 3]) -> Now {
         Now {
             t,
@@ -85,7 +85,7 @@ pub fn encoder_error(scenario: &Scenario, x: f64) -> [f64; 3] {
     sum
 }
 
-/// The force that acts for a commanded one [N].
+/// The force that acts for a commanded one (N).
 fn actuator(scenario: &Scenario, command: f64) -> f64 {
     scenario
         .effects
@@ -99,7 +99,7 @@ fn actuator(scenario: &Scenario, command: f64) -> f64 {
         })
 }
 
-/// The force in the drive for a difference of position and velocity between motor and load [N].
+/// The force in the drive for a difference of position and velocity between motor and load (N).
 fn drive(scenario: &Scenario, apart: f64, speed: f64) -> f64 {
     scenario
         .effects
@@ -275,7 +275,7 @@ pub fn march(scenario: &Scenario, marching: Marching) -> Vec<Tick> {
     ticks
 }
 
-/// Resonance of a compliant drive with a load held at neither side [Hz].
+/// Resonance of a compliant drive with a load held at neither side (Hz).
 pub fn resonance_hz(mass: f64, stiffness: f64) -> f64 {
     (stiffness / (mass * MOTOR_SHARE * (1.0 - MOTOR_SHARE))).sqrt() / (2.0 * PI)
 }

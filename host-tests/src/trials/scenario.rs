@@ -15,15 +15,15 @@ pub struct Noise {
     pub gain: f64,
     /// Standard deviation of the friction level's wander along the path, which no repeat shares …
     pub wander: f64,
-    /// … and its correlation length [m].
+    /// … and its correlation length (m).
     pub wander_length: f64,
-    /// Force on the motor, first-order coloured: standard deviation [N] …
+    /// Force on the motor, first-order coloured: standard deviation (N) …
     pub disturbance: f64,
-    /// … and corner [Hz].
+    /// … and corner (Hz).
     pub disturbance_corner_hz: f64,
-    /// White noise of the force reading, standard deviation [N].
+    /// White noise of the force reading, standard deviation (N).
     pub reading: f64,
-    /// Amplitude of the encoder's interpolation error in every trial [m].
+    /// Amplitude of the encoder's interpolation error in every trial (m).
     pub interpolation: f64,
 }
 
@@ -35,19 +35,19 @@ pub struct Scenario {
     pub law: Law,
     /// The law with its parameters.
     pub hysteresis: Hysteresis,
-    /// Breakaway force [N].
+    /// Breakaway force (N).
     pub breakaway: f64,
-    /// Moving mass [kg].
+    /// Moving mass (kg).
     pub mass: f64,
-    /// Crossover of the position loop [Hz].
+    /// Crossover of the position loop (Hz).
     pub bandwidth_hz: f64,
-    /// Count of the encoder [m].
+    /// Count of the encoder (m).
     pub encoder_count: f64,
     /// Ticks of the controller in a sample of the recording.
     pub ticks_per_sample: usize,
-    /// Rise of the temperature over the recording [K] …
+    /// Rise of the temperature over the recording (K) …
     pub warming: f64,
-    /// … and its time constant [s].
+    /// … and its time constant (s).
     pub warming_s: f64,
     /// The recording has a temperature column.
     pub temperature_recorded: bool,
@@ -59,9 +59,9 @@ pub struct Scenario {
     pub motion: Motion,
     /// Effects, the one asked for first.
     pub effects: Vec<Effect>,
-    /// Blocks `(stiffness [N/m], limit [N])` of the model file.
+    /// Blocks `(stiffness (N/m), limit (N))` of the model file.
     pub model_blocks: Vec<(f64, f64)>,
-    /// Mass of the model file [kg].
+    /// Mass of the model file (kg).
     pub model_mass: f64,
     bursts: Vec<f64>,
 }

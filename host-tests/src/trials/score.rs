@@ -11,6 +11,9 @@ use super::effect::Id;
 use super::truth::Achievable;
 use super::{Kind, Label, Region, Trial};
 
+/// A parameter as the diagnosis states it: name, value, 95 % interval.
+pub type Stated = (String, f64, Option<(f64, f64)>);
+
 /// An effect that the diagnosis named.
 #[derive(Clone, Debug)]
 pub struct Named {
@@ -27,7 +30,7 @@ pub struct Named {
     /// Where it acts: axis, from, to.
     pub places: Vec<(String, f64, f64)>,
     /// Name, value, 95 % interval.
-    pub parameters: Vec<(String, f64, Option<(f64, f64)>)>,
+    pub parameters: Vec<Stated>,
 }
 
 /// An answer of the diagnosis.
@@ -39,9 +42,9 @@ pub struct Diagnosis {
     pub effects: Vec<Named>,
     /// It says that something is there which no catalogue has.
     pub unknown: bool,
-    /// NMSE [%] on data that no fit saw, before and after.
+    /// NMSE (%) on data that no fit saw, before and after.
     pub nmse_test: Option<(f64, f64)>,
-    /// Duration that it states [s].
+    /// Duration that it states (s).
     pub seconds: f64,
 }
 
@@ -177,7 +180,7 @@ fn stated<'a>(
     named: &'a Named,
     name: &str,
     all: impl Iterator<Item = &'static str>,
-) -> Option<&'a (String, f64, Option<(f64, f64)>)> {
+) -> Option<&'a Stated> {
     if let Some(same) = named.parameters.iter().find(|(stated, ..)| stated == name) {
         return Some(same);
     }
@@ -211,13 +214,13 @@ pub struct ParameterScore {
 pub struct Judged {
     /// The truth.
     pub label: Label,
-    /// RMS of each effect [N].
+    /// RMS of each effect (N).
     pub effect_rms: Vec<f64>,
-    /// NMSE [%] of a refitted baseline and of the truth, from the generator.
+    /// NMSE (%) of a refitted baseline and of the truth, from the generator.
     pub achievable_nmse: (f64, f64),
     /// The answer, or why there is none.
     pub answer: Result<Diagnosis, String>,
-    /// Time that the command took, with start and reading of the file [s].
+    /// Time that the command took, with start and reading of the file (s).
     pub wall_s: f64,
 }
 

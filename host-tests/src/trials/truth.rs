@@ -9,29 +9,29 @@ use super::scenario::Scenario;
 /// What can be achieved on a trial, from the truth.
 #[derive(Clone, Debug)]
 pub struct Achievable {
-    /// Force [N] at each sample, on the true path, with every effect and without noise or variability.
+    /// Force (N) at each sample, on the true path, with every effect and without noise or variability.
     pub with: Vec<f64>,
     /// The same without any effect.
     pub without: Vec<f64>,
-    /// For each effect of the label, RMS over the recording of what it adds [N].
+    /// For each effect of the label, RMS over the recording of what it adds (N).
     pub effect_rms: Vec<f64>,
-    /// RMS of the recorded force about its mean [N].
+    /// RMS of the recorded force about its mean (N).
     pub force_rms: f64,
-    /// NMSE [%] of the recorded force that noise and variability leave to the true model.
+    /// NMSE (%) of the recorded force that noise and variability leave to the true model.
     pub floor_nmse: f64,
-    /// NMSE [%] that mass and a 16-block Maxwell-slip model without any effect, refitted by least squares,
+    /// NMSE (%) that mass and a 16-block Maxwell-slip model without any effect, refitted by least squares,
     /// leave.
     pub baseline_nmse: f64,
 }
 
-/// Number of stops of the refitted baseline, and their yields [m].
+/// Number of stops of the refitted baseline, and their yields (m).
 const STOPS: usize = 16;
 const YIELDS: (f64, f64) = (0.4e-6, 400e-6);
 /// Regressors: acceleration, then the stops.
 const COLUMNS: usize = STOPS + 1;
 
 impl Achievable {
-    /// From a scenario, what happened, and the recorded force [N] at every `scenario.ticks_per_sample`.
+    /// From a scenario, what happened, and the recorded force (N) at every `scenario.ticks_per_sample`.
     pub fn new(scenario: &Scenario, ticks: &[Tick], recorded: &[f64]) -> Self {
         let all: Vec<Id> = scenario.effects.iter().map(|e| e.id).collect();
         let with = deterministic(scenario, ticks, &[]);
@@ -76,7 +76,7 @@ fn as_measured(scenario: &Scenario, [x, v, a]: [f64; 3]) -> [f64; 3] {
     [x + e, v * (1.0 + de), a * (1.0 + de) + dde * v * v]
 }
 
-/// Force [N] that would be recorded at each sample on the path that was travelled, without noise and
+/// Force (N) that would be recorded at each sample on the path that was travelled, without noise and
 /// variability and without the `removed` effects.
 pub fn deterministic(scenario: &Scenario, ticks: &[Tick], removed: &[Id]) -> Vec<f64> {
     let kept: Vec<Effect> = scenario
@@ -138,7 +138,7 @@ pub fn sample(scenario: &Scenario, forces: &[f64], effects: &[Effect]) -> Vec<f6
         .collect()
 }
 
-/// RMS [N] of what acceleration and stops, fitted to `recorded` by least squares, leave.
+/// RMS (N) of what acceleration and stops, fitted to `recorded` by least squares, leave.
 fn refit(scenario: &Scenario, ticks: &[Tick], recorded: &[f64]) -> f64 {
     let ratio = (YIELDS.1 / YIELDS.0).powf(1.0 / (STOPS - 1) as f64);
     let mut stops: Vec<Hysteresis> = (0..STOPS)
