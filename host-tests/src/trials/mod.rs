@@ -233,8 +233,8 @@ fn label(scenario: &Scenario, kind: Kind) -> Label {
     }
 }
 
-/// A plan of `n` trials: of 20, 4 clean, 8 single (each effect typical, then weak, then strong), 2 pairs, 1
-/// masked, 1 on a wrong baseline, 1 in a corner, 3 outside the catalogue; every kind meets every law.
+/// A plan of `n` trials: of 20, 4 clean, 7 single (each effect typical, then weak, then strong), 2 pairs, 1
+/// masked, 1 on a wrong baseline, 2 in a corner, 3 outside the catalogue; every kind meets every law.
 /// The seeds are those of the first plan; add multiples of 5 for another.
 pub fn catalogue_plan(n: usize) -> Vec<(u64, Kind)> {
     const WHEEL: &[u8; 20] = b"CSOSPSCSMSOSCSWSPCXO";
