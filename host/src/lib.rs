@@ -1,6 +1,8 @@
 //! From a recording to the parameters of a real-time friction model, and to its simulation.
 
 pub mod demo;
+pub mod diagnose;
+pub mod effects;
 pub mod friction;
 pub mod identify;
 pub mod kinematics;

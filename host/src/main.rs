@@ -19,12 +19,14 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     Demo(commands::demo::Demo),
+    Diagnose(commands::diagnose::Diagnose),
     Identify(commands::identify::Identify),
 }
 
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Demo(command) => command.run(),
+        Command::Diagnose(command) => command.run(),
         Command::Identify(command) => command.run(),
     };
     match done {

@@ -1,5 +1,6 @@
 //! Model files: what `identify` writes and every other command reads.
 
+use crate::effects::Effect;
 use crate::friction::{FrictionModel, MOST_BLOCKS, Path};
 use crate::recording::MotionKind;
 use preslide::{Block, HsiehParams, Sliding};
@@ -24,6 +25,8 @@ pub struct Model {
     pub friction: FrictionModel,
     /// Effect `constant_force` [N or N·m]: gravity, tilt, current offset.
     pub constant_force: f64,
+    /// All other effects.
+    pub effects: Vec<Effect>,
     /// Known lengths and periods of the drive, by key.
     pub mechanics: Vec<(String, f64)>,
 }
@@ -110,7 +113,8 @@ struct MechanicsToml {
 }
 
 /// Key endings of rotary files and what they are called on a linear axis, longest first.
-const ROTARY: [(&str, &str); 8] = [
+const ROTARY: [(&str, &str); 9] = [
+    ("_Nm_s2_per_rad2", "_N_s2_per_m2"),
     ("inertia_kg_m2", "mass_kg"),
     ("_Nm_s_per_rad", "_N_s_per_m"),
     ("_Nm_per_rad", "_N_per_m"),
@@ -210,8 +214,14 @@ impl Model {
             MotionKind::Rotary => translate(key, false).unwrap_or_else(|| key.to_owned()),
         };
         let mut constant_force = 0.0;
+        let mut effects = Vec::new();
         for (i, effect) in file.effects.iter().enumerate() {
-            constant_force += read_effect(effect).map_err(|e| format!("effects[{}].{e}", i + 1))?;
+            let place = |e: String| format!("effects[{}].{e}", i + 1);
+            if effect.get("id").and_then(toml::Value::as_str) == Some("constant_force") {
+                constant_force += read_constant_force(effect).map_err(place)?;
+            } else {
+                effects.push(Effect::read(effect).map_err(place)?);
+            }
         }
         let MechanicsToml {
             screw_lead_m,
@@ -237,6 +247,7 @@ impl Model {
                 .model()
                 .map_err(|(key, reason)| format!("friction.{}: {reason}", say(key)))?,
             constant_force,
+            effects,
             mechanics,
         };
         model
@@ -286,14 +297,19 @@ impl Model {
         }
     }
 
-    /// Friction, viscous and constant force [N or N·m] at every sample, without inertia.
+    /// Friction, viscous and constant force and effects [N or N·m] at every sample, without inertia; of the effects,
+    /// those that [act along the path](Effect::acts_along_path).
     ///
     /// # Errors
     /// [`preslide::ParamError`] where the library refuses a parameter.
     pub fn resistance(&self, path: Path) -> Result<Vec<f64>, preslide::ParamError> {
-        let mut force = self.friction.force(path)?;
+        let friction = self.friction.force(path)?;
+        let mut force = friction.clone();
         for (f, v) in force.iter_mut().zip(path.velocity) {
             *f += self.viscous * v + self.constant_force;
+        }
+        for effect in &self.effects {
+            effect.add_to(&mut force, &friction, path);
         }
         Ok(force)
     }
@@ -360,8 +376,19 @@ impl Model {
                 number(self.constant_force)
             );
         }
+        for effect in &self.effects {
+            let _ = writeln!(text, "\n[[effects]]\nid = \"{}\"", effect.id);
+            for (name, value) in &effect.values {
+                let _ = writeln!(text, "{} = {}", key(name), number(*value));
+            }
+        }
         text
     }
+}
+
+/// A key of a linear axis in the words of a rotary one.
+pub(crate) fn rotary_key(key: &str) -> String {
+    translate(key, false).unwrap_or_else(|| key.to_owned())
 }
 
 /// A float that TOML reads back as the same float.
@@ -549,17 +576,8 @@ impl FrictionModel {
     }
 }
 
-/// The force of an effect, all that is known of effects so far.
-fn read_effect(effect: &toml::Table) -> Result<f64, String> {
-    match effect.get("id").and_then(toml::Value::as_str) {
-        Some("constant_force") => {}
-        Some(other) => {
-            return Err(format!(
-                "id: the effect \"{other}\" is not supported by this version, which knows constant_force; remove it or use a newer version"
-            ));
-        }
-        None => return Err("id: missing; every effect needs one".to_owned()),
-    }
+/// The force of effect `constant_force`.
+fn read_constant_force(effect: &toml::Table) -> Result<f64, String> {
     if let Some(key) = effect
         .keys()
         .find(|key| !["id", "force_N"].contains(&key.as_str()))

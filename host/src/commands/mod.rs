@@ -1,6 +1,7 @@
 //! The commands: each reads its arguments, calls the library, and prints one recommendation.
 
 pub mod demo;
+pub mod diagnose;
 pub mod identify;
 
 use clap::Args;

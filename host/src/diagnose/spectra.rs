@@ -1,0 +1,85 @@
+//! Periods in position and in time that stand out of the mismatch.
+
+use super::signals::{bounds, quantile};
+
+/// Peaks kept of one spectrum.
+const PEAKS: usize = 4;
+/// Most frequencies looked at.
+const MOST: usize = 12_000;
+
+/// Frequencies at which `weights` (the mismatch, at the places or times `at`) has lines: those whose power stands highest
+/// above its neighbourhood. `from..to` in periods per unit of `at`.
+pub fn lines(at: &[f64], weights: &[f64], from: f64, to: f64) -> Vec<f64> {
+    let (low, high) = bounds(at);
+    let span = high - low;
+    if span <= 0.0 || to <= from || !to.is_finite() {
+        return Vec::new();
+    }
+    let step = 0.3 / span;
+    let count = (((to - from) / step) as usize).min(MOST);
+    if count < 8 {
+        return Vec::new();
+    }
+    // Phasors turn by the same angle from one frequency to the next: no sine per row and frequency.
+    let mut phasors: Vec<(f64, f64, f64, f64)> = at
+        .iter()
+        .zip(weights)
+        .map(|(x, w)| {
+            let start = std::f64::consts::TAU * from * (x - low);
+            let turn = std::f64::consts::TAU * step * (x - low);
+            (w * start.cos(), w * start.sin(), turn.cos(), turn.sin())
+        })
+        .collect();
+    let power: Vec<f64> = (0..count)
+        .map(|_| {
+            let (mut re, mut im) = (0.0, 0.0);
+            for p in &mut phasors {
+                re += p.0;
+                im += p.1;
+                *p = (p.0 * p.2 - p.1 * p.3, p.0 * p.3 + p.1 * p.2, p.2, p.3);
+            }
+            re * re + im * im
+        })
+        .collect();
+    let around = 40.min(count / 4).max(2);
+    let mut peaks: Vec<(f64, f64)> = (1..count - 1)
+        .filter(|&i| power[i] >= power[i - 1] && power[i] >= power[i + 1])
+        .map(|i| {
+            let near = &power[i.saturating_sub(around)..(i + around).min(count)];
+            // Parabola through the logarithms of three points.
+            let l = |k: usize| power[k].max(1e-300).ln();
+            let bend = l(i - 1) - 2.0 * l(i) + l(i + 1);
+            let off = if bend < 0.0 {
+                0.5 * (l(i - 1) - l(i + 1)) / bend
+            } else {
+                0.0
+            };
+            (
+                power[i] / quantile(near, 0.5).max(1e-300),
+                from + (i as f64 + off.clamp(-0.5, 0.5)) * step,
+            )
+        })
+        .collect();
+    peaks.sort_by(|a, b| b.0.total_cmp(&a.0));
+    peaks.truncate(PEAKS);
+    peaks.into_iter().map(|p| p.1).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finds_the_period_of_a_wave_over_uneven_places() {
+        let at: Vec<f64> = (0..4000)
+            .map(|i| 5.0 * (f64::from(i) * 0.003).sin())
+            .collect();
+        let wave: Vec<f64> = at.iter().map(|x| (7.3 * x + 0.4).cos()).collect();
+        let found = lines(&at, &wave, 0.3, 4.0);
+        let expected = 7.3 / std::f64::consts::TAU;
+        assert!(
+            (found[0] / expected - 1.0).abs() < 0.01,
+            "{found:?}, not {expected}"
+        );
+    }
+}
