@@ -3,7 +3,7 @@
 use super::catalogue::{self, Lack};
 use super::columns;
 use super::score::Bound;
-use super::search::{Candidate, Evidence, Found};
+use super::search::{Candidate, Evidence, Found, MATERIAL};
 use super::signature::{self, Axis, Signature};
 use super::study::{State, Study, Term};
 use crate::effects::Effect as ModelEffect;
@@ -14,6 +14,9 @@ use crate::recording::Recording;
 
 /// Nats within which a rival counts as a tie, and the share of the nats.
 const TIE: (f64, f64) = (8.0, 0.1);
+
+/// Least share of the held-out squared error that a curve over one coordinate must take off to be called unknown physics.
+const ORGANISED: f64 = 0.2;
 
 /// An effect that is stated.
 #[derive(Clone, Debug)]
@@ -133,15 +136,8 @@ pub fn conclude(
         rest,
     } = found;
     let mut effects: Vec<Effect> = Vec::new();
-    for Evidence {
-        candidate,
-        rivals,
-        curves,
-    } in evidence
-    {
-        effects.push(judge(
-            study, &state, candidate, &rivals, &curves, mechanics,
-        )?);
+    for evidence in evidence {
+        effects.push(judge(evidence, mechanics)?);
     }
     let mut terms: Vec<Term> = state.terms[..given].to_vec();
     terms.extend(
@@ -195,6 +191,7 @@ pub fn conclude(
     let unknown = left
         .iter()
         .find(|s| s.certain() && s.gain.total() > 3.0 * s.threshold)
+        .filter(|s| signature::share(study, &extended, s) > ORGANISED)
         .map(|signature| {
             let values = signature
                 .axis
@@ -234,14 +231,13 @@ pub fn conclude(
     })
 }
 
-fn judge(
-    study: &Study,
-    state: &State,
-    own: Candidate,
-    rivals: &[Candidate],
-    curves: &[Signature],
-    mechanics: &[(String, f64)],
-) -> Option<Effect> {
+fn judge(evidence: Evidence, mechanics: &[(String, f64)]) -> Option<Effect> {
+    let Evidence {
+        candidate: own,
+        rivals,
+        curves,
+        material,
+    } = evidence;
     let id = own.term.id;
     let entry = catalogue::entry(id)?;
     let nats = own.gain.total();
@@ -268,7 +264,7 @@ fn judge(
         .iter()
         .all(|c| nats > 0.5 * c.gain.total() || !c.certain());
     let over = nats / own.threshold;
-    let confident = over > 2.0 && own.consistent() && adequate;
+    let confident = over > 2.0 && own.consistent() && adequate && material > MATERIAL;
     let best_rival = rivals
         .iter()
         .filter(|r| !ambiguous_with.contains(&r.term.id) || !entry.rivals.contains(&r.term.id))
@@ -277,7 +273,7 @@ fn judge(
     // Odds that grow with the evidence, tempered: neither noise nor friction law is what the likelihood takes it for.
     let real = 1.0 - (-(over - 1.0).max(0.0) / 1.5).exp();
     let named = 1.0 / (1.0 + (-(nats - best_rival) / (6.0 + 0.05 * nats)).exp());
-    let confidence = (real * named * if adequate { 1.0 } else { 0.4 }).clamp(0.01, 0.99);
+    let confidence = (real * named * (material / MATERIAL).min(1.0) * if adequate { 1.0 } else { 0.4 }).clamp(0.01, 0.99);
     let source = periodic(id).then(|| {
         let period = own.term.shape.first().copied().unwrap_or(0.0);
         mechanics
@@ -292,7 +288,6 @@ fn judge(
                 }
             })
     });
-    let _ = (study, state);
     Some(Effect {
         id,
         confident,
@@ -317,12 +312,7 @@ fn periodic(id: &str) -> bool {
 /// Where the force of a term is.
 fn place(study: &Study, state: &State, index: usize) -> Option<(Axis, f64, f64, f64)> {
     let axis = Axis::of(state.terms[index].id);
-    let mut force = vec![0.0; study.force.len()];
-    for j in state.places[index].clone() {
-        for (f, v) in force.iter_mut().zip(&state.rows[j]) {
-            *f += state.fit.coefficients[j] * v;
-        }
-    }
+    let force = study.force_of(state, index);
     let squares: Vec<f64> = force.iter().map(|f| f * f).collect();
     let values = study.weak.at_centres(&axis.values(&study.s)?);
     let (from, to, share) = signature::concentration(&values, &squares)?;

@@ -11,6 +11,9 @@ use std::ops::Range;
 
 /// Order of the autoregression.
 const ORDER: usize = 6;
+/// Share of white noise added to what is left. Without it a recording without sensor noise has a residual that is predicted
+/// almost perfectly, and thousandths of a percent of force count as thousands of nats: the law's error is no noise.
+const WHITE: f64 = 0.1;
 /// Most hats along the path of one fold.
 const HATS: usize = 40;
 /// Rounds of expectation–maximisation.
@@ -107,9 +110,8 @@ impl Noise {
         let mut rest = residual.to_vec();
         let (mut ar, mut sigma) = autoregression(&rest, folds);
         sigma = sigma.max(1e-6 * mean_square.sqrt()).max(1e-300);
-        let mut whitened = Vec::new();
         for _ in 0..ROUNDS {
-            whitened = whiten_random(&random, &ar, sigma, &variation);
+            let whitened = whiten_random(&random, &ar, sigma, &variation);
             let (mut sums, mut counts) = ([0.0; GROUPS], [0.0; GROUPS]);
             for ((rows, w), random) in folds.iter().zip(&whitened).zip(&random) {
                 if w.columns.ncols() == 0 {
@@ -144,16 +146,13 @@ impl Noise {
             (ar, sigma) = autoregression(&rest, folds);
             sigma = sigma.max(1e-6 * mean_square.sqrt()).max(1e-300);
         }
-        if whitened.is_empty() {
-            whitened = whiten_random(&random, &ar, sigma, &variation);
-        }
         let mut total = rest.iter().map(|r| r * r).sum::<f64>();
         for random in &random {
             for (j, &g) in random.group.iter().enumerate() {
                 total += random.columns.column(j).norm_squared() * variation[g].powi(2);
             }
         }
-        whitened = whiten_random(&random, &ar, sigma, &variation);
+        let whitened = whiten_random(&random, &ar, sigma, &variation);
         Self {
             folds: folds.to_vec(),
             ar,
@@ -336,8 +335,7 @@ fn autoregression(values: &[f64], folds: &[Range<usize>]) -> (Vec<f64>, f64) {
         return (vec![0.0; ORDER], 1e-300);
     }
     let mut a: Vec<f64> = Vec::new();
-    // A hair of white noise keeps smooth residuals from an autoregression that predicts perfectly.
-    let mut error = c[0] * (1.0 + 1e-6);
+    let mut error = c[0] * (1.0 + WHITE);
     for k in 1..=ORDER {
         let past: f64 = a.iter().enumerate().map(|(j, aj)| aj * c[k - 1 - j]).sum();
         let reflection = (c[k] - past) / error;
@@ -383,8 +381,8 @@ mod tests {
                 correlation: 1.0,
             },
         );
-        assert!((noise.sigma / 0.01 - 1.0).abs() < 0.05, "{}", noise.sigma);
-        assert!((noise.ar[0] - 0.7).abs() < 0.05, "{:?}", noise.ar);
+        assert!((noise.sigma / 0.01 - 1.0).abs() < 0.2, "{}", noise.sigma);
+        assert!((noise.ar[0] - 0.7).abs() < 0.15, "{:?}", noise.ar);
         assert!(
             (noise.variation[2] / 0.1 - 1.0).abs() < 0.5,
             "{:?}",

@@ -80,6 +80,8 @@ pub struct Gain {
     pub by_fold: Vec<f64>,
     /// Total for every noise draw.
     pub null: Vec<f64>,
+    /// Coefficients of its columns.
+    pub coefficients: Vec<f64>,
 }
 
 impl Gain {
@@ -268,6 +270,7 @@ impl Problem {
         };
         let (cross_all, own_all, right_all) = (sum(&cross), sum(&own), sum(&right));
         let mut reductions = Vec::new();
+        let mut coefficients = Vec::new();
         for (index, system) in fit.systems.iter().enumerate() {
             let (c, g, r) = match index.checked_sub(1) {
                 None => (cross_all.clone(), own_all.clone(), right_all.clone()),
@@ -286,6 +289,15 @@ impl Problem {
             let t = factor
                 .l_dirty()
                 .solve_lower_triangular(&(r - w.tr_mul(&system.z)))?;
+            if index == 0 {
+                let own = t.column(0).into_owned();
+                coefficients = factor
+                    .l_dirty()
+                    .tr_solve_lower_triangular(&own)?
+                    .iter()
+                    .copied()
+                    .collect();
+            }
             let log: f64 = 2.0
                 * factor
                     .l_dirty()
@@ -319,6 +331,7 @@ impl Problem {
         };
         Some(Gain {
             by_fold: of(0),
+            coefficients,
             null: (1..targets).map(|t| of(t).iter().sum()).collect(),
         })
     }

@@ -16,6 +16,12 @@ const DEVIATIONS: f64 = 4.0;
 /// Nats that a name must bring in any case: odds of 150 to 1 on the folds held out.
 const LEAST: f64 = 5.0;
 
+/// Least share of the held-out squared error that an effect must take off where it acts, to be looked at…
+const SLIGHT: f64 = 0.04;
+/// … and to be stated with confidence. No parallel blocks follow a real hysteresis exactly; a regular part of their error can
+/// always be written as a little of some effect.
+pub const MATERIAL: f64 = 0.1;
+
 /// The best shape of an effect, what it would add, and what noise alone adds.
 #[derive(Clone, Debug)]
 pub struct Candidate {
@@ -46,6 +52,40 @@ pub fn consistent(by_fold: &[f64]) -> bool {
     let variance = by_fold.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (n - 1.0);
     let positive = by_fold.iter().filter(|g| **g > 0.0).count() as f64;
     mean > 2.0 * (variance / n).sqrt() || positive >= 0.9 * n
+}
+
+/// Whether coefficients have the sign that the physics has.
+fn physical(id: &str, coefficients: &[f64]) -> bool {
+    match (id, coefficients) {
+        (
+            "viscous" | "quadratic_drag" | "stribeck" | "frictional_lag" | "dwell_aging"
+            | "drive_compliance" | "position_spring",
+            [c],
+        ) => *c > 0.0,
+        // The friction carried through the gap, less some of the blocks having found the gap themselves.
+        ("backlash", [c]) => (0.3..3.0).contains(c),
+        _ => true,
+    }
+}
+
+/// The share of the held-out squared error that term `index` of `with` takes off, where 80 % of its force is.
+pub fn material(study: &Study, without: &State, with: &State, index: usize) -> f64 {
+    let force = study.force_of(with, index);
+    let mut order: Vec<usize> = (0..force.len()).collect();
+    order.sort_by(|&a, &b| force[b].abs().total_cmp(&force[a].abs()));
+    let total: f64 = force.iter().map(|f| f * f).sum();
+    let mut held = 0.0;
+    let (before, after) = (study.held_out_residual(without), study.held_out_residual(with));
+    let (mut was, mut is) = (0.0, 0.0);
+    for i in order {
+        if held > 0.8 * total {
+            break;
+        }
+        held += force[i].powi(2);
+        was += before[i].powi(2);
+        is += after[i].powi(2);
+    }
+    1.0 - is / was.max(1e-300)
 }
 
 /// The best candidate of every effect, best first.
@@ -79,7 +119,7 @@ pub fn scan(study: &Study, state: &State, periods: &[f64]) -> Vec<Candidate> {
         .into_par_iter()
         .filter_map(|(term, tries)| {
             let gain = study.gain(state, &term)?;
-            Some((term, tries, gain))
+            physical(term.id, &gain.coefficients).then_some((term, tries, gain))
         })
         .collect();
     let mut best: Vec<Candidate> = Vec::new();
@@ -189,7 +229,10 @@ pub fn refine(study: &Study, without: &State, term: &Term) -> Term {
                 if keys[j].key == "exponent" {
                     trial.shape[j] = trial.shape[j].clamp(0.5, 3.0);
                 }
-                if let Some(gain) = study.gain(without, &trial).map(|g| g.total())
+                if let Some(gain) = study
+                    .gain(without, &trial)
+                    .filter(|g| physical(trial.id, &g.coefficients))
+                    .map(|g| g.total())
                     && gain > value + 1e-3
                 {
                     (best, value, moved) = (trial, gain, true);
@@ -224,6 +267,8 @@ pub struct Evidence {
     pub rivals: Vec<Candidate>,
     /// Free curves over each coordinate in its place, best first.
     pub curves: Vec<Signature>,
+    /// Share of the held-out squared error that it takes off where it acts.
+    pub material: f64,
 }
 
 /// Searches from the given terms.
@@ -237,15 +282,21 @@ pub fn search(
     let mut state = study.fit(given, Some(&first))?;
     progress.inc(1);
     let mut rest = scan(study, &state, periods);
+    // Found by the likelihood, but too small to be told from the law's own error.
+    let mut slight: Vec<&str> = Vec::new();
     while state.terms.len() < given.len() + MOST {
-        let Some(top) = rest.first().filter(|c| c.excess() > 0.0) else {
-            break;
-        };
+        let next = rest.iter().find(|c| c.excess() > 0.0 && !slight.contains(&c.term.id));
+        let Some(top) = next else { break };
         let term = refine(study, &state, &top.term);
+        let id = term.id;
         let terms: Vec<Term> = state.terms.iter().cloned().chain([term]).collect();
         let Some(next) = study.fit(&terms, Some(&state)) else {
             break;
         };
+        if material(study, &state, &next, terms.len() - 1) < SLIGHT {
+            slight.push(id);
+            continue;
+        }
         state = next;
         progress.inc(1);
         rest = scan(study, &state, periods);
@@ -301,10 +352,17 @@ pub fn search(
             }
         }
         let curves = signatures(study, &without);
+        let material = material(study, &without, &state, index);
+        if material < SLIGHT {
+            state = without;
+            rest = rivals;
+            continue;
+        }
         evidence.push(Evidence {
             candidate: own,
             rivals,
             curves,
+            material,
         });
         index += 1;
         progress.inc(1);

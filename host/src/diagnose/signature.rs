@@ -136,7 +136,6 @@ impl Signature {
 
 /// Every coordinate's curve on top of a hypothesis, best first.
 pub fn signatures(study: &Study, state: &State) -> Vec<Signature> {
-    let s = &study.s;
     let mut tried: Vec<(Axis, bool)> = Vec::new();
     for axis in Axis::ALL {
         tried.push((axis, false));
@@ -147,19 +146,7 @@ pub fn signatures(study: &Study, state: &State) -> Vec<Signature> {
     let mut found: Vec<Signature> = tried
         .into_par_iter()
         .filter_map(|(axis, odd)| {
-            let values = axis.values(s)?;
-            let rows: Vec<Vec<f64>> = hats(&values)?
-                .into_iter()
-                .map(|mut column| {
-                    if odd {
-                        column
-                            .iter_mut()
-                            .zip(&s.direction)
-                            .for_each(|(c, d)| *c *= d);
-                    }
-                    study.weak.rows(&column)
-                })
-                .collect();
+            let rows = curve(study, axis, odd)?;
             let gain = state.problem.gain(&state.fit, &state.noise, &rows)?;
             let draws = gain.null.len() as f64;
             let mean = gain.null.iter().sum::<f64>() / draws;
@@ -175,6 +162,33 @@ pub fn signatures(study: &Study, state: &State) -> Vec<Signature> {
         .collect();
     found.sort_by(|a, b| b.excess().total_cmp(&a.excess()));
     found
+}
+
+/// The curve's columns at the rows.
+fn curve(study: &Study, axis: Axis, odd: bool) -> Option<Vec<Vec<f64>>> {
+    let s = &study.s;
+    let columns = hats(&axis.values(s)?)?;
+    Some(
+        columns
+            .into_iter()
+            .map(|mut column| {
+                if odd {
+                    column.iter_mut().zip(&s.direction).for_each(|(c, d)| *c *= d);
+                }
+                study.weak.rows(&column)
+            })
+            .collect(),
+    )
+}
+
+/// Share of the held-out squared error that a curve takes off a hypothesis.
+pub fn share(study: &Study, state: &State, signature: &Signature) -> f64 {
+    let square = |r: Vec<f64>| r.iter().map(|r| r * r).sum::<f64>();
+    let before = square(study.held_out_residual(state));
+    let after = curve(study, signature.axis, signature.odd)
+        .and_then(|columns| study.held_out_with(state, columns))
+        .map(square);
+    after.map_or(0.0, |after| 1.0 - after / before)
 }
 
 /// Hat functions over quantiles of a coordinate, without the last one (all together are a constant).

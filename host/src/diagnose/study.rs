@@ -193,6 +193,49 @@ impl Study {
         residual
     }
 
+    /// Residual of every fold with the coefficients of the others.
+    pub fn held_out_residual(&self, state: &State) -> Vec<f64> {
+        let mut out = self.force.clone();
+        for (range, c) in self.weak.folds.iter().zip(&state.fit.held_out) {
+            for (column, c) in state.rows.iter().zip(c).filter(|(_, c)| **c != 0.0) {
+                for i in range.clone() {
+                    out[i] -= c * column[i];
+                }
+            }
+        }
+        out
+    }
+
+    /// As [`held_out_residual`](Self::held_out_residual), with further columns.
+    pub fn held_out_with(&self, state: &State, columns: Vec<Vec<f64>>) -> Option<Vec<f64>> {
+        let mut rows = state.rows.clone();
+        let mut bounds = state.bounds.clone();
+        bounds.extend(columns.iter().map(|_| Bound::Free));
+        rows.extend(columns);
+        let problem = Problem::new(&state.noise, &rows, bounds, &self.force, 1);
+        let fit = problem.fit()?;
+        let mut out = self.force.clone();
+        for (range, c) in self.weak.folds.iter().zip(&fit.held_out) {
+            for (column, c) in rows.iter().zip(c).filter(|(_, c)| **c != 0.0) {
+                for i in range.clone() {
+                    out[i] -= c * column[i];
+                }
+            }
+        }
+        Some(out)
+    }
+
+    /// Force of a term at the rows.
+    pub fn force_of(&self, state: &State, index: usize) -> Vec<f64> {
+        let mut force = vec![0.0; self.force.len()];
+        for j in state.places[index].clone() {
+            for (f, v) in force.iter_mut().zip(&state.rows[j]) {
+                *f += state.fit.coefficients[j] * v;
+            }
+        }
+        force
+    }
+
     /// Columns at the rows: inertia, blocks, terms, the law's own error.
     #[allow(clippy::type_complexity)]
     fn assemble(
