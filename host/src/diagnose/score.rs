@@ -18,8 +18,9 @@ pub enum Bound {
     Ridge,
 }
 
-/// Prior variances tried for the ridge columns, whose norm is 1: 0 leaves them out.
-const RIDGE: [f64; 6] = [0.0, 1.0, 10.0, 100.0, 1e3, 1e4];
+/// Standard deviations tried for the coefficients of the ridge columns, which are in units of the friction level: 0 leaves
+/// them out; a law that is wrong by more than a few percent is physics to be named.
+const RIDGE: [f64; 5] = [0.0, 0.003, 0.01, 0.03, 0.06];
 /// A candidate of which less than this share is new to the model cannot be told from it.
 const NEW: f64 = 1e-6;
 
@@ -146,7 +147,7 @@ impl Problem {
         RIDGE
             .iter()
             .take(if has_ridge { RIDGE.len() } else { 1 })
-            .filter_map(|&variance| self.fit_with(variance))
+            .filter_map(|&deviation| self.fit_with(deviation))
             .max_by(|a, b| a.total().total_cmp(&b.total()))
     }
 
@@ -159,7 +160,7 @@ impl Problem {
             b += r.column(0);
         }
         let prior = |j: usize| match self.bounds[j] {
-            Bound::Ridge => 1.0 / ridge,
+            Bound::Ridge => (self.scale[j] / ridge).powi(2),
             _ => 1e-9,
         };
         let used: Vec<usize> = (0..p)

@@ -100,7 +100,10 @@ pub fn scan(study: &Study, state: &State, periods: &[f64]) -> Vec<Candidate> {
         let present = state.terms.iter().any(|t| t.id == entry.id);
         let repeatable = matches!(
             entry.id,
-            "periodic_force" | "periodic_friction" | "external_vibration" | "local_friction_spot"
+            "periodic_force"
+                | "periodic_friction"
+                | "external_vibration"
+                | "local_friction_spot"
         );
         if !present || repeatable {
             tried.extend(
@@ -111,9 +114,7 @@ pub fn scan(study: &Study, state: &State, periods: &[f64]) -> Vec<Candidate> {
         }
     }
     for (id, shape, tries) in lines(study, state, periods) {
-        if id != "encoder_error" || !state.terms.iter().any(|t| t.id == id) {
-            tried.push((term(id, shape), tries));
-        }
+        tried.push((term(id, shape), tries));
     }
     let gains: Vec<(Term, f64, Gain)> = tried
         .into_par_iter()
@@ -305,6 +306,7 @@ pub fn search(
     let mut evidence = Vec::new();
     let mut index = given.len();
     let mut swaps = 0;
+    let searched = state.terms.clone();
     while index < state.terms.len() {
         let term = state.terms[index].clone();
         let others: Vec<Term> = state
@@ -320,7 +322,6 @@ pub fn search(
         let gain = study.gain(&without, &term);
         let (Some(own), Some(gain)) = (own, gain) else {
             state = without;
-            rest = rivals;
             continue;
         };
         let own = Candidate {
@@ -330,7 +331,6 @@ pub fn search(
         };
         if own.excess() <= 0.0 {
             state = without;
-            rest = rivals;
             continue;
         }
         rivals.retain(|c| c.term.id != term.id);
@@ -355,7 +355,6 @@ pub fn search(
         let material = material(study, &without, &state, index);
         if material < SLIGHT {
             state = without;
-            rest = rivals;
             continue;
         }
         evidence.push(Evidence {
@@ -366,6 +365,9 @@ pub fn search(
         });
         index += 1;
         progress.inc(1);
+    }
+    if searched.len() != state.terms.len() {
+        rest = scan(study, &state, periods);
     }
     Some(Found {
         state,
