@@ -12,6 +12,9 @@ use crate::identify::estimate::Estimate;
 use crate::model::Model;
 use crate::recording::Recording;
 
+/// Least confidence of a confident statement.
+const LIKELY: f64 = 0.5;
+
 /// Nats within which a rival counts as a tie, and the share of the nats.
 const TIE: (f64, f64) = (8.0, 0.1);
 
@@ -264,7 +267,10 @@ fn judge(evidence: Evidence, mechanics: &[(String, f64)]) -> Option<Effect> {
         .iter()
         .all(|c| nats > 0.5 * c.gain.total() || !c.certain());
     let over = nats / own.threshold;
-    let confident = over > 2.0 && own.consistent() && adequate && material > MATERIAL;
+    // These act in proportion to the slope of the hysteresis, as an error of its shape does.
+    let like_shape = matches!(id, "channel_delay" | "drive_compliance" | "backlash");
+    let needed = if like_shape { 3.0 * MATERIAL } else { MATERIAL };
+    let own_best = rivals.iter().all(|r| r.gain.total() < nats + TIE.0);
     let best_rival = rivals
         .iter()
         .filter(|r| !ambiguous_with.contains(&r.term.id) || !entry.rivals.contains(&r.term.id))
@@ -273,7 +279,14 @@ fn judge(evidence: Evidence, mechanics: &[(String, f64)]) -> Option<Effect> {
     // Odds that grow with the evidence, tempered: neither noise nor friction law is what the likelihood takes it for.
     let real = 1.0 - (-(over - 1.0).max(0.0) / 1.5).exp();
     let named = 1.0 / (1.0 + (-(nats - best_rival) / (6.0 + 0.05 * nats)).exp());
-    let confidence = (real * named * (material / MATERIAL).min(1.0) * if adequate { 1.0 } else { 0.4 }).clamp(0.01, 0.99);
+    let confidence =
+        (real * named * (material / needed).min(1.0) * if adequate { 1.0 } else { 0.4 })
+            .clamp(0.01, 0.99);
+    let confident = over > 2.0
+        && own.consistent()
+        && adequate
+        && material > needed
+        && (confidence > LIKELY || !ambiguous_with.is_empty() && real > LIKELY && own_best);
     let source = periodic(id).then(|| {
         let period = own.term.shape.first().copied().unwrap_or(0.0);
         mechanics

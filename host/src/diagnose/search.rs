@@ -75,7 +75,10 @@ pub fn material(study: &Study, without: &State, with: &State, index: usize) -> f
     order.sort_by(|&a, &b| force[b].abs().total_cmp(&force[a].abs()));
     let total: f64 = force.iter().map(|f| f * f).sum();
     let mut held = 0.0;
-    let (before, after) = (study.held_out_residual(without), study.held_out_residual(with));
+    let (before, after) = (
+        study.held_out_residual(without),
+        study.held_out_residual(with),
+    );
     let (mut was, mut is) = (0.0, 0.0);
     for i in order {
         if held > 0.8 * total {
@@ -100,10 +103,7 @@ pub fn scan(study: &Study, state: &State, periods: &[f64]) -> Vec<Candidate> {
         let present = state.terms.iter().any(|t| t.id == entry.id);
         let repeatable = matches!(
             entry.id,
-            "periodic_force"
-                | "periodic_friction"
-                | "external_vibration"
-                | "local_friction_spot"
+            "periodic_force" | "periodic_friction" | "external_vibration" | "local_friction_spot"
         );
         if !present || repeatable {
             tried.extend(
@@ -286,7 +286,9 @@ pub fn search(
     // Found by the likelihood, but too small to be told from the law's own error.
     let mut slight: Vec<&str> = Vec::new();
     while state.terms.len() < given.len() + MOST {
-        let next = rest.iter().find(|c| c.excess() > 0.0 && !slight.contains(&c.term.id));
+        let next = rest
+            .iter()
+            .find(|c| c.excess() > 0.0 && !slight.contains(&c.term.id));
         let Some(top) = next else { break };
         let term = refine(study, &state, &top.term);
         let id = term.id;

@@ -173,7 +173,10 @@ fn curve(study: &Study, axis: Axis, odd: bool) -> Option<Vec<Vec<f64>>> {
             .into_iter()
             .map(|mut column| {
                 if odd {
-                    column.iter_mut().zip(&s.direction).for_each(|(c, d)| *c *= d);
+                    column
+                        .iter_mut()
+                        .zip(&s.direction)
+                        .for_each(|(c, d)| *c *= d);
                 }
                 study.weak.rows(&column)
             })

@@ -5,10 +5,8 @@ use super::noise::{Noise, Variability};
 use super::score::{Bound, Fit, Gain, Problem};
 use super::signals::{Signals, bounds, quantile};
 use super::weak::{Weak, curvature};
-use crate::identify::regression::solve_normal;
 use crate::identify::stop::Deflection;
 use crate::recording::Recording;
-use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 /// Blocks of the over-resolved core. On simulated stages naming the missing physics rose from 45 % with the paper's six to
@@ -156,7 +154,7 @@ impl Study {
     }
 
     fn noise(&self, state: &State) -> Noise {
-        let residual = self.over_fitted(state);
+        let residual = self.residual(state, &state.fit.coefficients);
         let all = self.weak.rows(&state.baseline.friction);
         let short = self.weak.rows(&state.baseline.short);
         let long: Vec<f64> = all.iter().zip(&short).map(|(a, s)| a - s).collect();
@@ -176,49 +174,6 @@ impl Study {
                 correlation: 2.0 * longest,
             },
         )
-    }
-
-    /// The residual after the simplest effects, all at once and unweighted: what the noise is estimated from. Missing physics
-    /// must not pass for noise; an offset would make the autoregression a random walk, in which offsets cannot be seen.
-    fn over_fitted(&self, state: &State) -> Vec<f64> {
-        let (_, fast) = super::catalogue::moving_speeds(&self.s);
-        let simple: [(&'static str, Vec<f64>); 8] = [
-            ("constant_force", vec![]),
-            ("viscous", vec![]),
-            ("coulomb_asymmetry", vec![]),
-            ("quadratic_drag", vec![]),
-            ("stribeck", vec![fast / 10.0, 1.0, 0.0]),
-            ("stribeck", vec![fast / 2.0, 1.0, 0.0]),
-            ("position_force", vec![4.0]),
-            ("position_friction", vec![4.0]),
-        ];
-        let mut columns: Vec<Vec<f64>> = state
-            .fit
-            .active
-            .iter()
-            .map(|&j| state.rows[j].clone())
-            .collect();
-        for (id, shape) in simple {
-            let term = Term {
-                id,
-                shape,
-                given: false,
-            };
-            columns.extend(self.term_rows(&term, &state.baseline));
-        }
-        let p = columns.len();
-        let matrix = DMatrix::from_fn(self.force.len(), p, |i, j| columns[j][i]);
-        let force = DVector::from_column_slice(&self.force);
-        let mut normal = matrix.tr_mul(&matrix);
-        // Enough to decide between columns that are the same, too little to bias the others.
-        for j in 0..p {
-            normal[(j, j)] *= 1.0 + 1e-7;
-            normal[(j, j)] += 1e-300;
-        }
-        match solve_normal(&normal, &matrix.tr_mul(&force)) {
-            Some(c) => (force - matrix * c).iter().copied().collect(),
-            None => self.residual(state, &state.fit.coefficients),
-        }
     }
 
     /// Measured less modelled effort at the rows.
