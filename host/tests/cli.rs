@@ -321,6 +321,7 @@ fn windows_and_sizes_that_make_no_sense() {
     run(&["--test", "a..b"]).fails(2, &["FROM..TO"]);
     run(&["--train", "50..60"]).fails(2, &["--train 50..60", "good.csv", "0 to 23.99 s"]);
     run(&["--test", "50..60"]).fails(2, &["--test 50..60", "0 to 23.99 s"]);
+    preslide(&["compare", &path, "--train", "50..60"]).fails(2, &["--train 50..60", "good.csv"]);
     run(&["--train", "2..8", "--test", "0..20"]).fails(2, &["do not overlap"]);
     run(&["--train", "0..0.2"]).fails(3, &["good.csv", "stroke", "widen --train"]);
     run(&["--blocks", "99"]).fails(2, &["--blocks 99", "models of 0, 1"]);

@@ -1,10 +1,8 @@
 //! `preslide compare`.
 
-use super::{Failure, OutputArgs, RecordingArgs, command_line};
+use super::{Failure, OutputArgs, RecordingArgs, SplitArgs, command_line};
 use clap::Args;
 use preslide_host::compare::{compare, steps};
-use preslide_host::identify::Options;
-use preslide_host::identify::split::{Window, parse_window};
 use preslide_host::progress::Progress;
 use std::time::Instant;
 
@@ -17,13 +15,8 @@ pub struct Compare {
     #[command(flatten)]
     recordings: RecordingArgs,
 
-    /// Fit only this window of time, in seconds: 100..145
-    #[arg(long, value_name = "FROM..TO", value_parser = parse_window)]
-    train: Option<Window>,
-
-    /// Judge on this window, which is never fitted; without it repeats or strokes take turns
-    #[arg(long, value_name = "FROM..TO", value_parser = parse_window)]
-    test: Option<Window>,
+    #[command(flatten)]
+    split: SplitArgs,
 
     #[command(flatten)]
     outputs: OutputArgs,
@@ -34,10 +27,7 @@ impl Compare {
     pub fn run(self) -> Result<(), Failure> {
         let start = Instant::now();
         let recording = self.recordings.load()?;
-        let options = Options {
-            train: self.train,
-            test: self.test,
-        };
+        let options = self.split.options(&recording)?;
         let progress = Progress::new("compare", steps());
         let found = compare(&recording, &options, &progress).map_err(Failure::Data)?;
         progress.finish();

@@ -1,9 +1,8 @@
 //! `preslide identify`.
 
-use super::{Failure, OutputArgs, RecordingArgs, command_line, write_text};
+use super::{Failure, OutputArgs, RecordingArgs, SplitArgs, command_line, write_text};
 use clap::Args;
-use preslide_host::identify::split::{Window, check_windows, parse_window};
-use preslide_host::identify::{Identification, Options, STEPS, identify};
+use preslide_host::identify::{Identification, STEPS, identify};
 use preslide_host::progress::Progress;
 use preslide_host::recording::Recording;
 use std::path::PathBuf;
@@ -18,13 +17,8 @@ pub struct Identify {
     #[command(flatten)]
     recordings: RecordingArgs,
 
-    /// Fit only this window of time, in seconds: 100..145
-    #[arg(long, value_name = "FROM..TO", value_parser = parse_window)]
-    train: Option<Window>,
-
-    /// Judge on this window, which is never fitted; without it repeats or strokes take turns
-    #[arg(long, value_name = "FROM..TO", value_parser = parse_window)]
-    test: Option<Window>,
+    #[command(flatten)]
+    split: SplitArgs,
 
     /// Write GMS with this many blocks instead of the recommended model (0: Coulomb + viscous)
     #[arg(long, value_name = "N")]
@@ -43,11 +37,7 @@ impl Identify {
     pub fn run(self) -> Result<(), Failure> {
         let start = Instant::now();
         let recording = self.recordings.load()?;
-        let options = Options {
-            train: self.train,
-            test: self.test,
-        };
-        check_windows(&recording, self.train, self.test).map_err(Failure::Input)?;
+        let options = self.split.options(&recording)?;
         let progress = Progress::new("identify", STEPS);
         let mut found = identify(&recording, &options, &progress).map_err(Failure::Data)?;
         progress.finish();

@@ -14,6 +14,8 @@ pub mod simulate;
 pub mod tune;
 
 use clap::Args;
+use preslide_host::identify::Options;
+use preslide_host::identify::split::{Window, check_windows, parse_window};
 use preslide_host::model::ModelError;
 use preslide_host::recording::{self, LoadOptions, Recording, RecordingError};
 use preslide_host::report::Page;
@@ -101,6 +103,27 @@ impl RecordingArgs {
             }
         }
         Recording::join(recordings).map_err(Failure::Input)
+    }
+}
+
+/// What to fit and what to hold out.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct SplitArgs {
+    /// Fit only this window of time, in seconds: 100..145
+    #[arg(long, value_name = "FROM..TO", value_parser = parse_window)]
+    train: Option<Window>,
+
+    /// Judge on this window, which is never fitted; without it repeats or strokes take turns
+    #[arg(long, value_name = "FROM..TO", value_parser = parse_window)]
+    test: Option<Window>,
+}
+
+impl SplitArgs {
+    /// The windows, once they are known to hold samples of `recording`.
+    pub fn options(self, recording: &Recording) -> Result<Options, Failure> {
+        let Self { train, test } = self;
+        check_windows(recording, train, test).map_err(Failure::Input)?;
+        Ok(Options { train, test })
     }
 }
 

@@ -1,9 +1,8 @@
 //! `preslide tune`.
 
-use super::{Failure, OutputArgs, command_line};
+use super::{Failure, OutputArgs, SplitArgs, command_line};
 use clap::Args;
-use preslide_host::identify::split::{Window, parse_window};
-use preslide_host::identify::{Options, identify};
+use preslide_host::identify::identify;
 use preslide_host::model::Model;
 use preslide_host::progress::Progress;
 use preslide_host::recording::{self, LoadOptions, Recording};
@@ -30,13 +29,8 @@ pub struct Tune {
     #[arg(long, value_name = "NAME=COLUMN", value_parser = recording::parse_map)]
     map: Vec<(String, String)>,
 
-    /// Fit only this window of time, in seconds: 100..145
-    #[arg(long, value_name = "FROM..TO", value_parser = parse_window)]
-    train: Option<Window>,
-
-    /// Judge on this window, which is never fitted; without it repeats or strokes take turns
-    #[arg(long, value_name = "FROM..TO", value_parser = parse_window)]
-    test: Option<Window>,
+    #[command(flatten)]
+    split: SplitArgs,
 
     /// Core whose measured costs to use
     #[arg(long, default_value = "cortex-m4")]
@@ -124,10 +118,7 @@ impl Tune {
             of_model(&model, count, &costs, budget).map_err(Failure::Input)?
         } else {
             let recording = self.load()?;
-            let options = Options {
-                train: self.train,
-                test: self.test,
-            };
+            let options = self.split.options(&recording)?;
             let progress = Progress::new("tune", 20);
             let found = identify(&recording, &options, &progress).map_err(Failure::Data)?;
             progress.finish();
