@@ -17,7 +17,7 @@ use clap::Args;
 use preslide_host::identify::Options;
 use preslide_host::identify::split::{Window, check_windows, parse_window};
 use preslide_host::model::ModelError;
-use preslide_host::recording::{self, LoadOptions, Recording, RecordingError};
+use preslide_host::recording::{self, LoadOptions, Needs, Recording, RecordingError};
 use preslide_host::report::Page;
 use std::path::{Path, PathBuf};
 
@@ -73,27 +73,41 @@ impl From<anyhow::Error> for Failure {
 pub struct RecordingArgs {
     /// Recordings: CSV or MATLAB v5 .mat; columns t_s, x_m or q_rad, and an effort such as force_N
     #[arg(required = true, value_name = "REC")]
-    pub recordings: Vec<PathBuf>,
+    recordings: Vec<PathBuf>,
 
-    /// Read a column under the tool's name, times numbers or columns: force_N=35.15*vir
-    #[arg(long, value_name = "NAME=COLUMN", value_parser = recording::parse_map)]
-    pub map: Vec<(String, String)>,
-
-    /// Sign of the effort: 1 or -1; without it an opposed sign is found and flipped with a warning
-    #[arg(long, value_name = "SIGN", allow_negative_numbers = true)]
-    pub sign: Option<f64>,
+    #[command(flatten)]
+    reading: ReadingArgs,
 }
 
 impl RecordingArgs {
-    /// Loads every recording and joins them into one, telling the user what the loader noticed.
+    /// Loads every recording and joins them into one.
     pub fn load(&self) -> Result<Recording, Failure> {
+        self.reading.load(&self.recordings, Needs::Both)
+    }
+}
+
+/// How to read recordings.
+#[derive(Args, Clone, Debug)]
+pub struct ReadingArgs {
+    /// Read a column under the tool's name, times numbers or columns: force_N=35.15*vir
+    #[arg(long, value_name = "NAME=COLUMN", value_parser = recording::parse_map)]
+    map: Vec<(String, String)>,
+
+    /// Sign of the effort: 1 or -1; without it an opposed sign is found and flipped with a warning
+    #[arg(long, value_name = "SIGN", allow_negative_numbers = true)]
+    sign: Option<f64>,
+}
+
+impl ReadingArgs {
+    /// Loads recordings and joins them into one, telling the user what the loader noticed.
+    pub fn load(&self, paths: &[PathBuf], needs: Needs) -> Result<Recording, Failure> {
         let options = LoadOptions {
+            needs,
             map: self.map.clone(),
             sign: self.sign,
             ..LoadOptions::default()
         };
-        let recordings = self
-            .recordings
+        let recordings = paths
             .iter()
             .map(|path| recording::load(path, &options))
             .collect::<Result<Vec<_>, _>>()?;

@@ -1,12 +1,12 @@
 //! `preslide simulate`.
 
-use super::{Failure, OutputArgs, command_line, write_text};
+use super::{Failure, OutputArgs, ReadingArgs, command_line, write_text};
 use clap::{ArgGroup, Args};
 use preslide_host::model::Model;
-use preslide_host::recording::{self, LoadOptions, Needs, Recording};
+use preslide_host::recording::Needs;
 use preslide_host::simulate::ramp::{Ramp, parse_ramp};
 use preslide_host::simulate::{Simulation, force_of_motion, motion_of_force};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// The force that a motion takes, or the motion that a slow force causes
@@ -36,13 +36,8 @@ pub struct Simulate {
     #[arg(long, value_name = "HZ", default_value_t = 10.0, conflicts_with_all = ["motion", "force"])]
     rate: f64,
 
-    /// Read a column under the tool's name, times numbers or columns: force_N=35.15*vir
-    #[arg(long, value_name = "NAME=COLUMN", value_parser = recording::parse_map)]
-    map: Vec<(String, String)>,
-
-    /// Sign of the effort: 1 or -1
-    #[arg(long, value_name = "SIGN", allow_negative_numbers = true)]
-    sign: Option<f64>,
+    #[command(flatten)]
+    reading: ReadingArgs,
 
     /// Write the simulated recording
     #[arg(short, long, value_name = "OUT.csv")]
@@ -79,12 +74,16 @@ impl Simulate {
 
     fn simulate(&self, model: &Model) -> Result<(Simulation, String), Failure> {
         if let Some(path) = &self.motion {
-            let recording = self.load(path, Needs::Motion)?;
+            let recording = self
+                .reading
+                .load(std::slice::from_ref(path), Needs::Motion)?;
             let found = force_of_motion(model, &recording).map_err(Failure::Input)?;
             return Ok((found, recording.name));
         }
         if let Some(path) = &self.force {
-            let recording = self.load(path, Needs::Effort)?;
+            let recording = self
+                .reading
+                .load(std::slice::from_ref(path), Needs::Effort)?;
             if recording.kind != model.motion {
                 return Err(Failure::Input(format!(
                     "{}: the effort is that of a {} axis, the model is {}; use a model of the same axis, or --map with the ratio of the drive",
@@ -112,19 +111,5 @@ impl Simulate {
         let found =
             motion_of_force(model, &t_s, &force, 1.0 / self.rate).map_err(Failure::Input)?;
         Ok((found, "force ramp".to_owned()))
-    }
-
-    fn load(&self, path: &Path, needs: Needs) -> Result<Recording, Failure> {
-        let options = LoadOptions {
-            needs,
-            map: self.map.clone(),
-            sign: self.sign,
-            ..LoadOptions::default()
-        };
-        let recording = recording::load(path, &options)?;
-        for warning in &recording.warnings {
-            eprintln!("{}: warning: {warning}", recording.name);
-        }
-        Ok(recording)
     }
 }

@@ -1,11 +1,11 @@
 //! `preslide tune`.
 
-use super::{Failure, OutputArgs, SplitArgs, command_line};
+use super::{Failure, OutputArgs, ReadingArgs, SplitArgs, command_line};
 use clap::Args;
 use preslide_host::identify::identify;
 use preslide_host::model::Model;
 use preslide_host::progress::Progress;
-use preslide_host::recording::{self, LoadOptions, Recording};
+use preslide_host::recording::Needs;
 use preslide_host::tune::cost::CostTable;
 use preslide_host::tune::{Budget, of_model, of_recording};
 use std::path::PathBuf;
@@ -25,9 +25,8 @@ pub struct Tune {
     #[arg(long, value_name = "REC")]
     recording: Vec<PathBuf>,
 
-    /// Read a column under the tool's name, times numbers or columns: force_N=35.15*vir
-    #[arg(long, value_name = "NAME=COLUMN", value_parser = recording::parse_map)]
-    map: Vec<(String, String)>,
+    #[command(flatten)]
+    reading: ReadingArgs,
 
     #[command(flatten)]
     split: SplitArgs,
@@ -117,7 +116,7 @@ impl Tune {
         let tuning = if self.recording.is_empty() {
             of_model(&model, count, &costs, budget).map_err(Failure::Input)?
         } else {
-            let recording = self.load()?;
+            let recording = self.reading.load(&self.recording, Needs::Both)?;
             let options = self.split.options(&recording)?;
             let progress = Progress::new("tune", 20);
             let found = identify(&recording, &options, &progress).map_err(Failure::Data)?;
@@ -139,23 +138,5 @@ impl Tune {
             }
             Err(reason) => Err(Failure::Data(reason.clone())),
         }
-    }
-
-    fn load(&self) -> Result<Recording, Failure> {
-        let options = LoadOptions {
-            map: self.map.clone(),
-            ..LoadOptions::default()
-        };
-        let recordings = self
-            .recording
-            .iter()
-            .map(|path| recording::load(path, &options))
-            .collect::<Result<Vec<_>, _>>()?;
-        for recording in &recordings {
-            for warning in &recording.warnings {
-                eprintln!("{}: warning: {warning}", recording.name);
-            }
-        }
-        Recording::join(recordings).map_err(Failure::Input)
     }
 }
