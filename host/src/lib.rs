@@ -3,6 +3,8 @@
 pub mod capture;
 pub mod compare;
 pub mod demo;
+pub mod diagnose;
+pub mod effects;
 pub mod friction;
 pub mod identify;
 pub mod kinematics;

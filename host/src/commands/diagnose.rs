@@ -1,0 +1,80 @@
+//! `preslide diagnose`.
+
+use super::{Failure, OutputArgs, RecordingArgs, command_line, write_text};
+use clap::Args;
+use preslide_host::diagnose::{Refusal, catalogue, diagnose};
+use preslide_host::model::Model;
+use preslide_host::progress::Progress;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Where recording and model differ, what physics is missing, and the proof
+#[derive(Args)]
+#[command(after_help = not_tested())]
+pub struct Diagnose {
+    #[command(flatten)]
+    recordings: RecordingArgs,
+
+    /// The model to check; without it rigid body and Maxwell-slip friction alone
+    #[arg(long, value_name = "MODEL.toml")]
+    model: Option<PathBuf>,
+
+    /// Write the model extended by what was found with confidence
+    #[arg(short, long, value_name = "EXTENDED.toml")]
+    output: Option<PathBuf>,
+
+    #[command(flatten)]
+    outputs: OutputArgs,
+}
+
+fn not_tested() -> String {
+    let tested: Vec<&str> = catalogue::TESTED.iter().map(|e| e.id).collect();
+    let not: Vec<String> = catalogue::NOT_TESTED
+        .iter()
+        .map(|(id, why)| format!("{id} ({why})"))
+        .collect();
+    format!(
+        "Tested: {}.\n\nNot tested: {}.",
+        tested.join(", "),
+        not.join("; ")
+    )
+}
+
+impl Diagnose {
+    /// Runs the command.
+    pub fn run(self) -> Result<(), Failure> {
+        let start = Instant::now();
+        let model = self.model.as_deref().map(Model::load).transpose()?;
+        let recording = self.recordings.load()?;
+        let progress = Progress::new("diagnose", 12);
+        let (study, found) =
+            diagnose(&recording, model.as_ref(), &progress).map_err(|refusal| match refusal {
+                Refusal::Input(message) => Failure::Input(message),
+                Refusal::Data(message) => Failure::Data(format!("insufficient-data: {message}")),
+            })?;
+        progress.finish();
+        println!("{}\n", found.verdict_words(&recording));
+        if !found.effects.is_empty() {
+            println!("{}", found.table(&recording).to_text());
+        }
+        for lack in &found.lacks {
+            println!("Cannot show {}: {}.", lack.hides.join(", "), lack.missing);
+        }
+        println!("{}", found.recommendation());
+        if let Some(path) = &self.output {
+            write_text(
+                path,
+                &found
+                    .extended_model(&study, &recording, model.as_ref())
+                    .to_toml(&[
+                        format!("diagnosed from {}", recording.name),
+                        found.verdict_words(&recording),
+                    ]),
+            )?;
+        }
+        let seconds = start.elapsed().as_secs_f64();
+        self.outputs.write(&found.to_json(&recording, seconds), || {
+            found.page(&study, &recording, command_line())
+        })
+    }
+}

@@ -1,0 +1,455 @@
+//! From the search to a verdict: levels, confidence, parameters with intervals, and held-out figures.
+
+use super::catalogue::{self, Lack};
+use super::columns::{self, MOTOR_SHARE, Scale, amplitude_key, mean};
+use super::score::Bound;
+use super::search::{Candidate, Evidence, Found, consistent};
+use super::signature::{self, Axis, Signature};
+use super::study::{State, Study, Term};
+use crate::effects::Effect as ModelEffect;
+use crate::friction::{FrictionModel, MOST_BLOCKS};
+use crate::identify::estimate::Estimate;
+use crate::model::Model;
+use crate::recording::Recording;
+
+/// Least confidence of a confident statement.
+const LIKELY: f64 = 0.5;
+
+/// Nats within which a rival counts as a tie, and the share of the nats.
+const TIE: (f64, f64) = (8.0, 0.1);
+
+/// An effect that is stated.
+#[derive(Clone, Debug)]
+pub struct Effect {
+    /// Id in the catalogue.
+    pub id: &'static str,
+    /// Its term.
+    pub term: Term,
+    /// Enters the extended model; otherwise a hint.
+    pub confident: bool,
+    /// Probability that it is there and so named.
+    pub confidence: f64,
+    /// Log-likelihood on folds held out that it brings, given everything else.
+    pub nats: f64,
+    /// Threshold from the recording's own noise.
+    pub threshold: f64,
+    /// Standard errors by which the plain held-out error falls.
+    pub certainty: f64,
+    /// By fold.
+    pub by_fold: Vec<f64>,
+    /// Held-out NMSE [%] without and with it.
+    pub nmse_test: [f64; 2],
+    /// Where it acts: axis, from, to, share.
+    pub place: Option<(Axis, f64, f64, f64)>,
+    /// Key, value and interval.
+    pub parameters: Vec<(String, Estimate)>,
+    /// What of the mechanics has its period.
+    pub source: Option<String>,
+    /// Rivals that explain it as well.
+    pub ambiguous_with: Vec<&'static str>,
+    /// All rivals with their nats in its place.
+    pub rivals: Vec<(&'static str, f64)>,
+}
+
+/// A mismatch that nothing in the catalogue explains.
+#[derive(Clone, Debug)]
+pub struct Unknown {
+    /// What organises it.
+    pub signature: Signature,
+    /// Where most of it is: from, to, share.
+    pub place: Option<(f64, f64, f64)>,
+    /// Root mean square of what is left [N or N·m].
+    pub rms: f64,
+    /// Folds in which it helps, of all.
+    pub folds: (usize, usize),
+}
+
+/// NMSE [%] fitted and held out.
+#[derive(Clone, Copy, Debug)]
+pub struct Nmse {
+    /// On the samples fitted.
+    pub train: f64,
+    /// On folds held out in turn.
+    pub test: f64,
+}
+
+/// Everything found.
+pub struct Diagnosis {
+    /// `consistent`, `missing-physics`, `unknown-physics`.
+    pub verdict: &'static str,
+    /// The user's model, refitted.
+    pub baseline: Nmse,
+    /// With the confident effects.
+    pub extended: Nmse,
+    /// What noise and friction's own variability leave of a perfect model [%].
+    pub noise_floor: f64,
+    /// Confident ones first.
+    pub effects: Vec<Effect>,
+    /// What is left and in no catalogue.
+    pub unknown: Option<Unknown>,
+    /// What the recording cannot show.
+    pub lacks: Vec<Lack>,
+    /// How the baseline's mismatch is organised: best curves.
+    pub organised: Vec<Signature>,
+    /// Remaining candidates of the catalogue, best first.
+    pub rest: Vec<Candidate>,
+    /// The hypothesis without and with the confident effects.
+    pub states: [State; 2],
+}
+
+/// Held-out NMSE of a fitted hypothesis.
+pub fn nmse(study: &Study, state: &State) -> Nmse {
+    let n = study.force.len() as f64;
+    let mean = study.force.iter().sum::<f64>() / n;
+    let variation: f64 = study.force.iter().map(|f| (f - mean).powi(2)).sum();
+    let square = |r: &[f64]| r.iter().map(|r| r * r).sum::<f64>();
+    let train = square(&study.residual(state));
+    let test = square(&study.held_out_residual(state));
+    Nmse {
+        train: 100.0 * train / variation,
+        test: 100.0 * test / variation,
+    }
+}
+
+/// Draws the conclusions.
+pub fn conclude(
+    study: &Study,
+    found: Found,
+    given: usize,
+    mechanics: &[(String, f64)],
+) -> Option<Diagnosis> {
+    let Found {
+        state,
+        first,
+        evidence,
+        rest,
+    } = found;
+    let mut effects: Vec<Effect> = Vec::new();
+    for evidence in evidence {
+        effects.push(judge(evidence, mechanics)?);
+    }
+    let mut terms: Vec<Term> = state.terms[..given].to_vec();
+    terms.extend(effects.iter().filter(|e| e.confident).map(|e| e.term.clone()));
+    // One noise model for all, so that their evidence can be compared.
+    let fit = |terms: &[Term]| study.fit_with(terms, state.noise.clone());
+    let extended = fit(&terms)?;
+    for effect in &mut effects {
+        let mut others = extended.terms.clone();
+        let place_of = |t: &Term| !t.given && t.id == effect.id && t.shape == effect.term.shape;
+        if let Some(index) = others.iter().position(place_of) {
+            others.remove(index);
+        }
+        let mut more = others.clone();
+        more.push(effect.term.clone());
+        let with = fit(&more)?;
+        effect.nmse_test = [nmse(study, &fit(&others)?).test, nmse(study, &with).test];
+        effect.parameters = parameters(study, &with, more.len() - 1);
+        effect.place = place(study, &with, more.len() - 1);
+    }
+    let with = nmse(study, &extended);
+    effects.sort_by(|a, b| {
+        b.confident
+            .cmp(&a.confident)
+            .then(b.nats.total_cmp(&a.nats))
+    });
+
+    let left = signature::signatures(study, &extended);
+    let residual = study.residual(&extended);
+    let n = residual.len() as f64;
+    let unknown = left
+        .iter()
+        .find(|s| s.certain() && s.gain.total() > 3.0 * s.threshold)
+        .map(|signature| {
+            let values = signature
+                .axis
+                .values(&study.s)
+                .map(|v| study.weak.at_centres(&v));
+            let squares: Vec<f64> = residual.iter().map(|r| r * r).collect();
+            Unknown {
+                place: values.and_then(|v| signature::concentration(&v, &squares)),
+                rms: (squares.iter().sum::<f64>() / n).sqrt(),
+                folds: (
+                    signature.gain.by_fold.iter().filter(|g| **g > 0.0).count(),
+                    signature.gain.by_fold.len(),
+                ),
+                signature: signature.clone(),
+            }
+        });
+    let verdict = if effects.iter().any(|e| e.confident) {
+        "missing-physics"
+    } else if unknown.is_some() {
+        "unknown-physics"
+    } else {
+        "consistent"
+    };
+    let mean = study.force.iter().sum::<f64>() / n;
+    let variance = study.force.iter().map(|f| (f - mean).powi(2)).sum::<f64>() / n;
+    Some(Diagnosis {
+        verdict,
+        baseline: nmse(study, &first),
+        extended: with,
+        noise_floor: 100.0 * extended.noise.row_variance / variance,
+        effects,
+        unknown,
+        lacks: catalogue::lacks(&study.s),
+        organised: signature::signatures(study, &first),
+        rest,
+        states: [first, extended],
+    })
+}
+
+fn judge(evidence: Evidence, mechanics: &[(String, f64)]) -> Option<Effect> {
+    let Evidence {
+        candidate: own,
+        rivals,
+        curves,
+        certainty,
+    } = evidence;
+    let id = own.term.id;
+    let entry = catalogue::entry(id)?;
+    let nats = own.gain.total();
+    let near = |r: &&Candidate| r.gain.total() >= nats - TIE.0.max(TIE.1 * nats);
+    let mut ambiguous_with: Vec<&'static str> =
+        rivals.iter().filter(near).map(|r| r.term.id).collect();
+    // No fit separates these two under Maxwell slip: unequal limits are a bias after the first saturation.
+    for (a, b) in [
+        ("constant_force", "coulomb_asymmetry"),
+        ("coulomb_asymmetry", "constant_force"),
+    ] {
+        if id == a
+            && !ambiguous_with.contains(&b)
+            && rivals
+                .iter()
+                .any(|r| r.term.id == b && r.gain.total() > 0.3 * nats)
+        {
+            ambiguous_with.insert(0, b);
+        }
+    }
+    ambiguous_with.truncate(4);
+    // A free curve over some coordinate that does far better says that the name is wrong.
+    let adequate = curves
+        .iter()
+        .all(|c| nats > 0.5 * c.gain.total() || !c.certain());
+    let over = nats / own.threshold;
+    let own_best = rivals.iter().all(|r| r.gain.total() < nats + TIE.0);
+    let best_rival = rivals
+        .iter()
+        .filter(|r| !ambiguous_with.contains(&r.term.id) || !entry.rivals.contains(&r.term.id))
+        .map(|r| r.gain.total())
+        .fold(0.0, f64::max);
+    // Odds that grow with the evidence, tempered: neither noise nor friction law is what the likelihood takes it for.
+    let real = 1.0 - (-(over - 1.0).max(0.0) / 1.5).exp();
+    let named = 1.0 / (1.0 + (-(nats - best_rival) / (6.0 + 0.05 * nats)).exp());
+    let confidence =
+        (real * named * if adequate { 1.0 } else { 0.4 })
+            .clamp(0.01, 0.99);
+    let confident = over > 2.0
+        && consistent(&own.gain.by_fold)
+        && adequate
+        && (confidence > LIKELY || !ambiguous_with.is_empty() && real > LIKELY && own_best);
+    let source = periodic(id).then(|| {
+        let period = own.term.shape.first().copied().unwrap_or(0.0);
+        mechanics
+            .iter()
+            .flat_map(|(key, length)| [1.0, 2.0, 3.0].map(|order| (key, length / order, order)))
+            .find(|(_, length, _)| (period / length - 1.0).abs() < 0.02)
+            .map_or("unknown".to_owned(), |(key, _, order)| {
+                if order == 1.0 {
+                    key.clone()
+                } else {
+                    format!("{key}, order {order}")
+                }
+            })
+    });
+    Some(Effect {
+        id,
+        confident,
+        confidence,
+        nats,
+        threshold: own.threshold,
+        certainty,
+        by_fold: own.gain.by_fold.clone(),
+        nmse_test: [f64::NAN; 2],
+        place: None,
+        parameters: Vec::new(),
+        source,
+        ambiguous_with,
+        rivals: rivals.iter().map(|r| (r.term.id, r.gain.total())).collect(),
+        term: own.term,
+    })
+}
+
+fn periodic(id: &str) -> bool {
+    matches!(id, "periodic_force" | "periodic_friction" | "encoder_error")
+}
+
+/// Where the force of a term is.
+fn place(study: &Study, state: &State, index: usize) -> Option<(Axis, f64, f64, f64)> {
+    let axis = Axis::of(state.terms[index].id);
+    let force = study.force_of(state, index);
+    let squares: Vec<f64> = force.iter().map(|f| f * f).collect();
+    let values = study.weak.at_centres(&axis.values(&study.s)?);
+    let (from, to, share) = signature::concentration(&values, &squares)?;
+    Some((axis, from, to, share))
+}
+
+/// Coefficients and shape parameters of a term with 95 % intervals, all other coefficients free.
+fn parameters(study: &Study, state: &State, index: usize) -> Vec<(String, Estimate)> {
+    let term = &state.terms[index];
+    let keys = columns::parameters(term.id);
+    let place = state.places[index].clone();
+    let c: Vec<f64> = place.clone().map(|j| state.fit.coefficients[j]).collect();
+    // The shape enters through the derivative of the columns, linearised at the estimate.
+    let mut rows = state.rows.clone();
+    let mut bounds = state.bounds.clone();
+    let mut slopes: Vec<Option<usize>> = Vec::new();
+    for (k, key) in keys.iter().enumerate() {
+        let value = term.shape[k];
+        let (travel, _) = columns::moving_range(&study.s);
+        let duration = study.s.t.last().copied().unwrap_or(1.0);
+        let step = match key.1 {
+            Scale::Chosen => {
+                slopes.push(None);
+                continue;
+            }
+            Scale::Period => 0.01 * value * value / travel,
+            Scale::Frequency => 0.01 / duration,
+            Scale::Logarithmic => 0.01 * value,
+            Scale::Travel => travel * 1e-3,
+        };
+        let moved = |by: f64| {
+            let mut term = term.clone();
+            term.shape[k] += by;
+            study.term_rows(&term)
+        };
+        let (up, down) = (moved(step), moved(-step));
+        let mut slope = vec![0.0; study.force.len()];
+        for ((up, down), c) in up.iter().zip(down.iter()).zip(&c) {
+            for (s, (u, d)) in slope.iter_mut().zip(up.iter().zip(down)) {
+                *s += c * (u - d) / (2.0 * step);
+            }
+        }
+        slopes.push(Some(rows.len()));
+        rows.push(slope);
+        bounds.push(Bound::Free);
+    }
+    let problem = super::score::Problem::new(&state.noise, &rows, bounds, &study.force, 1);
+    let fit = problem.fit();
+    let deviation = |j: usize| {
+        let fit = fit.as_ref()?;
+        let at = fit.active.iter().position(|a| *a == j)?;
+        Some(fit.covariance[(at, at)].max(0.0).sqrt())
+    };
+    let folds = study.weak.folds.len();
+    let estimate = |value: f64, error: Option<f64>| Estimate::new(value, error, folds);
+    let mut list = Vec::new();
+    let first = place.start;
+    match (term.id, c.as_slice()) {
+        (
+            "periodic_force" | "periodic_friction" | "encoder_error" | "external_vibration",
+            [a, b],
+        ) => {
+            let amplitude = a.hypot(*b);
+            let error = deviation(first).zip(deviation(first + 1)).map(|(ea, eb)| {
+                ((a * ea).powi(2) + (b * eb).powi(2)).sqrt() / amplitude.max(1e-300)
+            });
+            list.push((amplitude_key(term.id, &study.s).to_owned(), estimate(amplitude, error)));
+            let phase = (-b).atan2(*a);
+            let reach = error.map(|e| e / amplitude.max(1e-300));
+            list.push(("phase_rad".to_owned(), estimate(phase, reach)));
+        }
+        ("position_force" | "position_friction", c) => {
+            let unit = if term.id == "position_force" {
+                "_N"
+            } else {
+                ""
+            };
+            for (j, value) in c.iter().enumerate() {
+                list.push((
+                    format!("cosine{}{unit}", j + 1),
+                    estimate(*value, deviation(first + j)),
+                ));
+            }
+        }
+        ("drive_compliance", [c]) => {
+            let error = deviation(first);
+            // Two masses on a spring: ω² = k/(m·μ·(1 − μ)).
+            let reduced = study.reference.mass * MOTOR_SHARE * (1.0 - MOTOR_SHARE);
+            let stiffness = 1.0 / c.abs().max(1e-300);
+            let relative = error.map(|e| e / c.abs().max(1e-300));
+            list.push((
+                "stiffness_N_per_m".to_owned(),
+                estimate(stiffness, relative.map(|e| e * stiffness)),
+            ));
+            let frequency = (stiffness / reduced).sqrt() / std::f64::consts::TAU;
+            list.push((
+                "frequency_Hz".to_owned(),
+                estimate(frequency, relative.map(|e| 0.5 * e * frequency)),
+            ));
+        }
+        (id, [c]) => list.push((amplitude_key(id, &study.s).to_owned(), estimate(*c, deviation(first)))),
+        _ => {}
+    }
+    for (k, key) in keys.iter().enumerate() {
+        let error = slopes[k].and_then(deviation);
+        list.push((key.0.to_owned(), estimate(term.shape[k], error)));
+    }
+    let (from, to) = super::signals::bounds(&study.s.x);
+    let known = |value| Estimate { value, ci95: None };
+    match term.id {
+        "position_force" | "position_friction" => {
+            list.push(("from_m".to_owned(), known(from)));
+            list.push(("to_m".to_owned(), known(to)));
+        }
+        "position_spring" => list.push(("centre_m".to_owned(), known(0.5 * (from + to)))),
+        "load_dependent_friction" => {
+            list.push(("load_N".to_owned(), known(study.s.load.as_deref().map_or(0.0, mean))));
+        }
+        "thermal_drift" => {
+            if let Some(t) = &study.s.temperature {
+                list.push(("temperature_C".to_owned(), known(mean(t))));
+            }
+        }
+        _ => {}
+    }
+    list
+}
+
+impl Diagnosis {
+    /// The extended model, for a model file: the confident effects on the refitted baseline.
+    pub fn extended_model(
+        &self,
+        study: &Study,
+        recording: &Recording,
+        user: Option<&Model>,
+    ) -> Model {
+        let state = &self.states[1];
+        let mut blocks = study.blocks(&state.fit);
+        // The library takes 16 blocks: the weakest give way.
+        blocks.sort_by(|a, b| (b.0 * b.1).total_cmp(&(a.0 * a.1)));
+        blocks.truncate(MOST_BLOCKS);
+        blocks.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let (stiffness, yields): (Vec<f64>, Vec<f64>) = blocks.into_iter().unzip();
+        let mut model = Model {
+            motion: recording.kind,
+            inertia: if study.inertial { state.fit.coefficients[0] } else { 0.0 },
+            viscous: 0.0,
+            friction: FrictionModel::maxwell_slip(&stiffness, &yields),
+            constant_force: 0.0,
+            mechanics: user.map(|m| m.mechanics.clone()).unwrap_or_default(),
+        };
+        for (index, term) in state.terms.iter().enumerate() {
+            let values: Vec<(String, f64)> = parameters(study, state, index)
+                .into_iter()
+                .map(|(k, e)| (k, e.value))
+                .collect();
+            let value = values.first().map_or(0.0, |v| v.1);
+            match term.id {
+                "viscous" => model.viscous += value,
+                "constant_force" => model.constant_force += value,
+                id => drop(ModelEffect { id, values }),
+            }
+        }
+        model
+    }
+}

@@ -1,0 +1,127 @@
+//! What a model left out of a recording: located, named, modelled and shown on folds that no fit saw.
+
+pub mod catalogue;
+pub mod columns;
+pub mod conclude;
+pub mod noise;
+mod present;
+pub mod score;
+pub mod search;
+pub mod signals;
+pub mod signature;
+pub mod spectra;
+pub mod study;
+pub mod weak;
+
+use crate::friction::FrictionModel;
+use crate::model::Model;
+use crate::progress::Progress;
+use crate::recording::Recording;
+pub use conclude::Diagnosis;
+use study::{Study, Term};
+
+/// Warnings of the loader that leave nothing to diagnose, with what would.
+const FATAL: [(&str, &str); 3] = [
+    ("no-motion", "record a motion"),
+    ("too-short", "record for longer"),
+    (
+        "constant-effort",
+        "record or map the column that holds the effort",
+    ),
+];
+
+/// Why there is no diagnosis.
+#[derive(Debug)]
+pub enum Refusal {
+    /// The input is wrong.
+    Input(String),
+    /// The data cannot tell.
+    Data(String),
+}
+
+/// Diagnoses a recording against a model, or against rigid body and GMS alone.
+///
+/// # Errors
+/// [`Refusal`], with what to do.
+pub fn diagnose(
+    recording: &Recording,
+    model: Option<&Model>,
+    progress: &Progress,
+) -> Result<(Study, Diagnosis), Refusal> {
+    for (code, remedy) in FATAL {
+        if let Some(warning) = recording.warnings.iter().find(|w| w.code == code) {
+            return Err(Refusal::Data(format!(
+                "{}: {warning}; {remedy}",
+                recording.name
+            )));
+        }
+    }
+    if !matches!(recording.effort_unit(), "N" | "Nm") {
+        return Err(Refusal::Input(format!(
+            "{}: the effort is a {} in {}, which is no force; map it with the drive's constant, such as --map force_N=35.15*voltage_V or --map torque_Nm=0.0066*current_A",
+            recording.name,
+            recording.role.name(),
+            recording.effort_unit()
+        )));
+    }
+    if let Some(model) = model
+        && model.motion != recording.kind
+    {
+        return Err(Refusal::Input(format!(
+            "motion: the model is {}, {} is {}; give the model of this machine",
+            model.motion.name(),
+            recording.name,
+            recording.kind.name()
+        )));
+    }
+    let mut study = Study::new(recording).map_err(Refusal::Data)?;
+    progress.inc(1);
+    let given = model.map(given).unwrap_or_default();
+    let mechanics = model.map(|m| m.mechanics.clone()).unwrap_or_default();
+    let periods: Vec<f64> = mechanics
+        .iter()
+        .filter(|(key, _)| key != "encoder_count_m")
+        .map(|m| m.1)
+        .collect();
+    let unable = || {
+        Refusal::Data(format!(
+            "{}: the motion does not determine inertia and friction; record both directions at several speeds",
+            recording.name
+        ))
+    };
+    let found = search::search(&mut study, &given, &periods, progress).ok_or_else(unable)?;
+    let diagnosis =
+        conclude::conclude(&study, found, given.len(), &mechanics).ok_or_else(unable)?;
+    Ok((study, diagnosis))
+}
+
+/// What the user's model already has.
+fn given(model: &Model) -> Vec<Term> {
+    let mut terms = Vec::new();
+    let mut give = |id, shape| {
+        terms.push(Term {
+            id,
+            shape,
+            given: true,
+        })
+    };
+    if model.viscous != 0.0 {
+        give("viscous", vec![]);
+    }
+    if model.constant_force != 0.0 {
+        give("constant_force", vec![]);
+    }
+    if let FrictionModel::Gms {
+        sliding: Some(sliding),
+        ..
+    }
+    | FrictionModel::LuGre { sliding, .. } = &model.friction
+        && sliding.coulomb > 0.0
+    {
+        give(
+            "stribeck",
+            vec![sliding.stribeck_velocity, sliding.stribeck_exponent, 0.0],
+        );
+    }
+    terms
+}

@@ -1,0 +1,357 @@
+//! Which effects act: forward, swap and backward, with thresholds from the recording's own noise.
+
+use super::catalogue::TESTED;
+use super::columns::{Scale, moving_range, parameters, shapes};
+use super::score::Gain;
+use super::signature::{Signature, signatures};
+use super::spectra;
+use super::study::{State, Study, Term};
+use crate::progress::Progress;
+use rayon::prelude::*;
+
+/// Most effects named in one recording.
+const MOST: usize = 6;
+/// Standard deviations of the best noise draw's nats above their mean.
+const DEVIATIONS: f64 = 4.0;
+/// Nats that a name must bring in any case: odds of 150 to 1 on the folds held out.
+const LEAST: f64 = 5.0;
+/// A term that takes off more than this share of the mismatch changes what the others act through.
+const LARGE: f64 = 0.1;
+/// Standard errors by which the plain held-out error must fall: nats alone trust the noise model, and what no parallel blocks
+/// follow of a real hysteresis is not in it.
+pub const PLAIN: f64 = 2.0;
+/// Nats by which a rival must be better to take a term's place.
+const BETTER: f64 = 3.0;
+
+/// The best shape of an effect, what it would add, and what noise alone adds.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// The effect.
+    pub term: Term,
+    /// What it adds.
+    pub gain: Gain,
+    /// Nats that noise alone does not reach.
+    pub threshold: f64,
+}
+
+impl Candidate {
+    /// Nats above what noise would give.
+    pub fn excess(&self) -> f64 {
+        self.gain.total() - self.threshold
+    }
+}
+
+/// Whether a gain is spread over the folds: a mean above twice its standard error, or nine folds in ten.
+pub fn consistent(by_fold: &[f64]) -> bool {
+    let n = by_fold.len() as f64;
+    let mean = by_fold.iter().sum::<f64>() / n;
+    let variance = by_fold.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    let positive = by_fold.iter().filter(|g| **g > 0.0).count() as f64;
+    mean > 2.0 * (variance / n).sqrt() || positive >= 0.9 * n
+}
+
+/// Whether coefficients have the sign, or the value, that the physics has.
+fn physical(id: &str, coefficients: &[f64]) -> bool {
+    match (id, coefficients) {
+        (
+            "viscous" | "quadratic_drag" | "stribeck" | "frictional_lag" | "dwell_aging"
+            | "drive_compliance" | "position_spring" | "backlash" | "creep" | "actuator_dead_zone",
+            [c],
+        ) => *c > 0.0,
+        // All that is commanded above the limit is lost.
+        ("actuator_saturation", [c]) => (0.7..1.3).contains(c),
+        _ => true,
+    }
+}
+
+/// The best candidate of every effect, best first.
+pub fn scan(study: &Study, state: &State, periods: &[f64]) -> Vec<Candidate> {
+    let mut tried: Vec<(Term, f64)> = Vec::new();
+    for entry in &TESTED {
+        let present = state.terms.iter().any(|t| t.id == entry.id);
+        let repeatable = matches!(
+            entry.id,
+            "periodic_force" | "periodic_friction" | "external_vibration" | "local_friction_spot"
+        );
+        if !present || repeatable {
+            let shapes = shapes(entry.id, study);
+            tried.extend(shapes.iter().map(|s| (Term::new(entry.id, s), 0.0)));
+        }
+    }
+    tried.extend(lines(study, state, periods));
+    let gains: Vec<(Term, f64, Gain)> = tried
+        .into_par_iter()
+        .filter_map(|(term, tries)| {
+            let gain = study.gain(state, &term)?;
+            physical(term.id, &gain.coefficients).then_some((term, tries, gain))
+        })
+        .collect();
+    let mut best: Vec<Candidate> = Vec::new();
+    for entry in &TESTED {
+        let own: Vec<_> = gains.iter().filter(|g| g.0.id == entry.id).collect();
+        let Some(top) = own
+            .iter()
+            .max_by(|a, b| a.2.total().total_cmp(&b.2.total()))
+        else {
+            continue;
+        };
+        let draws = top.2.null.len();
+        let maxima: Vec<f64> = (0..draws)
+            .map(|d| {
+                own.iter()
+                    .map(|g| g.2.null[d])
+                    .fold(f64::NEG_INFINITY, f64::max)
+            })
+            .collect();
+        let mean = maxima.iter().sum::<f64>() / draws as f64;
+        let spread =
+            (maxima.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (draws - 1) as f64).sqrt();
+        best.push(Candidate {
+            term: top.0.clone(),
+            gain: top.2.clone(),
+            // Lines are looked for among `tries` frequencies, which the draws did not do.
+            threshold: (mean + DEVIATIONS * spread).max(LEAST) + top.1.max(1.0).ln(),
+        });
+    }
+    best.sort_by(|a, b| b.excess().total_cmp(&a.excess()));
+    best
+}
+
+/// Lines of the mismatch in position and in time, and the periods of the mechanics, with the frequencies tried for them.
+fn lines(study: &Study, state: &State, periods: &[f64]) -> Vec<(Term, f64)> {
+    let s = &study.s;
+    let weights = state.noise.inverse(&study.residual(state));
+    let x = study.weak.at_centres(&s.x);
+    let t = study.weak.at_centres(&s.t);
+    let friction = study.weak.at_centres(&study.reference.friction);
+    let (travel, slow) = moving_range(s);
+    let row_s = study.weak.half_width_s;
+    let finest = 0.5 / (row_s * slow);
+    let lowest = 1.5 / travel;
+    let by_friction: Vec<f64> = weights.iter().zip(&friction).map(|(w, f)| w * f).collect();
+    let mut found = Vec::new();
+    let tries = (finest / lowest).max(1.0);
+    let duration = t.last().copied().unwrap_or(0.0) - t.first().copied().unwrap_or(0.0);
+    // Slower than ten periods in the recording is drift, or the motion itself.
+    let (in_time, highest) = (20.0 / duration, 0.45 / row_s);
+    let ((force, level), time) = rayon::join(
+        || {
+            rayon::join(
+                || spectra::lines(&x, &weights, lowest, finest),
+                || spectra::lines(&x, &by_friction, lowest, finest),
+            )
+        },
+        || spectra::lines(&t, &weights, in_time, highest),
+    );
+    for nu in &force {
+        found.push((Term::new("periodic_force", &[1.0 / nu]), tries));
+        found.push((Term::new("encoder_error", &[1.0 / nu]), tries));
+    }
+    for nu in &level {
+        found.push((Term::new("periodic_friction", &[1.0 / nu]), tries));
+    }
+    for &p in periods.iter().filter(|p| **p < travel / 1.5) {
+        for p in [p, p / 2.0] {
+            for id in ["periodic_force", "periodic_friction", "encoder_error"] {
+                found.push((Term::new(id, &[p]), 1.0));
+            }
+        }
+    }
+    for f in &time {
+        found.push((Term::new("external_vibration", &[*f]), (highest * duration).max(1.0)));
+    }
+    found
+}
+
+/// Refines the shape of a term by likelihood, all coefficients free.
+pub fn refine(study: &Study, without: &State, term: &Term) -> Term {
+    let mut best = term.clone();
+    let Some(mut value) = study.gain(without, &best).map(|g| g.total()) else {
+        return best;
+    };
+    let keys = parameters(term.id);
+    let (travel, _) = moving_range(&study.s);
+    let duration = study.s.t.last().copied().unwrap_or(1.0);
+    let mut steps: Vec<f64> = keys
+        .iter()
+        .map(|(_, scale)| match scale {
+            Scale::Chosen => 0.0,
+            Scale::Period => 0.15 * term.shape[0] / travel,
+            Scale::Frequency => 0.15 / (duration * term.shape[0]),
+            Scale::Logarithmic => 0.3,
+            Scale::Travel => travel / 80.0,
+        })
+        .collect();
+    for _ in 0..10 {
+        let mut moved = false;
+        for j in 0..keys.len().min(best.shape.len()) {
+            if steps[j] == 0.0 {
+                continue;
+            }
+            for sign in [-1.0, 1.0] {
+                let mut trial = best.clone();
+                trial.shape[j] = match keys[j].1 {
+                    Scale::Travel => trial.shape[j] + sign * steps[j],
+                    _ => trial.shape[j] * (sign * steps[j]).exp(),
+                };
+                if keys[j].0 == "exponent" {
+                    trial.shape[j] = trial.shape[j].clamp(0.5, 3.0);
+                }
+                if let Some(gain) = study
+                    .gain(without, &trial)
+                    .filter(|g| physical(trial.id, &g.coefficients))
+                    .map(|g| g.total())
+                    && gain > value + 1e-3
+                {
+                    (best, value, moved) = (trial, gain, true);
+                    break;
+                }
+            }
+        }
+        if !moved {
+            steps.iter_mut().for_each(|s| *s *= 0.4);
+        }
+    }
+    best
+}
+
+/// What the search found.
+pub struct Found {
+    /// The hypothesis with everything that passed its threshold.
+    pub state: State,
+    /// The hypothesis without any of it.
+    pub first: State,
+    /// For each term that is not given: its evidence and its rivals', best first.
+    pub evidence: Vec<Evidence>,
+    /// What was left when the search ended, best first.
+    pub rest: Vec<Candidate>,
+}
+
+/// Why one effect is named and not another.
+pub struct Evidence {
+    /// The effect, its nats given everything else.
+    pub candidate: Candidate,
+    /// Every other effect in its place, best first.
+    pub rivals: Vec<Candidate>,
+    /// Free curves over each coordinate in its place, best first.
+    pub curves: Vec<Signature>,
+    /// Standard errors by which the plain held-out error falls.
+    pub certainty: f64,
+}
+
+/// Searches from the given terms.
+pub fn search(
+    study: &mut Study,
+    given: &[Term],
+    periods: &[f64],
+    progress: &Progress,
+) -> Option<Found> {
+    let mut state = study.fit(given, None)?;
+    let mut rest = scan(study, &state, periods);
+    progress.inc(1);
+    let mut slight: Vec<&str> = Vec::new();
+    while state.terms.len() < given.len() + MOST {
+        let open = |c: &&Candidate| c.excess() > 0.0 && !slight.contains(&c.term.id);
+        let Some(top) = rest.iter().find(open) else {
+            break;
+        };
+        let id = top.term.id;
+        let term = refine(study, &state, &top.term);
+        let terms: Vec<Term> = state.terms.iter().cloned().chain([term]).collect();
+        let Some(next) = study.fit(&terms, Some(&state)) else {
+            break;
+        };
+        let (share, certainty) = study.improvement(&state, &next);
+        if certainty < PLAIN {
+            slight.push(id);
+            continue;
+        }
+        state = next;
+        if share > LARGE {
+            study.refer_to(&terms)?;
+            state = study.fit(&terms, None)?;
+        }
+        progress.inc(1);
+        rest = scan(study, &state, periods);
+    }
+    let (state, evidence) = weigh(study, state, given.len(), periods, progress)?;
+    let first = study.fit_with(given, state.noise.clone())?;
+    Some(Found {
+        state,
+        first,
+        evidence,
+        rest,
+    })
+}
+
+/// Swap and backward: each effect once more against all others in its place.
+fn weigh(
+    study: &Study,
+    mut state: State,
+    given: usize,
+    periods: &[f64],
+    progress: &Progress,
+) -> Option<(State, Vec<Evidence>)> {
+    let mut evidence = Vec::new();
+    let mut index = given;
+    let mut swaps = 0;
+    while index < state.terms.len() {
+        let term = state.terms[index].clone();
+        let mut others = state.terms.clone();
+        others.remove(index);
+        let without = study.fit_with(&others, state.noise.clone())?;
+        let mut rivals = scan(study, &without, periods);
+        let threshold = rivals
+            .iter()
+            .find(|c| c.term.id == term.id)
+            .map_or(LEAST, |c| c.threshold);
+        let own = study.gain(&without, &term).map(|gain| Candidate {
+            term: term.clone(),
+            gain,
+            threshold,
+        });
+        let Some(own) = own.filter(|own| own.excess() > 0.0) else {
+            state = without;
+            evidence.clear();
+            index = given;
+            continue;
+        };
+        rivals.retain(|c| c.term.id != term.id);
+        for rival in rivals.iter_mut().take(3) {
+            if rival.gain.total() > 0.5 * own.gain.total() {
+                rival.term = refine(study, &without, &rival.term);
+                rival.gain = study.gain(&without, &rival.term)?;
+            }
+        }
+        rivals.sort_by(|a, b| b.excess().total_cmp(&a.excess()));
+        if let Some(better) = rivals
+            .first()
+            .filter(|c| c.excess() > own.excess() + BETTER)
+            && swaps < 3
+        {
+            swaps += 1;
+            others.insert(index, better.term.clone());
+            state = study.fit_with(&others, state.noise.clone())?;
+            evidence.clear();
+            index = given;
+            continue;
+        }
+        let (_, certainty) = study.improvement(&without, &state);
+        if certainty < PLAIN {
+            state = without;
+            evidence.clear();
+            index = given;
+            continue;
+        }
+        let curves = signatures(study, &without);
+        evidence.push(Evidence {
+            candidate: own,
+            rivals,
+            curves,
+            certainty,
+        });
+        index += 1;
+        progress.inc(1);
+    }
+    Some((state, evidence))
+}

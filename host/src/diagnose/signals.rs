@@ -1,0 +1,232 @@
+//! The coordinates that can organise a mismatch, at every sample.
+
+use crate::identify::rigid_body::Kinematics;
+use crate::identify::split::Split;
+use crate::recording::Recording;
+use std::ops::Range;
+
+/// Most folds; neighbours are joined beyond it, so that the time does not grow with the number of strokes.
+const FOLDS: usize = 12;
+/// A reversal counts once the motion came back by this share of the travel, or by six times the encoder's noise.
+const HYSTERESIS: f64 = 0.003;
+/// Speeds below this share of the highest are rest.
+const REST: f64 = 0.01;
+
+/// Where, when and how the axis moved.
+pub struct Signals {
+    /// Sample time [s].
+    pub dt: f64,
+    /// Time [s], from the first sample, running on over pieces.
+    pub t: Vec<f64>,
+    /// Measured position [m or rad].
+    pub x: Vec<f64>,
+    /// Velocity [m/s or rad/s], zero-phase.
+    pub v: Vec<f64>,
+    /// Acceleration [m/s² or rad/s²], zero-phase.
+    pub a: Vec<f64>,
+    /// Direction of the stroke, ±1.
+    pub direction: Vec<f64>,
+    /// Displacement since the last reversal [m or rad], not negative.
+    pub since_reversal: Vec<f64>,
+    /// Length of the stroke before the last reversal [m or rad].
+    pub last_stroke: Vec<f64>,
+    /// Travelled path [m or rad].
+    pub path: Vec<f64>,
+    /// Duration of the last rest [s]; 0 before the first one.
+    pub dwell: Vec<f64>,
+    /// Path since that rest [m or rad].
+    pub since_rest: Vec<f64>,
+    /// Temperature [°C], where recorded.
+    pub temperature: Option<Vec<f64>>,
+    /// Load [N], where recorded.
+    pub load: Option<Vec<f64>>,
+    /// Contiguous samples.
+    pub pieces: Vec<Range<usize>>,
+    /// Fold of every sample.
+    pub fold: Vec<usize>,
+    /// Number of folds.
+    pub folds: usize,
+    /// What a fold holds: "repeat" or "segment".
+    pub unit: &'static str,
+    /// Reversals found.
+    pub reversals: usize,
+    /// Band of the kinematics [Hz].
+    pub band_hz: f64,
+}
+
+impl Signals {
+    /// Derives the coordinates of a recording.
+    pub fn of(recording: &Recording) -> Self {
+        let kinematics = Kinematics::of(recording);
+        let x = recording.position.clone();
+        let smooth = kinematics.filter.smooth(&x);
+        let (low, high) = bounds(&x);
+        let noise = (x
+            .iter()
+            .zip(&smooth)
+            .map(|(a, b)| (a - b).powi(2))
+            .sum::<f64>()
+            / x.len() as f64)
+            .sqrt();
+        let threshold = (HYSTERESIS * (high - low)).max(6.0 * noise);
+        let dt = recording.sample_time_s();
+        let n = x.len();
+        let top = kinematics
+            .velocity
+            .iter()
+            .fold(0.0f64, |m, v| m.max(v.abs()));
+        let mut s = Self {
+            dt,
+            t: running_time(recording),
+            v: kinematics.velocity,
+            a: kinematics.acceleration,
+            direction: vec![0.0; n],
+            since_reversal: vec![0.0; n],
+            last_stroke: vec![high - low; n],
+            path: vec![0.0; n],
+            dwell: vec![0.0; n],
+            since_rest: vec![high - low; n],
+            temperature: recording.temperature_c.clone(),
+            load: recording.load_n.clone(),
+            pieces: recording.pieces.clone(),
+            fold: vec![0; n],
+            folds: 0,
+            unit: "segment",
+            reversals: 0,
+            band_hz: kinematics.filter.cutoff_hz(),
+            x,
+        };
+        s.strokes(&smooth, threshold);
+        s.paths(REST * top);
+        s.assign_folds(recording);
+        s
+    }
+
+    /// Direction and displacement since reversal, with hysteresis.
+    fn strokes(&mut self, x: &[f64], threshold: f64) {
+        let mut turns = vec![0];
+        let mut direction = 0.0;
+        let (mut low, mut high) = (0, 0);
+        let mut directions = Vec::new();
+        for i in 0..x.len() {
+            if x[i] < x[low] {
+                low = i;
+            }
+            if x[i] > x[high] {
+                high = i;
+            }
+            if direction <= 0.0 && x[i] - x[low] > threshold {
+                if direction < 0.0 {
+                    turns.push(low);
+                }
+                directions.push(1.0);
+                (direction, high) = (1.0, i);
+            } else if direction >= 0.0 && x[high] - x[i] > threshold {
+                if direction > 0.0 {
+                    turns.push(high);
+                }
+                directions.push(-1.0);
+                (direction, low) = (-1.0, i);
+            }
+        }
+        self.reversals = turns.len() - 1;
+        let mut last = f64::INFINITY;
+        for (k, &start) in turns.iter().enumerate() {
+            let end = turns.get(k + 1).copied().unwrap_or(x.len());
+            let sign = directions.get(k).copied().unwrap_or(1.0);
+            for i in start..end {
+                self.direction[i] = sign;
+                self.since_reversal[i] = (sign * (x[i] - x[start])).max(0.0);
+                if last.is_finite() {
+                    self.last_stroke[i] = last;
+                }
+            }
+            last = (x[end - 1] - x[start]).abs();
+        }
+    }
+
+    /// Time since the last reversal [s].
+    pub fn time_since_reversal(&self) -> Vec<f64> {
+        let mut since = 0.0;
+        (0..self.x.len())
+            .map(|i| {
+                let turned = i > 0 && self.direction[i] != self.direction[i - 1];
+                since = if turned { 0.0 } else { since + self.dt };
+                since
+            })
+            .collect()
+    }
+
+    fn paths(&mut self, still: f64) {
+        let (mut path, mut rest, mut dwell, mut left) = (0.0, 0.0, 0.0, f64::INFINITY);
+        for i in 0..self.x.len() {
+            let speed = self.v[i].abs();
+            if speed > still {
+                path += speed * self.dt;
+                if rest > 0.05 {
+                    (dwell, left) = (rest, path);
+                }
+                rest = 0.0;
+            } else {
+                rest += self.dt;
+            }
+            self.path[i] = path;
+            self.dwell[i] = dwell;
+            if left.is_finite() {
+                self.since_rest[i] = path - left;
+            }
+        }
+    }
+
+    fn assign_folds(&mut self, recording: &Recording) {
+        let mut split = Split::new(recording, None, None);
+        split.folds.sort_by_key(|rows| rows.first().copied());
+        // Strokes in pairs: a fold then holds both directions.
+        let strokes_per_fold = if split.unit == "segment" { 2 } else { 1 };
+        let per_fold = split.folds.len().div_ceil(FOLDS).max(strokes_per_fold);
+        self.unit = split.unit;
+        self.folds = split.folds.len().div_ceil(per_fold);
+        for (k, rows) in split.folds.iter().enumerate() {
+            for &i in rows {
+                self.fold[i] = k / per_fold;
+            }
+        }
+    }
+}
+
+/// Time from 0 that runs on where a joined recording starts its clock again.
+fn running_time(recording: &Recording) -> Vec<f64> {
+    let mut t = Vec::with_capacity(recording.len());
+    let mut now = 0.0;
+    for (i, &stamp) in recording.t_s.iter().enumerate() {
+        if i > 0 {
+            let step = stamp - recording.t_s[i - 1];
+            now += if step > 0.0 {
+                step
+            } else {
+                recording.sample_time_s()
+            };
+        }
+        t.push(now);
+    }
+    t
+}
+
+/// Lowest and highest of some values.
+pub fn bounds(values: &[f64]) -> (f64, f64) {
+    values
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| {
+            (l.min(v), h.max(v))
+        })
+}
+
+/// The value below which the share `q` of `values` lies.
+pub fn quantile(values: &[f64], q: f64) -> f64 {
+    let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    if sorted.is_empty() {
+        return 0.0;
+    }
+    let place = ((sorted.len() - 1) as f64 * q.clamp(0.0, 1.0)) as usize;
+    *sorted.select_nth_unstable_by(place, f64::total_cmp).1
+}

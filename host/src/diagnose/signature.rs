@@ -1,0 +1,270 @@
+//! Which coordinate organises a mismatch, without asking what physics it is.
+
+use super::score::Gain;
+use super::search::consistent;
+use super::signals::{Signals, quantile};
+use super::study::{State, Study};
+use rayon::prelude::*;
+
+/// Knots of the smooth curve over a coordinate.
+const KNOTS: usize = 8;
+
+/// A coordinate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// Position [m or rad].
+    Position,
+    /// Velocity [m/s or rad/s].
+    Velocity,
+    /// Speed [m/s or rad/s].
+    Speed,
+    /// Displacement since the last reversal [m or rad].
+    SinceReversal,
+    /// Acceleration [m/s² or rad/s²].
+    Acceleration,
+    /// Time [s].
+    Time,
+    /// Travelled path [m or rad].
+    Path,
+    /// Temperature [°C].
+    Temperature,
+    /// Load [N].
+    Load,
+    /// Time since the last reversal [s].
+    TimeSinceReversal,
+    /// Highest speed of the last seconds, forgotten slowly [m/s or rad/s].
+    RecentSpeed,
+    /// Acceleration along the motion: speeding up or slowing down [m/s² or rad/s²].
+    SpeedingUp,
+}
+
+/// Time in which a high speed is forgotten [s].
+const FORGOTTEN_S: f64 = 1.0;
+
+impl Axis {
+    /// All of them.
+    pub const ALL: [Axis; 12] = [
+        Axis::Position,
+        Axis::Velocity,
+        Axis::Speed,
+        Axis::SinceReversal,
+        Axis::Acceleration,
+        Axis::Time,
+        Axis::Path,
+        Axis::Temperature,
+        Axis::Load,
+        Axis::TimeSinceReversal,
+        Axis::RecentSpeed,
+        Axis::SpeedingUp,
+    ];
+
+    /// Its name in JSON and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Axis::Position => "position",
+            Axis::Velocity => "velocity",
+            Axis::Speed => "speed",
+            Axis::SinceReversal => "displacement since reversal",
+            Axis::Acceleration => "acceleration",
+            Axis::Time => "time",
+            Axis::Path => "path",
+            Axis::Temperature => "temperature",
+            Axis::Load => "load",
+            Axis::TimeSinceReversal => "time since reversal",
+            Axis::RecentSpeed => "highest speed of the last seconds",
+            Axis::SpeedingUp => "acceleration along the motion",
+        }
+    }
+
+    /// Its unit on a linear or rotary axis.
+    pub fn unit(self, position: &str) -> String {
+        match self {
+            Axis::Position | Axis::SinceReversal | Axis::Path => position.to_owned(),
+            Axis::Velocity | Axis::Speed | Axis::RecentSpeed => format!("{position}/s"),
+            Axis::Acceleration | Axis::SpeedingUp => format!("{position}/s²"),
+            Axis::Time | Axis::TimeSinceReversal => "s".to_owned(),
+            Axis::Temperature => "°C".to_owned(),
+            Axis::Load => "N".to_owned(),
+        }
+    }
+
+    /// Its value at every sample, where the recording has it.
+    pub fn values(self, s: &Signals) -> Option<Vec<f64>> {
+        match self {
+            Axis::Position => Some(s.x.clone()),
+            Axis::Velocity => Some(s.v.clone()),
+            Axis::Speed => Some(s.v.iter().map(|v| v.abs()).collect()),
+            Axis::SinceReversal => Some(s.since_reversal.clone()),
+            Axis::Acceleration => Some(s.a.clone()),
+            Axis::Time => Some(s.t.clone()),
+            Axis::Path => Some(s.path.clone()),
+            Axis::Temperature => s.temperature.clone(),
+            Axis::Load => s.load.clone(),
+            Axis::TimeSinceReversal => Some(s.time_since_reversal()),
+            Axis::RecentSpeed => {
+                let kept = (-s.dt / FORGOTTEN_S).exp();
+                let mut recent = 0.0f64;
+                let speeds = s.v.iter().map(|v| {
+                    recent = v.abs().max(recent * kept);
+                    recent
+                });
+                Some(speeds.collect())
+            }
+            Axis::SpeedingUp => Some(s.a.iter().zip(&s.direction).map(|(a, d)| a * d).collect()),
+        }
+    }
+
+    /// The coordinate in which an effect of the catalogue acts.
+    pub fn of(id: &str) -> Axis {
+        match id {
+            "viscous" | "quadratic_drag" | "constant_force" | "coulomb_asymmetry" => Axis::Velocity,
+            "stribeck" | "frictional_lag" => Axis::Speed,
+            "position_spring"
+            | "position_force"
+            | "position_friction"
+            | "local_friction_spot"
+            | "periodic_force"
+            | "periodic_friction"
+            | "encoder_error" => Axis::Position,
+            "drive_compliance" | "channel_delay" => Axis::Acceleration,
+            "presliding_shape" | "backlash" | "creep" => Axis::SinceReversal,
+            "run_in" => Axis::Path,
+            "load_dependent_friction" => Axis::Load,
+            _ => Axis::Time,
+        }
+    }
+}
+
+/// A smooth curve over one coordinate that predicts the mismatch in folds held out.
+#[derive(Clone, Debug)]
+pub struct Signature {
+    /// The coordinate.
+    pub axis: Axis,
+    /// Flips with direction.
+    pub odd: bool,
+    /// Nats by fold, and for noise alone.
+    pub gain: Gain,
+    /// Nats that noise alone does not reach.
+    pub threshold: f64,
+}
+
+impl Signature {
+    /// Nats above what noise gives.
+    pub fn excess(&self) -> f64 {
+        self.gain.total() - self.threshold
+    }
+
+    /// Beyond twice the threshold and in most folds.
+    pub fn certain(&self) -> bool {
+        self.gain.total() > 2.0 * self.threshold && consistent(&self.gain.by_fold)
+    }
+}
+
+/// Every coordinate's curve on top of a hypothesis, best first.
+pub fn signatures(study: &Study, state: &State) -> Vec<Signature> {
+    let mut tried: Vec<(Axis, bool)> = Vec::new();
+    for axis in Axis::ALL {
+        tried.push((axis, false));
+        if axis != Axis::Velocity {
+            tried.push((axis, true));
+        }
+    }
+    let mut found: Vec<Signature> = tried
+        .into_par_iter()
+        .filter_map(|(axis, odd)| {
+            let rows = curve(study, axis, odd)?;
+            let gain = study.gain_of(state, &rows)?;
+            let draws = gain.null.len() as f64;
+            let mean = gain.null.iter().sum::<f64>() / draws;
+            let spread = (gain.null.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / draws).sqrt();
+            let threshold = (mean + 4.0 * spread).max(10.0);
+            Some(Signature {
+                axis,
+                odd,
+                gain,
+                threshold,
+            })
+        })
+        .collect();
+    found.sort_by(|a, b| b.excess().total_cmp(&a.excess()));
+    found
+}
+
+/// The curve's columns at the rows: a force, or a change of the friction level.
+fn curve(study: &Study, axis: Axis, odd: bool) -> Option<Vec<Vec<f64>>> {
+    let s = &study.s;
+    let columns = hats(&axis.values(s)?)?;
+    // After a reversal the friction is still small; what acts there is not in proportion to it.
+    let load = match axis {
+        Axis::SinceReversal | Axis::TimeSinceReversal => &s.direction,
+        _ => &study.reference.friction,
+    };
+    Some(
+        columns
+            .into_par_iter()
+            .map(|mut column| {
+                if odd {
+                    column.iter_mut().zip(load).for_each(|(c, d)| *c *= d);
+                }
+                study.weak.rows(&column)
+            })
+            .collect(),
+    )
+}
+
+/// Hat functions over quantiles of a coordinate, without the last one (all together are a constant).
+fn hats(values: &[f64]) -> Option<Vec<Vec<f64>>> {
+    let mut knots: Vec<f64> = (0..KNOTS)
+        .map(|k| quantile(values, k as f64 / (KNOTS - 1) as f64))
+        .collect();
+    let span = knots.last()? - knots.first()?;
+    knots.dedup_by(|a, b| *a - *b < 0.02 * span);
+    if span <= 0.0 || knots.len() < 4 {
+        return None;
+    }
+    let last = knots.len() - 1;
+    Some(
+        (0..last)
+            .map(|k| {
+                values
+                    .iter()
+                    .map(|v| {
+                        let v = v.clamp(knots[0], knots[last]);
+                        if k > 0 && v <= knots[k] {
+                            ((v - knots[k - 1]) / (knots[k] - knots[k - 1])).max(0.0)
+                        } else if v <= knots[k] {
+                            1.0
+                        } else {
+                            ((knots[k + 1] - v) / (knots[k + 1] - knots[k])).max(0.0)
+                        }
+                    })
+                    .collect()
+            })
+            .collect(),
+    )
+}
+
+/// The narrowest of 20 equal stretches of a coordinate, joined, that hold 80 % of `weights`: from, to, and the share held.
+pub fn concentration(values: &[f64], weights: &[f64]) -> Option<(f64, f64, f64)> {
+    const BINS: usize = 20;
+    let (low, high) = super::signals::bounds(values);
+    let total: f64 = weights.iter().sum();
+    if total <= 0.0 || high <= low {
+        return None;
+    }
+    let mut bins = [0.0; BINS];
+    for (v, w) in values.iter().zip(weights) {
+        let bin = ((v - low) / (high - low) * BINS as f64) as usize;
+        bins[bin.min(BINS - 1)] += w / total;
+    }
+    for width in 1..=BINS {
+        let best = (0..=BINS - width)
+            .map(|start| (start, bins[start..start + width].iter().sum::<f64>()))
+            .max_by(|a, b| a.1.total_cmp(&b.1))?;
+        if best.1 >= 0.8 || width == BINS {
+            let edge = |i: usize| low + (high - low) * i as f64 / BINS as f64;
+            return Some((edge(best.0), edge(best.0 + width), best.1));
+        }
+    }
+    None
+}
