@@ -3,7 +3,7 @@
 use super::catalogue::moving_speeds;
 use super::signals::{Signals, bounds, quantile};
 use super::study::Study;
-use super::weak::{curvature, slope};
+use super::weak::Column;
 use std::f64::consts::{PI, TAU};
 
 /// The model that effects act through.
@@ -175,7 +175,7 @@ pub fn spread(low: f64, high: f64, count: usize) -> Vec<f64> {
 }
 
 /// The columns of an effect of a given shape; empty where the recording has none.
-pub fn columns(id: &str, shape: &[f64], study: &Study) -> Vec<Vec<f64>> {
+pub fn columns(id: &str, shape: &[f64], study: &Study) -> Vec<Column> {
     let (s, b) = (&study.s, &study.reference);
     let at = |i: usize| shape.get(i).copied().unwrap_or(1.0);
     let of = |f: &dyn Fn(usize) -> f64| -> Vec<f64> { (0..s.x.len()).map(f).collect() };
@@ -200,10 +200,15 @@ pub fn columns(id: &str, shape: &[f64], study: &Study) -> Vec<Vec<f64>> {
         columns
     };
     let level = b.level;
-    match id {
+    let plain: Vec<Vec<f64>> = match id {
         "constant_force" => vec![vec![1.0; s.x.len()]],
         "coulomb_asymmetry" => vec![friction(&|i| (b.friction[i] / (0.1 * level)).tanh())],
-        "viscous" => vec![slope(&s.x, &s.pieces, s.dt)],
+        "viscous" => {
+            return vec![Column {
+                sloped: s.x.clone(),
+                ..Column::default()
+            }];
+        }
         "quadratic_drag" => vec![of(&|i| s.v[i] * s.v[i].abs())],
         "stribeck" => {
             let curve = |i: usize| (-(s.v[i].abs() / at(0)).powf(at(1))).exp();
@@ -238,21 +243,23 @@ pub fn columns(id: &str, shape: &[f64], study: &Study) -> Vec<Vec<f64>> {
             .iter()
             .map(|w| friction(&|i| w[i]))
             .collect(),
-        "encoder_error" => wave(at(0), &|i| s.x[i])
-            .iter()
-            .map(|e| displaced(e, b.mass, study))
-            .collect(),
+        "encoder_error" => {
+            return wave(at(0), &|i| s.x[i])
+                .into_iter()
+                .map(|e| displaced(e, b.mass, study))
+                .collect();
+        }
         "external_vibration" => wave(1.0 / at(0), &|i| s.t[i]),
-        "channel_delay" => vec![
-            slope(&b.fitted, &s.pieces, s.dt)
-                .iter()
-                .map(|v| -v)
-                .collect(),
-        ],
+        "channel_delay" => {
+            return vec![Column {
+                sloped: of(&|i| -b.fitted[i]),
+                ..Column::default()
+            }];
+        }
         // Behind a spring the load is displaced by the transmitted effort; half of the inertia is taken to be the load's.
         "drive_compliance" => {
             let transmitted = of(&|i| b.fitted[i] - MOTOR_SHARE * b.mass * s.a[i]);
-            vec![displaced(&transmitted, (1.0 - MOTOR_SHARE) * b.mass, study)]
+            return vec![displaced(transmitted, (1.0 - MOTOR_SHARE) * b.mass, study)];
         }
         // The gap is crossed where the transmitted effort changes sign.
         "backlash" => {
@@ -260,7 +267,7 @@ pub fn columns(id: &str, shape: &[f64], study: &Study) -> Vec<Vec<f64>> {
                 let transmitted = b.fitted[i] - MOTOR_SHARE * b.mass * s.a[i];
                 0.5 * (transmitted / (0.05 * level)).tanh()
             });
-            vec![displaced(&side, (1.0 - MOTOR_SHARE) * b.mass, study)]
+            return vec![displaced(side, (1.0 - MOTOR_SHARE) * b.mass, study)];
         }
         "actuator_dead_zone" => vec![of(&|i| 0.5 * (b.fitted[i] / (0.03 * level)).tanh())],
         "actuator_saturation" => vec![of(&|i| {
@@ -292,7 +299,7 @@ pub fn columns(id: &str, shape: &[f64], study: &Study) -> Vec<Vec<f64>> {
                 let stress = (b.friction[i - 1] / (at(0) * level)).clamp(-8.0, 8.0);
                 crept[i] = crept[i - 1] + s.dt * stress.sinh();
             }
-            vec![displaced(&crept, 0.0, study)]
+            return vec![displaced(crept, 0.0, study)];
         }
         "load_dependent_friction" => match &s.load {
             Some(load) => {
@@ -302,7 +309,8 @@ pub fn columns(id: &str, shape: &[f64], study: &Study) -> Vec<Vec<f64>> {
             None => Vec::new(),
         },
         _ => Vec::new(),
-    }
+    };
+    plain.into_iter().map(Column::of).collect()
 }
 
 /// Share of the inertia on the motor's side of a compliant drive, which one recording does not tell.
@@ -315,12 +323,9 @@ pub fn mean(values: &[f64]) -> f64 {
 
 /// How the effort changes when the measured position is the load's position plus `error`: `−m·ë − Σ k_i·w_i`, where `w_i`
 /// follows the error while block `i` sticks and is cleared when it slips.
-fn displaced(error: &[f64], mass: f64, study: &Study) -> Vec<f64> {
+fn displaced(error: Vec<f64>, mass: f64, study: &Study) -> Column {
     let s = &study.s;
-    let mut column: Vec<f64> = curvature(error, &s.pieces, s.dt)
-        .iter()
-        .map(|e| -mass * e)
-        .collect();
+    let mut column = vec![0.0; error.len()];
     for &(k, d) in &study.reference.blocks {
         let (mut z, mut w) = (0.0f64, 0.0);
         for piece in &s.pieces {
@@ -336,7 +341,11 @@ fn displaced(error: &[f64], mass: f64, study: &Study) -> Vec<f64> {
             }
         }
     }
-    column
+    Column {
+        value: column,
+        sloped: Vec::new(),
+        curved: error.iter().map(|e| -mass * e).collect(),
+    }
 }
 
 /// Travel [m or rad], and a speed that a fifth of the moving samples stays below.

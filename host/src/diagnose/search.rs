@@ -20,6 +20,8 @@ const LARGE: f64 = 0.1;
 /// Standard errors by which the plain held-out error must fall: nats alone trust the noise model, and what no parallel blocks
 /// follow of a real hysteresis is not in it.
 pub const PLAIN: f64 = 2.0;
+/// Share of its nats by which an effect must beat a simpler one that it contains.
+const NESTED: f64 = 0.03;
 /// Nats by which a rival must be better to take a term's place.
 const BETTER: f64 = 3.0;
 
@@ -39,6 +41,29 @@ impl Candidate {
     pub fn excess(&self) -> f64 {
         self.gain.total() - self.threshold
     }
+
+    /// Nats that count against rivals: an effect that contains a simpler one has to be clearly better.
+    fn rank(&self) -> f64 {
+        let handicap = match self.term.id {
+            "frictional_lag" => 5.0 + NESTED * self.gain.total(),
+            _ => 0.0,
+        };
+        self.excess() - handicap
+    }
+}
+
+/// Best first; the leaders refined, because the grids of two effects are not equally fine.
+fn lead(study: &Study, without: &State, list: &mut [Candidate]) {
+    let best = list.first().map_or(0.0, |c| c.gain.total());
+    list.par_iter_mut().take(4).for_each(|c| {
+        if c.gain.total() > 0.4 * best && !parameters(c.term.id).is_empty() {
+            let term = refine(study, without, &c.term);
+            if let Some(gain) = study.gain(without, &term) {
+                (c.term, c.gain) = (term, gain);
+            }
+        }
+    });
+    list.sort_by(|a, b| b.rank().total_cmp(&a.rank()));
 }
 
 /// Whether a gain is spread over the folds: a mean above twice its standard error, or nine folds in ten.
@@ -194,8 +219,13 @@ pub fn refine(study: &Study, without: &State, term: &Term) -> Term {
                     Scale::Travel => trial.shape[j] + sign * steps[j],
                     _ => trial.shape[j] * (sign * steps[j]).exp(),
                 };
-                if keys[j].0 == "exponent" {
-                    trial.shape[j] = trial.shape[j].clamp(0.5, 3.0);
+                match keys[j].0 {
+                    "exponent" => trial.shape[j] = trial.shape[j].clamp(0.5, 3.0),
+                    // A shorter lag is none that the rows could tell.
+                    "time_constant_s" if term.id == "frictional_lag" => {
+                        trial.shape[j] = trial.shape[j].max(0.6 * study.weak.half_width_s);
+                    }
+                    _ => {}
                 }
                 if let Some(gain) = study
                     .gain(without, &trial)
@@ -251,12 +281,12 @@ pub fn search(
     progress.inc(1);
     let mut slight: Vec<&str> = Vec::new();
     while state.terms.len() < given.len() + MOST {
-        let open = |c: &&Candidate| c.excess() > 0.0 && !slight.contains(&c.term.id);
-        let Some(top) = rest.iter().find(open) else {
+        rest.retain(|c| c.excess() > 0.0 && !slight.contains(&c.term.id));
+        lead(study, &state, &mut rest);
+        let Some(top) = rest.first() else {
             break;
         };
-        let id = top.term.id;
-        let term = refine(study, &state, &top.term);
+        let (id, term) = (top.term.id, top.term.clone());
         let terms: Vec<Term> = state.terms.iter().cloned().chain([term]).collect();
         let Some(next) = study.fit(&terms, Some(&state)) else {
             break;
@@ -317,16 +347,8 @@ fn weigh(
             continue;
         };
         rivals.retain(|c| c.term.id != term.id);
-        for rival in rivals.iter_mut().take(3) {
-            if rival.gain.total() > 0.5 * own.gain.total() {
-                rival.term = refine(study, &without, &rival.term);
-                rival.gain = study.gain(&without, &rival.term)?;
-            }
-        }
-        rivals.sort_by(|a, b| b.excess().total_cmp(&a.excess()));
-        if let Some(better) = rivals
-            .first()
-            .filter(|c| c.excess() > own.excess() + BETTER)
+        lead(study, &without, &mut rivals);
+        if let Some(better) = rivals.first().filter(|c| c.rank() > own.rank() + BETTER)
             && swaps < 3
         {
             swaps += 1;

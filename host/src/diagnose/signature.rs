@@ -4,6 +4,7 @@ use super::score::Gain;
 use super::search::consistent;
 use super::signals::{Signals, quantile};
 use super::study::{State, Study};
+use super::weak::Column;
 use rayon::prelude::*;
 
 /// Knots of the smooth curve over a coordinate.
@@ -206,7 +207,7 @@ fn curve(study: &Study, axis: Axis, odd: bool) -> Option<Vec<Vec<f64>>> {
                 if odd {
                     column.iter_mut().zip(load).for_each(|(c, d)| *c *= d);
                 }
-                study.weak.rows(&column)
+                study.weak.rows(&Column::of(column))
             })
             .collect(),
     )

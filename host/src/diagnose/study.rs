@@ -5,7 +5,7 @@ use super::columns::{self, Baseline, spread};
 use super::noise::{Course, Noise};
 use super::score::{Bound, Fit, Gain, Problem};
 use super::signals::{Signals, bounds, quantile};
-use super::weak::{Weak, curvature};
+use super::weak::{Column, Weak};
 use crate::identify::stop::Deflection;
 use crate::recording::Recording;
 use rayon::prelude::*;
@@ -126,13 +126,22 @@ impl Study {
             .par_iter()
             .map(|&d| Deflection::along(&s.x, &s.pieces, d).z)
             .collect();
-        let acceleration = curvature(&s.x, &s.pieces, s.dt);
         let mut core_rows: Vec<Vec<f64>> =
-            deflections.par_iter().map(|z| weak.rows(z)).collect();
+            deflections
+                .par_iter()
+                .map(|z| weak.rows(&Column::of(z.clone())))
+                .collect();
         if inertial {
-            core_rows.insert(0, weak.rows(&acceleration));
+            let curved = s.x.clone();
+            core_rows.insert(
+                0,
+                weak.rows(&Column {
+                    curved,
+                    ..Column::default()
+                }),
+            );
         }
-        let force = weak.rows(&recording.effort);
+        let force = weak.rows(&Column::of(recording.effort.clone()));
         let none = vec![0.0; force.len()];
         let at = Places {
             time: weak.at_centres(&s.t),
@@ -221,12 +230,13 @@ impl Study {
                 let c = fit.coefficients[next];
                 next += 1;
                 if !term.acts_on_measurement() {
-                    fitted.iter_mut().zip(column).for_each(|(f, v)| *f += c * v);
+                    let value = if column.value.is_empty() { &self.s.v } else { &column.value };
+                    fitted.iter_mut().zip(value).for_each(|(f, v)| *f += c * v);
                 }
             }
         }
-        self.at.friction = self.weak.rows(&friction);
-        self.at.stiffness = self.weak.rows(&stiffness);
+        self.at.friction = self.weak.rows(&Column::of(friction.clone()));
+        self.at.stiffness = self.weak.rows(&Column::of(stiffness.clone()));
         self.reference = Baseline {
             mass,
             blocks,

@@ -1,7 +1,8 @@
 //! The weak form: every column is averaged with one compact kernel and thinned out.
 //!
-//! With `φ(t) = (1 − (t/h)²)⁴` and finite differences at the sample rate, `φ∗Δ²x/Δt²` is, by summation by parts, the same as
-//! `φ''∗x`: a quantised encoder is never differentiated, and as all columns pass the same kernel nothing is biased by it.
+//! With `φ(t) = (1 − (t/h)²)⁴` a derivative of a column passes to the kernel, `φ∗ẍ = φ̈∗x`: a quantised encoder is never
+//! differentiated, and as all columns pass the same kernel nothing is biased by it. (A finite difference would: it smooths an
+//! acceleration by a triangle of variance Δt²/6, which looks like an elastic drive of some 300 Hz.)
 
 use super::signals::Signals;
 use std::ops::Range;
@@ -11,7 +12,8 @@ const ROWS: usize = 20_000;
 
 /// The kernel and where its rows are.
 pub struct Weak {
-    kernel: Vec<f64>,
+    /// The kernel and its first two derivatives.
+    kernels: [Vec<f64>; 3],
     /// Sample at the centre of each row, ascending within each fold.
     pub centres: Vec<usize>,
     /// Rows of each fold.
@@ -30,14 +32,7 @@ impl Weak {
         let by_rows = s.x.len() as f64 * s.dt / ROWS as f64;
         let half_s = by_band.max(12.5e-3).max(by_rows);
         let half = ((half_s / s.dt).round() as usize).max(4);
-        let mut kernel: Vec<f64> = (0..=2 * half)
-            .map(|i| {
-                let u = (i as f64 - half as f64) / (half as f64 + 0.5);
-                (1.0 - u * u).powi(4)
-            })
-            .collect();
-        let sum: f64 = kernel.iter().sum();
-        kernel.iter_mut().for_each(|k| *k /= sum);
+        let kernels = kernels(half, s.dt);
         // Neighbours overlap little: white noise stays white.
         let spacing = half;
         let mut by_fold: Vec<Vec<usize>> = vec![Vec::new(); s.folds];
@@ -56,7 +51,7 @@ impl Weak {
             centres.extend(rows);
         }
         Self {
-            kernel,
+            kernels,
             centres,
             folds,
             half_width_s: half as f64 * s.dt,
@@ -64,19 +59,24 @@ impl Weak {
         }
     }
 
-    /// The column as rows.
-    pub fn rows(&self, column: &[f64]) -> Vec<f64> {
-        let half = self.kernel.len() / 2;
-        self.centres
-            .iter()
-            .map(|&c| {
-                column[c - half..=c + half]
+    /// The column, or its first or second derivative, as rows.
+    pub fn rows(&self, column: &Column) -> Vec<f64> {
+        let parts = [&column.value, &column.sloped, &column.curved];
+        let mut rows = vec![0.0; self.centres.len()];
+        for (part, kernel) in parts.into_iter().zip(&self.kernels) {
+            if part.is_empty() {
+                continue;
+            }
+            let half = kernel.len() / 2;
+            for (row, &c) in rows.iter_mut().zip(&self.centres) {
+                *row += part[c - half..=c + half]
                     .iter()
-                    .zip(&self.kernel)
+                    .zip(kernel)
                     .map(|(v, k)| v * k)
-                    .sum()
-            })
-            .collect()
+                    .sum::<f64>();
+            }
+        }
+        rows
     }
 
     /// The value at the centre of each row.
@@ -85,30 +85,72 @@ impl Weak {
     }
 }
 
-/// Central difference of a column [1/s], within pieces.
-pub fn slope(column: &[f64], pieces: &[Range<usize>], dt: f64) -> Vec<f64> {
-    differences(column, pieces, |before, _, after| {
-        (after - before) / (2.0 * dt)
-    })
+/// A column at the sample rate: `value + d(sloped)/dt + d²(curved)/dt²`, the latter two empty where there is none.
+#[derive(Clone, Default)]
+pub struct Column {
+    /// Added as it is.
+    pub value: Vec<f64>,
+    /// Added by its first derivative.
+    pub sloped: Vec<f64>,
+    /// Added by its second derivative.
+    pub curved: Vec<f64>,
 }
 
-/// Second difference of a column [1/s²], within pieces.
-pub fn curvature(column: &[f64], pieces: &[Range<usize>], dt: f64) -> Vec<f64> {
-    differences(column, pieces, |before, here, after| {
-        (after - 2.0 * here + before) / (dt * dt)
-    })
-}
-
-fn differences(
-    column: &[f64],
-    pieces: &[Range<usize>],
-    of: impl Fn(f64, f64, f64) -> f64,
-) -> Vec<f64> {
-    let mut out = vec![0.0; column.len()];
-    for piece in pieces {
-        for i in piece.start + 1..piece.end.saturating_sub(1) {
-            out[i] = of(column[i - 1], column[i], column[i + 1]);
+impl Column {
+    /// A column without derivatives.
+    pub fn of(value: Vec<f64>) -> Self {
+        Self {
+            value,
+            ..Self::default()
         }
     }
-    out
+}
+
+/// `φ`, `−φ̇` and `φ̈` as weights of samples, exact on polynomials of the second degree.
+fn kernels(half: usize, dt: f64) -> [Vec<f64>; 3] {
+    let h = (half as f64 + 0.5) * dt;
+    let times: Vec<f64> = (0..=2 * half).map(|i| (i as f64 - half as f64) * dt).collect();
+    let of = |f: &dyn Fn(f64) -> f64| -> Vec<f64> { times.iter().map(|t| f(t / h)).collect() };
+    let moment = |k: &[f64], power: i32| -> f64 {
+        k.iter().zip(&times).map(|(k, t)| k * t.powi(power)).sum()
+    };
+    let scaled = |mut k: Vec<f64>, power: i32, to: f64| {
+        let factor = to / moment(&k, power);
+        k.iter_mut().for_each(|k| *k *= factor);
+        k
+    };
+    let value = scaled(of(&|u| (1.0 - u * u).powi(4)), 0, 1.0);
+    let slope = scaled(of(&|u| u * (1.0 - u * u).powi(3)), 1, 1.0);
+    let mut curve = of(&|u| (7.0 * u * u - 1.0) * (1.0 - u * u).powi(2));
+    let mean = moment(&curve, 0);
+    curve
+        .iter_mut()
+        .zip(&value)
+        .for_each(|(c, v)| *c -= mean * v);
+    [value, slope, scaled(curve, 2, 2.0)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_kernels_derive_sines_as_the_first_smooths_them() {
+        let (half, dt) = (6, 2e-3);
+        let [value, slope, curve] = kernels(half, dt);
+        for hertz in [1.0, 5.0, 15.0] {
+            let w = std::f64::consts::TAU * hertz;
+            let over = |k: &[f64], f: &dyn Fn(f64) -> f64| -> f64 {
+                k.iter()
+                    .enumerate()
+                    .map(|(i, k)| k * f((i as f64 - half as f64) * dt))
+                    .sum()
+            };
+            let passed = over(&value, &|t| (w * t).cos());
+            let first = over(&slope, &|t| (w * t).sin()) / w;
+            let second = -over(&curve, &|t| (w * t).cos()) / (w * w);
+            assert!((first / passed - 1.0).abs() < 1e-3, "{hertz} Hz: {first} {passed}");
+            assert!((second / passed - 1.0).abs() < 1e-3, "{hertz} Hz: {second} {passed}");
+        }
+    }
 }
