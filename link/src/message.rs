@@ -30,6 +30,11 @@ pub enum Request {
     Model(ModelSettings),
     /// Leave the safe state.
     Restart,
+    /// Send every `every`-th tick's telemetry, so that a slow line keeps up.
+    Telemetry {
+        /// Ticks from sample to sample, at least 1.
+        every: u16,
+    },
 }
 
 /// Gains of the feedback.

@@ -1,7 +1,8 @@
 //! `cargo xtask qemu`: the firmware in an emulator against the simulated stage.
 //!
 //! Builds the QEMU board in both arithmetics, shows that its control code has no panic path, prints flash, RAM and
-//! stack, runs the same motion twice in QEMU and once on the host, and injects the faults.
+//! stack, runs the same motion twice in QEMU and once on the host, injects the faults, and identifies the stage's friction
+//! from captured telemetry. `cargo xtask stage` only serves that telemetry.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -33,16 +34,7 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     };
     Need::Qemu.ensure()?;
     Need::ArmGcc.ensure()?;
-    run(&mut cargo(&[
-        "build",
-        "--release",
-        "--package",
-        "preslide-cli",
-        "--example",
-        "rig",
-    ]))?;
-    let rig = root().join("target/release/examples/rig");
-
+    let rig = build_rig()?;
     let fixed = build("preslide-qemu", "qemu-fixed", &[])?;
     let float = build("preslide-qemu", "qemu-float", &["--features", "float"])?;
     for (kind, elf) in [("fixed", &fixed), ("float", &float)] {
@@ -66,7 +58,71 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     if bless {
         faults.arg("--bless");
     }
-    run_for(&mut faults, LIMIT)
+    run_for(&mut faults, LIMIT)?;
+    identified(&rig, &fixed)
+}
+
+/// Serves the telemetry of the firmware on the simulated stage to whoever connects.
+pub fn serve_command(arguments: &[String]) -> Result<(), String> {
+    let port = match arguments {
+        [] => "7700",
+        [port] if port.parse::<u16>().is_ok() => port,
+        _ => {
+            return Err(format!(
+                "`stage` takes a port or nothing, got `{}`",
+                arguments.join(" ")
+            ));
+        }
+    };
+    Need::Qemu.ensure()?;
+    let rig = build_rig()?;
+    let fixed = build("preslide-qemu", "qemu-fixed", &[])?;
+    let truth = fixed.with_extension("truth.json");
+    let mut serve = Command::new(rig);
+    run(serve.arg("serve").arg(fixed).arg(port).arg(truth))
+}
+
+/// The program that drives the emulator, and the tool.
+fn build_rig() -> Result<PathBuf, String> {
+    let what = ["--bins", "--example", "rig"];
+    let build = ["build", "--release", "--package", "preslide-cli"];
+    run(&mut cargo(&[&build[..], &what[..]].concat()))?;
+    Ok(root().join("target/release/examples/rig"))
+}
+
+/// Captures the telemetry of a motion in QEMU with the tool, identifies it, and compares with the stage's friction.
+fn identified(rig: &Path, elf: &Path) -> Result<(), String> {
+    // Free a moment ago; QEMU binds it next.
+    let port = std::net::TcpListener::bind("127.0.0.1:0")
+        .and_then(|listener| listener.local_addr())
+        .map_err(|error| format!("no free port on 127.0.0.1: {error}"))?
+        .port()
+        .to_string();
+    let folder = std::env::temp_dir().join(format!("preslide-capture-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let (recording, truth) = (folder.join("capture.csv"), folder.join("truth.json"));
+    let mut serve = Command::new(rig);
+    let serving = serve.arg("serve").arg(elf).arg(&port).arg(&truth).spawn();
+    let mut serving = serving.map_err(|error| format!("the rig did not start: {error}"))?;
+    let mut capture = Command::new(root().join("target/release/preslide"));
+    capture.args(["capture", &format!("tcp:127.0.0.1:{port}"), "--wait", "20"]);
+    let captured = run_for(capture.arg("--output").arg(&recording), LIMIT);
+    if captured.is_err() {
+        // It has nobody to talk to any more.
+        let _ = serving.kill();
+    }
+    let served = serving.wait().map_err(|error| error.to_string())?;
+    captured?;
+    if !served.success() {
+        return Err(format!("the rig failed ({served})"));
+    }
+    let mut judge = Command::new(rig);
+    let judged = run_for(judge.arg("judge").arg(&recording).arg(&truth), LIMIT);
+    // What stays of a failed run is there to be looked at.
+    if judged.is_ok() {
+        let _ = std::fs::remove_dir_all(&folder);
+    }
+    judged
 }
 
 /// Builds a firmware package; where the image is. A folder of its own for each variant keeps all of them.

@@ -22,7 +22,7 @@ pub struct Scale {
     pub count: f64,
     /// Motor force at the stage per ampere (N/A or N·m/A).
     pub effort_per_a: f64,
-    /// Ticks averaged into one row.
+    /// Ticks averaged into one row; of a controller that sends fewer, the samples among them.
     pub every: u32,
 }
 
@@ -53,9 +53,9 @@ pub struct Summary {
     pub samples: u64,
     /// Rows written.
     pub rows: u64,
-    /// Places where ticks are missing; no row reaches across one.
+    /// Places where samples are missing; no row reaches across one.
     pub gaps: u64,
-    /// Ticks that are missing there.
+    /// Samples that are missing there.
     pub missing: u64,
     /// Of these, samples that the controller had to drop because the line was too slow.
     pub dropped: u64,
@@ -113,7 +113,7 @@ pub enum CaptureError {
     Write(std::io::Error),
     /// Nothing that fills a row.
     #[error(
-        "no telemetry came ({bytes} bytes, {damaged} damaged frames, {samples} samples where a row takes {every}); check \
+        "no telemetry came ({bytes} bytes, {damaged} damaged frames, {samples} samples where a row takes {every} ticks); check \
          that this is a Preslide controller's link and, on a serial line, its speed"
     )]
     NoTelemetry {
@@ -123,7 +123,7 @@ pub enum CaptureError {
         damaged: u64,
         /// Samples read.
         samples: u64,
-        /// Samples in a row.
+        /// Ticks in a row.
         every: u32,
     },
 }
@@ -131,7 +131,7 @@ pub enum CaptureError {
 /// Reads telemetry until the source ends, falls silent or restarts, or `rows` are written, into a recording (CSV).
 /// `progress` is told of every row.
 ///
-/// A row is the mean of [`Scale::every`] ticks, for time, position, reference and force alike, so that none lags behind
+/// A row is the mean over [`Scale::every`] ticks, for time, position, reference and force alike, so that none lags behind
 /// another. Time is the tick's number, so what is missing shows as a gap that every reader of recordings finds.
 ///
 /// # Errors
@@ -147,8 +147,10 @@ pub fn capture(
     writeln!(to, "{}", scale.header()).map_err(CaptureError::Write)?;
     let mut deframer = Deframer::new();
     let mut summary = Summary::default();
-    let (mut last, mut bytes): (Option<u32>, u64) = (None, 0);
-    let mut mean = Mean::default();
+    // Tick, sequence and drops of the last sample.
+    let mut last: Option<(u32, u32, u32)> = None;
+    let mut bytes = 0;
+    let mut row = Mean::default();
     let mut buffer = [0; 4096];
     'reading: loop {
         let length = match source.read(&mut buffer) {
@@ -175,27 +177,33 @@ pub fn capture(
                 }
                 _ => continue,
             };
-            if let Some(last) = last {
-                let ahead = sample.tick.wrapping_sub(last.wrapping_add(1)).cast_signed();
-                if ahead < 0 {
+            // A slow line carries every n-th tick only; what is missing shows in the numbers of the samples.
+            let mut missing = 0;
+            if let Some((tick, sequence, dropped)) = last {
+                if sample.tick <= tick {
                     summary.end = End::Restarted;
                     break 'reading;
                 }
-                if ahead > 0 {
-                    summary.gaps += 1;
-                    summary.missing += u64::from(ahead.unsigned_abs());
-                    mean = Mean::default();
-                }
+                let lost = sample.sequence.wrapping_sub(sequence).wrapping_sub(1);
+                missing = u64::from(lost) + u64::from(sample.dropped.wrapping_sub(dropped));
+                summary.gaps += u64::from(missing > 0);
+                summary.missing += missing;
             }
-            last = Some(sample.tick);
+            let begin = last.is_none() || missing > 0;
+            last = Some((sample.tick, sample.sequence, sample.dropped));
             summary.samples += 1;
             summary.dropped = sample.dropped.into();
             let time = f64::from(sample.tick) * scale.sample_time_s;
             summary.fault = summary.fault.or(sample.fault.map(|fault| (fault, time)));
-            mean.add(&sample);
-            if mean.ticks == scale.every {
-                mean.write(&mut to, scale).map_err(CaptureError::Write)?;
-                mean = Mean::default();
+            if begin {
+                // Rows are counted from behind this sample.
+                row = Mean::behind(&sample);
+                continue;
+            }
+            row.add(&sample);
+            if sample.tick - row.after >= scale.every {
+                row.write(&mut to, scale).map_err(CaptureError::Write)?;
+                row = Mean::behind(&sample);
                 summary.rows += 1;
                 progress();
                 if rows.is_some_and(|rows| summary.rows >= rows) {
@@ -217,10 +225,12 @@ pub fn capture(
     Ok(summary)
 }
 
-/// The ticks of a row, summed.
+/// The samples of a row, summed.
 #[derive(Default)]
 struct Mean {
-    ticks: u32,
+    /// The last tick before the row.
+    after: u32,
+    samples: u32,
     tick: f64,
     position: f64,
     reference: f64,
@@ -228,8 +238,15 @@ struct Mean {
 }
 
 impl Mean {
+    fn behind(sample: &Sample) -> Self {
+        Self {
+            after: sample.tick,
+            ..Self::default()
+        }
+    }
+
     fn add(&mut self, sample: &Sample) {
-        self.ticks += 1;
+        self.samples += 1;
         self.tick += f64::from(sample.tick);
         self.position += f64::from(sample.position);
         self.reference += sample.reference as f64 / 65536.0;
@@ -237,7 +254,7 @@ impl Mean {
     }
 
     fn write(&self, to: &mut impl Write, scale: &Scale) -> std::io::Result<()> {
-        let mean = |sum: f64, unit: f64| sum / f64::from(self.ticks) * unit;
+        let mean = |sum: f64, unit: f64| sum / f64::from(self.samples) * unit;
         writeln!(
             to,
             "{:.7},{:.9e},{:.9e},{:.6e}",

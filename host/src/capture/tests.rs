@@ -4,25 +4,25 @@ use preslide::control::Settings;
 use preslide_link::{FaultCode, LARGEST_FRAME, Report, Sample, encode};
 use std::time::Duration;
 
+fn frame(sequence: u32, tick: u32) -> Vec<u8> {
+    let sample = Sample {
+        sequence,
+        dropped: 0,
+        tick,
+        position: 3 * tick.cast_signed(),
+        reference: i64::from(tick) << 16,
+        code: 0,
+        current: 1000,
+        supply: 6000,
+        fault: (tick == 8).then_some(FaultCode::Overrun),
+    };
+    let mut frame = [0; LARGEST_FRAME];
+    let length = encode(&Report::Sample(sample), &mut frame).expect("it fits");
+    frame[..length].to_vec()
+}
+
 fn telemetry(ticks: impl Iterator<Item = u32>) -> Vec<u8> {
-    let mut line = Vec::new();
-    for tick in ticks {
-        let sample = Sample {
-            sequence: tick,
-            dropped: 0,
-            tick,
-            position: 3 * tick.cast_signed(),
-            reference: i64::from(tick) << 16,
-            code: 0,
-            current: 1000,
-            supply: 6000,
-            fault: (tick == 8).then_some(FaultCode::Overrun),
-        };
-        let mut frame = [0; LARGEST_FRAME];
-        let length = encode(&Report::Sample(sample), &mut frame).expect("it fits");
-        line.extend_from_slice(&frame[..length]);
-    }
-    line
+    ticks.flat_map(|tick| frame(tick, tick)).collect()
 }
 
 fn scale(every: u32) -> Scale {
@@ -33,7 +33,7 @@ fn scale(every: u32) -> Scale {
 fn telemetry_becomes_a_recording_in_si() {
     let mut csv = Vec::new();
     let summary =
-        capture(&telemetry(1..11)[..], &mut csv, &scale(2), None, || {}).expect("telemetry");
+        capture(&telemetry(0..11)[..], &mut csv, &scale(2), None, || {}).expect("telemetry");
     let text = String::from_utf8(csv).expect("text");
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines[0], "t_s,x_m,x_ref_m,force_N");
@@ -42,7 +42,7 @@ fn telemetry_becomes_a_recording_in_si() {
         lines[1],
         "0.0000750,1.125000000e-7,3.750000000e-8,2.070310e0"
     );
-    assert_eq!((summary.samples, summary.rows, lines.len()), (10, 5, 6));
+    assert_eq!((summary.samples, summary.rows, lines.len()), (11, 5, 6));
     assert_eq!((summary.gaps, summary.damaged), (0, 0));
     assert_eq!(summary.fault, Some((FaultCode::Overrun, 8.0 * 50e-6)));
     assert_eq!(summary.end, End::Closed);
@@ -70,19 +70,36 @@ fn what_is_missing_or_damaged_is_counted_and_no_row_reaches_across() {
     let summary = capture(&line[..], &mut csv, &scale(2), None, || {}).expect("telemetry");
     assert_eq!((summary.samples, summary.damaged), (7, 1));
     assert_eq!((summary.gaps, summary.missing), (1, 2));
-    // Ticks 2, 3; then 4 alone is discarded; then 7, 8 and 9, 10.
+    // Ticks 3, 4 behind 2, which is the first whole one; then 8, 9 behind 7; 10 is left over.
     let text = String::from_utf8(csv).expect("text");
     let times: Vec<&str> = text
         .lines()
         .skip(1)
         .filter_map(|l| l.split(',').next())
         .collect();
-    assert_eq!(times, ["0.0001250", "0.0003750", "0.0004750"]);
+    assert_eq!(times, ["0.0001750", "0.0004250"]);
+}
+
+#[test]
+fn every_fourth_tick_of_a_slow_line_is_no_gap() {
+    let mut line = Vec::new();
+    for sequence in 0..12_u32 {
+        line.extend(frame(sequence, 4 * (sequence + 1)));
+    }
+    let mut csv = Vec::new();
+    let summary = capture(&line[..], &mut csv, &scale(12), None, || {}).expect("telemetry");
+    assert_eq!((summary.samples, summary.rows, summary.gaps), (12, 3, 0));
+    let text = String::from_utf8(csv).expect("text");
+    // Ticks 8, 12, 16 behind 4; then 20, 24, 28.
+    assert!(
+        text.contains("\n0.0006000,") && text.contains("\n0.0012000,"),
+        "{text}"
+    );
 }
 
 #[test]
 fn a_restart_ends_the_recording() {
-    let line = [telemetry(1..9), telemetry(1..5)].concat();
+    let line = [telemetry(0..9), telemetry(0..5)].concat();
     let summary = capture(&line[..], Vec::new(), &scale(2), None, || {}).expect("telemetry");
     assert_eq!((summary.rows, summary.end), (4, End::Restarted));
 }

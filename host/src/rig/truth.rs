@@ -97,12 +97,12 @@ pub struct Comparison {
 impl Comparison {
     /// Points at which the confidence interval contains the truth.
     pub fn inside(&self) -> usize {
-        let contains = |(_, truth, estimate): &&(f64, f64, Estimate)| {
-            estimate
-                .ci95
-                .is_some_and(|[low, high]| (low..=high).contains(truth))
-        };
-        self.points.iter().filter(contains).count()
+        self.points.iter().filter(|point| contains(point)).count()
+    }
+
+    /// Whether it does at the last point, where every block slips: the breakaway force.
+    pub fn breakaway_inside(&self) -> bool {
+        self.points.last().is_some_and(contains)
     }
 
     /// RMS of the deviation over RMS of the true force [–].
@@ -111,4 +111,9 @@ impl Comparison {
         (sum(&|(_, truth, e)| (e.value - truth).powi(2)) / sum(&|(_, truth, _)| truth.powi(2)))
             .sqrt()
     }
+}
+
+fn contains((_, truth, estimate): &(f64, f64, Estimate)) -> bool {
+    let interval = estimate.ci95;
+    interval.is_some_and(|[low, high]| (low..=high).contains(truth))
 }

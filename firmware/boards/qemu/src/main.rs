@@ -51,7 +51,7 @@ mod app {
         let settings = Settings::PAPER_AXIS;
         let first = stage::exchange().count;
         let (forward, backward) = Channel::pair(STEPS);
-        let tasks = cx.local.queues.tasks(settings, &STARTING_MODEL, first);
+        let tasks = cx.local.queues.tasks(settings, &STARTING_MODEL, first, 1);
         let (Ok((control, background)), Some(bridge)) =
             (tasks, Bridge::new(forward, backward, STEPS))
         else {

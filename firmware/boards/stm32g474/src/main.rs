@@ -29,6 +29,9 @@ mod app {
     use preslide_app::{Background, Bridge, Control, Inputs, Queues, STARTING_MODEL};
     use preslide_link::{LARGEST_FRAME, Report, encode};
 
+    /// Telemetry of every eighth tick, 2500 frames of some 30 bytes a second, is what 921600 baud carry.
+    const EVERY: u16 = 8;
+
     #[shared]
     struct Shared {}
 
@@ -60,7 +63,10 @@ mod app {
         serial.baudrate = 921_600;
         let link = Uart::new_blocking(p.USART3, p.PC11, p.PC10, serial);
         let first = pac::TIM2.cnt().read();
-        let tasks = cx.local.queues.tasks(settings, &STARTING_MODEL, first);
+        let tasks = cx
+            .local
+            .queues
+            .tasks(settings, &STARTING_MODEL, first, EVERY);
         let bridge = Bridge::new(forward, backward, clock::STEPS);
         let (Ok((control, background)), Some(bridge), Ok(link)) = (tasks, bridge, link) else {
             // Nothing drives yet; the watchdog is not running, so it stays so.
