@@ -50,8 +50,10 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
         println!("{kind}: the second run printed the same bytes");
     }
     // It cannot be run here, but it must build, fit and not panic.
+    build("preslide-stm32g474", "stm32g474", &["--features", "log"])?;
     let board = build("preslide-stm32g474", "stm32g474", &[])?;
     check_image("stm32g474", &board)?;
+    check_ccm(&board)?;
     let golden = root().join(GOLDEN);
     let mut faults = Command::new(&rig);
     faults.arg("faults").arg(&fixed).arg(&golden);
@@ -140,6 +142,54 @@ fn build(package: &str, folder: &str, more: &[&str]) -> Result<PathBuf, String> 
     Ok(target.join(TARGET).join("release").join(package))
 }
 
+/// CCM SRAM of the STM32G474, and the interrupt that runs the control task.
+const CCM: std::ops::Range<u32> = 0x1000_0000..0x1000_8000;
+const TASK: &str = "TIM6_DAC";
+
+/// Whether the control task, all that it calls and the stack are in CCM SRAM. A panic, which ends the task, may be in flash.
+fn check_ccm(elf: &Path) -> Result<(), String> {
+    let disassembly = disassembly(elf)?;
+    let places = call_graph::addresses(&disassembly);
+    let reached = call_graph::reached(&disassembly, TASK)?;
+    // The linker reaches flash from there through veneers only, which it names.
+    let left: Vec<&String> = reached
+        .iter()
+        .filter(|name| !name.contains("panic"))
+        .filter(|name| {
+            name.contains("Thunk") || !places.get(name.as_str()).is_some_and(|a| CCM.contains(a))
+        })
+        .collect();
+    if !left.is_empty() {
+        return Err(format!(
+            "{TASK} runs in CCM SRAM but calls {left:?} outside; add them to firmware/boards/stm32g474/ccm.x"
+        ));
+    }
+    let symbols = output(Command::new("arm-none-eabi-nm").arg(elf))?;
+    let stack = symbols
+        .lines()
+        .find_map(|line| line.strip_suffix(" A _stack_start"))
+        .and_then(|address| u32::from_str_radix(address, 16).ok());
+    if stack != Some(CCM.end) {
+        return Err(format!(
+            "the stack begins at {stack:x?}, not at the end of CCM SRAM"
+        ));
+    }
+    println!(
+        "stm32g474: {TASK} and the {} functions that it calls are in CCM SRAM, and so is the stack (checked by address; \
+         it cannot be run here)",
+        reached.len() - 1
+    );
+    Ok(())
+}
+
+fn disassembly(elf: &Path) -> Result<String, String> {
+    output(
+        Command::new("arm-none-eabi-objdump")
+            .args(["--disassemble", "--demangle", "--no-show-raw-insn"])
+            .arg(elf),
+    )
+}
+
 /// Flash and RAM of an image, and whether its control code can panic.
 fn check_image(kind: &str, elf: &Path) -> Result<(), String> {
     let sizes = output(Command::new("arm-none-eabi-size").arg(elf))?;
@@ -160,12 +210,7 @@ fn check_image(kind: &str, elf: &Path) -> Result<(), String> {
         text + data,
         data + bss
     );
-    let disassembly = output(
-        Command::new("arm-none-eabi-objdump")
-            .args(["--disassemble", "--demangle", "--no-show-raw-insn"])
-            .arg(elf),
-    )?;
-    let reached = call_graph::reached(&disassembly, CONTROL)?;
+    let reached = call_graph::reached(&disassembly(elf)?, CONTROL)?;
     let panics: Vec<&String> = reached
         .iter()
         .filter(|name| name.contains("panic"))

@@ -4,7 +4,9 @@
 #![no_main]
 
 mod bridge;
+mod ccm;
 mod clock;
+mod log;
 mod sense;
 
 use core::panic::PanicInfo;
@@ -16,6 +18,7 @@ mod app {
     use super::Friction;
     use crate::bridge::{self, Channel};
     use crate::clock;
+    use crate::log::Log;
     use crate::sense::Sense;
     use embassy_stm32::mode::Blocking;
     use embassy_stm32::pac;
@@ -51,6 +54,7 @@ mod app {
 
     #[init(local = [queues: Queues<Friction> = Queues::new()])]
     fn init(cx: init::Context) -> (Shared, Local) {
+        crate::ccm::load();
         let p = embassy_stm32::init(clock::config());
         let settings = Settings::PAPER_AXIS;
 
@@ -117,14 +121,17 @@ mod app {
     /// Requests and telemetry.
     #[idle(local = [background, link])]
     fn idle(cx: idle::Context) -> ! {
+        let mut log = Log::default();
         loop {
             // A receive error costs a byte; the frame's CRC tells.
             if let Ok(byte) = cx.local.link.read()
                 && let Some(report) = cx.local.background.receive(byte)
             {
+                log.report(&report);
                 send(cx.local.link, &report);
             }
             if let Some(report) = cx.local.background.sample() {
+                log.report(&report);
                 send(cx.local.link, &report);
             }
         }
