@@ -6,6 +6,9 @@ use serde::{Deserialize, Serialize};
 pub const MOST_BLOCKS: usize = 4;
 
 /// From the host to the controller. SI units.
+///
+/// Gains and friction model can be changed while the axis runs. Limits, motor, watch and reference cannot: they say what
+/// the machine is, and change with the firmware's build.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Request {
     /// Answered with [`Report::Done`].
