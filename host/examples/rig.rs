@@ -1,14 +1,22 @@
 //! Runs a firmware ELF in QEMU: `rig fixed|float ELF` compares its commands with the host's simulation,
-//! `rig faults ELF FOLDER [--bless]` injects the faults and compares with the golden files. `rig serve ELF PORT` follows
-//! the identification motion and hands its telemetry to `preslide capture tcp:127.0.0.1:PORT`. `cargo xtask qemu` calls it.
+//! `rig faults ELF FOLDER [--bless]` injects the faults and compares with the golden files. `rig serve ELF PORT TRUTH` moves
+//! the stage through nested strokes, hands its telemetry to `preslide capture tcp:127.0.0.1:PORT` and writes what the
+//! stage's friction was; `rig judge REC.csv TRUTH` compares with it what `identify` finds in the capture.
+//! `cargo xtask qemu` and `cargo xtask stage` call it.
 
 use anyhow::{Context, bail};
 use fixed::types::I16F16;
 use preslide::control::Settings;
 use preslide::{Block, QuasiStaticGms, Units};
-use preslide_host::rig::{Listener, Script, agreement, injections, motion, requests, run};
+use preslide_host::identify::{Options, STEPS, identify};
+use preslide_host::progress::Progress;
+use preslide_host::recording::{self, LoadOptions};
+use preslide_host::rig::{
+    Listener, Script, TrueCurve, agreement, injections, motion, presliding, requests, run,
+};
 use preslide_host::tracking::FIXED_UNITS;
-use preslide_host::tracking::motions::identification;
+use preslide_link::Request;
+use std::cell::RefCell;
 use std::path::Path;
 
 /// What the firmware starts with: the paper's Table 3, four blocks, through the command link's single precision.
@@ -56,25 +64,18 @@ fn main() -> anyhow::Result<()> {
                 );
             }
         }
-        ["serve", elf, port] => {
-            let port = port.parse().context("the port")?;
-            println!("waiting for `preslide capture` on tcp:127.0.0.1:{port}");
-            let mut script = Script::quiet(0);
-            // One request a move, each in time for the one before it to end.
-            let mut tick = 20;
-            for step in identification() {
-                let request = requests(&[step]);
-                script = script.send(tick, &request);
-                tick += step.plan::<f32>(&Settings::PAPER_AXIS, Units::SI)?.ticks() as u64;
-            }
-            script.ticks = tick + 200;
-            let record = run(Path::new(elf), &script, Listener::Tcp(port))?;
-            print!("{}", record.remains.log);
+        ["serve", elf, port, truth] => {
+            serve(
+                Path::new(elf),
+                port.parse().context("the port")?,
+                Path::new(truth),
+            )?;
         }
+        ["judge", recording, truth] => judge(Path::new(recording), Path::new(truth))?,
         ["faults", elf, folder] => faults(Path::new(elf), Path::new(folder), false)?,
         ["faults", elf, folder, "--bless"] => faults(Path::new(elf), Path::new(folder), true)?,
         _ => bail!(
-            "usage: rig fixed|float ELF, rig faults ELF FOLDER [--bless], or rig serve ELF PORT"
+            "usage: rig fixed|float ELF, rig faults ELF FOLDER [--bless], rig serve ELF PORT TRUTH, or rig judge REC.csv TRUTH"
         ),
     }
     Ok(())
@@ -102,6 +103,81 @@ fn faults(elf: &Path, folder: &Path, bless: bool) -> anyhow::Result<()> {
             "unlike the golden files: {}; look at the output above, and `cargo xtask qemu --bless` if it is right",
             different.join(", ")
         );
+    }
+    Ok(())
+}
+
+/// Between two looks at the stage's friction: its gains wander over 100 µm of path, a second of this motion.
+const LOOK_TICKS: u64 = 2000;
+
+/// Moves through nested strokes and hands out telemetry; what the friction was goes to the file `truth`.
+fn serve(elf: &Path, port: u16, truth: &Path) -> anyhow::Result<()> {
+    println!("waiting for `preslide capture tcp:127.0.0.1:{port} -o REC.csv`");
+    let curve = RefCell::new(TrueCurve::default());
+    let mut script = Script::quiet(0);
+    // Every tick's telemetry would cost more than the rest of the emulation: QEMU sends it byte by byte.
+    // The exchange of the initialisation, tick 0, carries no byte.
+    script = script.send(1, &[Request::Telemetry { every: 5 }]);
+    // One request a move, each in time for the one before it to end.
+    let mut tick = 40;
+    for step in presliding() {
+        script = script.send(tick, &requests(&[step]));
+        tick += step.plan::<f32>(&Settings::PAPER_AXIS, Units::SI)?.ticks() as u64;
+    }
+    script.ticks = tick + 200;
+    script.disturb = Box::new(|tick, stage| {
+        if tick.is_multiple_of(LOOK_TICKS) {
+            let speed = stage.truth().velocity_m_s;
+            curve.borrow_mut().look(stage, speed);
+        }
+    });
+    let record = run(elf, &script, Listener::Tcp(port))?;
+    print!("{}", record.remains.log);
+    drop(script);
+    let text = serde_json::to_string(&curve.into_inner())?;
+    std::fs::write(truth, text).with_context(|| truth.display().to_string())
+}
+
+/// Wide intervals contain anything: the curve must also be right to 3 %, where the stage's friction varies by ±15 %.
+const LARGEST_DEVIATION: f64 = 0.03;
+
+/// Identifies a capture and compares with what the stage's friction was.
+fn judge(recording: &Path, truth: &Path) -> anyhow::Result<()> {
+    let text = std::fs::read_to_string(truth).with_context(|| truth.display().to_string())?;
+    let truth: TrueCurve = serde_json::from_str(&text)?;
+    let recording = recording::load(recording, &LoadOptions::default())?;
+    let progress = Progress::new("identify", STEPS);
+    let found = identify(&recording, &Options::default(), &progress).map_err(anyhow::Error::msg)?;
+    progress.finish();
+    let best = found.best();
+    let comparison = truth.compare(best);
+    println!("{}", found.recommendation);
+    println!(
+        "{:>10} {:>10} {:>10} {:>22}",
+        "x (µm)", "true (N)", "found (N)", "95 % (N)"
+    );
+    for (x, truth, found) in &comparison.points {
+        let [low, high] = found.ci95.unwrap_or([f64::NAN; 2]);
+        println!(
+            "{:>10.3} {truth:>10.4} {:>10.4} {low:>11.4} …{high:>9.4}",
+            x * 1e6,
+            found.value
+        );
+    }
+    for (name, value) in &best.rigid_body {
+        let [low, high] = value.ci95.unwrap_or([f64::NAN; 2]);
+        println!("{name}: {:.4}, 95 % {low:.4} … {high:.4}", value.value);
+    }
+    let (inside, points) = (comparison.inside(), comparison.points.len());
+    let (whole, deviation) = (comparison.breakaway_inside(), comparison.relative_rms());
+    println!(
+        "virgin curve: {inside} of {points} points inside the 95 % interval, RMS deviation {:.2} %; breakaway force: {}",
+        100.0 * deviation,
+        if whole { "inside" } else { "outside" }
+    );
+    // A 95 % interval leaves out a twentieth of what it is drawn for.
+    if !whole || inside * 20 < points * 19 || deviation > LARGEST_DEVIATION {
+        bail!("the identified model does not match the stage's friction");
     }
     Ok(())
 }

@@ -19,6 +19,7 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     Demo(commands::demo::Demo),
+    Capture(commands::capture::Capture),
     Compare(commands::compare::Compare),
     Diagnose(commands::diagnose::Diagnose),
     Identify(commands::identify::Identify),
@@ -30,6 +31,7 @@ enum Command {
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Demo(command) => command.run(),
+        Command::Capture(command) => command.run(),
         Command::Compare(command) => command.run(),
         Command::Diagnose(command) => command.run(),
         Command::Identify(command) => command.run(),

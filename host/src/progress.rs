@@ -25,7 +25,7 @@ enum Shown {
 }
 
 impl Progress {
-    /// Starts `steps` steps of the work that `message` names, such as "fitting GMS".
+    /// Starts `steps` steps of the work that `message` names, such as "fitting GMS"; 0 where nobody knows how many.
     pub fn new(message: impl Into<String>, steps: u64) -> Self {
         let message = message.into();
         let stderr = std::io::stderr();
@@ -37,7 +37,12 @@ impl Progress {
         let bar = ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr())
             .with_message(message);
         // The default style stands in should the template ever be wrong.
-        if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}  {elapsed}") {
+        let template = if steps > 0 {
+            "{msg} {wide_bar} {pos}/{len}  {elapsed}"
+        } else {
+            "{msg} {pos}  {elapsed}"
+        };
+        if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
         bar.enable_steady_tick(Duration::from_millis(200));
@@ -148,7 +153,11 @@ impl Lines {
 
     fn write(&self, log: &mut Log, done: u64, now: Instant) {
         let seconds = now.saturating_duration_since(self.started).as_secs_f64();
-        let line = format!("{}: {done} of {} ({seconds:.1} s)", log.message, self.steps);
+        let of = match self.steps {
+            0 => String::new(),
+            steps => format!(" of {steps}"),
+        };
+        let line = format!("{}: {done}{of} ({seconds:.1} s)", log.message);
         say(&mut log.to, &line);
     }
 }

@@ -481,3 +481,17 @@ fn simulate_refuses_bad_model_files_by_key() {
     preslide(&["simulate", &folder.path("absent.toml"), "--motion", &motion])
         .fails(2, &["absent.toml"]);
 }
+
+#[test]
+fn capture_leaves_nothing_behind_where_nothing_comes() {
+    let folder = Folder::new();
+    let (old, new) = (folder.file("old.csv", "t_s\n"), folder.path("new.csv"));
+    let noise = folder.file("noise", [0x55; 500]);
+    preslide(&["capture", &noise, "-o", &old]).fails(2, &["old.csv exists", "--overwrite"]);
+    preslide(&["capture", "tcp:127.0.0.1:1", "-o", &new]).fails(2, &["127.0.0.1:1", "--wait"]);
+    preslide(&["capture", &noise, "-o", &new]).fails(3, &["no telemetry", "speed"]);
+    assert!(!std::path::Path::new(&new).exists());
+    let nowhere = folder.path("none/new.csv");
+    preslide(&["capture", &noise, "-o", &nowhere]).fails(1, &["none", "folder"]);
+    preslide(&["capture", &noise, "-o", &new, "--every", "0"]).fails(2, &["--every"]);
+}

@@ -6,6 +6,9 @@ use serde::{Deserialize, Serialize};
 pub const MOST_BLOCKS: usize = 4;
 
 /// From the host to the controller. SI units.
+///
+/// Gains and friction model can be changed while the axis runs. Limits, motor, watch and reference cannot: they say what
+/// the machine is, and change with the firmware's build.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Request {
     /// Answered with [`Report::Done`].
@@ -30,6 +33,11 @@ pub enum Request {
     Model(ModelSettings),
     /// Leave the safe state.
     Restart,
+    /// Send every `every`-th tick's telemetry, so that a slow line keeps up.
+    Telemetry {
+        /// Ticks from sample to sample, at least 1.
+        every: u16,
+    },
 }
 
 /// Gains of the feedback.

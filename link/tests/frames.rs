@@ -34,7 +34,13 @@ fn messages_survive_the_line() {
         breakaway_n: 0.9,
         blocks: [(270_313.0, 0.292); 4],
     });
-    for request in [REQUEST, model, Request::Ping, Request::Restart] {
+    for request in [
+        REQUEST,
+        model,
+        Request::Ping,
+        Request::Restart,
+        Request::Telemetry { every: u16::MAX },
+    ] {
         assert_eq!(feed(&frame(&request)), [Ok(request)]);
     }
     let sample = Report::Sample(Sample {

@@ -42,6 +42,15 @@ pub fn reached(disassembly: &str, start: &str) -> Result<BTreeSet<String>, Strin
     Ok(seen)
 }
 
+/// Where every function begins.
+pub fn addresses(disassembly: &str) -> BTreeMap<&str, u32> {
+    let parse = |line| {
+        let (address, _) = str::split_once(line, " <")?;
+        Some((header(line)?, u32::from_str_radix(address, 16).ok()?))
+    };
+    disassembly.lines().filter_map(parse).collect()
+}
+
 /// `000003f0 <name>:`
 fn header(line: &str) -> Option<&str> {
     let (address, name) = line.split_once(" <")?;
@@ -79,7 +88,7 @@ fn target(operands: &str) -> Option<&str> {
 
 #[cfg(test)]
 mod tests {
-    use super::reached;
+    use super::{addresses, reached};
 
     const IMAGE: &str = "
 00000010 <tick>:
@@ -114,6 +123,13 @@ mod tests {
                 "tick"
             ]
         );
+    }
+
+    #[test]
+    fn knows_where_functions_begin() {
+        let places = addresses(IMAGE);
+        assert_eq!(places.len(), 5);
+        assert_eq!(places.get("far"), Some(&0x30));
     }
 
     #[test]

@@ -32,6 +32,11 @@ const COMMANDS: &[Command] = &[
         help: "the firmware in QEMU against the simulated stage: agreement, faults, sizes; --bless takes new outputs",
         run: qemu::run_command,
     },
+    Command {
+        name: "stage",
+        help: "the firmware in QEMU on the simulated stage, its telemetry on tcp:127.0.0.1:7700 or the PORT named",
+        run: qemu::serve_command,
+    },
 ];
 
 fn main() -> ExitCode {

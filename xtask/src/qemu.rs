@@ -1,7 +1,8 @@
 //! `cargo xtask qemu`: the firmware in an emulator against the simulated stage.
 //!
 //! Builds the QEMU board in both arithmetics, shows that its control code has no panic path, prints flash, RAM and
-//! stack, runs the same motion twice in QEMU and once on the host, and injects the faults.
+//! stack, runs the same motion twice in QEMU and once on the host, injects the faults, and identifies the stage's friction
+//! from captured telemetry. `cargo xtask stage` only serves that telemetry.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -33,16 +34,7 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     };
     Need::Qemu.ensure()?;
     Need::ArmGcc.ensure()?;
-    run(&mut cargo(&[
-        "build",
-        "--release",
-        "--package",
-        "preslide-cli",
-        "--example",
-        "rig",
-    ]))?;
-    let rig = root().join("target/release/examples/rig");
-
+    let rig = build_rig()?;
     let fixed = build("preslide-qemu", "qemu-fixed", &[])?;
     let float = build("preslide-qemu", "qemu-float", &["--features", "float"])?;
     for (kind, elf) in [("fixed", &fixed), ("float", &float)] {
@@ -58,15 +50,81 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
         println!("{kind}: the second run printed the same bytes");
     }
     // It cannot be run here, but it must build, fit and not panic.
+    build("preslide-stm32g474", "stm32g474", &["--features", "log"])?;
     let board = build("preslide-stm32g474", "stm32g474", &[])?;
     check_image("stm32g474", &board)?;
+    check_ccm(&board)?;
     let golden = root().join(GOLDEN);
     let mut faults = Command::new(&rig);
     faults.arg("faults").arg(&fixed).arg(&golden);
     if bless {
         faults.arg("--bless");
     }
-    run_for(&mut faults, LIMIT)
+    run_for(&mut faults, LIMIT)?;
+    identified(&rig, &fixed)
+}
+
+/// Serves the telemetry of the firmware on the simulated stage to whoever connects.
+pub fn serve_command(arguments: &[String]) -> Result<(), String> {
+    let port = match arguments {
+        [] => "7700",
+        [port] if port.parse::<u16>().is_ok() => port,
+        _ => {
+            return Err(format!(
+                "`stage` takes a port or nothing, got `{}`",
+                arguments.join(" ")
+            ));
+        }
+    };
+    Need::Qemu.ensure()?;
+    let rig = build_rig()?;
+    let fixed = build("preslide-qemu", "qemu-fixed", &[])?;
+    let truth = fixed.with_extension("truth.json");
+    let mut serve = Command::new(rig);
+    run(serve.arg("serve").arg(fixed).arg(port).arg(truth))
+}
+
+/// The program that drives the emulator, and the tool.
+fn build_rig() -> Result<PathBuf, String> {
+    let what = ["--bins", "--example", "rig"];
+    let build = ["build", "--release", "--package", "preslide-cli"];
+    run(&mut cargo(&[&build[..], &what[..]].concat()))?;
+    Ok(root().join("target/release/examples/rig"))
+}
+
+/// Captures the telemetry of a motion in QEMU with the tool, identifies it, and compares with the stage's friction.
+fn identified(rig: &Path, elf: &Path) -> Result<(), String> {
+    // Free a moment ago; QEMU binds it next.
+    let port = std::net::TcpListener::bind("127.0.0.1:0")
+        .and_then(|listener| listener.local_addr())
+        .map_err(|error| format!("no free port on 127.0.0.1: {error}"))?
+        .port()
+        .to_string();
+    let folder = std::env::temp_dir().join(format!("preslide-capture-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let (recording, truth) = (folder.join("capture.csv"), folder.join("truth.json"));
+    let mut serve = Command::new(rig);
+    let serving = serve.arg("serve").arg(elf).arg(&port).arg(&truth).spawn();
+    let mut serving = serving.map_err(|error| format!("the rig did not start: {error}"))?;
+    let mut capture = Command::new(root().join("target/release/preslide"));
+    capture.args(["capture", &format!("tcp:127.0.0.1:{port}"), "--wait", "20"]);
+    let captured = run_for(capture.arg("--output").arg(&recording), LIMIT);
+    if captured.is_err() {
+        // It has nobody to talk to any more.
+        let _ = serving.kill();
+    }
+    let served = serving.wait().map_err(|error| error.to_string())?;
+    captured?;
+    if !served.success() {
+        return Err(format!("the rig failed ({served})"));
+    }
+    let mut judge = Command::new(rig);
+    let judged = run_for(judge.arg("judge").arg(&recording).arg(&truth), LIMIT);
+    // What stays of a failed run is there to be looked at.
+    if judged.is_ok() {
+        let _ = std::fs::remove_dir_all(&folder);
+    }
+    judged
 }
 
 /// Builds a firmware package; where the image is. A folder of its own for each variant keeps all of them.
@@ -82,6 +140,54 @@ fn build(package: &str, folder: &str, more: &[&str]) -> Result<PathBuf, String> 
     let mut command = toolchain.cargo(&firmware, &arguments);
     run(command.arg("--target-dir").arg(&target))?;
     Ok(target.join(TARGET).join("release").join(package))
+}
+
+/// CCM SRAM of the STM32G474, and the interrupt that runs the control task.
+const CCM: std::ops::Range<u32> = 0x1000_0000..0x1000_8000;
+const TASK: &str = "TIM6_DAC";
+
+/// Whether the control task, all that it calls and the stack are in CCM SRAM. A panic, which ends the task, may be in flash.
+fn check_ccm(elf: &Path) -> Result<(), String> {
+    let disassembly = disassembly(elf)?;
+    let places = call_graph::addresses(&disassembly);
+    let reached = call_graph::reached(&disassembly, TASK)?;
+    // The linker reaches flash from there through veneers only, which it names.
+    let left: Vec<&String> = reached
+        .iter()
+        .filter(|name| !name.contains("panic"))
+        .filter(|name| {
+            name.contains("Thunk") || !places.get(name.as_str()).is_some_and(|a| CCM.contains(a))
+        })
+        .collect();
+    if !left.is_empty() {
+        return Err(format!(
+            "{TASK} runs in CCM SRAM but calls {left:?} outside; add them to firmware/boards/stm32g474/ccm.x"
+        ));
+    }
+    let symbols = output(Command::new("arm-none-eabi-nm").arg(elf))?;
+    let stack = symbols
+        .lines()
+        .find_map(|line| line.strip_suffix(" A _stack_start"))
+        .and_then(|address| u32::from_str_radix(address, 16).ok());
+    if stack != Some(CCM.end) {
+        return Err(format!(
+            "the stack begins at {stack:x?}, not at the end of CCM SRAM"
+        ));
+    }
+    println!(
+        "stm32g474: {TASK} and the {} functions that it calls are in CCM SRAM, and so is the stack (checked by address; \
+         it cannot be run here)",
+        reached.len() - 1
+    );
+    Ok(())
+}
+
+fn disassembly(elf: &Path) -> Result<String, String> {
+    output(
+        Command::new("arm-none-eabi-objdump")
+            .args(["--disassemble", "--demangle", "--no-show-raw-insn"])
+            .arg(elf),
+    )
 }
 
 /// Flash and RAM of an image, and whether its control code can panic.
@@ -104,12 +210,7 @@ fn check_image(kind: &str, elf: &Path) -> Result<(), String> {
         text + data,
         data + bss
     );
-    let disassembly = output(
-        Command::new("arm-none-eabi-objdump")
-            .args(["--disassemble", "--demangle", "--no-show-raw-insn"])
-            .arg(elf),
-    )?;
-    let reached = call_graph::reached(&disassembly, CONTROL)?;
+    let reached = call_graph::reached(&disassembly(elf)?, CONTROL)?;
     let panics: Vec<&String> = reached
         .iter()
         .filter(|name| name.contains("panic"))

@@ -1,7 +1,7 @@
 //! The task below the interrupt: requests in, reports out.
 
 use crate::{Change, Model};
-use core::sync::atomic::{AtomicBool, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU16, Ordering};
 use heapless::spsc::{Consumer, Producer};
 use preslide::control::{Coefficients, Move, Settings};
 use preslide_link::{Deframer, GainSettings, ModelSettings, Refusal, Report, Request, Sample};
@@ -15,6 +15,7 @@ pub struct Background<F: Model> {
     changes: Producer<'static, Change<F>>,
     samples: Consumer<'static, Sample>,
     stopped: &'static AtomicBool,
+    every: &'static AtomicU16,
 }
 
 impl<F: Model> Background<F> {
@@ -25,6 +26,7 @@ impl<F: Model> Background<F> {
         changes: Producer<'static, Change<F>>,
         samples: Consumer<'static, Sample>,
         stopped: &'static AtomicBool,
+        every: &'static AtomicU16,
     ) -> Self {
         Self {
             deframer: Deframer::new(),
@@ -34,6 +36,7 @@ impl<F: Model> Background<F> {
             changes,
             samples,
             stopped,
+            every,
         }
     }
 
@@ -86,6 +89,11 @@ impl<F: Model> Background<F> {
                 .changes
                 .enqueue(Change::Restart)
                 .map_err(|_| Refusal::Busy),
+            Request::Telemetry { every: 0 } => Err(Refusal::OutOfRange),
+            Request::Telemetry { every } => {
+                self.every.store(every, Ordering::Relaxed);
+                Ok(())
+            }
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::{Bridge, Change, Model};
 use core::convert::Infallible;
-use core::sync::atomic::{AtomicBool, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU16, Ordering};
 use embedded_hal::pwm::SetDutyCycle;
 use heapless::spsc::{Consumer, Producer};
 use preslide::control::{Command, Controller, Fault, Measurement, Move};
@@ -33,6 +33,9 @@ pub struct Control<F: Model> {
     pub(crate) changes: Consumer<'static, Change<F>>,
     pub(crate) samples: Producer<'static, Sample>,
     pub(crate) stopped: &'static AtomicBool,
+    /// Ticks from one sample of telemetry to the next, and since the last.
+    pub(crate) every: &'static AtomicU16,
+    pub(crate) since: u16,
     pub(crate) tick: u32,
     pub(crate) sequence: u32,
     pub(crate) dropped: u32,
@@ -61,6 +64,11 @@ impl<F: Model> Control<F> {
             .store(command.fault.is_some(), Ordering::Relaxed);
 
         self.tick = self.tick.wrapping_add(1);
+        self.since = self.since.saturating_add(1);
+        if self.since < self.every.load(Ordering::Relaxed) {
+            return;
+        }
+        self.since = 0;
         let sample = Sample {
             sequence: self.sequence,
             dropped: self.dropped,

@@ -1,7 +1,7 @@
 //! What lies between the two tasks.
 
 use crate::{Background, Control, Model};
-use core::sync::atomic::AtomicBool;
+use core::sync::atomic::{AtomicBool, AtomicU16};
 use heapless::spsc::Queue;
 use preslide::ParamError;
 use preslide::control::{Coefficients, Controller, Move, Settings};
@@ -24,6 +24,7 @@ pub struct Queues<F: Model> {
     /// 3 ms of telemetry at 20 kHz.
     samples: Queue<Sample, 65>,
     stopped: AtomicBool,
+    every: AtomicU16,
 }
 
 impl<F: Model> Queues<F> {
@@ -34,10 +35,11 @@ impl<F: Model> Queues<F> {
             changes: Queue::new(),
             samples: Queue::new(),
             stopped: AtomicBool::new(false),
+            every: AtomicU16::new(1),
         }
     }
 
-    /// Both tasks, with the controller at the counter's reading `first`.
+    /// Both tasks, with the controller at the counter's reading `first` and telemetry from every `every`-th tick.
     ///
     /// # Errors
     /// The first setting or parameter that is not usable.
@@ -46,7 +48,9 @@ impl<F: Model> Queues<F> {
         settings: Settings,
         model: &ModelSettings,
         first: u32,
+        every: u16,
     ) -> Result<(Control<F>, Background<F>), ParamError> {
+        *self.every.get_mut() = every;
         let coefficients = Coefficients::try_new(&settings, F::build(model)?, F::UNITS)?;
         let (moves_in, moves) = self.moves.split();
         let (changes_in, changes) = self.changes.split();
@@ -58,6 +62,8 @@ impl<F: Model> Queues<F> {
                 changes,
                 samples,
                 stopped: &self.stopped,
+                every: &self.every,
+                since: 0,
                 tick: 0,
                 sequence: 0,
                 dropped: 0,
@@ -69,6 +75,7 @@ impl<F: Model> Queues<F> {
                 changes_in,
                 samples_out,
                 &self.stopped,
+                &self.every,
             ),
         ))
     }

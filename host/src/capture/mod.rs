@@ -1,32 +1,47 @@
 //! Telemetry of a running controller into a recording.
 
-use anyhow::{Context, bail};
+mod source;
+#[cfg(test)]
+mod tests;
+
+pub use source::open;
+
+use crate::recording::MotionKind;
 use preslide::control::Settings;
 use preslide_link::{Deframer, FaultCode, Report, Sample};
 use std::io::{BufWriter, ErrorKind, Read, Write};
-use std::net::TcpStream;
 
 /// What turns raw telemetry into SI, and how much of it is kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
+    /// Linear or rotary: metres and newtons, or radians and newton metres.
+    pub motion: MotionKind,
     /// `T_s` (s).
     pub sample_time_s: f64,
-    /// One encoder count (m).
-    pub count_m: f64,
-    /// Motor force at the stage per ampere (N/A).
-    pub force_n_per_a: f64,
-    /// Ticks averaged into one row: force is the mean, position the last.
+    /// One encoder count (m or rad).
+    pub count: f64,
+    /// Motor force at the stage per ampere (N/A or N·m/A).
+    pub effort_per_a: f64,
+    /// Ticks averaged into one row; of a controller that sends fewer, the samples among them.
     pub every: u32,
 }
 
 impl Scale {
-    /// The scale of a controller with these settings.
+    /// The scale of a linear controller with these settings.
     pub fn of(settings: &Settings, every: u32) -> Self {
         Self {
+            motion: MotionKind::Linear,
             sample_time_s: settings.sample_time,
-            count_m: settings.encoder.count,
-            force_n_per_a: settings.motor.torque_constant * settings.motor.transmission(),
+            count: settings.encoder.count,
+            effort_per_a: settings.motor.torque_constant * settings.motor.transmission(),
             every: every.max(1),
+        }
+    }
+
+    fn header(&self) -> &'static str {
+        match self.motion {
+            MotionKind::Linear => "t_s,x_m,x_ref_m,force_N",
+            MotionKind::Rotary => "t_s,q_rad,q_ref_rad,torque_Nm",
         }
     }
 }
@@ -38,63 +53,120 @@ pub struct Summary {
     pub samples: u64,
     /// Rows written.
     pub rows: u64,
-    /// Samples that the controller had to drop, because the line was too slow.
+    /// Places where samples are missing; no row reaches across one.
+    pub gaps: u64,
+    /// Samples that are missing there.
+    pub missing: u64,
+    /// Of these, samples that the controller had to drop because the line was too slow.
     pub dropped: u64,
-    /// Samples that were lost on the line.
-    pub lost: u64,
     /// Frames that could not be read.
     pub damaged: u64,
-    /// The fault that the capture ended with or passed through.
-    pub fault: Option<FaultCode>,
+    /// The first fault, and when (s).
+    pub fault: Option<(FaultCode, f64)>,
+    /// Why the capture ended.
+    pub end: End,
 }
 
-/// Opens `tcp:HOST:PORT`, or a file, pipe or serial device by its path (set a device's speed with `stty` first).
-///
-/// # Errors
-/// Where it cannot be opened, with what to check.
-pub fn open(source: &str) -> anyhow::Result<Box<dyn Read>> {
-    if let Some(address) = source.strip_prefix("tcp:") {
-        let stream = TcpStream::connect(address).with_context(|| {
-            format!("cannot connect to {address}; is the controller, or `rig serve`, running and listening there?")
-        })?;
-        return Ok(Box::new(stream));
-    }
-    let file = std::fs::File::open(source).with_context(|| {
-        format!("cannot open {source}; give tcp:HOST:PORT or the path of a device or file")
-    })?;
-    Ok(Box::new(file))
+/// Why a capture ended.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum End {
+    /// As many rows as were asked for.
+    Complete,
+    /// The source closed, as when a controller is switched off.
+    #[default]
+    Closed,
+    /// Nothing came any more.
+    Silent,
+    /// The controller began to count its ticks anew, as after a reset.
+    Restarted,
 }
 
-/// Reads telemetry until the source ends or `rows` are written, into a recording (CSV with `t_s`, `x_m`, `x_ref_m`,
-/// `force_N`). `progress` is told the rows written so far.
+/// Why there is no recording.
+#[derive(Debug, thiserror::Error)]
+pub enum CaptureError {
+    /// No connection.
+    #[error(
+        "cannot connect to {address}: {error}; give tcp:HOST:PORT of a controller's telemetry (`cargo xtask stage` serves \
+         an emulated one), or --wait for one that is still starting"
+    )]
+    Connect {
+        /// `HOST:PORT`.
+        address: String,
+        /// What the system said.
+        error: std::io::Error,
+    },
+    /// No such file or device.
+    #[error(
+        "cannot open {path}: {error}; give tcp:HOST:PORT or the path of a device, pipe or file"
+    )]
+    Open {
+        /// Its path.
+        path: String,
+        /// What the system said.
+        error: std::io::Error,
+    },
+    /// The source broke.
+    #[error("reading telemetry: {0}")]
+    Read(std::io::Error),
+    /// The recording could not be written.
+    #[error("writing the recording: {0}")]
+    Write(std::io::Error),
+    /// Nothing that fills a row.
+    #[error(
+        "no telemetry came ({bytes} bytes, {damaged} damaged frames, {samples} samples where a row takes {every} ticks); check \
+         that this is a Preslide controller's link and, on a serial line, its speed"
+    )]
+    NoTelemetry {
+        /// Bytes read.
+        bytes: u64,
+        /// Frames that could not be read.
+        damaged: u64,
+        /// Samples read.
+        samples: u64,
+        /// Ticks in a row.
+        every: u32,
+    },
+}
+
+/// Reads telemetry until the source ends, falls silent or restarts, or `rows` are written, into a recording (CSV).
+/// `progress` is told of every row.
 ///
-/// Time is the tick's number, so lost samples show as a gap that every reader of recordings finds.
+/// A row is the mean over [`Scale::every`] ticks, for time, position, reference and force alike, so that none lags behind
+/// another. Time is the tick's number, so what is missing shows as a gap that every reader of recordings finds.
 ///
 /// # Errors
-/// Where reading or writing fails, or nothing that looks like telemetry came.
+/// [`CaptureError::Read`], [`CaptureError::Write`] or [`CaptureError::NoTelemetry`].
 pub fn capture(
     mut source: impl Read,
     to: impl Write,
     scale: &Scale,
     rows: Option<u64>,
-    mut progress: impl FnMut(u64),
-) -> anyhow::Result<Summary> {
+    mut progress: impl FnMut(),
+) -> Result<Summary, CaptureError> {
     let mut to = BufWriter::new(to);
-    writeln!(to, "t_s,x_m,x_ref_m,force_N")?;
+    writeln!(to, "{}", scale.header()).map_err(CaptureError::Write)?;
     let mut deframer = Deframer::new();
     let mut summary = Summary::default();
-    let mut expected: Option<u32> = None;
-    let (mut current, mut gathered) = (0.0, 0_u32);
+    // Tick, sequence and drops of the last sample.
+    let mut last: Option<(u32, u32, u32)> = None;
+    let mut bytes = 0;
+    let mut row = Mean::default();
     let mut buffer = [0; 4096];
     'reading: loop {
         let length = match source.read(&mut buffer) {
             Ok(0) => break,
             Ok(length) => length,
-            Err(error) if error.kind() == ErrorKind::Interrupted => continue,
-            // A controller that is switched off is the usual end of a capture.
-            Err(error) if error.kind() == ErrorKind::ConnectionReset => break,
-            Err(error) => return Err(error).context("reading telemetry"),
+            Err(error) => match error.kind() {
+                ErrorKind::Interrupted => continue,
+                ErrorKind::ConnectionReset => break,
+                ErrorKind::WouldBlock | ErrorKind::TimedOut => {
+                    summary.end = End::Silent;
+                    break;
+                }
+                _ => return Err(CaptureError::Read(error)),
+            },
         };
+        bytes += length as u64;
         for &byte in buffer.iter().take(length) {
             let sample = match deframer.push::<Report>(byte) {
                 Some(Ok(Report::Sample(sample))) => sample,
@@ -105,108 +177,91 @@ pub fn capture(
                 }
                 _ => continue,
             };
-            summary.lost +=
-                expected.map_or(0, |next| u64::from(sample.sequence.wrapping_sub(next)));
-            expected = Some(sample.sequence.wrapping_add(1));
+            // A slow line carries every n-th tick only; what is missing shows in the numbers of the samples.
+            let mut missing = 0;
+            if let Some((tick, sequence, dropped)) = last {
+                if sample.tick <= tick {
+                    summary.end = End::Restarted;
+                    break 'reading;
+                }
+                let lost = sample.sequence.wrapping_sub(sequence).wrapping_sub(1);
+                missing = u64::from(lost) + u64::from(sample.dropped.wrapping_sub(dropped));
+                summary.gaps += u64::from(missing > 0);
+                summary.missing += missing;
+            }
+            let begin = last.is_none() || missing > 0;
+            last = Some((sample.tick, sample.sequence, sample.dropped));
             summary.samples += 1;
             summary.dropped = sample.dropped.into();
-            summary.fault = summary.fault.or(sample.fault);
-            current += f64::from(sample.current) * 1e-4;
-            gathered += 1;
-            if gathered == scale.every {
-                row(&mut to, scale, &sample, current / f64::from(gathered))?;
-                (current, gathered) = (0.0, 0);
+            let time = f64::from(sample.tick) * scale.sample_time_s;
+            summary.fault = summary.fault.or(sample.fault.map(|fault| (fault, time)));
+            if begin {
+                // Rows are counted from behind this sample.
+                row = Mean::behind(&sample);
+                continue;
+            }
+            row.add(&sample);
+            if sample.tick - row.after >= scale.every {
+                row.write(&mut to, scale).map_err(CaptureError::Write)?;
+                row = Mean::behind(&sample);
                 summary.rows += 1;
-                progress(summary.rows);
+                progress();
                 if rows.is_some_and(|rows| summary.rows >= rows) {
+                    summary.end = End::Complete;
                     break 'reading;
                 }
             }
         }
     }
-    to.flush().context("writing the recording")?;
+    to.flush().map_err(CaptureError::Write)?;
     if summary.rows == 0 {
-        bail!(
-            "no telemetry came ({} damaged frames); check that this is a Preslide controller's link and, on a serial \
-             line, its speed",
-            summary.damaged
-        );
+        return Err(CaptureError::NoTelemetry {
+            bytes,
+            damaged: summary.damaged,
+            samples: summary.samples,
+            every: scale.every,
+        });
     }
     Ok(summary)
 }
 
-fn row(to: &mut impl Write, scale: &Scale, sample: &Sample, current_a: f64) -> std::io::Result<()> {
-    writeln!(
-        to,
-        "{:.6},{:.4e},{:.9e},{:.6e}",
-        f64::from(sample.tick) * scale.sample_time_s,
-        f64::from(sample.position) * scale.count_m,
-        sample.reference as f64 / 65536.0 * scale.count_m,
-        current_a * scale.force_n_per_a,
-    )
+/// The samples of a row, summed.
+#[derive(Default)]
+struct Mean {
+    /// The last tick before the row.
+    after: u32,
+    samples: u32,
+    tick: f64,
+    position: f64,
+    reference: f64,
+    current: f64,
 }
 
-#[cfg(test)]
-mod tests {
-    use super::{Scale, capture};
-    use preslide::control::Settings;
-    use preslide_link::{FaultCode, LARGEST_FRAME, Report, Sample, encode};
-
-    fn telemetry(sequences: impl Iterator<Item = u32>) -> Vec<u8> {
-        let mut line = Vec::new();
-        for sequence in sequences {
-            let sample = Sample {
-                sequence,
-                dropped: 0,
-                tick: sequence + 1,
-                position: 3 * sequence.cast_signed(),
-                reference: i64::from(sequence) << 16,
-                code: 0,
-                current: 1000,
-                supply: 6000,
-                fault: (sequence == 8).then_some(FaultCode::Overrun),
-            };
-            let mut frame = [0; LARGEST_FRAME];
-            let length = encode(&Report::Sample(sample), &mut frame).expect("it fits");
-            line.extend_from_slice(&frame[..length]);
+impl Mean {
+    fn behind(sample: &Sample) -> Self {
+        Self {
+            after: sample.tick,
+            ..Self::default()
         }
-        line
     }
 
-    #[test]
-    fn telemetry_becomes_a_recording_in_si() {
-        let mut csv = Vec::new();
-        let scale = Scale::of(&Settings::PAPER_AXIS, 2);
-        let summary =
-            capture(&telemetry(0..10)[..], &mut csv, &scale, None, |_| {}).expect("telemetry");
-        let text = String::from_utf8(csv).expect("text");
-        let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines[0], "t_s,x_m,x_ref_m,force_N");
-        // Tick 2, count 3 of 25 nm, reference 1 count, 0.1 A of 20.7 N/A.
-        assert_eq!(lines[1], "0.000100,7.5000e-8,2.500000000e-8,2.070310e0");
-        assert_eq!((summary.samples, summary.rows, lines.len()), (10, 5, 6));
-        assert_eq!(
-            (summary.lost, summary.damaged, summary.fault),
-            (0, 0, Some(FaultCode::Overrun))
-        );
+    fn add(&mut self, sample: &Sample) {
+        self.samples += 1;
+        self.tick += f64::from(sample.tick);
+        self.position += f64::from(sample.position);
+        self.reference += sample.reference as f64 / 65536.0;
+        self.current += f64::from(sample.current) * 1e-4;
     }
 
-    #[test]
-    fn what_is_lost_or_damaged_is_counted() {
-        let mut line = telemetry((0..10).filter(|i| *i != 4));
-        // Cut into the first frame, as a listener that comes late does.
-        line.drain(..5);
-        let scale = Scale::of(&Settings::PAPER_AXIS, 1);
-        let summary = capture(&line[..], Vec::new(), &scale, None, |_| {}).expect("telemetry");
-        assert_eq!((summary.samples, summary.lost, summary.damaged), (8, 1, 1));
-    }
-
-    #[test]
-    fn silence_and_noise_are_errors() {
-        let scale = Scale::of(&Settings::PAPER_AXIS, 1);
-        for line in [&[][..], &[0x55; 500], &[1, 2, 3, 0, 9, 9, 0]] {
-            let error = capture(line, Vec::new(), &scale, None, |_| {}).expect_err("no telemetry");
-            assert!(error.to_string().contains("no telemetry"), "{error}");
-        }
+    fn write(&self, to: &mut impl Write, scale: &Scale) -> std::io::Result<()> {
+        let mean = |sum: f64, unit: f64| sum / f64::from(self.samples) * unit;
+        writeln!(
+            to,
+            "{:.7},{:.9e},{:.9e},{:.6e}",
+            mean(self.tick, scale.sample_time_s),
+            mean(self.position, scale.count),
+            mean(self.reference, scale.count),
+            mean(self.current, scale.effort_per_a),
+        )
     }
 }

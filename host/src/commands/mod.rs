@@ -6,6 +6,7 @@ macro_rules! say {
     ($($line:tt)*) => { $crate::commands::print_line(format_args!($($line)*)) };
 }
 
+pub mod capture;
 pub mod compare;
 pub mod demo;
 pub mod diagnose;
@@ -212,6 +213,17 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
     })?;
     eprintln!("wrote {}", path.display());
     Ok(())
+}
+
+/// `170MHz`, `20kHz`, `8000` in Hz.
+pub fn parse_frequency(text: &str) -> Result<f64, String> {
+    let scales = [("MHz", 1e6), ("kHz", 1e3), ("Hz", 1.0), ("", 1.0)];
+    let read = |(unit, scale): (&str, f64)| {
+        let number: f64 = text.strip_suffix(unit)?.trim().parse().ok()?;
+        (number.is_finite() && number > 0.0).then_some(number * scale)
+    };
+    let found = scales.into_iter().find_map(read);
+    found.ok_or_else(|| "give a frequency above zero, such as 170MHz, 20kHz or 8000".to_owned())
 }
 
 /// The command line, for the foot of a report.

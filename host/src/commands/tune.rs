@@ -1,6 +1,6 @@
 //! `preslide tune`.
 
-use super::{Failure, OutputArgs, ReadingArgs, SplitArgs, command_line};
+use super::{Failure, OutputArgs, ReadingArgs, SplitArgs, command_line, parse_frequency};
 use clap::Args;
 use preslide_host::identify::identify;
 use preslide_host::model::Model;
@@ -57,17 +57,6 @@ pub struct Tune {
 
     #[command(flatten)]
     outputs: OutputArgs,
-}
-
-/// `170MHz`, `20kHz`, `8000` in Hz.
-fn parse_frequency(text: &str) -> Result<f64, String> {
-    let scales = [("MHz", 1e6), ("kHz", 1e3), ("Hz", 1.0), ("", 1.0)];
-    let read = |(unit, scale): (&str, f64)| {
-        let number: f64 = text.strip_suffix(unit)?.trim().parse().ok()?;
-        (number.is_finite() && number > 0.0).then_some(number * scale)
-    };
-    let found = scales.into_iter().find_map(read);
-    found.ok_or_else(|| "give a frequency above zero, such as 170MHz, 20kHz or 8000".to_owned())
 }
 
 /// `5%` or `0.05`.

@@ -86,6 +86,7 @@ impl Judge<'_> {
             nmse_test,
             rigid_body: Vec::new(),
             blocks: Vec::new(),
+            covariance: None,
             model,
             method,
             fitted,
@@ -193,6 +194,9 @@ impl Judge<'_> {
                 )
             })
             .collect();
+        candidate.covariance = covariance
+            .as_ref()
+            .map(|c| (c.view((p, p), (2 * n, 2 * n)).into_owned(), folds));
         let weights: Vec<f64> = fit
             .stiffness
             .iter()

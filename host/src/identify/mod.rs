@@ -18,6 +18,7 @@ use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::{MotionKind, Recording};
 use estimate::Estimate;
+use nalgebra::{DMatrix, DVector};
 use regression::{Column, Regression};
 use rigid_body::{Kinematics, Terms};
 use split::{Split, Window};
@@ -72,6 +73,8 @@ pub struct Candidate {
     pub rigid_body: Vec<(&'static str, Estimate)>,
     /// Stiffness (N/m) and yield displacement (m) of each block with confidence.
     pub blocks: Vec<(Estimate, Estimate)>,
+    /// Covariance of the blocks' stiffnesses and then of the logarithms of their yields, and the folds it comes from.
+    covariance: Option<(DMatrix<f64>, usize)>,
     /// Modelled effort at every sample, filtered like the measured one.
     pub fitted: Vec<f64>,
 }
@@ -83,6 +86,22 @@ impl Candidate {
             FrictionModel::Gms { blocks, .. } => blocks.len(),
             _ => 0,
         }
+    }
+
+    /// Force (N or N·m) of the virgin curve at the displacement `x` (m or rad), `Σ k·min(x, D)`, with the confidence that
+    /// all blocks together have there: neighbouring blocks are much better known as a sum than one by one.
+    pub fn virgin_force(&self, x: f64) -> Estimate {
+        let blocks = || self.blocks.iter().map(|(k, d)| (k.value, d.value));
+        let force = blocks().map(|(k, d)| k * x.min(d)).sum();
+        let Some((covariance, folds)) = &self.covariance else {
+            return Estimate::new(force, None, 0);
+        };
+        let by_stiffness = blocks().map(|(_, d)| x.min(d));
+        let by_yield = blocks().map(|(k, d)| if x > d { k * d } else { 0.0 });
+        let slope: Vec<f64> = by_stiffness.chain(by_yield).collect();
+        let slope = DVector::from_vec(slope);
+        let variance = (covariance * &slope).dot(&slope);
+        Estimate::new(force, Some(variance.max(0.0).sqrt()), *folds)
     }
 }
 

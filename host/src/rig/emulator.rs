@@ -1,16 +1,16 @@
-//! QEMU with the firmware in it, on two sockets: the lock step with the stage, and the telemetry.
+//! QEMU with the firmware in it: the lock step with the stage on its standard input and output, and the telemetry.
 
 use preslide_link::{Deframer, Exchange, Order, Reading, Report};
 use std::io::{Read, Write};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// No exchange takes longer than this unless the firmware or QEMU hangs.
+/// QEMU connects and ends within this time.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 /// The telemetry's file in the run's folder.
@@ -55,7 +55,8 @@ pub enum Listener {
 /// A running emulator.
 pub struct Emulator {
     child: Child,
-    stage: UnixStream,
+    orders: ChildStdout,
+    readings: ChildStdin,
     exchanges: u64,
     listener: Option<JoinHandle<Vec<Report>>>,
     paused: Arc<AtomicBool>,
@@ -82,13 +83,11 @@ impl Emulator {
             std::env::temp_dir().join(format!("preslide-rig-{}-{run}", std::process::id()));
         let file = |error| RigError::File(folder.clone(), error);
         std::fs::create_dir_all(&folder).map_err(file)?;
-        let (stage_path, link_path) = (folder.join("stage"), folder.join("link"));
-        let stage = UnixListener::bind(&stage_path).map_err(file)?;
+        let link_path = folder.join("link");
         let link = UnixListener::bind(&link_path).map_err(file)?;
-        let chardev = |id: &str, path: &Path| format!("socket,id={id},path={}", path.display());
         let telemetry = match listener {
             Listener::File => format!("file,id=link,path={}", folder.join(TELEMETRY).display()),
-            Listener::Line => chardev("link", &link_path),
+            Listener::Line => format!("socket,id=link,path={}", link_path.display()),
             Listener::Tcp(port) => {
                 format!("socket,id=link,host=127.0.0.1,port={port},server=on,wait=on")
             }
@@ -99,15 +98,9 @@ impl Emulator {
             .args(["-icount", "shift=3,sleep=off"])
             .args(["-semihosting-config", "enable=on,target=native"])
             .args(["-chardev", &telemetry, "-serial", "chardev:link"])
-            .args([
-                "-chardev",
-                &chardev("stage", &stage_path),
-                "-serial",
-                "chardev:stage",
-            ])
             .arg("-kernel")
             .arg(elf)
-            .stdin(Stdio::null())
+            .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
@@ -116,15 +109,14 @@ impl Emulator {
             Listener::Line => accept(&link).map(Some),
             Listener::File | Listener::Tcp(_) => Some(None),
         };
-        let (link, stage) = match (link, accept(&stage)) {
-            (Some(link), Some(stage)) => (link, stage),
-            _ => {
-                // Either way it is gone after the wait.
-                let _ = child.kill();
-                let log = output(&mut child);
-                let _ = std::fs::remove_dir_all(&folder);
-                return Err(RigError::Connect(log));
-            }
+        let (Some(link), Some(orders), Some(readings)) =
+            (link, child.stdout.take(), child.stdin.take())
+        else {
+            // Either way it is gone after the wait.
+            let _ = child.kill();
+            let log = output(&mut child);
+            let _ = std::fs::remove_dir_all(&folder);
+            return Err(RigError::Connect(log));
         };
         let paused = Arc::new(AtomicBool::new(false));
         let listener = link.map(|link| {
@@ -133,7 +125,8 @@ impl Emulator {
         });
         Ok(Self {
             child,
-            stage,
+            orders,
+            readings,
             exchanges: 0,
             listener,
             paused,
@@ -147,7 +140,7 @@ impl Emulator {
     /// [`RigError::LockStep`] where the firmware does not answer.
     pub fn order(&mut self) -> Result<Order, RigError> {
         let mut bytes = [0; 2];
-        let result = self.stage.read_exact(&mut bytes);
+        let result = self.orders.read_exact(&mut bytes);
         self.step(result)?;
         Ok(Order::from_bytes(bytes))
     }
@@ -157,7 +150,7 @@ impl Emulator {
     /// # Errors
     /// [`RigError::LockStep`] where the firmware is gone.
     pub fn reading(&mut self, reading: Reading) -> Result<(), RigError> {
-        let result = self.stage.write_all(&reading.to_bytes());
+        let result = self.readings.write_all(&reading.to_bytes());
         self.step(result)?;
         self.exchanges += 1;
         Ok(())
@@ -223,12 +216,9 @@ fn accept(listener: &UnixListener) -> Option<UnixStream> {
 
 fn output(child: &mut Child) -> String {
     let mut text = String::new();
-    if let Some(mut out) = child.stdout.take() {
+    if let Some(mut log) = child.stderr.take() {
         // What cannot be read is not there.
-        let _ = out.read_to_string(&mut text);
-    }
-    if let Some(mut err) = child.stderr.take() {
-        let _ = err.read_to_string(&mut text);
+        let _ = log.read_to_string(&mut text);
     }
     text
 }

@@ -15,6 +15,8 @@ pub struct Injection {
     pub name: &'static str,
     /// What is done, and what should happen.
     pub story: &'static str,
+    /// Ticks from the injection within which the safe state must be reached; `None` where it must not be.
+    within: Option<u32>,
     script: fn() -> Script<'static>,
     listener: Listener,
     /// The commands differ from an undisturbed run's.
@@ -46,45 +48,55 @@ pub fn injections() -> Vec<Injection> {
     let injection = |name, story, script| Injection {
         name,
         story,
+        within: None,
         script,
         listener: Listener::File,
         unlike_undisturbed: true,
     };
     vec![
-        injection(
-            "encoder_frozen",
-            "the count stops while the axis moves: safe state once the error or the push is too large",
-            || {
-                let frozen = std::cell::Cell::new(0);
-                let far = Request::Move {
-                    distance_m: 2e-3,
-                    speed_m_s: 2e-3,
-                    ramp_s: 0.01,
-                };
-                let mut script = Script::quiet(6000).send(20, &[far]);
-                script.falsify = Box::new(move |tick, reading| {
-                    if tick < AT {
-                        frozen.set(reading.count);
-                    } else {
-                        reading.count = frozen.get();
-                    }
-                });
-                script
-            },
-        ),
-        injection(
-            "encoder_jump",
-            "the count jumps by 4000 in one tick: safe state in that tick; a restart stands where the axis is",
-            || {
-                let mut script = moving(6000).send(AT + 500, &[Request::Restart, Request::Ping]);
-                script.falsify = Box::new(|tick, reading| {
-                    if tick >= AT {
-                        reading.count = reading.count.wrapping_add(4000);
-                    }
-                });
-                script
-            },
-        ),
+        Injection {
+            // At 2 mm/s the following error's 50 µm are 25 ms; the frozen-encoder watch is sooner once the push is large.
+            within: Some(500),
+            ..injection(
+                "encoder_frozen",
+                "the count stops while the axis moves: safe state once the error or the push is too large",
+                || {
+                    let frozen = std::cell::Cell::new(0);
+                    let far = Request::Move {
+                        distance_m: 2e-3,
+                        speed_m_s: 2e-3,
+                        ramp_s: 0.01,
+                    };
+                    let mut script = Script::quiet(6000).send(20, &[far]);
+                    script.falsify = Box::new(move |tick, reading| {
+                        if tick < AT {
+                            frozen.set(reading.count);
+                        } else {
+                            reading.count = frozen.get();
+                        }
+                    });
+                    script
+                },
+            )
+        },
+        Injection {
+            // In the tick that sees it.
+            within: Some(0),
+            ..injection(
+                "encoder_jump",
+                "the count jumps by 4000 in one tick: safe state in that tick; a restart stands where the axis is",
+                || {
+                    let mut script =
+                        moving(6000).send(AT + 500, &[Request::Restart, Request::Ping]);
+                    script.falsify = Box::new(|tick, reading| {
+                        if tick >= AT {
+                            reading.count = reading.count.wrapping_add(4000);
+                        }
+                    });
+                    script
+                },
+            )
+        },
         Injection {
             unlike_undisturbed: false,
             ..injection(
@@ -103,19 +115,23 @@ pub fn injections() -> Vec<Injection> {
                 },
             )
         },
-        injection(
-            "overrun",
-            "one late tick, then two in a row, are ridden out; four in a row are not",
-            || {
-                let mut script = moving(6000);
-                script.falsify = Box::new(|tick, reading| {
-                    reading.dawdle = [0, 100, 101, 200, 201, 202, 203]
-                        .iter()
-                        .any(|t| tick == AT + t);
-                });
-                script
-            },
-        ),
+        Injection {
+            // The third late tick of the last series is seen in the next tick.
+            within: Some(203),
+            ..injection(
+                "overrun",
+                "one late tick, then two in a row, are ridden out; four in a row are not",
+                || {
+                    let mut script = moving(6000);
+                    script.falsify = Box::new(|tick, reading| {
+                        reading.dawdle = [0, 100, 101, 200, 201, 202, 203]
+                            .iter()
+                            .any(|t| tick == AT + t);
+                    });
+                    script
+                },
+            )
+        },
         Injection {
             unlike_undisturbed: false,
             ..injection(
@@ -165,20 +181,24 @@ pub fn injections() -> Vec<Injection> {
                 },
             )
         },
-        injection(
-            "supply_sag",
-            "the supply falls to 4 V: ridden out for 1 ms, then safe state",
-            || {
-                let mut script = moving(6000);
-                script.disturb = Box::new(|tick, stage| {
-                    if tick == AT {
-                        // 4 V is a voltage that any stage takes.
-                        let _ = stage.set_supply_v(4.0);
-                    }
-                });
-                script
-            },
-        ),
+        Injection {
+            // The watch's 1 ms.
+            within: Some(20),
+            ..injection(
+                "supply_sag",
+                "the supply falls to 4 V: ridden out for 1 ms, then safe state",
+                || {
+                    let mut script = moving(6000);
+                    script.disturb = Box::new(|tick, stage| {
+                        if tick == AT {
+                            // 4 V is a voltage that any stage takes.
+                            let _ = stage.set_supply_v(4.0);
+                        }
+                    });
+                    script
+                },
+            )
+        },
         Injection {
             unlike_undisturbed: false,
             listener: Listener::Line,
@@ -218,7 +238,7 @@ pub fn injections() -> Vec<Injection> {
         },
         injection(
             "watchdog",
-            "the control task hangs: the watchdog turns the PWM off",
+            "the control task hangs: after ten ticks the watchdog turns the PWM off, before any other exchange with the stage",
             || {
                 let mut script = moving(6000);
                 script.falsify = Box::new(|tick, reading| reading.hang = tick == AT);
@@ -236,13 +256,14 @@ impl Injection {
     pub fn tell(&self, elf: &Path, undisturbed: &Record) -> Result<String, RigError> {
         let record = run(elf, &(self.script)(), self.listener)?;
         let mut text = format!("{}\n", self.story);
-        let mut fault = None;
+        let (mut fault, mut first_fault) = (None, None);
         let (mut last, mut sequence, mut missing) = (None, 0, 0);
         for report in &record.remains.reports {
             match report {
                 Report::Sample(sample) => {
                     if sample.fault != fault {
                         fault = sample.fault;
+                        first_fault = first_fault.or(Some(sample.tick));
                         // Ticks are counted from 1, the injection's from 0.
                         let after = i64::from(sample.tick) - AT as i64;
                         let _ = writeln!(
@@ -259,6 +280,22 @@ impl Injection {
                     let _ = writeln!(text, "{other:?}");
                 }
             }
+        }
+        let reached = first_fault.map(|tick| i64::from(tick) - AT as i64);
+        let verdict = match (self.within, reached) {
+            (Some(limit), Some(after)) => {
+                let met = (0..=i64::from(limit)).contains(&after);
+                Some(format!(
+                    "within {limit} ticks: {}",
+                    if met { "yes" } else { "NO" }
+                ))
+            }
+            (Some(limit), None) => Some(format!("within {limit} ticks: NO, not at all")),
+            (None, Some(_)) => Some("reached, and should NOT be".to_owned()),
+            (None, None) => None,
+        };
+        if let Some(verdict) = verdict {
+            let _ = writeln!(text, "safe state: {verdict}");
         }
         if let Some(last) = last {
             let _ = writeln!(

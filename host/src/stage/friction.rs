@@ -257,6 +257,27 @@ impl FrictionTruth {
         })
     }
 
+    /// Force that a contact without memory, with the gains of this moment, would show after `x_m` ≥ 0 at the velocity
+    /// `v_m_s` \[N\], viscous friction left out; for scoring.
+    pub fn virgin_now_n(&self, x_m: f64, v_m_s: f64) -> f64 {
+        let mut fresh = self.clone();
+        for element in fresh.bands.iter_mut().flat_map(|band| &mut band.elements) {
+            element.deflection = [0.0; LANES];
+        }
+        // Wander follows the path; the gains of this moment stay.
+        let gains: Vec<f64> = (0..self.bands.len())
+            .map(|index| 1.0 + self.deviation(index))
+            .collect();
+        let (mut force, mut slipping) = (0.0, 0.0);
+        for (band, gain) in fresh.bands.iter_mut().zip(gains) {
+            band.advance(x_m, self.soft);
+            force += gain * band.force;
+            slipping += gain * band.slipping;
+        }
+        (fresh.force, fresh.slipping) = (force, slipping);
+        fresh.force_n(v_m_s)
+    }
+
     /// Number of bands whose gains wander apart.
     pub fn bands(&self) -> usize {
         self.bands.len()

@@ -9,7 +9,7 @@ mod stage;
 
 use core::panic::PanicInfo;
 use cortex_m_rt::exception;
-use cortex_m_semihosting::{debug, hprintln};
+use cortex_m_semihosting::{debug, heprintln};
 
 #[cfg(feature = "float")]
 type Number = f32;
@@ -26,7 +26,7 @@ mod app {
     use super::{Friction, STEPS};
     use crate::registers::{self, CLOCK_HZ, Timer, Uart, Watchdog};
     use crate::stage::{self, Channel};
-    use cortex_m_semihosting::{debug, hprintln};
+    use cortex_m_semihosting::{debug, heprintln};
     use heapless::spsc::{Consumer, Producer, Queue};
     use preslide::control::Settings;
     use preslide_app::{Background, Bridge, Control, Inputs, Queues, STARTING_MODEL};
@@ -48,15 +48,14 @@ mod app {
     #[init(local = [queues: Queues<Friction> = Queues::new(), bytes: Queue<u8, 65> = Queue::new()])]
     fn init(cx: init::Context) -> (Shared, Local) {
         Uart::LINK.start();
-        Uart::STAGE.start();
         let settings = Settings::PAPER_AXIS;
         let first = stage::exchange().count;
         let (forward, backward) = Channel::pair(STEPS);
-        let tasks = cx.local.queues.tasks(settings, &STARTING_MODEL, first);
+        let tasks = cx.local.queues.tasks(settings, &STARTING_MODEL, first, 1);
         let (Ok((control, background)), Some(bridge)) =
             (tasks, Bridge::new(forward, backward, STEPS))
         else {
-            hprintln!("the built-in settings are not usable");
+            heprintln!("the built-in settings are not usable");
             loop {
                 debug::exit(debug::EXIT_FAILURE);
             }
@@ -84,7 +83,7 @@ mod app {
         let reading = stage::exchange();
         if reading.quit {
             Watchdog::stop();
-            hprintln!(
+            heprintln!(
                 "stack high-water mark: {} bytes",
                 registers::stack_high_water()
             );
@@ -147,7 +146,7 @@ unsafe fn NonMaskableInt() -> ! {
     registers::Watchdog::stop();
     registers::Timer::run(false);
     stage::off();
-    hprintln!("watchdog: the control task did not answer; PWM off");
+    heprintln!("watchdog: the control task did not answer; PWM off");
     stage::exchange();
     loop {
         debug::exit(debug::EXIT_FAILURE);
@@ -157,7 +156,7 @@ unsafe fn NonMaskableInt() -> ! {
 #[panic_handler]
 fn panic(info: &PanicInfo) -> ! {
     stage::off();
-    hprintln!("{}", info);
+    heprintln!("{}", info);
     loop {
         debug::exit(debug::EXIT_FAILURE);
     }

@@ -3,6 +3,9 @@
 
 #![allow(unsafe_code)]
 
+use core::sync::atomic::{AtomicUsize, Ordering};
+use cortex_m_semihosting::{nr, syscall};
+
 /// Cycles of the peripheral clock per second.
 pub const CLOCK_HZ: u32 = 25_000_000;
 
@@ -37,11 +40,6 @@ impl Timer {
         write(Self::CONTROL, 0b1000 | u32::from(on));
     }
 
-    /// It counts.
-    pub fn is_running() -> bool {
-        read(Self::CONTROL) & 1 != 0
-    }
-
     /// Takes the interrupt back; whether it was there.
     pub fn acknowledge() -> bool {
         let pending = read(Self::INTERRUPT) & 1 != 0;
@@ -55,31 +53,96 @@ impl Timer {
     }
 }
 
-/// A UART without interrupts.
+/// A file of the host, through semihosting: one call moves a whole message, with the emulator standing still.
+///
+/// QEMU's UART instead holds a single byte, which one of its threads hands to another: ten times a tick, that took 0.5 ms
+/// a tick where this takes 0.08 ms (measured on two busy cores), and the wait had to be hidden from timer and watchdog.
+pub struct HostFile {
+    name: &'static core::ffi::CStr,
+    mode: usize,
+    /// Its handle plus one; 0 until it is opened.
+    handle: AtomicUsize,
+}
+
+impl HostFile {
+    /// QEMU's standard input.
+    pub const INPUT: &'static Self = &INPUT;
+    /// QEMU's standard output.
+    pub const OUTPUT: &'static Self = &OUTPUT;
+
+    fn handle(&self) -> usize {
+        let known = self.handle.load(Ordering::Relaxed);
+        if known > 0 {
+            return known - 1;
+        }
+        let name = self.name.to_bytes();
+        // Safety: the operation reads three words: the name, which ends in a zero, the mode and the name's length.
+        let handle = unsafe { syscall(nr::OPEN, &[name.as_ptr() as usize, self.mode, name.len()]) };
+        self.handle.store(handle.wrapping_add(1), Ordering::Relaxed);
+        handle
+    }
+
+    /// Writes all of it; a reader that is gone shows in the next [`read`](Self::read).
+    pub fn write(&self, bytes: &[u8]) {
+        // Safety: the operation reads `bytes`.
+        unsafe {
+            syscall(
+                nr::WRITE,
+                &[self.handle(), bytes.as_ptr() as usize, bytes.len()],
+            )
+        };
+    }
+
+    /// Waits until `bytes` is full; whether it is, rather than the file at its end.
+    pub fn read(&self, bytes: &mut [u8]) -> bool {
+        let mut rest = bytes;
+        while !rest.is_empty() {
+            // Safety: the operation writes to `rest` and nothing beyond.
+            let missing = unsafe {
+                syscall(
+                    nr::READ,
+                    &[self.handle(), rest.as_mut_ptr() as usize, rest.len()],
+                )
+            };
+            let Some(got) = rest.len().checked_sub(missing).filter(|got| *got > 0) else {
+                return false;
+            };
+            rest = rest.split_at_mut(got).1;
+        }
+        true
+    }
+}
+
+static INPUT: HostFile = HostFile {
+    name: c"/dev/stdin",
+    mode: nr::open::R_BINARY,
+    handle: AtomicUsize::new(0),
+};
+
+static OUTPUT: HostFile = HostFile {
+    name: c"/dev/stdout",
+    mode: nr::open::W_TRUNC_BINARY,
+    handle: AtomicUsize::new(0),
+};
+
+/// A UART without interrupts, for sending.
 pub struct Uart(usize);
 
 impl Uart {
     /// Reports to the host.
     pub const LINK: Uart = Uart(0x4000_4000);
-    /// Lock step with the stage.
-    pub const STAGE: Uart = Uart(0x4000_5000);
 
-    /// Enables both directions.
+    /// Enables it.
     pub fn start(&self) {
         // The emulation does not wait for bits; 16 is the smallest divider that it takes.
         write(self.0 + 0x10, 16);
-        write(self.0 + 0x08, 0b11);
+        write(self.0 + 0x08, 0b01);
     }
 
     /// Waits until there is room.
     pub fn send(&self, byte: u8) {
         while read(self.0 + 4) & 1 != 0 {}
         write(self.0, byte.into());
-    }
-
-    /// A byte, if there is one.
-    pub fn receive(&self) -> Option<u8> {
-        (read(self.0 + 4) & 2 != 0).then(|| read(self.0) as u8)
     }
 }
 

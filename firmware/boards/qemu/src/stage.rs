@@ -1,6 +1,6 @@
-//! The stage link: counter, ADC and PWM as registers that a simulator on the other side of a UART keeps.
+//! The stage link: counter, ADC and PWM as registers that a simulator on the host keeps.
 
-use crate::registers::{Timer, Uart, Watchdog};
+use crate::registers::HostFile;
 use core::convert::Infallible;
 use core::sync::atomic::{AtomicU16, Ordering};
 use embedded_hal::pwm::{ErrorType, SetDutyCycle};
@@ -54,24 +54,19 @@ pub fn off() {
 
 /// Sends what the bridge holds and waits for what the registers show after the stage has moved on by a tick.
 ///
-/// The timer stands still meanwhile and the watchdog is fed: the controller's time does not see how long the simulator
-/// takes.
+/// The emulator stands still meanwhile: neither the controller's time nor the watchdog sees how long the simulator takes.
 pub fn exchange() -> Reading {
-    let running = Timer::is_running();
-    Timer::run(false);
     let code =
         i32::from(FORWARD.load(Ordering::Relaxed)) - i32::from(BACKWARD.load(Ordering::Relaxed));
-    for byte in (Order { code: code as i16 }).to_bytes() {
-        Uart::STAGE.send(byte);
-    }
-    let reading = Reading::from_bytes([(); 10].map(|()| {
-        loop {
-            if let Some(byte) = Uart::STAGE.receive() {
-                return byte;
-            }
-            Watchdog::feed();
+    HostFile::OUTPUT.write(&Order { code: code as i16 }.to_bytes());
+    let mut bytes = [0; 10];
+    if HostFile::INPUT.read(&mut bytes) {
+        Reading::from_bytes(bytes)
+    } else {
+        // The simulator is gone.
+        Reading {
+            quit: true,
+            ..Reading::default()
         }
-    }));
-    Timer::run(running);
-    reading
+    }
 }

@@ -4,7 +4,9 @@
 #![no_main]
 
 mod bridge;
+mod ccm;
 mod clock;
+mod log;
 mod sense;
 
 use core::panic::PanicInfo;
@@ -16,6 +18,7 @@ mod app {
     use super::Friction;
     use crate::bridge::{self, Channel};
     use crate::clock;
+    use crate::log::Log;
     use crate::sense::Sense;
     use embassy_stm32::mode::Blocking;
     use embassy_stm32::pac;
@@ -28,6 +31,9 @@ mod app {
     use preslide::control::Settings;
     use preslide_app::{Background, Bridge, Control, Inputs, Queues, STARTING_MODEL};
     use preslide_link::{LARGEST_FRAME, Report, encode};
+
+    /// Telemetry of every eighth tick, 2500 frames of some 30 bytes a second, is what 921600 baud carry.
+    const EVERY: u16 = 8;
 
     #[shared]
     struct Shared {}
@@ -48,6 +54,7 @@ mod app {
 
     #[init(local = [queues: Queues<Friction> = Queues::new()])]
     fn init(cx: init::Context) -> (Shared, Local) {
+        crate::ccm::load();
         let p = embassy_stm32::init(clock::config());
         let settings = Settings::PAPER_AXIS;
 
@@ -60,7 +67,10 @@ mod app {
         serial.baudrate = 921_600;
         let link = Uart::new_blocking(p.USART3, p.PC11, p.PC10, serial);
         let first = pac::TIM2.cnt().read();
-        let tasks = cx.local.queues.tasks(settings, &STARTING_MODEL, first);
+        let tasks = cx
+            .local
+            .queues
+            .tasks(settings, &STARTING_MODEL, first, EVERY);
         let bridge = Bridge::new(forward, backward, clock::STEPS);
         let (Ok((control, background)), Some(bridge), Ok(link)) = (tasks, bridge, link) else {
             // Nothing drives yet; the watchdog is not running, so it stays so.
@@ -111,14 +121,17 @@ mod app {
     /// Requests and telemetry.
     #[idle(local = [background, link])]
     fn idle(cx: idle::Context) -> ! {
+        let mut log = Log::default();
         loop {
             // A receive error costs a byte; the frame's CRC tells.
             if let Ok(byte) = cx.local.link.read()
                 && let Some(report) = cx.local.background.receive(byte)
             {
+                log.report(&report);
                 send(cx.local.link, &report);
             }
             if let Some(report) = cx.local.background.sample() {
+                log.report(&report);
                 send(cx.local.link, &report);
             }
         }

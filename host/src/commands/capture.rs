@@ -1,0 +1,216 @@
+//! `preslide capture`.
+
+use super::{Failure, parse_frequency, write_text};
+use clap::Args;
+use preslide::control::Settings;
+use preslide_host::capture::{CaptureError, End, Scale, Summary, capture, open};
+use preslide_host::progress::Progress;
+use preslide_host::recording::MotionKind;
+use serde_json::json;
+use std::fs::OpenOptions;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Scales that the project's own firmware starts with.
+const FIRMWARE: Settings = Settings::PAPER_AXIS;
+
+/// Telemetry of a running controller, by TCP or serial line, into a recording
+///
+/// It ends with --seconds, with the line, or after 10 s of silence on TCP; then the rows so far are kept.
+#[derive(Args)]
+#[command(
+    after_help = "Example: preslide capture tcp:127.0.0.1:7700 -o axis.csv --seconds 20\n\nScales default to those of the project's firmware; a serial device's speed is set with stty before."
+)]
+pub struct Capture {
+    /// tcp:HOST:PORT, or the path of a serial device, pipe or file
+    #[arg(value_name = "SOURCE")]
+    source: String,
+
+    /// Write the recording
+    #[arg(short, long, value_name = "REC.csv")]
+    output: PathBuf,
+
+    /// Replace the recording if it exists
+    #[arg(long)]
+    overwrite: bool,
+
+    /// End after this many seconds of the controller's time
+    #[arg(long, value_name = "S", value_parser = parse_positive)]
+    seconds: Option<f64>,
+
+    /// Try to connect for this many seconds
+    #[arg(long, value_name = "S", default_value = "0", value_parser = parse_wait)]
+    wait: Duration,
+
+    /// Ticks averaged into one row
+    #[arg(long, value_name = "TICKS", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..))]
+    every: u32,
+
+    /// The controller's rate
+    #[arg(long, value_name = "HZ", default_value = "20kHz", value_parser = parse_frequency)]
+    rate: f64,
+
+    /// Length of an encoder count in m or rad
+    #[arg(long, value_name = "LENGTH", default_value_t = FIRMWARE.encoder.count, value_parser = parse_positive)]
+    count: f64,
+
+    /// Force of the motor at the stage per ampere in N/A or N·m/A [default: torque constant × transmission, 20.70 N/A]
+    #[arg(long, value_name = "N_PER_A", value_parser = parse_positive)]
+    effort_per_ampere: Option<f64>,
+
+    /// The axis turns: counts are rad, the effort is N·m
+    #[arg(long)]
+    rotary: bool,
+
+    /// Write what was captured and what is missing, for machines
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+fn parse_positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("give a number above zero".to_owned()),
+    }
+}
+
+fn parse_wait(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse::<f64>().ok();
+    let wait = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    wait.ok_or_else(|| "give a number of seconds, 0 or more".to_owned())
+}
+
+impl From<CaptureError> for Failure {
+    fn from(error: CaptureError) -> Self {
+        let text = error.to_string();
+        match error {
+            CaptureError::Connect { .. } | CaptureError::Open { .. } => Failure::Input(text),
+            CaptureError::NoTelemetry { .. } => Failure::Data(text),
+            CaptureError::Read(_) | CaptureError::Write(_) => Failure::Tool(text),
+        }
+    }
+}
+
+impl Capture {
+    /// Runs the command.
+    pub fn run(self) -> Result<(), Failure> {
+        let path = self.output.display();
+        let exists = || {
+            Failure::Input(format!(
+                "{path} exists; name another file, or give --overwrite"
+            ))
+        };
+        if !self.overwrite && self.output.exists() {
+            return Err(exists());
+        }
+        let scale = Scale {
+            sample_time_s: 1.0 / self.rate,
+            count: self.count,
+            motion: if self.rotary {
+                MotionKind::Rotary
+            } else {
+                MotionKind::Linear
+            },
+            ..Scale::of(&FIRMWARE, self.every)
+        };
+        let scale = Scale {
+            effort_per_a: self.effort_per_ampere.unwrap_or(scale.effort_per_a),
+            ..scale
+        };
+        let row_s = f64::from(scale.every) * scale.sample_time_s;
+        // Saturating: a capture of ages is one without an end.
+        let rows = self
+            .seconds
+            .map(|seconds| ((seconds / row_s).round() as u64).max(1));
+
+        let source = open(&self.source, self.wait)?;
+        let mut options = OpenOptions::new();
+        options.write(true).truncate(true);
+        let file = if self.overwrite {
+            options.create(true).open(&self.output)
+        } else {
+            options.create_new(true).open(&self.output)
+        };
+        let file = file.map_err(|error| match error.kind() {
+            std::io::ErrorKind::AlreadyExists => exists(),
+            _ => Failure::Tool(format!(
+                "cannot write {path}: {error}; name a file in a folder that exists and is writable"
+            )),
+        })?;
+        let progress = Progress::new("capture, rows", rows.unwrap_or(0));
+        let captured = capture(source, file, &scale, rows, || progress.inc(1));
+        progress.finish();
+        let summary = captured.inspect_err(|error| {
+            if matches!(error, CaptureError::NoTelemetry { .. }) {
+                // A header without rows is no recording.
+                let _ = std::fs::remove_file(&self.output);
+            }
+        })?;
+        eprintln!("wrote {path}");
+        if let Some(json) = &self.json {
+            write_text(json, &format!("{:#}\n", machine(&summary)))?;
+        }
+        self.tell(&summary, &scale, row_s);
+        Ok(())
+    }
+
+    fn tell(&self, summary: &Summary, scale: &Scale, row_s: f64) {
+        let path = self.output.display();
+        let (length, effort) = match scale.motion {
+            MotionKind::Linear => ("m", "N"),
+            MotionKind::Rotary => ("rad", "N·m"),
+        };
+        say!(
+            "{} samples in {} rows, one every {:.3} ms, {:.3} s; a count is {:.4e} {length}, an ampere {:.4} {effort}.",
+            summary.samples,
+            summary.rows,
+            row_s * 1e3,
+            summary.rows as f64 * row_s,
+            scale.count,
+            scale.effort_per_a,
+        );
+        if summary.gaps > 0 {
+            say!(
+                "Note: {} samples are missing in {} gap{}; the controller dropped {} because the line was too slow.",
+                summary.missing,
+                summary.gaps,
+                if summary.gaps == 1 { "" } else { "s" },
+                summary.dropped,
+            );
+        }
+        if summary.damaged > 0 {
+            say!(
+                "Note: {} frames could not be read (one, at the start, is usual).",
+                summary.damaged
+            );
+        }
+        if let Some((fault, time)) = summary.fault {
+            say!(
+                "Note: the controller stopped at {time:.4} s ({fault:?}); identify what is before: --train 0..{time:.4}."
+            );
+        }
+        match summary.end {
+            End::Silent => say!("Note: the line fell silent for 10 s."),
+            End::Restarted => {
+                say!("Note: the controller restarted; what came after is another recording.")
+            }
+            End::Complete | End::Closed => {}
+        }
+        say!("Next: preslide identify {path} -o model.toml");
+    }
+}
+
+/// The summary for machines.
+fn machine(summary: &Summary) -> serde_json::Value {
+    json!({
+        "schema": "preslide.capture/1",
+        "samples": summary.samples,
+        "rows": summary.rows,
+        "gaps": summary.gaps,
+        "missing": summary.missing,
+        "dropped": summary.dropped,
+        "damaged": summary.damaged,
+        "fault": summary.fault.map(|(fault, time)| json!({ "kind": format!("{fault:?}"), "t_s": time })),
+        "end": format!("{:?}", summary.end).to_lowercase(),
+    })
+}
