@@ -56,7 +56,7 @@ impl Candidate {
 fn lead(study: &Study, without: &State, list: &mut [Candidate]) {
     let best = list.first().map_or(0.0, |c| c.gain.total());
     list.par_iter_mut().take(4).for_each(|c| {
-        if c.gain.total() > 0.4 * best && !parameters(c.term.id).is_empty() {
+        if c.gain.total() > 0.6 * best && !parameters(c.term.id).is_empty() {
             let term = refine(study, without, &c.term);
             if let Some(gain) = study.gain(without, &term) {
                 (c.term, c.gain) = (term, gain);
@@ -207,7 +207,7 @@ pub fn refine(study: &Study, without: &State, term: &Term) -> Term {
             Scale::Travel => travel / 80.0,
         })
         .collect();
-    for _ in 0..10 {
+    for _ in 0..7 {
         let mut moved = false;
         for j in 0..keys.len().min(best.shape.len()) {
             if steps[j] == 0.0 {
@@ -243,6 +243,21 @@ pub fn refine(study: &Study, without: &State, term: &Term) -> Term {
         }
     }
     best
+}
+
+/// Refines every term that was found, after what they act through has changed.
+fn sharpened(study: &Study, mut state: State, given: usize) -> Option<State> {
+    for index in given..state.terms.len() {
+        let mut terms = state.terms.clone();
+        let term = terms.remove(index);
+        if parameters(term.id).is_empty() {
+            continue;
+        }
+        let without = study.fit_with(&terms, state.noise.clone())?;
+        terms.insert(index, refine(study, &without, &term));
+        state = study.fit(&terms, Some(&state))?;
+    }
+    Some(state)
 }
 
 /// What the search found.
@@ -299,7 +314,7 @@ pub fn search(
         state = next;
         if share > LARGE {
             study.refer_to(&terms)?;
-            state = study.fit(&terms, None)?;
+            state = sharpened(study, study.fit(&terms, None)?, given.len())?;
         }
         progress.inc(1);
         rest = scan(study, &state, periods);
