@@ -1,6 +1,7 @@
 //! Runs a firmware ELF in QEMU: `rig fixed|float ELF` compares its commands with the host's simulation,
 //! `rig faults ELF FOLDER [--bless]` injects the faults and compares with the golden files. `rig serve ELF PORT` follows
-//! the identification motion and hands its telemetry to `preslide capture tcp:127.0.0.1:PORT`. `cargo xtask qemu` calls it.
+//! the identification motion and hands its telemetry to `preslide capture tcp:127.0.0.1:PORT`. `rig record ELF PLUGIN` has
+//! a QEMU plugin watch the motion. `cargo xtask qemu` and `cargo xtask cycles` call it.
 
 use anyhow::{Context, bail};
 use fixed::types::I16F16;
@@ -28,6 +29,9 @@ fn blocks() -> ([Block; 4], f64) {
 
 /// Codes by which a command in `f32` may differ: one, by rounding. In fixed point none may differ.
 const FLOAT_BOUND: u32 = 1;
+
+/// Ticks that the motion takes, but for the rest at its end.
+const MOVING: u64 = 10_000;
 
 fn main() -> anyhow::Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -71,10 +75,18 @@ fn main() -> anyhow::Result<()> {
             let record = run(Path::new(elf), &script, Listener::Tcp(port))?;
             print!("{}", record.remains.log);
         }
+        ["record", elf, plugin] => {
+            let mut script = Script::quiet(MOVING).send(20, &requests(&motion()));
+            script.plugin = Some(plugin.to_owned());
+            let record = run(Path::new(elf), &script, Listener::File)?;
+            if record.broke_off {
+                bail!("the firmware ended early: {}", record.remains.log);
+            }
+        }
         ["faults", elf, folder] => faults(Path::new(elf), Path::new(folder), false)?,
         ["faults", elf, folder, "--bless"] => faults(Path::new(elf), Path::new(folder), true)?,
         _ => bail!(
-            "usage: rig fixed|float ELF, rig faults ELF FOLDER [--bless], or rig serve ELF PORT"
+            "usage: rig fixed|float ELF, rig faults ELF FOLDER [--bless], rig serve ELF PORT, or rig record ELF PLUGIN"
         ),
     }
     Ok(())

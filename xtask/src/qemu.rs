@@ -33,16 +33,7 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     };
     Need::Qemu.ensure()?;
     Need::ArmGcc.ensure()?;
-    run(&mut cargo(&[
-        "build",
-        "--release",
-        "--package",
-        "preslide-cli",
-        "--example",
-        "rig",
-    ]))?;
-    let rig = root().join("target/release/examples/rig");
-
+    let rig = build_rig()?;
     let fixed = build("preslide-qemu", "qemu-fixed", &[])?;
     let float = build("preslide-qemu", "qemu-float", &["--features", "float"])?;
     for (kind, elf) in [("fixed", &fixed), ("float", &float)] {
@@ -69,8 +60,21 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     run_for(&mut faults, LIMIT)
 }
 
+/// Builds the program that runs firmware in QEMU against the simulated stage; where it is.
+pub fn build_rig() -> Result<PathBuf, String> {
+    run(&mut cargo(&[
+        "build",
+        "--release",
+        "--package",
+        "preslide-cli",
+        "--example",
+        "rig",
+    ]))?;
+    Ok(root().join("target/release/examples/rig"))
+}
+
 /// Builds a firmware package; where the image is. A folder of its own for each variant keeps all of them.
-fn build(package: &str, folder: &str, more: &[&str]) -> Result<PathBuf, String> {
+pub fn build(package: &str, folder: &str, more: &[&str]) -> Result<PathBuf, String> {
     let toolchain = Toolchain::ensure()?;
     let target = root().join("firmware/target").join(folder);
     let firmware = root().join("firmware");
