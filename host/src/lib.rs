@@ -2,6 +2,7 @@
 
 pub mod capture;
 pub mod compare;
+pub mod cost;
 pub mod demo;
 pub mod friction;
 pub mod identify;

@@ -2,11 +2,11 @@
 
 use super::{Failure, OutputArgs, ReadingArgs, SplitArgs, command_line};
 use clap::Args;
+use preslide_host::cost::CostTable;
 use preslide_host::identify::identify;
 use preslide_host::model::Model;
 use preslide_host::progress::Progress;
 use preslide_host::recording::Needs;
-use preslide_host::tune::cost::CostTable;
 use preslide_host::tune::{Budget, of_model, of_recording};
 use std::path::PathBuf;
 use std::time::Instant;
