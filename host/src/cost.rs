@@ -113,6 +113,12 @@ impl CostTable {
                 _ => Ok(f64::NAN),
             };
             let (mean, worst) = (number(mean)?, number(worst)?);
+            if !(mean > 0.0 && mean.is_finite()) {
+                return Err(format!(
+                    "line {}: {mean} cycles; a cycle counter that stands still, as an emulator's does, measures nothing: run it on a board",
+                    index + 1
+                ));
+            }
             // What the call itself costs falls away from the worst path as from the mean.
             let in_tick = optional("cycles_in_tick")?;
             let call = if in_tick.is_nan() {
@@ -226,6 +232,8 @@ mod tests {
             torn.unwrap_err()
                 .contains("line 2: `x` in column cycles_mean")
         );
+        let still = CostTable::parse("kernel,n,cycles_mean,cycles_worst\npacked,6,0.0,0\n", "");
+        assert!(still.unwrap_err().contains("line 2: 0 cycles"));
         assert!(
             CostTable::parse("kernel,n\n", "")
                 .unwrap_err()

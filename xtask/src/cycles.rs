@@ -3,6 +3,7 @@
 //! QEMU is not cycle accurate: it yields exact instruction paths, and `price` puts cycles on them by the table of
 //! the core's manual. Instruction counts are facts of the build, cycles an estimate with a stated range.
 
+mod board;
 mod control_task;
 mod disassembly;
 mod instruction;
@@ -165,6 +166,7 @@ fn measure() -> Result<(Vec<String>, Vec<Row>), String> {
         return Err("the harness measured nothing".to_string());
     }
     compare_with_host(&checksums)?;
+    board::check(&rows)?;
     rows.extend(control_task::measure(&recorder)?);
     Ok((header(toolchain, seed)?, rows))
 }

@@ -9,7 +9,7 @@ use std::time::Duration;
 use crate::process::{root, run, run_for};
 
 /// A run takes seconds; QEMU spins for ever when the guest hangs.
-const QEMU_LIMIT: Duration = Duration::from_secs(300);
+pub const QEMU_LIMIT: Duration = Duration::from_secs(300);
 
 const PLUGIN: &str = "paths.so";
 const RECORDED: &str = "paths";

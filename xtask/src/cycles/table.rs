@@ -25,7 +25,7 @@ pub struct Row {
     pub calls: u32,
 }
 
-const COLUMNS: &str = "kernel,n,instructions_mean,instructions_max,cycles_mean,cycles_worst,cycles_low,cycles_high,\
+pub const COLUMNS: &str = "kernel,n,instructions_mean,instructions_max,cycles_mean,cycles_worst,cycles_low,cycles_high,\
                        cycles_in_tick,floor,m7_estimate,flash_bytes,ram_bytes,paths,calls";
 
 /// A count may grow by this much before the check fails.
