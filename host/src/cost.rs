@@ -62,8 +62,21 @@ impl CostTable {
                 "instruction paths from QEMU priced by the Cortex-M4 manual, no wait states, not confirmed on a board",
             ),
             other => Err(format!(
-                "--cpu {other}: no figures; cortex-m4 is measured, for another core run firmware/cycles on a board and give its output with --table FILE"
+                "--cpu {other}: no figures; cortex-m4 is measured, for another core run firmware/cycles on a board and give its output as --cpu FILE.csv"
             )),
+        }
+    }
+
+    /// The table of a core, or that of the file so named: whatever ends in `.csv`.
+    ///
+    /// # Errors
+    /// As [`CostTable::of_cpu`] and [`CostTable::load`].
+    pub fn of_cpu_or_file(name: &str) -> Result<Self, String> {
+        let path = Path::new(name);
+        if path.extension().is_some_and(|kind| kind == "csv") {
+            Self::load(path)
+        } else {
+            Self::of_cpu(name)
         }
     }
 
@@ -199,7 +212,11 @@ mod tests {
             );
             assert!(table.cost(kernel.name(), 11).is_none());
         }
-        assert!(CostTable::of_cpu("avr").unwrap_err().contains("--table"));
+        assert!(
+            CostTable::of_cpu("avr")
+                .unwrap_err()
+                .contains("--cpu FILE.csv")
+        );
     }
 
     #[test]

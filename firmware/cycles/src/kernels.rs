@@ -1,10 +1,13 @@
 //! The library's kernels that are measured, with the paper's parameters.
 
 use fixed::types::I16F16;
-use preslide::kernels::{ConstantTimeSlipReserve, CountGms, PackedSlipReserve, SlipReserve};
-use preslide::{Block, Coulomb, Dahl, Gms, LuGre, ParamError, QuasiStaticGms, Sliding, Units};
+use preslide::kernels::{ConstantTimeSlipReserve, CountGms, PackedSlipReserve, SlipReserve, Whole};
+use preslide::{
+    Block, Coulomb, Dahl, Friction, Gms, LuGre, Motion, ParamError, QuasiStaticGms, Sliding, Units,
+};
 
-use crate::motion::{COUNT, SAMPLE_TIME};
+use crate::checksum::Checksum;
+use crate::motion::{COUNT, Jumps, SAMPLE_TIME};
 use crate::stub;
 
 #[path = "../../../host/src/reproduce/table_3.rs"]
@@ -160,4 +163,39 @@ pub fn run() {
         Units::SI,
         built(Coulomb::try_new(BREAKAWAY, 5.0, Units::SI))
     );
+}
+
+/// Steps of [`long_runs`].
+pub const LONG: usize = 1_000_000;
+
+/// The kernels in whole numbers over a million random displacements and velocities, six blocks: `report` gets name and
+/// checksum.
+pub fn long_runs(report: impl Fn(&str, u64)) {
+    let blocks = &blocks::<6>();
+    let slip = counts(packed_force(blocks));
+    let full = counts(CountGms::finest_force(blocks, BREAKAWAY, COUNT));
+    let gms = CountGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, full);
+    report("gms_i32", long_run(&built(gms)));
+    let plain = built(SlipReserve::try_new(blocks, BREAKAWAY, slip));
+    report("slip_reserve_i32", long_run(&plain));
+    let packed = built(PackedSlipReserve::<3>::try_new(blocks, BREAKAWAY, slip));
+    report("packed", long_run(&packed));
+    let constant = built(ConstantTimeSlipReserve::<3>::try_new(
+        blocks, BREAKAWAY, slip,
+    ));
+    report("constant_time", long_run(&constant));
+}
+
+#[inline(never)]
+fn long_run<F: Friction<Scalar = Whole>>(model: &F) -> u64 {
+    let mut state = model.at_rest();
+    let mut checksum = Checksum::new();
+    for (displacement, velocity) in Jumps::new().take(LONG) {
+        let motion = Motion {
+            displacement: Whole::from_bits(displacement),
+            velocity: Whole::from_bits(velocity),
+        };
+        checksum.add_whole(model.step(&mut state, motion).to_bits());
+    }
+    checksum.value()
 }

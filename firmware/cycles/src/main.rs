@@ -2,7 +2,8 @@
 //!
 //! A stub is a function named `cycles__KERNEL__N` that nothing is inlined into or out of; its instruction path is
 //! what is measured. For each, one line says what the recorder cannot see:
-//! `kernel NAME N calls COUNT model BYTES state BYTES force_rms NEWTONS checksum HEX`.
+//! `kernel NAME N calls COUNT model BYTES state BYTES force_rms NEWTONS checksum HEX`. At the end the kernels in whole numbers
+//! run on unrecorded, over a million steps: `agreement NAME steps COUNT checksum HEX`.
 
 #![no_std]
 #![no_main]
@@ -41,6 +42,16 @@ fn main() -> ! {
     peers::run_empty_tick();
     kernels::run();
     peers::run();
+    if !cfg!(feature = "board") {
+        kernels::long_runs(|kernel, checksum| {
+            hprintln!(
+                "agreement {} steps {} checksum {:016x}",
+                kernel,
+                kernels::LONG,
+                checksum
+            );
+        });
+    }
     debug::exit(debug::EXIT_SUCCESS);
     loop {
         wfi();
