@@ -89,7 +89,8 @@ impl<const N: usize, S: Scalar> Blocks<N, S> {
 /// stable for every `C·T_s ≥ 0` (`C = ∞` means no lag), and `|z_i| ≤ D_i` always, hence `|F| ≤ ΣW`
 /// ([`Friction::limit`]) even for NaN or infinite input.
 ///
-/// `N` blocks, arithmetic `S` (`f32` unless chosen otherwise).
+/// `N ≤ 32` blocks, arithmetic `S` (`f32` unless chosen otherwise). Accepts every model whose `k_i`, `2·D_i` and `ΣW_i` in
+/// `units` fit `S`: in `f32` any machine's, in `I16F16` `D_i` up to 16 383 units of length and `ΣW_i` up to 32 767 of force.
 ///
 /// ```
 /// use preslide::{Block, Friction, Gms, Motion, Sliding, Units};

@@ -286,3 +286,35 @@ macro_rules! fixed_scalar {
 
 fixed_scalar!(FixedI32, LeEqU32);
 fixed_scalar!(FixedI64, LeEqU64);
+
+#[cfg(test)]
+mod tests {
+    use super::Scalar;
+    use fixed::types::{I0F32, I16F16};
+
+    #[test]
+    fn the_whole_part_is_given_inside_the_range_only() {
+        let floats = [
+            (0.0, Some(0)),
+            (63.99, Some(63)),
+            (64.0, None),
+            (-0.5, None),
+        ];
+        for (value, whole) in floats {
+            assert_eq!((value as f32).whole_below(64), whole, "{value}");
+            assert_eq!(value.whole_below(64), whole, "{value}");
+            assert_eq!(I16F16::from_num(value).whole_below(64), whole, "{value}");
+        }
+        for value in [f32::NAN, -f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            assert_eq!(value.whole_below(64), None);
+        }
+        assert_eq!(I0F32::from_num(0.25).whole_below(64), Some(0));
+    }
+
+    #[test]
+    fn a_direction_turns_the_sign_without_overflow() {
+        assert_eq!(2.5_f32.along(-1.0), -2.5);
+        assert_eq!(I16F16::MIN.along(-I16F16::ONE), I16F16::MAX);
+        assert_eq!(I16F16::MIN.along(I16F16::ONE), I16F16::MIN);
+    }
+}
