@@ -89,7 +89,8 @@ impl<const N: usize, S: Scalar> Blocks<N, S> {
 /// stable for every `C·T_s ≥ 0` (`C = ∞` means no lag), and `|z_i| ≤ D_i` always, hence `|F| ≤ ΣW`
 /// ([`Friction::limit`]) even for NaN or infinite input.
 ///
-/// `N` blocks, arithmetic `S` (`f32` unless chosen otherwise).
+/// `N ≤ 32` blocks, arithmetic `S` (`f32` unless chosen otherwise). Accepts every model whose `k_i`, `2·D_i` and `ΣW_i` in
+/// `units` fit `S`: in `f32` any machine's, in `I16F16` `D_i` up to 16 383 units of length and `ΣW_i` up to 32 767 of force.
 ///
 /// ```
 /// use preslide::{Block, Friction, Gms, Motion, Sliding, Units};
@@ -118,7 +119,8 @@ pub struct Gms<const N: usize, S = f32> {
 pub struct GmsState<const N: usize, S = f32> {
     along: [S; N],
     slipping: u32,
-    forward: bool,
+    /// 1 forward, −1 backward.
+    direction: S,
 }
 
 impl<const N: usize, S: Scalar> Gms<N, S> {
@@ -160,18 +162,12 @@ impl<const N: usize, S: Scalar> Gms<N, S> {
 impl<const N: usize, S: Scalar> GmsState<N, S> {
     /// The blocks' deflections `z_i`, in the model's units.
     pub fn deflection(&self) -> [S; N] {
-        self.along.map(|z| if self.forward { z } else { -z })
+        self.along.map(|z| z.along(self.direction))
     }
 
     /// Which blocks slip.
     pub fn slipping(&self) -> [bool; N] {
         core::array::from_fn(|i| self.slipping >> i & 1 == 1)
-    }
-}
-
-impl<const N: usize, S: Scalar> GmsState<N, S> {
-    fn signed(&self, along: S) -> S {
-        if self.forward { along } else { -along }
     }
 }
 
@@ -184,23 +180,24 @@ impl<const N: usize, S: Scalar> Friction for Gms<N, S> {
         GmsState {
             along: [S::ZERO; N],
             slipping: 0,
-            forward: true,
+            direction: S::ONE,
         }
     }
 
     #[inline(always)]
     fn step(&self, state: &mut Self::State, motion: Motion<S>) -> S {
         let dx = motion.displacement;
-        let mut advance = if state.forward { dx } else { dx.opposite() };
-        if advance == S::ZERO {
-            if motion.velocity == S::ZERO {
-                return state.signed(self.blocks.force(&state.along));
+        let mut advance = dx.along(state.direction);
+        // The ordinary tick first: it then takes one comparison.
+        if !(advance > S::ZERO) {
+            if advance != S::ZERO {
+                state.direction = -state.direction;
+                state.slipping = 0;
+                state.along = state.along.map(|z| -z);
+                advance = dx.magnitude();
+            } else if motion.velocity == S::ZERO {
+                return self.blocks.force(&state.along).along(state.direction);
             }
-        } else if !(advance > S::ZERO) {
-            state.forward = !state.forward;
-            state.slipping = 0;
-            state.along = state.along.map(|z| -z);
-            advance = dx.magnitude();
         }
         let [weakening, lag] = self.sliding.at(motion.velocity);
         let mut slipping = state.slipping;
@@ -228,12 +225,12 @@ impl<const N: usize, S: Scalar> Friction for Gms<N, S> {
                 }
             }
             state.along[i] = z;
-            force = if i > 0 { force + product } else { force };
+            force = if i > 1 { force + product } else { product };
             product = self.blocks.stiffness[i] * z;
         }
         force = force + product;
         state.slipping = slipping;
-        state.signed(force)
+        force.along(state.direction)
     }
 
     fn limit(&self) -> Option<S> {

@@ -9,7 +9,9 @@ use crate::{Friction, Motion, Scalar};
 /// `z_i ← clamp(z_i + dx, −D_i, D_i)`, `F = Σ k_i·z_i`, with `D_i = α_i·F_s/k_i`.
 ///
 /// The clamp is the exact solution for any displacement step that does not turn back within the tick, however
-/// large; velocity and time do not enter (rate independence). `N` blocks, arithmetic `S`.
+/// large; velocity and time do not enter (rate independence). `N` blocks, arithmetic `S`. Accepts every model whose `k_i`,
+/// `2·D_i` and `ΣW_i` in `units` fit `S`: in `f32` any machine's, in `I16F16` `D_i` up to 16 383 units of length and `ΣW_i` up
+/// to 32 767 of force.
 ///
 /// ```
 /// use preslide::{Block, Friction, Motion, QuasiStaticGms, Units};

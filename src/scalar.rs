@@ -49,6 +49,10 @@ pub trait Scalar:
     /// `−self`, saturating for the same reason.
     fn opposite(self) -> Self;
 
+    /// `self` where `direction` is 1 and `−self`, saturating, where it is −1: a multiplication for floats, a choice for
+    /// fixed point, whichever is cheaper.
+    fn along(self, direction: Self) -> Self;
+
     /// `eˢᵉˡᶠ`. Fixed point goes through `libm`'s software `f32`: the same bits on every machine, and slow
     /// on a core without a float unit.
     fn exp(self) -> Self;
@@ -59,8 +63,8 @@ pub trait Scalar:
     /// `selfᵖ` for `self ≥ 0`; see [`Scalar::exp`] for fixed point.
     fn powf(self, p: Self) -> Self;
 
-    /// Whole part towards zero, saturating to `0..=max`; NaN gives 0.
-    fn to_index(self, max: usize) -> usize;
+    /// The whole part of a number from +0 up to, not including, `end` (at most 2²⁴); `None` for any other, NaN too.
+    fn whole_below(self, end: usize) -> Option<usize>;
 
     /// An integer, saturating at the range's ends.
     fn from_int(value: i32) -> Self;
@@ -128,6 +132,10 @@ macro_rules! float_scalar {
                 -self
             }
             #[inline]
+            fn along(self, direction: Self) -> Self {
+                self * direction
+            }
+            #[inline]
             fn exp(self) -> Self {
                 $exp(self)
             }
@@ -140,9 +148,10 @@ macro_rules! float_scalar {
                 $pow(self, p)
             }
             #[inline]
-            fn to_index(self, max: usize) -> usize {
-                let index = self as usize;
-                if index < max { index } else { max }
+            fn whole_below(self, end: usize) -> Option<usize> {
+                // The bits of positive floats are in the floats' order, and those of NaN and of negative numbers above
+                // them: one comparison of integers, which costs a Cortex-M4 half as much as one of floats.
+                (self.to_bits() < (end as $t).to_bits()).then_some(self as usize)
             }
             #[inline]
             fn from_int(value: i32) -> Self {
@@ -216,6 +225,14 @@ macro_rules! fixed_scalar {
             fn opposite(self) -> Self {
                 self.saturating_neg()
             }
+            #[inline]
+            fn along(self, direction: Self) -> Self {
+                if direction < Self::ZERO {
+                    self.saturating_neg()
+                } else {
+                    self
+                }
+            }
             fn exp(self) -> Self {
                 Self::from_f32(libm::expf(self.to_num()))
             }
@@ -226,15 +243,10 @@ macro_rules! fixed_scalar {
                 Self::from_f32(libm::powf(self.to_num(), p.to_num()))
             }
             #[inline]
-            fn to_index(self, max: usize) -> usize {
+            fn whole_below(self, end: usize) -> Option<usize> {
                 let whole = self.to_bits().checked_shr(Frac::U32).unwrap_or(0); // no whole part in `I0F32`
-                if whole <= 0 {
-                    0
-                } else if (whole as u64) < max as u64 {
-                    whole as usize
-                } else {
-                    max
-                }
+                // A negative number becomes a large one.
+                ((whole as u64) < end as u64).then_some(whole as usize)
             }
             #[inline]
             fn from_int(value: i32) -> Self {
@@ -274,3 +286,35 @@ macro_rules! fixed_scalar {
 
 fixed_scalar!(FixedI32, LeEqU32);
 fixed_scalar!(FixedI64, LeEqU64);
+
+#[cfg(test)]
+mod tests {
+    use super::Scalar;
+    use fixed::types::{I0F32, I16F16};
+
+    #[test]
+    fn the_whole_part_is_given_inside_the_range_only() {
+        let floats = [
+            (0.0, Some(0)),
+            (63.99, Some(63)),
+            (64.0, None),
+            (-0.5, None),
+        ];
+        for (value, whole) in floats {
+            assert_eq!((value as f32).whole_below(64), whole, "{value}");
+            assert_eq!(value.whole_below(64), whole, "{value}");
+            assert_eq!(I16F16::from_num(value).whole_below(64), whole, "{value}");
+        }
+        for value in [f32::NAN, -f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            assert_eq!(value.whole_below(64), None);
+        }
+        assert_eq!(I0F32::from_num(0.25).whole_below(64), Some(0));
+    }
+
+    #[test]
+    fn a_direction_turns_the_sign_without_overflow() {
+        assert_eq!(2.5_f32.along(-1.0), -2.5);
+        assert_eq!(I16F16::MIN.along(-I16F16::ONE), I16F16::MAX);
+        assert_eq!(I16F16::MIN.along(I16F16::ONE), I16F16::MIN);
+    }
+}

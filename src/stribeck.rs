@@ -113,14 +113,15 @@ impl<S: Scalar> SpeedTable<S> {
     pub(crate) fn at(&self, v: S) -> [S; 2] {
         let place = v.magnitude().mul_input(self.per_velocity);
         let flat = || self.nodes[INTERVALS];
-        if !(place < S::from_int(INTERVALS as i32)) {
+        let Some(whole) = place.whole_below(INTERVALS) else {
             return flat();
-        }
-        let j = place.to_index(INTERVALS);
+        };
+        // The remainder changes nothing; the compiler drops its checks for it.
+        let j = whole % INTERVALS;
         let (Some(low), Some(high)) = (self.nodes.get(j), self.nodes.get(j + 1)) else {
             return flat();
         };
-        let part = place - S::from_int(j as i32);
+        let part = place - S::from_int(whole as i32);
         [
             low[0] + part * (high[0] - low[0]),
             low[1] + part * (high[1] - low[1]),

@@ -33,4 +33,7 @@ fn print_checksum<F: Friction>(kernel: &str, blocks: usize, model: &F, units: Un
 
 fn main() {
     kernels::run();
+    kernels::long_runs(|kernel, checksum| {
+        println!("{kernel} steps {} {checksum:016x}", kernels::LONG);
+    });
 }

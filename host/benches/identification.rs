@@ -8,36 +8,18 @@ use preslide::{Block, Friction, Gms, Motion, QuasiStaticGms, Sliding, Units};
 use preslide_host::identify::{Options, identify};
 use preslide_host::progress::Progress;
 use preslide_host::recording::{LoadOptions, load};
+use preslide_host::reproduce::paper::TABLE_3;
 use std::hint::black_box;
 use std::path::Path;
 
 /// Table 3 of the paper, six blocks.
-const SIX: [Block; 6] = [
-    Block {
-        stiffness: 270_313.0,
-        weight: 0.292,
-    },
-    Block {
-        stiffness: 57_886.0,
-        weight: 0.125,
-    },
-    Block {
-        stiffness: 29_198.0,
-        weight: 0.158,
-    },
-    Block {
-        stiffness: 9_503.0,
-        weight: 0.154,
-    },
-    Block {
-        stiffness: 2_604.0,
-        weight: 0.084,
-    },
-    Block {
-        stiffness: 4_295.0,
-        weight: 0.186,
-    },
-];
+fn six() -> [Block; 6] {
+    let column = TABLE_3[4].blocks;
+    std::array::from_fn(|i| Block {
+        stiffness: column[i].0,
+        weight: column[i].1,
+    })
+}
 
 /// Displacements of a reversing motion with random steps of up to 100 nm, long enough to defeat branch memory.
 fn motions() -> Vec<Motion<f64>> {
@@ -66,8 +48,8 @@ fn steps(criterion: &mut Criterion) {
         stribeck_exponent: 2.0,
         attraction: 20.0,
     };
-    let full = Gms::<6, f64>::try_new(&SIX, 0.9, sliding, 50e-6, Units::SI);
-    let quasi_static = QuasiStaticGms::<6, f64>::try_new(&SIX, 0.9, Units::SI);
+    let full = Gms::<6, f64>::try_new(&six(), 0.9, sliding, 50e-6, Units::SI);
+    let quasi_static = QuasiStaticGms::<6, f64>::try_new(&six(), 0.9, Units::SI);
     let (Ok(full), Ok(quasi_static)) = (full, quasi_static) else {
         panic!("Table 3 is refused")
     };

@@ -1,8 +1,8 @@
 //! Runs a firmware ELF in QEMU: `rig fixed|float ELF` compares its commands with the host's simulation,
 //! `rig faults ELF FOLDER [--bless]` injects the faults and compares with the golden files. `rig serve ELF PORT TRUTH` moves
 //! the stage through nested strokes, hands its telemetry to `preslide capture tcp:127.0.0.1:PORT` and writes what the
-//! stage's friction was; `rig judge REC.csv TRUTH` compares with it what `identify` finds in the capture.
-//! `cargo xtask qemu` and `cargo xtask stage` call it.
+//! stage's friction was; `rig judge REC.csv TRUTH` compares with it what `identify` finds in the capture. `rig record ELF
+//! PLUGIN` has a QEMU plugin watch the motion. `cargo xtask qemu`, `stage` and `cycles` call it.
 
 use anyhow::{Context, bail};
 use fixed::types::I16F16;
@@ -36,6 +36,9 @@ fn blocks() -> ([Block; 4], f64) {
 
 /// Codes by which a command in `f32` may differ: one, by rounding. In fixed point none may differ.
 const FLOAT_BOUND: u32 = 1;
+
+/// Ticks that the motion takes, but for the rest at its end.
+const MOVING: u64 = 10_000;
 
 fn main() -> anyhow::Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -72,10 +75,18 @@ fn main() -> anyhow::Result<()> {
             )?;
         }
         ["judge", recording, truth] => judge(Path::new(recording), Path::new(truth))?,
+        ["record", elf, plugin] => {
+            let mut script = Script::quiet(MOVING).send(20, &requests(&motion()));
+            script.plugin = Some(plugin.to_owned());
+            let record = run(Path::new(elf), &script, Listener::File)?;
+            if record.broke_off {
+                bail!("the firmware ended early: {}", record.remains.log);
+            }
+        }
         ["faults", elf, folder] => faults(Path::new(elf), Path::new(folder), false)?,
         ["faults", elf, folder, "--bless"] => faults(Path::new(elf), Path::new(folder), true)?,
         _ => bail!(
-            "usage: rig fixed|float ELF, rig faults ELF FOLDER [--bless], rig serve ELF PORT TRUTH, or rig judge REC.csv TRUTH"
+            "usage: rig fixed|float ELF, rig faults ELF FOLDER [--bless], rig serve ELF PORT TRUTH, rig judge REC.csv TRUTH, or rig record ELF PLUGIN"
         ),
     }
     Ok(())

@@ -2,6 +2,7 @@
 
 pub mod capture;
 pub mod compare;
+pub mod cost;
 pub mod demo;
 pub mod diagnose;
 pub mod effects;

@@ -1,6 +1,7 @@
 /* QEMU TCG plugin: the exact instruction path of every call of listed functions.
  *
- * Arguments: entries=FILE (one hexadecimal function address a line), out=FILE.
+ * Arguments: entries=FILE (one hexadecimal function address a line), out=FILE, and where wanted skip=FILE, in the
+ * format of entries: a call of such a function is passed over with all that it calls, as if it did nothing.
  * A call is recorded from its entry to its return, with everything it calls, as runs of consecutive
  * instructions. Equal paths are counted, not repeated. At exit the output file gets, as 32-bit words in host byte
  * order, for each path: entry address, number of calls, number of runs, then first and last address of each run;
@@ -43,7 +44,7 @@ enum kind { PLAIN, CALL, RETURN };
 struct instruction {
     uint32_t address, next;
     enum kind kind;
-    bool is_entry;
+    bool is_entry, is_skipped;
 };
 
 struct run {
@@ -56,8 +57,12 @@ struct path {
     struct run runs[];
 };
 
-static uint32_t *entries;
-static size_t entry_count;
+struct list {
+    uint32_t *addresses;
+    size_t count;
+};
+
+static struct list entries, skipped;
 static const char *output_name;
 
 /* A power of two well above the number of distinct paths that a run meets. */
@@ -72,6 +77,8 @@ static unsigned depth;
 static struct run *runs;
 static size_t run_count, run_capacity;
 static const struct instruction *previous;
+/* Where a call that is passed over returns to; 0 outside one. */
+static uint32_t resume;
 
 static void *checked(void *memory)
 {
@@ -118,6 +125,14 @@ static void executed(unsigned cpu, void *userdata)
 {
     (void)cpu;
     const struct instruction *now = userdata;
+    if (resume) {
+        if (now->address != resume)
+            return;
+        resume = 0;
+    } else if (recording && now->is_skipped && previous->kind == CALL && previous->next != now->address) {
+        resume = previous->next;
+        return;
+    }
     bool sequential = recording && now->address == previous->next;
     if (recording && !sequential) { /* a call or return whose condition failed falls through */
         if (previous->kind == CALL) {
@@ -151,6 +166,14 @@ static void executed(unsigned cpu, void *userdata)
     previous = now;
 }
 
+static bool contains(const struct list *list, uint32_t address)
+{
+    for (size_t i = 0; i < list->count; i++)
+        if (list->addresses[i] == address)
+            return true;
+    return false;
+}
+
 static enum kind kind_of(const uint16_t *halfwords, size_t size)
 {
     uint16_t first = halfwords[0];
@@ -180,9 +203,8 @@ static void translated(qemu_plugin_id_t id, struct qemu_plugin_tb *tb)
         record->address = (uint32_t)qemu_plugin_insn_vaddr(insn);
         record->next = record->address + (uint32_t)size;
         record->kind = kind_of(halfwords, size);
-        record->is_entry = false;
-        for (size_t j = 0; j < entry_count; j++)
-            record->is_entry |= entries[j] == record->address;
+        record->is_entry = contains(&entries, record->address);
+        record->is_skipped = contains(&skipped, record->address);
         qemu_plugin_register_vcpu_insn_exec_cb(insn, executed, QEMU_PLUGIN_CB_NO_REGS, record);
     }
 }
@@ -206,7 +228,7 @@ static void exiting(qemu_plugin_id_t id, void *userdata)
         perror(output_name);
 }
 
-static bool read_entries(const char *name)
+static bool read_list(struct list *list, const char *name)
 {
     FILE *file = fopen(name, "r");
     if (!file) {
@@ -215,11 +237,11 @@ static bool read_entries(const char *name)
     }
     unsigned address;
     while (fscanf(file, "%x", &address) == 1) {
-        entries = checked(realloc(entries, (entry_count + 1) * sizeof *entries));
-        entries[entry_count++] = address;
+        list->addresses = checked(realloc(list->addresses, (list->count + 1) * sizeof *list->addresses));
+        list->addresses[list->count++] = address;
     }
     fclose(file);
-    return entry_count > 0;
+    return list->count > 0;
 }
 
 EXPORT int qemu_plugin_install(qemu_plugin_id_t id, const qemu_info_t *info, int argc, char **argv)
@@ -228,7 +250,9 @@ EXPORT int qemu_plugin_install(qemu_plugin_id_t id, const qemu_info_t *info, int
     bool has_entries = false;
     for (int i = 0; i < argc; i++) {
         if (!strncmp(argv[i], "entries=", 8))
-            has_entries = read_entries(argv[i] + 8);
+            has_entries = read_list(&entries, argv[i] + 8);
+        else if (!strncmp(argv[i], "skip=", 5))
+            read_list(&skipped, argv[i] + 5);
         else if (!strncmp(argv[i], "out=", 4))
             output_name = strdup(argv[i] + 4);
     }

@@ -3,6 +3,8 @@
 //! QEMU is not cycle accurate: it yields exact instruction paths, and `price` puts cycles on them by the table of
 //! the core's manual. Instruction counts are facts of the build, cycles an estimate with a stated range.
 
+mod board;
+mod control_task;
 mod disassembly;
 mod instruction;
 mod m7;
@@ -19,7 +21,7 @@ use crate::tools::Need;
 use disassembly::Disassembly;
 use instruction::Instruction;
 use price::Price;
-use recorder::{Recorder, TakenPath};
+use recorder::{Recorder, TakenPath, Watched};
 use table::Row;
 
 /// Every measured function is called this, its kernel's name, `__` and N (`firmware/cycles/src/stub.rs`).
@@ -90,13 +92,18 @@ fn measure() -> Result<(Vec<String>, Vec<Row>), String> {
         .functions_named(PREFIX)
         .map(|(address, _)| address)
         .collect();
-    let recording =
-        Recorder::build(firmware.join("target/recorder"))?.record(&program, &entries)?;
+    let recorder = Recorder::build(firmware.join("target/recorder"))?;
+    let watched = Watched {
+        entries: &entries,
+        skipped: &[],
+        ends_inside: false,
+    };
+    let (recording, printed) = recorder.record(&program, &watched)?;
 
     let mut rows = Vec::new();
     let mut seed = "";
     let mut checksums = BTreeMap::new();
-    for line in recording.printed.lines() {
+    for line in printed.lines() {
         let words: Vec<&str> = line.split(' ').collect();
         match words[..] {
             ["motion", "seed", value] => seed = value,
@@ -123,12 +130,12 @@ fn measure() -> Result<(Vec<String>, Vec<Row>), String> {
                 let recorded = |name: &str| {
                     let mut functions = disassembly.functions_named(PREFIX);
                     let (entry, _) = functions.find(|(_, found)| *found == name)?;
-                    recording.paths.get(&entry)
+                    recording.get(&entry)
                 };
                 let name = format!("{kernel}__{blocks}");
                 let paths = recorded(&name)
                     .ok_or_else(|| format!("no call of {PREFIX}{name} was recorded"))?;
-                let mut row = price_paths(&disassembly, paths)?;
+                let mut row = price_paths(&disassembly, paths, price::of_path)?;
                 if row.calls != calls {
                     // The linker folds functions of equal code: their calls cannot be told apart.
                     return Err(format!(
@@ -140,8 +147,8 @@ fn measure() -> Result<(Vec<String>, Vec<Row>), String> {
                     recorded(&format!("tick__{name}")),
                     recorded("tick__empty_call__1"),
                 ) {
-                    let with = price_paths(&disassembly, with)?.cycles_mean;
-                    let without = price_paths(&disassembly, without)?.cycles_mean;
+                    let with = price_paths(&disassembly, with, price::of_path)?.cycles_mean;
+                    let without = price_paths(&disassembly, without, price::of_path)?.cycles_mean;
                     row.cycles_in_tick = Some(with - without);
                 }
                 row.m7_estimate = m7::estimate(&disassembly, paths);
@@ -149,8 +156,11 @@ fn measure() -> Result<(Vec<String>, Vec<Row>), String> {
                 row.kernel = kernel.to_string();
                 row.blocks = blocks;
                 row.flash_bytes += number(model)?;
-                row.ram_bytes = number(state)?;
+                row.ram_bytes = Some(number(state)?);
                 rows.push(row);
+            }
+            ["agreement", kernel, "steps", steps, "checksum", checksum] => {
+                checksums.insert(format!("{kernel} steps {steps}"), checksum.to_string());
             }
             _ => return Err(format!("the harness printed `{line}`")),
         }
@@ -159,6 +169,8 @@ fn measure() -> Result<(Vec<String>, Vec<Row>), String> {
         return Err("the harness measured nothing".to_string());
     }
     compare_with_host(&checksums)?;
+    board::check(&rows)?;
+    rows.extend(control_task::measure(&recorder)?);
     Ok((header(toolchain, seed)?, rows))
 }
 
@@ -184,12 +196,20 @@ fn compare_with_host(target: &BTreeMap<String, String>) -> Result<(), String> {
             None => return Err(format!("{kernel} ran on the host but not on the target")),
         }
     }
-    println!("the forces of {compared} kernels are the host's, bit for bit");
+    let long = target.keys().filter(|key| key.contains("steps")).count();
+    println!(
+        "the forces of {} kernels are the host's, bit for bit, and those of {long} over a million random steps",
+        compared - long
+    );
     Ok(())
 }
 
-/// A row but for what only the harness knows.
-fn price_paths(disassembly: &Disassembly, paths: &[TakenPath]) -> Result<Row, String> {
+/// A row but for what only the measured program knows.
+fn price_paths(
+    disassembly: &Disassembly,
+    paths: &[TakenPath],
+    price_of: fn(&[(u32, Instruction)]) -> Price,
+) -> Result<Row, String> {
     let mut functions = BTreeSet::new();
     let (mut calls, mut instructions, mut longest, mut worst) = (0, 0, 0, 0);
     let (mut cycles, mut low, mut high) = (0, 0, 0);
@@ -204,7 +224,7 @@ fn price_paths(disassembly: &Disassembly, paths: &[TakenPath]) -> Result<Row, St
             }
             functions.extend(disassembly.function_at(first));
         }
-        let price: Price = price::of_path(&steps);
+        let price = price_of(&steps);
         let weight = u64::from(path.calls);
         calls += path.calls;
         instructions += weight * steps.len() as u64;
@@ -227,7 +247,7 @@ fn price_paths(disassembly: &Disassembly, paths: &[TakenPath]) -> Result<Row, St
         cycles_in_tick: None,
         m7_estimate: None,
         flash_bytes: functions.iter().map(|(_, length)| length).sum(),
-        ram_bytes: 0,
+        ram_bytes: None,
         paths: paths.len() as u32,
         calls,
     })
@@ -254,6 +274,10 @@ fn header(toolchain: Toolchain, seed: &str) -> Result<Vec<String>, String> {
         "included. floor: the least that the quasi-static law takes by argument (xtask/src/cycles/table.rs); compare it with"
             .to_string(),
         "cycles_in_tick. m7_estimate: llvm-mca's Cortex-M7 on the most frequent path, an ESTIMATE, ±40 %, empty without it."
+            .to_string(),
+        "rtic_tick_KERNEL: the whole interrupt of the QEMU firmware's control task with that friction model, exception entry"
+            .to_string(),
+        "and return included (firmware/cycles/README.md says what else)."
             .to_string(),
         "flash_bytes: code of all functions on the paths and the parameters; libraries' constant tables not counted."
             .to_string(),

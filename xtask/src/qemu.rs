@@ -127,8 +127,21 @@ fn identified(rig: &Path, elf: &Path) -> Result<(), String> {
     judged
 }
 
+/// Builds the program that runs firmware in QEMU against the simulated stage; where it is.
+pub fn build_rig() -> Result<PathBuf, String> {
+    run(&mut cargo(&[
+        "build",
+        "--release",
+        "--package",
+        "preslide-cli",
+        "--example",
+        "rig",
+    ]))?;
+    Ok(root().join("target/release/examples/rig"))
+}
+
 /// Builds a firmware package; where the image is. A folder of its own for each variant keeps all of them.
-fn build(package: &str, folder: &str, more: &[&str]) -> Result<PathBuf, String> {
+pub fn build(package: &str, folder: &str, more: &[&str]) -> Result<PathBuf, String> {
     let toolchain = Toolchain::ensure()?;
     let target = root().join("firmware/target").join(folder);
     let firmware = root().join("firmware");

@@ -14,6 +14,11 @@ impl Checksum {
         }
     }
 
+    /// A force in whole numbers.
+    pub fn add_whole(&mut self, force: i32) {
+        self.0 = (self.0 ^ u64::from(force.cast_unsigned())).wrapping_mul(0x0100_0000_01b3);
+    }
+
     pub fn value(&self) -> u64 {
         self.0
     }

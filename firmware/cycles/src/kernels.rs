@@ -1,11 +1,17 @@
 //! The library's kernels that are measured, with the paper's parameters.
 
 use fixed::types::I16F16;
-use preslide::kernels::{ConstantTimeSlipReserve, CountGms, PackedSlipReserve, SlipReserve};
-use preslide::{Block, Coulomb, Dahl, Gms, LuGre, ParamError, QuasiStaticGms, Sliding, Units};
+use preslide::kernels::{ConstantTimeSlipReserve, CountGms, PackedSlipReserve, SlipReserve, Whole};
+use preslide::{
+    Block, Coulomb, Dahl, Friction, Gms, LuGre, Motion, ParamError, QuasiStaticGms, Sliding, Units,
+};
 
-use crate::motion::{COUNT, SAMPLE_TIME};
+use crate::checksum::Checksum;
+use crate::motion::{COUNT, Jumps, SAMPLE_TIME};
 use crate::stub;
+
+#[path = "../../../host/src/reproduce/table_3.rs"]
+mod table_3;
 
 /// Breakaway force \[N\] (Table 2).
 pub const BREAKAWAY: f64 = 0.9;
@@ -29,45 +35,8 @@ const COUNTS: Units = Units {
 pub const fn table_3<const N: usize>() -> [(f64, f64); N] {
     let column: &[(f64, f64)] = match N {
         1 => &[(40_000.0, 1.0)],
-        2 => &[(113_948.0, 0.616), (8_870.0, 0.384)],
-        3 => &[(325_379.0, 0.352), (40_535.0, 0.307), (7_886.0, 0.341)],
-        4 => &[
-            (313_728.0, 0.339),
-            (43_670.0, 0.236),
-            (10_545.0, 0.171),
-            (5_858.0, 0.253),
-        ],
-        6 => &[
-            (270_313.0, 0.292),
-            (57_886.0, 0.125),
-            (29_198.0, 0.158),
-            (9_503.0, 0.154),
-            (2_604.0, 0.084),
-            (4_295.0, 0.186),
-        ],
-        8 => &[
-            (270_313.0, 0.292),
-            (57_886.0, 0.125),
-            (24_903.0, 0.135),
-            (8_590.0, 0.093),
-            (3_517.0, 0.057),
-            (1_927.0, 0.042),
-            (1_985.0, 0.054),
-            (4_678.0, 0.202),
-        ],
-        10 => &[
-            (270_313.0, 0.292),
-            (57_886.0, 0.125),
-            (24_903.0, 0.135),
-            (8_590.0, 0.093),
-            (3_517.0, 0.057),
-            (1_927.0, 0.042),
-            (1_219.0, 0.033),
-            (841.0, 0.027),
-            (616.0, 0.023),
-            (3_987.0, 0.173),
-        ],
-        _ => panic!("measured at N = 1, 2, 3, 4, 6, 8 and 10"),
+        2..=10 => table_3::TABLE_3[N - 2],
+        _ => panic!("Table 3 has 2 to 10 blocks"),
     };
     let mut blocks = [(0.0, 0.0); N];
     let mut i = 0;
@@ -194,4 +163,39 @@ pub fn run() {
         Units::SI,
         built(Coulomb::try_new(BREAKAWAY, 5.0, Units::SI))
     );
+}
+
+/// Steps of [`long_runs`].
+pub const LONG: usize = 1_000_000;
+
+/// The kernels in whole numbers over a million random displacements and velocities, six blocks: `report` gets name and
+/// checksum.
+pub fn long_runs(report: impl Fn(&str, u64)) {
+    let blocks = &blocks::<6>();
+    let slip = counts(packed_force(blocks));
+    let full = counts(CountGms::finest_force(blocks, BREAKAWAY, COUNT));
+    let gms = CountGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, full);
+    report("gms_i32", long_run(&built(gms)));
+    let plain = built(SlipReserve::try_new(blocks, BREAKAWAY, slip));
+    report("slip_reserve_i32", long_run(&plain));
+    let packed = built(PackedSlipReserve::<3>::try_new(blocks, BREAKAWAY, slip));
+    report("packed", long_run(&packed));
+    let constant = built(ConstantTimeSlipReserve::<3>::try_new(
+        blocks, BREAKAWAY, slip,
+    ));
+    report("constant_time", long_run(&constant));
+}
+
+#[inline(never)]
+fn long_run<F: Friction<Scalar = Whole>>(model: &F) -> u64 {
+    let mut state = model.at_rest();
+    let mut checksum = Checksum::new();
+    for (displacement, velocity) in Jumps::new().take(LONG) {
+        let motion = Motion {
+            displacement: Whole::from_bits(displacement),
+            velocity: Whole::from_bits(velocity),
+        };
+        checksum.add_whole(model.step(&mut state, motion).to_bits());
+    }
+    checksum.value()
 }

@@ -112,3 +112,29 @@ impl Iterator for Strokes {
         })
     }
 }
+
+/// Displacements \[counts\] and velocities of every size, no motion and the integers' ends among them: nothing that a stage
+/// does, but what a kernel must take.
+pub struct Jumps(u32);
+
+impl Jumps {
+    pub fn new() -> Self {
+        Self(SEED)
+    }
+}
+
+impl Iterator for Jumps {
+    type Item = (i32, i32);
+
+    fn next(&mut self) -> Option<(i32, i32)> {
+        let mut any = || {
+            self.0 ^= self.0 << 13;
+            self.0 ^= self.0 >> 17;
+            self.0 ^= self.0 << 5;
+            // From all 32 bits down to none: most are small, as a stage's are.
+            let bits = 31 - (self.0 & 31).min((self.0 >> 5) & 31);
+            self.0.cast_signed() >> bits
+        };
+        Some((any(), any()))
+    }
+}

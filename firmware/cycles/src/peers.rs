@@ -1,5 +1,6 @@
 //! What Preslide's kernels are measured against: an empty call, the textbook model in C, and a biquad.
 
+use core::sync::atomic::Ordering;
 use dsp_process::SplitProcess;
 use fixed::types::I32F0;
 use idsp::iir::{BiquadClamp, DirectForm1};
@@ -7,7 +8,7 @@ use preslide::Units;
 
 use crate::kernels::{BREAKAWAY, SLIDING, table_3};
 use crate::motion::{COUNT, SAMPLE_TIME};
-use crate::stub::{Controller, Row};
+use crate::stub::{Controller, EMPTY_TICK, Row};
 use crate::tick::{Inputs, Pid, PidState};
 
 /// The C peer's `struct gms`.
@@ -64,7 +65,8 @@ macro_rules! textbook {
             }
             let row = Row { kernel: $kernel, blocks: $n, units: Units::SI };
             let state = TextbookState { force: [0.0; $n], slipping: [0; $n], direction: 0 };
-            row.run(&TextbookGms::new(), state, step);
+            let call = row.run(&TextbookGms::new(), state, step);
+            row.print_measured::<TextbookState<$n, $scalar>>(&call, None);
         })*
     };
 }
@@ -114,19 +116,31 @@ extern "C" fn biquad(
     I32F0::from_bits(model.process(state, displacement.to_bits()))
 }
 
+fn single(kernel: &'static str, units: Units) -> Row {
+    Row {
+        kernel,
+        blocks: 1,
+        units,
+    }
+}
+
+/// To be run before anything that is compared with it.
+pub fn run_empty_tick() {
+    let ticks = single("empty_call", Units::SI).run_in_tick(&(), (), empty_tick);
+    EMPTY_TICK.store((ticks.mean() as f32).to_bits(), Ordering::Relaxed);
+}
+
 pub fn run() {
     textbook!("textbook_float_O2", f32);
     textbook!("textbook_float_O3_fast", f32);
     textbook!("textbook_double_O2", f64);
 
-    let single = |kernel, units| Row {
-        kernel,
-        blocks: 1,
-        units,
-    };
-    single("empty_call", Units::SI).run(&(), (), empty_call);
-    single("empty_call", Units::SI).run_in_tick(&(), (), empty_tick);
-    single("pid_f32", Units::SI).run(&Pid::EXAMPLE, PidState::default(), pid);
+    let row = single("empty_call", Units::SI);
+    let call = row.run(&(), (), empty_call);
+    row.print_measured::<()>(&call, None);
+    let row = single("pid_f32", Units::SI);
+    let call = row.run(&Pid::EXAMPLE, PidState::default(), pid);
+    row.print_measured::<PidState>(&call, None);
     // A low-pass at a tenth of the sample rate.
     let counts = Units {
         length: COUNT,
@@ -134,5 +148,7 @@ pub fn run() {
         velocity: COUNT / SAMPLE_TIME,
     };
     let model = Biquad::from([0.0675, 0.135, 0.0675, 1.143, -0.413]);
-    single("idsp_biquad_i32", counts).run(&model, DirectForm1::default(), biquad);
+    let row = single("idsp_biquad_i32", counts);
+    let call = row.run(&model, DirectForm1::default(), biquad);
+    row.print_measured::<DirectForm1<i32>>(&call, None);
 }

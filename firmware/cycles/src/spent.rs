@@ -12,13 +12,14 @@ pub struct Spent {
     reading: u32,
 }
 
-/// Switches the counter on, and interrupts off for good: nothing else is to be counted.
-pub fn start_counter() {
+/// Switches the counter on, and interrupts off for good: nothing else is to be counted. Whether it counts.
+pub fn start_counter() -> bool {
     cortex_m::interrupt::disable();
     if let Some(mut core) = Peripherals::take() {
         core.DCB.enable_trace();
         core.DWT.enable_cycle_counter();
     }
+    between(|| cortex_m::asm::delay(10)).1 > 0
 }
 
 /// Cycles between two readings with `work` between them.

@@ -1,7 +1,8 @@
 //! How a kernel is called: through a function of its own, by address, so that no compiler specialises the call.
 
 use core::hint::black_box;
-use cortex_m_semihosting::hprintln;
+use core::sync::atomic::{AtomicU32, Ordering};
+use cortex_m_semihosting::{hprint, hprintln};
 use preslide::{Friction, Motion, Scalar, Units};
 
 use crate::checksum::Checksum;
@@ -18,6 +19,9 @@ pub type ControlTick<M, State, S> = extern "C" fn(&M, &mut State, &mut Controlle
 /// The controller that shares the tick.
 pub type Controller = (Pid, PidState);
 
+/// Mean cycles of a control tick without a kernel, as the bits of an `f32`: what ticks with one are compared with on a board.
+pub static EMPTY_TICK: AtomicU32 = AtomicU32::new(0);
+
 /// What the line about a kernel says beside its size.
 pub struct Row {
     pub kernel: &'static str,
@@ -26,11 +30,16 @@ pub struct Row {
 }
 
 impl Row {
-    /// Calls `step` for every tick of the motion and prints the kernel's line.
+    /// Calls `step` for every tick of the motion and, for the recorder, prints the kernel's line.
     ///
     /// The rms of the force shows that kernels of one law compute the same thing; the checksum, that this
     /// processor computes the same bits as another.
-    pub fn run<M, State, S: Scalar>(&self, model: &M, mut state: State, step: Step<M, State, S>) {
+    pub fn run<M, State, S: Scalar>(
+        &self,
+        model: &M,
+        mut state: State,
+        step: Step<M, State, S>,
+    ) -> Spent {
         let step = black_box(step);
         let mut squares = 0.0;
         let mut checksum = Checksum::new();
@@ -47,11 +56,7 @@ impl Row {
             squares += newtons * newtons;
         }
         if cfg!(feature = "board") {
-            // The columns of cortex-m4.csv; a board counts no instructions and knows no size of code.
-            let (kernel, blocks, state) = (self.kernel, self.blocks, size_of::<State>());
-            let (mean, worst) = (spent.mean(), spent.worst);
-            hprintln!("{kernel},{blocks},,,{mean:.1},{worst},,,,,,,{state},,{TICKS}");
-            return;
+            return spent;
         }
         hprintln!(
             "kernel {} {} calls {} model {} state {} force_rms {:.6} checksum {:016x}",
@@ -63,6 +68,7 @@ impl Row {
             libm::sqrt(squares / TICKS as f64),
             checksum.value()
         );
+        spent
     }
 
     /// The same motion once more, with the kernel inlined into a control tick.
@@ -71,10 +77,8 @@ impl Row {
         model: &M,
         mut state: State,
         control: ControlTick<M, State, S>,
-    ) {
-        if cfg!(feature = "board") {
-            return;
-        }
+    ) -> Spent {
+        let mut spent = Spent::new();
         let control = black_box(control);
         let mut controller = (Pid::EXAMPLE, PidState::default());
         for tick in Strokes::new().take(TICKS) {
@@ -82,9 +86,27 @@ impl Row {
                 motion: tick.motion(self.units),
                 error: tick.velocity,
             };
-            black_box(control(model, &mut state, &mut controller, &inputs));
+            let work = || control(model, &mut state, &mut controller, &inputs);
+            black_box(spent.by(work));
         }
         black_box(controller.1.output);
+        spent
+    }
+
+    /// On a board: the kernel's line in the columns of cortex-m4.csv, from its calls and its ticks. A board counts no instructions
+    /// and knows no size of code.
+    pub fn print_measured<State>(&self, call: &Spent, ticks: Option<&Spent>) {
+        if !cfg!(feature = "board") {
+            return;
+        }
+        let (kernel, blocks, state) = (self.kernel, self.blocks, size_of::<State>());
+        let (mean, worst) = (call.mean(), call.worst);
+        hprint!("{kernel},{blocks},,,{mean:.1},{worst},,,");
+        if let Some(ticks) = ticks {
+            let without = f32::from_bits(EMPTY_TICK.load(Ordering::Relaxed));
+            hprint!("{:.1}", ticks.mean() - f64::from(without));
+        }
+        hprintln!(",,,,{state},,{TICKS}");
     }
 }
 
@@ -130,7 +152,8 @@ macro_rules! stub {
         let model: $model = $make;
         let row = $crate::stub::Row { kernel: $kernel, blocks: $n, units: $units };
         let state = preslide::Friction::at_rest(&model);
-        row.run(&model, state.clone(), stub);
-        row.run_in_tick(&model, state, in_tick);
+        let call = row.run(&model, state.clone(), stub);
+        let ticks = row.run_in_tick(&model, state, in_tick);
+        row.print_measured::<State>(&call, Some(&ticks));
     }};
 }

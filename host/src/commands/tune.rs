@@ -2,11 +2,11 @@
 
 use super::{Failure, OutputArgs, ReadingArgs, SplitArgs, command_line, parse_frequency};
 use clap::Args;
+use preslide_host::cost::CostTable;
 use preslide_host::identify::identify;
 use preslide_host::model::Model;
 use preslide_host::progress::Progress;
 use preslide_host::recording::Needs;
-use preslide_host::tune::cost::CostTable;
 use preslide_host::tune::{Budget, of_model, of_recording};
 use std::path::PathBuf;
 use std::time::Instant;
@@ -31,13 +31,15 @@ pub struct Tune {
     #[command(flatten)]
     split: SplitArgs,
 
-    /// Core whose measured costs to use
-    #[arg(long, default_value = "cortex-m4")]
+    /// Core whose measured costs to use, or a table of costs measured on your own board, in the columns of
+    /// firmware/cycles/cortex-m4.csv
+    #[arg(
+        long,
+        visible_alias = "table",
+        default_value = "cortex-m4",
+        value_name = "CORE or FILE.csv"
+    )]
     cpu: String,
-
-    /// Costs measured on your own board, in the columns of firmware/cycles/cortex-m4.csv; instead of --cpu
-    #[arg(long, value_name = "FILE.csv", conflicts_with = "cpu")]
-    table: Option<PathBuf>,
 
     /// Core clock
     #[arg(long, default_value = "170MHz", value_parser = parse_frequency)]
@@ -77,11 +79,7 @@ impl Tune {
     pub fn run(self) -> Result<(), Failure> {
         let start = Instant::now();
         let model = Model::load(&self.model)?;
-        let costs = match &self.table {
-            Some(path) => CostTable::load(path),
-            None => CostTable::of_cpu(&self.cpu),
-        }
-        .map_err(Failure::Input)?;
+        let costs = CostTable::of_cpu_or_file(&self.cpu).map_err(Failure::Input)?;
         let budget = Budget {
             clock: self.clock,
             rate: self.rate,

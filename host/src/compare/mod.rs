@@ -1,6 +1,6 @@
 //! Every friction model on one recording: how well each fits, in and out of sample, and what each remembers.
 
-pub mod cycles;
+mod cost;
 pub mod family;
 pub mod fit;
 pub mod memory;
@@ -9,6 +9,7 @@ pub mod starts;
 #[cfg(test)]
 mod tests;
 
+use crate::cost::Cost;
 use crate::friction::Path;
 use crate::identify::rigid_body::Kinematics;
 use crate::identify::split::Split;
@@ -17,7 +18,6 @@ use crate::model::Model;
 use crate::nmse::nmse;
 use crate::progress::Progress;
 use crate::recording::Recording;
-use cycles::{Cycles, cycles};
 use family::{Family, Span};
 use fit::{Data, Fit};
 use memory::{LoopClosure, Scale, loop_closure};
@@ -52,8 +52,8 @@ pub struct Compared {
     pub nmse_test: f64,
     /// Nested loops over the recording's stroke at its speed.
     pub memory: LoopClosure,
-    /// Cost of an update in `f32` on a Cortex-M4F, where it was measured.
-    pub cycles: Option<Cycles>,
+    /// Cost of an update in `f32` in a control tick on a Cortex-M4F, where it was measured.
+    pub cost: Option<Cost>,
     /// Parameters that ended at the bound of their search range.
     pub at_edge: Vec<&'static str>,
     /// Modelled effort at every sample, filtered like the measured one.
@@ -213,7 +213,7 @@ fn judged(candidate: &Candidate, scale: Scale) -> Result<Compared, String> {
         nmse_train: candidate.nmse_train,
         nmse_test: candidate.nmse_test,
         memory: loop_closure(&candidate.model.friction, scale).map_err(|e| e.to_string())?,
-        cycles: cycles(&candidate.model.friction),
+        cost: cost::cost(&candidate.model.friction),
         at_edge: Vec::new(),
         fitted: candidate.fitted.clone(),
     })
@@ -244,7 +244,7 @@ fn fitted(
         nmse_train: nmse(data.effort, &effort, train),
         nmse_test,
         memory: loop_closure(&best.model.friction, scale).map_err(|e| e.to_string())?,
-        cycles: cycles(&best.model.friction),
+        cost: cost::cost(&best.model.friction),
         at_edge: best.at_edge,
         model: best.model,
         fitted: effort,
@@ -292,7 +292,7 @@ fn cross_validated(
 /// whose held-out error is within [`NEAR`] of the lowest among them.
 fn recommended(models: &[Compared]) -> usize {
     let measured = || {
-        let cost = |m: &Compared| m.cycles.as_ref().map(|c| c.mean);
+        let cost = |m: &Compared| m.cost.as_ref().map(|c| c.cycles_mean);
         models
             .iter()
             .enumerate()

@@ -61,8 +61,8 @@ impl Comparison {
         let Some(best) = self.models.get(self.recommended) else {
             return String::new();
         };
-        let cost = best.cycles.as_ref().map_or(String::new(), |c| {
-            format!(", {:.0} cycles an update", c.mean)
+        let cost = best.cost.as_ref().map_or(String::new(), |c| {
+            format!(", {:.0} cycles in a control tick", c.cycles_mean)
         });
         let others: Vec<String> = self
             .models
@@ -106,8 +106,8 @@ impl Comparison {
                     closure_key: m.memory.largest,
                     "loop_closure_share": m.memory.largest / m.memory.range,
                     "nonlocal_memory": m.memory.is_nonlocal(),
-                    "cycles_mean": m.cycles.as_ref().map(|c| c.mean),
-                    "cycles_worst": m.cycles.as_ref().map(|c| c.worst),
+                    "cycles_mean": m.cost.as_ref().map(|c| c.cycles_mean),
+                    "cycles_worst": m.cost.as_ref().map(|c| c.cycles_worst),
                     "fitted_parameters": m.parameters,
                     "at_edge": m.at_edge,
                     "model": m.file(),
@@ -154,7 +154,7 @@ impl Comparison {
                 format!("loop closure {unit}"),
                 "of range".to_owned(),
                 "non-local memory".to_owned(),
-                "cycles (Cortex-M4F)".to_owned(),
+                "cycles in the tick (Cortex-M4F)".to_owned(),
             ]
             .to_vec(),
             rows: self
@@ -175,9 +175,9 @@ impl Comparison {
                             "–".to_owned()
                         },
                         m.memory_in_words().to_owned(),
-                        m.cycles
-                            .as_ref()
-                            .map_or("not measured".to_owned(), |c| format!("{:.0}", c.mean)),
+                        m.cost.as_ref().map_or("not measured".to_owned(), |c| {
+                            format!("{:.0}", c.cycles_mean)
+                        }),
                     ]
                 })
                 .collect(),
@@ -309,7 +309,7 @@ impl Comparison {
         );
         let mut costs = Figure::new(
             "Error against cost",
-            Axis::new("cycles of one update in f32, Cortex-M4F", ""),
+            Axis::new("cycles that a control tick grows by, f32, Cortex-M4F", ""),
             Axis::new("NMSE (13), held out", "%").log(),
         )
         .note("Models without a measured kernel are missing here.");
@@ -317,8 +317,8 @@ impl Comparison {
             let point =
                 |at: f64| Series::line(m.name(), vec![at], vec![m.nmse_test]).style(Style::Points);
             sizes = sizes.with(point(m.parameters as f64));
-            if let Some(cycles) = &m.cycles {
-                costs = costs.with(point(cycles.mean));
+            if let Some(cost) = &m.cost {
+                costs = costs.with(point(cost.cycles_mean));
             }
         }
         let section = |heading: &str, tables, figures, paragraphs| Section {

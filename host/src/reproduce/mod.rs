@@ -4,6 +4,7 @@ pub mod paper;
 mod present;
 pub mod printed;
 pub mod recovery;
+mod table_3;
 #[cfg(test)]
 mod tests;
 

@@ -3,6 +3,7 @@
 //! E. Kamenar and S. Zelenika, "Issues in validation of pre-sliding friction models for ultra-high precision
 //! positioning", Part C: Journal of Mechanical Engineering Science, manuscript JMES-17-1227.R1.
 
+use super::table_3;
 use crate::friction::FrictionModel;
 use preslide::{Block, HsiehParams, Sliding};
 
@@ -28,84 +29,18 @@ pub struct Column {
 }
 
 /// Table 3: 2 to 10 blocks.
-///
-/// Oddities: the weights have three digits and those of 4, 5 and 6 blocks sum to 0.999, the others to 1; columns
-/// share leading entries because breakpoints were kept and split further; the 2- and 4-block columns keep the
-/// 4.87 µm breakpoint, the 3-block column has one at 6.82 µm that no other column has.
-pub const TABLE_3: [Column; 9] = [
-    column(&[(113948.0, 0.616), (8870.0, 0.384)]),
-    column(&[(325379.0, 0.352), (40535.0, 0.307), (7886.0, 0.341)]),
-    column(&[
-        (313728.0, 0.339),
-        (43670.0, 0.236),
-        (10545.0, 0.171),
-        (5858.0, 0.253),
-    ]),
-    column(&[
-        (270313.0, 0.292),
-        (57886.0, 0.125),
-        (29198.0, 0.158),
-        (10545.0, 0.171),
-        (5858.0, 0.253),
-    ]),
-    column(&[
-        (270313.0, 0.292),
-        (57886.0, 0.125),
-        (29198.0, 0.158),
-        (9503.0, 0.154),
-        (2604.0, 0.084),
-        (4295.0, 0.186),
-    ]),
-    column(&[
-        (270313.0, 0.292),
-        (57886.0, 0.125),
-        (24903.0, 0.135),
-        (10349.0, 0.112),
-        (4295.0, 0.093),
-        (1759.0, 0.057),
-        (4295.0, 0.186),
-    ]),
-    column(&[
-        (270313.0, 0.292),
-        (57886.0, 0.125),
-        (24903.0, 0.135),
-        (8590.0, 0.093),
-        (3517.0, 0.057),
-        (1927.0, 0.042),
-        (1985.0, 0.054),
-        (4678.0, 0.202),
-    ]),
-    column(&[
-        (270313.0, 0.292),
-        (57886.0, 0.125),
-        (24903.0, 0.135),
-        (8590.0, 0.093),
-        (3517.0, 0.057),
-        (1927.0, 0.042),
-        (1219.0, 0.033),
-        (1149.0, 0.037),
-        (4295.0, 0.186),
-    ]),
-    column(&[
-        (270313.0, 0.292),
-        (57886.0, 0.125),
-        (24903.0, 0.135),
-        (8590.0, 0.093),
-        (3517.0, 0.057),
-        (1927.0, 0.042),
-        (1219.0, 0.033),
-        (841.0, 0.027),
-        (616.0, 0.023),
-        (3987.0, 0.173),
-    ]),
-];
+pub const TABLE_3: [Column; 9] = {
+    let mut columns = [Column { blocks: &[] }; 9];
+    let mut i = 0;
+    while i < columns.len() {
+        columns[i].blocks = table_3::TABLE_3[i];
+        i += 1;
+    }
+    columns
+};
 
 /// The column that stands for the measured curve.
 pub const REFERENCE: Column = TABLE_3[8];
-
-const fn column(blocks: &'static [(f64, f64)]) -> Column {
-    Column { blocks }
-}
 
 impl Column {
     /// Number of blocks `N`.

@@ -72,11 +72,11 @@ pub struct Remains {
 }
 
 impl Emulator {
-    /// Starts QEMU with the firmware `elf`.
+    /// Starts QEMU with the firmware `elf`, and with the TCG plugin whose file and arguments `plugin` holds.
     ///
     /// # Errors
     /// [`RigError`] where QEMU does not start or does not connect.
-    pub fn start(elf: &Path, listener: Listener) -> Result<Self, RigError> {
+    pub fn start(elf: &Path, listener: Listener, plugin: Option<&str>) -> Result<Self, RigError> {
         static RUNS: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0);
         let run = RUNS.fetch_add(1, Ordering::Relaxed);
         let folder =
@@ -92,7 +92,11 @@ impl Emulator {
                 format!("socket,id=link,host=127.0.0.1,port={port},server=on,wait=on")
             }
         };
-        let mut child = Command::new("qemu-system-arm")
+        let mut qemu = Command::new("qemu-system-arm");
+        if let Some(plugin) = plugin {
+            qemu.args(["-plugin", plugin]);
+        }
+        let mut child = qemu
             .args(["-M", "mps2-an386", "-display", "none", "-monitor", "none"])
             // 8 ns an instruction: about what a Cortex-M4 at 170 MHz makes of this code.
             .args(["-icount", "shift=3,sleep=off"])

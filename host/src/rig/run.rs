@@ -24,6 +24,8 @@ pub struct Script<'a> {
     pub falsify: ByTick<'a, Reading>,
     /// Whether someone listens to the telemetry in the tick.
     pub listening: Box<dyn Fn(u64) -> bool + 'a>,
+    /// A QEMU plugin that watches, with its arguments.
+    pub plugin: Option<String>,
 }
 
 impl Script<'_> {
@@ -39,6 +41,7 @@ impl Script<'_> {
             disturb: Box::new(|_, _| {}),
             falsify: Box::new(|_, _| {}),
             listening: Box::new(|_| true),
+            plugin: None,
         }
     }
 
@@ -86,7 +89,7 @@ pub struct Record {
 pub fn run(elf: &Path, script: &Script, listener: Listener) -> Result<Record, RigError> {
     let steps = Settings::PAPER_AXIS.motor.steps;
     let mut stage = Stage::try_new(script.stage.clone()).map_err(TrackingError::from)?;
-    let mut emulator = Emulator::start(elf, listener)?;
+    let mut emulator = Emulator::start(elf, listener, script.plugin.as_deref())?;
     let mut codes = Vec::new();
     let mut broke_off = false;
     let mut line = script

@@ -3,6 +3,7 @@
 //! Looked for and not found in public text: the data sheets of the motor, the coupling and the screw's stiffness, and the
 //! gearhead's ratio. Where a value is an assumption, it is one that a user is expected to replace.
 
+use crate::reproduce::paper;
 use serde::{Deserialize, Serialize};
 
 /// Why a stage could not be built.
@@ -237,23 +238,12 @@ impl Default for SupplyConfig {
 
 impl Default for FrictionConfig {
     fn default() -> Self {
-        let table3 = [
-            (270_313.0, 0.292),
-            (57_886.0, 0.125),
-            (24_903.0, 0.135),
-            (8_590.0, 0.093),
-            (3_517.0, 0.057),
-            (1_927.0, 0.042),
-            (1_219.0, 0.033),
-            (841.0, 0.027),
-            (616.0, 0.023),
-            (3_987.0, 0.173),
-        ];
         Self {
             breakaway_n: 0.9,
-            virgin_curve: table3
-                .into_iter()
-                .map(|(stiffness_n_per_m, weight)| VirginBlock {
+            virgin_curve: paper::REFERENCE
+                .blocks
+                .iter()
+                .map(|&(stiffness_n_per_m, weight)| VirginBlock {
                     stiffness_n_per_m,
                     weight,
                 })

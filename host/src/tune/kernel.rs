@@ -109,6 +109,16 @@ impl Kernel {
         }
     }
 
+    /// The measured firmware whose controller computes as this kernel does: in `f32`, or in whole numbers.
+    pub fn controller(self) -> &'static str {
+        match self {
+            Self::GmsF32 | Self::QuasiStaticF32 => "quasi_static_f32",
+            Self::GmsI32 | Self::SlipReserve | Self::Packed | Self::ConstantTime => {
+                "quasi_static_i16f16"
+            }
+        }
+    }
+
     /// What it is, in a few words.
     pub fn description(self) -> &'static str {
         match self {

@@ -1,16 +1,15 @@
 //! How many blocks, in which arithmetic: accuracy against cycles.
 
-pub mod cost;
 pub mod kernel;
 mod present;
 #[cfg(test)]
 mod tests;
 
+use crate::cost::{Cost, CostTable, WholeTick};
 use crate::friction::{FrictionModel, Path};
 use crate::identify::{Identification, Method};
 use crate::model::Model;
 use crate::recording::Recording;
-use cost::{Cost, CostTable};
 use kernel::{Counts, Kernel};
 use std::ops::Range;
 
@@ -41,10 +40,20 @@ pub struct Choice {
     pub cost: Cost,
     /// Share of the processor on the worst path (-).
     pub share: f64,
+    /// The whole control tick with the kernel in it, where the table has one.
+    pub tick: Option<WholeTick>,
     /// NMSE (13) of the model on motion that was not fitted, and of the arithmetic (%); `None` without a recording.
     pub nmse_test: Option<f64>,
     /// Rms of what the arithmetic adds, against the same model in `f64` on the same counts (% of `F_s`).
     pub arithmetic: f64,
+}
+
+impl Choice {
+    /// Friction stays within its budget, and the whole tick, where it is known, within the time between two.
+    pub fn fits(&self, budget: Budget) -> bool {
+        let whole = self.tick.map_or(0.0, |tick| budget.share_of(tick.worst));
+        self.share <= budget.share && whole <= 1.0
+    }
 }
 
 /// All choices, and the one to take.
@@ -266,11 +275,23 @@ fn tuning(
             choices.push(Choice {
                 kernel,
                 share: budget.share_of(cost.cycles_worst),
+                tick: costs.whole_tick(kernel.controller(), &cost),
                 cost,
                 nmse_test: sized.nmse_test.map(|nmse| nmse + added),
                 arithmetic: 100.0 * mean_square.sqrt() / breakaway,
             });
         }
+    }
+    if choices.iter().any(|c| c.tick.is_none()) {
+        notes.push(
+            "the table of costs has no whole control tick, so shares are of friction alone"
+                .to_owned(),
+        );
+    }
+    if choices.iter().any(|c| !c.cost.inlined) {
+        notes.push(
+            "the table of costs has calls only: its cycles include the call, and inlined it takes less".to_owned(),
+        );
     }
     let recommended = recommend(&choices, budget);
     Ok(Tuning {
@@ -301,8 +322,17 @@ fn recommend(choices: &[Choice], budget: Budget) -> Result<(usize, String), Stri
             100.0 * cheapest.share,
         ));
     }
-    let sound = |c: &&Choice| c.share <= budget.share && c.arithmetic <= ARITHMETIC;
-    let fitting: Vec<&Choice> = choices.iter().filter(|c| c.share <= budget.share).collect();
+    let fitting: Vec<&Choice> = choices.iter().filter(|c| c.fits(budget)).collect();
+    let shortest = choices.iter().filter_map(|c| c.tick.map(|tick| tick.worst));
+    let shortest = shortest.fold(f64::INFINITY, f64::min);
+    if fitting.is_empty() {
+        return Err(format!(
+            "nothing fits: the whole control tick takes {shortest:.0} cycles at worst with the cheapest kernel, and {:.0} lie between two ticks; lower --rate to {:.0} Hz",
+            budget.clock / budget.rate,
+            budget.clock / shortest,
+        ));
+    }
+    let sound = |c: &&Choice| c.arithmetic <= ARITHMETIC;
     let pool: Vec<&Choice> = match fitting.iter().copied().filter(sound).collect::<Vec<_>>() {
         sound if sound.is_empty() => fitting,
         sound => sound,
@@ -338,8 +368,15 @@ fn recommend(choices: &[Choice], budget: Budget) -> Result<(usize, String), Stri
         ),
         None => format!("the model has N = {blocks}; give --recording to have N chosen as well"),
     };
+    let whole = chosen.tick.map_or(String::new(), |tick| {
+        format!(
+            "; the whole control tick then takes {} at worst, {:.0} cycles",
+            percent(budget.share_of(tick.worst)),
+            tick.worst
+        )
+    });
     let reason = format!(
-        "{accuracy}; {} ({}) is the cheapest arithmetic that adds at most {ARITHMETIC} % of F_s (it adds {:.3} %) and takes {} of the processor at worst, {:.0} cycles a tick, of {} allowed",
+        "{accuracy}; {} ({}) is the cheapest arithmetic that adds at most {ARITHMETIC} % of F_s (it adds {:.3} %) and takes {} of the processor at worst, {:.0} cycles a tick, of {} allowed{whole}",
         chosen.kernel.name(),
         chosen.kernel.description(),
         chosen.arithmetic,

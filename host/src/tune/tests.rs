@@ -1,6 +1,6 @@
-use super::cost::CostTable;
 use super::kernel::Kernel;
 use super::{Budget, of_model};
+use crate::cost::CostTable;
 use crate::model::Model;
 
 fn model(blocks: &str) -> Model {
@@ -80,4 +80,20 @@ fn a_model_without_blocks_is_refused() {
     let costs = CostTable::of_cpu("cortex-m4").unwrap();
     let error = of_model(&Model::parse(text).unwrap(), 25e-9, &costs, budget(0.05)).unwrap_err();
     assert!(error.contains("coulomb"), "{error}");
+}
+
+#[test]
+fn a_clock_too_slow_for_the_whole_tick_fits_nothing_though_friction_alone_would() {
+    let costs = CostTable::of_cpu("cortex-m4").unwrap();
+    let slow = Budget {
+        clock: 8e6,
+        ..budget(0.5)
+    };
+    let tuning = of_model(&model(TWO), 25e-9, &costs, slow).unwrap();
+    assert!(tuning.choices.iter().any(|c| c.share <= slow.share));
+    let reason = tuning.recommended.clone().unwrap_err();
+    assert!(
+        reason.contains("whole control tick") && reason.contains("--rate"),
+        "{reason}"
+    );
 }

@@ -26,6 +26,12 @@ pub enum Class {
     TableBranch,
     /// IT, which folds into a 16-bit instruction before it.
     IfThen,
+    /// MRS, MSR, CPS.
+    Special,
+    /// DMB, DSB: waits for stores under way.
+    MemoryBarrier,
+    /// ISB: refills the pipeline.
+    InstructionBarrier,
 }
 
 /// What the price of a path needs to know of each instruction on it.
@@ -48,6 +54,10 @@ pub struct Instruction {
 }
 
 impl Instruction {
+    pub fn uses_float(&self) -> bool {
+        (self.writes | self.reads_float) >> 16 != 0
+    }
+
     pub fn loads_pc(&self) -> bool {
         self.memory && self.writes & PC != 0
     }
@@ -93,7 +103,8 @@ impl Instruction {
             "pop" | "vpop" => all,
             _ if is_list && name.contains("ld") => all & !word(0),
             _ if memory && (name.contains("st") || name.contains("push")) => 0,
-            "cmp" | "cmn" | "tst" | "teq" | "vcmp" | "vcmpe" | "nop" => 0,
+            "cmp" | "cmn" | "tst" | "teq" | "vcmp" | "vcmpe" | "nop" | "msr" | "cpsid"
+            | "cpsie" | "dmb" | "dsb" | "isb" => 0,
             "umull" | "smull" | "umlal" | "smlal" | "umaal" | "smlald" | "ldrd" => {
                 word(0) | word(1)
             }
@@ -172,7 +183,9 @@ fn class_of(name: &str, operands: &str) -> Option<Class> {
         "vdiv" | "vsqrt" => Class::Float(14),
         "vmov" if split_operands(operands).count() == 3 => Class::Fixed(2),
         "vmov" | "vneg" | "vabs" | "vcmp" | "vcmpe" | "vmrs" | "vmsr" => Class::Fixed(1),
-        "mrs" | "msr" => Class::Fixed(2),
+        "mrs" | "msr" | "cpsid" | "cpsie" => Class::Special,
+        "dmb" | "dsb" => Class::MemoryBarrier,
+        "isb" => Class::InstructionBarrier,
         _ if is_condition_branch(name) => Class::Branch,
         _ if is_single_cycle(name) => Class::Fixed(1),
         _ => return None,
@@ -332,6 +345,17 @@ mod tests {
         assert_eq!(parsed("muls", "r0, r1").class, Class::Fixed(1));
         assert_eq!(parsed("bls.n", "27912").class, Class::Branch);
         assert_eq!(parsed("bl", "265cc").class, Class::Branch);
+    }
+
+    #[test]
+    fn what_interrupt_handlers_use_has_a_class() {
+        assert_eq!(parsed("msr", "BASEPRI, r0").class, Class::Special);
+        assert_eq!(parsed("cpsid", "i").class, Class::Special);
+        assert_eq!(parsed("isb", "sy").class, Class::InstructionBarrier);
+        let skipped = Instruction::parse(4, "dmbne", "sy", true).unwrap();
+        assert_eq!(skipped.class, Class::MemoryBarrier);
+        assert!(parsed("vmov", "s0, r0").uses_float() && parsed("vstr", "s0, [r1]").uses_float());
+        assert!(!parsed("ldr", "r0, [r1, #4]").uses_float());
     }
 
     #[test]

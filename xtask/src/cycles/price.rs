@@ -5,7 +5,11 @@
 //! - a store with no other memory access beside it: 1, or 2 if the write buffer does not hide it;
 //! - a division: 2 to 12; taken as 12;
 //! - an instruction in an IT block: 1 if its condition fails, which the path does not show; taken as carried out;
-//! - an address that the load or store just before has stepped on: pipelined, not pipelined (taken), or late.
+//! - an address that the load or store just before has stepped on: pipelined, not pipelined (taken), or late;
+//! - MRS, MSR and CPS: 1 or 2 (taken);
+//! - DMB and DSB: 1 and what the stores under way still need, which the manual gives no bound for; 1, or up to 4;
+//! - ISB: 1 and a refill of the pipeline: 2, or up to 4;
+//! - the refill after the return from an interrupt: taken as an instruction's own, or contained in the return's 12.
 
 use std::iter::Sum;
 use std::ops::Add;
@@ -47,6 +51,31 @@ impl Sum for Price {
         prices.fold(Self::default(), Self::add)
     }
 }
+
+/// Interrupt entry and return, each: eight registers saved or restored while the handler or the interrupted code is fetched.
+const EXCEPTION: u32 = 12;
+
+/// Saving or restoring s0 to s15 and FPSCR, a cycle a word (Arm application note 298). The saving waits for the handler's
+/// first float instruction; a handler without one pays for neither.
+const FLOAT_FRAME: u32 = 17;
+
+/// The price of an interrupt handler's path, from the interrupted instruction back to it. Tail-chained handlers share an
+/// entry and a return and cost less.
+pub fn of_interrupt(path: &[(u32, Instruction)]) -> Price {
+    let mut price = of_path(path) + Price::exactly(2 * EXCEPTION);
+    if path.last().is_some_and(|(_, last)| last.loads_pc()) {
+        price.low -= POP_TO_PC;
+    }
+    if path.iter().any(|(_, instruction)| instruction.uses_float()) {
+        // Nothing if the interrupted task has never used a float.
+        price.cycles += 2 * FLOAT_FRAME;
+        price.high += 2 * FLOAT_FRAME;
+    }
+    price
+}
+
+/// What a POP or LDR costs more where it loads the program counter.
+const POP_TO_PC: u32 = 3;
 
 /// The price of a path from its first instruction to its return.
 pub fn of_path(path: &[(u32, Instruction)]) -> Price {
@@ -91,10 +120,25 @@ fn of_step(
         Class::Branch => Price::exactly(if jumps { 2 + refill } else { 1 }),
         Class::CompareAndBranch => Price::exactly(if jumps { 3 + refill } else { 1 }),
         Class::TableBranch => Price::exactly(4),
+        Class::Special => Price {
+            cycles: 2,
+            low: 1,
+            high: 2,
+        },
+        Class::MemoryBarrier => Price {
+            cycles: 1,
+            low: 1,
+            high: 4,
+        },
+        Class::InstructionBarrier => Price {
+            cycles: 2,
+            low: 2,
+            high: 4,
+        },
         Class::IfThen => Price::exactly(u32::from(before.is_none_or(|before| before.size != 2))),
     };
     if now.loads_pc() && jumps {
-        price = price + Price::exactly(3);
+        price = price + Price::exactly(POP_TO_PC);
     }
     if let Some(before) = before {
         if now.memory && before.writes & now.address != 0 {
@@ -127,7 +171,7 @@ fn load(before: Option<&Instruction>, now: &Instruction) -> Price {
 
 #[cfg(test)]
 mod tests {
-    use super::{Price, of_path};
+    use super::{Price, of_interrupt, of_path};
     use crate::cycles::instruction::Instruction;
 
     /// Instructions as (size, mnemonic, operands), one behind the other from `start`.
@@ -240,5 +284,23 @@ mod tests {
         assert_eq!(price(0, &folded).cycles, 1 + 2);
         let alone = [(4, "cmp.w", "r0, #0"), (2, "it", "eq"), RETURN];
         assert_eq!(price(0, &alone).cycles, 1 + 1 + 2);
+    }
+
+    #[test]
+    fn an_interrupt_costs_its_entry_and_return_and_float_registers_where_it_uses_them() {
+        let handler = |middle: (&str, &str)| {
+            [
+                (2, "push", "{r7, lr}"),
+                (4, middle.0, middle.1),
+                (2, "pop", "{r7, pc}"),
+            ]
+            .map(|(size, name, operands)| {
+                (0, Instruction::parse(size, name, operands, false).unwrap())
+            })
+        };
+        let plain = of_interrupt(&handler(("nop", "")));
+        assert_eq!((plain.low, plain.cycles, plain.high), (31, 34, 34));
+        let float = of_interrupt(&handler(("vadd.f32", "s0, s1, s2")));
+        assert_eq!((float.low, float.cycles, float.high), (31, 68, 68));
     }
 }

@@ -1,4 +1,4 @@
-//! Runs a program in QEMU under the path recorder and reads what it recorded.
+//! Runs programs in QEMU under the path recorder and reads what it recorded.
 
 use std::collections::HashMap;
 use std::fs::{self, File};
@@ -9,7 +9,10 @@ use std::time::Duration;
 use crate::process::{root, run, run_for};
 
 /// A run takes seconds; QEMU spins for ever when the guest hangs.
-const QEMU_LIMIT: Duration = Duration::from_secs(300);
+pub const QEMU_LIMIT: Duration = Duration::from_secs(300);
+
+const PLUGIN: &str = "paths.so";
+const RECORDED: &str = "paths";
 
 /// Consecutive instructions, first and last address.
 type Stretch = (u32, u32);
@@ -20,17 +23,22 @@ pub struct TakenPath {
     pub stretches: Vec<Stretch>,
 }
 
-pub struct Recording {
-    /// Distinct paths by the function's address.
-    pub paths: HashMap<u32, Vec<TakenPath>>,
-    /// What the program printed.
-    pub printed: String,
+/// Distinct paths by the function's address.
+pub type Paths = HashMap<u32, Vec<TakenPath>>;
+
+/// What is recorded.
+pub struct Watched<'a> {
+    /// Functions, by address.
+    pub entries: &'a [u32],
+    /// Functions whose calls are passed over with all that they call.
+    pub skipped: &'a [u32],
+    /// Whether a recorded call may be under way at the end: the program stops itself from within one.
+    pub ends_inside: bool,
 }
 
 pub struct Recorder {
     /// Where the plugin and the recordings go.
     folder: PathBuf,
-    plugin: PathBuf,
 }
 
 impl Recorder {
@@ -38,7 +46,6 @@ impl Recorder {
     pub fn build(folder: PathBuf) -> Result<Self, String> {
         fs::create_dir_all(&folder)
             .map_err(|error| format!("cannot create {}: {error}", folder.display()))?;
-        let plugin = folder.join("paths.so");
         let source = root().join("xtask/qemu-plugin/paths.c");
         let mut cc = Command::new("cc");
         cc.args([
@@ -50,78 +57,87 @@ impl Recorder {
             "-Werror",
         ]);
         cc.args(["-shared", "-fPIC", "-fvisibility=hidden", "-o"])
-            .arg(&plugin)
+            .arg(folder.join(PLUGIN))
             .arg(source);
         run(&mut cc)?;
-        Ok(Self { folder, plugin })
+        Ok(Self { folder })
     }
 
-    /// Records every call of the functions at `entries`.
-    pub fn record(&self, program: &Path, entries: &[u32]) -> Result<Recording, String> {
-        let list: String = entries.iter().map(|entry| format!("{entry:x}\n")).collect();
-        fs::write(self.folder.join("entries"), list)
-            .map_err(|error| format!("cannot write the entries: {error}"))?;
+    /// Records a program that needs nothing but a console; what it printed, beside the paths.
+    pub fn record(&self, program: &Path, watched: &Watched) -> Result<(Paths, String), String> {
         // QEMU spins when its standard output closes early: a file never does.
         let printed = self.folder.join("printed");
         let output = File::create(&printed)
             .map_err(|error| format!("cannot create {}: {error}", printed.display()))?;
         let mut qemu = Command::new("qemu-system-arm");
-        qemu.current_dir(&self.folder)
-            .args([
-                "-machine",
-                "mps2-an386",
-                "-display",
-                "none",
-                "-monitor",
-                "none",
-                "-serial",
-                "none",
-            ])
-            .args(["-semihosting-config", "enable=on,target=native"])
-            .args(["-icount", "shift=5,sleep=off"])
-            .arg("-plugin")
-            .arg(format!(
-                "./{},entries=entries,out=paths",
-                file_name(&self.plugin)
-            ))
-            .arg("-kernel")
-            .arg(program)
-            .stdout(output);
-        let result = run_for(&mut qemu, QEMU_LIMIT);
+        qemu.args([
+            "-machine",
+            "mps2-an386",
+            "-display",
+            "none",
+            "-monitor",
+            "none",
+            "-serial",
+            "none",
+        ])
+        .args(["-semihosting-config", "enable=on,target=native"])
+        .args(["-icount", "shift=5,sleep=off"])
+        .arg("-plugin")
+        .arg(self.plugin(watched))
+        .arg("-kernel")
+        .arg(program)
+        .stdout(output);
+        let result = self.watch(&mut qemu, watched);
         let printed = fs::read_to_string(&printed)
             .map_err(|error| format!("cannot read {}: {error}", printed.display()))?;
-        result.map_err(|error| {
-            format!("{error}; it printed:\n{printed}\nThe recorder needs a QEMU with TCG plugins, as Debian's is")
+        let paths = result.map_err(|error| format!("{error}; it printed:\n{printed}"))?;
+        Ok((paths, printed))
+    }
+
+    /// QEMU's argument for a run under [`Recorder::watch`].
+    pub fn plugin(&self, watched: &Watched) -> String {
+        let skip = if watched.skipped.is_empty() {
+            ""
+        } else {
+            ",skip=skipped"
+        };
+        format!("./{PLUGIN},entries=entries,out={RECORDED}{skip}")
+    }
+
+    /// Runs a command that starts QEMU with [`Recorder::plugin`].
+    pub fn watch(&self, command: &mut Command, watched: &Watched) -> Result<Paths, String> {
+        for (name, addresses) in [("entries", watched.entries), ("skipped", watched.skipped)] {
+            let list: String = addresses.iter().map(|at| format!("{at:x}\n")).collect();
+            fs::write(self.folder.join(name), list)
+                .map_err(|error| format!("cannot write the list of {name}: {error}"))?;
+        }
+        let file = self.folder.join(RECORDED);
+        // What an earlier run left must not pass for this one's.
+        let _ = fs::remove_file(&file);
+        run_for(command.current_dir(&self.folder), QEMU_LIMIT).map_err(|error| {
+            format!("{error}\nThe recorder needs a QEMU with TCG plugins, as Debian's is")
         })?;
-        let file = self.folder.join("paths");
         let bytes = fs::read(&file)
             .map_err(|error| format!("the recorder left no {}: {error}", file.display()))?;
-        Ok(Recording {
-            paths: parse(&bytes)?,
-            printed,
-        })
+        let (paths, ended_inside) = parse(&bytes)?;
+        if ended_inside && !watched.ends_inside {
+            return Err("a recorded call had not returned at the end".to_string());
+        }
+        Ok(paths)
     }
 }
 
-fn file_name(path: &Path) -> std::borrow::Cow<'_, str> {
-    path.file_name().unwrap_or_default().to_string_lossy()
-}
-
-/// The format is described in `qemu-plugin/paths.c`.
-fn parse(bytes: &[u8]) -> Result<HashMap<u32, Vec<TakenPath>>, String> {
+/// The format is described in `qemu-plugin/paths.c`; also whether a call was under way at the end.
+fn parse(bytes: &[u8]) -> Result<(Paths, bool), String> {
     let mut words = bytes
         .chunks_exact(4)
         .map(|word| u32::from_ne_bytes([word[0], word[1], word[2], word[3]]));
     let mut next = || words.next().ok_or("the recording ends early; run it again");
-    let mut paths: HashMap<u32, Vec<TakenPath>> = HashMap::new();
+    let mut paths = Paths::new();
     loop {
         let (entry, calls) = (next()?, next()?);
         if entry == 0 {
-            return if calls == 0 {
-                Ok(paths)
-            } else {
-                Err("a recorded call had not returned at the end".to_string())
-            };
+            return Ok((paths, calls > 0));
         }
         let count = next()?;
         let stretches = (0..count)

@@ -19,12 +19,13 @@ pub struct Row {
     /// Cycles of the most frequent path on a Cortex-M7, by llvm-mca: an estimate.
     pub m7_estimate: Option<f64>,
     pub flash_bytes: u32,
-    pub ram_bytes: u32,
+    /// State; `None` where there is none of its own.
+    pub ram_bytes: Option<u32>,
     pub paths: u32,
     pub calls: u32,
 }
 
-const COLUMNS: &str = "kernel,n,instructions_mean,instructions_max,cycles_mean,cycles_worst,cycles_low,cycles_high,\
+pub const COLUMNS: &str = "kernel,n,instructions_mean,instructions_max,cycles_mean,cycles_worst,cycles_low,cycles_high,\
                        cycles_in_tick,floor,m7_estimate,flash_bytes,ram_bytes,paths,calls";
 
 /// A count may grow by this much before the check fails.
@@ -51,7 +52,7 @@ pub fn to_csv(header: &[String], rows: &[Row]) -> String {
             decimal(floor(row)),
             decimal(row.m7_estimate),
             row.flash_bytes,
-            row.ram_bytes,
+            whole(row.ram_bytes),
             row.paths,
             row.calls
         );
@@ -62,6 +63,10 @@ pub fn to_csv(header: &[String], rows: &[Row]) -> String {
 /// An empty cell where there is nothing.
 fn decimal(value: Option<f64>) -> String {
     value.map_or(String::new(), |value| format!("{value:.1}"))
+}
+
+fn whole(value: Option<u32>) -> String {
+    value.map_or(String::new(), |value| value.to_string())
 }
 
 pub fn from_csv(text: &str) -> Result<Vec<Row>, String> {
@@ -100,7 +105,10 @@ fn row(line: &str) -> Option<Row> {
         cycles_in_tick: optional(8)?,
         m7_estimate: optional(10)?,
         flash_bytes: whole(11)?,
-        ram_bytes: whole(12)?,
+        ram_bytes: match *cells.get(12)? {
+            "" => None,
+            cell => Some(cell.parse().ok()?),
+        },
         paths: whole(13)?,
         calls: whole(14)?,
     })
@@ -130,7 +138,7 @@ fn gap(row: &Row) -> Option<f64> {
 
 pub fn print(rows: &[Row]) {
     println!(
-        "{:<24} {:>3} {:>14} {:>8} {:>6} {:>15} {:>8} {:>6} {:>7} {:>6} {:>4} {:>6}",
+        "{:<30} {:>3} {:>14} {:>8} {:>6} {:>15} {:>8} {:>6} {:>7} {:>6} {:>4} {:>6}",
         "kernel",
         "N",
         "instructions",
@@ -146,7 +154,7 @@ pub fn print(rows: &[Row]) {
     );
     for row in rows {
         println!(
-            "{:<24} {:>3} {:>7.1} {:>6} {:>8.1} {:>6} {:>7.1}…{:<7.1} {:>8} {:>6} {:>7} {:>6} {:>4} {:>6}",
+            "{:<30} {:>3} {:>7.1} {:>6} {:>8.1} {:>6} {:>7.1}…{:<7.1} {:>8} {:>6} {:>7} {:>6} {:>4} {:>6}",
             row.kernel,
             row.blocks,
             row.instructions_mean,
@@ -159,7 +167,7 @@ pub fn print(rows: &[Row]) {
             decimal(gap(row)),
             decimal(row.m7_estimate),
             row.flash_bytes,
-            row.ram_bytes,
+            whole(row.ram_bytes),
             row.paths
         );
     }
@@ -220,7 +228,7 @@ mod tests {
             cycles_in_tick: (kernel == "a").then_some(110.0),
             m7_estimate: (kernel == "b").then_some(70.0),
             flash_bytes: 400,
-            ram_bytes: 24,
+            ram_bytes: (kernel == "a").then_some(24),
             paths: 17,
             calls: 10_000,
         }

@@ -1,20 +1,8 @@
-//! What one update of a model costs on a microcontroller, from the project's own measurements.
+//! What one update of a model costs on a Cortex-M4F in `f32`.
 
+use crate::cost::{Cost, CostTable};
 use crate::friction::FrictionModel;
-
-/// `cargo xtask cycles` writes this table.
-const CORTEX_M4: &str = include_str!("../../../firmware/cycles/cortex-m4.csv");
-
-/// Cost of one update on a Cortex-M4F.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Cycles {
-    /// Row of the table: model and arithmetic.
-    pub kernel: String,
-    /// Mean over a random motion.
-    pub mean: f64,
-    /// Worst seen.
-    pub worst: f64,
-}
+use std::sync::LazyLock;
 
 /// Kernel and number of blocks under which the table lists a model in `f32`.
 fn kernel(model: &FrictionModel) -> Option<(&'static str, usize)> {
@@ -37,25 +25,11 @@ fn kernel(model: &FrictionModel) -> Option<(&'static str, usize)> {
 }
 
 /// The cost of `model` in `f32`, or `None` where it was not measured.
-pub fn cycles(model: &FrictionModel) -> Option<Cycles> {
+pub fn cost(model: &FrictionModel) -> Option<Cost> {
+    static CORTEX_M4: LazyLock<Option<CostTable>> =
+        LazyLock::new(|| CostTable::of_cpu("cortex-m4").ok());
     let (kernel, blocks) = kernel(model)?;
-    let mut table = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .from_reader(CORTEX_M4.as_bytes());
-    let head = table.headers().ok()?.clone();
-    let column = |name: &str| head.iter().position(|column| column == name);
-    let (name, n) = (column("kernel")?, column("n")?);
-    let (mean, worst) = (column("cycles_mean")?, column("cycles_worst")?);
-    let row = table.records().filter_map(Result::ok).find(|row| {
-        row.get(name) == Some(kernel)
-            && row.get(n).and_then(|n| n.parse::<usize>().ok()) == Some(blocks)
-    })?;
-    let number = |column: usize| row.get(column)?.parse::<f64>().ok();
-    Some(Cycles {
-        kernel: kernel.to_owned(),
-        mean: number(mean)?,
-        worst: number(worst)?,
-    })
+    CORTEX_M4.as_ref()?.cost(kernel, blocks)
 }
 
 #[cfg(test)]
@@ -86,11 +60,16 @@ mod tests {
             lugre,
             FrictionModel::Coulomb { coulomb: 1.0 },
         ] {
-            let cost = cycles(&model).unwrap();
-            assert!(cost.mean > 1.0 && cost.worst >= cost.mean, "{cost:?}");
+            let cost = cost(&model).unwrap();
+            assert!(cost.inlined, "{cost:?}");
+            assert!(
+                cost.cycles_mean > 1.0 && cost.cycles_worst >= cost.cycles_mean,
+                "{cost:?}"
+            );
         }
-        assert!(cycles(&block(1)).unwrap().mean < cycles(&block(6)).unwrap().mean);
-        assert_eq!(cycles(&block(11)), None);
+        let mean = |n: usize| cost(&block(n)).unwrap().cycles_mean;
+        assert!(mean(1) < mean(6));
+        assert_eq!(cost(&block(11)), None);
         let hsieh = FrictionModel::Hsieh(HsiehParams {
             k1: 1.0,
             k2: 1.0,
@@ -100,6 +79,6 @@ mod tests {
             hardening: 1.0,
             hardening_exponent: 1.0,
         });
-        assert_eq!(cycles(&hsieh), None);
+        assert_eq!(cost(&hsieh), None);
     }
 }

@@ -1,9 +1,13 @@
 //! What kernels cost: the committed table, or one measured on the user's own board.
+//!
+//! Wherever the tool shows cycles they are **in the tick**: by how much a control tick grows where the kernel is
+//! inlined into it, which is what a controller pays. A table made on a board has calls only, with the call's own cost in
+//! them; [`Cost::inlined`] tells.
 
 use std::path::Path;
 
 /// Written by `cargo xtask cycles`.
-const CORTEX_M4: &str = include_str!("../../../firmware/cycles/cortex-m4.csv");
+const CORTEX_M4: &str = include_str!("../../firmware/cycles/cortex-m4.csv");
 
 /// Cost of one update of a kernel at one number of blocks.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,15 +18,29 @@ pub struct Cost {
     pub blocks: usize,
     /// Instructions, mean; NaN where the table has none (a board cannot count them).
     pub instructions: f64,
-    /// Cycles, mean, inlined into a control tick where the table says so, else of a call.
+    /// Cycles, mean: in the tick, or of a call.
     pub cycles_mean: f64,
     /// The same on the worst path seen.
     pub cycles_worst: f64,
+    /// The cycles are in the tick, not of a call.
+    pub inlined: bool,
     /// Code and parameters (bytes).
     pub flash_bytes: f64,
     /// State (bytes).
     pub ram_bytes: f64,
 }
+
+/// Cycles of the whole interrupt of the control task, exception entry and return included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WholeTick {
+    /// Mean.
+    pub mean: f64,
+    /// On the worst path seen.
+    pub worst: f64,
+}
+
+/// Rows of whole ticks are named after the kernel in the measured firmware.
+const WHOLE_TICK: &str = "rtic_tick_";
 
 /// A table of costs.
 #[derive(Clone, Debug)]
@@ -44,8 +62,21 @@ impl CostTable {
                 "instruction paths from QEMU priced by the Cortex-M4 manual, no wait states, not confirmed on a board",
             ),
             other => Err(format!(
-                "--cpu {other}: no figures; cortex-m4 is measured, for another core run firmware/cycles on a board and give its output with --table FILE"
+                "--cpu {other}: no figures; cortex-m4 is measured, for another core run firmware/cycles on a board and give its output as --cpu FILE.csv"
             )),
+        }
+    }
+
+    /// The table of a core, or that of the file so named: whatever ends in `.csv`.
+    ///
+    /// # Errors
+    /// As [`CostTable::of_cpu`] and [`CostTable::load`].
+    pub fn of_cpu_or_file(name: &str) -> Result<Self, String> {
+        let path = Path::new(name);
+        if path.extension().is_some_and(|kind| kind == "csv") {
+            Self::load(path)
+        } else {
+            Self::of_cpu(name)
         }
     }
 
@@ -95,6 +126,12 @@ impl CostTable {
                 _ => Ok(f64::NAN),
             };
             let (mean, worst) = (number(mean)?, number(worst)?);
+            if !(mean > 0.0 && mean.is_finite()) {
+                return Err(format!(
+                    "line {}: {mean} cycles; a cycle counter that stands still, as an emulator's does, measures nothing: run it on a board",
+                    index + 1
+                ));
+            }
             // What the call itself costs falls away from the worst path as from the mean.
             let in_tick = optional("cycles_in_tick")?;
             let call = if in_tick.is_nan() {
@@ -108,6 +145,7 @@ impl CostTable {
                 instructions: optional("instructions_mean")?,
                 cycles_mean: mean - call,
                 cycles_worst: worst - call,
+                inlined: !in_tick.is_nan(),
                 flash_bytes: optional("flash_bytes")?,
                 ram_bytes: optional("ram_bytes")?,
             });
@@ -137,8 +175,23 @@ impl CostTable {
             instructions: between(|row| row.instructions),
             cycles_mean: between(|row| row.cycles_mean),
             cycles_worst: between(|row| row.cycles_worst),
+            inlined: below.inlined && above.inlined,
             flash_bytes: between(|row| row.flash_bytes).ceil(),
             ram_bytes: between(|row| row.ram_bytes).ceil(),
+        })
+    }
+
+    /// The whole control tick with a kernel in it: the measured tick of the firmware with the model `like`, with the growth by that
+    /// model's kernel taken out and the growth by `cost` put in. `None` where the table has no such tick.
+    ///
+    /// `like` gives the arithmetic of the controller around the kernel: `quasi_static_f32` or `quasi_static_i16f16`.
+    pub fn whole_tick(&self, like: &str, cost: &Cost) -> Option<WholeTick> {
+        let name = format!("{WHOLE_TICK}{like}");
+        let tick = self.rows.iter().find(|row| row.kernel == name)?;
+        let inside = self.cost(like, tick.blocks)?;
+        (cost.inlined && inside.inlined).then_some(WholeTick {
+            mean: tick.cycles_mean - inside.cycles_mean + cost.cycles_mean,
+            worst: tick.cycles_worst - inside.cycles_worst + cost.cycles_worst,
         })
     }
 }
@@ -159,7 +212,30 @@ mod tests {
             );
             assert!(table.cost(kernel.name(), 11).is_none());
         }
-        assert!(CostTable::of_cpu("avr").unwrap_err().contains("--table"));
+        assert!(
+            CostTable::of_cpu("avr")
+                .unwrap_err()
+                .contains("--cpu FILE.csv")
+        );
+    }
+
+    #[test]
+    fn a_whole_tick_is_the_measured_one_with_the_kernel_exchanged() {
+        let table = CostTable::of_cpu("cortex-m4").unwrap();
+        let cost = |kernel, n| table.cost(kernel, n).unwrap();
+        let like = "quasi_static_f32";
+        let measured = cost("rtic_tick_quasi_static_f32", 4);
+        let same = table.whole_tick(like, &cost(like, 4)).unwrap();
+        assert!((same.mean - measured.cycles_mean).abs() < 1e-9);
+        let dearer = table.whole_tick(like, &cost("gms_f32", 4)).unwrap();
+        let growth = cost("gms_f32", 4).cycles_worst - cost(like, 4).cycles_worst;
+        assert!((dearer.worst - same.worst - growth).abs() < 1e-9);
+        let board = "kernel,n,cycles_mean,cycles_worst\npacked,6,51.5,70\n";
+        let board = CostTable::parse(board, "board").unwrap();
+        assert_eq!(
+            board.whole_tick(like, &board.cost("packed", 6).unwrap()),
+            None
+        );
     }
 
     #[test]
@@ -173,6 +249,8 @@ mod tests {
             torn.unwrap_err()
                 .contains("line 2: `x` in column cycles_mean")
         );
+        let still = CostTable::parse("kernel,n,cycles_mean,cycles_worst\npacked,6,0.0,0\n", "");
+        assert!(still.unwrap_err().contains("line 2: 0 cycles"));
         assert!(
             CostTable::parse("kernel,n\n", "")
                 .unwrap_err()

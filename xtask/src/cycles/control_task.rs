@@ -1,0 +1,62 @@
+//! The whole control tick of the firmware: the interrupt of its RTIC task, from exception entry to return.
+//!
+//! The firmware of `firmware/boards/qemu` follows the motion of `cargo xtask qemu` against the simulated stage, and
+//! every interrupt is recorded: queues, controller, friction, bridge, telemetry, timer and watchdog. Left out is the exchange
+//! with the stage, which stands for reading a counter and two ADC channels. Peripherals answer without wait states.
+
+use super::disassembly::Disassembly;
+use super::recorder::{Recorder, Watched};
+use super::table::Row;
+use super::{price, price_paths};
+use crate::qemu;
+use std::process::Command;
+
+/// RTIC gives the task the name of the interrupt that it is bound to.
+const HANDLER: &str = "TIMER0";
+
+/// Part of the mangled name of the function that stands for the sensors.
+const EXCHANGE: &str = "preslide_qemu5stage8exchange";
+
+/// Kernel, and the build of the firmware with it: folder and features.
+const BUILDS: [(&str, &str, &[&str]); 2] = [
+    ("quasi_static_i16f16", "qemu-fixed", &[]),
+    ("quasi_static_f32", "qemu-float", &["--features", "float"]),
+];
+
+/// `preslide_link::MOST_BLOCKS`.
+const BLOCKS: u32 = 4;
+
+pub fn measure(recorder: &Recorder) -> Result<Vec<Row>, String> {
+    let rig = qemu::build_rig()?;
+    let mut rows = Vec::new();
+    for (kernel, folder, features) in BUILDS {
+        let program = qemu::build("preslide-qemu", folder, features)?;
+        let disassembly = Disassembly::of(&program)?;
+        let address_of = |part: &str| {
+            let mut functions = disassembly.functions_named("");
+            let found = functions.find(|(_, name)| name.contains(part));
+            found.map(|(address, _)| address).ok_or_else(|| {
+                format!("{}: no function {part}; was it inlined?", program.display())
+            })
+        };
+        let handler = address_of(HANDLER)?;
+        let watched = Watched {
+            entries: &[handler],
+            skipped: &[address_of(EXCHANGE)?],
+            ends_inside: true,
+        };
+        let mut run = Command::new(&rig);
+        run.arg("record")
+            .arg(&program)
+            .arg(recorder.plugin(&watched));
+        let recording = recorder.watch(&mut run, &watched)?;
+        let paths = recording
+            .get(&handler)
+            .ok_or_else(|| format!("{kernel}: no control tick was recorded"))?;
+        let mut row = price_paths(&disassembly, paths, price::of_interrupt)?;
+        row.kernel = format!("rtic_tick_{kernel}");
+        row.blocks = BLOCKS;
+        rows.push(row);
+    }
+    Ok(rows)
+}
