@@ -5,7 +5,6 @@ pub mod compare;
 pub mod cost;
 pub mod demo;
 pub mod diagnose;
-pub mod effects;
 pub mod friction;
 pub mod identify;
 pub mod kinematics;

@@ -365,11 +365,6 @@ impl Model {
     }
 }
 
-/// The key of a rotary axis for one of a linear axis.
-pub(crate) fn rotary_key(key: &str) -> String {
-    translate(key, false).unwrap_or_else(|| key.to_owned())
-}
-
 /// A float that TOML reads back as the same float.
 fn number(value: f64) -> String {
     format!("{value:?}")
