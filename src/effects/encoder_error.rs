@@ -1,6 +1,6 @@
 //! The encoder's interpolation error.
 
-use super::wave::{Wave, reach};
+use super::wave::Wave;
 use super::{Bounds, Effect};
 use crate::Scalar;
 use crate::param::{Bound, ParamError, Units, to_scalar};
@@ -14,7 +14,6 @@ use core::f64::consts::TAU;
 pub struct EncoderError<S = f32> {
     wave: Wave<S>,
     error: S,
-    bound: S,
 }
 
 impl<S: Scalar> EncoderError<S> {
@@ -38,7 +37,6 @@ impl<S: Scalar> EncoderError<S> {
         Ok(Self {
             wave,
             error: to_scalar("encoder error", error / units.length)?,
-            bound: reach("encoder error", error / units.length)?,
         })
     }
 }
@@ -56,7 +54,7 @@ impl<S: Scalar> Effect<S> for EncoderError<S> {
 
     fn bounds(&self) -> Bounds<S> {
         Bounds {
-            shift: self.bound,
+            shift: self.error.magnitude(),
             ..Bounds::NONE
         }
     }

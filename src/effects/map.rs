@@ -1,9 +1,9 @@
 //! Maps over the travel: cosine series, `Σ_j c_j·cos(jπu)`, `u = (x − from)/(to − from)` held to 0…1.
 
-use super::wave::cosine;
+use super::wave::{PRESCALE, cosine, precise, prescaled};
 use super::{Bounds, Effect, LARGEST_LEVEL, Situation};
 use crate::Scalar;
-use crate::param::{ParamError, Units, at_most, fits, positive, to_positive, to_scalar};
+use crate::param::{ParamError, Units, at_most, fits, positive, to_scalar};
 
 /// The series, by Clenshaw's recurrence: one cosine, and three operations a term.
 #[derive(Clone, Debug)]
@@ -34,7 +34,11 @@ impl<const J: usize, S: Scalar> Series<J, S> {
         }
         Ok(Self {
             from: to_scalar("start of the mapped travel", from / length)?,
-            per_length: to_positive("share of the mapped travel per unit", length / (to - from))?,
+            per_length: precise(
+                "share of the mapped travel per unit",
+                PRESCALE * length / (to - from),
+                1e-2,
+            )?,
             terms: own,
             bound: to_scalar(name, sum)?,
         })
@@ -42,7 +46,7 @@ impl<const J: usize, S: Scalar> Series<J, S> {
 
     #[inline]
     fn at(&self, position: S) -> S {
-        let u = position.sub_input(self.from).mul_input(self.per_length);
+        let u = prescaled(position.sub_input(self.from)).mul_input(self.per_length);
         let u = if u > S::ZERO {
             u.limited(S::ONE)
         } else {

@@ -1,6 +1,6 @@
 //! What repeats along the travel: cogging, torque ripple, screw and ball-passage ripple.
 
-use super::wave::{Wave, reach};
+use super::wave::Wave;
 use super::{Bounds, Effect, Situation, level};
 use crate::Scalar;
 use crate::param::{ParamError, Units, to_scalar};
@@ -10,7 +10,6 @@ use crate::param::{ParamError, Units, to_scalar};
 pub struct PeriodicForce<S = f32> {
     wave: Wave<S>,
     force: S,
-    bound: S,
 }
 
 impl<S: Scalar> PeriodicForce<S> {
@@ -23,7 +22,6 @@ impl<S: Scalar> PeriodicForce<S> {
         Ok(Self {
             wave: Wave::try_new(period, phase, units.length)?,
             force: to_scalar("periodic force", force / units.force)?,
-            bound: reach("periodic force", force / units.force)?,
         })
     }
 }
@@ -40,7 +38,7 @@ impl<S: Scalar> Effect<S> for PeriodicForce<S> {
     }
 
     fn bounds(&self) -> Bounds<S> {
-        Bounds::of_force(self.bound)
+        Bounds::of_force(self.force.magnitude())
     }
 }
 
@@ -49,7 +47,6 @@ impl<S: Scalar> Effect<S> for PeriodicForce<S> {
 pub struct PeriodicFriction<S = f32> {
     wave: Wave<S>,
     level: S,
-    bound: S,
 }
 
 impl<S: Scalar> PeriodicFriction<S> {
@@ -62,7 +59,6 @@ impl<S: Scalar> PeriodicFriction<S> {
         Ok(Self {
             wave: Wave::try_new(period, phase, units.length)?,
             level: level("level of the periodic friction", ripple)?,
-            bound: reach("level of the periodic friction", ripple)?,
         })
     }
 }
@@ -79,6 +75,6 @@ impl<S: Scalar> Effect<S> for PeriodicFriction<S> {
     }
 
     fn bounds(&self) -> Bounds<S> {
-        Bounds::of_level(self.bound)
+        Bounds::of_level(self.level.magnitude())
     }
 }

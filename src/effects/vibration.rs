@@ -1,9 +1,9 @@
 //! A vibration from outside, fixed in time.
 
-use super::wave::{cosine, reach};
+use super::wave::{cosine, precise};
 use super::{Bounds, Effect, Situation};
 use crate::Scalar;
-use crate::param::{ParamError, Units, at_most, fits, positive, to_positive, to_scalar};
+use crate::param::{ParamError, Units, at_most, fits, positive, to_scalar};
 use core::f64::consts::TAU;
 
 /// `external_vibration`: `A·sin(2πft + φ)`, with `t` from the tick after [`Effect::at_rest`].
@@ -14,7 +14,6 @@ pub struct ExternalVibration<S = f32> {
     force: S,
     per_tick: S,
     start: S,
-    bound: S,
 }
 
 impl<S: Scalar> ExternalVibration<S> {
@@ -40,9 +39,8 @@ impl<S: Scalar> ExternalVibration<S> {
         let start = phase / TAU - 0.25 - per_tick;
         Ok(Self {
             force: to_scalar("amplitude of the vibration", force / units.force)?,
-            per_tick: to_positive("turns per tick", per_tick)?,
+            per_tick: precise("turns per tick", per_tick, 1e-5)?,
             start: to_scalar("phase", start - libm::round(start))?,
-            bound: reach("amplitude of the vibration", force / units.force)?,
         })
     }
 }
@@ -67,6 +65,6 @@ impl<S: Scalar> Effect<S> for ExternalVibration<S> {
     }
 
     fn bounds(&self) -> Bounds<S> {
-        Bounds::of_force(self.bound)
+        Bounds::of_force(self.force.magnitude())
     }
 }

@@ -8,11 +8,8 @@ use core::f64::consts::TAU;
 /// error (6e-7), found by iterated least squares on 4001 Chebyshev points.
 const SINE: [f32; 4] = [6.283_164, -41.337_143, 81.340_77, -70.993_43];
 
-/// How far the approximation reaches beyond ±1, rounding in `f32` included.
-pub(super) const OVERSHOOT: f64 = 2e-6;
-
-/// `cos(2π·turns)`, within ±(1 + [`OVERSHOOT`]) for any input, NaN included. Largest error 1e-6 for `|turns| ≤ ½`;
-/// beyond that the rounding of `turns` itself adds to it.
+/// `cos(2π·turns)`, within ±1 for any input, NaN included. Largest error 1e-6 for `|turns| ≤ ½` in floats; beyond that
+/// the rounding of `turns` itself adds to it.
 #[inline]
 pub(super) fn cosine<S: Scalar>(turns: S) -> S {
     let quarter = S::ONE.half().half();
@@ -21,7 +18,35 @@ pub(super) fn cosine<S: Scalar>(turns: S) -> S {
     let s = quarter - off;
     let [c1, c3, c5, c7] = SINE.map(S::from_f32);
     let y = s * s;
-    s * (c1 + y * (c3 + y * (c5 + y * c7)))
+    (s * (c1 + y * (c3 + y * (c5 + y * c7)))).limited(S::ONE)
+}
+
+/// Positions are scaled by `2⁻⁸` before the period is applied: exact in floats, and in fixed point the period is then
+/// resolved 256 times finer.
+pub(super) const PRESCALE: f64 = 256.0;
+
+/// A position as it meets a factor that holds [`PRESCALE`].
+#[inline]
+pub(super) fn prescaled<S: Scalar>(position: S) -> S {
+    position.mul_input(S::from_q16((65_536.0 / PRESCALE) as i32))
+}
+
+/// `value` in the number type, refused where rounding moves it by more than `tolerance` of itself.
+pub(super) fn precise<S: Scalar>(
+    name: &'static str,
+    value: f64,
+    tolerance: f64,
+) -> Result<S, ParamError> {
+    let own: S = to_positive(name, value)?;
+    if (own.to_f64() / value - 1.0).abs() > tolerance {
+        return Err(ParamError {
+            parameter: name,
+            block: None,
+            value,
+            bound: Bound::Resolvable,
+        });
+    }
+    Ok(own)
 }
 
 /// `cos(2πx/p + φ)` of a position.
@@ -36,31 +61,20 @@ impl<S: Scalar> Wave<S> {
     pub(super) fn try_new(period: f64, phase: f64, unit: f64) -> Result<Self, ParamError> {
         positive("period", period)?;
         fits::<S>("coefficients of the cosine", 82.0)?;
-        let exact = unit / period;
-        let per_length: S = to_positive("turns per unit of length", exact)?;
-        // A coarse fixed point type would put the waves elsewhere after some periods.
-        if (per_length.to_f64() / exact - 1.0).abs() > 1e-3 {
-            return Err(ParamError {
-                parameter: "turns per unit of length",
-                block: None,
-                value: exact,
-                bound: Bound::Resolvable,
-            });
-        }
         let turns = phase / TAU;
         Ok(Self {
-            per_length,
+            // A coarser one would put the waves elsewhere after some periods.
+            per_length: precise("turns per unit of length", PRESCALE * unit / period, 1e-3)?,
             phase: to_scalar("phase", turns - libm::round(turns))?,
         })
     }
 
     #[inline]
     pub(super) fn at(&self, position: S) -> S {
-        cosine(self.per_length.mul_input(position).add_input(self.phase))
+        cosine(
+            self.per_length
+                .mul_input(prescaled(position))
+                .add_input(self.phase),
+        )
     }
-}
-
-/// What `amplitude` times a wave never exceeds, in the number type.
-pub(super) fn reach<S: Scalar>(name: &'static str, amplitude: f64) -> Result<S, ParamError> {
-    to_scalar(name, amplitude.abs() * (1.0 + OVERSHOOT))
 }
