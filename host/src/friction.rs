@@ -64,22 +64,43 @@ pub struct Path<'a> {
 }
 
 impl Path<'_> {
-    /// The force (N or N·m) of `model` at every sample, from rest.
-    fn run<M: Friction<Scalar = f64>>(&self, model: &M) -> Vec<f64> {
+    /// The force (N or N·m) of `model` at every sample, from rest; `creep` (m/s or rad/s) is the rate at which the
+    /// contact gives way under its highest force.
+    fn run<M: Friction<Scalar = f64>>(
+        &self,
+        model: &M,
+        creep: f64,
+    ) -> Result<Vec<f64>, ParamError> {
+        let yielding = match model.limit() {
+            _ if creep == 0.0 => 0.0,
+            Some(limit) if limit > 0.0 => creep * self.sample_time / limit,
+            _ => {
+                return Err(ParamError {
+                    parameter: "rate of creep, of a friction model without a highest force,",
+                    block: None,
+                    value: creep,
+                    bound: preslide::Bound::AtMost(0.0),
+                });
+            }
+        };
         let mut state = model.at_rest();
         let mut force = vec![0.0; self.position.len()];
+        let mut now = 0.0;
         for piece in self.pieces {
-            let mut last = self.position[piece.start];
+            let Some(&(mut last)) = self.position.get(piece.start) else {
+                continue;
+            };
             for i in piece.clone() {
                 let motion = Motion {
-                    displacement: self.position[i] - last,
+                    displacement: self.position[i] - last - yielding * now,
                     velocity: self.velocity[i],
                 };
                 last = self.position[i];
-                force[i] = model.step(&mut state, motion);
+                now = model.step(&mut state, motion);
+                force[i] = now;
             }
         }
-        force
+        Ok(force)
     }
 }
 
@@ -136,41 +157,54 @@ impl FrictionModel {
     /// # Errors
     /// [`ParamError`] where the library refuses a parameter.
     pub fn force(&self, path: Path) -> Result<Vec<f64>, ParamError> {
+        self.force_creeping(path, 0.0)
+    }
+
+    /// The same with a contact that gives way under load, at the rate `creep` (m/s or rad/s) under its highest force.
+    ///
+    /// # Errors
+    /// [`ParamError`] where the library refuses a parameter, or where there is creep but no highest force.
+    pub fn force_creeping(&self, path: Path, creep: f64) -> Result<Vec<f64>, ParamError> {
         let units = Units::SI;
-        Ok(match self {
-            Self::Coulomb { coulomb } => path.run(&Coulomb::<f64>::try_new(*coulomb, 0.0, units)?),
+        match self {
+            Self::Coulomb { coulomb } => {
+                path.run(&Coulomb::<f64>::try_new(*coulomb, 0.0, units)?, creep)
+            }
             Self::Dahl {
                 stiffness,
                 coulomb,
                 exponent,
-            } => path.run(&Dahl::<f64>::try_new(
-                *stiffness, *coulomb, *exponent, units,
-            )?),
+            } => path.run(
+                &Dahl::<f64>::try_new(*stiffness, *coulomb, *exponent, units)?,
+                creep,
+            ),
             Self::LuGre {
                 stiffness,
                 damping,
                 breakaway,
                 sliding,
-            } => path.run(&LuGre::<f64>::try_new(
-                *stiffness, *damping, *breakaway, *sliding, units,
-            )?),
-            Self::Hsieh(params) => {
-                path.run(&Hsieh::<f64>::try_new(params, path.sample_time, units)?)
-            }
+            } => path.run(
+                &LuGre::<f64>::try_new(*stiffness, *damping, *breakaway, *sliding, units)?,
+                creep,
+            ),
+            Self::Hsieh(params) => path.run(
+                &Hsieh::<f64>::try_new(params, path.sample_time, units)?,
+                creep,
+            ),
             Self::Gms {
                 breakaway,
                 blocks,
                 sliding: None,
-            } => with_blocks!(blocks, array => Ok(path.run(&QuasiStaticGms::<_, f64>::try_new(
+            } => with_blocks!(blocks, array => path.run(&QuasiStaticGms::<_, f64>::try_new(
                 &array, *breakaway, units,
-            )?)), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])?,
+            )?, creep), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16]),
             Self::Gms {
                 breakaway,
                 blocks,
                 sliding: Some(sliding),
-            } => with_blocks!(blocks, array => Ok(path.run(&Gms::<_, f64>::try_new(
+            } => with_blocks!(blocks, array => path.run(&Gms::<_, f64>::try_new(
                 &array, *breakaway, *sliding, path.sample_time, units,
-            )?)), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])?,
-        })
+            )?, creep), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16]),
+        }
     }
 }

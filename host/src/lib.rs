@@ -3,6 +3,8 @@
 pub mod capture;
 pub mod compare;
 pub mod demo;
+pub mod effects;
+pub mod export;
 pub mod friction;
 pub mod identify;
 pub mod kinematics;
