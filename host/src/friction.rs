@@ -135,6 +135,15 @@ impl FrictionModel {
         }
     }
 
+    /// The force (N) at which the body breaks away, where the model has such a parameter.
+    pub fn breakaway(&self) -> Option<f64> {
+        match self {
+            Self::Coulomb { coulomb } | Self::Dahl { coulomb, .. } => Some(*coulomb),
+            Self::LuGre { breakaway, .. } | Self::Gms { breakaway, .. } => Some(*breakaway),
+            Self::Hsieh(_) => None,
+        }
+    }
+
     /// A quasi-static GMS from stiffnesses (N/m) and yield displacements (m).
     pub fn maxwell_slip(stiffness: &[f64], yields: &[f64]) -> Self {
         let breakaway: f64 = stiffness.iter().zip(yields).map(|(k, d)| k * d).sum();

@@ -20,6 +20,7 @@ struct Arguments {
 enum Command {
     Demo(commands::demo::Demo),
     Compare(commands::compare::Compare),
+    Export(commands::export::Export),
     Identify(commands::identify::Identify),
     Reproduce(commands::reproduce::Reproduce),
     Simulate(commands::simulate::Simulate),
@@ -30,6 +31,7 @@ fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Demo(command) => command.run(),
         Command::Compare(command) => command.run(),
+        Command::Export(command) => command.run(),
         Command::Identify(command) => command.run(),
         Command::Reproduce(command) => command.run(),
         Command::Simulate(command) => command.run(),

@@ -8,6 +8,7 @@ macro_rules! say {
 
 pub mod compare;
 pub mod demo;
+pub mod export;
 pub mod identify;
 pub mod reproduce;
 pub mod simulate;
