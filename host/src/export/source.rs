@@ -64,7 +64,7 @@ pub fn rust_source(model: &Model, options: &Options) -> Result<String, String> {
     let (unused, ticks) = if timed(&build) || source.terms.iter().any(|t| timed(&t.build)) {
         ("", "for ticks that are `sample_time` (s) apart")
     } else {
-        ("_", "which no time enters")
+        ("_", "in which the sample time plays no part")
     };
     let result = if source.terms.is_empty() {
         let _ = writeln!(
@@ -136,9 +136,9 @@ impl Source<'_> {
     fn rigid_body(&mut self) {
         if self.model.inertia > 0.0 {
             let key = self.model.key("mass_kg");
-            let _ = write!(
+            let _ = writeln!(
                 self.constants,
-                "#[allow(dead_code)] // for the settings of the feed-forward\n"
+                "#[allow(dead_code)] // for the settings of the feed-forward"
             );
             self.constant(
                 &key.to_uppercase(),

@@ -12,7 +12,7 @@ pub const BLOCKS: [::preslide::Block; 2] = [
 /// The friction model.
 pub type Model<S = f32> = ::preslide::QuasiStaticGms<2, S>;
 
-/// Builds the model, which no time enters, computing in `units`.
+/// Builds the model, in which the sample time plays no part, computing in `units`.
 ///
 /// # Errors
 /// The parameter that does not fit the number type in `units`.

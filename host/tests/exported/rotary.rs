@@ -30,7 +30,7 @@ pub type Effects<S = f32> = (
 /// The friction model with its effects.
 pub type Model<S = f32> = ::preslide::effects::With<::preslide::LuGre<S>, Effects<S>>;
 
-/// Builds the model, which no time enters, computing in `units`.
+/// Builds the model, in which the sample time plays no part, computing in `units`.
 ///
 /// # Errors
 /// The parameter that does not fit the number type in `units`.
