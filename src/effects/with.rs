@@ -9,6 +9,9 @@ use crate::{Friction, Motion, Scalar};
 /// `F = max(0, 1 + Σ level_i)·F_model + Σ force_i`; the displacement that the model sees has the change of `Σ shift_i`
 /// added. Levels are summed and not multiplied, so that several small ones stay what each was fitted as.
 ///
+/// **Cost.** That of the effects in the tuple, their number known at compile time; with `()` one store (the position)
+/// beside the friction model's own instructions, on a Cortex-M4F.
+///
 /// **Bound.** `|F| ≤ (1 + Σ bound of level_i)·limit of the model + Σ bound of force_i` ([`Friction::limit`]), for any
 /// motion, position, temperature and load, NaN included.
 ///
