@@ -94,7 +94,9 @@ pub fn force_of_motion(model: &Model, recording: &Recording) -> Result<Simulatio
         temperature_c: recording.temperature_c.as_deref(),
         load_n: recording.load_n.as_deref(),
     };
-    let force = model.force_along(path, &measured)?;
+    let force = model
+        .force_along(path, &measured)
+        .map_err(|e| format!("{}: {e}", recording.name))?;
     let mut notes = vec![format!(
         "Velocity and acceleration by a zero-phase low-pass at {:.3} Hz, chosen from the position's noise",
         filter.cutoff_hz()
