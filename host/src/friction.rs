@@ -63,22 +63,30 @@ pub struct Path<'a> {
     pub sample_time: f64,
 }
 
+/// What lies between the measured motion and the friction.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Drive {
+    /// Rate (m/s or rad/s) at which the contact gives way under the highest friction force.
+    pub creep: f64,
+    /// Play (m or rad), the whole width.
+    pub gap: f64,
+}
+
 impl Path<'_> {
-    /// The force (N or N·m) of `model` at every sample, from rest; `creep` (m/s or rad/s) is the rate at which the
-    /// contact gives way under its highest force.
+    /// The force (N or N·m) of `model` at every sample, from rest.
     fn run<M: Friction<Scalar = f64>>(
         &self,
         model: &M,
-        creep: f64,
+        drive: Drive,
     ) -> Result<Vec<f64>, ParamError> {
         let yielding = match model.limit() {
-            _ if creep == 0.0 => 0.0,
-            Some(limit) if limit > 0.0 => creep * self.sample_time / limit,
+            _ if drive.creep == 0.0 => 0.0,
+            Some(limit) if limit > 0.0 => drive.creep * self.sample_time / limit,
             _ => {
                 return Err(ParamError {
                     parameter: "rate of creep, of a friction model without a highest force,",
                     block: None,
-                    value: creep,
+                    value: drive.creep,
                     bound: preslide::Bound::AtMost(0.0),
                 });
             }
@@ -87,21 +95,59 @@ impl Path<'_> {
         let mut force = vec![0.0; self.position.len()];
         let mut now = 0.0;
         for piece in self.pieces {
-            let Some(&(mut last)) = self.position.get(piece.start) else {
+            let Some(&(mut load)) = self.position.get(piece.start) else {
                 continue;
             };
             for i in piece.clone() {
-                let motion = Motion {
-                    displacement: self.position[i] - last - yielding * now,
-                    velocity: self.velocity[i],
+                let velocity = self.velocity[i];
+                let of = |displacement: f64| Motion {
+                    displacement,
+                    velocity,
                 };
-                last = self.position[i];
-                now = model.step(&mut state, motion);
+                let unloads = |displacement: f64| {
+                    model.step(&mut state.clone(), of(displacement - yielding * now))
+                };
+                let displacement = driven(load, self.position[i], 0.5 * drive.gap, now, unloads);
+                load += displacement;
+                now = model.step(&mut state, of(displacement - yielding * now));
                 force[i] = now;
             }
         }
         Ok(force)
     }
+}
+
+/// How far a load at `load` goes when the motor with its play of ± `half` is at `motor`, under the friction force `force`;
+/// `after` is the force that a displacement would leave.
+fn driven(load: f64, motor: f64, half: f64, force: f64, after: impl Fn(f64) -> f64) -> f64 {
+    if half == 0.0 {
+        return motor - load;
+    }
+    // It is held against the side that pushes it, and leaves that side where its friction is used up.
+    let side = if force > 0.0 {
+        motor - half
+    } else if force < 0.0 {
+        motor + half
+    } else {
+        load
+    };
+    let mut displacement = side - load;
+    if displacement * force < 0.0 {
+        if after(displacement) * force < 0.0 {
+            // Friction need not be linear in between: bisection, to the last bit or nearly so.
+            let (mut near, mut far) = (0.0, displacement);
+            for _ in 0..50 {
+                let middle = 0.5 * (near + far);
+                if after(middle) * force < 0.0 {
+                    far = middle;
+                } else {
+                    near = middle;
+                }
+            }
+            displacement = near;
+        }
+    }
+    (load + displacement).clamp(motor - half, motor + half) - load
 }
 
 /// Calls `$body` with `$n` bound to a constant equal to the number of blocks.
@@ -166,18 +212,18 @@ impl FrictionModel {
     /// # Errors
     /// [`ParamError`] where the library refuses a parameter.
     pub fn force(&self, path: Path) -> Result<Vec<f64>, ParamError> {
-        self.force_creeping(path, 0.0)
+        self.force_through(path, Drive::default())
     }
 
-    /// The same with a contact that gives way under load, at the rate `creep` (m/s or rad/s) under its highest force.
+    /// The same behind a drive that is not stiff and tight.
     ///
     /// # Errors
     /// [`ParamError`] where the library refuses a parameter, or where there is creep but no highest force.
-    pub fn force_creeping(&self, path: Path, creep: f64) -> Result<Vec<f64>, ParamError> {
+    pub fn force_through(&self, path: Path, drive: Drive) -> Result<Vec<f64>, ParamError> {
         let units = Units::SI;
         match self {
             Self::Coulomb { coulomb } => {
-                path.run(&Coulomb::<f64>::try_new(*coulomb, 0.0, units)?, creep)
+                path.run(&Coulomb::<f64>::try_new(*coulomb, 0.0, units)?, drive)
             }
             Self::Dahl {
                 stiffness,
@@ -185,7 +231,7 @@ impl FrictionModel {
                 exponent,
             } => path.run(
                 &Dahl::<f64>::try_new(*stiffness, *coulomb, *exponent, units)?,
-                creep,
+                drive,
             ),
             Self::LuGre {
                 stiffness,
@@ -194,11 +240,11 @@ impl FrictionModel {
                 sliding,
             } => path.run(
                 &LuGre::<f64>::try_new(*stiffness, *damping, *breakaway, *sliding, units)?,
-                creep,
+                drive,
             ),
             Self::Hsieh(params) => path.run(
                 &Hsieh::<f64>::try_new(params, path.sample_time, units)?,
-                creep,
+                drive,
             ),
             Self::Gms {
                 breakaway,
@@ -206,14 +252,14 @@ impl FrictionModel {
                 sliding: None,
             } => with_blocks!(blocks, array => path.run(&QuasiStaticGms::<_, f64>::try_new(
                 &array, *breakaway, units,
-            )?, creep), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16]),
+            )?, drive), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16]),
             Self::Gms {
                 breakaway,
                 blocks,
                 sliding: Some(sliding),
             } => with_blocks!(blocks, array => path.run(&Gms::<_, f64>::try_new(
                 &array, *breakaway, *sliding, path.sample_time, units,
-            )?, creep), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16]),
+            )?, drive), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16]),
         }
     }
 }

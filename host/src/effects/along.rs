@@ -1,18 +1,20 @@
 //! The force of a model with its effects along a recording.
 //!
-//! `F = delay(drive(m·F_friction(x_true) + Σ forces + b·v + F0 + M·a))`, with the effects that only a host can use:
+//! `F = delay(actuator(m·F_friction(x_load) + Σ forces + b·v + F0 + M·a))`, with the effects that only a host can use:
 //!
-//! - `backlash`: the displacement goes through a play of the whole width `gap` before it reaches the friction model. The
-//!   friction force stays as it is while the gap is crossed; the impact at its end, a matter of two masses, is not in it.
+//! - `backlash`: the load follows the motor with a play of the whole width `gap`. After a reversal it springs back with
+//!   the motor until its friction is used up, rests while the gap is crossed, and is pushed from the other side.
+//!   Quasi-static: the load's inertia and the impact at the gap's end are not in it.
 //! - `creep`: while the blocks are loaded they give way, `dx ← dx − rate·T_s·F/F_limit`; needs a bounded friction model.
-//! - `drive_compliance`: the force at a motor whose load, with the encoder, hangs on a spring: `F + F''/ω²`, to first
-//!   order in `1/ω²` (the motor's inertia on the spring resonates at `ω`). `F''` is the second difference over a quarter of
-//!   the resonance's period, so what changes faster than the resonance is left out.
+//! - `drive_compliance`: the load hangs on a spring behind the motor, which has the encoder: `x_load = x − F_t/k`, and
+//!   `−F_t''/ω²` is added, with `F_t` the force transmitted to a rigid load and `k = ω²·M/2`: half of the inertia is taken to
+//!   be the load's, which one recording does not tell. `F_t''` is the second difference over a quarter of the
+//!   resonance's period, so what changes faster than the resonance is left out.
 //! - `actuator_saturation`, `actuator_dead_zone`: from the force back to the command, as far as it can be known.
 //! - `channel_delay`: the force `τ` earlier, interpolated; each piece begins and ends with its own first and last value.
 
 use super::{Effect, terms};
-use crate::friction::Path;
+use crate::friction::{Drive, Path};
 use crate::model::Model;
 use preslide::effects::{Effect as _, Situation};
 use std::f64::consts::TAU;
@@ -83,25 +85,44 @@ impl Model {
             let encoder = terms::encoder(effect).map_err(|e| told(effect.id, e))?;
             motion.shift(path.position, |x| encoder.shift(x), effect);
         }
-        let mut behind = Motion {
-            acceleration: None,
-            ..motion.clone()
+        let drive = Drive {
+            creep: of("creep").map(|effect| effect.get("rate_m_s")).sum(),
+            gap: of("backlash").map(|effect| effect.get("gap_m")).sum(),
         };
-        for effect in of("backlash") {
-            behind.play(effect.get("gap_m"), path.pieces);
+        let of_load = |position: &[f64]| {
+            let path = Path {
+                position,
+                velocity: &motion.velocity,
+                ..path
+            };
+            self.friction
+                .force_through(path, drive)
+                .map_err(|e| e.to_string())
+        };
+        let mut friction = of_load(&motion.position)?;
+        let mut springs = vec![0.0; friction.len()];
+        for effect in of("drive_compliance") {
+            if self.inertia <= 0.0 {
+                return Err("effect drive_compliance: needs the inertia, which gives the spring its stiffness; identify it, or remove the effect".to_owned());
+            }
+            let frequency = effect.get("frequency_Hz");
+            let load = 0.5 * self.inertia;
+            let stiffness = load * (TAU * frequency).powi(2);
+            let mut transmitted = friction;
+            if let Some(acceleration) = &motion.acceleration {
+                for (f, a) in transmitted.iter_mut().zip(acceleration) {
+                    *f += load * a;
+                }
+            }
+            let behind: Vec<f64> = motion
+                .position
+                .iter()
+                .zip(&transmitted)
+                .map(|(x, f)| x - f / stiffness)
+                .collect();
+            friction = of_load(&behind)?;
+            spring(&mut springs, &transmitted, frequency, path);
         }
-        let creep: f64 = of("creep").map(|effect| effect.get("rate_m_s")).sum();
-        let friction = self
-            .friction
-            .force_creeping(
-                Path {
-                    position: &behind.position,
-                    velocity: &behind.velocity,
-                    ..path
-                },
-                creep,
-            )
-            .map_err(|e| e.to_string())?;
 
         let mut running = Vec::new();
         for effect in &self.effects {
@@ -129,8 +150,8 @@ impl Model {
                         }
                     }
                 }
-                let (mut level, mut added) =
-                    (1.0, self.constant_force + self.viscous * at.velocity);
+                let mut level = 1.0;
+                let mut added = springs[i] + self.constant_force + self.viscous * at.velocity;
                 for term in &mut running {
                     let (change, more) = term(&at);
                     level += change;
@@ -143,9 +164,6 @@ impl Model {
             }
         }
 
-        for effect in of("drive_compliance") {
-            comply(&mut force, effect.get("frequency_Hz"), path);
-        }
         for effect in of("actuator_saturation") {
             let limit = effect.get("limit_N");
             force.iter_mut().for_each(|f| *f = f.clamp(-limit, limit));
@@ -191,22 +209,6 @@ impl Motion {
             self.velocity[i] = v * slope;
         }
     }
-
-    /// The far side of a play that starts each piece in the middle of its gap; it stands still while the gap is crossed.
-    fn play(&mut self, gap: f64, pieces: &[Range<usize>]) {
-        let half = 0.5 * gap;
-        for piece in pieces {
-            let mut far = self.position[piece.start];
-            for i in piece.clone() {
-                let next = far.clamp(self.position[i] - half, self.position[i] + half);
-                if next == far {
-                    self.velocity[i] = 0.0;
-                }
-                far = next;
-                self.position[i] = far;
-            }
-        }
-    }
 }
 
 /// Ticks that lie between sample `i` and the one before it beyond the usual one.
@@ -221,16 +223,15 @@ fn missing_ticks(t_s: Option<&[f64]>, i: usize, sample_time: f64) -> u64 {
     }
 }
 
-/// `F ← F + F''/ω²`.
-fn comply(force: &mut [f64], frequency: f64, path: Path) {
-    let rigid = force.to_vec();
+/// Adds `−F_t''/ω²` to `added`.
+fn spring(added: &mut [f64], transmitted: &[f64], frequency: f64, path: Path) {
     let span = ((0.25 / frequency / path.sample_time).round() as usize).max(1);
     let scale = (TAU * frequency * span as f64 * path.sample_time).powi(-2);
     for piece in path.pieces.iter().filter(|piece| !piece.is_empty()) {
         for i in piece.clone() {
-            let before = rigid[i.saturating_sub(span).max(piece.start)];
-            let after = rigid[(i + span).min(piece.end - 1)];
-            force[i] += scale * (before - 2.0 * rigid[i] + after);
+            let before = transmitted[i.saturating_sub(span).max(piece.start)];
+            let after = transmitted[(i + span).min(piece.end - 1)];
+            added[i] -= scale * (before - 2.0 * transmitted[i] + after);
         }
     }
 }

@@ -20,8 +20,8 @@
 //! | `encoder_error` | measured `= x + e·cos(2πx/p + φ)` | `error_m`, `period_m`, `phase_rad` |
 //! | `external_vibration` | `A·sin(2πft + φ)` | `force_N`, `frequency_Hz`, `phase_rad` |
 //! | `channel_delay` | the force is recorded `τ` after the motion | `delay_s` |
-//! | `drive_compliance` | `F + F''/ω²`, `ω = 2πf` | `frequency_Hz` |
-//! | `backlash` | a play of the whole width `gap` before the blocks | `gap_m` |
+//! | `drive_compliance` | the load on a spring behind the motor with the encoder, `ω = 2πf = √(2k/M)` | `frequency_Hz` |
+//! | `backlash` | a play of the whole width `gap` between motor and load | `gap_m` |
 //! | `thermal_drift` | `m = 1 + β·(T − T0)` | `level_per_K`, `temperature_C` |
 //! | `thermal_drift` | `m = 1 + a·exp(−t/τ)` | `level`, `time_constant_s` |
 //! | `run_in` | `m = 1 + a·exp(−s/λ)` | `level`, `path_m` |
