@@ -132,20 +132,18 @@ fn driven(load: f64, motor: f64, half: f64, force: f64, after: impl Fn(f64) -> f
         load
     };
     let mut displacement = side - load;
-    if displacement * force < 0.0 {
-        if after(displacement) * force < 0.0 {
-            // Friction need not be linear in between: bisection, to the last bit or nearly so.
-            let (mut near, mut far) = (0.0, displacement);
-            for _ in 0..50 {
-                let middle = 0.5 * (near + far);
-                if after(middle) * force < 0.0 {
-                    far = middle;
-                } else {
-                    near = middle;
-                }
+    if displacement * force < 0.0 && after(displacement) * force < 0.0 {
+        // Friction need not be linear in between: bisection, to the last bit or nearly so.
+        let (mut near, mut far) = (0.0, displacement);
+        for _ in 0..50 {
+            let middle = 0.5 * (near + far);
+            if after(middle) * force < 0.0 {
+                far = middle;
+            } else {
+                near = middle;
             }
-            displacement = near;
         }
+        displacement = near;
     }
     (load + displacement).clamp(motor - half, motor + half) - load
 }
