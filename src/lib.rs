@@ -14,6 +14,8 @@
 //! | [`Coulomb`] | `F_c·sgn v + b·v`, the baseline | none |
 //! | [`kernels`] | the two Maxwell-slip laws in whole numbers, for a cycle budget | non-local |
 //!
+//! Physics beyond these (Stribeck, cogging, a bad spot, temperature …) is composed with them by type: [`effects`].
+//!
 //! The way through the crate is the way of the signal: an encoder [`Count`] becomes a [`Motion`]
 //! ([`CountTracker`], [`EncoderScale`]), a [`Friction`] model turns that into a force; [`control`] is the loop around
 //! it. Parameters are given in SI
@@ -61,6 +63,7 @@ mod hsieh;
 mod lugre;
 mod quasi_static;
 
+pub mod effects;
 pub mod kernels;
 
 pub use coulomb::Coulomb;

@@ -63,24 +63,92 @@ pub struct Path<'a> {
     pub sample_time: f64,
 }
 
+/// What lies between the measured motion and the friction.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Drive {
+    /// Rate (m/s or rad/s) and share `p` (-) of Eyring's law, by which the contact gives way: `rate·sinh(F/(p·F_limit))`.
+    pub creep: Option<(f64, f64)>,
+    /// Play (m or rad), the whole width.
+    pub gap: f64,
+}
+
 impl Path<'_> {
     /// The force (N or N·m) of `model` at every sample, from rest.
-    fn run<M: Friction<Scalar = f64>>(&self, model: &M) -> Vec<f64> {
+    fn run<M: Friction<Scalar = f64>>(
+        &self,
+        model: &M,
+        drive: Drive,
+    ) -> Result<Vec<f64>, ParamError> {
+        let (most, stress) = match (drive.creep, model.limit()) {
+            (None, _) => (0.0, 1.0),
+            (Some((rate, share)), Some(limit)) if limit > 0.0 => {
+                (rate * self.sample_time, share * limit)
+            }
+            (Some(creep), _) => {
+                return Err(ParamError {
+                    parameter: "rate of creep, of a friction model without a highest force,",
+                    block: None,
+                    value: creep.0,
+                    bound: preslide::Bound::AtMost(0.0),
+                });
+            }
+        };
+        let yielding = |force: f64| most * (force / stress).sinh();
         let mut state = model.at_rest();
         let mut force = vec![0.0; self.position.len()];
+        let mut now = 0.0;
         for piece in self.pieces {
-            let mut last = self.position[piece.start];
+            let Some(&(mut load)) = self.position.get(piece.start) else {
+                continue;
+            };
             for i in piece.clone() {
-                let motion = Motion {
-                    displacement: self.position[i] - last,
-                    velocity: self.velocity[i],
+                let velocity = self.velocity[i];
+                let of = |displacement: f64| Motion {
+                    displacement,
+                    velocity,
                 };
-                last = self.position[i];
-                force[i] = model.step(&mut state, motion);
+                let unloads = |displacement: f64| {
+                    model.step(&mut state.clone(), of(displacement - yielding(now)))
+                };
+                let displacement = driven(load, self.position[i], 0.5 * drive.gap, now, unloads);
+                load += displacement;
+                now = model.step(&mut state, of(displacement - yielding(now)));
+                force[i] = now;
             }
         }
-        force
+        Ok(force)
     }
+}
+
+/// How far a load at `load` goes when the motor with its play of ± `half` is at `motor`, under the friction force `force`;
+/// `after` is the force that a displacement would leave.
+fn driven(load: f64, motor: f64, half: f64, force: f64, after: impl Fn(f64) -> f64) -> f64 {
+    if half == 0.0 {
+        return motor - load;
+    }
+    // It is held against the side that pushes it, and leaves that side where its friction is used up.
+    let side = if force > 0.0 {
+        motor - half
+    } else if force < 0.0 {
+        motor + half
+    } else {
+        load
+    };
+    let mut displacement = side - load;
+    if displacement * force < 0.0 && after(displacement) * force < 0.0 {
+        // Friction need not be linear in between: bisection, to the last bit or nearly so.
+        let (mut near, mut far) = (0.0, displacement);
+        for _ in 0..50 {
+            let middle = 0.5 * (near + far);
+            if after(middle) * force < 0.0 {
+                far = middle;
+            } else {
+                near = middle;
+            }
+        }
+        displacement = near;
+    }
+    (load + displacement).clamp(motor - half, motor + half) - load
 }
 
 /// Calls `$body` with `$n` bound to a constant equal to the number of blocks.
@@ -114,6 +182,15 @@ impl FrictionModel {
         }
     }
 
+    /// The force (N) at which the body breaks away, where the model has such a parameter.
+    pub fn breakaway(&self) -> Option<f64> {
+        match self {
+            Self::Coulomb { coulomb } | Self::Dahl { coulomb, .. } => Some(*coulomb),
+            Self::LuGre { breakaway, .. } | Self::Gms { breakaway, .. } => Some(*breakaway),
+            Self::Hsieh(_) => None,
+        }
+    }
+
     /// A quasi-static GMS from stiffnesses (N/m) and yield displacements (m).
     pub fn maxwell_slip(stiffness: &[f64], yields: &[f64]) -> Self {
         let breakaway: f64 = stiffness.iter().zip(yields).map(|(k, d)| k * d).sum();
@@ -136,41 +213,54 @@ impl FrictionModel {
     /// # Errors
     /// [`ParamError`] where the library refuses a parameter.
     pub fn force(&self, path: Path) -> Result<Vec<f64>, ParamError> {
+        self.force_through(path, Drive::default())
+    }
+
+    /// The same behind a drive that is not stiff and tight.
+    ///
+    /// # Errors
+    /// [`ParamError`] where the library refuses a parameter, or where there is creep but no highest force.
+    pub fn force_through(&self, path: Path, drive: Drive) -> Result<Vec<f64>, ParamError> {
         let units = Units::SI;
-        Ok(match self {
-            Self::Coulomb { coulomb } => path.run(&Coulomb::<f64>::try_new(*coulomb, 0.0, units)?),
+        match self {
+            Self::Coulomb { coulomb } => {
+                path.run(&Coulomb::<f64>::try_new(*coulomb, 0.0, units)?, drive)
+            }
             Self::Dahl {
                 stiffness,
                 coulomb,
                 exponent,
-            } => path.run(&Dahl::<f64>::try_new(
-                *stiffness, *coulomb, *exponent, units,
-            )?),
+            } => path.run(
+                &Dahl::<f64>::try_new(*stiffness, *coulomb, *exponent, units)?,
+                drive,
+            ),
             Self::LuGre {
                 stiffness,
                 damping,
                 breakaway,
                 sliding,
-            } => path.run(&LuGre::<f64>::try_new(
-                *stiffness, *damping, *breakaway, *sliding, units,
-            )?),
-            Self::Hsieh(params) => {
-                path.run(&Hsieh::<f64>::try_new(params, path.sample_time, units)?)
-            }
+            } => path.run(
+                &LuGre::<f64>::try_new(*stiffness, *damping, *breakaway, *sliding, units)?,
+                drive,
+            ),
+            Self::Hsieh(params) => path.run(
+                &Hsieh::<f64>::try_new(params, path.sample_time, units)?,
+                drive,
+            ),
             Self::Gms {
                 breakaway,
                 blocks,
                 sliding: None,
-            } => with_blocks!(blocks, array => Ok(path.run(&QuasiStaticGms::<_, f64>::try_new(
+            } => with_blocks!(blocks, array => path.run(&QuasiStaticGms::<_, f64>::try_new(
                 &array, *breakaway, units,
-            )?)), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])?,
+            )?, drive), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16]),
             Self::Gms {
                 breakaway,
                 blocks,
                 sliding: Some(sliding),
-            } => with_blocks!(blocks, array => Ok(path.run(&Gms::<_, f64>::try_new(
+            } => with_blocks!(blocks, array => path.run(&Gms::<_, f64>::try_new(
                 &array, *breakaway, *sliding, path.sample_time, units,
-            )?)), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])?,
-        })
+            )?, drive), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16]),
+        }
     }
 }

@@ -62,14 +62,16 @@ impl Diagnose {
         }
         println!("{}", found.recommendation());
         if let Some(path) = &self.output {
+            let (extended, refused) = found.extended_model(&study, &recording, model.as_ref());
+            for reason in refused {
+                println!("Not in {}: {reason}.", path.display());
+            }
             write_text(
                 path,
-                &found
-                    .extended_model(&study, &recording, model.as_ref())
-                    .to_toml(&[
-                        format!("diagnosed from {}", recording.name),
-                        found.verdict_words(&recording),
-                    ]),
+                &extended.to_toml(&[
+                    format!("diagnosed from {}", recording.name),
+                    found.verdict_words(&recording),
+                ]),
             )?;
         }
         let seconds = start.elapsed().as_secs_f64();

@@ -10,6 +10,7 @@ pub mod capture;
 pub mod compare;
 pub mod demo;
 pub mod diagnose;
+pub mod export;
 pub mod identify;
 pub mod reproduce;
 pub mod simulate;

@@ -6,11 +6,7 @@ use super::score::Bound;
 use super::search::{Candidate, Evidence, Found, consistent};
 use super::signature::{self, Axis, Signature};
 use super::study::{State, Study, Term};
-use crate::effects::Effect as ModelEffect;
-use crate::friction::{FrictionModel, MOST_BLOCKS};
 use crate::identify::estimate::Estimate;
-use crate::model::Model;
-use crate::recording::Recording;
 
 /// Least confidence of a confident statement.
 const LIKELY: f64 = 0.5;
@@ -294,7 +290,7 @@ fn place(study: &Study, state: &State, index: usize) -> Option<(Axis, f64, f64, 
 }
 
 /// Coefficients and shape parameters of a term with 95 % intervals, all other coefficients free.
-fn parameters(study: &Study, state: &State, index: usize) -> Vec<(String, Estimate)> {
+pub fn parameters(study: &Study, state: &State, index: usize) -> Vec<(String, Estimate)> {
     let term = &state.terms[index];
     let keys = columns::parameters(term.id);
     let place = state.places[index].clone();
@@ -415,41 +411,3 @@ fn parameters(study: &Study, state: &State, index: usize) -> Vec<(String, Estima
     list
 }
 
-impl Diagnosis {
-    /// The extended model, for a model file: the confident effects on the refitted baseline.
-    pub fn extended_model(
-        &self,
-        study: &Study,
-        recording: &Recording,
-        user: Option<&Model>,
-    ) -> Model {
-        let state = &self.states[1];
-        let mut blocks = study.blocks(&state.fit);
-        // The library takes 16 blocks: the weakest give way.
-        blocks.sort_by(|a, b| (b.0 * b.1).total_cmp(&(a.0 * a.1)));
-        blocks.truncate(MOST_BLOCKS);
-        blocks.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let (stiffness, yields): (Vec<f64>, Vec<f64>) = blocks.into_iter().unzip();
-        let mut model = Model {
-            motion: recording.kind,
-            inertia: if study.inertial { state.fit.coefficients[0] } else { 0.0 },
-            viscous: 0.0,
-            friction: FrictionModel::maxwell_slip(&stiffness, &yields),
-            constant_force: 0.0,
-            mechanics: user.map(|m| m.mechanics.clone()).unwrap_or_default(),
-        };
-        for (index, term) in state.terms.iter().enumerate() {
-            let values: Vec<(String, f64)> = parameters(study, state, index)
-                .into_iter()
-                .map(|(k, e)| (k, e.value))
-                .collect();
-            let value = values.first().map_or(0.0, |v| v.1);
-            match term.id {
-                "viscous" => model.viscous += value,
-                "constant_force" => model.constant_force += value,
-                id => drop(ModelEffect { id, values }),
-            }
-        }
-        model
-    }
-}

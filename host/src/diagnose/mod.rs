@@ -3,6 +3,7 @@
 pub mod catalogue;
 pub mod columns;
 pub mod conclude;
+mod extend;
 pub mod noise;
 mod present;
 pub mod score;

@@ -220,7 +220,7 @@ pub fn refine(study: &Study, without: &State, term: &Term) -> Term {
                     _ => trial.shape[j] * (sign * steps[j]).exp(),
                 };
                 match keys[j].0 {
-                    "exponent" => trial.shape[j] = trial.shape[j].clamp(0.5, 3.0),
+                    "exponent" => trial.shape[j] = trial.shape[j].clamp(1.0, 3.0),
                     // A shorter lag is none that the rows could tell.
                     "time_constant_s" if term.id == "frictional_lag" => {
                         trial.shape[j] = trial.shape[j].max(0.6 * study.weak.half_width_s);
@@ -296,6 +296,7 @@ pub fn search(
     progress.inc(1);
     let mut slight: Vec<&str> = Vec::new();
     while state.terms.len() < given.len() + MOST {
+        if std::env::var("DBG").is_ok() { for c in rest.iter().take(8) { eprintln!("{} {:?} {:.1} / {:.1} {:?}", c.term.id, c.term.shape, c.gain.total(), c.threshold, c.gain.coefficients); } }
         rest.retain(|c| c.excess() > 0.0 && !slight.contains(&c.term.id));
         lead(study, &state, &mut rest);
         let Some(top) = rest.first() else {
@@ -307,6 +308,7 @@ pub fn search(
             break;
         };
         let (share, certainty) = study.improvement(&state, &next);
+        if std::env::var("DBG").is_ok() { eprintln!("-> {id} {share} {certainty}"); }
         if certainty < PLAIN {
             slight.push(id);
             continue;
