@@ -2,14 +2,20 @@
 
 use super::catalogue::{self, Lack};
 use super::columns::{self, MOTOR_SHARE, Scale, amplitude_key, mean};
-use super::score::Bound;
-use super::search::{Candidate, Evidence, Found, consistent};
+use super::score::{Bound, Gain};
+use super::search::{Candidate, Evidence, Found};
 use super::signature::{self, Axis, Signature};
 use super::study::{State, Study, Term};
 use crate::identify::estimate::Estimate;
 
 /// Least confidence of a confident statement.
 const LIKELY: f64 = 0.5;
+
+/// Times its threshold that a curve over a coordinate brings before it is called unknown physics.
+const UNNAMED: f64 = 4.0;
+
+/// Times its threshold that a confident effect brings.
+const CERTAIN: f64 = 6.0;
 
 /// Nats within which a rival counts as a tie, and the share of the nats.
 const TIE: (f64, f64) = (8.0, 0.1);
@@ -31,6 +37,8 @@ pub struct Effect {
     pub threshold: f64,
     /// Standard errors by which the plain held-out error falls.
     pub certainty: f64,
+    /// The coordinate over which its size changes though the catalogue's effect does not.
+    pub malformed: Option<Axis>,
     /// By fold.
     pub by_fold: Vec<f64>,
     /// Held-out NMSE [%] without and with it.
@@ -152,9 +160,23 @@ pub fn conclude(
     let left = signature::signatures(study, &extended);
     let residual = study.residual(&extended);
     let n = residual.len() as f64;
+    let strange = effects.iter().filter(|e| e.nats > CERTAIN * e.threshold).find_map(|e| {
+        let gain = Gain {
+            by_fold: e.by_fold.clone(),
+            null: Vec::new(),
+            coefficients: Vec::new(),
+        };
+        Some(Signature {
+            axis: e.malformed?,
+            odd: false,
+            gain,
+            threshold: e.threshold,
+        })
+    });
     let unknown = left
         .iter()
-        .find(|s| s.certain() && s.gain.total() > 3.0 * s.threshold)
+        .find(|s| s.certain() && s.gain.total() > UNNAMED * s.threshold)
+        .or(strange.as_ref())
         .map(|signature| {
             let values = signature
                 .axis
@@ -200,6 +222,7 @@ fn judge(evidence: Evidence, mechanics: &[(String, f64)]) -> Option<Effect> {
         rivals,
         curves,
         certainty,
+        malformed,
     } = evidence;
     let id = own.term.id;
     let entry = catalogue::entry(id)?;
@@ -223,7 +246,7 @@ fn judge(evidence: Evidence, mechanics: &[(String, f64)]) -> Option<Effect> {
     }
     ambiguous_with.truncate(4);
     // A free curve over some coordinate that does far better says that the name is wrong.
-    let adequate = curves
+    let adequate = malformed.is_none() && curves
         .iter()
         .all(|c| nats > 0.5 * c.gain.total() || !c.certain());
     let over = nats / own.threshold;
@@ -239,8 +262,7 @@ fn judge(evidence: Evidence, mechanics: &[(String, f64)]) -> Option<Effect> {
     let confidence =
         (real * named * if adequate { 1.0 } else { 0.4 })
             .clamp(0.01, 0.99);
-    let confident = over > 2.0
-        && consistent(&own.gain.by_fold)
+    let confident = over > CERTAIN
         && adequate
         && (confidence > LIKELY || !ambiguous_with.is_empty() && real > LIKELY && own_best);
     let source = periodic(id).then(|| {
@@ -264,6 +286,7 @@ fn judge(evidence: Evidence, mechanics: &[(String, f64)]) -> Option<Effect> {
         nats,
         threshold: own.threshold,
         certainty,
+        malformed,
         by_fold: own.gain.by_fold.clone(),
         nmse_test: [f64::NAN; 2],
         place: None,
@@ -354,7 +377,19 @@ pub fn parameters(study: &Study, state: &State, index: usize) -> Vec<(String, Es
             let reach = error.map(|e| e / amplitude.max(1e-300));
             list.push(("phase_rad".to_owned(), estimate(phase, reach)));
         }
+        ("position_spring", [stiffness, _]) => list.push((
+            "stiffness_N_per_m".to_owned(),
+            estimate(*stiffness, deviation(first)),
+        )),
         ("position_force" | "position_friction", c) => {
+            let terms = term.shape.first().map_or(c.len(), |n| *n as usize);
+            if let Some(constant) = c.get(terms) {
+                list.push((
+                    "constant_N".to_owned(),
+                    estimate(*constant, deviation(first + terms)),
+                ));
+            }
+            let c = c.get(..terms).unwrap_or(c);
             let unit = if term.id == "position_force" {
                 "_N"
             } else {
@@ -397,7 +432,10 @@ pub fn parameters(study: &Study, state: &State, index: usize) -> Vec<(String, Es
             list.push(("from_m".to_owned(), known(from)));
             list.push(("to_m".to_owned(), known(to)));
         }
-        "position_spring" => list.push(("centre_m".to_owned(), known(0.5 * (from + to)))),
+"position_spring" => {
+            let aside = c.get(1).map_or(0.0, |constant| constant / c[0]);
+            list.push(("centre_m".to_owned(), known(0.5 * (from + to) - aside)));
+        }
         "load_dependent_friction" => {
             list.push(("load_N".to_owned(), known(study.s.load.as_deref().map_or(0.0, mean))));
         }

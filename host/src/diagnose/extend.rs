@@ -39,6 +39,12 @@ impl Diagnosis {
         let mut refused = Vec::new();
         for (index, term) in state.terms.iter().enumerate() {
             let estimates = parameters(study, state, index);
+            // The mean of a map of force.
+            model.constant_force += estimates
+                .iter()
+                .filter(|(key, _)| key == "constant_N")
+                .map(|(_, e)| e.value)
+                .sum::<f64>();
             let values: Vec<(&str, f64)> = estimates
                 .iter()
                 .filter(|(key, _)| !INTERNAL.contains(&(term.id, key.as_str())))
@@ -62,11 +68,12 @@ impl Diagnosis {
 }
 
 /// Keys of the diagnosis that a model file has no use for.
-const INTERNAL: [(&str, &str); 6] = [
+const INTERNAL: [(&str, &str); 7] = [
+    ("position_force", "constant_N"),
     ("stribeck", "slipping_only"),
     ("position_force", "terms"),
     ("position_friction", "terms"),
     ("drive_compliance", "stiffness_N_per_m"),
     ("actuator_saturation", "share"),
-    ("thermal_drift", "terms"),
+    ("backlash", "share"),
 ];

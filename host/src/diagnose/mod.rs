@@ -91,6 +91,21 @@ pub fn diagnose(
         ))
     };
     let found = search::search(&mut study, &given, &periods, progress).ok_or_else(unable)?;
+    let shape_error = match model.map(|m| &m.friction) {
+        Some(FrictionModel::Gms {
+            breakaway, blocks, ..
+        }) => {
+            let blocks: Vec<(f64, f64)> = blocks
+                .iter()
+                .map(|b| (b.stiffness, b.weight * breakaway / b.stiffness))
+                .collect();
+            study.shape_error(&blocks, &found.state)
+        }
+        _ => None,
+    };
+    if std::env::var("DBG").is_ok() {
+        eprintln!("shape {shape_error:?}");
+    }
     let diagnosis =
         conclude::conclude(&study, found, given.len(), &mechanics).ok_or_else(unable)?;
     Ok((study, diagnosis))
