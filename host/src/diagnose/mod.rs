@@ -103,11 +103,8 @@ pub fn diagnose(
         }
         _ => None,
     };
-    if std::env::var("DBG").is_ok() {
-        eprintln!("shape {shape_error:?}");
-    }
     let diagnosis =
-        conclude::conclude(&study, found, given.len(), &mechanics).ok_or_else(unable)?;
+        conclude::conclude(&study, found, given.len(), &mechanics, shape_error).ok_or_else(unable)?;
     Ok((study, diagnosis))
 }
 

@@ -165,7 +165,6 @@ impl Signature {
         self.gain.total() > 2.0 * self.threshold && consistent(&self.gain.by_fold)
     }
 }
-}
 
 /// Every coordinate's curve on top of a hypothesis, best first.
 pub fn signatures(study: &Study, state: &State) -> Vec<Signature> {

@@ -430,9 +430,9 @@ impl Study {
         rows
     }
 
-    /// Held-out NMSE of a hypothesis with given blocks, free by a common factor only, over that with the core: least squares
+    /// Held-out NMSE [%] of a hypothesis with given blocks, free by a common factor only, and with the core: least squares
     /// both, because a wrong shape misleads a fit that trusts its noise model.
-    pub fn shape_error(&self, blocks: &[(f64, f64)], state: &State) -> Option<f64> {
+    pub fn shape_error(&self, blocks: &[(f64, f64)], state: &State) -> Option<[f64; 2]> {
         let (fine, pieces) = between_samples(&self.s);
         let mut friction = vec![0.0; self.s.x.len()];
         for &(k, d) in blocks {
@@ -457,8 +457,11 @@ impl Study {
             }
             Some(sum)
         };
+        let mean = columns::mean(&self.force);
+        let variation: f64 = self.force.iter().map(|f| (f - mean).powi(2)).sum();
         let own = square(&rows, vec![Bound::Free; rows.len()])?;
-        Some(own / square(&state.rows, state.bounds.clone())?.max(1e-300))
+        let core = square(&state.rows, state.bounds.clone())?;
+        Some([own, core].map(|sum| 100.0 * sum / variation))
     }
 
     /// What a further term would add to a hypothesis.
