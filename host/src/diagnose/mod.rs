@@ -3,6 +3,7 @@
 pub mod catalogue;
 pub mod columns;
 pub mod conclude;
+pub mod experiment;
 mod extend;
 pub mod noise;
 mod present;

@@ -300,6 +300,16 @@ impl Diagnosis {
             .effects
             .iter()
             .map(|e| {
+                if e.by_fold.is_empty() {
+                    return format!(
+                        "{}: {}. The model's blocks, refitted by a common factor, leave {:.3} % on folds held out, a fine core of {} blocks {:.3} %.",
+                        e.id,
+                        catalogue::entry(e.id).map_or("", |c| c.words),
+                        e.nmse_test[0],
+                        study.yields.len(),
+                        e.nmse_test[1]
+                    );
+                }
                 let rivals: Vec<String> =
                     e.rivals.iter().take(4).map(|(id, nats)| format!("{id} {nats:.0}")).collect();
                 format!(
