@@ -84,8 +84,8 @@ pub fn serve_command(arguments: &[String]) -> Result<(), String> {
     run(serve.arg("serve").arg(fixed).arg(port).arg(truth))
 }
 
-/// The program that drives the emulator, and the tool.
-fn build_rig() -> Result<PathBuf, String> {
+/// Builds the program that runs firmware in QEMU against the simulated stage, and the tool; where the former is.
+pub fn build_rig() -> Result<PathBuf, String> {
     let what = ["--bins", "--example", "rig"];
     let build = ["build", "--release", "--package", "preslide-cli"];
     run(&mut cargo(&[&build[..], &what[..]].concat()))?;
@@ -125,19 +125,6 @@ fn identified(rig: &Path, elf: &Path) -> Result<(), String> {
         let _ = std::fs::remove_dir_all(&folder);
     }
     judged
-}
-
-/// Builds the program that runs firmware in QEMU against the simulated stage; where it is.
-pub fn build_rig() -> Result<PathBuf, String> {
-    run(&mut cargo(&[
-        "build",
-        "--release",
-        "--package",
-        "preslide-cli",
-        "--example",
-        "rig",
-    ]))?;
-    Ok(root().join("target/release/examples/rig"))
 }
 
 /// Builds a firmware package; where the image is. A folder of its own for each variant keeps all of them.
