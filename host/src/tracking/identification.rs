@@ -239,7 +239,6 @@ impl Experiment {
             .par_iter()
             .filter_map(|start| minimise(cost, *start))
             .min_by(|a, b| a.1.total_cmp(&b.1))
-            .filter(|(_, error)| error.is_finite())
             .map(|(best, _)| best)
             .ok_or_else(|| {
                 TrackingError::Identification("a one-state model could not be fitted".into())
