@@ -101,6 +101,48 @@ pub struct Noise {
     pub row_variance: f64,
 }
 
+/// Every so many rows for a first look.
+const THIN: usize = 4;
+
+/// A part of the rows.
+struct Part {
+    folds: Vec<Range<usize>>,
+    columns: [Vec<f64>; 4],
+    residual: Vec<f64>,
+    stroke: f64,
+}
+
+impl Part {
+    fn of(course: &Course, residual: &[f64]) -> Self {
+        let mut folds = Vec::new();
+        let mut rows = Vec::new();
+        for fold in course.folds {
+            let first = rows.len();
+            rows.extend(fold.clone().step_by(THIN));
+            folds.push(first..rows.len());
+        }
+        let pick = |column: &[f64]| rows.iter().map(|&i| column[i]).collect::<Vec<f64>>();
+        Self {
+            columns: [course.time, course.path, course.friction, course.stiffness].map(pick),
+            residual: pick(residual),
+            stroke: course.stroke,
+            folds,
+        }
+    }
+
+    fn course(&self) -> Course<'_> {
+        let [time, path, friction, stiffness] = &self.columns;
+        Course {
+            folds: &self.folds,
+            time,
+            path,
+            friction,
+            stiffness,
+            stroke: self.stroke,
+        }
+    }
+}
+
 /// Bounds of the search, as logarithms.
 struct Bounds {
     low: Parameters,
@@ -143,8 +185,7 @@ impl Noise {
             white: (rms * scale).ln(),
             position: (displaced * scale).ln(),
         };
-        let mut start = set(0.3);
-        start.length = [
+        let lengths = [
             course.stroke / 100.0,
             course.stroke / 5.0,
             1.0,
@@ -159,11 +200,30 @@ impl Noise {
         high.length = [course.stroke / 10.0, course.stroke, 1.0, course.stroke / 10.0, 20.0 * row_s, (duration / 20.0).max(20.0 * row_s)]
             .map(f64::ln);
         let bounds = Bounds { low, high };
-        let (start, steps) = match before {
-            Some(before) => (before.parameters, [0.5, 0.25].as_slice()),
-            None => (start, [1.5, 0.7, 0.35].as_slice()),
+        let start = match before {
+            Some(before) => before.parameters,
+            // The likelihood has several hills: friction that wanders, a disturbance, or both. A part of the rows tells which is
+            // the highest; the processes are the same on it.
+            None => {
+                let part = Part::of(course, residual);
+                let hills = [(0.3, 0.3), (0.5, 0.05), (0.05, 0.5)].map(|(level, force)| {
+                    let mut start = set(level);
+                    start.length = lengths;
+                    start.white = (force * rms).ln();
+                    start.deviation[4..].fill(start.white);
+                    start
+                });
+                let climbed = hills.into_par_iter().map(|start| {
+                    let of = |p: &Parameters| likelihood(p, &part.residual, &part.course());
+                    let top = climb(start, &bounds, &[1.5, 0.7, 0.35], of);
+                    (of(&top), top)
+                });
+                climbed
+                    .max_by(|a, b| a.0.total_cmp(&b.0))
+                    .map_or(set(0.3), |best| best.1)
+            }
         };
-        let best = climb(start, &bounds, steps, |p| likelihood(p, residual, course));
+        let best = climb(start, &bounds, &[0.5, 0.25], |p| likelihood(p, residual, course));
         Self::of(best, course)
     }
 

@@ -52,7 +52,7 @@ impl Candidate {
     /// Nats that count against rivals: an effect that contains a simpler one has to be clearly better.
     fn rank(&self) -> f64 {
         let handicap = match self.term.id {
-            "frictional_lag" => 5.0 + NESTED * self.gain.total(),
+            "frictional_lag" | "position_force" => 5.0 + NESTED * self.gain.total(),
             _ => 0.0,
         };
         self.excess() - handicap
@@ -329,21 +329,21 @@ pub fn search(
     let mut state = study.fit(given, None)?;
     let mut rest = scan(study, &state, periods);
     progress.inc(1);
-    let mut slight: Vec<&str> = Vec::new();
+    let mut slight: Vec<Candidate> = Vec::new();
     while state.terms.len() < given.len() + MOST {
-        rest.retain(|c| c.excess() > 0.0 && !slight.contains(&c.term.id));
+        rest.retain(|c| c.excess() > 0.0 && !slight.iter().any(|s| s.term.id == c.term.id));
         lead(study, &state, &mut rest);
-        let Some(top) = rest.first() else {
+        let Some(top) = rest.first().cloned() else {
             break;
         };
-        let (id, term, nats) = (top.term.id, top.term.clone(), top.gain.total());
+        let (term, nats) = (top.term.clone(), top.gain.total());
         let terms: Vec<Term> = state.terms.iter().cloned().chain([term]).collect();
         let Some(next) = study.fit(&terms, Some(&state)) else {
             break;
         };
         let (share, certainty) = study.improvement(&state, &next);
         if !is_plain(certainty, nats) {
-            slight.push(id);
+            slight.push(top);
             continue;
         }
         state = next;
@@ -354,6 +354,7 @@ pub fn search(
         progress.inc(1);
         rest = scan(study, &state, periods);
     }
+    rest.extend(slight);
     let state = folded(study, state, given.len())?;
     let (state, evidence) = weigh(study, state, given.len(), periods, progress)?;
     let first = study.fit_with(given, state.noise.clone())?;

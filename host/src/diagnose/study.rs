@@ -18,6 +18,8 @@ use std::sync::{Arc, Mutex};
 const CORE: usize = 24;
 /// Realisations of the noise alone behind each threshold.
 const DRAWS: usize = 16;
+/// Ratio of held-out errors up to which a spring explains as much as blocks that yield late.
+const SPRING: f64 = 1.02;
 /// Share of the travel after which a block is said to yield late.
 const LATE: f64 = 16.0;
 /// Points of the path for each sample.
@@ -199,7 +201,7 @@ impl Study {
             let fit = problem.fit()?;
             self.set_reference(&fit, &all);
             let residual = residual(&self.force, &rows, &fit.coefficients);
-            let before = (round > 0 || !terms.is_empty()).then_some(&noise);
+            let before = (round > 0 && !terms.is_empty()).then_some(&noise);
             noise = Noise::estimate(&residual, &self.at.course(&self.weak.folds), before);
         }
         self.noise = noise;
@@ -213,7 +215,7 @@ impl Study {
         let first = usize::from(self.inertial);
         let kept = first + self.yields.iter().filter(|d| **d <= last).count();
         let all = self.core_rows.len();
-        let nats = |core: &[Vec<f64>], spring: bool| -> Option<f64> {
+        let error = |core: &[Vec<f64>], spring: bool| -> Option<f64> {
             let mut rows = core.to_vec();
             let mut bounds = vec![Bound::NonNegative; rows.len()];
             let plain = self.plain.iter().filter(|t| t.id != "position_force");
@@ -224,14 +226,14 @@ impl Study {
                 rows.extend(own.iter().cloned());
             }
             let fit = Problem::new(&self.noise, &rows, bounds, &self.force, 1).fit()?;
-            Some(fit.total())
+            Some(self.held_out_square(&rows, &fit))
         };
         if kept < all
             && let (Some(short), Some(long)) = (
-                nats(&self.core_rows[..kept], true),
-                nats(&self.core_rows, false),
+                error(&self.core_rows[..kept], true),
+                error(&self.core_rows, false),
             )
-            && short > long - 10.0
+            && short < SPRING * long
         {
             self.yields.truncate(kept - first);
             self.deflections.truncate(kept - first);
@@ -365,11 +367,20 @@ impl Study {
         residual(&self.force, &state.rows, &state.fit.coefficients)
     }
 
+    /// Sum of squares of [`held_out`](Self::held_out).
+    fn held_out_square(&self, rows: &[Vec<f64>], fit: &Fit) -> f64 {
+        self.held_out(rows, fit).iter().map(|r| r * r).sum()
+    }
+
     /// Residual of every fold with the coefficients of the others.
     pub fn held_out_residual(&self, state: &State) -> Vec<f64> {
+        self.held_out(&state.rows, &state.fit)
+    }
+
+    fn held_out(&self, rows: &[Vec<f64>], fit: &Fit) -> Vec<f64> {
         let mut out = self.force.clone();
-        for (range, c) in self.weak.folds.iter().zip(&state.fit.held_out) {
-            for (column, c) in state.rows.iter().zip(c).filter(|(_, c)| **c != 0.0) {
+        for (range, c) in self.weak.folds.iter().zip(&fit.held_out) {
+            for (column, c) in rows.iter().zip(c).filter(|(_, c)| **c != 0.0) {
                 for i in range.clone() {
                     out[i] -= c * column[i];
                 }
@@ -450,12 +461,7 @@ impl Study {
         let white = Noise::white(&self.force, &self.at.course(&self.weak.folds));
         let square = |rows: &[Vec<f64>], bounds: Vec<Bound>| -> Option<f64> {
             let fit = Problem::new(&white, rows, bounds, &self.force, 1).fit()?;
-            let mut sum = 0.0;
-            for (range, c) in self.weak.folds.iter().zip(&fit.held_out) {
-                let left = residual(&self.force, rows, c);
-                sum += left[range.clone()].iter().map(|r| r * r).sum::<f64>();
-            }
-            Some(sum)
+            Some(self.held_out_square(rows, &fit))
         };
         let mean = columns::mean(&self.force);
         let variation: f64 = self.force.iter().map(|f| (f - mean).powi(2)).sum();
