@@ -1,8 +1,8 @@
 //! The library's friction models, chosen at run time and run along a recording in `f64`.
 
 use preslide::{
-    Block, Coulomb, Dahl, Friction, Gms, Hsieh, HsiehParams, LuGre, Motion, ParamError,
-    QuasiStaticGms, Sliding, Units,
+    Block, BoucWen, Coulomb, Dahl, ElastoPlastic, Friction, Gms, Hsieh, HsiehParams, Leuven,
+    LeuvenForm, LuGre, Motion, ParamError, QuasiStaticGms, Sliding, TwoState, Units,
 };
 use std::ops::Range;
 
@@ -35,6 +35,54 @@ pub enum FrictionModel {
         /// `F_s` (N).
         breakaway: f64,
         /// Stribeck curve.
+        sliding: Sliding,
+    },
+    /// [`BoucWen`].
+    BoucWen {
+        /// `σ0` (N/m).
+        stiffness: f64,
+        /// `F_c` (N).
+        coulomb: f64,
+        /// `n` (-).
+        exponent: f64,
+        /// `σ` (-).
+        shape: f64,
+    },
+    /// [`ElastoPlastic`].
+    ElastoPlastic {
+        /// `σ0` (N/m).
+        stiffness: f64,
+        /// `σ1` (N·s/m).
+        damping: f64,
+        /// `z_ba` (m).
+        elastic: f64,
+        /// `F_s` (N).
+        breakaway: f64,
+        /// Stribeck curve.
+        sliding: Sliding,
+    },
+    /// [`Leuven`].
+    Leuven {
+        /// State equation.
+        form: LeuvenForm,
+        /// `F_s` (N).
+        breakaway: f64,
+        /// 1…[`MOST_BLOCKS`] blocks.
+        blocks: Vec<Block>,
+        /// `n` (-).
+        exponent: f64,
+        /// `σ1` (N·s/m).
+        damping: f64,
+        /// Stribeck curve.
+        sliding: Sliding,
+    },
+    /// [`TwoState`].
+    TwoState {
+        /// `s` (m).
+        distance: f64,
+        /// `F_s` (N).
+        breakaway: f64,
+        /// Stribeck curve and lag.
         sliding: Sliding,
     },
     /// [`Hsieh`].
@@ -88,11 +136,11 @@ macro_rules! with_blocks {
     ($blocks:expr, $array:ident => $body:expr, [$($n:literal)*]) => {
         match $blocks.len() {
             $($n => {
-                let mut $array = [Block { stiffness: 0.0, weight: 0.0 }; $n];
+                let mut $array = [preslide::Block { stiffness: 0.0, weight: 0.0 }; $n];
                 $array.copy_from_slice($blocks);
                 $body
             })*
-            other => Err(ParamError {
+            other => Err(preslide::ParamError {
                 parameter: "number of blocks",
                 block: None,
                 value: other as f64,
@@ -101,6 +149,7 @@ macro_rules! with_blocks {
         }
     };
 }
+pub(crate) use with_blocks;
 
 impl FrictionModel {
     /// Its name in model files and tables.
@@ -109,6 +158,17 @@ impl FrictionModel {
             Self::Coulomb { .. } => "coulomb",
             Self::Dahl { .. } => "dahl",
             Self::LuGre { .. } => "lugre",
+            Self::BoucWen { .. } => "bouc_wen",
+            Self::ElastoPlastic { .. } => "elasto_plastic",
+            Self::Leuven {
+                form: LeuvenForm::Modified,
+                ..
+            } => "leuven",
+            Self::Leuven {
+                form: LeuvenForm::Original,
+                ..
+            } => "leuven_original",
+            Self::TwoState { .. } => "two_state",
             Self::Hsieh(_) => "hsieh",
             Self::Gms { .. } => "gms",
         }
@@ -153,6 +213,44 @@ impl FrictionModel {
                 sliding,
             } => path.run(&LuGre::<f64>::try_new(
                 *stiffness, *damping, *breakaway, *sliding, units,
+            )?),
+            Self::BoucWen {
+                stiffness,
+                coulomb,
+                exponent,
+                shape,
+            } => path.run(&BoucWen::<f64>::try_new(
+                *stiffness, *coulomb, *exponent, *shape, units,
+            )?),
+            Self::ElastoPlastic {
+                stiffness,
+                damping,
+                elastic,
+                breakaway,
+                sliding,
+            } => path.run(&ElastoPlastic::<f64>::try_new(
+                *stiffness, *damping, *elastic, *breakaway, *sliding, units,
+            )?),
+            Self::Leuven {
+                form,
+                breakaway,
+                blocks,
+                exponent,
+                damping,
+                sliding,
+            } => with_blocks!(blocks, array => Ok(path.run(&Leuven::<_, f64>::try_new(
+                *form, &array, *breakaway, *exponent, *damping, *sliding, units,
+            )?)), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])?,
+            Self::TwoState {
+                distance,
+                breakaway,
+                sliding,
+            } => path.run(&TwoState::<f64>::try_new(
+                *distance,
+                *breakaway,
+                *sliding,
+                path.sample_time,
+                units,
             )?),
             Self::Hsieh(params) => {
                 path.run(&Hsieh::<f64>::try_new(params, path.sample_time, units)?)
