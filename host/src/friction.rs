@@ -131,6 +131,23 @@ impl Path<'_> {
     }
 }
 
+/// Something to do with any of the library's models.
+pub trait Visitor {
+    /// What comes of it.
+    type Outcome;
+
+    /// Does it.
+    fn visit<M: Friction<Scalar = f64>>(self, model: M) -> Self::Outcome;
+}
+
+impl Visitor for Path<'_> {
+    type Outcome = Vec<f64>;
+
+    fn visit<M: Friction<Scalar = f64>>(self, model: M) -> Vec<f64> {
+        self.run(&model)
+    }
+}
+
 /// Calls `$body` with `$n` bound to a constant equal to the number of blocks.
 macro_rules! with_blocks {
     ($blocks:expr, $array:ident => $body:expr, [$($n:literal)*]) => {
@@ -196,14 +213,28 @@ impl FrictionModel {
     /// # Errors
     /// [`ParamError`] where the library refuses a parameter.
     pub fn force(&self, path: Path) -> Result<Vec<f64>, ParamError> {
+        self.visit(path.sample_time, path)
+    }
+
+    /// Hands the library's model, in SI and for ticks of `sample_time` (s), to `visitor`.
+    ///
+    /// # Errors
+    /// [`ParamError`] where the library refuses a parameter.
+    pub fn visit<V: Visitor>(
+        &self,
+        sample_time: f64,
+        visitor: V,
+    ) -> Result<V::Outcome, ParamError> {
         let units = Units::SI;
         Ok(match self {
-            Self::Coulomb { coulomb } => path.run(&Coulomb::<f64>::try_new(*coulomb, 0.0, units)?),
+            Self::Coulomb { coulomb } => {
+                visitor.visit(Coulomb::<f64>::try_new(*coulomb, 0.0, units)?)
+            }
             Self::Dahl {
                 stiffness,
                 coulomb,
                 exponent,
-            } => path.run(&Dahl::<f64>::try_new(
+            } => visitor.visit(Dahl::<f64>::try_new(
                 *stiffness, *coulomb, *exponent, units,
             )?),
             Self::LuGre {
@@ -211,7 +242,7 @@ impl FrictionModel {
                 damping,
                 breakaway,
                 sliding,
-            } => path.run(&LuGre::<f64>::try_new(
+            } => visitor.visit(LuGre::<f64>::try_new(
                 *stiffness, *damping, *breakaway, *sliding, units,
             )?),
             Self::BoucWen {
@@ -219,7 +250,7 @@ impl FrictionModel {
                 coulomb,
                 exponent,
                 shape,
-            } => path.run(&BoucWen::<f64>::try_new(
+            } => visitor.visit(BoucWen::<f64>::try_new(
                 *stiffness, *coulomb, *exponent, *shape, units,
             )?),
             Self::ElastoPlastic {
@@ -228,7 +259,7 @@ impl FrictionModel {
                 elastic,
                 breakaway,
                 sliding,
-            } => path.run(&ElastoPlastic::<f64>::try_new(
+            } => visitor.visit(ElastoPlastic::<f64>::try_new(
                 *stiffness, *damping, *elastic, *breakaway, *sliding, units,
             )?),
             Self::Leuven {
@@ -238,36 +269,36 @@ impl FrictionModel {
                 exponent,
                 damping,
                 sliding,
-            } => with_blocks!(blocks, array => Ok(path.run(&Leuven::<_, f64>::try_new(
+            } => with_blocks!(blocks, array => Ok(visitor.visit(Leuven::<_, f64>::try_new(
                 *form, &array, *breakaway, *exponent, *damping, *sliding, units,
             )?)), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])?,
             Self::TwoState {
                 distance,
                 breakaway,
                 sliding,
-            } => path.run(&TwoState::<f64>::try_new(
+            } => visitor.visit(TwoState::<f64>::try_new(
                 *distance,
                 *breakaway,
                 *sliding,
-                path.sample_time,
+                sample_time,
                 units,
             )?),
             Self::Hsieh(params) => {
-                path.run(&Hsieh::<f64>::try_new(params, path.sample_time, units)?)
+                visitor.visit(Hsieh::<f64>::try_new(params, sample_time, units)?)
             }
             Self::Gms {
                 breakaway,
                 blocks,
                 sliding: None,
-            } => with_blocks!(blocks, array => Ok(path.run(&QuasiStaticGms::<_, f64>::try_new(
+            } => with_blocks!(blocks, array => Ok(visitor.visit(QuasiStaticGms::<_, f64>::try_new(
                 &array, *breakaway, units,
             )?)), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])?,
             Self::Gms {
                 breakaway,
                 blocks,
                 sliding: Some(sliding),
-            } => with_blocks!(blocks, array => Ok(path.run(&Gms::<_, f64>::try_new(
-                &array, *breakaway, *sliding, path.sample_time, units,
+            } => with_blocks!(blocks, array => Ok(visitor.visit(Gms::<_, f64>::try_new(
+                &array, *breakaway, *sliding, sample_time, units,
             )?)), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])?,
         })
     }
