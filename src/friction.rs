@@ -35,6 +35,12 @@ pub trait Friction {
     /// The state of a body that was never moved: no force, no memory.
     fn at_rest(&self) -> Self::State;
 
+    /// Tells the model where the axis is, in the model's units; call it before [`Friction::step`].
+    ///
+    /// Only models with effects of position ([`crate::effects::With`]) keep it; for the others it is no code.
+    #[inline]
+    fn place(&self, _state: &mut Self::State, _position: Self::Scalar) {}
+
     /// Advances `state` by one tick and returns the friction force at its end, in the model's units.
     fn step(&self, state: &mut Self::State, motion: Motion<Self::Scalar>) -> Self::Scalar;
 

@@ -18,6 +18,8 @@
 //! | [`Coulomb`] | `F_c·sgn v + b·v`, the baseline | none |
 //! | [`kernels`] | the two Maxwell-slip laws in whole numbers, for a cycle budget | non-local |
 //!
+//! Physics beyond these (Stribeck, cogging, a bad spot, temperature …) is composed with them by type: [`effects`].
+//!
 //! The way through the crate is the way of the signal: an encoder [`Count`] becomes a [`Motion`]
 //! ([`CountTracker`], [`EncoderScale`]), a [`Friction`] model turns that into a force; [`control`] is the loop around
 //! it. Parameters are given in SI
@@ -70,6 +72,7 @@ mod lugre;
 mod quasi_static;
 mod two_state;
 
+pub mod effects;
 pub mod kernels;
 
 pub use bouc_wen::{BoucWen, BoucWenState};

@@ -111,23 +111,60 @@ pub struct Path<'a> {
     pub sample_time: f64,
 }
 
+/// What lies between the measured motion and the friction.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Drive {
+    /// Rate (m/s or rad/s) and share `p` (-) of Eyring's law, by which the contact gives way: `rate·sinh(F/(p·F_limit))`.
+    pub creep: Option<(f64, f64)>,
+    /// Play (m or rad), the whole width.
+    pub gap: f64,
+}
+
 impl Path<'_> {
     /// The force (N or N·m) of `model` at every sample, from rest.
-    fn run<M: Friction<Scalar = f64>>(&self, model: &M) -> Vec<f64> {
+    fn run<M: Friction<Scalar = f64>>(
+        &self,
+        model: &M,
+        drive: Drive,
+    ) -> Result<Vec<f64>, ParamError> {
+        let (most, stress) = match (drive.creep, model.limit()) {
+            (None, _) => (0.0, 1.0),
+            (Some((rate, share)), Some(limit)) if limit > 0.0 => {
+                (rate * self.sample_time, share * limit)
+            }
+            (Some(creep), _) => {
+                return Err(ParamError {
+                    parameter: "rate of creep, of a friction model without a highest force,",
+                    block: None,
+                    value: creep.0,
+                    bound: preslide::Bound::AtMost(0.0),
+                });
+            }
+        };
+        let yielding = |force: f64| most * (force / stress).sinh();
         let mut state = model.at_rest();
         let mut force = vec![0.0; self.position.len()];
+        let mut now = 0.0;
         for piece in self.pieces {
-            let mut last = self.position[piece.start];
+            let Some(&(mut load)) = self.position.get(piece.start) else {
+                continue;
+            };
             for i in piece.clone() {
-                let motion = Motion {
-                    displacement: self.position[i] - last,
-                    velocity: self.velocity[i],
+                let velocity = self.velocity[i];
+                let of = |displacement: f64| Motion {
+                    displacement,
+                    velocity,
                 };
-                last = self.position[i];
-                force[i] = model.step(&mut state, motion);
+                let unloads = |displacement: f64| {
+                    model.step(&mut state.clone(), of(displacement - yielding(now)))
+                };
+                let displacement = driven(load, self.position[i], 0.5 * drive.gap, now, unloads);
+                load += displacement;
+                now = model.step(&mut state, of(displacement - yielding(now)));
+                force[i] = now;
             }
         }
-        force
+        Ok(force)
     }
 }
 
@@ -140,12 +177,49 @@ pub trait Visitor {
     fn visit<M: Friction<Scalar = f64>>(self, model: M) -> Self::Outcome;
 }
 
-impl Visitor for Path<'_> {
-    type Outcome = Vec<f64>;
+/// A path behind a drive, to be run along.
+struct Driven<'a> {
+    path: Path<'a>,
+    drive: Drive,
+}
 
-    fn visit<M: Friction<Scalar = f64>>(self, model: M) -> Vec<f64> {
-        self.run(&model)
+impl Visitor for Driven<'_> {
+    type Outcome = Result<Vec<f64>, ParamError>;
+
+    fn visit<M: Friction<Scalar = f64>>(self, model: M) -> Self::Outcome {
+        self.path.run(&model, self.drive)
     }
+}
+
+/// How far a load at `load` goes when the motor with its play of ± `half` is at `motor`, under the friction force `force`;
+/// `after` is the force that a displacement would leave.
+fn driven(load: f64, motor: f64, half: f64, force: f64, after: impl Fn(f64) -> f64) -> f64 {
+    if half == 0.0 {
+        return motor - load;
+    }
+    // It is held against the side that pushes it, and leaves that side where its friction is used up.
+    let side = if force > 0.0 {
+        motor - half
+    } else if force < 0.0 {
+        motor + half
+    } else {
+        load
+    };
+    let mut displacement = side - load;
+    if displacement * force < 0.0 && after(displacement) * force < 0.0 {
+        // Friction need not be linear in between: bisection, to the last bit or nearly so.
+        let (mut near, mut far) = (0.0, displacement);
+        for _ in 0..50 {
+            let middle = 0.5 * (near + far);
+            if after(middle) * force < 0.0 {
+                far = middle;
+            } else {
+                near = middle;
+            }
+        }
+        displacement = near;
+    }
+    (load + displacement).clamp(motor - half, motor + half) - load
 }
 
 /// Calls `$body` with `$n` bound to a constant equal to the number of blocks.
@@ -191,6 +265,21 @@ impl FrictionModel {
         }
     }
 
+    /// The force (N) at which the body breaks away, where the model has such a parameter.
+    pub fn breakaway(&self) -> Option<f64> {
+        match self {
+            Self::Coulomb { coulomb }
+            | Self::Dahl { coulomb, .. }
+            | Self::BoucWen { coulomb, .. } => Some(*coulomb),
+            Self::LuGre { breakaway, .. }
+            | Self::ElastoPlastic { breakaway, .. }
+            | Self::Leuven { breakaway, .. }
+            | Self::TwoState { breakaway, .. }
+            | Self::Gms { breakaway, .. } => Some(*breakaway),
+            Self::Hsieh(_) => None,
+        }
+    }
+
     /// A quasi-static GMS from stiffnesses (N/m) and yield displacements (m).
     pub fn maxwell_slip(stiffness: &[f64], yields: &[f64]) -> Self {
         let breakaway: f64 = stiffness.iter().zip(yields).map(|(k, d)| k * d).sum();
@@ -213,7 +302,15 @@ impl FrictionModel {
     /// # Errors
     /// [`ParamError`] where the library refuses a parameter.
     pub fn force(&self, path: Path) -> Result<Vec<f64>, ParamError> {
-        self.visit(path.sample_time, path)
+        self.force_through(path, Drive::default())
+    }
+
+    /// The same behind a drive that is not stiff and tight.
+    ///
+    /// # Errors
+    /// [`ParamError`] where the library refuses a parameter, or where there is creep but no highest force.
+    pub fn force_through(&self, path: Path, drive: Drive) -> Result<Vec<f64>, ParamError> {
+        self.visit(path.sample_time, Driven { path, drive })?
     }
 
     /// Hands the library's model, in SI and for ticks of `sample_time` (s), to `visitor`.

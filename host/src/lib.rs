@@ -6,6 +6,7 @@ pub mod cost;
 pub mod demo;
 pub mod diagnose;
 pub mod effects;
+pub mod export;
 pub mod friction;
 pub mod identify;
 pub mod kinematics;

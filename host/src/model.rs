@@ -1,5 +1,6 @@
 //! Model files: what `identify` writes and every other command reads.
 
+use crate::effects::Effect;
 use crate::friction::{FrictionModel, MOST_BLOCKS, Path};
 use crate::recording::MotionKind;
 use preslide::{Block, HsiehParams, LeuvenForm, Sliding};
@@ -24,6 +25,8 @@ pub struct Model {
     pub friction: FrictionModel,
     /// Effect `constant_force` (N or N·m): gravity, tilt, current offset.
     pub constant_force: f64,
+    /// The other effects.
+    pub effects: Vec<Effect>,
     /// Known lengths and periods of the drive, by key.
     pub mechanics: Vec<(String, f64)>,
 }
@@ -113,8 +116,9 @@ struct MechanicsToml {
 }
 
 /// Key endings of rotary files and what they are called on a linear axis, longest first.
-const ROTARY: [(&str, &str); 8] = [
+const ROTARY: [(&str, &str); 9] = [
     ("inertia_kg_m2", "mass_kg"),
+    ("_Nm_s2_per_rad2", "_N_s2_per_m2"),
     ("_Nm_s_per_rad", "_N_s_per_m"),
     ("_Nm_per_rad", "_N_per_m"),
     ("_Nm_per_s", "_N_per_s"),
@@ -124,8 +128,22 @@ const ROTARY: [(&str, &str); 8] = [
     ("_rad", "_m"),
 ];
 
+/// Keys that any axis has: a phase is an angle, the normal load a force.
+const COMMON: [&str; 3] = ["phase_rad", "load_N", "level_per_N"];
+
 /// A key of the file in the words of the other kind of axis, or `None` where it belongs to that other kind.
+/// A key of a linear axis in the words of an axis that moves so.
+pub(crate) fn key_of(motion: MotionKind, key: &str) -> String {
+    match motion {
+        MotionKind::Linear => key.to_owned(),
+        MotionKind::Rotary => translate(key, false).unwrap_or_else(|| key.to_owned()),
+    }
+}
+
 fn translate(key: &str, to_linear: bool) -> Option<String> {
+    if COMMON.contains(&key) {
+        return Some(key.to_owned());
+    }
     let ending = |linear: bool| {
         ROTARY.iter().find_map(|&(rotary, straight)| {
             let (own, other) = if linear {
@@ -212,10 +230,14 @@ impl Model {
             MotionKind::Linear => key.to_owned(),
             MotionKind::Rotary => translate(key, false).unwrap_or_else(|| key.to_owned()),
         };
-        let mut constant_force = 0.0;
-        for (i, effect) in file.effects.iter().enumerate() {
-            constant_force += read_effect(effect, &say("force_N"))
-                .map_err(|e| format!("effects[{}].{e}", i + 1))?;
+        let (mut constant_force, mut effects) = (0.0, Vec::new());
+        for (i, entry) in file.effects.iter().enumerate() {
+            let effect =
+                Effect::read(entry, &say).map_err(|e| format!("effects[{}].{e}", i + 1))?;
+            match effect.id {
+                "constant_force" => constant_force += effect.get("force_N"),
+                _ => effects.push(effect),
+            }
         }
         let MechanicsToml {
             screw_lead_m,
@@ -241,6 +263,7 @@ impl Model {
                 .model()
                 .map_err(|(key, reason)| format!("friction.{}: {reason}", say(key)))?,
             constant_force,
+            effects,
             mechanics,
         };
         model
@@ -290,16 +313,9 @@ impl Model {
         }
     }
 
-    /// Friction, viscous and constant force (N or N·m) at every sample, without inertia.
-    ///
-    /// # Errors
-    /// [`preslide::ParamError`] where the library refuses a parameter.
-    pub fn resistance(&self, path: Path) -> Result<Vec<f64>, preslide::ParamError> {
-        let mut force = self.friction.force(path)?;
-        for (f, v) in force.iter_mut().zip(path.velocity) {
-            *f += self.viscous * v + self.constant_force;
-        }
-        Ok(force)
+    /// A key of a linear axis in the words of this model's files.
+    pub fn key(&self, key: &str) -> String {
+        key_of(self.motion, key)
     }
 
     /// The text of the model file. `remarks` become comments at its head.
@@ -310,10 +326,7 @@ impl Model {
                 let _ = writeln!(text, "# {line}");
             }
         }
-        let key = |key: &str| match self.motion {
-            MotionKind::Linear => key.to_owned(),
-            MotionKind::Rotary => translate(key, false).unwrap_or_else(|| key.to_owned()),
-        };
+        let key = |key: &str| self.key(key);
         let _ = writeln!(
             text,
             "schema = \"{SCHEMA}\"\nmotion = \"{}\"",
@@ -366,13 +379,14 @@ impl Model {
                 number(self.constant_force)
             );
         }
+        for effect in &self.effects {
+            let _ = writeln!(text, "\n[[effects]]\nid = \"{}\"", effect.id);
+            for (name, value) in &effect.values {
+                let _ = writeln!(text, "{} = {}", key(name), number(*value));
+            }
+        }
         text
     }
-}
-
-/// The key of a rotary axis for one of a linear axis.
-pub(crate) fn rotary_key(key: &str) -> String {
-    translate(key, false).unwrap_or_else(|| key.to_owned())
 }
 
 /// A float that TOML reads back as the same float.
@@ -660,31 +674,4 @@ impl FrictionModel {
             .concat(),
         }
     }
-}
-
-/// The force of an effect, all that is known of effects so far.
-///
-/// `named` is what the file calls `force_N`.
-fn read_effect(effect: &toml::Table, named: &str) -> Result<f64, String> {
-    match effect.get("id").and_then(toml::Value::as_str) {
-        Some("constant_force") => {}
-        Some(other) => {
-            return Err(format!(
-                "id: the effect \"{other}\" is not supported by this version, which knows constant_force; remove it or use a newer version"
-            ));
-        }
-        None => return Err("id: missing; every effect needs one".to_owned()),
-    }
-    if let Some(key) = effect
-        .keys()
-        .find(|key| !["id", "force_N"].contains(&key.as_str()))
-    {
-        return Err(format!(
-            "{key}: unknown key; constant_force has {named} only"
-        ));
-    }
-    effect
-        .get("force_N")
-        .and_then(|v| v.as_float().or_else(|| v.as_integer().map(|i| i as f64)))
-        .ok_or_else(|| format!("{named}: missing or not a number"))
 }

@@ -110,6 +110,7 @@ fn every_kind_is_read_back_as_it_was_written() {
                 viscous: -0.1,
                 friction,
                 constant_force: 1.0 / 7.0,
+                effects: Vec::new(),
                 mechanics: vec![
                     ("screw_lead_m".to_owned(), 0.002),
                     ("encoder_count_m".to_owned(), 2.5e-8),

@@ -86,6 +86,16 @@ impl<F: Friction> Compensator<F> {
         &self.friction
     }
 
+    /// Tells the model where the axis is, by the motion that drives it; before [`Compensator::step`].
+    #[inline]
+    pub fn place(&self, state: &mut F::State, reference: F::Scalar, measured: F::Scalar) {
+        let position = match self.drive {
+            Drive::Reference => reference,
+            Drive::Measured => measured,
+        };
+        self.friction.place(state, position);
+    }
+
     /// Advances the model by one tick; the force to add to the feedback. `acceleration` is the reference's, in
     /// velocity units per second.
     #[inline]

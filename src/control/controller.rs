@@ -95,6 +95,12 @@ impl<F: Friction, C: Count> Controller<F, C> {
         self.fault
     }
 
+    /// The friction model's memory, to tell it what the tick does not measure: temperature, load
+    /// ([`crate::effects::WithState`]). A swap, a fault and a restart empty it.
+    pub fn friction_state(&mut self) -> &mut F::State {
+        &mut self.friction
+    }
+
     /// Leaves the safe state: stands where the axis is, with empty memories.
     pub fn restart(&mut self) {
         self.reference = Reference::at(saturate(self.tracker.position()));
@@ -156,6 +162,14 @@ impl<F: Friction, C: Count> Controller<F, C> {
         };
         let velocity_error = wanted.velocity.sub_input(motion.velocity);
         let feedback = c.pid.step(&mut self.pid, error, velocity_error, self.cut);
+        // Whole counts do for maps and ripples, and are exact in `f32` up to 2²⁴ of them.
+        let place =
+            |counts: i64| F::Scalar::from_int(saturate(counts)).mul_input(c.length_per_count);
+        c.compensator.place(
+            &mut self.friction,
+            place(reference.position >> 16),
+            place(position),
+        );
         let feed_forward =
             c.compensator
                 .step(&mut self.friction, wanted, motion, reference.acceleration);

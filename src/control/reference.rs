@@ -1,6 +1,7 @@
 //! The trajectory that the controller follows: moves with a trapezoidal velocity, in exact integer arithmetic.
 
 use crate::param::{Bound, ParamError, at_most, positive, to_scalar};
+use crate::scalar::saturated;
 use crate::{Scalar, Units};
 
 /// Fraction bits of a position: 2⁻³² of a count, ± 2³¹ counts.
@@ -17,8 +18,10 @@ pub struct Move<S> {
     acceleration: i64,
     /// 2⁻³² counts per tick.
     cruise: i64,
-    ramp_ticks: u32,
-    cruise_ticks: u32,
+    /// Ticks to the end of the ramp up, of the cruise, and of the whole.
+    ramp_end: u32,
+    cruise_end: u32,
+    end: u32,
     /// The acceleration in velocity units per second.
     felt: S,
 }
@@ -76,8 +79,10 @@ impl<S: Scalar> Move<S> {
             distance,
             acceleration,
             cruise: cruise_speed,
-            ramp_ticks: ramp as u32,
-            cruise_ticks: cruise as u32,
+            // `2·ramp + cruise` is below 2³¹, by the check above.
+            ramp_end: ramp as u32,
+            cruise_end: (ramp + cruise) as u32,
+            end: (2 * ramp + cruise) as u32,
             felt: to_scalar(
                 "acceleration of a move",
                 sign * gain * count / (sample_time * sample_time) / units.velocity,
@@ -99,20 +104,29 @@ impl<S: Scalar> Move<S> {
                 bound: Bound::AtMost(2_147_483_647.0),
             });
         }
+        let ticks = libm::ceil(ticks) as u32;
         Ok(Self {
-            distance: 0,
-            acceleration: 0,
-            cruise: 0,
-            ramp_ticks: 0,
-            cruise_ticks: libm::ceil(ticks) as u32,
-            felt: S::ZERO,
+            cruise_end: ticks,
+            end: ticks,
+            ..Self::NONE
         })
     }
 
+    /// The move that is over.
+    const NONE: Self = Self {
+        distance: 0,
+        acceleration: 0,
+        cruise: 0,
+        ramp_end: 0,
+        cruise_end: 0,
+        end: 0,
+        felt: S::ZERO,
+    };
+
     /// How many ticks it takes.
+    #[inline]
     pub fn ticks(&self) -> u32 {
-        self.cruise_ticks
-            .saturating_add(self.ramp_ticks.saturating_mul(2))
+        self.end
     }
 }
 
@@ -146,14 +160,7 @@ impl<S: Scalar> Reference<S> {
             position,
             velocity: 0,
             target: position,
-            current: Move {
-                distance: 0,
-                acceleration: 0,
-                cruise: 0,
-                ramp_ticks: 0,
-                cruise_ticks: 0,
-                felt: S::ZERO,
-            },
+            current: Move::NONE,
             tick: 0,
         }
     }
@@ -181,19 +188,14 @@ impl<S: Scalar> Reference<S> {
         if !self.is_idle() {
             let plan = &self.current;
             self.tick += 1;
-            if self.tick <= plan.ramp_ticks {
+            if self.tick <= plan.ramp_end {
                 self.velocity = self.velocity.wrapping_add(plan.acceleration);
                 acceleration = plan.felt;
-            } else if self.tick <= plan.ramp_ticks.saturating_add(plan.cruise_ticks) {
+            } else if self.tick <= plan.cruise_end {
                 self.velocity = plan.cruise;
             } else {
-                if self.tick
-                    == plan
-                        .ramp_ticks
-                        .saturating_add(plan.cruise_ticks)
-                        .saturating_add(1)
-                {
-                    self.velocity = plan.acceleration.wrapping_mul(i64::from(plan.ramp_ticks));
+                if self.tick == plan.cruise_end + 1 {
+                    self.velocity = plan.acceleration.wrapping_mul(i64::from(plan.ramp_end));
                 }
                 self.velocity = self.velocity.wrapping_sub(plan.acceleration);
                 acceleration = -plan.felt;
@@ -216,5 +218,5 @@ impl<S: Scalar> Reference<S> {
 /// `i64` to `i32`, at the range's ends instead of wrapping.
 #[inline]
 pub(crate) fn saturate(value: i64) -> i32 {
-    i32::try_from(value).unwrap_or(if value < 0 { i32::MIN } else { i32::MAX })
+    saturated!(value, i64, i32)
 }

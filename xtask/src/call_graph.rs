@@ -2,11 +2,15 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The functions reached from `start` by direct branches and calls, itself included.
+/// The functions reached from `start` by direct branches and calls, itself included; those in `beyond` are not followed.
 ///
 /// # Errors
 /// Where `start` is not in the disassembly, or calls through a register (which this cannot follow).
-pub fn reached(disassembly: &str, start: &str) -> Result<BTreeSet<String>, String> {
+pub fn reached(
+    disassembly: &str,
+    start: &str,
+    beyond: &[&str],
+) -> Result<BTreeSet<String>, String> {
     let mut calls: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
     let mut indirect = BTreeSet::new();
     let mut current = "";
@@ -22,15 +26,17 @@ pub fn reached(disassembly: &str, start: &str) -> Result<BTreeSet<String>, Strin
             }
         }
     }
-    if !calls.contains_key(start) {
-        return Err(format!(
-            "the image has no function {start}; was it inlined?"
-        ));
+    for name in beyond.iter().chain([&start]) {
+        if !calls.contains_key(name) {
+            return Err(format!(
+                "the image has no function {name}; was it inlined?"
+            ));
+        }
     }
     let mut seen = BTreeSet::new();
     let mut open = vec![start];
     while let Some(name) = open.pop() {
-        if seen.insert(name.to_owned()) {
+        if !beyond.contains(&name) && seen.insert(name.to_owned()) {
             if indirect.contains(name) {
                 return Err(format!(
                     "{name}, reached from {start}, calls through a register"
@@ -112,7 +118,7 @@ mod tests {
 
     #[test]
     fn follows_calls_tail_calls_and_short_branches() {
-        let names = reached(IMAGE, "tick").expect("no call through a register");
+        let names = reached(IMAGE, "tick", &[]).expect("no call through a register");
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         assert_eq!(
             names,
@@ -134,7 +140,17 @@ mod tests {
 
     #[test]
     fn says_what_it_cannot_follow() {
-        assert!(reached(IMAGE, "other").is_err_and(|error| error.contains("register")));
-        assert!(reached(IMAGE, "gone").is_err_and(|error| error.contains("inlined")));
+        let fails = |start, beyond: &[&str], word| {
+            reached(IMAGE, start, beyond).is_err_and(|error| error.contains(word))
+        };
+        assert!(fails("other", &[], "register"));
+        assert!(fails("gone", &[], "inlined"));
+        assert!(fails("tick", &["gone"], "inlined"));
+    }
+
+    #[test]
+    fn does_not_follow_what_is_beyond() {
+        let names = reached(IMAGE, "tick", &["far"]).expect("no call through a register");
+        assert_eq!(names.len(), 2, "{names:?}");
     }
 }

@@ -13,8 +13,12 @@ use crate::process::{cargo, output, root, run, run_for};
 use crate::thumb::{TARGET, Toolchain};
 use crate::tools::Need;
 
-/// The control code of the release image; nothing that can panic may be reached from it.
-const CONTROL: &str = "preslide_app::control::decide";
+/// The interrupt of the control task, on either board; nothing that can panic may be reached from it.
+const TIMER0: &str = "TIMER0";
+const TIM6_DAC: &str = "TIM6_DAC";
+
+/// The end of a run, which only the emulator's control task has.
+const QUIT: &str = "preslide_qemu::quit";
 
 const GOLDEN: &str = "firmware/boards/qemu/expected";
 
@@ -38,7 +42,7 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     let fixed = build("preslide-qemu", "qemu-fixed", &[])?;
     let float = build("preslide-qemu", "qemu-float", &["--features", "float"])?;
     for (kind, elf) in [("fixed", &fixed), ("float", &float)] {
-        check_image(kind, elf)?;
+        check_image(kind, elf, TIMER0, &[QUIT])?;
         let first = agreement(&rig, kind, elf)?;
         print!("{first}");
         let second = agreement(&rig, kind, elf)?;
@@ -52,7 +56,7 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     // It cannot be run here, but it must build, fit and not panic.
     build("preslide-stm32g474", "stm32g474", &["--features", "log"])?;
     let board = build("preslide-stm32g474", "stm32g474", &[])?;
-    check_image("stm32g474", &board)?;
+    check_image("stm32g474", &board, TIM6_DAC, &[])?;
     check_ccm(&board)?;
     let golden = root().join(GOLDEN);
     let mut faults = Command::new(&rig);
@@ -84,8 +88,8 @@ pub fn serve_command(arguments: &[String]) -> Result<(), String> {
     run(serve.arg("serve").arg(fixed).arg(port).arg(truth))
 }
 
-/// The program that drives the emulator, and the tool.
-fn build_rig() -> Result<PathBuf, String> {
+/// Builds the program that runs firmware in QEMU against the simulated stage, and the tool; where the former is.
+pub fn build_rig() -> Result<PathBuf, String> {
     let what = ["--bins", "--example", "rig"];
     let build = ["build", "--release", "--package", "preslide-cli"];
     run(&mut cargo(&[&build[..], &what[..]].concat()))?;
@@ -127,19 +131,6 @@ fn identified(rig: &Path, elf: &Path) -> Result<(), String> {
     judged
 }
 
-/// Builds the program that runs firmware in QEMU against the simulated stage; where it is.
-pub fn build_rig() -> Result<PathBuf, String> {
-    run(&mut cargo(&[
-        "build",
-        "--release",
-        "--package",
-        "preslide-cli",
-        "--example",
-        "rig",
-    ]))?;
-    Ok(root().join("target/release/examples/rig"))
-}
-
 /// Builds a firmware package; where the image is. A folder of its own for each variant keeps all of them.
 pub fn build(package: &str, folder: &str, more: &[&str]) -> Result<PathBuf, String> {
     let toolchain = Toolchain::ensure()?;
@@ -155,15 +146,14 @@ pub fn build(package: &str, folder: &str, more: &[&str]) -> Result<PathBuf, Stri
     Ok(target.join(TARGET).join("release").join(package))
 }
 
-/// CCM SRAM of the STM32G474, and the interrupt that runs the control task.
+/// CCM SRAM of the STM32G474.
 const CCM: std::ops::Range<u32> = 0x1000_0000..0x1000_8000;
-const TASK: &str = "TIM6_DAC";
 
 /// Whether the control task, all that it calls and the stack are in CCM SRAM. A panic, which ends the task, may be in flash.
 fn check_ccm(elf: &Path) -> Result<(), String> {
     let disassembly = disassembly(elf)?;
     let places = call_graph::addresses(&disassembly);
-    let reached = call_graph::reached(&disassembly, TASK)?;
+    let reached = call_graph::reached(&disassembly, TIM6_DAC, &[])?;
     // The linker reaches flash from there through veneers only, which it names.
     let left: Vec<&String> = reached
         .iter()
@@ -174,7 +164,7 @@ fn check_ccm(elf: &Path) -> Result<(), String> {
         .collect();
     if !left.is_empty() {
         return Err(format!(
-            "{TASK} runs in CCM SRAM but calls {left:?} outside; add them to firmware/boards/stm32g474/ccm.x"
+            "{TIM6_DAC} runs in CCM SRAM but calls {left:?} outside; add them to firmware/boards/stm32g474/ccm.x"
         ));
     }
     let symbols = output(Command::new("arm-none-eabi-nm").arg(elf))?;
@@ -188,7 +178,7 @@ fn check_ccm(elf: &Path) -> Result<(), String> {
         ));
     }
     println!(
-        "stm32g474: {TASK} and the {} functions that it calls are in CCM SRAM, and so is the stack (checked by address; \
+        "stm32g474: {TIM6_DAC} and the {} functions that it calls are in CCM SRAM, and so is the stack (checked by address; \
          it cannot be run here)",
         reached.len() - 1
     );
@@ -203,8 +193,8 @@ fn disassembly(elf: &Path) -> Result<String, String> {
     )
 }
 
-/// Flash and RAM of an image, and whether its control code can panic.
-fn check_image(kind: &str, elf: &Path) -> Result<(), String> {
+/// Flash and RAM of an image, and whether its control task, but for what is `beyond`, can panic.
+fn check_image(kind: &str, elf: &Path, task: &str, beyond: &[&str]) -> Result<(), String> {
     let sizes = output(Command::new("arm-none-eabi-size").arg(elf))?;
     let numbers: Vec<u64> = sizes
         .lines()
@@ -223,16 +213,16 @@ fn check_image(kind: &str, elf: &Path) -> Result<(), String> {
         text + data,
         data + bss
     );
-    let reached = call_graph::reached(&disassembly(elf)?, CONTROL)?;
+    let reached = call_graph::reached(&disassembly(elf)?, task, beyond)?;
     let panics: Vec<&String> = reached
         .iter()
         .filter(|name| name.contains("panic"))
         .collect();
     if !panics.is_empty() {
-        return Err(format!("{kind}: {CONTROL} can reach {panics:?}"));
+        return Err(format!("{kind}: the interrupt {task} can reach {panics:?}"));
     }
     println!(
-        "{kind}: {} functions reached from {CONTROL}, none of them panics",
+        "{kind}: {} functions reached from the interrupt {task}, none of them panics",
         reached.len()
     );
     Ok(())

@@ -2,7 +2,7 @@
 
 use super::{Failure, OutputArgs, RecordingArgs, command_line, write_text};
 use clap::Args;
-use preslide_host::diagnose::{Refusal, catalogue, diagnose};
+use preslide_host::diagnose::{Refusal, catalogue, diagnose, experiment};
 use preslide_host::model::Model;
 use preslide_host::progress::Progress;
 use std::path::PathBuf;
@@ -19,6 +19,10 @@ pub struct Diagnose {
     #[arg(long, value_name = "MODEL.toml")]
     model: Option<PathBuf>,
 
+    /// Write a motion that would show what this recording cannot (a reference position, CSV)
+    #[arg(long, value_name = "MOTION.csv")]
+    experiment: Option<PathBuf>,
+
     /// Write the model extended by what was found with confidence
     #[arg(short, long, value_name = "EXTENDED.toml")]
     output: Option<PathBuf>,
@@ -34,7 +38,7 @@ fn not_tested() -> String {
         .map(|(id, why)| format!("{id} ({why})"))
         .collect();
     format!(
-        "Tested: {}.\n\nNot tested: {}.",
+        "Example: preslide diagnose recording.csv --model model.toml -o extended.toml --report diagnosis.html\n\nTested: {}.\n\nNot tested: {}.",
         tested.join(", "),
         not.join("; ")
     )
@@ -47,30 +51,44 @@ impl Diagnose {
         let model = self.model.as_deref().map(Model::load).transpose()?;
         let recording = self.recordings.load()?;
         let progress = Progress::new("diagnose", 12);
-        let (study, found) =
-            diagnose(&recording, model.as_ref(), &progress).map_err(|refusal| match refusal {
-                Refusal::Input(message) => Failure::Input(message),
-                Refusal::Data(message) => Failure::Data(format!("insufficient-data: {message}")),
-            })?;
+        let (study, found) = match diagnose(&recording, model.as_ref(), &progress) {
+            Ok(found) => found,
+            Err(Refusal::Input(message)) => return Err(Failure::Input(message)),
+            Err(Refusal::Data(message)) => {
+                let answer = serde_json::json!({
+                    "schema": "preslide.diagnosis/1", "recording": recording.name, "verdict": "insufficient-data",
+                    "reason": message, "effects": [], "unknown": null, "seconds": start.elapsed().as_secs_f64(),
+                });
+                self.outputs.write_json(&answer)?;
+                return Err(Failure::Data(format!("insufficient-data: {message}")));
+            }
+        };
         progress.finish();
-        println!("{}\n", found.verdict_words(&recording));
+        say!("{}\n", found.verdict_words(&recording));
         if !found.effects.is_empty() {
-            println!("{}", found.table(&recording).to_text());
+            say!("{}", found.table(&recording).to_text());
         }
         for lack in &found.lacks {
-            println!("Cannot show {}: {}.", lack.hides.join(", "), lack.missing);
+            say!("Cannot show {}: {}.", lack.hides.join(", "), lack.missing);
         }
-        println!("{}", found.recommendation());
+        say!("{}", found.recommendation());
         if let Some(path) = &self.output {
+            let (extended, refused) = found.extended_model(&study, &recording, model.as_ref());
+            for reason in refused {
+                say!("Not in {}: {reason}.", path.display());
+            }
             write_text(
                 path,
-                &found
-                    .extended_model(&study, &recording, model.as_ref())
-                    .to_toml(&[
-                        format!("diagnosed from {}", recording.name),
-                        found.verdict_words(&recording),
-                    ]),
+                &extended.to_toml(&[
+                    format!("diagnosed from {}", recording.name),
+                    found.verdict_words(&recording),
+                ]),
             )?;
+        }
+        if let Some(path) = &self.experiment {
+            let (motion, words) = experiment::profile(&study, &recording, &found);
+            write_text(path, &motion)?;
+            say!("{}: {words}.", path.display());
         }
         let seconds = start.elapsed().as_secs_f64();
         self.outputs.write(&found.to_json(&recording, seconds), || {

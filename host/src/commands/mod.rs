@@ -10,6 +10,7 @@ pub mod capture;
 pub mod compare;
 pub mod demo;
 pub mod diagnose;
+pub mod export;
 pub mod identify;
 pub mod reproduce;
 pub mod simulate;
@@ -172,11 +173,7 @@ impl OutputArgs {
                 path.display()
             )));
         }
-        if let Some(path) = &self.json {
-            let text =
-                serde_json::to_string_pretty(json).map_err(|e| Failure::Tool(e.to_string()))?;
-            write_text(path, &(text + "\n"))?;
-        }
+        self.write_json(json)?;
         if let Some(path) = &self.report {
             let page = page();
             page.write_html(path)?;
@@ -186,6 +183,16 @@ impl OutputArgs {
                 figure.write_png(&picture)?;
                 eprintln!("wrote {}", picture.display());
             }
+        }
+        Ok(())
+    }
+
+    /// Writes the result for machines where it was asked for.
+    pub fn write_json(&self, json: &serde_json::Value) -> Result<(), Failure> {
+        if let Some(path) = &self.json {
+            let text =
+                serde_json::to_string_pretty(json).map_err(|e| Failure::Tool(e.to_string()))?;
+            write_text(path, &(text + "\n"))?;
         }
         Ok(())
     }

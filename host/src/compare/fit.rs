@@ -358,6 +358,7 @@ impl<'a> Problem<'a> {
                     .family
                     .model(&place, linear.amplitude, linear.damping)?,
                 constant_force: linear.offset,
+                effects: Vec::new(),
                 mechanics: Vec::new(),
             },
             place,

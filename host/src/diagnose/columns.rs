@@ -4,6 +4,7 @@ use super::catalogue::moving_speeds;
 use super::signals::{Signals, bounds, quantile};
 use super::study::Study;
 use super::weak::Column;
+use crate::identify::stop::Deflection;
 use std::f64::consts::{PI, TAU};
 
 /// The model that effects act through.
@@ -65,6 +66,7 @@ pub fn parameters(id: &str) -> &'static [(&'static str, Scale)] {
             ("erasing_path_m", Logarithmic),
         ],
         "creep" => &[("share_of_breakaway", Chosen)],
+        "backlash" => &[("gap_m", Logarithmic)],
         "actuator_saturation" => &[("limit_N", Logarithmic)],
         _ => &[],
     }
@@ -80,7 +82,7 @@ pub fn amplitude_key(id: &str, s: &Signals) -> &'static str {
         "position_spring" => "stiffness_N_per_m",
         "encoder_error" => "error_m",
         "channel_delay" => "delay_s",
-        "backlash" => "gap_m",
+        "backlash" => "share",
         "drive_compliance" => "compliance_m_per_N",
         "thermal_drift" if s.temperature.is_some() => "level_per_K",
         "load_dependent_friction" => "level_per_N",
@@ -148,6 +150,13 @@ pub fn shapes(id: &str, study: &Study) -> Vec<Vec<f64>> {
             product(&[0.1, 0.5], &spread(erased / 300.0, erased, 5))
         }
         "creep" => vec![vec![0.15]],
+        "backlash" => {
+            let shortest = shortest_yield(study);
+            spread(shortest, (200.0 * shortest).min(travel / 20.0), 9)
+                .into_iter()
+                .map(|gap| vec![gap])
+                .collect()
+        }
         "actuator_saturation" => {
             let size: Vec<f64> = study.effort.iter().map(|f| f.abs()).collect();
             let top = quantile(&size, 0.9999);
@@ -163,6 +172,17 @@ pub fn shapes(id: &str, study: &Study) -> Vec<Vec<f64>> {
         "load_dependent_friction" if s.load.is_none() => Vec::new(),
         _ => vec![Vec::new()],
     }
+}
+
+/// The shortest yield of the reference friction that carries a hundredth of it [m or rad].
+fn shortest_yield(study: &Study) -> f64 {
+    let b = &study.reference;
+    b.blocks
+        .iter()
+        .filter(|(k, d)| k * d > 0.01 * b.level)
+        .map(|b| b.1)
+        .fold(f64::INFINITY, f64::min)
+        .min(1.0)
 }
 
 /// `count` values from `low` to `high`, evenly on a logarithmic scale.
@@ -232,8 +252,14 @@ pub fn columns(id: &str, shape: &[f64], study: &Study) -> Vec<Column> {
             }
             vec![friction(&|i| lagging[i])]
         }
-        "position_spring" => vec![of(&|i| s.x[i] - 0.5 * (from + to))],
-        "position_force" => cosines(&|_| 1.0),
+        "position_spring" => vec![of(&|i| s.x[i] - 0.5 * (from + to))]
+            .into_iter()
+            .chain(shape.first().map(|_| vec![1.0; s.x.len()]))
+            .collect(),
+        "position_force" => cosines(&|_| 1.0)
+            .into_iter()
+            .chain(shape.get(1).map(|_| vec![1.0; s.x.len()]))
+            .collect(),
         "position_friction" => cosines(&|i| b.friction[i]),
         "local_friction_spot" => {
             vec![friction(&|i| (-((s.x[i] - at(0)) / at(1)).powi(2)).exp())]
@@ -265,9 +291,21 @@ pub fn columns(id: &str, shape: &[f64], study: &Study) -> Vec<Column> {
         "backlash" => {
             let side = of(&|i| {
                 let transmitted = b.fitted[i] - MOTOR_SHARE * b.mass * s.a[i];
-                0.5 * (transmitted / (0.05 * level)).tanh()
+                0.5 * at(0) * (transmitted / (0.05 * level)).tanh()
             });
-            return vec![displaced(side, (1.0 - MOTOR_SHARE) * b.mass, study)];
+            // A gap is not small beside the yields: the blocks follow the load's path itself.
+            let load = of(&|i| s.x[i] - side[i]);
+            let mut column: Vec<f64> = b.friction.iter().map(|f| -f).collect();
+            for &(k, d) in &b.blocks {
+                let z = Deflection::along(&load, &s.pieces, d).z;
+                column.iter_mut().zip(&z).for_each(|(c, z)| *c += k * z);
+            }
+            let mass = (1.0 - MOTOR_SHARE) * b.mass;
+            return vec![Column {
+                value: column,
+                sloped: Vec::new(),
+                curved: side.iter().map(|e| -mass * e).collect(),
+            }];
         }
         "actuator_dead_zone" => vec![of(&|i| 0.5 * (b.fitted[i] / (0.03 * level)).tanh())],
         "actuator_saturation" => vec![of(&|i| {

@@ -3,6 +3,8 @@
 pub mod catalogue;
 pub mod columns;
 pub mod conclude;
+pub mod experiment;
+mod extend;
 pub mod noise;
 mod present;
 pub mod score;
@@ -90,8 +92,20 @@ pub fn diagnose(
         ))
     };
     let found = search::search(&mut study, &given, &periods, progress).ok_or_else(unable)?;
+    let shape_error = match model.map(|m| &m.friction) {
+        Some(FrictionModel::Gms {
+            breakaway, blocks, ..
+        }) => {
+            let blocks: Vec<(f64, f64)> = blocks
+                .iter()
+                .map(|b| (b.stiffness, b.weight * breakaway / b.stiffness))
+                .collect();
+            study.shape_error(&blocks, &found.state)
+        }
+        _ => None,
+    };
     let diagnosis =
-        conclude::conclude(&study, found, given.len(), &mechanics).ok_or_else(unable)?;
+        conclude::conclude(&study, found, given.len(), &mechanics, shape_error).ok_or_else(unable)?;
     Ok((study, diagnosis))
 }
 

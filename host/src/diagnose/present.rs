@@ -4,7 +4,8 @@ use super::conclude::{Diagnosis, Effect};
 use super::signature::Axis;
 use super::study::Study;
 use super::{catalogue, conclude::Unknown};
-use crate::recording::{MotionKind, Recording};
+use crate::model::key_of;
+use crate::recording::Recording;
 use crate::report::{self, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
 use serde_json::{Value, json};
 
@@ -30,13 +31,6 @@ impl Effect {
 
     fn experiment(&self) -> &'static str {
         catalogue::entry(self.id).map_or("", |e| e.experiment)
-    }
-}
-
-fn key(kind: MotionKind, key: &str) -> String {
-    match kind {
-        MotionKind::Linear => key.to_owned(),
-        MotionKind::Rotary => crate::model::rotary_key(key),
     }
 }
 
@@ -78,7 +72,7 @@ impl Diagnosis {
                 let parameters: serde_json::Map<String, Value> = e
                     .parameters
                     .iter()
-                    .map(|(name, estimate)| (key(recording.kind, name), json!(estimate)))
+                    .map(|(name, estimate)| (key_of(recording.kind, name), json!(estimate)))
                     .collect();
                 let place: Vec<Value> = e
                     .place
@@ -156,7 +150,7 @@ impl Diagnosis {
                             let reach = p.ci95.map_or(String::new(), |[a, b]| {
                                 format!(" ± {}", digits(0.5 * (b - a)))
                             });
-                            format!("{} {}{reach}", key(recording.kind, name), digits(p.value))
+                            format!("{} {}{reach}", key_of(recording.kind, name), digits(p.value))
                         })
                         .collect();
                     vec![
@@ -306,6 +300,16 @@ impl Diagnosis {
             .effects
             .iter()
             .map(|e| {
+                if e.by_fold.is_empty() {
+                    return format!(
+                        "{}: {}. The model's blocks, refitted by a common factor, leave {:.3} % on folds held out, a fine core of {} blocks {:.3} %.",
+                        e.id,
+                        catalogue::entry(e.id).map_or("", |c| c.words),
+                        e.nmse_test[0],
+                        study.yields.len(),
+                        e.nmse_test[1]
+                    );
+                }
                 let rivals: Vec<String> =
                     e.rivals.iter().take(4).map(|(id, nats)| format!("{id} {nats:.0}")).collect();
                 format!(

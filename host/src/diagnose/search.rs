@@ -3,7 +3,7 @@
 use super::catalogue::TESTED;
 use super::columns::{Scale, moving_range, parameters, shapes};
 use super::score::Gain;
-use super::signature::{Signature, signatures};
+use super::signature::{self, Axis, Signature, signatures};
 use super::spectra;
 use super::study::{State, Study, Term};
 use crate::progress::Progress;
@@ -19,7 +19,14 @@ const LEAST: f64 = 5.0;
 const LARGE: f64 = 0.1;
 /// Standard errors by which the plain held-out error must fall: nats alone trust the noise model, and what no parallel blocks
 /// follow of a real hysteresis is not in it.
-pub const PLAIN: f64 = 2.0;
+const PLAIN: f64 = 2.0;
+/// Nats beyond which fewer standard errors will do: an effect may be plain to a fit and small beside the friction's wandering.
+const EVIDENT: f64 = 100.0;
+
+/// Whether an improvement is plain enough for its nats.
+pub fn is_plain(certainty: f64, nats: f64) -> bool {
+    certainty > PLAIN * (EVIDENT / nats.max(EVIDENT))
+}
 /// Share of its nats by which an effect must beat a simpler one that it contains.
 const NESTED: f64 = 0.03;
 /// Nats by which a rival must be better to take a term's place.
@@ -80,9 +87,10 @@ fn physical(id: &str, coefficients: &[f64]) -> bool {
     match (id, coefficients) {
         (
             "viscous" | "quadratic_drag" | "stribeck" | "frictional_lag" | "dwell_aging"
-            | "drive_compliance" | "position_spring" | "backlash" | "creep" | "actuator_dead_zone",
-            [c],
+            | "drive_compliance" | "position_spring" | "creep" | "actuator_dead_zone",
+            [c, ..],
         ) => *c > 0.0,
+        ("backlash", [c]) => (0.4..1.6).contains(c),
         // All that is commanded above the limit is lost.
         ("actuator_saturation", [c]) => (0.7..1.3).contains(c),
         _ => true,
@@ -93,7 +101,10 @@ fn physical(id: &str, coefficients: &[f64]) -> bool {
 pub fn scan(study: &Study, state: &State, periods: &[f64]) -> Vec<Candidate> {
     let mut tried: Vec<(Term, f64)> = Vec::new();
     for entry in &TESTED {
-        let present = state.terms.iter().any(|t| t.id == entry.id);
+        let present = state.terms.iter().any(|t| {
+            let ids = [t.id, entry.id];
+            t.id == entry.id || (ids.contains(&"stribeck") && ids.contains(&"frictional_lag"))
+        });
         let repeatable = matches!(
             entry.id,
             "periodic_force" | "periodic_friction" | "external_vibration" | "local_friction_spot"
@@ -220,7 +231,7 @@ pub fn refine(study: &Study, without: &State, term: &Term) -> Term {
                     _ => trial.shape[j] * (sign * steps[j]).exp(),
                 };
                 match keys[j].0 {
-                    "exponent" => trial.shape[j] = trial.shape[j].clamp(0.5, 3.0),
+                    "exponent" => trial.shape[j] = trial.shape[j].clamp(1.0, 3.0),
                     // A shorter lag is none that the rows could tell.
                     "time_constant_s" if term.id == "frictional_lag" => {
                         trial.shape[j] = trial.shape[j].max(0.6 * study.weak.half_width_s);
@@ -260,6 +271,28 @@ fn sharpened(study: &Study, mut state: State, given: usize) -> Option<State> {
     Some(state)
 }
 
+/// A constant beside a spring or a map of force is the spring's centre or the map's mean, unless it is large beside them.
+fn folded(study: &Study, state: State, given: usize) -> Option<State> {
+    let mut terms = state.terms.clone();
+    let place = |id: &str| (given..terms.len()).find(|&i| state.terms[i].id == id);
+    let coefficients = |i: usize| &state.fit.coefficients[state.places[i].clone()];
+    let Some(constant) = place("constant_force") else {
+        return Some(state);
+    };
+    let size = coefficients(constant).first().map_or(0.0, |c| c.abs());
+    let (travel, _) = moving_range(&study.s);
+    let spring = place("position_spring")
+        .filter(|&i| coefficients(i).first().is_some_and(|k| size < 0.4 * travel * k));
+    let map = place("position_force")
+        .filter(|&i| size < coefficients(i).iter().map(|c| c.abs()).sum::<f64>());
+    let Some(host) = spring.or(map) else {
+        return Some(state);
+    };
+    terms[host].shape.push(1.0);
+    terms.remove(constant);
+    study.fit_with(&terms, state.noise.clone())
+}
+
 /// What the search found.
 pub struct Found {
     /// The hypothesis with everything that passed its threshold.
@@ -282,6 +315,8 @@ pub struct Evidence {
     pub curves: Vec<Signature>,
     /// Standard errors by which the plain held-out error falls.
     pub certainty: f64,
+    /// The coordinate over which its size changes, which the catalogue's effect does not do.
+    pub malformed: Option<Axis>,
 }
 
 /// Searches from the given terms.
@@ -301,13 +336,13 @@ pub fn search(
         let Some(top) = rest.first() else {
             break;
         };
-        let (id, term) = (top.term.id, top.term.clone());
+        let (id, term, nats) = (top.term.id, top.term.clone(), top.gain.total());
         let terms: Vec<Term> = state.terms.iter().cloned().chain([term]).collect();
         let Some(next) = study.fit(&terms, Some(&state)) else {
             break;
         };
         let (share, certainty) = study.improvement(&state, &next);
-        if certainty < PLAIN {
+        if !is_plain(certainty, nats) {
             slight.push(id);
             continue;
         }
@@ -319,6 +354,7 @@ pub fn search(
         progress.inc(1);
         rest = scan(study, &state, periods);
     }
+    let state = folded(study, state, given.len())?;
     let (state, evidence) = weigh(study, state, given.len(), periods, progress)?;
     let first = study.fit_with(given, state.noise.clone())?;
     Some(Found {
@@ -373,8 +409,9 @@ fn weigh(
             index = given;
             continue;
         }
+        let own_nats = own.gain.total();
         let (_, certainty) = study.improvement(&without, &state);
-        if certainty < PLAIN {
+        if !is_plain(certainty, own.gain.total()) {
             state = without;
             evidence.clear();
             index = given;
@@ -386,6 +423,7 @@ fn weigh(
             rivals,
             curves,
             certainty,
+            malformed: signature::malformed(study, &state, index, own_nats),
         });
         index += 1;
         progress.inc(1);

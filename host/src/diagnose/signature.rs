@@ -3,6 +3,7 @@
 use super::score::Gain;
 use super::search::consistent;
 use super::signals::{Signals, quantile};
+use super::spectra;
 use super::study::{State, Study};
 use super::weak::Column;
 use rayon::prelude::*;
@@ -35,6 +36,8 @@ pub enum Axis {
     TimeSinceReversal,
     /// Highest speed of the last seconds, forgotten slowly [m/s or rad/s].
     RecentSpeed,
+    /// Time, periodic [s].
+    TimePeriodic,
     /// Acceleration along the motion: speeding up or slowing down [m/s² or rad/s²].
     SpeedingUp,
 }
@@ -44,7 +47,7 @@ const FORGOTTEN_S: f64 = 1.0;
 
 impl Axis {
     /// All of them.
-    pub const ALL: [Axis; 12] = [
+    pub const ALL: [Axis; 13] = [
         Axis::Position,
         Axis::Velocity,
         Axis::Speed,
@@ -57,6 +60,7 @@ impl Axis {
         Axis::TimeSinceReversal,
         Axis::RecentSpeed,
         Axis::SpeedingUp,
+        Axis::TimePeriodic,
     ];
 
     /// Its name in JSON and tables.
@@ -73,6 +77,7 @@ impl Axis {
             Axis::Load => "load",
             Axis::TimeSinceReversal => "time since reversal",
             Axis::RecentSpeed => "highest speed of the last seconds",
+            Axis::TimePeriodic => "time, periodic",
             Axis::SpeedingUp => "acceleration along the motion",
         }
     }
@@ -83,7 +88,7 @@ impl Axis {
             Axis::Position | Axis::SinceReversal | Axis::Path => position.to_owned(),
             Axis::Velocity | Axis::Speed | Axis::RecentSpeed => format!("{position}/s"),
             Axis::Acceleration | Axis::SpeedingUp => format!("{position}/s²"),
-            Axis::Time | Axis::TimeSinceReversal => "s".to_owned(),
+            Axis::Time | Axis::TimeSinceReversal | Axis::TimePeriodic => "s".to_owned(),
             Axis::Temperature => "°C".to_owned(),
             Axis::Load => "N".to_owned(),
         }
@@ -97,7 +102,7 @@ impl Axis {
             Axis::Speed => Some(s.v.iter().map(|v| v.abs()).collect()),
             Axis::SinceReversal => Some(s.since_reversal.clone()),
             Axis::Acceleration => Some(s.a.clone()),
-            Axis::Time => Some(s.t.clone()),
+            Axis::Time | Axis::TimePeriodic => Some(s.t.clone()),
             Axis::Path => Some(s.path.clone()),
             Axis::Temperature => s.temperature.clone(),
             Axis::Load => s.load.clone(),
@@ -173,7 +178,10 @@ pub fn signatures(study: &Study, state: &State) -> Vec<Signature> {
     let mut found: Vec<Signature> = tried
         .into_par_iter()
         .filter_map(|(axis, odd)| {
-            let rows = curve(study, axis, odd)?;
+            let rows = match axis {
+                Axis::TimePeriodic => clockwork(study, state, odd)?,
+                _ => curve(study, axis, odd)?,
+            };
             let gain = study.gain_of(state, &rows)?;
             let draws = gain.null.len() as f64;
             let mean = gain.null.iter().sum::<f64>() / draws;
@@ -189,6 +197,34 @@ pub fn signatures(study: &Study, state: &State) -> Vec<Signature> {
         .collect();
     found.sort_by(|a, b| b.excess().total_cmp(&a.excess()));
     found
+}
+
+/// Share of its nats that an effect may gain by changing its size over a coordinate.
+const FORM: f64 = 0.15;
+
+/// The coordinate over which the size of term `index` changes most, if it gains much by that.
+pub fn malformed(study: &Study, state: &State, index: usize, nats: f64) -> Option<Axis> {
+    let id = state.terms[index].id;
+    // These are only as right as the core and the share of inertia that they act through.
+    if matches!(id, "drive_compliance" | "backlash" | "creep") {
+        return None;
+    }
+    let force = study.force_of(state, index);
+    let changing = |axis: Axis| -> Option<f64> {
+        let values = study.weak.at_centres(&axis.values(&study.s)?);
+        let columns: Vec<Vec<f64>> = hats(&values)?
+            .iter()
+            .map(|hat| hat.iter().zip(&force).map(|(h, f)| h * f).collect())
+            .collect();
+        Some(study.gain_of(state, &columns)?.total())
+    };
+    let own = Axis::of(id);
+    let found = [Axis::Speed, Axis::Time, Axis::SinceReversal]
+        .into_par_iter()
+        .filter(|axis| *axis != own)
+        .filter_map(|axis| Some((axis, changing(axis)?)))
+        .max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (found.1 > 10.0 && found.1 > FORM * nats).then_some(found.0)
 }
 
 /// The curve's columns at the rows: a force, or a change of the friction level.
@@ -211,6 +247,33 @@ fn curve(study: &Study, axis: Axis, odd: bool) -> Option<Vec<Vec<f64>>> {
             })
             .collect(),
     )
+}
+
+/// A change of the friction level that follows a clock: the strongest line in time of the mismatch along the friction, with its
+/// third harmonic; slower than noise wanders, faster than drift.
+fn clockwork(study: &Study, state: &State, odd: bool) -> Option<Vec<Vec<f64>>> {
+    if !odd {
+        return None;
+    }
+    let t = study.weak.at_centres(&study.s.t);
+    let friction = study.weak.at_centres(&study.reference.friction);
+    let weights: Vec<f64> = state
+        .noise
+        .inverse(&study.residual(state))
+        .iter()
+        .zip(&friction)
+        .map(|(w, f)| w * f)
+        .collect();
+    let duration = t.last()? - t.first()?;
+    let line = *spectra::lines(&t, &weights, 4.0 / duration, 5.0).first()?;
+    let mut columns = Vec::new();
+    for order in [1.0, 3.0] {
+        for phase in [0.0, 0.25] {
+            let wave = |t: &f64| (std::f64::consts::TAU * (order * line * t + phase)).cos();
+            columns.push(t.iter().zip(&friction).map(|(t, f)| f * wave(t)).collect());
+        }
+    }
+    Some(columns)
 }
 
 /// Hat functions over quantiles of a coordinate, without the last one (all together are a constant).

@@ -18,6 +18,8 @@ use std::sync::{Arc, Mutex};
 const CORE: usize = 24;
 /// Realisations of the noise alone behind each threshold.
 const DRAWS: usize = 16;
+/// Share of the travel after which a block is said to yield late.
+const LATE: f64 = 16.0;
 /// Points of the path for each sample.
 const FINER: usize = 4;
 /// Blocks of rows of a fold, between which an improvement is compared.
@@ -180,6 +182,7 @@ impl Study {
                 recording.name
             )
         })?;
+        study.without_springs();
         Ok(study)
     }
 
@@ -201,6 +204,43 @@ impl Study {
         }
         self.noise = noise;
         Some(())
+    }
+
+    /// A block that yields late in the travel is a spring by another name. Where a spring explains as much, it is left out.
+    fn without_springs(&mut self) {
+        let (low, high) = bounds(&self.s.x);
+        let last = (high - low) / LATE;
+        let first = usize::from(self.inertial);
+        let kept = first + self.yields.iter().filter(|d| **d <= last).count();
+        let all = self.core_rows.len();
+        let nats = |core: &[Vec<f64>], spring: bool| -> Option<f64> {
+            let mut rows = core.to_vec();
+            let mut bounds = vec![Bound::NonNegative; rows.len()];
+            let plain = self.plain.iter().filter(|t| t.id != "position_force");
+            let spring = spring.then(|| Term::new("position_spring", &[]));
+            for term in plain.cloned().chain(spring) {
+                let own = self.term_rows(&term);
+                bounds.extend(own.iter().map(|_| Bound::Free));
+                rows.extend(own.iter().cloned());
+            }
+            let fit = Problem::new(&self.noise, &rows, bounds, &self.force, 1).fit()?;
+            Some(fit.total())
+        };
+        if kept < all
+            && let (Some(short), Some(long)) = (
+                nats(&self.core_rows[..kept], true),
+                nats(&self.core_rows, false),
+            )
+            && short > long - 10.0
+        {
+            self.yields.truncate(kept - first);
+            self.deflections.truncate(kept - first);
+            self.core_rows.truncate(kept);
+            self.core_bounds.truncate(kept);
+            self.reference.blocks.clear();
+            // What was determined with more blocks is determined with fewer.
+            let _ = self.refer_to(&[]);
+        }
     }
 
     fn set_reference(&mut self, fit: &Fit, terms: &[Term]) {
@@ -388,6 +428,40 @@ impl Study {
             cache.insert(key, rows.clone());
         }
         rows
+    }
+
+    /// Held-out NMSE [%] of a hypothesis with given blocks, free by a common factor only, and with the core: least squares
+    /// both, because a wrong shape misleads a fit that trusts its noise model.
+    pub fn shape_error(&self, blocks: &[(f64, f64)], state: &State) -> Option<[f64; 2]> {
+        let (fine, pieces) = between_samples(&self.s);
+        let mut friction = vec![0.0; self.s.x.len()];
+        for &(k, d) in blocks {
+            let z = Deflection::along(&fine, &pieces, d).z;
+            friction
+                .iter_mut()
+                .zip(z.iter().step_by(FINER))
+                .for_each(|(f, z)| *f += k * z);
+        }
+        let mut rows = vec![self.weak.rows(&Column::of(friction))];
+        if self.inertial {
+            rows.push(self.core_rows[0].clone());
+        }
+        rows.extend_from_slice(&state.rows[self.core_rows.len()..]);
+        let white = Noise::white(&self.force, &self.at.course(&self.weak.folds));
+        let square = |rows: &[Vec<f64>], bounds: Vec<Bound>| -> Option<f64> {
+            let fit = Problem::new(&white, rows, bounds, &self.force, 1).fit()?;
+            let mut sum = 0.0;
+            for (range, c) in self.weak.folds.iter().zip(&fit.held_out) {
+                let left = residual(&self.force, rows, c);
+                sum += left[range.clone()].iter().map(|r| r * r).sum::<f64>();
+            }
+            Some(sum)
+        };
+        let mean = columns::mean(&self.force);
+        let variation: f64 = self.force.iter().map(|f| (f - mean).powi(2)).sum();
+        let own = square(&rows, vec![Bound::Free; rows.len()])?;
+        let core = square(&state.rows, state.bounds.clone())?;
+        Some([own, core].map(|sum| 100.0 * sum / variation))
     }
 
     /// What a further term would add to a hypothesis.

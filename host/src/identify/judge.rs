@@ -101,6 +101,7 @@ impl Judge<'_> {
             viscous: of("viscous"),
             friction,
             constant_force: of("offset"),
+            effects: Vec::new(),
             mechanics: Vec::new(),
         }
     }

@@ -6,6 +6,7 @@ pub mod ramp;
 #[cfg(test)]
 mod tests;
 
+use crate::effects::{Effect, Measured};
 use crate::friction::{FrictionModel, Path};
 use crate::identify::rigid_body::Kinematics;
 use crate::model::Model;
@@ -67,11 +68,12 @@ fn same_axis(model: &Model, kind: MotionKind, name: &str) -> Result<(), String> 
     }
 }
 
-/// The force that a motion takes: `inertia·a + friction + viscous·v + constant force`, velocity and acceleration by
+/// The force that a motion takes: `inertia·a + friction + viscous·v + constant force` and every effect, velocity and acceleration by
 /// the zero-phase filter of `identify`.
 ///
 /// # Errors
-/// A model of the other kind of axis, or a parameter that the library refuses.
+/// A model of the other kind of axis, a parameter that the library refuses, or an effect that needs a column that the
+/// recording does not have.
 pub fn force_of_motion(model: &Model, recording: &Recording) -> Result<Simulation, String> {
     same_axis(model, recording.kind, &recording.name)?;
     let Kinematics {
@@ -80,23 +82,21 @@ pub fn force_of_motion(model: &Model, recording: &Recording) -> Result<Simulatio
         acceleration,
         ..
     } = Kinematics::of(recording);
-    let friction = model
-        .friction
-        .force(Path {
-            position: &recording.position,
-            velocity: &velocity,
-            pieces: &recording.pieces,
-            sample_time: recording.sample_time_s(),
-        })
-        .map_err(|e| e.to_string())?;
-    let with = |friction: &[f64], inertia: f64| -> Vec<f64> {
-        let rigid = velocity.iter().zip(&acceleration);
-        friction
-            .iter()
-            .zip(rigid)
-            .map(|(f, (v, a))| f + inertia * a + model.viscous * v + model.constant_force)
-            .collect()
+    let path = Path {
+        position: &recording.position,
+        velocity: &velocity,
+        pieces: &recording.pieces,
+        sample_time: recording.sample_time_s(),
     };
+    let measured = Measured {
+        t_s: Some(&recording.t_s),
+        acceleration: Some(&acceleration),
+        temperature_c: recording.temperature_c.as_deref(),
+        load_n: recording.load_n.as_deref(),
+    };
+    let force = model
+        .force_along(path, &measured)
+        .map_err(|e| format!("{}: {e}", recording.name))?;
     let mut notes = vec![format!(
         "Velocity and acceleration by a zero-phase low-pass at {:.3} Hz, chosen from the position's noise",
         filter.cutoff_hz()
@@ -112,30 +112,51 @@ pub fn force_of_motion(model: &Model, recording: &Recording) -> Result<Simulatio
             recording.effort_unit()
         ));
     }
-    let agreement = (comparable && !recording.effort.is_empty()).then(|| {
+    let agreement = if comparable && !recording.effort.is_empty() {
         let (measured, simulated) = if recording.role.contains_inertia() {
-            let simulated = with(&filter.smooth(&friction), model.inertia);
+            // What comes from velocity and acceleration has been through the filter already.
+            let rigid: Vec<f64> = velocity
+                .iter()
+                .zip(&acceleration)
+                .map(|(v, a)| model.inertia * a + model.viscous * v + model.constant_force)
+                .collect();
+            let rest: Vec<f64> = force.iter().zip(&rigid).map(|(f, r)| f - r).collect();
+            let simulated = filter
+                .smooth(&rest)
+                .iter()
+                .zip(&rigid)
+                .map(|(f, r)| f + r)
+                .collect();
             (filter.smooth(&recording.effort), simulated)
         } else {
-            (recording.effort.clone(), with(&friction, 0.0))
+            let friction = Measured {
+                acceleration: None,
+                ..measured
+            };
+            (
+                recording.effort.clone(),
+                model.force_along(path, &friction)?,
+            )
         };
         let rows: Vec<usize> = (0..measured.len()).collect();
         let error = measured
             .iter()
             .zip(&simulated)
             .map(|(m, s)| (m - s).powi(2));
-        Agreement {
+        Some(Agreement {
             nmse: nmse(&measured, &simulated, &rows),
             rms: (error.sum::<f64>() / measured.len() as f64).sqrt(),
             measured,
             simulated,
-        }
-    });
+        })
+    } else {
+        None
+    };
     Ok(Simulation {
         kind: recording.kind,
         t_s: recording.t_s.clone(),
         position: recording.position.clone(),
-        force: with(&friction, model.inertia),
+        force,
         velocity: Some(velocity),
         agreement,
         breakaway: None,
@@ -149,13 +170,21 @@ pub fn force_of_motion(model: &Model, recording: &Recording) -> Result<Simulatio
 /// `sample_time` \[s\] is the time between samples, for models in which time matters.
 ///
 /// # Errors
-/// A parameter that the library refuses.
+/// A parameter that the library refuses, or an effect that depends on more than velocity: that is not inverted.
 pub fn motion_of_force(
     model: &Model,
     t_s: &[f64],
     force: &[f64],
     sample_time: f64,
 ) -> Result<Simulation, String> {
+    let at_rest = |effect: &&Effect| effect.id != "quadratic_drag";
+    let effects: Vec<&str> = model.effects.iter().filter(at_rest).map(|e| e.id).collect();
+    if !effects.is_empty() {
+        return Err(format!(
+            "force → motion knows no effects, and the model has {}; simulate the force of a motion (--motion), or remove them from the model",
+            effects.join(", ")
+        ));
+    }
     let mut inverse = inverse::inverse(&model.friction, sample_time).map_err(|e| e.to_string())?;
     let mut simulation = Simulation {
         kind: model.motion,
@@ -222,9 +251,9 @@ fn time_dependence(model: &Model) -> Vec<String> {
         ),
         FrictionModel::Gms { sliding: None, .. } => {}
     }
-    if model.inertia > 0.0 || model.viscous != 0.0 {
+    if model.inertia > 0.0 || model.viscous != 0.0 || !model.effects.is_empty() {
         notes.push(
-            "Inertia and viscous friction are left out: the force is taken to vary slowly"
+            "Inertia, viscous friction and drag are left out: the force is taken to vary slowly"
                 .to_owned(),
         );
     }

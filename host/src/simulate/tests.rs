@@ -12,6 +12,7 @@ fn model(friction: FrictionModel) -> Model {
         viscous: 0.0,
         friction,
         constant_force: 0.0,
+        effects: Vec::new(),
         mechanics: Vec::new(),
     }
 }

@@ -19,7 +19,7 @@ const GRID: usize = 48;
 
 /// What a drive with current sense records while it follows [`motions::identification`] without compensation.
 pub struct Experiment {
-    /// Encoder position (m).
+    /// Encoder position (m), the mean over the ticks of a sample, as the force is.
     pub position_m: Vec<f64>,
     /// Motor force less the mass times the reference's acceleration (N).
     pub friction_n: Vec<f64>,
@@ -48,20 +48,29 @@ impl Experiment {
         let count = settings.encoder.count;
         let (mut position_m, mut force, mut reference, mut slow) =
             (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let (mut sum, mut ticks, mut fault) = (0.0, 0, None);
+        // Every column is the mean over the same ticks: force and position then belong to the same instant.
+        let (mut sums, mut ticks, mut fault) = ([0.0; 3], 0, None);
         for _ in 0..REPEATS {
             axis.follow(&moves, |now| {
-                sum += force_per_ampere * now.current_a;
+                let values = [
+                    force_per_ampere * now.current_a,
+                    now.command.position as f64 * count,
+                    now.command.reference as f64 / 65536.0 * count,
+                ];
+                for (sum, value) in sums.iter_mut().zip(values) {
+                    *sum += value / DECIMATION as f64;
+                }
                 ticks += 1;
                 fault = fault.or(now.command.fault);
                 if ticks == DECIMATION {
                     if slow_steps[now.step] {
                         slow.push(position_m.len());
                     }
-                    position_m.push(now.command.position as f64 * count);
-                    reference.push(now.command.reference as f64 / 65536.0 * count);
-                    force.push(sum / DECIMATION as f64);
-                    (sum, ticks) = (0.0, 0);
+                    let [mean_force, mean_position, mean_reference] = sums;
+                    force.push(mean_force);
+                    position_m.push(mean_position);
+                    reference.push(mean_reference);
+                    (sums, ticks) = ([0.0; 3], 0);
                 }
             });
         }
@@ -228,9 +237,8 @@ impl Experiment {
         let cost = |p: &[f64; P]| build(p).map_or(f64::INFINITY, |model| self.error(rows, &model));
         starts
             .par_iter()
-            .map(|start| minimise(cost, *start))
+            .filter_map(|start| minimise(cost, *start))
             .min_by(|a, b| a.1.total_cmp(&b.1))
-            .filter(|(_, error)| error.is_finite())
             .map(|(best, _)| best)
             .ok_or_else(|| {
                 TrackingError::Identification("a one-state model could not be fitted".into())

@@ -1,0 +1,93 @@
+//! Physics beyond rigid body and friction model: the `[[effects]]` of model files, and what they do along a recording.
+//!
+//! The catalogue is that of `preslide diagnose`; those that a controller can use are computed by the library
+//! ([`preslide::effects`]), the others here ([`along`]). Parameters are SI, keys are those of a linear axis; a rotary
+//! file has the same keys in its own units (`force_Nm`, `period_rad`, `stiffness_Nm_per_rad` …).
+//!
+//! | id | what it does | keys |
+//! |---|---|---|
+//! | `constant_force` | `F0` | `force_N` |
+//! | `coulomb_asymmetry` | `m = 1 + a·sgn F` (`= sgn v` in sliding) | `asymmetry` |
+//! | `quadratic_drag` | `c·v·abs(v)` | `drag_N_s2_per_m2` |
+//! | `stribeck` | `m = 1 + a·exp(−(abs(v)/v_s)^δ)` | `level`, `velocity_m_s`, `exponent` |
+//! | `frictional_lag` | the same, following with `τ` | `level`, `velocity_m_s`, `exponent`, `time_constant_s` |
+//! | `position_spring` | `κ·(x − x0)` | `stiffness_N_per_m`, `centre_m` |
+//! | `position_force` | `Σ c_j·cos(jπu)`, `u = (x − from)/(to − from)` in 0…1 | `from_m`, `to_m`, `cosine1_N`, `cosine2_N` … |
+//! | `position_friction` | `m = 1 + Σ c_j·cos(jπu)` | `from_m`, `to_m`, `cosine1`, `cosine2` … |
+//! | `local_friction_spot` | `m = 1 + a·exp(−((x − x_s)/w)²)` | `level`, `position_m`, `width_m` |
+//! | `periodic_force` | `A·cos(2πx/p + φ)` | `force_N`, `period_m`, `phase_rad` |
+//! | `periodic_friction` | `m = 1 + a·cos(2πx/p + φ)` | `level`, `period_m`, `phase_rad` |
+//! | `encoder_error` | measured `= x + e·cos(2πx/p + φ)` | `error_m`, `period_m`, `phase_rad` |
+//! | `external_vibration` | `A·sin(2πft + φ)` | `force_N`, `frequency_Hz`, `phase_rad` |
+//! | `channel_delay` | the force is recorded `τ` after the motion | `delay_s` |
+//! | `drive_compliance` | the load on a spring behind the motor with the encoder, `ω = 2πf = √(4k/M)` | `frequency_Hz` |
+//! | `backlash` | a play of the whole width `gap` between motor and load | `gap_m` |
+//! | `thermal_drift` | `m = 1 + β·(T − T0)` | `level_per_K`, `temperature_C` |
+//! | `thermal_drift` | `m = 1 + a·exp(−t/τ)` | `level`, `time_constant_s` |
+//! | `run_in` | `m = 1 + a·exp(−s/λ)` | `level`, `path_m` |
+//! | `dwell_aging` | `m = 1 + a·log10(1 + θ/τ)`, `dθ/dt = 1 − abs(v)·θ/λ` | `level_per_decade`, `time_constant_s`, `erasing_path_m` |
+//! | `load_dependent_friction` | `m = 1 + c·(load − load0)` | `level_per_N`, `load_N` |
+//! | `actuator_dead_zone` | command `= F + ½·width·sgn F` | `width_N` |
+//! | `actuator_saturation` | `F` held within ± limit | `limit_N` |
+//! | `creep` | displacement less `rate·T_s·sinh(F/(share·F_limit))` | `rate_m_s`, `share_of_breakaway` |
+//!
+//! Levels add: `m = 1 + Σ(m_i − 1)`, not below 0. Time and path count from the first sample. `viscous` is a key of
+//! `[friction]`; `lead_error` and `presliding_shape` have no parameters here: the one is a calibration of the
+//! encoder, the other is more blocks.
+
+pub mod along;
+mod catalogue;
+mod terms;
+#[cfg(test)]
+mod tests;
+
+pub use along::Measured;
+
+/// Most cosines of a map.
+pub const MOST_TERMS: usize = 16;
+
+/// An effect and its parameters, in SI with the keys of a linear axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Effect {
+    /// Id in the catalogue.
+    pub id: &'static str,
+    /// Parameters by key, in the order of the table above.
+    pub values: Vec<(String, f64)>,
+}
+
+impl Effect {
+    /// An effect of the catalogue with its parameters, in any order.
+    ///
+    /// # Errors
+    /// `key: reason and remedy`: an id or key that is not known, a key that is missing, a value out of its range.
+    pub fn new(id: &str, values: &[(&str, f64)]) -> Result<Self, String> {
+        catalogue::checked(id, values, &str::to_owned)
+    }
+
+    /// The value of a key, 0 where it has none.
+    pub fn get(&self, key: &str) -> f64 {
+        self.values
+            .iter()
+            .find(|(own, _)| own == key)
+            .map_or(0.0, |(_, value)| *value)
+    }
+
+    /// Whether it has the key.
+    pub fn has(&self, key: &str) -> bool {
+        self.values.iter().any(|(own, _)| own == key)
+    }
+
+    /// The coefficients of a map, in order.
+    pub fn cosines(&self) -> Vec<f64> {
+        self.values
+            .iter()
+            .filter(|(key, _)| key.starts_with("cosine"))
+            .map(|(_, value)| *value)
+            .collect()
+    }
+
+    /// Reads an entry of `[[effects]]` whose keys are those of a linear axis; `said` gives the file's word for one.
+    pub(crate) fn read(table: &toml::Table, said: &dyn Fn(&str) -> String) -> Result<Self, String> {
+        catalogue::read(table, said)
+    }
+}

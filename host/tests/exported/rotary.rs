@@ -1,0 +1,46 @@
+// Written by `preslide export`; do not edit, export again. As a module: `#[rustfmt::skip] mod …;`.
+// Model rotary.toml, SHA-256 989c618c1aabc1f71373361c6afdbb1977d0fb1f07678b4e062e3e8db7519d30.
+
+/// `stiffness_Nm_per_rad` of `lugre`.
+pub const LUGRE_STIFFNESS_NM_PER_RAD: f64 = 100.0;
+/// `damping_Nm_s_per_rad` of `lugre`.
+pub const LUGRE_DAMPING_NM_S_PER_RAD: f64 = 0.0;
+/// `breakaway_Nm` of `lugre`.
+pub const LUGRE_BREAKAWAY_NM: f64 = 0.02;
+/// `coulomb_Nm` of `lugre`.
+pub const LUGRE_COULOMB_NM: f64 = 0.02;
+/// `stribeck_velocity_rad_s` of `lugre`.
+pub const LUGRE_STRIBECK_VELOCITY_RAD_S: f64 = 1.0;
+/// `stribeck_exponent` of `lugre`.
+pub const LUGRE_STRIBECK_EXPONENT: f64 = 2.0;
+/// `attraction_Nm_per_s` of `lugre`.
+pub const LUGRE_ATTRACTION_NM_PER_S: f64 = f64::INFINITY;
+/// `force_Nm` of `periodic_force`.
+pub const PERIODIC_FORCE_FORCE_NM: f64 = 0.005;
+/// `period_rad` of `periodic_force`.
+pub const PERIODIC_FORCE_PERIOD_RAD: f64 = 0.8975979010256552;
+/// `phase_rad` of `periodic_force`.
+pub const PERIODIC_FORCE_PHASE_RAD: f64 = 0.4;
+
+/// The effects beside the friction model.
+pub type Effects<S = f32> = (
+    ::preslide::effects::PeriodicForce<S>,
+);
+
+/// The friction model with its effects.
+pub type Model<S = f32> = ::preslide::effects::With<::preslide::LuGre<S>, Effects<S>>;
+
+/// Builds the model, in which the sample time plays no part, computing in `units`.
+///
+/// # Errors
+/// The parameter that does not fit the number type in `units`.
+pub fn model<S: ::preslide::Scalar>(
+    _sample_time: f64,
+    units: ::preslide::Units,
+) -> ::core::result::Result<Model<S>, ::preslide::ParamError> {
+    let friction = ::preslide::LuGre::try_new(LUGRE_STIFFNESS_NM_PER_RAD, LUGRE_DAMPING_NM_S_PER_RAD, LUGRE_BREAKAWAY_NM, ::preslide::Sliding { coulomb: LUGRE_COULOMB_NM, stribeck_velocity: LUGRE_STRIBECK_VELOCITY_RAD_S, stribeck_exponent: LUGRE_STRIBECK_EXPONENT, attraction: LUGRE_ATTRACTION_NM_PER_S }, units)?;
+    let effects = (
+        ::preslide::effects::PeriodicForce::try_new(PERIODIC_FORCE_FORCE_NM, PERIODIC_FORCE_PERIOD_RAD, PERIODIC_FORCE_PHASE_RAD, units)?,
+    );
+    ::preslide::effects::With::try_new(friction, effects)
+}
