@@ -339,6 +339,6 @@ impl Reproduction {
             series("optimal breakpoints", |s| s.nmse_optimal, Colour::Blue)
                 .emphasis(Emphasis::Strong),
         )
-        .note("Quasi-static law in f32 on a Cortex-M4F, mean cycles by which a control tick grows (firmware/cycles/cortex-m4.csv; 2, 3, 4, 6 and 8 blocks are measured).")
+        .note("Quasi-static law in f32 on a Cortex-M4F, mean cycles by which a control tick grows (firmware/cycles/cortex-m4.csv; 5, 7 and 9 blocks lie between measured ones).")
     }
 }
