@@ -10,6 +10,10 @@
 //! | [`QuasiStaticGms`] | the same with `F_s = F_c`, exact for any displacement step | non-local |
 //! | [`Dahl`] | eq. (1) | one state |
 //! | [`LuGre`] | eqs. (2)–(3) | one state |
+//! | [`BoucWen`] | Dahl's law with its own shape on unloading | one state |
+//! | [`ElastoPlastic`] | LuGre that is purely elastic below breakaway | one state |
+//! | [`Leuven`] | Maxwell-slip hysteresis under a LuGre-like state, original and modified | non-local, leaks |
+//! | [`TwoState`] | elasto-plastic branch from the last reversal, lagging level | the last reversal |
 //! | [`Hsieh`] | eqs. (4)–(6) | non-local, creep |
 //! | [`Coulomb`] | `F_c·sgn v + b·v`, the baseline | none |
 //! | [`kernels`] | the two Maxwell-slip laws in whole numbers, for a cycle budget | non-local |
@@ -53,27 +57,36 @@ pub mod control;
 
 mod encoder;
 
+mod flow;
 mod friction;
 mod stribeck;
 
+mod bouc_wen;
 mod coulomb;
 mod dahl;
+mod elasto_plastic;
 mod gms;
 mod hsieh;
+mod leuven;
 mod lugre;
 mod quasi_static;
+mod two_state;
 
 pub mod effects;
 pub mod kernels;
 
+pub use bouc_wen::{BoucWen, BoucWenState};
 pub use coulomb::Coulomb;
 pub use dahl::{Dahl, DahlState};
+pub use elasto_plastic::{ElastoPlastic, ElastoPlasticState};
 pub use encoder::{Count, CountTracker, EdgeTiming, EncoderScale};
 pub use friction::{Friction, Motion};
 pub use gms::{Gms, GmsState};
 pub use hsieh::{Hsieh, HsiehParams, HsiehState, REVERSALS};
+pub use leuven::{Leuven, LeuvenForm, LeuvenState};
 pub use lugre::{LuGre, LuGreState};
 pub use param::{Block, Bound, ParamError, Units, WEIGHT_SUM_TOLERANCE};
 pub use quasi_static::{QuasiStaticGms, QuasiStaticState};
 pub use scalar::Scalar;
 pub use stribeck::Sliding;
+pub use two_state::{TwoState, TwoStateState};

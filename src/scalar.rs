@@ -63,6 +63,18 @@ pub trait Scalar:
     /// `selfᵖ` for `self ≥ 0`; see [`Scalar::exp`] for fixed point.
     fn powf(self, p: Self) -> Self;
 
+    /// `ln(self)` for `self > 0`; see [`Scalar::exp`] for fixed point.
+    fn ln(self) -> Self;
+
+    /// `sin(self)`, in radians; see [`Scalar::exp`] for fixed point.
+    fn sin(self) -> Self;
+
+    /// `1/self` for `self > 0`, by [`Scalar::powf`]: for the models that are not meant for a control tick.
+    #[inline]
+    fn reciprocal(self) -> Self {
+        self.powf(-Self::ONE)
+    }
+
     /// The whole part of a number from +0 up to, not including, `end` (at most 2²⁴); `None` for any other, NaN too.
     fn whole_below(self, end: usize) -> Option<usize>;
 
@@ -94,7 +106,7 @@ pub trait Scalar:
 }
 
 macro_rules! float_scalar {
-    ($t:ty, $exp:path, $ln_1p:path, $pow:path) => {
+    ($t:ty, $exp:path, $ln_1p:path, $pow:path, $ln:path, $sin:path) => {
         impl Scalar for $t {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -148,6 +160,14 @@ macro_rules! float_scalar {
                 $pow(self, p)
             }
             #[inline]
+            fn ln(self) -> Self {
+                $ln(self)
+            }
+            #[inline]
+            fn sin(self) -> Self {
+                $sin(self)
+            }
+            #[inline]
             fn whole_below(self, end: usize) -> Option<usize> {
                 // The bits of positive floats are in the floats' order, and those of NaN and of negative numbers above
                 // them: one comparison of integers, which costs a Cortex-M4 half as much as one of floats.
@@ -177,8 +197,15 @@ macro_rules! float_scalar {
     };
 }
 
-float_scalar!(f32, libm::expf, libm::log1pf, libm::powf);
-float_scalar!(f64, libm::exp, libm::log1p, libm::pow);
+float_scalar!(
+    f32,
+    libm::expf,
+    libm::log1pf,
+    libm::powf,
+    libm::logf,
+    libm::sinf
+);
+float_scalar!(f64, libm::exp, libm::log1p, libm::pow, libm::log, libm::sin);
 
 /// A wide integer as a narrow one, at the range's ends instead of wrapping.
 macro_rules! saturated {
@@ -260,6 +287,12 @@ macro_rules! fixed_scalar {
             }
             fn powf(self, p: Self) -> Self {
                 Self::from_f32(libm::powf(self.to_num(), p.to_num()))
+            }
+            fn ln(self) -> Self {
+                Self::from_f32(libm::logf(self.to_num()))
+            }
+            fn sin(self) -> Self {
+                Self::from_f32(libm::sinf(self.to_num()))
             }
             #[inline]
             fn whole_below(self, end: usize) -> Option<usize> {

@@ -1,8 +1,8 @@
 //! The library's friction models, chosen at run time and run along a recording in `f64`.
 
 use preslide::{
-    Block, Coulomb, Dahl, Friction, Gms, Hsieh, HsiehParams, LuGre, Motion, ParamError,
-    QuasiStaticGms, Sliding, Units,
+    Block, BoucWen, Coulomb, Dahl, ElastoPlastic, Friction, Gms, Hsieh, HsiehParams, Leuven,
+    LeuvenForm, LuGre, Motion, ParamError, QuasiStaticGms, Sliding, TwoState, Units,
 };
 use std::ops::Range;
 
@@ -35,6 +35,54 @@ pub enum FrictionModel {
         /// `F_s` (N).
         breakaway: f64,
         /// Stribeck curve.
+        sliding: Sliding,
+    },
+    /// [`BoucWen`].
+    BoucWen {
+        /// `σ0` (N/m).
+        stiffness: f64,
+        /// `F_c` (N).
+        coulomb: f64,
+        /// `n` (-).
+        exponent: f64,
+        /// `σ` (-).
+        shape: f64,
+    },
+    /// [`ElastoPlastic`].
+    ElastoPlastic {
+        /// `σ0` (N/m).
+        stiffness: f64,
+        /// `σ1` (N·s/m).
+        damping: f64,
+        /// `z_ba` (m).
+        elastic: f64,
+        /// `F_s` (N).
+        breakaway: f64,
+        /// Stribeck curve.
+        sliding: Sliding,
+    },
+    /// [`Leuven`].
+    Leuven {
+        /// State equation.
+        form: LeuvenForm,
+        /// `F_s` (N).
+        breakaway: f64,
+        /// 1…[`MOST_BLOCKS`] blocks.
+        blocks: Vec<Block>,
+        /// `n` (-).
+        exponent: f64,
+        /// `σ1` (N·s/m).
+        damping: f64,
+        /// Stribeck curve.
+        sliding: Sliding,
+    },
+    /// [`TwoState`].
+    TwoState {
+        /// `s` (m).
+        distance: f64,
+        /// `F_s` (N).
+        breakaway: f64,
+        /// Stribeck curve and lag.
         sliding: Sliding,
     },
     /// [`Hsieh`].
@@ -120,6 +168,29 @@ impl Path<'_> {
     }
 }
 
+/// Something to do with any of the library's models.
+pub trait Visitor {
+    /// What comes of it.
+    type Outcome;
+
+    /// Does it.
+    fn visit<M: Friction<Scalar = f64>>(self, model: M) -> Self::Outcome;
+}
+
+/// A path behind a drive, to be run along.
+struct Driven<'a> {
+    path: Path<'a>,
+    drive: Drive,
+}
+
+impl Visitor for Driven<'_> {
+    type Outcome = Result<Vec<f64>, ParamError>;
+
+    fn visit<M: Friction<Scalar = f64>>(self, model: M) -> Self::Outcome {
+        self.path.run(&model, self.drive)
+    }
+}
+
 /// How far a load at `load` goes when the motor with its play of ± `half` is at `motor`, under the friction force `force`;
 /// `after` is the force that a displacement would leave.
 fn driven(load: f64, motor: f64, half: f64, force: f64, after: impl Fn(f64) -> f64) -> f64 {
@@ -156,11 +227,11 @@ macro_rules! with_blocks {
     ($blocks:expr, $array:ident => $body:expr, [$($n:literal)*]) => {
         match $blocks.len() {
             $($n => {
-                let mut $array = [Block { stiffness: 0.0, weight: 0.0 }; $n];
+                let mut $array = [preslide::Block { stiffness: 0.0, weight: 0.0 }; $n];
                 $array.copy_from_slice($blocks);
                 $body
             })*
-            other => Err(ParamError {
+            other => Err(preslide::ParamError {
                 parameter: "number of blocks",
                 block: None,
                 value: other as f64,
@@ -169,6 +240,7 @@ macro_rules! with_blocks {
         }
     };
 }
+pub(crate) use with_blocks;
 
 impl FrictionModel {
     /// Its name in model files and tables.
@@ -177,6 +249,17 @@ impl FrictionModel {
             Self::Coulomb { .. } => "coulomb",
             Self::Dahl { .. } => "dahl",
             Self::LuGre { .. } => "lugre",
+            Self::BoucWen { .. } => "bouc_wen",
+            Self::ElastoPlastic { .. } => "elasto_plastic",
+            Self::Leuven {
+                form: LeuvenForm::Modified,
+                ..
+            } => "leuven",
+            Self::Leuven {
+                form: LeuvenForm::Original,
+                ..
+            } => "leuven_original",
+            Self::TwoState { .. } => "two_state",
             Self::Hsieh(_) => "hsieh",
             Self::Gms { .. } => "gms",
         }
@@ -185,8 +268,14 @@ impl FrictionModel {
     /// The force (N) at which the body breaks away, where the model has such a parameter.
     pub fn breakaway(&self) -> Option<f64> {
         match self {
-            Self::Coulomb { coulomb } | Self::Dahl { coulomb, .. } => Some(*coulomb),
-            Self::LuGre { breakaway, .. } | Self::Gms { breakaway, .. } => Some(*breakaway),
+            Self::Coulomb { coulomb }
+            | Self::Dahl { coulomb, .. }
+            | Self::BoucWen { coulomb, .. } => Some(*coulomb),
+            Self::LuGre { breakaway, .. }
+            | Self::ElastoPlastic { breakaway, .. }
+            | Self::Leuven { breakaway, .. }
+            | Self::TwoState { breakaway, .. }
+            | Self::Gms { breakaway, .. } => Some(*breakaway),
             Self::Hsieh(_) => None,
         }
     }
@@ -221,46 +310,93 @@ impl FrictionModel {
     /// # Errors
     /// [`ParamError`] where the library refuses a parameter, or where there is creep but no highest force.
     pub fn force_through(&self, path: Path, drive: Drive) -> Result<Vec<f64>, ParamError> {
+        self.visit(path.sample_time, Driven { path, drive })?
+    }
+
+    /// Hands the library's model, in SI and for ticks of `sample_time` (s), to `visitor`.
+    ///
+    /// # Errors
+    /// [`ParamError`] where the library refuses a parameter.
+    pub fn visit<V: Visitor>(
+        &self,
+        sample_time: f64,
+        visitor: V,
+    ) -> Result<V::Outcome, ParamError> {
         let units = Units::SI;
-        match self {
+        Ok(match self {
             Self::Coulomb { coulomb } => {
-                path.run(&Coulomb::<f64>::try_new(*coulomb, 0.0, units)?, drive)
+                visitor.visit(Coulomb::<f64>::try_new(*coulomb, 0.0, units)?)
             }
             Self::Dahl {
                 stiffness,
                 coulomb,
                 exponent,
-            } => path.run(
-                &Dahl::<f64>::try_new(*stiffness, *coulomb, *exponent, units)?,
-                drive,
-            ),
+            } => visitor.visit(Dahl::<f64>::try_new(
+                *stiffness, *coulomb, *exponent, units,
+            )?),
             Self::LuGre {
                 stiffness,
                 damping,
                 breakaway,
                 sliding,
-            } => path.run(
-                &LuGre::<f64>::try_new(*stiffness, *damping, *breakaway, *sliding, units)?,
-                drive,
-            ),
-            Self::Hsieh(params) => path.run(
-                &Hsieh::<f64>::try_new(params, path.sample_time, units)?,
-                drive,
-            ),
+            } => visitor.visit(LuGre::<f64>::try_new(
+                *stiffness, *damping, *breakaway, *sliding, units,
+            )?),
+            Self::BoucWen {
+                stiffness,
+                coulomb,
+                exponent,
+                shape,
+            } => visitor.visit(BoucWen::<f64>::try_new(
+                *stiffness, *coulomb, *exponent, *shape, units,
+            )?),
+            Self::ElastoPlastic {
+                stiffness,
+                damping,
+                elastic,
+                breakaway,
+                sliding,
+            } => visitor.visit(ElastoPlastic::<f64>::try_new(
+                *stiffness, *damping, *elastic, *breakaway, *sliding, units,
+            )?),
+            Self::Leuven {
+                form,
+                breakaway,
+                blocks,
+                exponent,
+                damping,
+                sliding,
+            } => with_blocks!(blocks, array => Ok(visitor.visit(Leuven::<_, f64>::try_new(
+                *form, &array, *breakaway, *exponent, *damping, *sliding, units,
+            )?)), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])?,
+            Self::TwoState {
+                distance,
+                breakaway,
+                sliding,
+            } => visitor.visit(TwoState::<f64>::try_new(
+                *distance,
+                *breakaway,
+                *sliding,
+                sample_time,
+                units,
+            )?),
+            Self::Hsieh(params) => {
+                visitor.visit(Hsieh::<f64>::try_new(params, sample_time, units)?)
+            }
             Self::Gms {
                 breakaway,
                 blocks,
                 sliding: None,
-            } => with_blocks!(blocks, array => path.run(&QuasiStaticGms::<_, f64>::try_new(
+            } => with_blocks!(blocks, array => Ok(visitor.visit(QuasiStaticGms::<_, f64>::try_new(
                 &array, *breakaway, units,
-            )?, drive), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16]),
+            )?)), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])?,
             Self::Gms {
                 breakaway,
                 blocks,
                 sliding: Some(sliding),
-            } => with_blocks!(blocks, array => path.run(&Gms::<_, f64>::try_new(
-                &array, *breakaway, *sliding, path.sample_time, units,
-            )?, drive), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16]),
-        }
+            } => with_blocks!(blocks, array => Ok(visitor.visit(Gms::<_, f64>::try_new(
+                &array, *breakaway, *sliding, sample_time, units,
+            )?)), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])?,
+        })
     }
 }

@@ -3,7 +3,7 @@
 use crate::effects::Effect;
 use crate::friction::{FrictionModel, MOST_BLOCKS, Path};
 use crate::recording::MotionKind;
-use preslide::{Block, HsiehParams, Sliding};
+use preslide::{Block, HsiehParams, LeuvenForm, Sliding};
 use serde::Deserialize;
 use std::fmt::Write as _;
 use std::path::Path as FilePath;
@@ -93,6 +93,9 @@ struct FrictionToml {
     creep_per_s: Option<f64>,
     hardening: Option<f64>,
     hardening_exponent: Option<f64>,
+    shape: Option<f64>,
+    elastic_m: Option<f64>,
+    presliding_m: Option<f64>,
 }
 
 #[derive(Clone, Deserialize)]
@@ -341,7 +344,9 @@ impl Model {
         for (name, value) in self.friction.scalars() {
             let _ = writeln!(text, "{} = {}", key(name), number(value));
         }
-        if let FrictionModel::Gms { blocks, .. } = &self.friction {
+        if let FrictionModel::Gms { blocks, .. } | FrictionModel::Leuven { blocks, .. } =
+            &self.friction
+        {
             let _ = writeln!(text, "blocks = [");
             for block in blocks {
                 let _ = writeln!(
@@ -425,36 +430,65 @@ impl FrictionToml {
             }),
             "gms" => {
                 let breakaway = need("breakaway_N", self.breakaway_N)?;
-                let blocks = self
-                    .blocks
-                    .as_ref()
-                    .ok_or(("blocks", "missing; kind = \"gms\" needs it".to_owned()))?;
-                if blocks.is_empty() || blocks.len() > MOST_BLOCKS {
-                    let reason = format!("{} blocks; give 1 to {MOST_BLOCKS}", blocks.len());
-                    return Err(("blocks", reason));
-                }
                 FrictionModel::Gms {
                     breakaway,
-                    blocks: blocks
-                        .iter()
-                        .map(|block| Block {
-                            stiffness: block.stiffness_N_per_m,
-                            weight: block.weight,
-                        })
-                        .collect(),
+                    blocks: self.blocks()?,
                     sliding: self.sliding(breakaway)?,
                 }
             }
+            "bouc_wen" => FrictionModel::BoucWen {
+                stiffness: need("stiffness_N_per_m", self.stiffness_N_per_m)?,
+                coulomb: need("coulomb_N", self.coulomb_N)?,
+                exponent: need("exponent", self.exponent)?,
+                shape: need("shape", self.shape)?,
+            },
+            "elasto_plastic" => {
+                let breakaway = need("breakaway_N", self.breakaway_N)?;
+                FrictionModel::ElastoPlastic {
+                    stiffness: need("stiffness_N_per_m", self.stiffness_N_per_m)?,
+                    damping: self.damping_N_s_per_m.unwrap_or(0.0),
+                    elastic: need("elastic_m", self.elastic_m)?,
+                    breakaway,
+                    sliding: self.sliding(breakaway)?.unwrap_or(Sliding::none(breakaway)),
+                }
+            }
+            "leuven" | "leuven_original" => {
+                let breakaway = need("breakaway_N", self.breakaway_N)?;
+                FrictionModel::Leuven {
+                    form: if kind == "leuven" {
+                        LeuvenForm::Modified
+                    } else {
+                        LeuvenForm::Original
+                    },
+                    breakaway,
+                    blocks: self.blocks()?,
+                    exponent: need("exponent", self.exponent)?,
+                    damping: self.damping_N_s_per_m.unwrap_or(0.0),
+                    sliding: self.sliding(breakaway)?.unwrap_or(Sliding::none(breakaway)),
+                }
+            }
+            "two_state" => {
+                let breakaway = need("breakaway_N", self.breakaway_N)?;
+                FrictionModel::TwoState {
+                    distance: need("presliding_m", self.presliding_m)?,
+                    breakaway,
+                    sliding: self.sliding(breakaway)?.unwrap_or(Sliding::none(breakaway)),
+                }
+            }
             other => {
-                let reason =
-                    format!("\"{other}\" is not known; use coulomb, dahl, lugre, hsieh or gms");
+                let reason = format!(
+                    "\"{other}\" is not known; use coulomb, dahl, bouc_wen, lugre, elasto_plastic, leuven, leuven_original, two_state, hsieh or gms"
+                );
                 return Err(("kind", reason));
             }
         };
         // A key that the kind does not have would be a parameter that is silently not used.
         let used = model.scalars();
-        let gms = matches!(model, FrictionModel::Gms { .. });
-        if self.blocks.is_some() && !gms {
+        let has_blocks = matches!(
+            model,
+            FrictionModel::Gms { .. } | FrictionModel::Leuven { .. }
+        );
+        if self.blocks.is_some() && !has_blocks {
             return Err((
                 "blocks",
                 format!("kind = \"{kind}\" has no blocks; remove it"),
@@ -486,9 +520,31 @@ impl FrictionToml {
             ("creep_per_s", self.creep_per_s),
             ("hardening", self.hardening),
             ("hardening_exponent", self.hardening_exponent),
+            ("shape", self.shape),
+            ("elastic_m", self.elastic_m),
+            ("presliding_m", self.presliding_m),
         ]
         .into_iter()
         .filter_map(|(key, value)| value.map(|_| key))
+    }
+
+    /// The blocks of the kinds that are made of them.
+    fn blocks(&self) -> Result<Vec<Block>, (&'static str, String)> {
+        let blocks = self.blocks.as_ref().ok_or((
+            "blocks",
+            format!("missing; kind = \"{}\" needs it", self.kind),
+        ))?;
+        if blocks.is_empty() || blocks.len() > MOST_BLOCKS {
+            let reason = format!("{} blocks; give 1 to {MOST_BLOCKS}", blocks.len());
+            return Err(("blocks", reason));
+        }
+        Ok(blocks
+            .iter()
+            .map(|block| Block {
+                stiffness: block.stiffness_N_per_m,
+                weight: block.weight,
+            })
+            .collect())
     }
 
     /// The Stribeck keys, which come together or not at all.
@@ -546,6 +602,57 @@ impl FrictionModel {
                     ("damping_N_s_per_m", *damping),
                     ("breakaway_N", *breakaway),
                 ],
+                stribeck(sliding),
+            ]
+            .concat(),
+            Self::BoucWen {
+                stiffness,
+                coulomb,
+                exponent,
+                shape,
+            } => vec![
+                ("stiffness_N_per_m", *stiffness),
+                ("coulomb_N", *coulomb),
+                ("exponent", *exponent),
+                ("shape", *shape),
+            ],
+            Self::ElastoPlastic {
+                stiffness,
+                damping,
+                elastic,
+                breakaway,
+                sliding,
+            } => [
+                vec![
+                    ("stiffness_N_per_m", *stiffness),
+                    ("damping_N_s_per_m", *damping),
+                    ("elastic_m", *elastic),
+                    ("breakaway_N", *breakaway),
+                ],
+                stribeck(sliding),
+            ]
+            .concat(),
+            Self::Leuven {
+                breakaway,
+                exponent,
+                damping,
+                sliding,
+                ..
+            } => [
+                vec![
+                    ("breakaway_N", *breakaway),
+                    ("exponent", *exponent),
+                    ("damping_N_s_per_m", *damping),
+                ],
+                stribeck(sliding),
+            ]
+            .concat(),
+            Self::TwoState {
+                distance,
+                breakaway,
+                sliding,
+            } => [
+                vec![("presliding_m", *distance), ("breakaway_N", *breakaway)],
                 stribeck(sliding),
             ]
             .concat(),

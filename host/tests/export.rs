@@ -18,6 +18,18 @@ mod rotary {
 mod plain {
     include!("exported/plain.rs");
 }
+mod bouc_wen {
+    include!("exported/bouc_wen.rs");
+}
+mod elasto_plastic {
+    include!("exported/elasto_plastic.rs");
+}
+mod leuven {
+    include!("exported/leuven.rs");
+}
+mod two_state {
+    include!("exported/two_state.rs");
+}
 
 fn file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -40,7 +52,15 @@ fn text(bytes: &[u8]) -> String {
 #[test]
 fn the_source_that_is_compiled_here_is_what_export_writes() {
     let folder = tempfile::tempdir().expect("temporary folder");
-    for name in ["linear", "rotary", "plain"] {
+    for name in [
+        "linear",
+        "rotary",
+        "plain",
+        "bouc_wen",
+        "elasto_plastic",
+        "leuven",
+        "two_state",
+    ] {
         let written = folder.path().join("out.rs");
         let run = export(&[
             &file(&format!("{name}.toml")).display().to_string(),
@@ -121,6 +141,19 @@ fn difference<F: Friction>(
         largest = largest.max((force - wanted[i]).abs());
     }
     largest
+}
+
+#[test]
+fn the_models_without_a_kernel_are_exported_too() {
+    macro_rules! check {
+        ($($kind:ident)*) => {
+            $(
+                let model = $kind::model::<f64>(STEP, Units::SI).expect("valid");
+                assert_eq!(difference(stringify!($kind), model, |_, _, _| (), 1e-5), 0.0);
+            )*
+        };
+    }
+    check!(bouc_wen elasto_plastic leuven two_state);
 }
 
 #[test]

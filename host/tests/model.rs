@@ -1,6 +1,6 @@
 //! Model files: what is written is read back as it was, and what is wrong is named by its key.
 
-use preslide::{Block, HsiehParams, Sliding};
+use preslide::{Block, HsiehParams, LeuvenForm, Sliding};
 use preslide_host::friction::FrictionModel;
 use preslide_host::model::Model;
 use preslide_host::recording::MotionKind;
@@ -42,6 +42,40 @@ fn kinds() -> Vec<FrictionModel> {
             damping: 0.0,
             breakaway: 0.9,
             sliding: Sliding::none(0.9),
+        },
+        FrictionModel::BoucWen {
+            stiffness: 1e5,
+            coulomb: 0.9,
+            exponent: 1.5,
+            shape: 0.75,
+        },
+        FrictionModel::ElastoPlastic {
+            stiffness: 1e5,
+            damping: 20.0,
+            elastic: 1e-6,
+            breakaway: 0.9,
+            sliding,
+        },
+        FrictionModel::Leuven {
+            form: LeuvenForm::Modified,
+            breakaway: 0.9,
+            blocks: blocks.clone(),
+            exponent: 2.0,
+            damping: 0.0,
+            sliding,
+        },
+        FrictionModel::Leuven {
+            form: LeuvenForm::Original,
+            breakaway: 0.9,
+            blocks: blocks.clone(),
+            exponent: 1.0,
+            damping: 20.0,
+            sliding: Sliding::none(0.9),
+        },
+        FrictionModel::TwoState {
+            distance: 35e-6,
+            breakaway: 0.9,
+            sliding,
         },
         FrictionModel::Hsieh(HsiehParams {
             k1: 1e5,

@@ -14,7 +14,11 @@ fn kernel(model: &FrictionModel) -> Option<(&'static str, usize)> {
         }
         FrictionModel::Dahl { .. } => Some(("dahl_n1.6_f32", 1)),
         FrictionModel::LuGre { .. } => Some(("lugre_f32", 1)),
-        FrictionModel::Hsieh(_) => None,
+        FrictionModel::BoucWen { .. }
+        | FrictionModel::ElastoPlastic { .. }
+        | FrictionModel::Leuven { .. }
+        | FrictionModel::TwoState { .. }
+        | FrictionModel::Hsieh(_) => None,
         FrictionModel::Gms {
             blocks,
             sliding: None,

@@ -1,7 +1,7 @@
 //! The models with parameters that enter nonlinearly: their parameters, where these may lie, and what is left linear.
 
 use crate::friction::FrictionModel;
-use preslide::{HsiehParams, Sliding};
+use preslide::{Block, HsiehParams, LeuvenForm, Sliding};
 
 /// A friction model that is fitted by a nonlinear optimiser.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,6 +12,14 @@ pub enum Family {
     DahlLinear,
     /// [`FrictionModel::LuGre`].
     LuGre,
+    /// [`FrictionModel::BoucWen`].
+    BoucWen,
+    /// [`FrictionModel::ElastoPlastic`].
+    ElastoPlastic,
+    /// [`FrictionModel::Leuven`] in the form without the jump, with a stretched exponential as transition curve.
+    Leuven,
+    /// [`FrictionModel::TwoState`].
+    TwoState,
     /// [`FrictionModel::Hsieh`].
     Hsieh,
 }
@@ -47,10 +55,14 @@ const STRIBECK_EXPONENT: f64 = 2.0;
 
 impl Family {
     /// All of them.
-    pub const ALL: [Family; 4] = [
+    pub const ALL: [Family; 8] = [
         Family::Dahl,
         Family::DahlLinear,
+        Family::BoucWen,
         Family::LuGre,
+        Family::ElastoPlastic,
+        Family::Leuven,
+        Family::TwoState,
         Family::Hsieh,
     ];
 
@@ -60,6 +72,10 @@ impl Family {
             Family::Dahl => "Dahl",
             Family::DahlLinear => "Dahl, n = 1",
             Family::LuGre => "LuGre",
+            Family::BoucWen => "Bouc-Wen",
+            Family::ElastoPlastic => "elasto-plastic",
+            Family::Leuven => "Leuven",
+            Family::TwoState => "two-state",
             Family::Hsieh => "Hsieh",
         }
     }
@@ -82,6 +98,28 @@ impl Family {
                 bounded("F_c/F_s", 1.0 / 3.0, 1.0),
                 bounded("v_s", 1e-3 * span.speed, 3.0 * span.speed),
             ],
+            Family::BoucWen => vec![
+                bounded("F_c/sigma_0", shortest, longest),
+                bounded("n", 1.0, 10.0),
+                bounded("sigma", 0.5, 2.0),
+            ],
+            Family::ElastoPlastic => vec![
+                bounded("F_s/sigma_0", shortest, longest),
+                bounded("z_ba*sigma_0/F_c", 0.01, 0.9),
+                bounded("F_c/F_s", 1.0 / 3.0, 1.0),
+                bounded("v_s", 1e-3 * span.speed, 3.0 * span.speed),
+            ],
+            Family::Leuven => vec![
+                bounded("transition length", shortest, longest),
+                // 1 is an exponential; below it the curve is the steeper at its start.
+                bounded("transition exponent", 0.3, 1.0),
+                bounded("n", 1.0, 20.0),
+            ],
+            Family::TwoState => vec![
+                bounded("pre-sliding distance", 3.0 * shortest, 3.0 * longest),
+                bounded("F_c/F_s", 1.0 / 3.0, 1.0),
+                bounded("v_s", 1e-3 * span.speed, 3.0 * span.speed),
+            ],
             Family::Hsieh => vec![
                 bounded("1/beta", shortest, longest),
                 bounded("k_2s/(beta*k_1s)", 0.1 * span.longest, 1e3 * span.longest),
@@ -92,9 +130,12 @@ impl Family {
         }
     }
 
-    /// Whether the model has a viscous term of its own: LuGre's `σp·dz/dt`, Hsieh's `C_v·dx_s/dt`.
+    /// Whether the model has a viscous term of its own: LuGre's `σp·dz/dt` and its relatives', Hsieh's `C_v·dx_s/dt`.
     pub fn is_damped(self) -> bool {
-        matches!(self, Family::LuGre | Family::Hsieh)
+        matches!(
+            self,
+            Family::LuGre | Family::ElastoPlastic | Family::Leuven | Family::Hsieh
+        )
     }
 
     /// Number of friction parameters that are fitted, without offset and rigid body.
@@ -102,7 +143,9 @@ impl Family {
         match self {
             Family::Dahl => 3,
             Family::DahlLinear => 2,
-            Family::LuGre => 5,
+            Family::BoucWen | Family::TwoState => 4,
+            Family::LuGre | Family::Leuven => 5,
+            Family::ElastoPlastic => 6,
             Family::Hsieh => 7,
         }
     }
@@ -110,8 +153,8 @@ impl Family {
     /// The model with the nonlinear parameters `place`, whose force is
     /// `amplitude·(force of model(place, 1, 0)) + damping·(force of model(place, 1, 1) − force of model(place, 1, 0))`.
     ///
-    /// `amplitude` (N or N·m) is `F_c` (Dahl), `F_s` (LuGre), `k_2s/β` (Hsieh); `damping` (N·s/m or N·m·s/rad) is
-    /// `σp` (LuGre), `C_v` (Hsieh). Hsieh's hardening scales with the amplitude as `ψ = ψ'·amplitudeᵃ`. `None`
+    /// `amplitude` (N or N·m) is `F_c` (Dahl, Bouc-Wen), `k_2s/β` (Hsieh), else `F_s`; `damping` (N·s/m or N·m·s/rad) is
+    /// `σp` (LuGre), `σ1` (elasto-plastic, Leuven), `C_v` (Hsieh). Hsieh's hardening scales with the amplitude as `ψ = ψ'·amplitudeᵃ`. `None`
     /// where `place` has the wrong length.
     pub fn model(self, place: &[f64], amplitude: f64, damping: f64) -> Option<FrictionModel> {
         Some(match (self, place) {
@@ -129,13 +172,40 @@ impl Family {
                 stiffness: amplitude / length,
                 damping,
                 breakaway: amplitude,
-                sliding: Sliding {
-                    coulomb: amplitude * weakening.min(1.0),
-                    stribeck_velocity,
-                    stribeck_exponent: STRIBECK_EXPONENT,
-                    attraction: f64::INFINITY,
-                },
+                sliding: stribeck(amplitude, weakening, stribeck_velocity),
             },
+            (Family::BoucWen, &[length, exponent, shape]) => FrictionModel::BoucWen {
+                stiffness: amplitude / length,
+                coulomb: amplitude,
+                exponent: exponent.max(1.0),
+                shape: shape.clamp(0.5, 2.0),
+            },
+            (Family::ElastoPlastic, &[length, elastic, weakening, stribeck_velocity]) => {
+                let weakening = weakening.min(1.0);
+                FrictionModel::ElastoPlastic {
+                    stiffness: amplitude / length,
+                    damping,
+                    // Not to exceed the library's bound by rounding.
+                    elastic: elastic.min(0.9 - 1e-9) * weakening * length,
+                    breakaway: amplitude,
+                    sliding: stribeck(amplitude, weakening, stribeck_velocity),
+                }
+            }
+            (Family::Leuven, &[length, stretch, exponent]) => FrictionModel::Leuven {
+                form: LeuvenForm::Modified,
+                breakaway: amplitude,
+                blocks: transition_blocks(length, stretch.min(1.0), amplitude),
+                exponent: exponent.clamp(1.0, 20.0),
+                damping,
+                sliding: Sliding::none(amplitude),
+            },
+            (Family::TwoState, &[distance, weakening, stribeck_velocity]) => {
+                FrictionModel::TwoState {
+                    distance,
+                    breakaway: amplitude,
+                    sliding: stribeck(amplitude, weakening, stribeck_velocity),
+                }
+            }
             (Family::Hsieh, &[length, linear_length, creep, softness, exponent]) => {
                 FrictionModel::Hsieh(HsiehParams {
                     k1: amplitude / linear_length,
@@ -149,5 +219,68 @@ impl Family {
             }
             _ => return None,
         })
+    }
+}
+
+/// A Stribeck curve without lag.
+fn stribeck(breakaway: f64, weakening: f64, stribeck_velocity: f64) -> Sliding {
+    Sliding {
+        coulomb: breakaway * weakening.min(1.0),
+        stribeck_velocity,
+        stribeck_exponent: STRIBECK_EXPONENT,
+        attraction: f64::INFINITY,
+    }
+}
+
+/// Blocks of Leuven's transition curve.
+const TRANSITION_BLOCKS: usize = 8;
+
+/// Maxwell-slip blocks whose virgin curve meets `F_s·(1 − exp(−(z/length)^stretch))` where it has risen by equal steps
+/// of the force, and `F_s` after the last. The curve is concave, so every stiffness is positive.
+fn transition_blocks(length: f64, stretch: f64, breakaway: f64) -> Vec<Block> {
+    let steps = TRANSITION_BLOCKS as f64;
+    let place = |share: f64| length * (-(1.0 - share).ln()).powf(1.0 / stretch);
+    // The last chord ends half a step before the top, where the curve would never arrive.
+    let mut corners: Vec<(f64, f64)> = (0..TRANSITION_BLOCKS)
+        .map(|i| i as f64 / steps)
+        .chain([1.0 - 0.5 / steps])
+        .map(|share| (place(share), share * breakaway))
+        .collect();
+    let reached = 1.0 - 0.5 / steps;
+    for corner in &mut corners {
+        corner.1 /= reached;
+    }
+    let slopes: Vec<f64> = corners
+        .windows(2)
+        .map(|pair| (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0))
+        .chain([0.0])
+        .collect();
+    corners[1..]
+        .iter()
+        .zip(slopes.windows(2))
+        .map(|(corner, slopes)| {
+            let stiffness = slopes[0] - slopes[1];
+            Block {
+                stiffness,
+                weight: stiffness * corner.0 / breakaway,
+            }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Concave, all of the force, and as many as said.
+    #[test]
+    fn the_transition_curve_becomes_blocks() {
+        for stretch in [0.3, 0.6, 1.0] {
+            let blocks = transition_blocks(1e-6, stretch, 0.9);
+            assert_eq!(blocks.len(), TRANSITION_BLOCKS);
+            assert!(blocks.iter().all(|b| b.stiffness > 0.0 && b.weight > 0.0));
+            let sum: f64 = blocks.iter().map(|b| b.weight).sum();
+            assert!((sum - 1.0).abs() < 1e-12, "{sum}");
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Every friction model on one recording: how well each fits, in and out of sample, and what each remembers.
 
-mod cost;
+pub mod cost;
 pub mod family;
 pub mod fit;
 pub mod memory;

@@ -4,6 +4,7 @@ use super::{Compared, Comparison, NEAR, SEED};
 use crate::friction::FrictionModel;
 use crate::recording::{MotionKind, Recording};
 use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
+use preslide::LeuvenForm;
 use serde_json::{Value, json};
 
 /// Strokes drawn in the loop figure; more would hide each other.
@@ -17,6 +18,14 @@ impl Compared {
             FrictionModel::Dahl { exponent: 1.0, .. } => "Dahl, n = 1".to_owned(),
             FrictionModel::Dahl { .. } => "Dahl".to_owned(),
             FrictionModel::LuGre { .. } => "LuGre".to_owned(),
+            FrictionModel::BoucWen { .. } => "Bouc-Wen".to_owned(),
+            FrictionModel::ElastoPlastic { .. } => "elasto-plastic".to_owned(),
+            FrictionModel::Leuven {
+                form: LeuvenForm::Modified,
+                ..
+            } => "Leuven".to_owned(),
+            FrictionModel::Leuven { .. } => "Leuven, original".to_owned(),
+            FrictionModel::TwoState { .. } => "two-state".to_owned(),
             FrictionModel::Hsieh(_) => "Hsieh".to_owned(),
             FrictionModel::Gms { blocks, .. } => format!("GMS, N = {}", blocks.len()),
         }

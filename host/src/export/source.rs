@@ -4,6 +4,7 @@ use super::refused;
 use crate::effects::Effect;
 use crate::friction::FrictionModel;
 use crate::model::Model;
+use preslide::Block;
 use std::fmt::Write as _;
 
 /// Most by which a measured temperature or load may change the friction level of an exported model (-).
@@ -203,6 +204,43 @@ impl Source<'_> {
                     sliding(3)
                 ),
             ),
+            FrictionModel::BoucWen { .. } => path(
+                "BoucWen<S>",
+                &format!("{}, {}, {}, {}, units", name(0), name(1), name(2), name(3)),
+            ),
+            FrictionModel::ElastoPlastic { .. } => path(
+                "ElastoPlastic<S>",
+                &format!(
+                    "{}, {}, {}, {}, {}, units",
+                    name(0),
+                    name(1),
+                    name(2),
+                    name(3),
+                    sliding(4)
+                ),
+            ),
+            FrictionModel::Leuven { form, blocks, .. } => {
+                self.blocks(blocks);
+                path(
+                    &format!("Leuven<{}, S>", blocks.len()),
+                    &format!(
+                        "::preslide::LeuvenForm::{form:?}, &BLOCKS, {}, {}, {}, {}, units",
+                        name(0),
+                        name(1),
+                        name(2),
+                        sliding(3)
+                    ),
+                )
+            }
+            FrictionModel::TwoState { .. } => path(
+                "TwoState<S>",
+                &format!(
+                    "{}, {}, {}, sample_time, units",
+                    name(0),
+                    name(1),
+                    sliding(2)
+                ),
+            ),
             FrictionModel::Hsieh(_) => path(
                 "Hsieh<S>",
                 &format!(
@@ -222,21 +260,7 @@ impl Source<'_> {
                 ..
             } => {
                 let n = blocks.len();
-                let list: String = blocks
-                    .iter()
-                    .map(|b| {
-                        format!(
-                            "\n    ::preslide::Block {{ stiffness: {}, weight: {} }},",
-                            literal(b.stiffness),
-                            literal(b.weight)
-                        )
-                    })
-                    .collect();
-                let unit = self.model.key("stiffness_N_per_m");
-                let _ = writeln!(
-                    self.constants,
-                    "/// Maxwell-slip blocks: `{unit}` and weight.\npub const BLOCKS: [::preslide::Block; {n}] = [{list}\n];"
-                );
+                self.blocks(blocks);
                 match curve {
                     None => path(
                         &format!("QuasiStaticGms<{n}, S>"),
@@ -249,6 +273,26 @@ impl Source<'_> {
                 }
             }
         }
+    }
+
+    /// The constant `BLOCKS`.
+    fn blocks(&mut self, blocks: &[Block]) {
+        let n = blocks.len();
+        let list: String = blocks
+            .iter()
+            .map(|b| {
+                format!(
+                    "\n    ::preslide::Block {{ stiffness: {}, weight: {} }},",
+                    literal(b.stiffness),
+                    literal(b.weight)
+                )
+            })
+            .collect();
+        let unit = self.model.key("stiffness_N_per_m");
+        let _ = writeln!(
+            self.constants,
+            "/// Maxwell-slip blocks: `{unit}` and weight.\npub const BLOCKS: [::preslide::Block; {n}] = [{list}\n];"
+        );
     }
 
     fn effects(&mut self, options: &Options) -> Result<(), String> {

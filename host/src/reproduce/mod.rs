@@ -1,35 +1,37 @@
 //! The paper's Table 3 and Figures 7–8 from its own parameters, beside what optimal breakpoints reach.
 
+pub mod experiment;
+pub mod figure_6;
 pub mod paper;
 mod present;
 pub mod printed;
 pub mod recovery;
+mod search;
+mod stick_slip;
+mod study;
 mod table_3;
 #[cfg(test)]
 mod tests;
 
 use crate::compare::memory::{LoopClosure, Scale, loop_closure};
 use crate::friction::{FrictionModel, Path};
-use crate::identify::refine::{self, Fit};
-use crate::identify::regression::Regression;
-use crate::identify::search::best_choices;
+use crate::identify::refine::Fit;
 use crate::identify::virgin::VirginCurve;
 use crate::nmse::nmse;
 use crate::progress::Progress;
+use experiment::Experiment;
+use figure_6::Figure6;
 use paper::Column;
 use printed::Bound;
 use rayon::prelude::*;
 use recovery::Recovery;
+use search::Search;
 use std::ops::Range;
 
 /// Samples of the virgin curve.
 pub const SAMPLES: usize = 2001;
 /// Sizes for which breakpoints are searched. The curve itself has ten blocks, so more than nine say nothing.
 pub const SIZES: Range<usize> = 2..10;
-/// Yields in the grid of the global search, logarithmic …
-const GRID: usize = 120;
-/// … from here \[m\], a fifth of the first yield of Table 3, to [`paper::RANGE`].
-const SHORTEST: f64 = 0.2e-6;
 /// Best subsets of the grid that are refined.
 const REFINED: usize = 6;
 /// The paper's own criterion for enough blocks (%): "limiting the respective normalized Mean Square Error to less
@@ -158,19 +160,23 @@ pub struct Reproduction {
     pub bounds: Vec<Bound>,
     /// Loop closure of the paper's models, by name.
     pub closures: Vec<(&'static str, LoopClosure)>,
+    /// Figure 6 and Table 2, with all models.
+    pub figure_6: Figure6,
+    /// The experiment, simulated.
+    pub experiment: Experiment,
     /// One sentence: what to use and why.
     pub recommendation: String,
 }
 
 /// Steps that [`reproduce`] reports to its progress.
-pub const STEPS: u64 = 1 + (SIZES.end - SIZES.start) as u64;
+pub const STEPS: u64 = 3 + (SIZES.end - SIZES.start) as u64 + experiment::REPEATS as u64;
 
-/// Reproduces the paper's figures from [`paper`].
+/// Reproduces the paper's figures from [`paper`]; `seed` is that of the experiment's repeats.
 ///
 /// # Errors
 /// A parameter that the library refuses, or a size for which no fit exists; neither happens with the paper's
 /// tables.
-pub fn reproduce(progress: &Progress) -> Result<Reproduction, String> {
+pub fn reproduce(seed: u64, progress: &Progress) -> Result<Reproduction, String> {
     let curve = Curve::uniform()?;
     let steps = Curve::load_steps()?;
     let optimal = optimal(&curve, progress)?;
@@ -204,6 +210,12 @@ pub fn reproduce(progress: &Progress) -> Result<Reproduction, String> {
         recommendation: recommendation(&sizes),
         bounds: printed::bounds(&curve)?,
         closures: closures()?,
+        figure_6: {
+            let found = Figure6::of_the_paper()?;
+            progress.inc(1);
+            found
+        },
+        experiment: Experiment::run(seed, progress)?,
         curve,
         sizes,
         recovered,
@@ -247,36 +259,15 @@ fn column(n: usize) -> Result<&'static Column, String> {
         .ok_or_else(|| format!("Table 3 has no column of {n} blocks"))
 }
 
-/// The best breakpoints for every size, none beyond the range: a block that never slips there would put its share
-/// of ΣW beyond the breakaway force.
+/// The best breakpoints for every size.
 fn optimal(curve: &Curve, progress: &Progress) -> Result<Vec<Fit>, String> {
-    let regression = Regression {
-        position: &curve.displacement,
-        pieces: std::slice::from_ref(&curve.piece),
-        force: curve.force.clone(),
-        columns: Vec::new(),
-        filter: Box::new(<[f64]>::to_vec),
-        folds: vec![curve.rows()],
-    };
-    let grid: Vec<f64> = (0..GRID)
-        .map(|j| SHORTEST * (paper::RANGE / SHORTEST).powf(j as f64 / (GRID - 1) as f64))
-        .collect();
-    let grams = regression.grams(&grid);
-    let gram = grams.first().ok_or("the curve has no samples")?;
-    let choices = best_choices(gram, 0, SIZES.end - 1);
+    let pieces = std::slice::from_ref(&curve.piece);
+    let search = Search::new(&curve.displacement, pieces, &curve.force)?;
     progress.inc(1);
-    let rows = curve.rows();
     SIZES
         .into_par_iter()
         .map(|n| {
-            let best = choices[n - 1]
-                .iter()
-                .take(REFINED)
-                .filter_map(|choice| {
-                    let start = choice.yields.iter().map(|&j| grid[j]).collect();
-                    refine::refine(&regression, &rows, start, (SHORTEST, paper::RANGE))
-                })
-                .min_by(|a, b| a.squared_error.total_cmp(&b.squared_error));
+            let best = search.best(n, REFINED);
             progress.inc(1);
             best.ok_or_else(|| format!("no {n} blocks with positive stiffness fit the curve"))
         })
@@ -316,9 +307,9 @@ fn recommendation(sizes: &[Size]) -> String {
 
 /// Three significant digits, without an exponent.
 fn significant(value: f64) -> String {
-    if value <= 0.0 || !value.is_finite() {
+    if value == 0.0 || !value.is_finite() {
         return format!("{value}");
     }
-    let digits = (2 - value.log10().floor() as i32).clamp(0, 12) as usize;
+    let digits = (2 - value.abs().log10().floor() as i32).clamp(0, 12) as usize;
     format!("{value:.digits$}")
 }

@@ -1,5 +1,6 @@
 //! A reproduction for people and for machines.
 
+use super::study::{cycles, cycles_text};
 use super::{CRITERION, Curve, Reproduction, paper, significant};
 use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
 use serde_json::{Value, json};
@@ -24,6 +25,7 @@ impl Reproduction {
                     "nmse_optimal": size.nmse_optimal,
                     "nmse_printed": size.nmse_printed,
                     "nmse_table3_load_steps": size.nmse_load_steps,
+                    "cycles": cycles(size.n),
                     "optimal_yield_displacement_m": size.optimal.yields,
                     "optimal_stiffness_N_per_m": size.optimal.stiffness,
                 })
@@ -66,6 +68,7 @@ impl Reproduction {
                 })
             })
             .collect();
+        let [models, experiment] = self.study_json();
         json!({
             "schema": "preslide.reproduction/1",
             "samples": self.curve.displacement.len(),
@@ -73,6 +76,8 @@ impl Reproduction {
             "table3": recovered,
             "printed_bounds": bounds,
             "loop_closure": closures,
+            "models": models,
+            "experiment": experiment,
             "recommendation": self.recommendation,
             "seconds": seconds,
         })
@@ -92,6 +97,7 @@ impl Reproduction {
                 "same, uniform in force [%]",
                 "printed in the paper [%]",
                 "optimal breakpoints [%]",
+                "cycles in the tick, f32",
                 "their ΣW/F_s",
                 "optimal yields [µm]",
             ]),
@@ -106,6 +112,7 @@ impl Reproduction {
                         significant(size.nmse_load_steps),
                         size.nmse_printed.map_or("–".to_owned(), |p| p.to_string()),
                         significant(size.nmse_optimal),
+                        cycles_text(cycles(size.n)),
                         format!("{:.4}", size.limit() / paper::BREAKAWAY),
                         yields
                             .map(|d| format!("{:.2}", 1e6 * d))
@@ -289,16 +296,23 @@ impl Reproduction {
     /// The report.
     pub fn page(&self, command: String) -> Page {
         Page {
-            title: "The paper's Table 3 and Figures 7–8".to_owned(),
+            title: "The paper's study: Tables 2–3, Figures 6–8, the experiment".to_owned(),
             lead: self.recommendation.clone(),
             command,
-            sections: vec![
-                Section {
+            sections: [
+                vec![Section {
                     heading: "How many blocks".to_owned(),
                     tables: vec![self.size_table()],
-                    figures: vec![self.error_figure(), self.fit_figure(), self.residual_figure()],
+                    figures: vec![
+                        self.error_figure(),
+                        self.cycles_figure(),
+                        self.fit_figure(),
+                        self.residual_figure(),
+                    ],
                     ..Section::default()
-                },
+                }],
+                self.study_sections().into(),
+                vec![
                 Section {
                     heading: "What differs from the paper, and why".to_owned(),
                     paragraphs: self.remarks().iter().map(|r| format!("{r}.")).collect(),
@@ -314,8 +328,9 @@ impl Reproduction {
                     paragraphs: vec!["The models run from rest through an outer loop of ±40 µm and nested reversals, each half the one before, and back through the same reversals. A model with non-local memory returns to the force that it left.".to_owned()],
                     tables: vec![self.closure_table()],
                     figures: vec![self.loop_figure()],
-                },
-            ],
+                }],
+            ]
+            .concat(),
         }
     }
 

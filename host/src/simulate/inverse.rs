@@ -1,7 +1,10 @@
 //! From force to motion: friction models inverted, one force after the other, without inertia.
 
-use crate::friction::FrictionModel;
-use preslide::{Dahl, Friction, Hsieh, LuGre, Motion, ParamError, Sliding, Units};
+use crate::friction::{FrictionModel, MOST_BLOCKS, with_blocks};
+use preslide::{
+    BoucWen, Dahl, ElastoPlastic, Friction, Hsieh, Leuven, LuGre, Motion, ParamError, Sliding,
+    TwoState, Units,
+};
 
 /// A model at rest under a force, waiting for the next one.
 pub trait Inverse {
@@ -62,6 +65,66 @@ pub fn inverse(model: &FrictionModel, sample_time: f64) -> Result<Box<dyn Invers
                 units,
             )?,
             breakaway / stiffness,
+            None,
+        )),
+        FrictionModel::BoucWen {
+            stiffness,
+            coulomb,
+            exponent,
+            shape,
+        } => Box::new(Searched::new(
+            BoucWen::<f64>::try_new(*stiffness, *coulomb, *exponent, *shape, units)?,
+            coulomb / stiffness,
+            None,
+        )),
+        FrictionModel::ElastoPlastic {
+            stiffness,
+            elastic,
+            breakaway,
+            ..
+        } => Box::new(Searched::new(
+            ElastoPlastic::<f64>::try_new(
+                *stiffness,
+                0.0,
+                *elastic,
+                *breakaway,
+                Sliding::none(*breakaway),
+                units,
+            )?,
+            breakaway / stiffness,
+            None,
+        )),
+        FrictionModel::Leuven {
+            form,
+            breakaway,
+            blocks,
+            exponent,
+            ..
+        } => {
+            let still = Sliding::none(*breakaway);
+            let scale = blocks
+                .iter()
+                .map(|b| b.yield_displacement(*breakaway))
+                .fold(f64::INFINITY, f64::min);
+            with_blocks!(blocks, array => Ok(Box::new(Searched::new(
+                Leuven::<_, f64>::try_new(*form, &array, *breakaway, *exponent, 0.0, still, units)?,
+                scale,
+                None,
+            )) as Box<dyn Inverse>), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])?
+        }
+        FrictionModel::TwoState {
+            distance,
+            breakaway,
+            ..
+        } => Box::new(Searched::new(
+            TwoState::<f64>::try_new(
+                *distance,
+                *breakaway,
+                Sliding::none(*breakaway),
+                sample_time.min(1.0),
+                units,
+            )?,
+            *distance,
             None,
         )),
         FrictionModel::Hsieh(params) => Box::new(Searched::new(

@@ -234,7 +234,12 @@ fn time_dependence(model: &Model) -> Vec<String> {
         FrictionModel::Coulomb { .. } => notes.push(
             "Coulomb friction has no pre-sliding: the body does not move below the Coulomb force".to_owned(),
         ),
-        FrictionModel::Dahl { .. } => {}
+        FrictionModel::Dahl { .. } | FrictionModel::BoucWen { .. } => {}
+        FrictionModel::ElastoPlastic { .. }
+        | FrictionModel::Leuven { .. }
+        | FrictionModel::TwoState { .. } => notes.push(
+            "The model in its quasi-static limit: damping, Stribeck effect and lag vanish with the velocity, so time does not enter".to_owned(),
+        ),
         FrictionModel::LuGre { .. } => notes.push(
             "LuGre in the quasi-static limit: σp·dz/dt and the Stribeck effect vanish with the velocity, so time does not enter".to_owned(),
         ),
