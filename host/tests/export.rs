@@ -207,7 +207,7 @@ fn what_no_controller_can_use_is_refused_by_name() {
         ("channel_delay", "delay_s = 1e-3"),
         ("drive_compliance", "frequency_Hz = 60.0"),
         ("backlash", "gap_m = 1e-6"),
-        ("creep", "rate_m_s = 1e-8"),
+        ("creep", "rate_m_s = 1e-8\nshare_of_breakaway = 0.15"),
         ("actuator_dead_zone", "width_N = 0.1"),
         ("actuator_saturation", "limit_N = 2.0"),
         (

@@ -28,9 +28,7 @@ pub fn reached(
     }
     for name in beyond.iter().chain([&start]) {
         if !calls.contains_key(name) {
-            return Err(format!(
-                "the image has no function {name}; was it inlined?"
-            ));
+            return Err(format!("the image has no function {name}; was it inlined?"));
         }
     }
     let mut seen = BTreeSet::new();

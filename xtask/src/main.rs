@@ -7,6 +7,7 @@ mod qemu;
 mod test;
 mod thumb;
 mod tools;
+mod trials;
 
 use std::process::ExitCode;
 
@@ -36,6 +37,11 @@ const COMMANDS: &[Command] = &[
         name: "stage",
         help: "the firmware in QEMU on the simulated stage, its telemetry on tcp:127.0.0.1:7700 or the PORT named",
         run: qemu::serve_command,
+    },
+    Command {
+        name: "trials",
+        help: "the diagnosis on recordings with a concealed effect, judged: tables; --help lists the options",
+        run: trials::run_command,
     },
 ];
 

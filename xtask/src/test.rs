@@ -86,6 +86,12 @@ const STEPS: &[Step] = &[
         run: || crate::qemu::run_command(&[]),
     },
     Step {
+        name: "trials",
+        reason: "the diagnosis of a few generated recordings: no false alarm, no fewer names than before",
+        needs: &[],
+        run: crate::trials::gate,
+    },
+    Step {
         name: "package",
         reason: "the published crate holds the library and nothing else",
         needs: &[],

@@ -23,6 +23,7 @@ Usage: trials [OPTIONS]
   --json FILE      every trial with label and answer, for machines
   --write FOLDER   only write the trials as files, one folder each: recording.csv, model.toml, label.toml
   --sizes          only print what each effect adds to the force, at its strengths
+  --gate           fail on a false alarm, or where fewer than two thirds of the effects are named
   --quiet          no line for each trial";
 
 struct Options {
@@ -36,6 +37,7 @@ struct Options {
     write: Option<PathBuf>,
     sizes: bool,
     quiet: bool,
+    gate: bool,
 }
 
 fn options(mut arguments: impl Iterator<Item = String>) -> Result<Option<Options>, String> {
@@ -50,6 +52,7 @@ fn options(mut arguments: impl Iterator<Item = String>) -> Result<Option<Options
         write: None,
         sizes: false,
         quiet: false,
+        gate: false,
     };
     while let Some(argument) = arguments.next() {
         let mut value = || {
@@ -72,6 +75,7 @@ fn options(mut arguments: impl Iterator<Item = String>) -> Result<Option<Options
             "--write" => o.write = Some(value()?.into()),
             "--sizes" => o.sizes = true,
             "--quiet" => o.quiet = true,
+            "--gate" => o.gate = true,
             "--help" | "-h" => return Ok(None),
             _ => return Err(format!("`{argument}` is no option; --help lists them")),
         }
@@ -202,8 +206,25 @@ fn judge(o: &Options, plan: &[(u64, Kind)]) -> Result<(), String> {
             serde_json::to_string_pretty(&report::to_json(&judged)).map_err(|e| e.to_string())?;
         std::fs::write(file, text).map_err(|e| format!("{}: {e}", file.display()))?;
     }
+    if o.gate {
+        gate(&judged)?;
+    }
     if judged.iter().all(|j| j.answer.is_err()) {
         return Err("no trial got an answer".to_owned());
+    }
+    Ok(())
+}
+
+/// Fails where the diagnosis has become worse than a fixed set allows.
+fn gate(judged: &[Judged]) -> Result<(), String> {
+    let alarms = judged.iter().filter(|j| j.clean() && j.alarms()).count();
+    let single: Vec<&Judged> = judged.iter().filter(|j| j.is("single")).collect();
+    let right = single.iter().filter(|j| j.found_within(1)).count();
+    if alarms > 0 || 3 * right < 2 * single.len() {
+        return Err(format!(
+            "{alarms} false alarms where none was, {right} of {} effects named first where two thirds were; the lines above tell which",
+            single.len()
+        ));
     }
     Ok(())
 }

@@ -169,9 +169,8 @@ pub const TESTED: [Entry; 25] = [
 ];
 
 /// Effects of the catalogue that no recording is tested for, and why.
-pub const NOT_TESTED: [(&str, &str); 1] = [
-    ("lead_error", "needs a second measurement of position"),
-];
+pub const NOT_TESTED: [(&str, &str); 1] =
+    [("lead_error", "needs a second measurement of position")];
 
 /// The entry of an id.
 pub fn entry(id: &str) -> Option<&'static Entry> {

@@ -128,7 +128,9 @@ pub fn shapes(id: &str, study: &Study) -> Vec<Vec<f64>> {
             let mut shapes = Vec::new();
             for width in spread(travel / 120.0, travel / 10.0, 4) {
                 let places = (travel / width).ceil() as usize;
-                shapes.extend((0..=places).map(|i| vec![from + travel * i as f64 / places as f64, width]));
+                shapes.extend(
+                    (0..=places).map(|i| vec![from + travel * i as f64 / places as f64, width]),
+                );
             }
             shapes
         }
@@ -322,12 +324,13 @@ pub fn columns(id: &str, shape: &[f64], study: &Study) -> Vec<Column> {
         "run_in" => vec![friction(&|i| (-s.path[i] / at(0)).exp())],
         // Age of the contact: grows with time, is erased along a path (Dieterich 1979).
         "dwell_aging" => {
-            let mut age = 0.0;
-            let mut level = vec![0.0; s.x.len()];
-            for i in 1..s.x.len() {
-                age = (age + s.dt) / (1.0 + (s.path[i] - s.path[i - 1]) / at(1));
-                level[i] = (1.0f64 + age / at(0)).log10();
-            }
+            let (mut age, mut path) = (0.0, 0.0);
+            let aged = s.path.iter().map(|&now| {
+                age = (age + s.dt) / (1.0 + (now - path) / at(1));
+                path = now;
+                (1.0f64 + age / at(0)).log10()
+            });
+            let level: Vec<f64> = aged.collect();
             vec![friction(&|i| level[i])]
         }
         // Blocks that stick give way at a rate that grows with the stress (Eyring's sinh).

@@ -138,7 +138,12 @@ pub fn conclude(
         effects.push(judge(evidence, mechanics)?);
     }
     let mut terms: Vec<Term> = state.terms[..given].to_vec();
-    terms.extend(effects.iter().filter(|e| e.confident).map(|e| e.term.clone()));
+    terms.extend(
+        effects
+            .iter()
+            .filter(|e| e.confident)
+            .map(|e| e.term.clone()),
+    );
     // One noise model for all, so that their evidence can be compared.
     let fit = |terms: &[Term]| study.fit_with(terms, state.noise.clone());
     let extended = fit(&terms)?;
@@ -174,19 +179,22 @@ pub fn conclude(
     let left = signature::signatures(study, &extended);
     let residual = study.residual(&extended);
     let n = residual.len() as f64;
-    let strange = effects.iter().filter(|e| e.nats > CERTAIN * e.threshold).find_map(|e| {
-        let gain = Gain {
-            by_fold: e.by_fold.clone(),
-            null: Vec::new(),
-            coefficients: Vec::new(),
-        };
-        Some(Signature {
-            axis: e.malformed?,
-            odd: false,
-            gain,
-            threshold: e.threshold,
-        })
-    });
+    let strange = effects
+        .iter()
+        .filter(|e| e.nats > CERTAIN * e.threshold)
+        .find_map(|e| {
+            let gain = Gain {
+                by_fold: e.by_fold.clone(),
+                null: Vec::new(),
+                coefficients: Vec::new(),
+            };
+            Some(Signature {
+                axis: e.malformed?,
+                odd: false,
+                gain,
+                threshold: e.threshold,
+            })
+        });
     let unknown = left
         .iter()
         .find(|s| s.certain() && s.gain.total() > UNNAMED * s.threshold)
@@ -260,9 +268,10 @@ fn judge(evidence: Evidence, mechanics: &[(String, f64)]) -> Option<Effect> {
     }
     ambiguous_with.truncate(4);
     // A free curve over some coordinate that does far better says that the name is wrong.
-    let adequate = malformed.is_none() && curves
-        .iter()
-        .all(|c| nats > 0.5 * c.gain.total() || !c.certain());
+    let adequate = malformed.is_none()
+        && curves
+            .iter()
+            .all(|c| nats > 0.5 * c.gain.total() || !c.certain());
     let over = nats / own.threshold;
     let own_best = rivals.iter().all(|r| r.gain.total() < nats + TIE.0);
     let best_rival = rivals
@@ -273,9 +282,7 @@ fn judge(evidence: Evidence, mechanics: &[(String, f64)]) -> Option<Effect> {
     // Odds that grow with the evidence, tempered: neither noise nor friction law is what the likelihood takes it for.
     let real = 1.0 - (-(over - 1.0).max(0.0) / 1.5).exp();
     let named = 1.0 / (1.0 + (-(nats - best_rival) / (6.0 + 0.05 * nats)).exp());
-    let confidence =
-        (real * named * if adequate { 1.0 } else { 0.4 })
-            .clamp(0.01, 0.99);
+    let confidence = (real * named * if adequate { 1.0 } else { 0.4 }).clamp(0.01, 0.99);
     let confident = over > CERTAIN
         && adequate
         && (confidence > LIKELY || !ambiguous_with.is_empty() && real > LIKELY && own_best);
@@ -410,7 +417,10 @@ pub fn parameters(study: &Study, state: &State, index: usize) -> Vec<(String, Es
             let error = deviation(first).zip(deviation(first + 1)).map(|(ea, eb)| {
                 ((a * ea).powi(2) + (b * eb).powi(2)).sqrt() / amplitude.max(1e-300)
             });
-            list.push((amplitude_key(term.id, &study.s).to_owned(), estimate(amplitude, error)));
+            list.push((
+                amplitude_key(term.id, &study.s).to_owned(),
+                estimate(amplitude, error),
+            ));
             let phase = (-b).atan2(*a);
             let reach = error.map(|e| e / amplitude.max(1e-300));
             list.push(("phase_rad".to_owned(), estimate(phase, reach)));
@@ -456,7 +466,10 @@ pub fn parameters(study: &Study, state: &State, index: usize) -> Vec<(String, Es
                 estimate(frequency, relative.map(|e| 0.5 * e * frequency)),
             ));
         }
-        (id, [c]) => list.push((amplitude_key(id, &study.s).to_owned(), estimate(*c, deviation(first)))),
+        (id, [c]) => list.push((
+            amplitude_key(id, &study.s).to_owned(),
+            estimate(*c, deviation(first)),
+        )),
         _ => {}
     }
     for (k, key) in keys.iter().enumerate() {
@@ -470,12 +483,15 @@ pub fn parameters(study: &Study, state: &State, index: usize) -> Vec<(String, Es
             list.push(("from_m".to_owned(), known(from)));
             list.push(("to_m".to_owned(), known(to)));
         }
-"position_spring" => {
+        "position_spring" => {
             let aside = c.get(1).map_or(0.0, |constant| constant / c[0]);
             list.push(("centre_m".to_owned(), known(0.5 * (from + to) - aside)));
         }
         "load_dependent_friction" => {
-            list.push(("load_N".to_owned(), known(study.s.load.as_deref().map_or(0.0, mean))));
+            list.push((
+                "load_N".to_owned(),
+                known(study.s.load.as_deref().map_or(0.0, mean)),
+            ));
         }
         "thermal_drift" => {
             if let Some(t) = &study.s.temperature {
@@ -486,4 +502,3 @@ pub fn parameters(study: &Study, state: &State, index: usize) -> Vec<(String, Es
     }
     list
 }
-

@@ -71,7 +71,8 @@ impl Profile {
 
     fn rest(&mut self, seconds: f64) {
         let here = self.here();
-        self.x.extend(std::iter::repeat_n(here, (seconds / STEP_S) as usize));
+        self.x
+            .extend(std::iter::repeat_n(here, (seconds / STEP_S) as usize));
     }
 
     fn part(&mut self, part: Part, (low, high): (f64, f64), (slow, fast): (f64, f64)) {

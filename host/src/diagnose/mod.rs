@@ -104,8 +104,8 @@ pub fn diagnose(
         }
         _ => None,
     };
-    let diagnosis =
-        conclude::conclude(&study, found, given.len(), &mechanics, shape_error).ok_or_else(unable)?;
+    let diagnosis = conclude::conclude(&study, found, given.len(), &mechanics, shape_error)
+        .ok_or_else(unable)?;
     Ok((study, diagnosis))
 }
 

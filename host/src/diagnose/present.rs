@@ -150,7 +150,11 @@ impl Diagnosis {
                             let reach = p.ci95.map_or(String::new(), |[a, b]| {
                                 format!(" ± {}", digits(0.5 * (b - a)))
                             });
-                            format!("{} {}{reach}", key_of(recording.kind, name), digits(p.value))
+                            format!(
+                                "{} {}{reach}",
+                                key_of(recording.kind, name),
+                                digits(p.value)
+                            )
                         })
                         .collect();
                     vec![

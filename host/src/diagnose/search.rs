@@ -194,7 +194,10 @@ fn lines(study: &Study, state: &State, periods: &[f64]) -> Vec<(Term, f64)> {
         }
     }
     for f in &time {
-        found.push((Term::new("external_vibration", &[*f]), (highest * duration).max(1.0)));
+        found.push((
+            Term::new("external_vibration", &[*f]),
+            (highest * duration).max(1.0),
+        ));
     }
     found
 }
@@ -281,8 +284,11 @@ fn folded(study: &Study, state: State, given: usize) -> Option<State> {
     };
     let size = coefficients(constant).first().map_or(0.0, |c| c.abs());
     let (travel, _) = moving_range(&study.s);
-    let spring = place("position_spring")
-        .filter(|&i| coefficients(i).first().is_some_and(|k| size < 0.4 * travel * k));
+    let spring = place("position_spring").filter(|&i| {
+        coefficients(i)
+            .first()
+            .is_some_and(|k| size < 0.4 * travel * k)
+    });
     let map = place("position_force")
         .filter(|&i| size < coefficients(i).iter().map(|c| c.abs()).sum::<f64>());
     let Some(host) = spring.or(map) else {

@@ -18,7 +18,9 @@ pub fn lines(at: &[f64], weights: &[f64], from: f64, to: f64) -> Vec<f64> {
     }
     // Summed into bins of a quarter of the shortest period and padded to three times the span.
     let bin = 0.25 / to;
-    let size = ((3.0 * span / bin).ceil() as usize).clamp(64, MOST).next_power_of_two();
+    let size = ((3.0 * span / bin).ceil() as usize)
+        .clamp(64, MOST)
+        .next_power_of_two();
     let bin = bin.max(3.0 * span / size as f64);
     let step = 1.0 / (size as f64 * bin);
     let mut binned = vec![0.0; size];

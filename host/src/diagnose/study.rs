@@ -136,11 +136,10 @@ impl Study {
                 z.into_iter().step_by(FINER).collect()
             })
             .collect();
-        let mut core_rows: Vec<Vec<f64>> =
-            deflections
-                .par_iter()
-                .map(|z| weak.rows(&Column::of(z.clone())))
-                .collect();
+        let mut core_rows: Vec<Vec<f64>> = deflections
+            .par_iter()
+            .map(|z| weak.rows(&Column::of(z.clone())))
+            .collect();
         if inertial {
             let curved = s.x.clone();
             core_rows.insert(
@@ -247,7 +246,11 @@ impl Study {
 
     fn set_reference(&mut self, fit: &Fit, terms: &[Term]) {
         let first = usize::from(self.inertial);
-        let mass = if self.inertial { fit.coefficients[0] } else { 0.0 };
+        let mass = if self.inertial {
+            fit.coefficients[0]
+        } else {
+            0.0
+        };
         let n = self.s.x.len();
         let (mut friction, mut slipping, mut stiffness) =
             (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
@@ -278,7 +281,11 @@ impl Study {
                 let c = fit.coefficients[next];
                 next += 1;
                 if !term.acts_on_measurement() {
-                    let value = if column.value.is_empty() { &self.s.v } else { &column.value };
+                    let value = if column.value.is_empty() {
+                        &self.s.v
+                    } else {
+                        &column.value
+                    };
                     fitted.iter_mut().zip(value).for_each(|(f, v)| *f += c * v);
                 }
             }
@@ -392,7 +399,10 @@ impl Study {
     /// What `with` explains better than `without` on folds held out, in squared effort and without any noise model: the
     /// share taken off, and its size over its standard error between blocks of rows.
     pub fn improvement(&self, without: &State, with: &State) -> (f64, f64) {
-        let (before, after) = (self.held_out_residual(without), self.held_out_residual(with));
+        let (before, after) = (
+            self.held_out_residual(without),
+            self.held_out_residual(with),
+        );
         let mut blocks = Vec::new();
         let mut total = 0.0;
         for rows in &self.weak.folds {
@@ -406,7 +416,11 @@ impl Study {
         }
         let n = blocks.len() as f64;
         let sum: f64 = blocks.iter().sum();
-        let spread = blocks.iter().map(|b| (b - sum / n).powi(2)).sum::<f64>().sqrt();
+        let spread = blocks
+            .iter()
+            .map(|b| (b - sum / n).powi(2))
+            .sum::<f64>()
+            .sqrt();
         (sum / total.max(1e-300), sum / spread.max(1e-300))
     }
 

@@ -109,7 +109,9 @@ impl Column {
 /// `φ`, `−φ̇` and `φ̈` as weights of samples, exact on polynomials of the second degree.
 fn kernels(half: usize, dt: f64) -> [Vec<f64>; 3] {
     let h = (half as f64 + 0.5) * dt;
-    let times: Vec<f64> = (0..=2 * half).map(|i| (i as f64 - half as f64) * dt).collect();
+    let times: Vec<f64> = (0..=2 * half)
+        .map(|i| (i as f64 - half as f64) * dt)
+        .collect();
     let of = |f: &dyn Fn(f64) -> f64| -> Vec<f64> { times.iter().map(|t| f(t / h)).collect() };
     let moment = |k: &[f64], power: i32| -> f64 {
         k.iter().zip(&times).map(|(k, t)| k * t.powi(power)).sum()
@@ -149,8 +151,14 @@ mod tests {
             let passed = over(&value, &|t| (w * t).cos());
             let first = over(&slope, &|t| (w * t).sin()) / w;
             let second = -over(&curve, &|t| (w * t).cos()) / (w * w);
-            assert!((first / passed - 1.0).abs() < 1e-3, "{hertz} Hz: {first} {passed}");
-            assert!((second / passed - 1.0).abs() < 1e-3, "{hertz} Hz: {second} {passed}");
+            assert!(
+                (first / passed - 1.0).abs() < 1e-3,
+                "{hertz} Hz: {first} {passed}"
+            );
+            assert!(
+                (second / passed - 1.0).abs() < 1e-3,
+                "{hertz} Hz: {second} {passed}"
+            );
         }
     }
 }
