@@ -162,7 +162,7 @@ pub fn shapes(id: &str, study: &Study) -> Vec<Vec<f64>> {
         "actuator_saturation" => {
             let size: Vec<f64> = study.effort.iter().map(|f| f.abs()).collect();
             let top = quantile(&size, 0.9999);
-            spread(quantile(&size, 0.5), 0.95 * top, 16)
+            spread(lowest_limit(study), 0.95 * top, 16)
                 .into_iter()
                 .map(|l| vec![l])
                 .collect()
@@ -174,6 +174,12 @@ pub fn shapes(id: &str, study: &Study) -> Vec<Vec<f64>> {
         "load_dependent_friction" if s.load.is_none() => Vec::new(),
         _ => vec![Vec::new()],
     }
+}
+
+/// The lowest limit of the actuator that is tried: half of the samples are below it [N or N·m].
+pub fn lowest_limit(study: &Study) -> f64 {
+    let size: Vec<f64> = study.effort.iter().map(|f| f.abs()).collect();
+    quantile(&size, 0.5)
 }
 
 /// The shortest yield of the reference friction that carries a hundredth of it [m or rad].

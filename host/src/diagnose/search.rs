@@ -1,7 +1,7 @@
 //! Which effects act: forward, swap and backward, with thresholds from the recording's own noise.
 
 use super::catalogue::TESTED;
-use super::columns::{Scale, moving_range, parameters, shapes};
+use super::columns::{Scale, lowest_limit, moving_range, parameters, shapes};
 use super::score::Gain;
 use super::signature::{self, Axis, Signature, signatures};
 use super::spectra;
@@ -239,6 +239,8 @@ pub fn refine(study: &Study, without: &State, term: &Term) -> Term {
                     "time_constant_s" if term.id == "frictional_lag" => {
                         trial.shape[j] = trial.shape[j].max(0.6 * study.weak.half_width_s);
                     }
+                    // The column is made of the measured effort: with a limit below most of it, the effort explains itself.
+                    "limit_N" => trial.shape[j] = trial.shape[j].max(lowest_limit(study)),
                     _ => {}
                 }
                 if let Some(gain) = study
