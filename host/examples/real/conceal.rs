@@ -8,7 +8,7 @@ use preslide_host::friction::FrictionModel;
 use preslide_host::identify::{Options, STEPS, identify};
 use preslide_host::model::Model;
 use preslide_host::progress::Progress;
-use preslide_host::recording::{MotionKind, Recording};
+use preslide_host::recording::Recording;
 use preslide_host::report::Table;
 use std::f64::consts::TAU;
 
@@ -167,8 +167,8 @@ pub fn table() -> Result<Table, String> {
         friction: stiff(&emps, level),
         ..whole
     };
-    let reference = "`identify`: Coulomb friction will do".to_owned();
-    conceal(&emps, Some("presliding_shape"), model, reference);
+    let reference = "one stiff block: `identify` finds that Coulomb friction will do".to_owned();
+    conceal(&emps, None, model, reference);
 
     let (model, _) = identified(&tribometer)?;
     let FrictionModel::Gms {
@@ -191,7 +191,7 @@ pub fn table() -> Result<Table, String> {
         &tribometer,
         Some("presliding_shape"),
         concealed,
-        reference.clone(),
+        format!("{reference}; the model has one stiff block"),
     );
     let coulomb = FrictionModel::Coulomb {
         coulomb: *breakaway,
@@ -200,6 +200,7 @@ pub fn table() -> Result<Table, String> {
         friction: coulomb,
         ..model.clone()
     };
+    let reference = format!("{reference}; the model has Coulomb friction");
     conceal(&tribometer, Some("presliding_shape"), concealed, reference);
 
     let drives = (1..=3)
@@ -243,7 +244,6 @@ pub fn table() -> Result<Table, String> {
         figure(amplitude)
     );
     let model = bare(&cogging, FrictionModel::Coulomb { coulomb: 0.03 });
-    debug_assert!(cogging.kind == MotionKind::Rotary);
     conceal(&cogging, Some("periodic_force"), model, reference);
 
     let rows = cases

@@ -3,6 +3,7 @@
 use super::conceal::bare;
 use super::{load, run, words};
 use preslide_host::diagnose::Diagnosis;
+use preslide_host::diagnose::conclude::Effect;
 use preslide_host::friction::FrictionModel;
 use preslide_host::model::Model;
 use preslide_host::recording::Recording;
@@ -19,6 +20,13 @@ const SEED: u64 = 1;
 const EMPS_OFFSET: f64 = -3.1648;
 /// And its mass [kg], through which an encoder's error is felt.
 const EMPS_MASS: f64 = 95.1089;
+
+/// Periods of a wave of force in the travel.
+const WAVES: f64 = 12.0;
+/// Periods of an encoder in the travel.
+const LINES: f64 = 50.0;
+/// Widths of a spot in the travel.
+const SPOTS: f64 = 15.0;
 
 /// The motion that effects follow.
 struct Motion {
@@ -73,16 +81,16 @@ impl Motion {
             let (x, v, a) = (self.x[i], self.v[i], self.a[i]);
             match id {
                 "constant_force" => 1.0,
-                "periodic_force" => (TAU * 12.0 * x / self.travel + self.phase).cos(),
+                "periodic_force" => (TAU * WAVES * x / self.travel + self.phase).cos(),
                 "local_friction_spot" => {
                     let away = (x - self.low) / self.travel - self.place;
-                    sign(i) * (-(away * 15.0).powi(2)).exp()
+                    sign(i) * (-(away * SPOTS).powi(2)).exp()
                 }
                 "stribeck" => sign(i) * (-v.abs() / (0.1 * self.top)).exp(),
                 "quadratic_drag" => v * v.abs(),
                 // The mass follows the motion as it is measured: d²/dt² of e·cos(k·x + φ).
                 "encoder_error" => {
-                    let k = TAU * 50.0 / self.travel;
+                    let k = TAU * LINES / self.travel;
                     let angle = k * x + self.phase;
                     -EMPS_MASS * ((k * v).powi(2) * angle.cos() + k * a * angle.sin())
                 }
@@ -97,8 +105,8 @@ fn rms(y: &[f64]) -> f64 {
     (y.iter().map(|y| y * y).sum::<f64>() / y.len() as f64).sqrt()
 }
 
-/// Force and time of a delay [s]: the measured force read so much earlier, between samples by a straight line.
-fn delayed(recording: &Recording, size: f64) -> (Vec<f64>, f64) {
+/// The force delayed so that it changes by an RMS of `size`; between samples by a straight line.
+fn delayed(recording: &Recording, size: f64) -> Vec<f64> {
     let dt = recording.sample_time_s();
     let delay = size / rms(&slope(&recording.effort, recording)).max(1e-300);
     let mut effort = recording.effort.clone();
@@ -111,17 +119,17 @@ fn delayed(recording: &Recording, size: f64) -> (Vec<f64>, f64) {
             effort[i] = (1.0 - share) * recording.effort[from] + share * recording.effort[next];
         }
     }
-    (effort, delay)
+    effort
 }
 
-/// A recording with an effect in it, and what one percent of it is called.
+/// A recording with an effect in it, `percent` of its force.
 fn with(recording: &Recording, id: &str, percent: f64) -> Recording {
     let mean = recording.effort.iter().sum::<f64>() / recording.len() as f64;
     let centred: Vec<f64> = recording.effort.iter().map(|f| f - mean).collect();
     let size = percent / 100.0 * rms(&centred);
     let mut changed = recording.clone();
     if id == "channel_delay" {
-        changed.effort = delayed(recording, size).0;
+        changed.effort = delayed(recording, size);
     } else {
         let force = Motion::of(recording).force(id);
         let scale = size / rms(&force).max(1e-300);
@@ -132,11 +140,35 @@ fn with(recording: &Recording, id: &str, percent: f64) -> Recording {
     changed
 }
 
+/// Whether the period or the place of an effect is that of the one that was added.
+fn is_it(effect: &Effect, recording: &Recording) -> bool {
+    let motion = Motion::of(recording);
+    let close = |key: &str, true_value: f64, within: f64| {
+        let found = effect.parameters.iter().find(|p| p.0 == key);
+        found.is_some_and(|p| (p.1.value - true_value).abs() < within)
+    };
+    let period = |periods: f64| motion.travel / periods;
+    match effect.id {
+        "periodic_force" => close("period_m", period(WAVES), 0.03 * period(WAVES)),
+        "encoder_error" => close("period_m", period(LINES), 0.03 * period(LINES)),
+        "local_friction_spot" => {
+            let place = motion.low + motion.place * motion.travel;
+            close("position_m", place, motion.travel / SPOTS)
+        }
+        _ => true,
+    }
+}
+
+/// The effect that was added, and its place in the list, where it was found.
+fn found<'a>(d: &'a Diagnosis, id: &str, recording: &Recording) -> Option<(usize, &'a Effect)> {
+    let mut effects = d.effects.iter().enumerate();
+    effects.find(|(_, e)| e.id == id && is_it(e, recording))
+}
+
 /// Rank, level and nats of an effect, or what stands first instead.
-fn cell(d: &Diagnosis, id: &str) -> String {
-    match d.effects.iter().position(|e| e.id == id) {
-        Some(place) => {
-            let effect = &d.effects[place];
+fn cell(d: &Diagnosis, id: &str, recording: &Recording) -> String {
+    match found(d, id, recording) {
+        Some((place, effect)) => {
             let level = if effect.confident {
                 "confident"
             } else {
@@ -152,8 +184,8 @@ fn cell(d: &Diagnosis, id: &str) -> String {
 }
 
 /// The weakest strength up from which every one is named, confidently or at all.
-fn weakest(found: &[Option<bool>], enough: impl Fn(&Option<bool>) -> bool) -> String {
-    let strengths = found.iter().zip(STRENGTHS).take_while(|(f, _)| enough(f));
+fn weakest(named: &[Option<bool>], enough: impl Fn(&Option<bool>) -> bool) -> String {
+    let strengths = named.iter().zip(STRENGTHS).take_while(|(f, _)| enough(f));
     strengths
         .last()
         .map_or("none".to_owned(), |(_, s)| format!("{s} %"))
@@ -165,17 +197,16 @@ fn table(recording: &Recording, model: Option<&Model>, ids: &[&str]) -> Result<T
     let before: Vec<String> = plain.effects.iter().map(words).collect();
     let mut rows = Vec::new();
     for id in ids {
-        let mut row = vec![id.to_string(), cell(&plain, id)];
-        let mut found: Vec<Option<bool>> = Vec::new();
+        let mut row = vec![id.to_string(), cell(&plain, id, recording)];
+        let mut named: Vec<Option<bool>> = Vec::new();
         for percent in STRENGTHS {
             let changed = with(recording, id, percent);
             let (d, _) = run(&format!("{name} + {percent} % {id}"), &changed, model)?;
-            let named = d.effects.iter().find(|e| e.id == *id);
-            found.push(named.map(|e| e.confident));
-            row.push(cell(&d, id));
+            named.push(found(&d, id, recording).map(|(_, e)| e.confident));
+            row.push(cell(&d, id, recording));
         }
-        row.push(weakest(&found, |f| *f == Some(true)));
-        row.push(weakest(&found, Option::is_some));
+        row.push(weakest(&named, |f| *f == Some(true)));
+        row.push(weakest(&named, Option::is_some));
         rows.push(row);
     }
     let strengths = STRENGTHS.map(|s| format!("{s} %"));
@@ -184,7 +215,7 @@ fn table(recording: &Recording, model: Option<&Model>, ids: &[&str]) -> Result<T
     head.extend(["confident down to", "named down to"].map(String::from));
     Ok(Table {
         caption: format!(
-            "Injected into {name}: rank, level and nats by strength (RMS of what is added, in % of the force's standard deviation); – (…) is what stands first instead. Seed {SEED}. As it is: {}",
+            "Injected into {name}: rank, level and nats by strength (RMS of what is added, in % of the force's standard deviation), where its period or place is right too; – (…) is what stands first instead. Seed {SEED}. As it is: {}",
             if before.is_empty() {
                 "nothing".to_owned()
             } else {
