@@ -240,7 +240,7 @@ pub fn lacks(s: &Signals) -> Vec<Lack> {
     lacks
 }
 
-/// Low and high speed of the moving samples (5 % and 95 % quantiles) [m/s or rad/s].
+/// Low and high speed of the moving samples (5 % and 95 % quantiles) (m/s or rad/s).
 pub fn moving_speeds(s: &Signals) -> (f64, f64) {
     let top = s.v.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     let moving: Vec<f64> =

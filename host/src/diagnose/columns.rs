@@ -10,17 +10,17 @@ use std::f64::consts::{PI, TAU};
 /// The model that effects act through.
 #[derive(Default)]
 pub struct Baseline {
-    /// Inertia [kg or kg·m²].
+    /// Inertia (kg or kg·m²).
     pub mass: f64,
-    /// Stiffness [N/m] and yield displacement [m] of the blocks.
+    /// Stiffness (N/m) and yield displacement (m) of the blocks.
     pub blocks: Vec<(f64, f64)>,
-    /// Friction without effects [N or N·m].
+    /// Friction without effects (N or N·m).
     pub friction: Vec<f64>,
-    /// Its usual size in sliding [N or N·m].
+    /// Its usual size in sliding (N or N·m).
     pub level: f64,
     /// Its part in blocks that slip.
     pub slipping: Vec<f64>,
-    /// Stiffness of the blocks that stick [N/m or N·m/rad].
+    /// Stiffness of the blocks that stick (N/m or N·m/rad).
     pub stiffness: Vec<f64>,
     /// Whole modelled effort, plain effects included.
     pub fitted: Vec<f64>,
@@ -176,13 +176,13 @@ pub fn shapes(id: &str, study: &Study) -> Vec<Vec<f64>> {
     }
 }
 
-/// The lowest limit of the actuator that is tried: half of the samples are below it [N or N·m].
+/// The lowest limit of the actuator that is tried: half of the samples are below it (N or N·m).
 pub fn lowest_limit(study: &Study) -> f64 {
     let size: Vec<f64> = study.effort.iter().map(|f| f.abs()).collect();
     quantile(&size, 0.5)
 }
 
-/// The shortest yield of the reference friction that carries a hundredth of it [m or rad].
+/// The shortest yield of the reference friction that carries a hundredth of it (m or rad).
 fn shortest_yield(study: &Study) -> f64 {
     let b = &study.reference;
     b.blocks
@@ -395,7 +395,7 @@ fn displaced(error: Vec<f64>, mass: f64, study: &Study) -> Column {
     }
 }
 
-/// Travel [m or rad], and a speed that a fifth of the moving samples stays below.
+/// Travel (m or rad), and a speed that a fifth of the moving samples stays below.
 pub fn moving_range(s: &Signals) -> (f64, f64) {
     let (from, to) = bounds(&s.x);
     let top = s.v.iter().fold(0.0f64, |m, v| m.max(v.abs()));

@@ -10,9 +10,9 @@ use std::fmt::Write as _;
 
 /// Repeats of the motion: folds to hold out.
 const REPEATS: usize = 4;
-/// Sample time of the profile [s].
+/// Sample time of the profile (s).
 const STEP_S: f64 = 1e-3;
-/// Longest that one part of a repeat may take [s].
+/// Longest that one part of a repeat may take (s).
 const LONGEST_S: f64 = 40.0;
 
 /// A part of the motion.

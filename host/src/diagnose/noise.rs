@@ -45,9 +45,9 @@ struct Parameters {
     deviation: [f64; PROCESSES],
     /// Correlation length of each process: m (or rad), or s.
     length: [f64; PROCESSES],
-    /// White noise [N or N·m].
+    /// White noise (N or N·m).
     white: f64,
-    /// White noise of the position [m or rad].
+    /// White noise of the position (m or rad).
     position: f64,
 }
 
@@ -68,15 +68,15 @@ impl Parameters {
 pub struct Course<'a> {
     /// Rows of each fold.
     pub folds: &'a [Range<usize>],
-    /// Time [s].
+    /// Time (s).
     pub time: &'a [f64],
-    /// Travelled path [m or rad].
+    /// Travelled path (m or rad).
     pub path: &'a [f64],
-    /// Fitted friction [N or N·m].
+    /// Fitted friction (N or N·m).
     pub friction: &'a [f64],
-    /// Its slope over position [N/m or N·m/rad].
+    /// Its slope over position (N/m or N·m/rad).
     pub stiffness: &'a [f64],
-    /// Length of a typical stroke [m or rad].
+    /// Length of a typical stroke (m or rad).
     pub stroke: f64,
 }
 
@@ -330,7 +330,7 @@ impl Noise {
             .collect()
     }
 
-    /// Relative deviation of the friction level that does not repeat [–].
+    /// Relative deviation of the friction level that does not repeat (–).
     pub fn variability(&self) -> f64 {
         self.parameters.deviation[..3]
             .iter()
@@ -339,7 +339,7 @@ impl Noise {
             .sqrt()
     }
 
-    /// Deviation of the noise that is no friction [N or N·m].
+    /// Deviation of the noise that is no friction (N or N·m).
     pub fn disturbance(&self) -> f64 {
         let d = &self.parameters.deviation;
         ((2.0 * d[4]).exp() + (2.0 * d[5]).exp() + (2.0 * self.parameters.white).exp()).sqrt()

@@ -14,31 +14,31 @@ const REST: f64 = 0.01;
 
 /// Where, when and how the axis moved.
 pub struct Signals {
-    /// Sample time [s].
+    /// Sample time (s).
     pub dt: f64,
-    /// Time [s], from the first sample, running on over pieces.
+    /// Time (s), from the first sample, running on over pieces.
     pub t: Vec<f64>,
-    /// Measured position [m or rad].
+    /// Measured position (m or rad).
     pub x: Vec<f64>,
-    /// Velocity [m/s or rad/s], zero-phase.
+    /// Velocity (m/s or rad/s), zero-phase.
     pub v: Vec<f64>,
-    /// Acceleration [m/s² or rad/s²], zero-phase.
+    /// Acceleration (m/s² or rad/s²), zero-phase.
     pub a: Vec<f64>,
     /// Direction of the stroke, ±1.
     pub direction: Vec<f64>,
-    /// Displacement since the last reversal [m or rad], not negative.
+    /// Displacement since the last reversal (m or rad), not negative.
     pub since_reversal: Vec<f64>,
-    /// Length of the stroke before the last reversal [m or rad].
+    /// Length of the stroke before the last reversal (m or rad).
     pub last_stroke: Vec<f64>,
-    /// Travelled path [m or rad].
+    /// Travelled path (m or rad).
     pub path: Vec<f64>,
-    /// Duration of the last rest [s]; 0 before the first one.
+    /// Duration of the last rest (s); 0 before the first one.
     pub dwell: Vec<f64>,
-    /// Path since that rest [m or rad].
+    /// Path since that rest (m or rad).
     pub since_rest: Vec<f64>,
-    /// Temperature [°C], where recorded.
+    /// Temperature (°C), where recorded.
     pub temperature: Option<Vec<f64>>,
-    /// Load [N], where recorded.
+    /// Load (N), where recorded.
     pub load: Option<Vec<f64>>,
     /// Contiguous samples.
     pub pieces: Vec<Range<usize>>,
@@ -50,7 +50,7 @@ pub struct Signals {
     pub unit: &'static str,
     /// Reversals found.
     pub reversals: usize,
-    /// Band of the kinematics [Hz].
+    /// Band of the kinematics (Hz).
     pub band_hz: f64,
 }
 
@@ -145,7 +145,7 @@ impl Signals {
         }
     }
 
-    /// Time since the last reversal [s].
+    /// Time since the last reversal (s).
     pub fn time_since_reversal(&self) -> Vec<f64> {
         let mut since = 0.0;
         (0..self.x.len())

@@ -14,35 +14,35 @@ const KNOTS: usize = 8;
 /// A coordinate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
-    /// Position [m or rad].
+    /// Position (m or rad).
     Position,
-    /// Velocity [m/s or rad/s].
+    /// Velocity (m/s or rad/s).
     Velocity,
-    /// Speed [m/s or rad/s].
+    /// Speed (m/s or rad/s).
     Speed,
-    /// Displacement since the last reversal [m or rad].
+    /// Displacement since the last reversal (m or rad).
     SinceReversal,
-    /// Acceleration [m/s² or rad/s²].
+    /// Acceleration (m/s² or rad/s²).
     Acceleration,
-    /// Time [s].
+    /// Time (s).
     Time,
-    /// Travelled path [m or rad].
+    /// Travelled path (m or rad).
     Path,
-    /// Temperature [°C].
+    /// Temperature (°C).
     Temperature,
-    /// Load [N].
+    /// Load (N).
     Load,
-    /// Time since the last reversal [s].
+    /// Time since the last reversal (s).
     TimeSinceReversal,
-    /// Highest speed of the last seconds, forgotten slowly [m/s or rad/s].
+    /// Highest speed of the last seconds, forgotten slowly (m/s or rad/s).
     RecentSpeed,
-    /// Time, periodic [s].
+    /// Time, periodic (s).
     TimePeriodic,
-    /// Acceleration along the motion: speeding up or slowing down [m/s² or rad/s²].
+    /// Acceleration along the motion: speeding up or slowing down (m/s² or rad/s²).
     SpeedingUp,
 }
 
-/// Time in which a high speed is forgotten [s].
+/// Time in which a high speed is forgotten (s).
 const FORGOTTEN_S: f64 = 1.0;
 
 impl Axis {

@@ -41,7 +41,7 @@ pub struct Study {
     pub effort: Vec<f64>,
     /// Whether the effort contains inertia.
     pub inertial: bool,
-    /// Yield displacements of the core [m or rad].
+    /// Yield displacements of the core (m or rad).
     pub yields: Vec<f64>,
     /// The model that effects act through: the core, fitted together with plain effects.
     pub reference: Baseline,
@@ -455,7 +455,7 @@ impl Study {
         rows
     }
 
-    /// Held-out NMSE [%] of a hypothesis with given blocks, free by a common factor only, and with the core: least squares
+    /// Held-out NMSE (%) of a hypothesis with given blocks, free by a common factor only, and with the core: least squares
     /// both, because a wrong shape misleads a fit that trusts its noise model.
     pub fn shape_error(&self, blocks: &[(f64, f64)], state: &State) -> Option<[f64; 2]> {
         let (fine, pieces) = between_samples(&self.s);

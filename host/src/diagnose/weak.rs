@@ -18,7 +18,7 @@ pub struct Weak {
     pub centres: Vec<usize>,
     /// Rows of each fold.
     pub folds: Vec<Range<usize>>,
-    /// Half-width of the kernel [s].
+    /// Half-width of the kernel (s).
     pub half_width_s: f64,
     /// Samples between two rows.
     pub spacing: usize,
