@@ -176,10 +176,10 @@ pub fn shapes(id: &str, study: &Study) -> Vec<Vec<f64>> {
     }
 }
 
-/// The lowest limit of the actuator that is tried: half of the samples are below it (N or N·m).
+/// The lowest limit of the actuator that is tried (N or N·m).
 pub fn lowest_limit(study: &Study) -> f64 {
     let size: Vec<f64> = study.effort.iter().map(|f| f.abs()).collect();
-    quantile(&size, 0.5)
+    quantile(&size, RARE)
 }
 
 /// The shortest yield of the reference friction that carries a hundredth of it (m or rad).
@@ -192,6 +192,10 @@ fn shortest_yield(study: &Study) -> f64 {
         .fold(f64::INFINITY, f64::min)
         .min(1.0)
 }
+
+/// Share of the samples that stay below an actuator's limit at least: a limit that most of the effort exceeds would explain the
+/// measured effort by itself.
+pub const RARE: f64 = 0.95;
 
 /// `count` values from `low` to `high`, evenly on a logarithmic scale.
 pub fn spread(low: f64, high: f64, count: usize) -> Vec<f64> {

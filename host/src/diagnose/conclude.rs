@@ -289,7 +289,9 @@ fn judge(evidence: Evidence, mechanics: &[(String, f64)]) -> Option<Effect> {
     // than nine in ten beyond 1000. What pretends to be physics brings nats as well.
     let right = 1.0 / (1.0 + (HALF / nats).powf(1.2));
     let confidence = (real * named * right * if adequate { 1.0 } else { 0.1 }).clamp(0.01, 0.99);
+    let helped = own.gain.by_fold.iter().filter(|g| **g > 0.0).count();
     let confident = over > CERTAIN
+        && 3 * helped >= 2 * own.gain.by_fold.len()
         && adequate
         && (confidence > LIKELY || !ambiguous_with.is_empty() && real * right > LIKELY && own_best);
     let source = periodic(id).then(|| {

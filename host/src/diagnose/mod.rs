@@ -66,6 +66,7 @@ pub fn diagnose(
             recording.effort_unit()
         )));
     }
+    one_sample_time(recording)?;
     if let Some(model) = model
         && model.motion != recording.kind
     {
@@ -112,18 +113,17 @@ pub fn diagnose(
 /// What the user's model already has.
 fn given(model: &Model) -> Vec<Term> {
     let mut terms = Vec::new();
-    let mut give = |id, shape| {
+    let mut give = |id, shape: &[f64]| {
         terms.push(Term {
-            id,
-            shape,
             given: true,
-        })
+            ..Term::new(id, shape)
+        });
     };
     if model.viscous != 0.0 {
-        give("viscous", vec![]);
+        give("viscous", &[]);
     }
     if model.constant_force != 0.0 {
-        give("constant_force", vec![]);
+        give("constant_force", &[]);
     }
     if let FrictionModel::Gms {
         sliding: Some(sliding),
@@ -132,10 +132,37 @@ fn given(model: &Model) -> Vec<Term> {
     | FrictionModel::LuGre { sliding, .. } = &model.friction
         && sliding.coulomb > 0.0
     {
-        give(
-            "stribeck",
-            vec![sliding.stribeck_velocity, sliding.stribeck_exponent, 0.0],
-        );
+        let shape = [sliding.stribeck_velocity, sliding.stribeck_exponent, 0.0];
+        give("stribeck", &shape);
+    }
+    for effect in &model.effects {
+        let shape: Vec<f64> = match effect.id {
+            "position_force" | "position_friction" => vec![effect.cosines().len() as f64],
+            "thermal_drift" if effect.has("level_per_K") => Vec::new(),
+            id => columns::parameters(id)
+                .iter()
+                .map(|(key, _)| effect.get(key))
+                .collect(),
+        };
+        give(effect.id, &shape);
     }
     terms
+}
+
+/// Refuses recordings of different sample times: one kernel serves all rows.
+fn one_sample_time(recording: &Recording) -> Result<(), Refusal> {
+    let usual = recording.sample_time_s();
+    for piece in &recording.pieces {
+        let t = &recording.t_s[piece.clone()];
+        let steps: Vec<f64> = t.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let own = signals::quantile(&steps, 0.5);
+        if steps.len() > 2 && (own / usual - 1.0).abs() > 0.1 {
+            return Err(Refusal::Input(format!(
+                "{}: sample {} and those after it are {own} s apart, the others {usual} s; diagnose recordings of one sample time together, the others by themselves",
+                recording.name,
+                piece.start + 1
+            )));
+        }
+    }
+    Ok(())
 }

@@ -216,7 +216,14 @@ pub fn malformed(study: &Study, state: &State, index: usize, nats: f64) -> Optio
             .iter()
             .map(|hat| hat.iter().zip(&force).map(|(h, f)| h * f).collect())
             .collect();
-        Some(study.gain_of(state, &columns)?.total())
+        let own = study.gain_of(state, &columns)?.total();
+        // What any curve over that coordinate gains is the core's error there, not the effect's.
+        let any = [false, true]
+            .into_iter()
+            .filter_map(|odd| study.gain_of(state, &curve(study, axis, odd)?))
+            .map(|g| g.total())
+            .fold(0.0, f64::max);
+        (own > 2.0 * any).then_some(own)
     };
     let own = Axis::of(id);
     let found = [Axis::Speed, Axis::Time, Axis::SinceReversal]
