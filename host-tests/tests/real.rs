@@ -62,7 +62,6 @@ fn the_offset_that_the_model_lacks_is_named_and_measured() {
 
 /// The aim of the issue: not only named first, but confidently.
 #[test]
-#[ignore = "only suspected so far: the form check finds that the force changes with speed"]
 fn the_offset_that_the_model_lacks_is_named_confidently() {
     let Some(recording) = emps() else { return };
     assert!(against_friction(&recording).effects[0].confident);
