@@ -29,6 +29,8 @@ pub fn is_plain(certainty: f64, nats: f64) -> bool {
 }
 /// Share of its nats by which an effect must beat a simpler one that it contains.
 const NESTED: f64 = 0.03;
+/// Share of its nats by which an asymmetry must beat a constant force.
+const ALIKE: f64 = 0.15;
 /// Nats by which a rival must be better to take a term's place.
 const BETTER: f64 = 3.0;
 
@@ -53,6 +55,8 @@ impl Candidate {
     fn rank(&self) -> f64 {
         let handicap = match self.term.id {
             "frictional_lag" | "position_force" => 5.0 + NESTED * self.gain.total(),
+            // No fit tells it from a constant force; that is the simpler of the two.
+            "coulomb_asymmetry" => 5.0 + ALIKE * self.gain.total(),
             _ => 0.0,
         };
         self.excess() - handicap
