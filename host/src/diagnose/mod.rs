@@ -22,6 +22,9 @@ use crate::recording::Recording;
 pub use conclude::Diagnosis;
 use study::{Study, Term};
 
+/// Ratio of sample times from which recordings are too unlike for one kernel.
+const UNLIKE: f64 = 3.0;
+
 /// Warnings of the loader that leave nothing to diagnose, with what would.
 const FATAL: [(&str, &str); 3] = [
     ("no-motion", "record a motion"),
@@ -156,7 +159,7 @@ fn one_sample_time(recording: &Recording) -> Result<(), Refusal> {
         let t = &recording.t_s[piece.clone()];
         let steps: Vec<f64> = t.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let own = signals::quantile(&steps, 0.5);
-        if steps.len() > 2 && (own / usual - 1.0).abs() > 0.1 {
+        if steps.len() > 2 && !(1.0 / UNLIKE..UNLIKE).contains(&(own / usual)) {
             return Err(Refusal::Input(format!(
                 "{}: sample {} and those after it are {own} s apart, the others {usual} s; diagnose recordings of one sample time together, the others by themselves",
                 recording.name,

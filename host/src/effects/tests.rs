@@ -469,11 +469,11 @@ fn mechanics_and_channels() {
     assert!(off < 1e-4, "delay {off:e}");
     assert!(difference(&late, 4, |i| force(t[i], origin(i))) > 3e-3);
 
-    // Behind a spring k = ω²·M/2 the load is at x − F_t/k, F_t = M/2·a + F; in a sine that scales the motion of load and
-    // spring: F falls by 100 N/m·(F_t − F_t(0))/k, and −F_t''/ω² = (w/ω)²·(F_t − mean) is added.
+    // Behind a spring k = ω²·M/4 the load is at x − F_t/k, F_t = M/2·a + F; in a sine that scales the motion of load and
+    // spring: F falls by 100 N/m·(F_t − F_t(0))/k, and −F_t''·(M/2)/k = 2·(w/ω)²·(F_t − mean) is added.
     let soft = along(vec![every[13].clone()], spring);
     let omega = TAU * 60.0;
-    let k = omega * omega * 1.0;
+    let k = omega * omega * 0.5;
     let off = difference(&soft, 5, |i| {
         let transmitted = |i: usize| a[i] + 100.0 * (x[i] - origin(i));
         let mean = 100.0 * (0.005 - origin(i));
@@ -483,7 +483,7 @@ fn mechanics_and_channels() {
             transmitted(1999) - transmitted(2000)
         };
         let first = a[0];
-        let sprung = (w / omega).powi(2) * (transmitted(i) - mean);
+        let sprung = 2.0 * (w / omega).powi(2) * (transmitted(i) - mean);
         force(t[i], origin(i)) - 100.0 * (transmitted(i) + start - first) / k + sprung
     });
     assert!(off < 1e-4, "compliance {off:e}");
