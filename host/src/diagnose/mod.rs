@@ -155,17 +155,27 @@ fn given(model: &Model) -> Vec<Term> {
 /// Refuses recordings of different sample times: one kernel serves all rows.
 fn one_sample_time(recording: &Recording) -> Result<(), Refusal> {
     let usual = recording.sample_time_s();
-    for piece in &recording.pieces {
+    let own = |piece: &std::ops::Range<usize>| {
         let t = &recording.t_s[piece.clone()];
         let steps: Vec<f64> = t.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let own = signals::quantile(&steps, 0.5);
-        if steps.len() > 2 && !(1.0 / UNLIKE..UNLIKE).contains(&(own / usual)) {
-            return Err(Refusal::Input(format!(
-                "{}: sample {} and those after it are {own} s apart, the others {usual} s; diagnose recordings of one sample time together, the others by themselves",
-                recording.name,
-                piece.start + 1
-            )));
-        }
+        signals::quantile(&steps, 0.5)
+    };
+    let unlike: Vec<_> = recording
+        .pieces
+        .iter()
+        .filter(|p| p.len() > 3 && !(1.0 / UNLIKE..UNLIKE).contains(&(own(p) / usual)))
+        .collect();
+    let samples: usize = unlike.iter().map(|p| p.len()).sum();
+    if let Some(piece) = unlike.first()
+        && 3 * samples > recording.len()
+    {
+        return Err(Refusal::Input(format!(
+            "{}: {samples} of {} samples, the first of them number {}, are {:.2e} s apart and not {usual:.2e} s; diagnose recordings of one sample time together, the others by themselves",
+            recording.name,
+            recording.len(),
+            piece.start + 1,
+            own(piece)
+        )));
     }
     Ok(())
 }

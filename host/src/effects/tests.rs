@@ -474,7 +474,7 @@ fn mechanics_and_channels() {
     let soft = along(vec![every[13].clone()], spring);
     let omega = TAU * 60.0;
     let k = omega * omega * 0.5;
-    let off = difference(&soft, 5, |i| {
+    let off = difference(&soft, 7, |i| {
         let transmitted = |i: usize| a[i] + 100.0 * (x[i] - origin(i));
         let mean = 100.0 * (0.005 - origin(i));
         let start = if i < 2000 {
