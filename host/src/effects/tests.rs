@@ -510,7 +510,8 @@ fn mechanics_and_channels() {
     let bare = along(vec![], stop);
     assert!(difference(&play, 100, |i| bare[i]) < 1e-9);
 
-    // Held under load, a block of stiffness k relaxes with F_limit/(k·rate) = 0.8 ms·1e3.
+    // Held under load, a block of stiffness k relaxes by dF/dt = −k·rate·sinh(F/F_limit):
+    // tanh(F/(2·F_limit)) falls exponentially with F_limit/(k·rate) = 0.8 s.
     let model = Model {
         inertia: 0.0,
         viscous: 0.0,
@@ -530,7 +531,8 @@ fn mechanics_and_channels() {
     };
     let force = model.resistance(path).expect("bounded");
     for (i, f) in force.iter().enumerate().skip(1) {
-        let wanted = 0.4 * (-(i as f64 - 1.0) * STEP / 0.8).exp();
+        let share = (0.25_f64).tanh() * (-(i as f64 - 1.0) * STEP / 0.8).exp();
+        let wanted = 2.0 * 0.8 * share.atanh();
         assert!((f - wanted).abs() < 1e-3, "{i}: {f} {wanted}");
     }
     let lugre = FrictionModel::LuGre {
