@@ -110,9 +110,7 @@ pub struct Diagnosis {
 
 /// Held-out NMSE of a fitted hypothesis.
 pub fn nmse(study: &Study, state: &State) -> Nmse {
-    let n = study.force.len() as f64;
-    let mean = study.force.iter().sum::<f64>() / n;
-    let variation: f64 = study.force.iter().map(|f| (f - mean).powi(2)).sum();
+    let variation = study.variation();
     let square = |r: &[f64]| r.iter().map(|r| r * r).sum::<f64>();
     let train = square(&study.residual(state));
     let test = square(&study.held_out_residual(state));
@@ -225,13 +223,11 @@ pub fn conclude(
     } else {
         "consistent"
     };
-    let mean = study.force.iter().sum::<f64>() / n;
-    let variance = study.force.iter().map(|f| (f - mean).powi(2)).sum::<f64>() / n;
     Some(Diagnosis {
         verdict,
         baseline,
         extended: with,
-        noise_floor: 100.0 * extended.noise.row_variance / variance,
+        noise_floor: 100.0 * extended.noise.row_variance * n / study.variation(),
         effects,
         unknown,
         lacks: catalogue::lacks(&study.s),
@@ -379,15 +375,14 @@ pub fn parameters(study: &Study, state: &State, index: usize) -> Vec<(String, Es
     let mut slopes: Vec<Option<usize>> = Vec::new();
     for (k, key) in keys.iter().enumerate() {
         let value = term.shape[k];
-        let (travel, _) = columns::moving_range(&study.s);
-        let duration = study.s.t.last().copied().unwrap_or(1.0);
+        let travel = study.s.travel();
         let step = match key.1 {
             Scale::Chosen => {
                 slopes.push(None);
                 continue;
             }
             Scale::Period => 0.01 * value * value / travel,
-            Scale::Frequency => 0.01 / duration,
+            Scale::Frequency => 0.01 / study.s.duration(),
             Scale::Logarithmic => 0.01 * value,
             Scale::Travel => travel * 1e-3,
         };

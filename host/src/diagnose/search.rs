@@ -1,8 +1,8 @@
 //! Which effects act: forward, swap and backward, with thresholds from the recording's own noise.
 
 use super::catalogue::TESTED;
-use super::columns::{Scale, lowest_limit, moving_range, parameters, shapes};
-use super::score::Gain;
+use super::columns::{Scale, lowest_limit, parameters, shapes};
+use super::score::{Gain, beyond};
 use super::signature::{self, Axis, Signature, signatures};
 use super::spectra;
 use super::study::{State, Study, Term};
@@ -11,8 +11,6 @@ use rayon::prelude::*;
 
 /// Most effects named in one recording.
 const MOST: usize = 6;
-/// Standard deviations of the best noise draw's nats above their mean.
-const DEVIATIONS: f64 = 4.0;
 /// Nats that a name must bring in any case: odds of 150 to 1 on the folds held out.
 const LEAST: f64 = 5.0;
 /// A term that takes off more than this share of the mismatch changes what the others act through.
@@ -22,17 +20,20 @@ const LARGE: f64 = 0.1;
 const PLAIN: f64 = 2.0;
 /// Nats beyond which fewer standard errors will do: an effect may be plain to a fit and small beside the friction's wandering.
 const EVIDENT: f64 = 100.0;
-
-/// Whether an improvement is plain enough for its nats.
-pub fn is_plain(certainty: f64, nats: f64) -> bool {
-    certainty > PLAIN * (EVIDENT / nats.max(EVIDENT))
-}
 /// Share of its nats by which an effect must beat a simpler one that it contains.
 const NESTED: f64 = 0.03;
 /// Share of its nats by which an asymmetry must beat a constant force.
 const ALIKE: f64 = 0.15;
 /// Nats by which a rival must be better to take a term's place.
 const BETTER: f64 = 3.0;
+
+/// Share of the moving samples below the speed at which the rows must still resolve a line of position.
+const SLOW: f64 = 0.2;
+
+/// Whether an improvement is plain enough for its nats.
+fn is_plain(certainty: f64, nats: f64) -> bool {
+    certainty > PLAIN * (EVIDENT / nats.max(EVIDENT))
+}
 
 /// The best shape of an effect, what it would add, and what noise alone adds.
 #[derive(Clone, Debug)]
@@ -143,14 +144,11 @@ pub fn scan(study: &Study, state: &State, periods: &[f64]) -> Vec<Candidate> {
                     .fold(f64::NEG_INFINITY, f64::max)
             })
             .collect();
-        let mean = maxima.iter().sum::<f64>() / draws as f64;
-        let spread =
-            (maxima.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (draws - 1) as f64).sqrt();
         best.push(Candidate {
             term: top.0.clone(),
             gain: top.2.clone(),
             // Lines are looked for among `tries` frequencies, which the draws did not do.
-            threshold: (mean + DEVIATIONS * spread).max(LEAST) + top.1.max(1.0).ln(),
+            threshold: beyond(&maxima).max(LEAST) + top.1.max(1.0).ln(),
         });
     }
     best.sort_by(|a, b| b.excess().total_cmp(&a.excess()));
@@ -160,15 +158,13 @@ pub fn scan(study: &Study, state: &State, periods: &[f64]) -> Vec<Candidate> {
 /// Lines of the mismatch in position and in time, and the periods of the mechanics, with the frequencies tried for them.
 fn lines(study: &Study, state: &State, periods: &[f64]) -> Vec<(Term, f64)> {
     let s = &study.s;
-    let weights = state.noise.inverse(&study.residual(state));
     let x = study.weak.at_centres(&s.x);
     let t = study.weak.at_centres(&s.t);
-    let friction = study.weak.at_centres(&study.reference.friction);
-    let (travel, slow) = moving_range(s);
+    let (travel, slow) = (s.travel(), s.moving_speed(SLOW).max(1e-300));
     let row_s = study.weak.half_width_s;
     let finest = 0.5 / (row_s * slow);
     let lowest = 1.5 / travel;
-    let by_friction: Vec<f64> = weights.iter().zip(&friction).map(|(w, f)| w * f).collect();
+    let (weights, by_friction) = study.weighed_residual(state);
     let mut found = Vec::new();
     let tries = (finest / lowest).max(1.0);
     let duration = t.last().copied().unwrap_or(0.0) - t.first().copied().unwrap_or(0.0);
@@ -213,8 +209,7 @@ pub fn refine(study: &Study, without: &State, term: &Term) -> Term {
         return best;
     };
     let keys = parameters(term.id);
-    let (travel, _) = moving_range(&study.s);
-    let duration = study.s.t.last().copied().unwrap_or(1.0);
+    let (travel, duration) = (study.s.travel(), study.s.duration());
     let mut steps: Vec<f64> = keys
         .iter()
         .map(|(_, scale)| match scale {
@@ -289,7 +284,7 @@ fn folded(study: &Study, state: State, given: usize) -> Option<State> {
         return Some(state);
     };
     let size = coefficients(constant).first().map_or(0.0, |c| c.abs());
-    let (travel, _) = moving_range(&study.s);
+    let travel = study.s.travel();
     let spring = place("position_spring").filter(|&i| {
         coefficients(i)
             .first()

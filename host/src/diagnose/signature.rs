@@ -1,6 +1,6 @@
 //! Which coordinate organises a mismatch, without asking what physics it is.
 
-use super::score::Gain;
+use super::score::{Gain, beyond};
 use super::search::consistent;
 use super::signals::{Signals, quantile};
 use super::spectra;
@@ -8,6 +8,8 @@ use super::study::{State, Study};
 use super::weak::Column;
 use rayon::prelude::*;
 
+/// Nats that a curve must bring in any case: it has several coefficients and many coordinates to choose from.
+const LEAST: f64 = 10.0;
 /// Knots of the smooth curve over a coordinate.
 const KNOTS: usize = 8;
 
@@ -183,10 +185,7 @@ pub fn signatures(study: &Study, state: &State) -> Vec<Signature> {
                 _ => curve(study, axis, odd)?,
             };
             let gain = study.gain_of(state, &rows)?;
-            let draws = gain.null.len() as f64;
-            let mean = gain.null.iter().sum::<f64>() / draws;
-            let spread = (gain.null.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / draws).sqrt();
-            let threshold = (mean + 4.0 * spread).max(10.0);
+            let threshold = beyond(&gain.null).max(LEAST);
             Some(Signature {
                 axis,
                 odd,
@@ -264,13 +263,7 @@ fn clockwork(study: &Study, state: &State, odd: bool) -> Option<Vec<Vec<f64>>> {
     }
     let t = study.weak.at_centres(&study.s.t);
     let friction = study.weak.at_centres(&study.reference.friction);
-    let weights: Vec<f64> = state
-        .noise
-        .inverse(&study.residual(state))
-        .iter()
-        .zip(&friction)
-        .map(|(w, f)| w * f)
-        .collect();
+    let (_, weights) = study.weighed_residual(state);
     let duration = t.last()? - t.first()?;
     let line = *spectra::lines(&t, &weights, 4.0 / duration, 5.0).first()?;
     let mut columns = Vec::new();
