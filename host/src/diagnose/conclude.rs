@@ -1,18 +1,16 @@
 //! From the search to a verdict: levels, confidence, parameters with intervals, and held-out figures.
 
+use super::bursts::bursts;
 use super::catalogue::{self, Lack};
 use super::columns::{self, MOTOR_SHARE, Scale, amplitude_key, mean};
 use super::score::{Bound, Gain};
-use super::search::{Candidate, Evidence, Found};
-use super::signature::{self, Axis, Signature};
+use super::search::{Candidate, EVIDENT, Evidence, Found};
+use super::signature::{self, Axis, Signature, UNNAMED};
 use super::study::{State, Study, Term};
 use crate::identify::estimate::Estimate;
 
 /// Least confidence of a confident statement.
 const LIKELY: f64 = 0.5;
-
-/// Times its threshold that a curve over a coordinate brings before it is called unknown physics.
-const UNNAMED: f64 = 6.0;
 
 /// Times its threshold that a confident effect brings.
 const CERTAIN: f64 = 6.0;
@@ -20,6 +18,9 @@ const CERTAIN: f64 = 6.0;
 /// NMSE (%) by which the user's blocks, refitted by a common factor, may be worse than the core before their shape is called
 /// wrong: what the paper's three blocks leave (its Table 3).
 const SHAPE: f64 = 0.839;
+
+/// Standard errors by which the plain held-out error of a confident effect falls, at the nats beyond which fewer will do.
+const SURE: f64 = 3.0;
 
 /// Nats at which half of the names are right.
 const HALF: f64 = 150.0;
@@ -44,6 +45,8 @@ pub struct Effect {
     pub threshold: f64,
     /// Standard errors by which the plain held-out error falls.
     pub certainty: f64,
+    /// No free curve does better, and its size does not change where the catalogue's does not.
+    pub adequate: bool,
     /// The coordinate over which its size changes though the catalogue's effect does not.
     pub malformed: Option<Axis>,
     /// By fold.
@@ -138,6 +141,16 @@ pub fn conclude(
     for evidence in evidence {
         effects.push(judge(evidence, mechanics)?);
     }
+    // A smaller effect over the same coordinate may be what a wrong name leaves.
+    let wrong: Vec<(Axis, f64)> = effects
+        .iter()
+        .filter(|e| !e.adequate)
+        .map(|e| (Axis::of(e.id), e.nats))
+        .collect();
+    for effect in &mut effects {
+        let axis = Axis::of(effect.id);
+        effect.confident &= wrong.iter().all(|w| w.0 != axis || w.1 < effect.nats);
+    }
     let mut terms: Vec<Term> = state.terms[..given].to_vec();
     terms.extend(
         effects
@@ -199,7 +212,9 @@ pub fn conclude(
     let unknown = left
         .iter()
         .find(|s| s.certain() && s.gain.total() > UNNAMED * s.threshold)
-        .or(strange.as_ref())
+        .cloned()
+        .or(strange)
+        .or_else(|| bursts(study, &extended))
         .map(|signature| {
             let values = signature
                 .axis
@@ -213,7 +228,7 @@ pub fn conclude(
                     signature.gain.by_fold.iter().filter(|g| **g > 0.0).count(),
                     signature.gain.by_fold.len(),
                 ),
-                signature: signature.clone(),
+                signature,
             }
         });
     let verdict = if effects.iter().any(|e| e.confident) {
@@ -241,7 +256,7 @@ fn judge(evidence: Evidence, mechanics: &[(String, f64)]) -> Option<Effect> {
     let Evidence {
         candidate: own,
         rivals,
-        curves,
+        outdone,
         certainty,
         malformed,
     } = evidence;
@@ -266,11 +281,7 @@ fn judge(evidence: Evidence, mechanics: &[(String, f64)]) -> Option<Effect> {
         }
     }
     ambiguous_with.truncate(4);
-    // A free curve over some coordinate that does far better says that the name is wrong.
-    let adequate = malformed.is_none()
-        && curves
-            .iter()
-            .all(|c| nats > 0.5 * c.gain.total() || !c.certain());
+    let adequate = malformed.is_none() && !outdone;
     let over = nats / own.threshold;
     let own_best = rivals.iter().all(|r| r.gain.total() < nats + TIE.0);
     let best_rival = rivals
@@ -289,6 +300,7 @@ fn judge(evidence: Evidence, mechanics: &[(String, f64)]) -> Option<Effect> {
     let confident = over > CERTAIN
         && 3 * helped >= 2 * own.gain.by_fold.len()
         && adequate
+        && certainty * (nats / EVIDENT).sqrt() > SURE
         && (confidence > LIKELY || !ambiguous_with.is_empty() && real * right > LIKELY && own_best);
     let source = periodic(id).then(|| {
         let period = own.term.shape.first().copied().unwrap_or(0.0);
@@ -311,6 +323,7 @@ fn judge(evidence: Evidence, mechanics: &[(String, f64)]) -> Option<Effect> {
         nats,
         threshold: own.threshold,
         certainty,
+        adequate,
         malformed,
         by_fold: own.gain.by_fold.clone(),
         nmse_test: [f64::NAN; 2],
@@ -336,6 +349,7 @@ fn shape(own: f64, core: f64, rows: usize) -> Effect {
         nats,
         threshold: CERTAIN,
         certainty: f64::INFINITY,
+        adequate: true,
         malformed: None,
         by_fold: Vec::new(),
         nmse_test: [own, core],

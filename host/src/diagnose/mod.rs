@@ -1,6 +1,7 @@
 //! What a model left out of a recording: located, named, modelled and shown on folds that no fit saw.
 
 pub mod blocks;
+pub mod bursts;
 pub mod catalogue;
 pub mod columns;
 pub mod conclude;

@@ -48,10 +48,10 @@ impl Unknown {
         format!(
             "what is left follows {}, {}{place}; {} {force} RMS in all; it helps in {} of {} folds",
             self.signature.axis.name(),
-            if self.signature.odd {
-                "flips with direction"
-            } else {
-                "the same in both directions"
+            match (self.signature.axis, self.signature.odd) {
+                (Axis::Bursts, _) => "which nothing in the motion tells",
+                (_, true) => "flips with direction",
+                (_, false) => "the same in both directions",
             },
             digits(self.rms),
             self.folds.0,

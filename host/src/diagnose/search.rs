@@ -3,7 +3,7 @@
 use super::catalogue::TESTED;
 use super::columns::{Scale, lowest_limit, parameters, shapes};
 use super::score::{Gain, beyond};
-use super::signature::{self, Axis, Signature, signatures};
+use super::signature::{self, Axis, signatures};
 use super::spectra;
 use super::study::{State, Study, Term};
 use crate::progress::Progress;
@@ -19,11 +19,13 @@ const LARGE: f64 = 0.1;
 /// follow of a real hysteresis is not in it.
 const PLAIN: f64 = 2.0;
 /// Nats beyond which fewer standard errors will do: an effect may be plain to a fit and small beside the friction's wandering.
-const EVIDENT: f64 = 100.0;
+pub const EVIDENT: f64 = 100.0;
 /// Share of its nats by which an effect must beat a simpler one that it contains.
 const NESTED: f64 = 0.03;
 /// Share of its nats by which an asymmetry must beat a constant force.
 const ALIKE: f64 = 0.15;
+/// Share of a larger effect's nats below which an effect may be what the other's form leaves.
+const SMALL: f64 = 0.35;
 /// Nats by which a rival must be better to take a term's place.
 const BETTER: f64 = 3.0;
 
@@ -100,6 +102,13 @@ fn physical(id: &str, coefficients: &[f64]) -> bool {
         ("actuator_saturation", [c]) => (0.7..1.3).contains(c),
         _ => true,
     }
+}
+
+fn is_physical(state: &State, index: usize) -> bool {
+    physical(
+        state.terms[index].id,
+        &state.fit.coefficients[state.places[index].clone()],
+    )
 }
 
 /// The best candidate of every effect, best first.
@@ -264,12 +273,10 @@ pub fn refine(study: &Study, without: &State, term: &Term) -> Term {
 fn sharpened(study: &Study, mut state: State, given: usize) -> Option<State> {
     for index in given..state.terms.len() {
         let mut terms = state.terms.clone();
-        let term = terms.remove(index);
-        if parameters(term.id).is_empty() {
+        if parameters(terms[index].id).is_empty() {
             continue;
         }
-        let without = study.fit_with(&terms, state.noise.clone())?;
-        terms.insert(index, refine(study, &without, &term));
+        terms[index] = refine(study, &study.without(&state, index)?, &terms[index]);
         state = study.fit(&terms, Some(&state))?;
     }
     Some(state)
@@ -318,8 +325,8 @@ pub struct Evidence {
     pub candidate: Candidate,
     /// Every other effect in its place, best first.
     pub rivals: Vec<Candidate>,
-    /// Free curves over each coordinate in its place, best first.
-    pub curves: Vec<Signature>,
+    /// A free curve over some coordinate explains it better, or it is what another effect's form leaves.
+    pub outdone: bool,
     /// Standard errors by which the plain held-out error falls.
     pub certainty: f64,
     /// The coordinate over which its size changes, which the catalogue's effect does not do.
@@ -349,7 +356,10 @@ pub fn search(
             break;
         };
         let (share, certainty) = study.improvement(&state, &next);
-        if !is_plain(certainty, nats) {
+        // Two terms that take on signs against their physics only cancel each other within the motion recorded.
+        let cancels =
+            (0..state.terms.len()).any(|i| is_physical(&state, i) && !is_physical(&next, i));
+        if cancels || !is_plain(certainty, nats) {
             slight.push(top);
             continue;
         }
@@ -386,9 +396,7 @@ fn weigh(
     let mut swaps = 0;
     while index < state.terms.len() {
         let term = state.terms[index].clone();
-        let mut others = state.terms.clone();
-        others.remove(index);
-        let without = study.fit_with(&others, state.noise.clone())?;
+        let without = study.without(&state, index)?;
         let mut rivals = scan(study, &without, periods);
         let threshold = rivals
             .iter()
@@ -411,8 +419,9 @@ fn weigh(
             && swaps < 3
         {
             swaps += 1;
-            others.insert(index, better.term.clone());
-            state = study.fit_with(&others, state.noise.clone())?;
+            let mut terms = state.terms.clone();
+            terms[index] = better.term.clone();
+            state = study.fit_with(&terms, state.noise.clone())?;
             evidence.clear();
             index = given;
             continue;
@@ -427,14 +436,23 @@ fn weigh(
         }
         let curves = signatures(study, &without);
         evidence.push(Evidence {
+            outdone: signature::outdone(study, &state, own_nats, &curves),
             candidate: own,
             rivals,
-            curves,
             certainty,
             malformed: signature::malformed(study, &state, index, own_nats),
         });
         index += 1;
         progress.inc(1);
+    }
+    let nats: Vec<f64> = evidence.iter().map(|e| e.candidate.gain.total()).collect();
+    for (index, own) in evidence.iter_mut().enumerate() {
+        let largest = (0..nats.len()).max_by(|a, b| nats[*a].total_cmp(&nats[*b]))?;
+        if nats[index] < SMALL * nats[largest] {
+            let without = study.without(&state, given + index)?;
+            let larger = state.terms[given + largest].id;
+            own.outdone |= signature::remainder(study, &without, &own.candidate, larger);
+        }
     }
     Some((state, evidence))
 }

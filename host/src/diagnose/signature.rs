@@ -1,7 +1,7 @@
 //! Which coordinate organises a mismatch, without asking what physics it is.
 
 use super::score::{Gain, beyond};
-use super::search::consistent;
+use super::search::{Candidate, consistent};
 use super::signals::{Signals, quantile};
 use super::spectra;
 use super::study::{State, Study};
@@ -10,6 +10,8 @@ use rayon::prelude::*;
 
 /// Nats that a curve must bring in any case: it has several coefficients and many coordinates to choose from.
 const LEAST: f64 = 10.0;
+/// Times its threshold that a curve over a coordinate brings before it is called unknown physics.
+pub const UNNAMED: f64 = 6.0;
 /// Knots of the smooth curve over a coordinate.
 const KNOTS: usize = 8;
 
@@ -40,6 +42,8 @@ pub enum Axis {
     RecentSpeed,
     /// Time, periodic (s).
     TimePeriodic,
+    /// Time, in bursts (s): see [`super::bursts`].
+    Bursts,
     /// Acceleration along the motion: speeding up or slowing down (m/s² or rad/s²).
     SpeedingUp,
 }
@@ -48,7 +52,7 @@ pub enum Axis {
 const FORGOTTEN_S: f64 = 1.0;
 
 impl Axis {
-    /// All of them.
+    /// Those over which a curve can be drawn.
     pub const ALL: [Axis; 13] = [
         Axis::Position,
         Axis::Velocity,
@@ -80,6 +84,7 @@ impl Axis {
             Axis::TimeSinceReversal => "time since reversal",
             Axis::RecentSpeed => "highest speed of the last seconds",
             Axis::TimePeriodic => "time, periodic",
+            Axis::Bursts => "time, in bursts",
             Axis::SpeedingUp => "acceleration along the motion",
         }
     }
@@ -90,7 +95,9 @@ impl Axis {
             Axis::Position | Axis::SinceReversal | Axis::Path => position.to_owned(),
             Axis::Velocity | Axis::Speed | Axis::RecentSpeed => format!("{position}/s"),
             Axis::Acceleration | Axis::SpeedingUp => format!("{position}/s²"),
-            Axis::Time | Axis::TimeSinceReversal | Axis::TimePeriodic => "s".to_owned(),
+            Axis::Time | Axis::TimeSinceReversal | Axis::TimePeriodic | Axis::Bursts => {
+                "s".to_owned()
+            }
             Axis::Temperature => "°C".to_owned(),
             Axis::Load => "N".to_owned(),
         }
@@ -104,7 +111,7 @@ impl Axis {
             Axis::Speed => Some(s.v.iter().map(|v| v.abs()).collect()),
             Axis::SinceReversal => Some(s.since_reversal.clone()),
             Axis::Acceleration => Some(s.a.clone()),
-            Axis::Time | Axis::TimePeriodic => Some(s.t.clone()),
+            Axis::Time | Axis::TimePeriodic | Axis::Bursts => Some(s.t.clone()),
             Axis::Path => Some(s.path.clone()),
             Axis::Temperature => s.temperature.clone(),
             Axis::Load => s.load.clone(),
@@ -180,10 +187,7 @@ pub fn signatures(study: &Study, state: &State) -> Vec<Signature> {
     let mut found: Vec<Signature> = tried
         .into_par_iter()
         .filter_map(|(axis, odd)| {
-            let rows = match axis {
-                Axis::TimePeriodic => clockwork(study, state, odd)?,
-                _ => curve(study, axis, odd)?,
-            };
+            let rows = rows(study, state, axis, odd)?;
             let gain = study.gain_of(state, &rows)?;
             let threshold = beyond(&gain.null).max(LEAST);
             Some(Signature {
@@ -196,6 +200,44 @@ pub fn signatures(study: &Study, state: &State) -> Vec<Signature> {
         .collect();
     found.sort_by(|a, b| b.excess().total_cmp(&a.excess()));
     found
+}
+
+/// Share of an effect's nats that a free curve may bring beside it.
+const BESIDE: f64 = 0.2;
+
+/// Whether one of the `curves` that are free over a coordinate explains more than an effect does in the same place, and goes on
+/// explaining where `state` has the effect: then the coordinate is right and the name is not.
+pub fn outdone(study: &Study, state: &State, nats: f64, curves: &[Signature]) -> bool {
+    curves.iter().any(|c| {
+        let better = c.gain.total() > nats && c.certain();
+        let beside = || study.gain_of(state, &rows(study, state, c.axis, c.odd)?);
+        c.gain.total() > 2.0 * nats && c.certain()
+            || better
+                && beside().is_some_and(|gain| {
+                    gain.total() > UNNAMED * c.threshold && gain.total() > BESIDE * nats
+                })
+    })
+}
+
+/// Whether free curves over speed, in place of the form of a `larger` effect of speed, take most of what a smaller one brings.
+pub fn remainder(study: &Study, without: &State, own: &Candidate, larger: &str) -> bool {
+    // A force in proportion to velocity has no form that could be wrong.
+    if Axis::of(larger) != Axis::Speed && larger != "quadratic_drag"
+        || matches!(own.term.id, "viscous" | "constant_force")
+    {
+        return false;
+    }
+    let curves = [(Axis::Speed, true), (Axis::Velocity, false)]
+        .into_iter()
+        .filter_map(|(axis, odd)| curve(study, axis, odd))
+        .flatten();
+    let mut columns: Vec<Vec<f64>> = curves.collect();
+    let alone = study.gain_of(without, &columns);
+    columns.extend(study.term_rows(&own.term).iter().cloned());
+    let both = study.gain_of(without, &columns);
+    alone
+        .zip(both)
+        .is_some_and(|(alone, both)| both.total() - alone.total() < 0.5 * own.gain.total())
 }
 
 /// Share of its nats that an effect may gain by changing its size over a coordinate.
@@ -233,6 +275,13 @@ pub fn malformed(study: &Study, state: &State, index: usize, nats: f64) -> Optio
     (found.1 > 10.0 && found.1 > FORM * nats).then_some(found.0)
 }
 
+fn rows(study: &Study, state: &State, axis: Axis, odd: bool) -> Option<Vec<Vec<f64>>> {
+    match axis {
+        Axis::TimePeriodic => clockwork(study, state, odd),
+        _ => curve(study, axis, odd),
+    }
+}
+
 /// The curve's columns at the rows: a force, or a change of the friction level.
 fn curve(study: &Study, axis: Axis, odd: bool) -> Option<Vec<Vec<f64>>> {
     let s = &study.s;
@@ -255,8 +304,8 @@ fn curve(study: &Study, axis: Axis, odd: bool) -> Option<Vec<Vec<f64>>> {
     )
 }
 
-/// A change of the friction level that follows a clock: the strongest line in time of the mismatch along the friction, with its
-/// third harmonic; slower than noise wanders, faster than drift.
+/// A change of the friction level that follows a clock: of the lines in time of the mismatch along the friction the one that
+/// brings most, with its third harmonic; slower than noise wanders, faster than drift.
 fn clockwork(study: &Study, state: &State, odd: bool) -> Option<Vec<Vec<f64>>> {
     if !odd {
         return None;
@@ -265,15 +314,25 @@ fn clockwork(study: &Study, state: &State, odd: bool) -> Option<Vec<Vec<f64>>> {
     let friction = study.weak.at_centres(&study.reference.friction);
     let (_, weights) = study.weighed_residual(state);
     let duration = t.last()? - t.first()?;
-    let line = *spectra::lines(&t, &weights, 4.0 / duration, 5.0).first()?;
-    let mut columns = Vec::new();
-    for order in [1.0, 3.0] {
-        for phase in [0.0, 0.25] {
-            let wave = |t: &f64| (std::f64::consts::TAU * (order * line * t + phase)).cos();
-            columns.push(t.iter().zip(&friction).map(|(t, f)| f * wave(t)).collect());
-        }
-    }
-    Some(columns)
+    let waves = |line: f64| -> Vec<Vec<f64>> {
+        let wave = |order: f64, phase: f64| {
+            let angle = move |t: f64| std::f64::consts::TAU * (order * line * t + phase);
+            let level = t.iter().zip(&friction).map(|(t, f)| f * angle(*t).cos());
+            level.collect()
+        };
+        vec![
+            wave(1.0, 0.0),
+            wave(1.0, 0.25),
+            wave(3.0, 0.0),
+            wave(3.0, 0.25),
+        ]
+    };
+    spectra::lines(&t, &weights, 4.0 / duration, 5.0)
+        .into_iter()
+        .map(waves)
+        .filter_map(|columns| Some((study.gain_of(state, &columns)?.total(), columns)))
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|best| best.1)
 }
 
 /// Hat functions over quantiles of a coordinate, without the last one (all together are a constant).

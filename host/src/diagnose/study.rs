@@ -360,6 +360,13 @@ impl Study {
         })
     }
 
+    /// The hypothesis less one of its terms, with the same noise.
+    pub fn without(&self, state: &State, index: usize) -> Option<State> {
+        let mut terms = state.terms.clone();
+        terms.remove(index);
+        self.fit_with(&terms, state.noise.clone())
+    }
+
     /// Sum of squares of the measured effort about its mean.
     pub fn variation(&self) -> f64 {
         let mean = columns::mean(&self.force);
