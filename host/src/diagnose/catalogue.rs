@@ -231,6 +231,18 @@ pub fn lacks(s: &Signals) -> Vec<Lack> {
     if s.path.last().copied().unwrap_or(0.0) < 10.0 * s.travel() {
         lack("a long run", &["run_in"]);
     }
+    if s.same_ends() {
+        lack(
+            "strokes between different ends: position and displacement since reversal are one coordinate",
+            &[
+                "presliding_shape",
+                "position_friction",
+                "position_force",
+                "local_friction_spot",
+                "position_spring",
+            ],
+        );
+    }
     for (id, why) in NOT_TESTED {
         lack(why, &[id]);
     }

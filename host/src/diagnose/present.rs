@@ -75,10 +75,10 @@ impl Diagnosis {
                     .map(|(name, estimate)| (key_of(recording.kind, name), json!(estimate)))
                     .collect();
                 let place: Vec<Value> = e
-                    .place
+                    .places
                     .iter()
-                    .map(|(axis, from, to, share)| json!({
-                        "axis": axis.name(), "from": from, "to": to, "unit": axis.unit(unit), "share_of_mismatch": share,
+                    .map(|p| json!({
+                        "axis": p.axis.name(), "from": p.from, "to": p.to, "unit": p.axis.unit(unit), "share_of_mismatch": p.share,
                     }))
                     .collect();
                 json!({

@@ -20,10 +20,14 @@ const LARGE: f64 = 0.1;
 const PLAIN: f64 = 2.0;
 /// Nats beyond which fewer standard errors will do: an effect may be plain to a fit and small beside the friction's wandering.
 pub const EVIDENT: f64 = 100.0;
+/// Largest level of a Stribeck curve: static friction three times the sliding one.
+const STEEPEST: f64 = 2.0;
 /// Share of its nats by which an effect must beat a simpler one that it contains.
 const NESTED: f64 = 0.03;
 /// Share of its nats by which an asymmetry must beat a constant force.
 const ALIKE: f64 = 0.15;
+/// How often a term may give way to one that takes its sign.
+const REPLACED: usize = 3;
 /// Share of a larger effect's nats below which an effect may be what the other's form leaves.
 const SMALL: f64 = 0.35;
 /// Nats by which a rival must be better to take a term's place.
@@ -57,7 +61,9 @@ impl Candidate {
     /// Nats that count against rivals: an effect that contains a simpler one has to be clearly better.
     fn rank(&self) -> f64 {
         let handicap = match self.term.id {
-            "frictional_lag" | "position_force" => 5.0 + NESTED * self.gain.total(),
+            "frictional_lag" | "position_force" | "quadratic_drag" => {
+                5.0 + NESTED * self.gain.total()
+            }
             // No fit tells it from a constant force; that is the simpler of the two.
             "coulomb_asymmetry" => 5.0 + ALIKE * self.gain.total(),
             _ => 0.0,
@@ -93,10 +99,14 @@ pub fn consistent(by_fold: &[f64]) -> bool {
 fn physical(id: &str, coefficients: &[f64]) -> bool {
     match (id, coefficients) {
         (
-            "viscous" | "quadratic_drag" | "stribeck" | "frictional_lag" | "dwell_aging"
-            | "drive_compliance" | "position_spring" | "creep" | "actuator_dead_zone",
+            "viscous" | "quadratic_drag" | "dwell_aging" | "drive_compliance" | "position_spring"
+            | "creep" | "actuator_dead_zone",
             [c, ..],
         ) => *c > 0.0,
+        // Beyond it the falling curve and a viscous force cancel each other over the speeds recorded.
+        ("stribeck" | "frictional_lag", [c]) => (0.0..STEEPEST).contains(c),
+        // Friction does not push.
+        ("local_friction_spot", [c]) => *c > -1.0,
         ("backlash", [c]) => (0.4..1.6).contains(c),
         // All that is commanded above the limit is lost.
         ("actuator_saturation", [c]) => (0.7..1.3).contains(c),
@@ -344,6 +354,7 @@ pub fn search(
     let mut rest = scan(study, &state, periods);
     progress.inc(1);
     let mut slight: Vec<Candidate> = Vec::new();
+    let mut replaced = 0;
     while state.terms.len() < given.len() + MOST {
         rest.retain(|c| c.excess() > 0.0 && !slight.iter().any(|s| s.term.id == c.term.id));
         lead(study, &state, &mut rest);
@@ -356,14 +367,21 @@ pub fn search(
             break;
         };
         let (share, certainty) = study.improvement(&state, &next);
-        // Two terms that take on signs against their physics only cancel each other within the motion recorded.
-        let cancels =
-            (0..state.terms.len()).any(|i| is_physical(&state, i) && !is_physical(&next, i));
-        if cancels || !is_plain(certainty, nats) {
+        // A term that takes on a sign against its physics beside another only cancels it within the motion recorded.
+        let cancelled: Vec<usize> = (0..state.terms.len())
+            .filter(|&i| is_physical(&state, i) && !is_physical(&next, i))
+            .collect();
+        let gives_way = cancelled.iter().all(|i| *i >= given.len()) && replaced < REPLACED;
+        if !is_plain(certainty, nats) || !cancelled.is_empty() && !gives_way {
             slight.push(top);
             continue;
         }
         state = next;
+        for &i in cancelled.iter().rev() {
+            replaced += 1;
+            state = study.without(&state, i)?;
+        }
+        let terms = state.terms.clone();
         if share > LARGE {
             study.refer_to(&terms)?;
             state = sharpened(study, study.fit(&terms, None)?, given.len())?;
@@ -436,7 +454,7 @@ fn weigh(
         }
         let curves = signatures(study, &without);
         evidence.push(Evidence {
-            outdone: signature::outdone(study, &state, own_nats, &curves),
+            outdone: signature::outdone(study, &state, &own, &curves),
             candidate: own,
             rivals,
             certainty,

@@ -9,6 +9,8 @@ use std::ops::Range;
 const FOLDS: usize = 12;
 /// A reversal counts once the motion came back by this share of the travel, or by six times the encoder's noise.
 const HYSTERESIS: f64 = 0.003;
+/// Strokes end at the same places where the ends scatter by less than this share of the travel.
+const SAME_ENDS: f64 = 0.03;
 /// Speeds below this share of the highest are rest.
 const REST: f64 = 0.01;
 
@@ -165,6 +167,22 @@ impl Signals {
     /// Low and high speed of the moving samples: the 5 % and 95 % quantiles (m/s or rad/s).
     pub fn speeds(&self) -> (f64, f64) {
         (self.moving_speed(0.05), self.moving_speed(0.95))
+    }
+
+    /// Whether every stroke runs between the same ends, so that position and displacement since reversal are one coordinate.
+    pub fn same_ends(&self) -> bool {
+        let (low, high) = bounds(&self.x);
+        let samples = self.x.iter().zip(&self.since_reversal).zip(&self.direction);
+        let off = samples.map(|((x, since), direction)| {
+            let expected = if *direction > 0.0 {
+                low + since
+            } else {
+                high - since
+            };
+            (x - expected).powi(2)
+        });
+        let rms = (off.sum::<f64>() / self.x.len().max(1) as f64).sqrt();
+        self.reversals > 2 && rms < SAME_ENDS * (high - low)
     }
 
     /// Time since the last reversal (s).

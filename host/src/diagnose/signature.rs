@@ -12,6 +12,8 @@ use rayon::prelude::*;
 const LEAST: f64 = 10.0;
 /// Times its threshold that a curve over a coordinate brings before it is called unknown physics.
 pub const UNNAMED: f64 = 6.0;
+/// Highest frequency of a clock that the friction level follows (Hz).
+const FASTEST_HZ: f64 = 5.0;
 /// Knots of the smooth curve over a coordinate.
 const KNOTS: usize = 8;
 
@@ -129,6 +131,17 @@ impl Axis {
         }
     }
 
+    /// Whether an effect over one of the two coordinates looks alike over the other.
+    fn is_akin(self, other: Axis) -> bool {
+        let family = |axis| match axis {
+            Axis::Velocity | Axis::Speed => 0,
+            Axis::Acceleration | Axis::SpeedingUp => 1,
+            Axis::Time | Axis::Path | Axis::Temperature => 2,
+            _ => 3,
+        };
+        self == other || family(self) < 3 && family(self) == family(other)
+    }
+
     /// The coordinate in which an effect of the catalogue acts.
     pub fn of(id: &str) -> Axis {
         match id {
@@ -189,7 +202,13 @@ pub fn signatures(study: &Study, state: &State) -> Vec<Signature> {
         .filter_map(|(axis, odd)| {
             let rows = rows(study, state, axis, odd)?;
             let gain = study.gain_of(state, &rows)?;
-            let threshold = beyond(&gain.null).max(LEAST);
+            // A clock is looked for among so many frequencies, which the draws did not do.
+            let tries = if axis == Axis::TimePeriodic {
+                (FASTEST_HZ * study.s.duration()).max(1.0).ln()
+            } else {
+                0.0
+            };
+            let threshold = beyond(&gain.null).max(LEAST) + tries;
             Some(Signature {
                 axis,
                 odd,
@@ -205,17 +224,20 @@ pub fn signatures(study: &Study, state: &State) -> Vec<Signature> {
 /// Share of an effect's nats that a free curve may bring beside it.
 const BESIDE: f64 = 0.2;
 
-/// Whether one of the `curves` that are free over a coordinate explains more than an effect does in the same place, and goes on
-/// explaining where `state` has the effect: then the coordinate is right and the name is not.
-pub fn outdone(study: &Study, state: &State, nats: f64, curves: &[Signature]) -> bool {
-    curves.iter().any(|c| {
-        let better = c.gain.total() > nats && c.certain();
-        let beside = || study.gain_of(state, &rows(study, state, c.axis, c.odd)?);
-        c.gain.total() > 2.0 * nats && c.certain()
-            || better
-                && beside().is_some_and(|gain| {
-                    gain.total() > UNNAMED * c.threshold && gain.total() > BESIDE * nats
-                })
+/// Whether a curve that is free over a coordinate other than the effect's own explains more than the effect does in the same
+/// place, and goes on explaining where `state` has the effect: then the name is wrong. Over its own coordinate it is right, and
+/// something else acts there as well.
+pub fn outdone(study: &Study, state: &State, own: &Candidate, curves: &[Signature]) -> bool {
+    let nats = own.gain.total();
+    let foreign = |c: &&Signature| !Axis::of(own.term.id).is_akin(c.axis) && c.certain();
+    curves.iter().filter(foreign).any(|c| {
+        let beside = || {
+            let rows = rows(study, state, c.axis, c.odd)?;
+            Some(study.gain_of(state, &rows)?.total())
+        };
+        let least = (UNNAMED * c.threshold).max(BESIDE * nats);
+        c.gain.total() > 2.0 * nats
+            || c.gain.total() > nats && beside().is_some_and(|gain| gain > least)
     })
 }
 
@@ -327,7 +349,7 @@ fn clockwork(study: &Study, state: &State, odd: bool) -> Option<Vec<Vec<f64>>> {
             wave(3.0, 0.25),
         ]
     };
-    spectra::lines(&t, &weights, 4.0 / duration, 5.0)
+    spectra::lines(&t, &weights, 4.0 / duration, FASTEST_HZ)
         .into_iter()
         .map(waves)
         .filter_map(|columns| Some((study.gain_of(state, &columns)?.total(), columns)))
