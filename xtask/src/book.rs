@@ -8,6 +8,7 @@
 //! | `sh,root` | run in the workspace root |
 //! | `sh,recordings` | run in the workspace root if `../shared/recordings` is there, else skipped, loudly |
 //! | `sh,ci=STEP` | not run here: that step of `cargo xtask test` runs it |
+//! | `sh,long` | takes minutes: the next block must run a part of it |
 //! | `sh,board` | needs hardware: nothing runs it, and the chapter says so |
 //! | `LANGUAGE,file=NAME` | written into that folder |
 //! | `text,printed` | lines that the commands before it print, in order; `…` stands for any number of lines |
@@ -25,8 +26,8 @@ use crate::process::{cargo, root, run, run_for};
 use crate::tools::mdbook;
 use page::{Block, Kind, Page};
 
-/// No command of the book takes longer.
-const LIMIT: Duration = Duration::from_secs(120);
+/// No command of the book takes longer, on a busy machine either.
+const LIMIT: Duration = Duration::from_secs(300);
 
 /// `--bless` writes what the commands print now into the book.
 pub fn run_command(arguments: &[String]) -> Result<(), String> {
@@ -181,7 +182,7 @@ impl Walk<'_> {
                     self.failures.push(format!("{place}: {reason}"));
                 }
             }
-            Kind::Other => {}
+            Kind::Long | Kind::Other => {}
         }
         None
     }
@@ -204,7 +205,12 @@ impl Walk<'_> {
     fn printed_by(&self, block: &Block, folder: Option<&Path>) -> Result<String, String> {
         let script = self.scratch.join(".block.sh");
         let kept = self.scratch.join(".printed");
-        let text = format!("set -euo pipefail\n{}\n", block.lines.join("\n"));
+        // The release build in front of whatever else is called so.
+        let text = format!(
+            "set -euo pipefail\nPATH='{}':\"$PATH\"\n{}\n",
+            root().join("target/release").display(),
+            block.lines.join("\n")
+        );
         fs::write(&script, text).map_err(|error| format!("{}: {error}", script.display()))?;
         let out = File::create(&kept).map_err(|error| format!("{}: {error}", kept.display()))?;
         let err = File::create(self.scratch.join(".said"))
@@ -212,7 +218,6 @@ impl Walk<'_> {
         let mut bash = Command::new("bash");
         bash.arg(&script)
             .current_dir(folder.unwrap_or(self.scratch))
-            .env("PATH", path()?)
             .stdout(out)
             .stderr(err);
         run_for(&mut bash, LIMIT).map_err(|_| {
@@ -221,14 +226,6 @@ impl Walk<'_> {
         })?;
         read(&kept)
     }
-}
-
-/// The search path with the release build in front.
-fn path() -> Result<std::ffi::OsString, String> {
-    let own = root().join("target/release");
-    let rest = std::env::var_os("PATH").unwrap_or_default();
-    std::env::join_paths(std::iter::once(own).chain(std::env::split_paths(&rest)))
-        .map_err(|error| format!("the search path: {error}"))
 }
 
 /// Whether the step that a block names exists, and every `cargo xtask` command in it.

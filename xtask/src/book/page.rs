@@ -31,6 +31,8 @@ pub enum Kind {
     },
     Recordings,
     Ci(String),
+    /// Takes minutes; the next block runs a part of it.
+    Long,
     Board,
     File(String),
     Printed,
@@ -53,6 +55,7 @@ impl Kind {
                 folder: Some(root().to_path_buf()),
             },
             ["sh", "recordings"] => Self::Recordings,
+            ["sh", "long"] => Self::Long,
             ["sh", "board"] => Self::Board,
             ["sh", other] => match other.strip_prefix("ci=") {
                 Some(step) => Self::Ci(step.to_string()),
@@ -119,6 +122,22 @@ fn blocks(text: &str) -> Result<Vec<Block>, String> {
             (None, None) => {}
         }
     }
+    for pair in blocks.windows(2) {
+        let runs = matches!(pair[1].kind, Kind::Run { .. } | Kind::Recordings);
+        let first = |block: &Block| -> String {
+            let line = block.lines.first().map_or("", String::as_str);
+            line.split('#').next().unwrap_or("").trim().to_string()
+        };
+        if pair[0].kind == Kind::Long && !(runs && first(&pair[1]).starts_with(&first(&pair[0]))) {
+            return Err(format!(
+                "line {}: the next block must run a part of this long command",
+                pair[0].first
+            ));
+        }
+    }
+    if blocks.last().is_some_and(|block| block.kind == Kind::Long) {
+        return Err("nothing runs a part of the last, long command".to_string());
+    }
     match open {
         Some(block) => Err(format!("the block from line {} on has no end", block.first)),
         None => Ok(blocks),
@@ -148,6 +167,8 @@ mod tests {
             "```sh,later\nls\n```\n",
             "```sh\nls\n",
             "```text,file=../x\n```\n",
+            "```sh,long\nls /\n```\n",
+            "```sh,long\nls /\n```\n```sh\necho\n```\n",
         ] {
             assert!(blocks(text).is_err(), "{text}");
         }

@@ -17,6 +17,18 @@ pub fn blessed(expected: &[String], printed: &str) -> Result<Vec<String>, String
     walk(expected, printed, |expected, printed| {
         skeleton(expected) == skeleton(printed)
     })
+    .map(|lines| lines.iter().map(|line| narrow(line)).collect())
+}
+
+/// The line with at most two blanks between its columns, so that it fits on a page.
+fn narrow(line: &str) -> String {
+    let mut narrow = String::new();
+    for c in line.trim().chars() {
+        if c != ' ' || !narrow.ends_with("  ") {
+            narrow.push(c);
+        }
+    }
+    narrow
 }
 
 fn walk(
@@ -178,7 +190,7 @@ mod tests {
     fn blessing_takes_the_numbers_and_not_other_words() {
         assert_eq!(
             blessed(&lines("mass 1 kg\n…\nlast 3 words"), PRINTED).unwrap(),
-            ["mass   2.8754  kg", "…", "last 7 words"]
+            ["mass  2.8754  kg", "…", "last 7 words"]
         );
         assert!(blessed(&lines("weight 1 kg"), PRINTED).is_err());
     }
