@@ -229,7 +229,12 @@ const BESIDE: f64 = 0.2;
 /// something else acts there as well.
 pub fn outdone(study: &Study, state: &State, own: &Candidate, curves: &[Signature]) -> bool {
     let nats = own.gain.total();
-    let foreign = |c: &&Signature| !Axis::of(own.term.id).is_akin(c.axis) && c.certain();
+    // Every curve that is alike in both directions holds a constant.
+    let constant = matches!(own.term.id, "constant_force" | "coulomb_asymmetry");
+    let foreign = |c: &&Signature| {
+        let akin = Axis::of(own.term.id).is_akin(c.axis);
+        !akin && (c.odd || !constant) && c.certain()
+    };
     curves.iter().filter(foreign).any(|c| {
         let beside = || {
             let rows = rows(study, state, c.axis, c.odd)?;
