@@ -12,6 +12,8 @@ pub struct AdaptationSettings {
     pub memory: f64,
     /// The level stays within `1 ± r` (-); at most 0.5.
     pub range: f64,
+    /// Dead zone `δ` (-), a share of the limit: an error of the level's force up to this is the model's own, and is not followed.
+    pub dead_zone: f64,
 }
 
 /// Scalar recursive least squares with exponential forgetting, once a block, of `s = θ·φ`: `φ` is the model's mean force along the
@@ -20,7 +22,8 @@ pub struct AdaptationSettings {
 /// ```text
 /// R ← R + (φ² − R)/M           the information, forgotten over M blocks
 /// P ← P·(2 − R·P)              its reciprocal, by one step of Newton's iteration instead of a division
-/// θ ← θ + P·φ·(s − θ·φ)/M      held within 1 ± r
+/// ε = dead zone(s − θ·φ)       0 within ± δ, less by δ beyond it
+/// θ ← θ + P·φ·ε/M              held within 1 ± r
 /// ```
 /// (K. J. Åström and B. Wittenmark, *Adaptive Control*, 2nd ed., 1995, chapter 2, with `R` normalised; that an estimator with
 /// forgetting must not run where nothing excites it is chapter 11, "windup".)
@@ -34,6 +37,7 @@ pub struct Adaptation<S> {
     /// 1/M.
     share: S,
     range: S,
+    dead_zone: S,
 }
 
 /// What an [`Adaptation`] remembers.
@@ -49,7 +53,13 @@ impl<S: Scalar> Learn<S> for Adaptation<S> {
     const LEVEL: bool = true;
 
     fn try_new(settings: &LearningSettings, limit: f64, units: Units) -> Result<Self, ParamError> {
-        let AdaptationSettings { memory, range } = settings.adaptation;
+        let AdaptationSettings {
+            memory,
+            range,
+            dead_zone,
+        } = settings.adaptation;
+        not_negative("dead zone of the adaptation", dead_zone)?;
+        at_most("dead zone of the adaptation", dead_zone, 0.5)?;
         let growth = 1.0 / (settings.excitation * settings.excitation) - 1.0;
         let shortest = if growth > 0.5 { 2.0 * growth } else { 1.0 };
         at_least("memory of the adaptation in blocks", memory, shortest)?;
@@ -62,6 +72,7 @@ impl<S: Scalar> Learn<S> for Adaptation<S> {
                 "range of the friction level",
                 at_most("range of the friction level", range, 0.5)?,
             )?,
+            dead_zone: to_scalar("dead zone of the adaptation", dead_zone)?,
         })
     }
 
@@ -83,6 +94,7 @@ impl<S: Scalar> Learn<S> for Adaptation<S> {
         let newton = S::ONE.add_input(S::ONE).sub_input(product);
         state.reciprocal = state.reciprocal.mul_input(newton);
         let error = spent.sub_input(state.level.mul_input(model));
+        let error = error.sub_input(error.limited(self.dead_zone));
         let gain = self.share.mul_input(state.reciprocal).mul_input(model);
         let deviation = state
             .level

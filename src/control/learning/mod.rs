@@ -19,7 +19,7 @@
 //! `r·limit`: a loop that is stable under bounded disturbances stays so, and its error grows by at most that disturbance's. This is
 //! proven, for any input. Not proven, and not claimed, is that the level settles: while the axis slides, it integrates
 //! the feedback's force at the rate `1/memory` (at most `1/(excitation²·memory)`), which takes the phase `atan(rate/ω_c)` from the
-//! loop at its crossover `ω_c`. For the paper's axis (5 rad/s, at most 20; some 150 rad/s) that is 2°, at most 8°. With
+//! loop at its crossover `ω_c`. For the paper's axis (10 rad/s, at most 27; some 150 rad/s) that is 4°, at most 10°. With
 //! [`super::Drive::Measured`] the level multiplies the stiffness that the feedback has to exceed: take `(1 + r)·share` for the share.
 
 mod adaptation;
@@ -49,16 +49,18 @@ pub struct LearningSettings {
 }
 
 impl LearningSettings {
-    /// For [`super::Settings::PAPER_AXIS`]. A block of 12.8 ms is four times the loop's settling; the adaptation forgets in
-    /// 0.2 s of sliding, which at the usual 0.2 mm/s is less than the 100 µm over which the stage's friction wanders; a window of
-    /// the watch is four times as long as those.
+    /// For [`super::Settings::PAPER_AXIS`]. A block of 12.8 ms is twice the time constant of the loop's crossover; the adaptation
+    /// forgets in 0.1 s of sliding, which at 0.2 mm/s is less than the 100 µm over which the stage's friction wanders, and leaves
+    /// 5 % to the model, about what four blocks are off; a window of the watch is four times as long as those 100 µm. Memory,
+    /// excitation and dead zone are the best of eight combinations on the simulated stage.
     pub const PAPER_AXIS: LearningSettings = LearningSettings {
         block: 256,
         limit: 5.0,
-        excitation: 0.5,
+        excitation: 0.6,
         adaptation: AdaptationSettings {
-            memory: 16.0,
+            memory: 8.0,
             range: 0.2,
+            dead_zone: 0.05,
         },
         watch: MismatchSettings {
             window: 400e-6,
