@@ -112,7 +112,7 @@ fn main() -> anyhow::Result<()> {
 
 /// A stage that becomes 1 % harder to move with every stroke, from half way on.
 const WEAR: Wear = Wear {
-    strokes: 72,
+    strokes: 60,
     per_stroke: 0.01,
 };
 

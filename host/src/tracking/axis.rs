@@ -2,7 +2,7 @@
 
 use crate::stage::{Stage, StageConfig, StageError, interpolated_m};
 use preslide::control::{
-    Coefficients, Command, Condition, Controller, Measurement, Move, Settings,
+    Coefficients, Command, Condition, Controller, Fault, Measurement, Move, Settings,
 };
 use preslide::{Friction, ParamError, Units};
 
@@ -18,6 +18,9 @@ pub enum TrackingError {
     /// The identification experiment did not lead to a model.
     #[error("identification: {0}")]
     Identification(String),
+    /// The controller gave up where it should not have.
+    #[error("the axis stopped with {0:?}; the gains do not fit the stage")]
+    Stopped(Fault),
 }
 
 impl From<ParamError> for TrackingError {
@@ -166,6 +169,11 @@ impl<F: Friction> Axis<F> {
     /// What a friction model that learns has to say.
     pub fn condition(&self) -> Condition<F::Scalar> {
         self.controller.condition()
+    }
+
+    /// The friction model's memory.
+    pub fn friction_state(&mut self) -> &mut F::State {
+        self.controller.friction_state()
     }
 
     /// Starts a move; the next ticks follow it.

@@ -17,7 +17,7 @@ pub struct MismatchSettings {
     pub false_alarms: f64,
 }
 
-/// The watch's verdict. Above and below stay until the controller's coefficients are swapped.
+/// The watch's verdict. Above and below stay until [`MismatchState::acknowledge`], or a swap of the controller's coefficients.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NormalRange {
     /// Commissioning: the range is being learned.
@@ -126,7 +126,16 @@ impl<S: Scalar> MismatchWatch<S> {
     }
 }
 
-impl<S> MismatchState<S> {
+impl<S: Scalar> MismatchState<S> {
+    /// Takes the flag back and watches on, within the range learned at commissioning.
+    pub fn acknowledge(&mut self) {
+        if matches!(self.range, NormalRange::Above | NormalRange::Below) {
+            self.up = S::ZERO;
+            self.down = S::ZERO;
+            self.range = NormalRange::Inside;
+        }
+    }
+
     /// Windows taken, commissioning included.
     pub fn windows(&self) -> u32 {
         self.windows

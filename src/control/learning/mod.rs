@@ -228,6 +228,11 @@ pub struct LearningState<M, B, S> {
 }
 
 impl<M, B, S: Scalar> LearningState<M, B, S> {
+    /// What was learned.
+    pub fn learned(&mut self) -> &mut B {
+        &mut self.learned
+    }
+
     fn drop_block(&mut self) {
         self.block = Block::EMPTY;
         self.ticks = 0;
