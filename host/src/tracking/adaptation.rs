@@ -1,7 +1,7 @@
 //! Tracking with and without adaptation of the friction level, on the same stages.
 
 use super::{Axis, Experiment, IDENTIFICATION_SEED, Step, Tracking, TrackingError, motions};
-use crate::stage::{FrictionConfig, StageConfig, VariabilityConfig};
+use crate::stage::{EncoderConfig, FrictionConfig, StageConfig, VariabilityConfig};
 use preslide::control::learning::Adaptation;
 use preslide::control::{Fault, Learning, LearningSettings, Settings};
 use preslide::{Friction, QuasiStaticGms, Units};
@@ -88,8 +88,8 @@ pub struct Pairs {
 pub struct Row {
     /// Its name.
     pub name: &'static str,
-    /// Stages; one where nothing about the stage is random.
-    pub stages: usize,
+    /// Stages.
+    pub stages: u64,
     /// Twice the nested triangles of the tracking table.
     pub nested: Pairs,
     /// Sixteen slides of 0.5 mm at 1 mm/s.
@@ -114,18 +114,14 @@ pub fn table(
     let twice = |steps: Vec<Step>| [steps.clone(), steps].concat();
     let nested = twice(motions::nested_triangles());
     let slide = twice(twice(motions::slide()));
-    let seeds = |scenario: &Scenario| {
-        let random = (scenario.variability)().bound > 0.0;
-        101..101 + if random { stages } else { 1 }
-    };
-    let all = SCENARIOS.iter().map(|s| 2 * seeds(s).count()).sum();
+    let all = 2 * SCENARIOS.len() * stages as usize;
     let done = AtomicUsize::new(0);
     progress(0, all);
     SCENARIOS
         .par_iter()
         .map(|scenario| {
             let pairs = |steps: &[Step]| {
-                let pairs = seeds(scenario).into_par_iter().map(|seed| {
+                let pairs = (101..101 + stages).into_par_iter().map(|seed| {
                     let stage = stage(seed, (scenario.variability)());
                     let without = follow(settings, model.clone(), &stage, steps, scenario.level)?;
                     let with = follow(settings, adaptive.clone(), &stage, steps, scenario.level)?;
@@ -138,7 +134,7 @@ pub fn table(
             };
             Ok(Row {
                 name: scenario.name,
-                stages: seeds(scenario).count(),
+                stages,
                 nested: pairs(&nested)?,
                 slide: pairs(&slide)?,
             })
@@ -152,6 +148,11 @@ fn stage(seed: u64, variability: VariabilityConfig) -> StageConfig {
         friction: FrictionConfig {
             variability,
             ..FrictionConfig::default()
+        },
+        // Every stage has its own interpolation error, also where its friction does not vary.
+        encoder: EncoderConfig {
+            error_phase_rad: [0.7, 1.9].map(|rad| rad * seed as f64 % std::f64::consts::TAU),
+            ..EncoderConfig::default()
         },
         ..StageConfig::default()
     }

@@ -319,7 +319,9 @@ impl<F: Friction, L: Learn<F::Scalar>> Friction for Learning<F, L> {
     }
 
     fn limit(&self) -> Option<F::Scalar> {
-        Some(self.limit.mul_input(self.learner.highest()))
+        // Products are rounded down, so that of the negative limit is the larger one.
+        let highest = self.learner.highest();
+        Some(self.limit.opposite().mul_input(highest).opposite())
     }
 
     #[inline(always)]
