@@ -2,6 +2,7 @@
 
 use super::adaptation::mean_and_half_width;
 use super::{Axis, Step, TrackingError};
+use crate::reproduce::paper;
 use crate::stage::{Stage, StageConfig};
 use preslide::control::learning::{Block, Learn, MismatchSettings, MismatchWatch};
 use preslide::control::{Condition, Learning, LearningSettings, NormalRange, Settings};
@@ -264,14 +265,15 @@ fn run(
     windows: u32,
     change: &mut dyn FnMut(f64, &mut Stage),
 ) -> Result<Vec<Block<f32>>, TrackingError> {
-    let blocks = [
-        (313_728.0, 0.339),
-        (43_670.0, 0.236),
-        (10_545.0, 0.171),
-        (5_858.0, 0.253),
-    ]
-    .map(|(stiffness, weight)| MaxwellSlip { stiffness, weight });
-    let model = Model::try_new(&blocks, 0.9, Units::SI)?;
+    let [_, _, four_blocks, ..] = paper::TABLE_3;
+    let mut blocks = [MaxwellSlip {
+        stiffness: 0.0,
+        weight: 0.0,
+    }; 4];
+    for (block, &(stiffness, weight)) in blocks.iter_mut().zip(four_blocks.blocks) {
+        *block = MaxwellSlip { stiffness, weight };
+    }
+    let model = Model::try_new(&blocks, paper::BREAKAWAY, Units::SI)?;
     let model = Learning::<_, Recorder>::try_new(model, learning, Units::SI)?;
     let stage = StageConfig {
         seed,
@@ -326,7 +328,7 @@ fn judge(
 ) -> Result<Judged, ParamError> {
     let settings = LearningSettings { watch, ..*learning };
     // As `Learning` builds it: with the model's own limit.
-    let mismatch: MismatchWatch<f32> = Learn::try_new(&settings, 0.9, Units::SI)?;
+    let mismatch: MismatchWatch<f32> = Learn::try_new(&settings, paper::BREAKAWAY, Units::SI)?;
     let mut state = mismatch.start();
     let mut judged = Judged {
         alarms: Vec::new(),
