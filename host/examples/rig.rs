@@ -2,7 +2,7 @@
 //! `rig faults ELF FOLDER [--bless]` injects the faults and compares with the golden files. `rig serve ELF PORT TRUTH` moves
 //! the stage through nested strokes, hands its telemetry to `preslide capture tcp:127.0.0.1:PORT` and writes what the
 //! stage's friction was; `rig judge REC.csv TRUTH` compares with it what `identify` finds in the capture. `rig record ELF
-//! PLUGIN` has a QEMU plugin watch the motion. `rig wear watch|adaptation ELF` lets the stage wear from half way on and asks
+//! PLUGIN` has a QEMU plugin watch the motion. `rig wear ELF` lets the stage wear from half way on and asks
 //! whether the firmware notices. `cargo xtask qemu`, `stage` and `cycles` call it.
 
 use anyhow::{Context, bail};
@@ -70,20 +70,12 @@ fn main() -> anyhow::Result<()> {
                 );
             }
         }
-        ["wear", kind @ ("watch" | "adaptation"), elf] => {
+        ["wear", elf] => {
+            type Both = (MismatchWatch<I16F16>, Adaptation<I16F16>);
             let model = QuasiStaticGms::<4, I16F16>::try_new(&blocks, breakaway, FIXED_UNITS)?;
             let settings = LearningSettings::PAPER_AXIS;
-            let elf = Path::new(elf);
-            let notice = if kind == "watch" {
-                let model =
-                    Learning::<_, MismatchWatch<I16F16>>::try_new(model, &settings, FIXED_UNITS)?;
-                notice(elf, model, FIXED_UNITS, &WEAR)?
-            } else {
-                type Both = (MismatchWatch<I16F16>, Adaptation<I16F16>);
-                let model = Learning::<_, Both>::try_new(model, &settings, FIXED_UNITS)?;
-                notice(elf, model, FIXED_UNITS, &WEAR)?
-            };
-            wear(kind, &notice)?;
+            let model = Learning::<_, Both>::try_new(model, &settings, FIXED_UNITS)?;
+            wear(&notice(Path::new(elf), model, FIXED_UNITS, &WEAR)?)?;
         }
         ["serve", elf, port, truth] => {
             serve(
@@ -104,7 +96,7 @@ fn main() -> anyhow::Result<()> {
         ["faults", elf, folder] => faults(Path::new(elf), Path::new(folder), false)?,
         ["faults", elf, folder, "--bless"] => faults(Path::new(elf), Path::new(folder), true)?,
         _ => bail!(
-            "usage: rig fixed|float ELF, rig faults ELF FOLDER [--bless], rig serve ELF PORT TRUTH, rig judge REC.csv TRUTH, rig wear watch|adaptation ELF, or rig record ELF PLUGIN"
+            "usage: rig fixed|float ELF, rig faults ELF FOLDER [--bless], rig serve ELF PORT TRUTH, rig judge REC.csv TRUTH, rig wear ELF, or rig record ELF PLUGIN"
         ),
     }
     Ok(())
@@ -117,7 +109,7 @@ const WEAR: Wear = Wear {
 };
 
 /// Tells what the firmware noticed, and whether that is right.
-fn wear(kind: &str, notice: &Notice) -> anyhow::Result<()> {
+fn wear(notice: &Notice) -> anyhow::Result<()> {
     let Notice {
         agreement,
         learned: [learned, host_learned],
@@ -128,7 +120,7 @@ fn wear(kind: &str, notice: &Notice) -> anyhow::Result<()> {
         faults,
         log,
     } = notice;
-    println!("{kind}: {agreement:?}");
+    println!("wear: {agreement:?}");
     println!(
         "normal range learned by tick {learned:?} (host {host_learned:?}), wear from {worn_from}, flag {raised:?} (host \
          {host_raised:?}) at friction level {level:.3}, adapted level at the end {adapted:.3}, samples in the safe state {faults}"

@@ -77,7 +77,7 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
         &[QUIT],
     )?;
     let mut wear = Command::new(&rig);
-    run_for(wear.args(["wear", "adaptation"]).arg(&learning), LIMIT)?;
+    run_for(wear.arg("wear").arg(&learning), LIMIT)?;
     identified(&rig, &fixed)
 }
 

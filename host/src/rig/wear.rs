@@ -37,7 +37,7 @@ pub struct Notice {
     pub level: f64,
     /// Friction level that the adaptation had found at the end [–]; 1 without one.
     pub adapted: f64,
-    /// Fault, if any: there should be none.
+    /// Samples in the safe state: there should be none.
     pub faults: usize,
     /// What the firmware logged.
     pub log: String,
