@@ -5,8 +5,8 @@ use core::convert::Infallible;
 use core::sync::atomic::{AtomicBool, AtomicU16, Ordering};
 use embedded_hal::pwm::SetDutyCycle;
 use heapless::spsc::{Consumer, Producer};
-use preslide::control::{Command, Controller, Fault, Measurement, Move, NormalRange};
 use preslide::Scalar;
+use preslide::control::{Command, Controller, Fault, Measurement, Move, NormalRange};
 use preslide_link::{FaultCode, RangeCode, Sample};
 
 /// What a board measured at the start of a tick, raw.
@@ -84,7 +84,9 @@ impl<F: Model> Control<F> {
             fault: command.fault.map(on_the_wire),
             range: condition.range.map(range_on_the_wire),
             level: condition.level.map_or(0, |level| {
-                let ten_thousandths = level.sub_input(Scalar::ONE).mul_input(Scalar::from_int(10_000));
+                let ten_thousandths = level
+                    .sub_input(Scalar::ONE)
+                    .mul_input(Scalar::from_int(10_000));
                 // The level is within 0.5…1.5.
                 ten_thousandths.round_to_int() as i16
             }),

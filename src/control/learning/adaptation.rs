@@ -7,7 +7,7 @@ use crate::{Scalar, Units};
 /// How fast and how far the level may go.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AdaptationSettings {
-    /// Excited blocks after which 1/e of an old one's weight is left `M` (-), so long that
+    /// Memory `M` in excited blocks (-), after which 37 % of a block's weight is left; at least 1, and so long that
     /// `(1/e² − 1)/M ≤ 1/2` with the excitation `e`.
     pub memory: f64,
     /// The level stays within `1 ± r` (-); at most 0.5.
@@ -29,8 +29,12 @@ pub struct AdaptationSettings {
 /// forgetting must not run where nothing excites it is chapter 11, "windup".)
 ///
 /// `e² ≤ φ² ≤ 1` holds for excited blocks, so `e² ≤ R ≤ 1` always. From one block to the next `R` grows by at most the factor
-/// `1 + (1/e² − 1)/M ≤ 3/2`, so `R·P ≤ 3/2` before Newton's step and `3/4 ≤ R·P ≤ 1` after it: it never diverges. The
-/// gain `P·φ²/M` is at most `1/(e²·M) < 1`, so `θ` moves towards `s/φ` and never past it.
+/// `1 + (1/e² − 1)/M ≤ 3/2` and shrinks at most to `2/3`; so `1/2 ≤ R·P ≤ 3/2` before Newton's step gives `3/4 ≤ R·P ≤ 1` after
+/// it, and that the former at the next block: it never diverges. `R` holds `φ²/M`, so the gain `P·φ²/M` is at most 1, and `θ`
+/// moves towards `s/φ` and never past it.
+///
+/// A dead zone keeps what the model does not say (its shape, its Stribeck curve) from being taken for a change of level (B. B.
+/// Peterson and K. S. Narendra, *Bounded error adaptive control*, IEEE Trans. Autom. Control 27, 1982).
 #[derive(Clone, Debug)]
 pub struct Adaptation<S> {
     per_limit: S,

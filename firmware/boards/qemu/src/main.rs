@@ -8,12 +8,12 @@ mod registers;
 mod stage;
 
 use core::panic::PanicInfo;
+use cortex_m_rt::exception;
+use cortex_m_semihosting::{debug, heprintln};
 #[cfg(feature = "adaptation")]
 use preslide::control::learning::Adaptation;
 #[cfg(feature = "watch")]
 use preslide::control::learning::MismatchWatch;
-use cortex_m_rt::exception;
-use cortex_m_semihosting::{debug, heprintln};
 
 #[cfg(feature = "float")]
 type Number = f32;
