@@ -14,7 +14,7 @@ fn main() -> anyhow::Result<()> {
     let text = match what.as_deref() {
         None => print(&table(&settings, &stage, progress)?),
         Some("adaptation") => {
-            adaptation::print(&adaptation::table(&settings, &learning, 12, progress)?)
+            adaptation::print(&adaptation::table(&settings, &learning, 6, progress)?)
         }
         Some("watch") => watch::print(&watch::study(&settings, &learning, 60, 12, progress)?),
         Some(other) => anyhow::bail!("give `adaptation`, `watch` or nothing, not `{other}`"),
