@@ -9,6 +9,7 @@
 mod background;
 mod bridge;
 mod control;
+mod learning;
 mod model;
 mod queues;
 

@@ -10,13 +10,24 @@ mod stage;
 use core::panic::PanicInfo;
 use cortex_m_rt::exception;
 use cortex_m_semihosting::{debug, heprintln};
+#[cfg(feature = "adaptation")]
+use preslide::control::learning::Adaptation;
+#[cfg(feature = "watch")]
+use preslide::control::learning::MismatchWatch;
 
 #[cfg(feature = "float")]
 type Number = f32;
 #[cfg(not(feature = "float"))]
 type Number = fixed::types::I16F16;
 
-type Friction = preslide::QuasiStaticGms<{ preslide_link::MOST_BLOCKS }, Number>;
+type Model = preslide::QuasiStaticGms<{ preslide_link::MOST_BLOCKS }, Number>;
+
+#[cfg(not(feature = "watch"))]
+type Friction = Model;
+#[cfg(all(feature = "watch", not(feature = "adaptation")))]
+type Friction = preslide::control::Learning<Model, MismatchWatch<Number>>;
+#[cfg(feature = "adaptation")]
+type Friction = preslide::control::Learning<Model, (MismatchWatch<Number>, Adaptation<Number>)>;
 
 /// As on the board: 170 MHz at 20 kHz.
 const STEPS: u16 = 8500;
