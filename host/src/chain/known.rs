@@ -1,0 +1,130 @@
+//! What a controller could know of the stage at best: the stage's own parameters, in the words of a model file.
+
+use crate::effects::Effect;
+use crate::friction::FrictionModel;
+use crate::model::Model;
+use crate::recording::MotionKind;
+use crate::reproduce::paper;
+use crate::stage::concealed::{Concealed, HALF_TRAVEL_M};
+use crate::stage::{FrictionConfig, StageConfig};
+use preslide::Block;
+use std::f64::consts::PI;
+
+/// Cosines of a map.
+const TERMS: usize = 16;
+/// Points of a map's integral.
+const POINTS: usize = 2000;
+
+/// The stage's parameters as a model: the ten blocks that its hysteresis was calibrated to, mass, viscous friction, and the
+/// concealed effect with its true values.
+///
+/// # Errors
+/// Where the catalogue refuses a value.
+pub fn known(effect: &Concealed) -> Result<Model, String> {
+    let config = StageConfig::default();
+    let FrictionConfig {
+        breakaway_n,
+        viscous_n_s_per_m,
+        ..
+    } = config.friction;
+    let mut model = Model {
+        motion: MotionKind::Linear,
+        inertia: config.mass_kg,
+        viscous: viscous_n_s_per_m,
+        friction: FrictionModel::Gms {
+            breakaway: breakaway_n,
+            blocks: paper::REFERENCE
+                .blocks
+                .iter()
+                .map(|&(stiffness, weight)| Block { stiffness, weight })
+                .collect(),
+            sliding: None,
+        },
+        constant_force: 0.0,
+        effects: Vec::new(),
+        mechanics: Vec::new(),
+    };
+    let mut values = match *effect {
+        Concealed::PeriodicForce {
+            force_n,
+            period_m,
+            phase_rad,
+        } => vec![
+            ("force_N", force_n),
+            ("period_m", period_m),
+            ("phase_rad", phase_rad),
+        ],
+        Concealed::LocalFrictionSpot {
+            level,
+            position_m,
+            width_m,
+        } => vec![
+            ("level", level),
+            ("position_m", position_m),
+            ("width_m", width_m),
+        ],
+        Concealed::PeriodicFriction {
+            level,
+            period_m,
+            phase_rad,
+        } => vec![
+            ("level", level),
+            ("period_m", period_m),
+            ("phase_rad", phase_rad),
+        ],
+        Concealed::Stribeck { drop, velocity_m_s } => {
+            // The catalogue's level is that above sliding friction, the stage's drop that below breakaway.
+            if let FrictionModel::Gms { breakaway, blocks, .. } = &mut model.friction {
+                *breakaway *= 1.0 - drop;
+                for block in blocks {
+                    block.stiffness *= 1.0 - drop;
+                }
+            }
+            vec![
+                ("level", drop / (1.0 - drop)),
+                ("velocity_m_s", velocity_m_s),
+                ("exponent", config.friction.stribeck_exponent),
+            ]
+        }
+        Concealed::PositionForce { .. } | Concealed::PositionFriction { .. } => {
+            vec![("from_m", -HALF_TRAVEL_M), ("to_m", HALF_TRAVEL_M)]
+        }
+    };
+    let (map, unit, mean): (Box<dyn Fn(f64) -> f64>, _, _) = match effect {
+        Concealed::PositionForce { .. } => (Box::new(|x| effect.force_n(x)), "_N", 0.0),
+        Concealed::PositionFriction { .. } => (Box::new(|x| effect.level(x)), "", 1.0),
+        _ => (Box::new(|_| 0.0), "", 0.0),
+    };
+    let cosines = cosines(map);
+    let keys: Vec<String> = (1..=TERMS).map(|j| format!("cosine{j}{unit}")).collect();
+    if values.iter().any(|(key, _)| *key == "from_m") {
+        // The mean of a level is a matter of the friction, that of a force one of its own.
+        let level = if mean == 0.0 { 1.0 } else { cosines[0] };
+        values.extend(keys.iter().zip(&cosines[1..]).map(|(key, c)| (key.as_str(), c / level)));
+        if mean == 0.0 {
+            model.constant_force = cosines[0];
+        } else if let FrictionModel::Gms { breakaway, blocks, .. } = &mut model.friction {
+            *breakaway *= level;
+            for block in blocks {
+                block.stiffness *= level;
+            }
+        }
+    }
+    model.effects = vec![Effect::new(effect.id(), &values)?];
+    Ok(model)
+}
+
+/// Coefficients of `f` over the travel: the mean, then `cos(jπu)` for u = 0…1.
+fn cosines(f: impl Fn(f64) -> f64) -> Vec<f64> {
+    (0..=TERMS)
+        .map(|j| {
+            let sum: f64 = (0..POINTS)
+                .map(|i| {
+                    let u = (i as f64 + 0.5) / POINTS as f64;
+                    f(HALF_TRAVEL_M * (2.0 * u - 1.0)) * (PI * j as f64 * u).cos()
+                })
+                .sum();
+            sum / POINTS as f64 * if j == 0 { 1.0 } else { 2.0 }
+        })
+        .collect()
+}
