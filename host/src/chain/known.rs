@@ -74,7 +74,10 @@ pub fn known(effect: &Concealed) -> Result<Model, String> {
         ],
         Concealed::Stribeck { drop, velocity_m_s } => {
             // The catalogue's level is that above sliding friction, the stage's drop that below breakaway.
-            if let FrictionModel::Gms { breakaway, blocks, .. } = &mut model.friction {
+            if let FrictionModel::Gms {
+                breakaway, blocks, ..
+            } = &mut model.friction
+            {
                 *breakaway *= 1.0 - drop;
                 for block in blocks {
                     block.stiffness *= 1.0 - drop;
@@ -100,10 +103,17 @@ pub fn known(effect: &Concealed) -> Result<Model, String> {
     if values.iter().any(|(key, _)| *key == "from_m") {
         // The mean of a level is a matter of the friction, that of a force one of its own.
         let level = if mean == 0.0 { 1.0 } else { cosines[0] };
-        values.extend(keys.iter().zip(&cosines[1..]).map(|(key, c)| (key.as_str(), c / level)));
+        values.extend(
+            keys.iter()
+                .zip(&cosines[1..])
+                .map(|(key, c)| (key.as_str(), c / level)),
+        );
         if mean == 0.0 {
             model.constant_force = cosines[0];
-        } else if let FrictionModel::Gms { breakaway, blocks, .. } = &mut model.friction {
+        } else if let FrictionModel::Gms {
+            breakaway, blocks, ..
+        } = &mut model.friction
+        {
             *breakaway *= level;
             for block in blocks {
                 block.stiffness *= level;

@@ -74,7 +74,9 @@ impl Visitor for Closed {
         let mut axis = Axis::on(&settings, model, Units::SI, self.stage)?;
         let moves = plan(&judged(), &settings)?;
         let mut tracking = Tracking::default();
-        axis.follow(&moves, |now| tracking.add_true(&now, settings.encoder.count));
+        axis.follow(&moves, |now| {
+            tracking.add_true(&now, settings.encoder.count)
+        });
         Ok(tracking)
     }
 }

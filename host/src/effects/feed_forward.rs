@@ -1,8 +1,8 @@
 //! A model file's friction and effects as a controller's feed-forward, chosen at run time: what `preslide export` fixes at
 //! compile time for the firmware, here for the closed loop on the host.
 
-use super::terms::{self, Term};
 use super::Effect;
+use super::terms::{self, Term};
 use crate::export::refused;
 use crate::friction::Visitor;
 use crate::model::Model;
@@ -34,7 +34,9 @@ impl Clone for Term {
 impl Chosen {
     fn try_new(model: &Model, sample_time: f64) -> Result<Self, String> {
         if let Some((id, reason)) = refused(model).first() {
-            return Err(format!("effect {id}: no controller can compensate it: {reason}"));
+            return Err(format!(
+                "effect {id}: no controller can compensate it: {reason}"
+            ));
         }
         let said = |effect: &Effect, e: ParamError| format!("effect {}: {e}", effect.id);
         let (mut terms, mut encoders) = (Vec::new(), Vec::new());
@@ -114,7 +116,11 @@ impl Model {
     ///
     /// # Errors
     /// An effect that no controller can compensate; a parameter that the library refuses.
-    pub fn feed_forward<V: Visitor>(&self, sample_time: f64, visitor: V) -> Result<V::Outcome, String> {
+    pub fn feed_forward<V: Visitor>(
+        &self,
+        sample_time: f64,
+        visitor: V,
+    ) -> Result<V::Outcome, String> {
         let effects = Chosen::try_new(self, sample_time)?;
         let composing = Composing { effects, visitor };
         match self.friction.visit(sample_time, composing) {

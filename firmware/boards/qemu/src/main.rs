@@ -12,24 +12,24 @@ use cortex_m_rt::exception;
 use cortex_m_semihosting::{debug, heprintln};
 
 #[cfg(feature = "float")]
-type Number = f32;
+preslide_app::model!(f32);
 #[cfg(not(feature = "float"))]
-type Number = fixed::types::I16F16;
+preslide_app::model!(fixed::types::I16F16);
 
-type Friction = preslide::QuasiStaticGms<{ preslide_link::MOST_BLOCKS }, Number>;
+type Friction = <Model as preslide_app::Model>::Friction;
 
 /// As on the board: 170 MHz at 20 kHz.
 const STEPS: u16 = 8500;
 
 #[rtic::app(device = crate::device)]
 mod app {
-    use super::{Friction, STEPS};
+    use super::{Friction, MODEL, Model, STEPS};
     use crate::registers::{CLOCK_HZ, Timer, Uart, Watchdog};
     use crate::stage::{self, Channel};
     use cortex_m_semihosting::{debug, heprintln};
     use heapless::spsc::{Consumer, Producer, Queue};
     use preslide::control::Settings;
-    use preslide_app::{Background, Bridge, Control, Inputs, Queues, STARTING_MODEL};
+    use preslide_app::{Background, Bridge, Control, Inputs, Queues};
     use preslide_link::{LARGEST_FRAME, Report, encode};
 
     #[shared]
@@ -39,7 +39,7 @@ mod app {
     struct Local {
         control: Control<Friction>,
         bridge: Bridge<Channel, Channel>,
-        background: Background<Friction>,
+        background: Background<Model>,
         received: Consumer<'static, u8>,
         arrived: Producer<'static, u8>,
         late: bool,
@@ -51,7 +51,7 @@ mod app {
         let settings = Settings::PAPER_AXIS;
         let first = stage::exchange().count;
         let (forward, backward) = Channel::pair(STEPS);
-        let tasks = cx.local.queues.tasks(settings, &STARTING_MODEL, first, 1);
+        let tasks = cx.local.queues.tasks(settings, MODEL, first, 1);
         let (Ok((control, background)), Some(bridge)) =
             (tasks, Bridge::new(forward, backward, STEPS))
         else {
