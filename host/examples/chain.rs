@@ -1,58 +1,76 @@
-//! scratch
-use preslide::control::Settings;
-use preslide_host::capture::{Scale, capture};
-use preslide_host::chain;
-use preslide_host::model::Model;
-use preslide_host::stage::concealed::Concealed;
+//! Steps of the chain that know what the stage conceals; `cargo xtask chain` runs them between those of the tool, which
+//! does not.
+//!
+//! `chain list SEED COUNT` prints the effects; `chain serve SEED INDEX ELF PORT` records: the telemetry goes to `preslide
+//! capture tcp:127.0.0.1:PORT`; `chain known SEED INDEX MODEL.toml` writes the truth as a model file; `chain track SEED INDEX
+//! NONE.elf BEFORE.elf AFTER.elf KNOWN.elf ERRORS.json` follows the judged motion with each; `chain table SEED FOLDER…`
+//! prints what came of it, from `diagnosis.json` and `errors.json` in each folder, and fails where the aim is missed.
+
+use anyhow::{Context, bail};
+use preslide_host::chain::{Errors, Row, Trial, known, serve, table, track};
+use serde::de::DeserializeOwned;
 use std::path::Path;
 
 fn main() -> anyhow::Result<()> {
-    let a: Vec<String> = std::env::args().skip(1).collect();
-    let seed: u64 = a[1].parse()?;
-    let index: usize = a[2].parse()?;
-    let folder = Path::new(&a[3]);
-    let effect = Concealed::draw(seed, index + 1)[index];
-    match a[0].as_str() {
-        "record" => {
-            std::fs::create_dir_all(folder)?;
-            let bytes = chain::record(chain::stage(effect, seed + 100)?)?;
-            let s = capture(
-                &bytes[..],
-                std::fs::File::create(folder.join("recording.csv"))?,
-                &Scale::of(&Settings::PAPER_AXIS, 50),
-                None,
-                || {},
-            )?;
-            println!("{effect:?}\n{s:?}");
-            std::fs::write(
-                folder.join("known.toml"),
-                chain::known(&effect)
-                    .map_err(anyhow::Error::msg)?
-                    .to_toml(&[]),
-            )?;
-        }
-        "score" => {
-            let stage = || chain::stage(effect, seed + 200);
-            let none = chain::follow(stage()?, None)?;
-            print!(
-                "{} none {:.0}",
-                effect.id(),
-                none.rms_m().unwrap_or(f64::NAN) * 1e9
-            );
-            let mut rms = vec![];
-            for name in ["model", "extended", "known"] {
-                let model = Model::load(&folder.join(format!("{name}.toml")));
-                let Ok(model) = model else {
-                    rms.push(f64::NAN);
-                    continue;
-                };
-                let t = chain::follow(stage()?, Some(&model))?;
-                rms.push(t.rms_m().unwrap_or(f64::NAN) * 1e9);
-                print!(" {name} {:.0}", rms[rms.len() - 1]);
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match words[..] {
+        ["list", seed, count] => {
+            for trial in Trial::draw(seed.parse()?, count.parse()?) {
+                println!("{:?}", trial.effect);
             }
-            println!("  ratio {:.2}", rms[1] / rms[2]);
         }
-        _ => {}
+        ["serve", seed, index, elf, port] => {
+            print!(
+                "{}",
+                serve(&trial(seed, index)?, Path::new(elf), port.parse()?)?
+            );
+        }
+        ["known", seed, index, file] => {
+            let model = known(&trial(seed, index)?.effect).map_err(anyhow::Error::msg)?;
+            std::fs::write(file, model.to_toml(&[])).with_context(|| file.to_owned())?;
+        }
+        ["track", seed, index, none, before, after, known, file] => {
+            let trial = trial(seed, index)?;
+            let error = |elf| track(&trial, Path::new(elf));
+            let errors = Errors {
+                none: error(none)?,
+                before: error(before)?,
+                after: error(after)?,
+                known: error(known)?,
+            };
+            let text = serde_json::to_string(&errors)?;
+            std::fs::write(file, text).with_context(|| file.to_owned())?;
+        }
+        ["table", seed, ref folders @ ..] => {
+            let trials = Trial::draw(seed.parse()?, folders.len());
+            let rows = trials.iter().zip(folders).map(|(trial, folder)| {
+                let folder = Path::new(folder);
+                anyhow::Ok(Row {
+                    concealed: trial.effect.id(),
+                    told: read(&folder.join("diagnosis.json"))?,
+                    errors: read(&folder.join("errors.json"))?,
+                })
+            });
+            let rows = rows.collect::<anyhow::Result<Vec<_>>>()?;
+            let (text, enough) = table(&rows);
+            print!("{text}");
+            if !enough {
+                bail!("the aim is missed");
+            }
+        }
+        _ => bail!("usage: see the head of host/examples/chain.rs; `cargo xtask chain` runs it"),
     }
     Ok(())
+}
+
+fn trial(seed: &str, index: &str) -> anyhow::Result<Trial> {
+    let index: usize = index.parse()?;
+    let trial = Trial::draw(seed.parse()?, index + 1).pop();
+    trial.context("there is always one")
+}
+
+fn read<T: DeserializeOwned>(file: &Path) -> anyhow::Result<T> {
+    let text = std::fs::read_to_string(file).with_context(|| file.display().to_string())?;
+    serde_json::from_str(&text).with_context(|| file.display().to_string())
 }

@@ -5,23 +5,67 @@
 
 mod known;
 mod motions;
+mod on_emulator;
 mod on_host;
+mod table;
 
 pub use known::known;
 pub use motions::{judged, recorded};
+pub use on_emulator::{serve, track};
 pub use on_host::{follow, record};
+pub use table::{Errors, Row, Told, table};
 
 use crate::stage::concealed::Concealed;
 use crate::stage::{EncoderConfig, FrictionConfig, Stage, StageConfig, StageError};
 
-/// The stage that hides `effect` and nothing else: the paper's axis with its hysteresis of 64 elements that wanders by ±15 %,
-/// its viscous friction, ripple and quantisation, but without the Stribeck drop and the interpolation error that the default
-/// has, which would be effects of their own. `seed` is that of friction's randomness.
-///
-/// # Errors
-/// [`StageError`] where the effect is out of the stage's range.
-pub fn stage(effect: Concealed, seed: u64) -> Result<Stage, StageError> {
-    let config = StageConfig {
+/// One concealed effect, and the stages that hide it.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    /// What is concealed.
+    pub effect: Concealed,
+    /// The stage that is recorded.
+    pub recorded: StageConfig,
+    /// The stage that is followed: the same machine on another day, its friction drawn anew within its ±15 %.
+    pub judged: StageConfig,
+}
+
+impl Trial {
+    /// The trials of a seed: every kind of effect once before any comes again ([`Concealed::draw`]).
+    pub fn draw(seed: u64, count: usize) -> Vec<Self> {
+        let of = |(index, effect)| {
+            let number = seed.wrapping_mul(1000).wrapping_add(2 * index as u64);
+            Self {
+                effect,
+                recorded: config(number),
+                judged: config(number.wrapping_add(1)),
+            }
+        };
+        let effects = Concealed::draw(seed, count).into_iter();
+        effects.enumerate().map(of).collect()
+    }
+
+    /// The stage that is recorded.
+    ///
+    /// # Errors
+    /// [`StageError`] where the effect is out of the stage's range.
+    pub fn recorded(&self) -> Result<Stage, StageError> {
+        Stage::concealing(self.recorded.clone(), self.effect)
+    }
+
+    /// The stage that is followed.
+    ///
+    /// # Errors
+    /// [`StageError`] where the effect is out of the stage's range.
+    pub fn judged(&self) -> Result<Stage, StageError> {
+        Stage::concealing(self.judged.clone(), self.effect)
+    }
+}
+
+/// A stage that hides nothing but what it will conceal: the paper's axis with its hysteresis of 64 elements that wanders by
+/// ±15 %, its viscous friction, ripple and quantisation, but without the Stribeck drop and the interpolation error of the default,
+/// which would be effects of their own.
+fn config(seed: u64) -> StageConfig {
+    StageConfig {
         encoder: EncoderConfig {
             error_order1_m: 0.0,
             error_order2_m: 0.0,
@@ -33,6 +77,5 @@ pub fn stage(effect: Concealed, seed: u64) -> Result<Stage, StageError> {
         },
         seed,
         ..StageConfig::default()
-    };
-    Stage::concealing(config, effect)
+    }
 }

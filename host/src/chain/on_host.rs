@@ -11,7 +11,7 @@ use preslide::{Friction, Units};
 use preslide_link::{Report, Sample};
 
 /// Ticks from one sample of telemetry to the next, as a serial line carries them.
-const EVERY: u64 = 10;
+const EVERY: u64 = 20;
 
 /// The bytes of telemetry that a controller without a friction model sends while it follows the recorded motion.
 ///
