@@ -4,10 +4,12 @@
 //! `chain list SEED COUNT` prints the effects; `chain serve SEED INDEX ELF PORT` records: the telemetry goes to `preslide
 //! capture tcp:127.0.0.1:PORT`; `chain known SEED INDEX MODEL.toml` writes the truth as a model file; `chain track SEED INDEX
 //! NONE.elf BEFORE.elf AFTER.elf KNOWN.elf ERRORS.json` follows the judged motion with each; `chain table SEED FOLDER…`
-//! prints what came of it, from `diagnosis.json` and `errors.json` in each folder, and fails where the aim is missed.
+//! prints what came of it, from `diagnosis.json` and `errors.json` in each folder, and fails where the aim is missed. `chain
+//! rehearse SEED COUNT` does it all in one process, with the same control code on the host instead of the firmware.
 
 use anyhow::{Context, bail};
-use preslide_host::chain::{Errors, Row, Trial, known, serve, table, track};
+use preslide_host::chain::{Errors, Row, Trial, known, rehearse, serve, table, track};
+use rayon::prelude::*;
 use serde::de::DeserializeOwned;
 use std::path::Path;
 
@@ -27,7 +29,7 @@ fn main() -> anyhow::Result<()> {
             );
         }
         ["known", seed, index, file] => {
-            let model = known(&trial(seed, index)?.effect).map_err(anyhow::Error::msg)?;
+            let model = known(&trial(seed, index)?).map_err(anyhow::Error::msg)?;
             std::fs::write(file, model.to_toml(&[])).with_context(|| file.to_owned())?;
         }
         ["track", seed, index, none, before, after, known, file] => {
@@ -52,14 +54,23 @@ fn main() -> anyhow::Result<()> {
                     errors: read(&folder.join("errors.json"))?,
                 })
             });
-            let rows = rows.collect::<anyhow::Result<Vec<_>>>()?;
-            let (text, enough) = table(&rows);
-            print!("{text}");
-            if !enough {
-                bail!("the aim is missed");
-            }
+            tell(&rows.collect::<anyhow::Result<Vec<_>>>()?)?;
+        }
+        ["rehearse", seed, count] => {
+            let trials = Trial::draw(seed.parse()?, count.parse()?);
+            let rows = trials.par_iter().map(rehearse);
+            tell(&rows.collect::<anyhow::Result<Vec<_>>>()?)?;
         }
         _ => bail!("usage: see the head of host/examples/chain.rs; `cargo xtask chain` runs it"),
+    }
+    Ok(())
+}
+
+fn tell(rows: &[Row]) -> anyhow::Result<()> {
+    let (text, enough) = table(rows);
+    print!("{text}");
+    if !enough {
+        bail!("the aim is missed");
     }
     Ok(())
 }

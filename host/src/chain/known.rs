@@ -1,12 +1,13 @@
 //! What a controller could know of the stage at best: the stage's own parameters, in the words of a model file.
 
+use super::Trial;
 use crate::effects::Effect;
 use crate::friction::FrictionModel;
 use crate::model::Model;
 use crate::recording::MotionKind;
 use crate::reproduce::paper;
+use crate::stage::FrictionConfig;
 use crate::stage::concealed::{Concealed, HALF_TRAVEL_M};
-use crate::stage::{FrictionConfig, StageConfig};
 use preslide::Block;
 use std::f64::consts::PI;
 
@@ -15,18 +16,20 @@ const TERMS: usize = 16;
 /// Points of a map's integral.
 const POINTS: usize = 2000;
 
-/// The stage's parameters as a model: the ten blocks that its hysteresis was calibrated to, mass, viscous friction, and the
-/// concealed effect with its true values.
+/// The stage's parameters as a model: the ten blocks that its hysteresis was calibrated to, with the gain of the day; mass and
+/// viscous friction; and the concealed effect with its true values. What it does not hold is how friction wanders.
 ///
 /// # Errors
-/// Where the catalogue refuses a value.
-pub fn known(effect: &Concealed) -> Result<Model, String> {
-    let config = StageConfig::default();
+/// Where the stage or the catalogue refuses a value.
+pub fn known(trial: &Trial) -> Result<Model, String> {
+    let (effect, config) = (&trial.effect, &trial.config);
     let FrictionConfig {
         breakaway_n,
         viscous_n_s_per_m,
         ..
     } = config.friction;
+    let stage = trial.stage().map_err(|e| e.to_string())?;
+    let mut gain = stage.friction().repeat_gain();
     let mut model = Model {
         motion: MotionKind::Linear,
         inertia: config.mass_kg,
@@ -74,15 +77,7 @@ pub fn known(effect: &Concealed) -> Result<Model, String> {
         ],
         Concealed::Stribeck { drop, velocity_m_s } => {
             // The catalogue's level is that above sliding friction, the stage's drop that below breakaway.
-            if let FrictionModel::Gms {
-                breakaway, blocks, ..
-            } = &mut model.friction
-            {
-                *breakaway *= 1.0 - drop;
-                for block in blocks {
-                    block.stiffness *= 1.0 - drop;
-                }
-            }
+            gain *= 1.0 - drop;
             vec![
                 ("level", drop / (1.0 - drop)),
                 ("velocity_m_s", velocity_m_s),
@@ -110,14 +105,17 @@ pub fn known(effect: &Concealed) -> Result<Model, String> {
         );
         if mean == 0.0 {
             model.constant_force = cosines[0];
-        } else if let FrictionModel::Gms {
-            breakaway, blocks, ..
-        } = &mut model.friction
-        {
-            *breakaway *= level;
-            for block in blocks {
-                block.stiffness *= level;
-            }
+        } else {
+            gain *= level;
+        }
+    }
+    if let FrictionModel::Gms {
+        breakaway, blocks, ..
+    } = &mut model.friction
+    {
+        *breakaway *= gain;
+        for block in blocks {
+            block.stiffness *= gain;
         }
     }
     model.effects = vec![Effect::new(effect.id(), &values)?];

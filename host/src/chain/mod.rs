@@ -12,52 +12,38 @@ mod table;
 pub use known::known;
 pub use motions::{judged, recorded};
 pub use on_emulator::{serve, track};
-pub use on_host::{follow, record};
+pub use on_host::{follow, record, rehearse};
 pub use table::{Errors, Row, Told, table};
 
 use crate::stage::concealed::Concealed;
 use crate::stage::{EncoderConfig, FrictionConfig, Stage, StageConfig, StageError};
 
-/// One concealed effect, and the stages that hide it.
+/// One concealed effect, and the machine that hides it: recorded, switched off, and followed on the same day.
 #[derive(Clone, Debug)]
 pub struct Trial {
     /// What is concealed.
     pub effect: Concealed,
-    /// The stage that is recorded.
-    pub recorded: StageConfig,
-    /// The stage that is followed: the same machine on another day, its friction drawn anew within its ±15 %.
-    pub judged: StageConfig,
+    /// The machine.
+    pub config: StageConfig,
 }
 
 impl Trial {
     /// The trials of a seed: every kind of effect once before any comes again ([`Concealed::draw`]).
     pub fn draw(seed: u64, count: usize) -> Vec<Self> {
-        let of = |(index, effect)| {
-            let number = seed.wrapping_mul(1000).wrapping_add(2 * index as u64);
-            Self {
-                effect,
-                recorded: config(number),
-                judged: config(number.wrapping_add(1)),
-            }
+        let of = |(index, effect)| Self {
+            effect,
+            config: config(seed.wrapping_mul(1000).wrapping_add(index as u64)),
         };
         let effects = Concealed::draw(seed, count).into_iter();
         effects.enumerate().map(of).collect()
     }
 
-    /// The stage that is recorded.
+    /// The stage, at rest.
     ///
     /// # Errors
     /// [`StageError`] where the effect is out of the stage's range.
-    pub fn recorded(&self) -> Result<Stage, StageError> {
-        Stage::concealing(self.recorded.clone(), self.effect)
-    }
-
-    /// The stage that is followed.
-    ///
-    /// # Errors
-    /// [`StageError`] where the effect is out of the stage's range.
-    pub fn judged(&self) -> Result<Stage, StageError> {
-        Stage::concealing(self.judged.clone(), self.effect)
+    pub fn stage(&self) -> Result<Stage, StageError> {
+        Stage::concealing(self.config.clone(), self.effect)
     }
 }
 

@@ -23,10 +23,10 @@ const STATIONS_M: [f64; REPEATS] = [0.0, 1e-3, -1e-3];
 const END_M: f64 = 2e-3;
 
 /// Passes over the whole travel, there and back, at these speeds (m/s) in each repeat.
-const PASSES: [f64; 2] = [5e-3, 2e-3];
+const PASSES: [f64; 2] = [5e-3, 2.5e-3];
 
 /// Strokes about the station, peak to peak (m), and their speed (m/s): sliding that is slow enough for a Stribeck curve.
-const SLOW: [(f64, f64); 2] = [(200e-6, 200e-6), (400e-6, 600e-6)];
+const SLOW: [(f64, f64); 2] = [(200e-6, 300e-6), (400e-6, 600e-6)];
 
 /// Moves to one position (m) after another at a speed (m/s).
 struct Tour {

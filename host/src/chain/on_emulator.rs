@@ -2,7 +2,7 @@
 
 use super::{Trial, judged, recorded};
 use crate::rig::{Listener, RigError, Script, run, samples};
-use crate::stage::StageConfig;
+use crate::tracking::{Step, TrackingError};
 use preslide::control::Settings;
 use preslide_link::Request;
 use std::cell::RefCell;
@@ -14,12 +14,13 @@ const EVERY: u16 = 20;
 /// When the first move is sent: the request before it has been read by then.
 const FIRST: u64 = 40;
 
-fn script<'a>(trial: &Trial, stage: &StageConfig, every: u16) -> Script<'a> {
+fn script<'a>(trial: &Trial, steps: &[Step]) -> Result<Script<'a>, TrackingError> {
     let mut script = Script::quiet(0);
-    script.stage = stage.clone();
+    script.stage = trial.config.clone();
     script.concealed = Some(trial.effect);
     // The exchange of the initialisation, tick 0, carries no byte.
-    script.send(1, &[Request::Telemetry { every }])
+    let telemetry = Request::Telemetry { every: EVERY };
+    script.send(1, &[telemetry]).follow(FIRST, steps)
 }
 
 /// Moves the stage through the recorded motion and hands the firmware's telemetry to the first client of the port; what the
@@ -28,7 +29,7 @@ fn script<'a>(trial: &Trial, stage: &StageConfig, every: u16) -> Script<'a> {
 /// # Errors
 /// [`RigError`] where the run cannot be made.
 pub fn serve(trial: &Trial, elf: &Path, port: u16) -> Result<String, RigError> {
-    let script = script(trial, &trial.recorded, EVERY).follow(FIRST, &recorded())?;
+    let script = script(trial, &recorded())?;
     Ok(run(elf, &script, Listener::Tcp(port))?.remains.log)
 }
 
@@ -39,7 +40,7 @@ pub fn serve(trial: &Trial, elf: &Path, port: u16) -> Result<String, RigError> {
 pub fn track(trial: &Trial, elf: &Path) -> Result<Option<f64>, RigError> {
     // Before each tick: where the stage was at the end of the one before it.
     let positions = RefCell::new(Vec::new());
-    let mut script = script(trial, &trial.judged, EVERY).follow(FIRST, &judged())?;
+    let mut script = script(trial, &judged())?;
     script.disturb = Box::new(|_, stage| positions.borrow_mut().push(stage.truth().position_m));
     let record = run(elf, &script, Listener::File)?;
     let positions = positions.borrow();

@@ -1,11 +1,17 @@
 //! The chain without an emulator: the same control code on the host.
 
-use super::{judged, recorded};
+use super::{Errors, Row, Trial, judged, known, recorded};
+use crate::capture::{Scale, capture};
+use crate::diagnose::{Refusal, diagnose};
 use crate::friction::Visitor;
+use crate::identify::{Options, STEPS, identify};
 use crate::model::Model;
+use crate::progress::Progress;
+use crate::recording::{LoadOptions, load_csv};
 use crate::rig::frame;
 use crate::stage::Stage;
 use crate::tracking::{Axis, Step, Tracking, TrackingError};
+use anyhow::Context;
 use preslide::control::{Move, NoFriction, Settings};
 use preslide::{Friction, Units};
 use preslide_link::{Report, Sample};
@@ -79,4 +85,39 @@ impl Visitor for Closed {
         });
         Ok(tracking)
     }
+}
+
+/// Ticks of a row of the recording: 2 ms.
+const ROW: u32 = 40;
+
+/// The whole chain of a trial without an emulator, in one process; the diagnosis still gets recording and model alone.
+///
+/// # Errors
+/// Whatever a step of it refuses.
+pub fn rehearse(trial: &Trial) -> anyhow::Result<Row> {
+    let mut csv = Vec::new();
+    let scale = Scale::of(&Settings::PAPER_AXIS, ROW);
+    capture(&record(trial.stage()?)?[..], &mut csv, &scale, None, || {})?;
+    let recording = load_csv(&csv[..], "recording.csv", &LoadOptions::default())?;
+    let progress = Progress::new("identify", STEPS);
+    let found = identify(&recording, &Options::default(), &progress).map_err(anyhow::Error::msg)?;
+    let before = &found.best().model;
+    let (study, diagnosis) =
+        diagnose(&recording, Some(before), &progress).map_err(|refusal| match refusal {
+            Refusal::Input(reason) | Refusal::Data(reason) => anyhow::Error::msg(reason),
+        })?;
+    let (after, _) = diagnosis.extended_model(&study, &recording, Some(before));
+    let known = known(trial).map_err(anyhow::Error::msg)?;
+    let error = |model| anyhow::Ok(follow(trial.stage()?, model)?.rms_m());
+    Ok(Row {
+        concealed: trial.effect.id(),
+        told: serde_json::from_value(diagnosis.to_json(&recording, 0.0))
+            .context("the diagnosis in JSON")?,
+        errors: Errors {
+            none: error(None)?,
+            before: error(Some(before))?,
+            after: error(Some(&after))?,
+            known: error(Some(&known))?,
+        },
+    })
 }
