@@ -86,6 +86,12 @@ const STEPS: &[Step] = &[
         run: || crate::qemu::run_command(&[]),
     },
     Step {
+        name: "chain",
+        reason: "effects that only the stage knows of are named, compiled into the firmware and compensated",
+        needs: &[Need::Qemu],
+        run: crate::chain::gate,
+    },
+    Step {
         name: "trials",
         reason: "the diagnosis of a few generated recordings: no false alarm, no fewer names than before",
         needs: &[],

@@ -136,3 +136,47 @@ fn cosines(f: impl Fn(f64) -> f64) -> Vec<f64> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::friction::Path;
+    use crate::stage::concealed::KINDS;
+
+    /// The catalogue's terms, with the values of the truth, give the resistance of the stage's own laws where it slides.
+    #[test]
+    fn the_stage_and_the_catalogue_mean_the_same() {
+        for trial in Trial::draw(5, 2 * KINDS) {
+            let model = known(&trial).expect("the catalogue has it");
+            let gain = trial.stage().expect("valid").friction().repeat_gain();
+            for direction in [1.0, -1.0] {
+                let (speed, pace) = (direction * 0.2e-3, direction * 1e-6);
+                let position: Vec<f64> = (-1800..1800).map(|i| f64::from(i) * pace).collect();
+                let (velocity, whole) = (vec![speed; position.len()], 0..position.len());
+                let path = Path {
+                    position: &position,
+                    velocity: &velocity,
+                    pieces: std::slice::from_ref(&whole),
+                    sample_time: 5e-3,
+                };
+                let found = model.resistance(path).expect("computable");
+                // The sixteen cosines of a map leave 0.02 N of the narrowest bump. Sliding begins after the longest yield displacement, twice over.
+                for (x, found) in position.iter().zip(found).skip(100) {
+                    let stribeck = match trial.effect {
+                        Concealed::Stribeck { drop, velocity_m_s } => {
+                            1.0 - drop * (1.0 - (-speed.abs() / velocity_m_s).exp())
+                        }
+                        _ => 1.0,
+                    };
+                    let sliding = direction * 0.9 * gain * stribeck * trial.effect.level(*x);
+                    let truth = sliding + trial.effect.force_n(*x) + 10.0 * speed;
+                    assert!(
+                        (found - truth).abs() < 0.02,
+                        "{:?} at {x} m: {found} N, in truth {truth} N",
+                        trial.effect
+                    );
+                }
+            }
+        }
+    }
+}

@@ -4,7 +4,7 @@ use super::{Trial, judged, recorded};
 use crate::rig::{Listener, RigError, Script, run, samples};
 use crate::tracking::{Step, TrackingError};
 use preslide::control::Settings;
-use preslide_link::Request;
+use preslide_link::{MOST_BLOCKS, ModelSettings, Refusal, Report, Request};
 use std::cell::RefCell;
 use std::path::Path;
 
@@ -33,7 +33,8 @@ pub fn serve(trial: &Trial, elf: &Path, port: u16) -> Result<String, RigError> {
     Ok(run(elf, &script, Listener::Tcp(port))?.remains.log)
 }
 
-/// RMS error (m) of the stage's true position over the judged motion; `None` where the firmware gave up.
+/// RMS error (m) of the stage's true position over the judged motion, by a firmware whose model was compiled in; `None` where
+/// it gave up.
 ///
 /// # Errors
 /// [`RigError`] where the run cannot be made.
@@ -42,7 +43,17 @@ pub fn track(trial: &Trial, elf: &Path) -> Result<Option<f64>, RigError> {
     let positions = RefCell::new(Vec::new());
     let mut script = script(trial, &judged())?;
     script.disturb = Box::new(|_, stage| positions.borrow_mut().push(stage.truth().position_m));
-    let record = run(elf, &script, Listener::File)?;
+    let set = Request::Model(ModelSettings {
+        breakaway_n: 0.9,
+        blocks: [(1e5, 0.25); MOST_BLOCKS],
+    });
+    let record = run(elf, &script.send(FIRST, &[set]), Listener::File)?;
+    let refused = Report::Refused(Refusal::CompiledIn);
+    if !record.remains.reports.contains(&refused) {
+        return Err(RigError::Answer(
+            "took a model over the link in place of the one that was compiled in",
+        ));
+    }
     let positions = positions.borrow();
     let count = Settings::PAPER_AXIS.encoder.count;
     let (mut squares, mut number) = (0.0, 0);

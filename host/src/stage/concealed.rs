@@ -82,7 +82,7 @@ impl Concealed {
     ///
     /// | effect | range |
     /// |---|---|
-    /// | position_force | ±(0.3…0.6) N, 0.15…0.3 mm wide, within ±1.2 mm |
+    /// | position_force | ±(0.3…0.6) N, 0.3…0.5 mm wide, within ±1.2 mm; narrower ones take more cosines than the catalogue's maps have |
     /// | periodic_force | 60…120 mN; period 1/7 of the screw's lead (the motor's cogging), 1/3 of it or the lead |
     /// | position_friction | ±(20…40) % over 0.5…1 mm about ±0.5 mm |
     /// | local_friction_spot | 50…100 %, 0.15…0.4 mm wide, within ±1.2 mm |
@@ -112,7 +112,7 @@ impl Concealed {
             0 => Self::PositionForce {
                 force_n: sign * within(0.3, 0.6),
                 position_m: within(-1.2e-3, 1.2e-3),
-                width_m: within(0.15e-3, 0.3e-3),
+                width_m: within(0.3e-3, 0.5e-3),
             },
             1 => Self::PeriodicForce {
                 force_n: within(0.06, 0.12),
@@ -204,5 +204,40 @@ impl Concealed {
             config.friction.stribeck_velocity_m_s = velocity_m_s;
         }
         config
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stage::Stage;
+
+    #[test]
+    fn every_kind_comes_once_before_any_comes_again() {
+        let drawn = Concealed::draw(3, 2 * KINDS);
+        for round in drawn.chunks(KINDS) {
+            let mut ids: Vec<&str> = round.iter().map(Concealed::id).collect();
+            ids.sort_unstable();
+            ids.dedup();
+            assert_eq!(ids.len(), KINDS, "{round:?}");
+        }
+        assert_eq!(drawn[..4], Concealed::draw(3, 4));
+        assert_ne!(drawn[..4], Concealed::draw(4, 4));
+    }
+
+    /// An effect of position gives back what it took, one of friction takes: the stage's energies still add up.
+    #[test]
+    fn the_energies_of_a_concealing_stage_add_up() {
+        for effect in Concealed::draw(1, KINDS) {
+            let mut stage = Stage::concealing(StageConfig::default(), effect).expect("valid");
+            for tick in 0..40_000 {
+                let duty = 0.12 * (TAU * f64::from(tick) / 20_000.0).sin();
+                stage.tick(duty);
+            }
+            let energy = stage.energy();
+            let gap = energy.residual_j().abs() / energy.supplied_j;
+            assert!(gap < 1e-4, "{effect:?}: {gap}");
+            assert!(energy.friction_j > 0.0, "{effect:?}");
+        }
     }
 }
