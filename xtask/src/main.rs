@@ -1,5 +1,6 @@
 //! `cargo xtask`: builds, checks and measures Preslide; installs what that needs. Standard library only.
 
+mod browser;
 mod call_graph;
 mod chain;
 mod cycles;

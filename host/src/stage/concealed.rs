@@ -153,6 +153,62 @@ impl Concealed {
         }
     }
 
+    /// What it is, with its values, for people.
+    pub fn words(&self) -> String {
+        let (mm, mn, percent) = (1e3, 1e3, 100.0);
+        match *self {
+            Self::PositionForce {
+                force_n,
+                position_m,
+                width_m,
+            } => format!(
+                "a force of {:.0} mN about {:.2} mm, {:.2} mm wide",
+                force_n * mn,
+                position_m * mm,
+                width_m * mm
+            ),
+            Self::PeriodicForce {
+                force_n, period_m, ..
+            } => format!(
+                "cogging of {:.0} mN with a period of {:.3} mm",
+                force_n * mn,
+                period_m * mm
+            ),
+            Self::PositionFriction {
+                level,
+                position_m,
+                width_m,
+            } => format!(
+                "a friction level that changes by ±{:.0} % about {:.2} mm, over {:.2} mm",
+                level.abs() * percent,
+                position_m * mm,
+                width_m * mm
+            ),
+            Self::LocalFrictionSpot {
+                level,
+                position_m,
+                width_m,
+            } => format!(
+                "a spot at {:.2} mm, {:.2} mm wide, with {:.0} % more friction",
+                position_m * mm,
+                width_m * mm,
+                level * percent
+            ),
+            Self::PeriodicFriction {
+                level, period_m, ..
+            } => format!(
+                "friction that varies by ±{:.0} % with a period of {:.3} mm",
+                level * percent,
+                period_m * mm
+            ),
+            Self::Stribeck { drop, velocity_m_s } => format!(
+                "friction that falls by {:.0} % with speed, at {:.2} mm/s",
+                drop * percent,
+                velocity_m_s * mm
+            ),
+        }
+    }
+
     /// Multiplies the friction at the position `x` (m) (-).
     pub fn level(&self, x: f64) -> f64 {
         match *self {
