@@ -3,8 +3,7 @@
 //!
 //! `chain list SEED COUNT` prints the effects; `chain serve SEED INDEX ELF PORT` records: the telemetry goes to `preslide
 //! capture tcp:127.0.0.1:PORT`; `chain known SEED INDEX MODEL.toml` writes the truth as a model file; `chain track SEED INDEX
-//! NONE.elf BEFORE.elf AFTER.elf KNOWN.elf ERRORS.json` follows the judged motion with each; `chain table SEED FOLDER…`
-//! prints what came of it, from `diagnosis.json` and `errors.json` in each folder, and fails where the aim is missed. `chain
+//! NONE.elf FOLDER` follows the judged motion with it and with the other images in the folder; `chain table SEED FOLDER…` prints what came of it, from `diagnosis.json` and `errors.json` in each folder, and fails where the aim is missed. `chain
 //! rehearse SEED COUNT` does it all in one process, with the same control code on the host instead of the firmware.
 
 use anyhow::{Context, bail};
@@ -32,17 +31,18 @@ fn main() -> anyhow::Result<()> {
             let model = known(&trial(seed, index)?).map_err(anyhow::Error::msg)?;
             std::fs::write(file, model.to_toml(&[])).with_context(|| file.to_owned())?;
         }
-        ["track", seed, index, none, before, after, known, file] => {
-            let trial = trial(seed, index)?;
-            let error = |elf| track(&trial, Path::new(elf));
+        ["track", seed, index, none, folder] => {
+            let (trial, folder) = (trial(seed, index)?, Path::new(folder));
+            let error = |name: &str| track(&trial, &folder.join(name));
             let errors = Errors {
-                none: error(none)?,
-                before: error(before)?,
-                after: error(after)?,
-                known: error(known)?,
+                none: track(&trial, Path::new(none))?,
+                before: error("before.elf")?,
+                refit: error("refit.elf")?,
+                after: error("after.elf")?,
+                known: error("known.elf")?,
             };
             let text = serde_json::to_string(&errors)?;
-            std::fs::write(file, text).with_context(|| file.to_owned())?;
+            std::fs::write(folder.join("errors.json"), text)?;
         }
         ["table", seed, ref folders @ ..] => {
             let trials = Trial::draw(seed.parse()?, folders.len());

@@ -1,8 +1,8 @@
 //! The page of `preslide demo`: what was recorded, how many blocks and why, what was missing, how much better it tracks.
 
 use crate::chain::{Followed, Trial};
-use crate::diagnose::Diagnosis;
 use crate::diagnose::study::Study;
+use crate::diagnose::{Diagnosis, catalogue};
 use crate::identify::Identification;
 use crate::recording::Recording;
 use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Table};
@@ -27,7 +27,10 @@ impl Story<'_> {
     fn names(&self) -> String {
         let confident = self.diagnosis.effects.iter().filter(|e| e.confident);
         let names: Vec<String> = confident
-            .map(|e| format!("{} (confidence {:.2})", e.id, e.confidence))
+            .map(|e| {
+                let words = catalogue::entry(e.id).map_or("", |entry| entry.words);
+                format!("{} ({words}; confidence {:.2})", e.id, e.confidence)
+            })
             .collect();
         if names.is_empty() {
             "nothing that is certain".to_owned()
@@ -158,7 +161,7 @@ impl Story<'_> {
             Axis::new("reference − true position", "m"),
         );
         let looks = [
-            (Colour::Sky, Emphasis::Faint),
+            (Colour::Sky, Emphasis::Normal),
             (Colour::Blue, Emphasis::Normal),
             (Colour::Vermillion, Emphasis::Strong),
         ];

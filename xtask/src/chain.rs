@@ -94,7 +94,7 @@ impl Chain {
         make(&self.folder)?;
         let model = self.folder.join("none.toml");
         std::fs::write(&model, NONE).map_err(|e| format!("{}: {e}", model.display()))?;
-        let none = self.image(&self.folder, "none")?;
+        let none = self.image(&self.folder, "none", &[])?;
         let folders: Vec<PathBuf> = (0..count)
             .map(|index| self.folder.join(index.to_string()))
             .collect();
@@ -147,33 +147,35 @@ impl Chain {
         quiet(diagnose.arg("--json").arg(file("diagnosis.json")))?;
         quiet(self.steps(&["known"]).arg(&index).arg(file("known.toml")))?;
 
-        let mut track = self.steps(&["track"]);
-        track.arg(&index).arg(none);
         for name in ["before", "after", "known"] {
-            track.arg(self.image(folder, name)?);
+            self.image(folder, name, &[])?;
         }
-        quiet(track.arg(file("errors.json")))
+        // What the refitted blocks do by themselves.
+        let after = std::fs::read_to_string(file("after.toml")).map_err(|e| e.to_string())?;
+        let ids = after.lines().filter_map(|line| line.strip_prefix("id = "));
+        let ids: Vec<&str> = ids.map(|id| id.trim_matches('"')).collect();
+        let refit = file("refit.toml");
+        std::fs::write(&refit, &after).map_err(|e| format!("{}: {e}", refit.display()))?;
+        self.image(folder, "refit", &ids)?;
+        quiet(self.steps(&["track"]).arg(&index).arg(none).arg(folder))
     }
 
-    /// Exports the model of that name and builds the firmware with it; the image.
-    fn image(&self, folder: &Path, name: &str) -> Result<PathBuf, String> {
+    /// Exports the model of that name `without` some effects, and builds the firmware with it; the image.
+    fn image(&self, folder: &Path, name: &str, without: &[&str]) -> Result<PathBuf, String> {
         let file = |kind: &str| folder.join(format!("{name}.{kind}"));
         let export = |without: &[&str]| {
             let mut export = tool("export");
             export.args(without.iter().flat_map(|id| ["--without", id]));
             quiet(export.arg(file("toml")).arg("-o").arg(file("rs")))
         };
-        if let Err(refusal) = export(&[]) {
+        if let Err(refusal) = export(without) {
             // What no controller can compensate is left out, as the refusal says.
             let mut words = refusal.split_whitespace();
-            let mut without = Vec::new();
+            let mut without = without.to_vec();
             while words.by_ref().any(|word| word == "--without") {
                 without.extend(words.next());
             }
-            if without.is_empty() {
-                return Err(refusal);
-            }
-            export(&without)?;
+            export(&without).map_err(|_| refusal.clone())?;
         }
         let building = self.building.lock().map_err(|e| e.to_string())?;
         let (mut build, image) = build_command("preslide-qemu", "chain")?;

@@ -131,6 +131,8 @@ pub fn rehearse(trial: &Trial) -> anyhow::Result<Row> {
             Refusal::Input(reason) | Refusal::Data(reason) => anyhow::Error::msg(reason),
         })?;
     let (after, _) = diagnosis.extended_model(&study, &recording, Some(before));
+    let mut refit = after.clone();
+    refit.effects.clear();
     let known = known(trial).map_err(anyhow::Error::msg)?;
     let error = |model| anyhow::Ok(follow(trial.stage()?, model)?.error.rms_m());
     Ok(Row {
@@ -140,6 +142,7 @@ pub fn rehearse(trial: &Trial) -> anyhow::Result<Row> {
         errors: Errors {
             none: error(None)?,
             before: error(Some(before))?,
+            refit: error(Some(&refit))?,
             after: error(Some(&after))?,
             known: error(Some(&known))?,
         },

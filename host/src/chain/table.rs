@@ -33,7 +33,9 @@ pub struct Errors {
     pub none: Option<f64>,
     /// With what `identify` found.
     pub before: Option<f64>,
-    /// With what `diagnose` added.
+    /// With the blocks that `diagnose` refitted, but without the effects that it added.
+    pub refit: Option<f64>,
+    /// With both.
     pub after: Option<f64>,
     /// With the stage's own parameters.
     pub known: Option<f64>,
@@ -77,7 +79,7 @@ impl Row {
 /// The table, its summary, and whether five of six trials, rounded up, ended close to what is possible.
 pub fn table(rows: &[Row]) -> (String, bool) {
     let mut text = format!(
-        "{:<20} {:<36} {:>10} {:>16}   {:^31} {:>7}\n{:<20} {:<36} {:>10} {:>16}   {:>7} {:>7} {:>7} {:>7} {:>7}\n",
+        "{:<20} {:<28} {:>10} {:>16}   {:^39} {:>7}\n{:<20} {:<28} {:>10} {:>16}   {:>7} {:>7} {:>7} {:>7} {:>7} {:>7}\n",
         "concealed",
         "named as",
         "confidence",
@@ -90,6 +92,7 @@ pub fn table(rows: &[Row]) -> (String, bool) {
         "before   after",
         "none",
         "before",
+        "refit",
         "after",
         "known",
         "known",
@@ -105,12 +108,13 @@ pub fn table(rows: &[Row]) -> (String, bool) {
         let Errors {
             none,
             before,
+            refit,
             after,
             known,
         } = row.errors;
         let _ = writeln!(
             text,
-            "{:<20} {:<36} {:>10} {:>7.3} {:>8.3}   {:>7} {:>7} {:>7} {:>7} {:>7}",
+            "{:<20} {:<28} {:>10} {:>7.3} {:>8.3}   {:>7} {:>7} {:>7} {:>7} {:>7} {:>7}",
             row.concealed,
             if list.is_empty() {
                 "nothing".to_owned()
@@ -122,6 +126,7 @@ pub fn table(rows: &[Row]) -> (String, bool) {
             row.told.extended.nmse_test,
             nm(none),
             nm(before),
+            nm(refit),
             nm(after),
             nm(known),
             row.ratio()

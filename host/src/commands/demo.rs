@@ -16,7 +16,7 @@ use std::time::Instant;
 /// The whole story on data the tool makes itself, offline, in under a minute
 #[derive(Args)]
 #[command(
-    after_help = "Example: preslide demo --out preslide-report\n\nPositions are in m, forces in N, times in s. Other seeds hide other effects: 1 to 6 are six different ones."
+    after_help = "Example: preslide demo --out preslide-report\n\nPositions are in m, forces in N, times in s. Other seeds hide other effects."
 )]
 pub struct Demo {
     /// Folder for the recording, the models, the source for the firmware and the report
