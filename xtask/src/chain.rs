@@ -5,6 +5,7 @@
 //! after and the stage's own parameters exported as Rust and compiled into the firmware; the same motion tracked with each.
 //! The programs are those that a user has; only the steps of `host/examples/chain.rs` know the truth.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::Mutex;
@@ -15,10 +16,10 @@ use crate::process::{cargo, output, root, run};
 use crate::qemu::{build, build_command, capture, free_port};
 use crate::tools::Need;
 
-/// The chain without a friction model.
+/// No friction at all.
 const NONE: &str = "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[friction]\nkind = \"coulomb\"\ncoulomb_N = 0.0\n";
 
-/// Ticks of a row of the recording: 2.5 ms, a tenth of the shortest kernel of the diagnosis.
+/// Ticks of a row of the recording: 2 ms, two samples of the telemetry.
 const ROW: &str = "40";
 
 /// Trials at a time; a trial keeps one core busy.
@@ -153,7 +154,9 @@ impl Chain {
         // What the refitted blocks do by themselves.
         let after = std::fs::read_to_string(file("after.toml")).map_err(|e| e.to_string())?;
         let ids = after.lines().filter_map(|line| line.strip_prefix("id = "));
-        let ids: Vec<&str> = ids.map(|id| id.trim_matches('"')).collect();
+        // Some come twice, but a name leaves out all of them.
+        let ids: BTreeSet<&str> = ids.map(|id| id.trim_matches('"')).collect();
+        let ids: Vec<&str> = ids.into_iter().collect();
         let refit = file("refit.toml");
         std::fs::write(&refit, &after).map_err(|e| format!("{}: {e}", refit.display()))?;
         self.image(folder, "refit", &ids)?;

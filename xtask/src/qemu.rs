@@ -20,6 +20,9 @@ const TIM6_DAC: &str = "TIM6_DAC";
 /// The end of a run, which only the emulator's control task has.
 const QUIT: &str = "preslide_qemu::quit";
 
+/// What `preslide export` writes of a model with all effects that a controller can use; the tests of the tool keep it.
+const EXPORTED: &str = "host/tests/exported/linear.rs";
+
 const GOLDEN: &str = "firmware/boards/qemu/expected";
 
 /// A run of the motion takes 10 s on a slow machine, the faults two minutes.
@@ -57,6 +60,11 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     build("preslide-stm32g474", "stm32g474", &["--features", "log"])?;
     let board = build("preslide-stm32g474", "stm32g474", &[])?;
     check_image("stm32g474", &board, TIM6_DAC, &[])?;
+    check_ccm(&board)?;
+    // With a model compiled in that has every effect.
+    let (mut exported, board) = build_command("preslide-stm32g474", "stm32g474")?;
+    run(exported.env("PRESLIDE_MODEL", root().join(EXPORTED)))?;
+    check_image("stm32g474 with an exported model", &board, TIM6_DAC, &[])?;
     check_ccm(&board)?;
     let golden = root().join(GOLDEN);
     let mut faults = Command::new(&rig);
