@@ -1,11 +1,9 @@
 //! The single-state elasto-plastic model: LuGre with a range in which nothing yields.
 
 use crate::flow::Flow;
-use crate::param::{
-    ParamError, Units, at_most, fits, not_negative, positive, to_positive, to_scalar, unsaturated,
-};
-use crate::stribeck::{Sliding, SpeedTable};
-use crate::{Friction, Motion, Scalar};
+use crate::param::{ParamError, Units, at_most, fits, not_negative, to_positive, to_scalar};
+use crate::stribeck::Sliding;
+use crate::{Friction, LuGre, Motion, Scalar};
 use core::f64::consts::FRAC_PI_2;
 
 /// Largest `z_ba` as a share of `F_c/σ0`: a narrower transition would fit between two substeps.
@@ -27,16 +25,11 @@ const WIDEST: f64 = 0.9;
 /// not damped but by `σ1`. `s(v)` weakens with speed, so that a soft drive sticks and slips.
 #[derive(Clone, Debug)]
 pub struct ElastoPlastic<S = f32> {
-    stiffness: S,
-    damping: S,
-    largest: S,
-    /// What |`σ0·z`| reaches.
-    limit: S,
+    /// `σ0`, `σ1` and `z_ss(v)`, LuGre's `g(v)`.
+    bristle: LuGre<S>,
     /// `z_ba`.
     elastic: S,
     quarter_turn: S,
-    /// `z_ss(v)` and its reciprocal.
-    deflection: SpeedTable<S>,
     flow: Flow<S>,
 }
 
@@ -60,35 +53,15 @@ impl<S: Scalar> ElastoPlastic<S> {
         sliding: Sliding,
         units: Units,
     ) -> Result<Self, ParamError> {
-        units.check()?;
-        positive("stiffness", stiffness)?;
-        not_negative("damping", damping)?;
+        let bristle = LuGre::try_new(stiffness, damping, breakaway, sliding, units)?;
         not_negative("elastic deflection z_ba", elastic)?;
-        positive("breakaway force", breakaway)?;
-        sliding.check(breakaway)?;
         let least = sliding.coulomb / stiffness;
         at_most("elastic deflection z_ba", elastic, WIDEST * least)?;
-        let largest = breakaway / stiffness / units.length;
-        fits::<S>("twice the largest deflection", 2.0 * largest)?;
         fits::<S>("z/z_ss", 2.0 * breakaway / sliding.coulomb)?;
-        let scaled_stiffness: S = to_positive("stiffness", stiffness * units.length / units.force)?;
-        let scaled_largest: S = to_positive("largest deflection", largest)?;
-        // Fixed point products round down, so a negative force reaches further than a positive one.
-        let reach = scaled_stiffness.mul_input(-scaled_largest);
         Ok(Self {
-            stiffness: scaled_stiffness,
-            damping: to_scalar("damping", damping * units.velocity / units.force)?,
-            largest: scaled_largest,
-            limit: unsaturated("breakaway force", reach)?,
+            bristle,
             elastic: to_scalar("elastic deflection z_ba", elastic / units.length)?,
             quarter_turn: to_positive("quarter turn", FRAC_PI_2)?,
-            deflection: SpeedTable::try_new(
-                &sliding,
-                breakaway,
-                units.velocity,
-                ["deflection at steady sliding", "its reciprocal"],
-                |weakening| [largest * weakening, 1.0 / (largest * weakening)],
-            )?,
             flow: Flow::try_new()?,
         })
     }
@@ -120,7 +93,7 @@ impl<S: Scalar> Friction for ElastoPlastic<S> {
             displacement: dx,
             velocity: v,
         } = motion;
-        let [steady, per_steady] = self.deflection.at(v);
+        let [steady, per_steady] = self.bristle.deflection.at(v);
         let elastic = self.elastic.mul_input(per_steady);
         let per_width = (S::ONE - elastic).reciprocal();
         if dx != S::ZERO {
@@ -142,10 +115,10 @@ impl<S: Scalar> Friction for ElastoPlastic<S> {
                 });
                 u.mul_input(steady)
             };
-            state.deflection = along.limited(self.largest).along(direction);
+            state.deflection = along.limited(self.bristle.largest).along(direction);
         }
-        let force = self.stiffness * state.deflection;
-        if self.damping == S::ZERO {
+        let force = self.bristle.stiffness * state.deflection;
+        if self.bristle.damping == S::ZERO {
             return force;
         }
         let direction = if v < S::ZERO { -S::ONE } else { S::ONE };
@@ -156,10 +129,10 @@ impl<S: Scalar> Friction for ElastoPlastic<S> {
             S::ZERO
         };
         let rate = v.mul_input(S::ONE.sub_input(slip));
-        force.add_input(self.damping.mul_input(rate))
+        force.add_input(self.bristle.damping.mul_input(rate))
     }
 
     fn limit(&self) -> Option<S> {
-        (self.damping == S::ZERO).then_some(self.limit)
+        self.bristle.limit()
     }
 }

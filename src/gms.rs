@@ -76,8 +76,9 @@ impl<const N: usize, S: Scalar> Blocks<N, S> {
 ///
 /// **Where the paper is ambiguous or wrong.** (a) Eq. (11) with a positive `s` is unstable for `v < 0`; it is
 /// read as `dF_i/dt = C·(sgn(v)·α_i − F_i/s(|v|))`, which is the published law for `v > 0` and odd in `v`.
-/// (b) The text gives no way back from slip to stick, so a block that slipped sits at its limit and never
-/// sticks again (it wedges at the first reversal); Al-Bender, Lampaert and Swevers (IEEE T-AC 50(11), 2005)
+/// (b) The text gives no way back from slip to stick. As printed, a block that slipped never sticks again (it wedges at
+/// the first reversal; `preslide reproduce` shows it); read as in (a) it first slips back, in time and not in
+/// displacement. Al-Bender, Lampaert and Swevers (IEEE T-AC 50(11), 2005)
 /// have it stick when the velocity crosses zero, and so does this. A tick without motion is no crossing:
 /// with a quantised encoder most ticks of a slow slide have none. (c) "|F_i| < |W_i|" is tested in the
 /// direction of motion only: a block that unloads sticks even where a rising speed has lowered its limit

@@ -19,13 +19,13 @@ use crate::{Friction, Motion, Scalar};
 /// attraction parameter is not used here. Inner loops do not close (no non-local memory).
 #[derive(Clone, Debug)]
 pub struct LuGre<S = f32> {
-    stiffness: S,
-    damping: S,
-    largest: S,
+    pub(crate) stiffness: S,
+    pub(crate) damping: S,
+    pub(crate) largest: S,
     /// What |`σ0·z`| reaches.
     limit: S,
     /// `g(v)` and `1/g(v)`.
-    deflection: SpeedTable<S>,
+    pub(crate) deflection: SpeedTable<S>,
 }
 
 /// What a [`LuGre`] remembers: the average deflection `z`, in the model's unit of length.

@@ -4,6 +4,8 @@
 
 #[path = "../../firmware/cycles/src/checksum.rs"]
 mod checksum;
+#[path = "../../firmware/cycles/src/effects.rs"]
+mod effects;
 #[path = "../../firmware/cycles/src/kernels.rs"]
 mod kernels;
 #[path = "../../firmware/cycles/src/motion.rs"]
@@ -16,16 +18,30 @@ use preslide::{Friction, Scalar, Units};
 /// The harness's macro of this name measures; this one only runs the kernel.
 #[macro_export]
 macro_rules! stub {
-    ($kernel:literal, $n:literal, $model:ty, $units:expr, $make:expr) => {{
+    ($kernel:expr, $n:literal, $model:ty, $units:expr, $make:expr) => {
+        $crate::stub!($kernel, $n, $model, $units, $make, |_state| {})
+    };
+    ($kernel:expr, $n:literal, $model:ty, $units:expr, $make:expr, |$state:ident| $tell:expr) => {{
         let model: $model = $make;
-        $crate::print_checksum($kernel, $n, &model, $units);
+        let mut state = preslide::Friction::at_rest(&model);
+        {
+            let $state = &mut state;
+            $tell;
+        }
+        $crate::print_checksum($kernel, $n, &model, state, $units);
     }};
 }
 
-fn print_checksum<F: Friction>(kernel: &str, blocks: usize, model: &F, units: Units) {
-    let mut state = model.at_rest();
+fn print_checksum<F: Friction>(
+    kernel: &str,
+    blocks: usize,
+    model: &F,
+    mut state: F::State,
+    units: Units,
+) {
     let mut checksum = Checksum::new();
     for tick in Strokes::new().take(TICKS) {
+        model.place(&mut state, tick.place(units));
         checksum.add(model.step(&mut state, tick.motion(units)).to_f64());
     }
     println!("{kernel} {blocks} {:016x}", checksum.value());
@@ -33,6 +49,7 @@ fn print_checksum<F: Friction>(kernel: &str, blocks: usize, model: &F, units: Un
 
 fn main() {
     kernels::run();
+    effects::run();
     kernels::long_runs(|kernel, checksum| {
         println!("{kernel} steps {} {checksum:016x}", kernels::LONG);
     });

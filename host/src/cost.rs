@@ -4,6 +4,10 @@
 //! inlined into it, which is what a controller pays. A table made on a board has calls only, with the call's own cost in
 //! them; [`Cost::inlined`] tells.
 
+mod effects;
+
+pub use effects::EffectsCost;
+
 use std::path::Path;
 
 /// Written by `cargo xtask cycles`.
@@ -39,8 +43,9 @@ pub struct WholeTick {
     pub worst: f64,
 }
 
-/// Rows of whole ticks are named after the kernel in the measured firmware.
+/// Rows of whole ticks are named after the kernel in the measured firmware, which is this one in some arithmetic.
 const WHOLE_TICK: &str = "rtic_tick_";
+const IN_WHOLE_TICK: &str = "quasi_static_";
 
 /// A table of costs.
 #[derive(Clone, Debug)]
@@ -181,14 +186,13 @@ impl CostTable {
         })
     }
 
-    /// The whole control tick with a kernel in it: the measured tick of the firmware with the model `like`, with the growth by that
-    /// model's kernel taken out and the growth by `cost` put in. `None` where the table has no such tick.
-    ///
-    /// `like` gives the arithmetic of the controller around the kernel: `quasi_static_f32` or `quasi_static_i16f16`.
-    pub fn whole_tick(&self, like: &str, cost: &Cost) -> Option<WholeTick> {
-        let name = format!("{WHOLE_TICK}{like}");
+    /// The whole control tick with a kernel in it: the measured tick of the firmware in the `arithmetic` `f32` or `i16f16`, with the
+    /// growth by its own kernel taken out and the growth by `cost` put in. `None` where the table has no such tick.
+    pub fn whole_tick(&self, arithmetic: &str, cost: &Cost) -> Option<WholeTick> {
+        let kernel = format!("{IN_WHOLE_TICK}{arithmetic}");
+        let name = format!("{WHOLE_TICK}{kernel}");
         let tick = self.rows.iter().find(|row| row.kernel == name)?;
-        let inside = self.cost(like, tick.blocks)?;
+        let inside = self.cost(&kernel, tick.blocks)?;
         (cost.inlined && inside.inlined).then_some(WholeTick {
             mean: tick.cycles_mean - inside.cycles_mean + cost.cycles_mean,
             worst: tick.cycles_worst - inside.cycles_worst + cost.cycles_worst,
@@ -225,15 +229,15 @@ mod tests {
         let cost = |kernel, n| table.cost(kernel, n).unwrap();
         let like = "quasi_static_f32";
         let measured = cost("rtic_tick_quasi_static_f32", 4);
-        let same = table.whole_tick(like, &cost(like, 4)).unwrap();
+        let same = table.whole_tick("f32", &cost(like, 4)).unwrap();
         assert!((same.mean - measured.cycles_mean).abs() < 1e-9);
-        let dearer = table.whole_tick(like, &cost("gms_f32", 4)).unwrap();
+        let dearer = table.whole_tick("f32", &cost("gms_f32", 4)).unwrap();
         let growth = cost("gms_f32", 4).cycles_worst - cost(like, 4).cycles_worst;
         assert!((dearer.worst - same.worst - growth).abs() < 1e-9);
         let board = "kernel,n,cycles_mean,cycles_worst\npacked,6,51.5,70\n";
         let board = CostTable::parse(board, "board").unwrap();
         assert_eq!(
-            board.whole_tick(like, &board.cost("packed", 6).unwrap()),
+            board.whole_tick("f32", &board.cost("packed", 6).unwrap()),
             None
         );
     }

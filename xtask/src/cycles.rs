@@ -47,6 +47,8 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     }
     println!();
     table::print(&rows);
+    println!();
+    table::print_effects(&rows);
     let file = root().join(TABLE);
     if !check {
         std::fs::write(&file, table::to_csv(&header, &rows))
@@ -274,6 +276,8 @@ fn header(toolchain: Toolchain, seed: &str) -> Result<Vec<String>, String> {
         "included. floor: the least that the quasi-static law takes by argument (xtask/src/cycles/table.rs); compare it with"
             .to_string(),
         "cycles_in_tick. m7_estimate: llvm-mca's Cortex-M7 on the most frequent path, an ESTIMATE, ±40 %, empty without it."
+            .to_string(),
+        "with_EFFECT_SCALAR: `With<Gms<4>, (Effect,)>`; compare cycles_in_tick with that of gms_SCALAR. with_nothing: `()`."
             .to_string(),
         "rtic_tick_KERNEL: the whole interrupt of the QEMU firmware's control task with that friction model, exception entry"
             .to_string(),

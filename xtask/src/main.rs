@@ -1,5 +1,6 @@
 //! `cargo xtask`: builds, checks and measures Preslide; installs what that needs. Standard library only.
 
+mod book;
 mod browser;
 mod call_graph;
 mod chain;
@@ -24,6 +25,11 @@ const COMMANDS: &[Command] = &[
         name: "test",
         help: "everything CI runs, or the steps named; installs what is missing",
         run: test::run_steps,
+    },
+    Command {
+        name: "book",
+        help: "builds the book, runs the commands in it and compares what they print; --bless takes new output",
+        run: book::run_command,
     },
     Command {
         name: "cycles",

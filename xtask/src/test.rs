@@ -109,7 +109,18 @@ const STEPS: &[Step] = &[
         needs: &[Need::Chromium],
         run: demo,
     },
+    Step {
+        name: "book",
+        reason: "the book builds without a warning, its commands work and print what it says",
+        needs: &[],
+        run: || crate::book::run_command(&[]),
+    },
 ];
+
+/// Whether CI has a step of this name.
+pub fn has_step(name: &str) -> bool {
+    STEPS.iter().any(|step| step.name == name)
+}
 
 /// Runs every step, or those named, in order.
 pub fn run_steps(names: &[String]) -> Result<(), String> {

@@ -1,9 +1,10 @@
 //! What a step needs beside cargo, and how it gets there on a fresh machine.
 
+use std::path::PathBuf;
 use std::process::Command;
 use std::time::Duration;
 
-use crate::process::{cargo, find, output, run_for};
+use crate::process::{cargo, find, output, root, run_for};
 
 /// Long enough for a slow mirror, short enough that a hanging one ends in a message.
 const INSTALL_LIMIT: Duration = Duration::from_secs(15 * 60);
@@ -50,6 +51,36 @@ impl Need {
             ),
         }
     }
+}
+
+/// The release of mdBook that makes the book.
+const MDBOOK: &str = "0.5.4";
+
+/// mdBook, built from the registry into `target/tools` once. Without its server and search it takes a minute.
+pub fn mdbook() -> Result<PathBuf, String> {
+    let folder = root().join("target/tools");
+    let program = folder.join("bin/mdbook");
+    let is_there =
+        || output(Command::new(&program).arg("--version")).is_ok_and(|said| said.contains(MDBOOK));
+    if !is_there() {
+        println!("installing mdbook {MDBOOK} into target/tools: it turns docs/ into pages");
+        run_for(
+            cargo(&[
+                "install",
+                "mdbook",
+                "--version",
+                MDBOOK,
+                "--locked",
+                "--debug",
+            ])
+            .args(["--no-default-features", "--force", "--root"])
+            .arg(&folder)
+            .arg("--target-dir")
+            .arg(folder.join("build")),
+            INSTALL_LIMIT,
+        )?;
+    }
+    Ok(program)
 }
 
 /// A program from Debian's packages.

@@ -8,6 +8,8 @@ impl Checksum {
         Self(0xcbf2_9ce4_8422_2325)
     }
 
+    // Once in the image and not once a kernel.
+    #[inline(never)]
     pub fn add(&mut self, force: f64) {
         for byte in force.to_bits().to_le_bytes() {
             self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);

@@ -3,7 +3,8 @@
 use fixed::types::I16F16;
 use preslide::kernels::{ConstantTimeSlipReserve, CountGms, PackedSlipReserve, SlipReserve, Whole};
 use preslide::{
-    Block, Coulomb, Dahl, Friction, Gms, LuGre, Motion, ParamError, QuasiStaticGms, Sliding, Units,
+    Block, BoucWen, Coulomb, Dahl, ElastoPlastic, Friction, Gms, Hsieh, HsiehParams, Leuven,
+    LeuvenForm, LuGre, Motion, ParamError, QuasiStaticGms, Sliding, TwoState, Units,
 };
 
 use crate::checksum::Checksum;
@@ -25,7 +26,7 @@ pub const SLIDING: Sliding = Sliding {
 };
 
 /// Counts, millinewtons and millimetres per second, for fixed point.
-const COUNTS: Units = Units {
+pub const COUNTS: Units = Units {
     length: COUNT,
     force: 1e-3,
     velocity: 1e-3,
@@ -47,12 +48,12 @@ pub const fn table_3<const N: usize>() -> [(f64, f64); N] {
     blocks
 }
 
-fn blocks<const N: usize>() -> [Block; N] {
+pub fn blocks<const N: usize>() -> [Block; N] {
     table_3().map(|(stiffness, weight)| Block { stiffness, weight })
 }
 
 /// A model that the library refuses is a fault of this file: the run ends with the library's reason.
-fn built<M>(model: Result<M, ParamError>) -> M {
+pub fn built<M>(model: Result<M, ParamError>) -> M {
     match model {
         Ok(model) => model,
         Err(error) => panic!("{error}"),
@@ -93,6 +94,30 @@ macro_rules! sweep {
             let make = $make;
             stub!($kernel, $n, $model, units, built(make($blocks, units)));
         })*
+    };
+}
+
+/// Table 2.
+const HSIEH: HsiehParams = HsiehParams {
+    k1: 51_540.0,
+    k2: 2_026_400.0,
+    viscous: 5000.0,
+    beta: 3_216_500.0,
+    creep: 500.0,
+    hardening: 31_200.0,
+    hardening_exponent: 3.22,
+};
+
+/// The Leuven model with the blocks of Table 3.
+macro_rules! leuven {
+    ($kernel:literal, $form:ident, $($n:literal)*) => {
+        $(stub!(
+            $kernel,
+            $n,
+            Leuven<$n, f32>,
+            Units::SI,
+            built(Leuven::try_new(LeuvenForm::$form, &blocks(), BREAKAWAY, 5.0, 0.0, SLIDING, Units::SI))
+        );)*
     };
 }
 
@@ -163,6 +188,50 @@ pub fn run() {
         Units::SI,
         built(Coulomb::try_new(BREAKAWAY, 5.0, Units::SI))
     );
+    stub!(
+        "hsieh_f32",
+        1,
+        Hsieh<f32>,
+        Units::SI,
+        built(Hsieh::try_new(&HSIEH, SAMPLE_TIME, Units::SI))
+    );
+    // The paper has no parameters of the next four: LuGre's stiffness, and shapes in the middle of their ranges.
+    stub!(
+        "bouc_wen_f32",
+        1,
+        BoucWen<f32>,
+        Units::SI,
+        built(BoucWen::try_new(195e3, BREAKAWAY, 1.6, 0.8, Units::SI))
+    );
+    stub!(
+        "elasto_plastic_f32",
+        1,
+        ElastoPlastic<f32>,
+        Units::SI,
+        built(ElastoPlastic::try_new(
+            195e3,
+            4416.0,
+            2e-6,
+            BREAKAWAY,
+            SLIDING,
+            Units::SI
+        ))
+    );
+    stub!(
+        "two_state_f32",
+        1,
+        TwoState<f32>,
+        Units::SI,
+        built(TwoState::try_new(
+            30e-6,
+            BREAKAWAY,
+            SLIDING,
+            SAMPLE_TIME,
+            Units::SI
+        ))
+    );
+    leuven!("leuven_f32", Modified, 1 4 8);
+    leuven!("leuven_original_f32", Original, 8);
 }
 
 /// Steps of [`long_runs`].

@@ -9,6 +9,7 @@
 #![no_main]
 
 mod checksum;
+mod effects;
 mod kernels;
 mod motion;
 mod peers;
@@ -41,6 +42,7 @@ fn main() -> ! {
     }
     peers::run_empty_tick();
     kernels::run();
+    effects::run();
     peers::run();
     if !cfg!(feature = "board") {
         kernels::long_runs(|kernel, checksum| {

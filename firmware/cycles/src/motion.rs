@@ -24,6 +24,8 @@ const LONGEST: u32 = 512;
 pub struct Tick {
     /// Displacement \[counts\].
     pub counts: i32,
+    /// Where it ends \[counts\].
+    pub position: i32,
     /// Velocity \[counts per tick\].
     pub velocity: f32,
 }
@@ -36,6 +38,11 @@ impl Tick {
             displacement: scalar(f64::from(self.counts) * COUNT / units.length),
             velocity: scalar(f64::from(self.velocity) * COUNT / SAMPLE_TIME / units.velocity),
         }
+    }
+
+    /// Where the axis is, in the units of a model.
+    pub fn place<S: Scalar>(&self, units: Units) -> S {
+        S::try_from_f64(f64::from(self.position) * COUNT / units.length).unwrap_or(S::ZERO)
     }
 }
 
@@ -90,12 +97,15 @@ impl Strokes {
 impl Iterator for Strokes {
     type Item = Tick;
 
+    // Once in the image and not once a kernel, which would fill a board's flash.
+    #[inline(never)]
     fn next(&mut self) -> Option<Tick> {
         if self.stroke_ticks == 0 {
             if self.rest_ticks > 0 {
                 self.rest_ticks -= 1;
                 return Some(Tick {
                     counts: 0,
+                    position: self.position,
                     velocity: 0.0,
                 });
             }
@@ -108,6 +118,7 @@ impl Iterator for Strokes {
         self.position += counts;
         Some(Tick {
             counts,
+            position: self.position,
             velocity: self.speed as f32 / 16.0,
         })
     }

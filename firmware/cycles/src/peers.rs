@@ -65,7 +65,7 @@ macro_rules! textbook {
             }
             let row = Row { kernel: $kernel, blocks: $n, units: Units::SI };
             let state = TextbookState { force: [0.0; $n], slipping: [0; $n], direction: 0 };
-            let call = row.run(&TextbookGms::new(), state, step);
+            let call = row.run(&TextbookGms::new(), state, step, |_, _, _| ());
             row.print_measured::<TextbookState<$n, $scalar>>(&call, None);
         })*
     };
@@ -136,10 +136,10 @@ pub fn run() {
     textbook!("textbook_double_O2", f64);
 
     let row = single("empty_call", Units::SI);
-    let call = row.run(&(), (), empty_call);
+    let call = row.run(&(), (), empty_call, |_, _, _| ());
     row.print_measured::<()>(&call, None);
     let row = single("pid_f32", Units::SI);
-    let call = row.run(&Pid::EXAMPLE, PidState::default(), pid);
+    let call = row.run(&Pid::EXAMPLE, PidState::default(), pid, |_, _, _| ());
     row.print_measured::<PidState>(&call, None);
     // A low-pass at a tenth of the sample rate.
     let counts = Units {
@@ -149,6 +149,6 @@ pub fn run() {
     };
     let model = Biquad::from([0.0675, 0.135, 0.0675, 1.143, -0.413]);
     let row = single("idsp_biquad_i32", counts);
-    let call = row.run(&model, DirectForm1::default(), biquad);
+    let call = row.run(&model, DirectForm1::default(), biquad, |_, _, _| ());
     row.print_measured::<DirectForm1<i32>>(&call, None);
 }

@@ -13,6 +13,9 @@ use crate::tick::{Inputs, Pid, PidState};
 /// A kernel's update: model, state, displacement, velocity in; force out.
 pub type Step<M, State, S> = unsafe extern "C" fn(&M, &mut State, S, S) -> S;
 
+/// Tells a model where the axis is, before its update and not part of it.
+pub type Place<M, State, S> = fn(&M, &mut State, S);
+
 /// A control tick around it.
 pub type ControlTick<M, State, S> = extern "C" fn(&M, &mut State, &mut Controller, &Inputs<S>) -> S;
 
@@ -39,12 +42,14 @@ impl Row {
         model: &M,
         mut state: State,
         step: Step<M, State, S>,
+        place: Place<M, State, S>,
     ) -> Spent {
         let step = black_box(step);
         let mut squares = 0.0;
         let mut checksum = Checksum::new();
         let mut spent = Spent::new();
         for tick in Strokes::new().take(TICKS) {
+            place(model, &mut state, tick.place(self.units));
             let Motion {
                 displacement,
                 velocity,
@@ -84,6 +89,7 @@ impl Row {
         for tick in Strokes::new().take(TICKS) {
             let inputs = Inputs {
                 motion: tick.motion(self.units),
+                position: tick.place(self.units),
                 error: tick.velocity,
             };
             let work = || control(model, &mut state, &mut controller, &inputs);
@@ -110,7 +116,7 @@ impl Row {
     }
 }
 
-/// The control tick: the controller, then friction, inlined.
+/// The control tick: the controller, then friction, inlined. Only models with effects of position are told where the axis is.
 #[inline(always)]
 pub fn tick<F: Friction>(
     model: &F,
@@ -119,13 +125,18 @@ pub fn tick<F: Friction>(
     inputs: &Inputs<F::Scalar>,
 ) -> F::Scalar {
     pid.step(pid_state, inputs.error);
+    model.place(state, inputs.position);
     model.step(state, inputs.motion)
 }
 
-/// Defines the stubs of a library model and drives them: `stub!("name", n, Model, units, model)`.
+/// Defines the stubs of a library model and drives them: `stub!("name", n, Model, units, model)`, with a last argument
+/// `|state| …` where the state at rest is to be told something first.
 #[macro_export]
 macro_rules! stub {
-    ($kernel:literal, $n:literal, $model:ty, $units:expr, $make:expr) => {{
+    ($kernel:expr, $n:literal, $model:ty, $units:expr, $make:expr) => {
+        $crate::stub!($kernel, $n, $model, $units, $make, |_state| {})
+    };
+    ($kernel:expr, $n:literal, $model:ty, $units:expr, $make:expr, |$state:ident| $tell:expr) => {{
         type Scalar = <$model as preslide::Friction>::Scalar;
         type State = <$model as preslide::Friction>::State;
         // SAFETY: the symbol is this crate's own.
@@ -151,8 +162,12 @@ macro_rules! stub {
         }
         let model: $model = $make;
         let row = $crate::stub::Row { kernel: $kernel, blocks: $n, units: $units };
-        let state = preslide::Friction::at_rest(&model);
-        let call = row.run(&model, state.clone(), stub);
+        let mut state = preslide::Friction::at_rest(&model);
+        {
+            let $state = &mut state;
+            $tell;
+        }
+        let call = row.run(&model, state.clone(), stub, preslide::Friction::place);
         let ticks = row.run_in_tick(&model, state, in_tick);
         row.print_measured::<State>(&call, Some(&ticks));
     }};

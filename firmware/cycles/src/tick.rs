@@ -5,6 +5,8 @@ use preslide::Motion;
 /// What a tick of the loop gets from the sensors.
 pub struct Inputs<S> {
     pub motion: Motion<S>,
+    /// Where the axis is, in the model's units.
+    pub position: S,
     /// Control error \[counts\].
     pub error: f32,
 }

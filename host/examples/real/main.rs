@@ -1,6 +1,6 @@
-//! `diagnose` on the real recordings in `../shared/recordings`: `cargo run --release --example real [table|conceal|inject]`.
+//! `diagnose` on the real recordings in `../shared/recordings`: `cargo run --release --example real [table [NAME]|conceal|inject]`.
 //!
-//! The table is what it says of each recording. `conceal` takes a term out of the model that the data need, `inject` adds a
+//! The table is what it says of each recording, or of those with NAME in their names. `conceal` takes a term out of the model that the data need, `inject` adds a
 //! known effect to the measured force; both ask whether the tool names it. Without an argument all three are printed.
 
 mod conceal;
@@ -145,9 +145,9 @@ fn names() -> std::io::Result<Vec<String>> {
     Ok(names)
 }
 
-fn summary() -> std::io::Result<Table> {
+fn summary(part: &str) -> std::io::Result<Table> {
     let mut rows = Vec::new();
-    for name in names()? {
+    for name in names()?.into_iter().filter(|name| name.contains(part)) {
         let row = match load(&name).and_then(|recording| run(&name, &recording, None)) {
             Ok((d, seconds)) => {
                 let effects: Vec<String> = d.effects.iter().map(words).collect();
@@ -202,13 +202,14 @@ fn main() -> Result<(), String> {
         eprintln!("SKIPPED: ../shared/recordings is absent; there is nothing to diagnose");
         return Ok(());
     }
-    let chosen = std::env::args().nth(1);
+    let mut arguments = std::env::args().skip(1);
+    let (chosen, part) = (arguments.next(), arguments.next().unwrap_or_default());
     let wants = |part: &str| chosen.as_deref().is_none_or(|c| c == part);
     if !["table", "conceal", "inject"].into_iter().any(wants) {
-        return Err("usage: real [table|conceal|inject]".to_owned());
+        return Err("usage: real [table [NAME]|conceal|inject]".to_owned());
     }
     if wants("table") {
-        print(&summary().map_err(|e| format!("../shared/recordings: {e}"))?);
+        print(&summary(&part).map_err(|e| format!("../shared/recordings: {e}"))?);
     }
     if wants("conceal") {
         print(&conceal::table()?);

@@ -50,7 +50,7 @@ impl Diagnose {
         let start = Instant::now();
         let model = self.model.as_deref().map(Model::load).transpose()?;
         let recording = self.recordings.load()?;
-        let progress = Progress::new("diagnose", 24);
+        let progress = Progress::new("diagnose, steps of the search", 0);
         let (study, found) = match diagnose(&recording, model.as_ref(), &progress) {
             Ok(found) => found,
             Err(Refusal::Input(message)) => return Err(Failure::Input(message)),

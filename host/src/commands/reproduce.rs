@@ -4,7 +4,7 @@ use super::{Failure, OutputArgs, command_line};
 use clap::Args;
 use preslide_host::progress::Progress;
 use preslide_host::reproduce::experiment::SEED;
-use preslide_host::reproduce::{STEPS, reproduce};
+use preslide_host::reproduce::{STEPS, literal, reproduce};
 use std::time::Instant;
 
 /// The paper's Tables 2–3, Figures 6–8 and experiment from its own parameters, beside what optimal breakpoints reach
@@ -32,6 +32,7 @@ impl Reproduce {
             found.recovery_table(),
             found.column_table(),
             found.closure_table(),
+            literal::table(&found.literal),
             found.figure_6.table(),
             found.experiment.table(),
         ] {
@@ -40,6 +41,7 @@ impl Reproduce {
         for remark in found.remarks() {
             say!("Note: {remark}.");
         }
+        say!("Note: {}.", literal::remark(&found.literal));
         for remark in found.figure_6.remarks() {
             say!("Note: {remark}.");
         }

@@ -108,7 +108,8 @@ impl Tune {
             let progress = Progress::new("tune", 20);
             let found = identify(&recording, &options, &progress).map_err(Failure::Data)?;
             progress.finish();
-            of_recording(&recording, &found, count, &costs, budget).map_err(Failure::Data)?
+            of_recording(&recording, &found, &model, count, &costs, budget)
+                .map_err(Failure::Data)?
         };
 
         say!("{}", tuning.table().to_text());

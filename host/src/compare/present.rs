@@ -1,6 +1,6 @@
 //! A comparison for people and for machines.
 
-use super::{Compared, Comparison, NEAR, SEED};
+use super::{Compared, Comparison, NEAR, SEED, TICK};
 use crate::friction::FrictionModel;
 use crate::recording::{MotionKind, Recording};
 use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
@@ -85,7 +85,7 @@ impl Comparison {
             _ => "it has no memory",
         };
         format!(
-            "Use {}: {} % of the variance left on held-out data ({}); {loops}{cost}. Of the models with a measured update it is the cheapest within {:.0} % of the lowest error.",
+            "Use {}: {} % of the variance left on held-out data ({}); {loops}{cost}. Of the models that take at most {TICK:.0} cycles (5 % of 170 MHz at 20 kHz) it is the cheapest within {:.0} % of the lowest error.",
             best.name(),
             percent(best.nmse_test),
             others.join(", "),

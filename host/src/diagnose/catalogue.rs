@@ -1,6 +1,6 @@
 //! The catalogue: what each effect is, what it needs, and what it is easily taken for.
 
-use super::signals::{Signals, bounds, quantile};
+use super::signals::{Signals, bounds};
 
 /// One entry of the catalogue.
 pub struct Entry {
@@ -168,9 +168,8 @@ pub const TESTED: [Entry; 25] = [
     },
 ];
 
-/// Effects of the catalogue that no recording is tested for, and why.
-pub const NOT_TESTED: [(&str, &str); 1] =
-    [("lead_error", "needs a second measurement of position")];
+/// Effects of the catalogue that no recording is tested for, and what it would take.
+pub const NOT_TESTED: [(&str, &str); 1] = [("lead_error", "a second measurement of position")];
 
 /// The entry of an id.
 pub fn entry(id: &str) -> Option<&'static Entry> {
@@ -207,7 +206,7 @@ pub fn lacks(s: &Signals) -> Vec<Lack> {
             ],
         );
     }
-    let (low, high) = moving_speeds(s);
+    let (low, high) = s.speeds();
     if high < 3.0 * low {
         lack(
             "several speeds",
@@ -229,24 +228,23 @@ pub fn lacks(s: &Signals) -> Vec<Lack> {
     {
         lack("varied load", &["load_dependent_friction"]);
     }
-    let path = s.path.last().copied().unwrap_or(0.0);
-    let (from, to) = bounds(&s.x);
-    if path < 10.0 * (to - from) {
+    if s.path.last().copied().unwrap_or(0.0) < 10.0 * s.travel() {
         lack("a long run", &["run_in"]);
     }
+    if s.same_ends() {
+        lack(
+            "strokes between different ends: position and displacement since reversal are one coordinate",
+            &[
+                "presliding_shape",
+                "position_friction",
+                "position_force",
+                "local_friction_spot",
+                "position_spring",
+            ],
+        );
+    }
     for (id, why) in NOT_TESTED {
-        lack(&format!("{id} is not tested: {why}"), &[id]);
+        lack(why, &[id]);
     }
     lacks
-}
-
-/// Low and high speed of the moving samples (5 % and 95 % quantiles) (m/s or rad/s).
-pub fn moving_speeds(s: &Signals) -> (f64, f64) {
-    let top = s.v.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    let moving: Vec<f64> =
-        s.v.iter()
-            .map(|v| v.abs())
-            .filter(|v| *v > 0.01 * top)
-            .collect();
-    (quantile(&moving, 0.05), quantile(&moving, 0.95))
 }

@@ -1,6 +1,5 @@
 //! Every effect as columns at the sample rate, linear in their coefficients once the shape is given.
 
-use super::catalogue::moving_speeds;
 use super::signals::{Signals, bounds, quantile};
 use super::study::Study;
 use super::weak::Column;
@@ -97,11 +96,11 @@ pub fn amplitude_key(id: &str, s: &Signals) -> &'static str {
 /// Shapes to try, from what the recording covers; periods are found by [`super::spectra`].
 pub fn shapes(id: &str, study: &Study) -> Vec<Vec<f64>> {
     let s = &study.s;
-    let (slow, fast) = moving_speeds(s);
+    let (slow, fast) = s.speeds();
     let several = fast > 1.5 * slow;
     let (from, to) = bounds(&s.x);
     let travel = to - from;
-    let duration = s.t.last().copied().unwrap_or(0.0);
+    let duration = s.duration();
     let path = s.path.last().copied().unwrap_or(0.0);
     let speeds = |count| spread((slow / 2.0).max(fast / 1000.0), fast / 1.5, count);
     let product = |a: &[f64], b: &[f64]| -> Vec<Vec<f64>> {
@@ -397,16 +396,4 @@ fn displaced(error: Vec<f64>, mass: f64, study: &Study) -> Column {
         sloped: Vec::new(),
         curved: error.iter().map(|e| -mass * e).collect(),
     }
-}
-
-/// Travel (m or rad), and a speed that a fifth of the moving samples stays below.
-pub fn moving_range(s: &Signals) -> (f64, f64) {
-    let (from, to) = bounds(&s.x);
-    let top = s.v.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    let moving: Vec<f64> =
-        s.v.iter()
-            .map(|v| v.abs())
-            .filter(|v| *v > 0.01 * top)
-            .collect();
-    (to - from, quantile(&moving, 0.2).max(1e-300))
 }

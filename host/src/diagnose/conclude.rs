@@ -1,18 +1,17 @@
 //! From the search to a verdict: levels, confidence, parameters with intervals, and held-out figures.
 
+use super::bursts::bursts;
 use super::catalogue::{self, Lack};
 use super::columns::{self, MOTOR_SHARE, Scale, amplitude_key, mean};
 use super::score::{Bound, Gain};
-use super::search::{Candidate, Evidence, Found};
-use super::signature::{self, Axis, Signature};
+use super::search::{Candidate, EVIDENT, Evidence, Found};
+use super::signals;
+use super::signature::{self, Axis, Signature, UNNAMED};
 use super::study::{State, Study, Term};
 use crate::identify::estimate::Estimate;
 
 /// Least confidence of a confident statement.
 const LIKELY: f64 = 0.5;
-
-/// Times its threshold that a curve over a coordinate brings before it is called unknown physics.
-const UNNAMED: f64 = 6.0;
 
 /// Times its threshold that a confident effect brings.
 const CERTAIN: f64 = 6.0;
@@ -21,8 +20,14 @@ const CERTAIN: f64 = 6.0;
 /// wrong: what the paper's three blocks leave (its Table 3).
 const SHAPE: f64 = 0.839;
 
+/// Standard errors by which the plain held-out error of a confident effect falls, at the nats beyond which fewer will do.
+const SURE: f64 = 3.0;
+
+/// Share of a coordinate's range below which an effect is said to be confined to it.
+const CONFINED: f64 = 0.5;
+
 /// Nats at which half of the names are right.
-const HALF: f64 = 150.0;
+const HALF: f64 = 220.0;
 
 /// Nats within which a rival counts as a tie, and the share of the nats.
 const TIE: (f64, f64) = (8.0, 0.1);
@@ -44,14 +49,16 @@ pub struct Effect {
     pub threshold: f64,
     /// Standard errors by which the plain held-out error falls.
     pub certainty: f64,
+    /// No free curve does better, and its size does not change where the catalogue's does not.
+    pub adequate: bool,
     /// The coordinate over which its size changes though the catalogue's effect does not.
     pub malformed: Option<Axis>,
     /// By fold.
     pub by_fold: Vec<f64>,
     /// Held-out NMSE (%) without and with it.
     pub nmse_test: [f64; 2],
-    /// Where it acts: axis, from, to, share.
-    pub place: Option<(Axis, f64, f64, f64)>,
+    /// Where it acts, over its own coordinate and others that confine it.
+    pub places: Vec<Place>,
     /// Key, value and interval.
     pub parameters: Vec<(String, Estimate)>,
     /// What of the mechanics has its period.
@@ -60,6 +67,26 @@ pub struct Effect {
     pub ambiguous_with: Vec<&'static str>,
     /// All rivals with their nats in its place.
     pub rivals: Vec<(&'static str, f64)>,
+}
+
+impl Effect {
+    /// Whether it lowers the plain held-out error beside the other confident ones.
+    fn is_proven(&self) -> bool {
+        self.nmse_test[1] < self.nmse_test[0]
+    }
+}
+
+/// A stretch of a coordinate.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// The coordinate.
+    pub axis: Axis,
+    /// Its lower end, in the coordinate's unit.
+    pub from: f64,
+    /// Its upper end.
+    pub to: f64,
+    /// Share of the effect's squared force within it.
+    pub share: f64,
 }
 
 /// A mismatch that nothing in the catalogue explains.
@@ -110,9 +137,7 @@ pub struct Diagnosis {
 
 /// Held-out NMSE of a fitted hypothesis.
 pub fn nmse(study: &Study, state: &State) -> Nmse {
-    let n = study.force.len() as f64;
-    let mean = study.force.iter().sum::<f64>() / n;
-    let variation: f64 = study.force.iter().map(|f| (f - mean).powi(2)).sum();
+    let variation = study.variation();
     let square = |r: &[f64]| r.iter().map(|r| r * r).sum::<f64>();
     let train = square(&study.residual(state));
     let test = square(&study.held_out_residual(state));
@@ -140,29 +165,48 @@ pub fn conclude(
     for evidence in evidence {
         effects.push(judge(evidence, mechanics)?);
     }
-    let mut terms: Vec<Term> = state.terms[..given].to_vec();
-    terms.extend(
-        effects
+    // A smaller effect over the same coordinate may be what a wrong name leaves.
+    let wrong: Vec<(Axis, f64)> = effects
+        .iter()
+        .filter(|e| !e.adequate)
+        .map(|e| (Axis::of(e.id), e.nats))
+        .collect();
+    for effect in &mut effects {
+        let axis = Axis::of(effect.id);
+        effect.confident &= wrong.iter().all(|w| w.0 != axis || w.1 < effect.nats);
+    }
+    let extended = loop {
+        let terms: Vec<Term> = effects
             .iter()
             .filter(|e| e.confident)
-            .map(|e| e.term.clone()),
-    );
-    // One noise model for all, so that their evidence can be compared.
-    let fit = |terms: &[Term]| study.fit_with(terms, state.noise.clone());
-    let extended = fit(&terms)?;
-    for effect in &mut effects {
-        let mut others = extended.terms.clone();
-        let place_of = |t: &Term| !t.given && t.id == effect.id && t.shape == effect.term.shape;
-        if let Some(index) = others.iter().position(place_of) {
-            others.remove(index);
+            .map(|e| e.term.clone())
+            .collect();
+        // One noise model for all, so that their evidence can be compared.
+        let fit = |more: &[Term]| {
+            let terms = [&state.terms[..given], more].concat();
+            study.fit_with(&terms, state.noise.clone())
+        };
+        let extended = fit(&terms)?;
+        for effect in &mut effects {
+            let is_own = |t: &Term| t.id == effect.id && t.shape == effect.term.shape;
+            let mut others = terms.clone();
+            others.retain(|t| !is_own(t));
+            let without = fit(&others)?;
+            others.push(effect.term.clone());
+            let (with, index) = (fit(&others)?, given + others.len() - 1);
+            effect.nmse_test = [nmse(study, &without).test, nmse(study, &with).test];
+            effect.parameters = parameters(study, &with, index);
+            effect.places = places(study, &with, index);
         }
-        let mut more = others.clone();
-        more.push(effect.term.clone());
-        let with = fit(&more)?;
-        effect.nmse_test = [nmse(study, &fit(&others)?).test, nmse(study, &with).test];
-        effect.parameters = parameters(study, &with, more.len() - 1);
-        effect.place = place(study, &with, more.len() - 1);
-    }
+        let doubtful = effects
+            .iter_mut()
+            .filter(|e| e.confident && !e.is_proven())
+            .min_by(|a, b| a.nats.total_cmp(&b.nats));
+        match doubtful {
+            Some(effect) => effect.confident = false,
+            None => break extended,
+        }
+    };
     let with = nmse(study, &extended);
     let mut baseline = nmse(study, &first);
     if let Some([own, core]) = shape_error
@@ -201,7 +245,9 @@ pub fn conclude(
     let unknown = left
         .iter()
         .find(|s| s.certain() && s.gain.total() > UNNAMED * s.threshold)
-        .or(strange.as_ref())
+        .cloned()
+        .or(strange)
+        .or_else(|| bursts(study, &extended))
         .map(|signature| {
             let values = signature
                 .axis
@@ -215,7 +261,7 @@ pub fn conclude(
                     signature.gain.by_fold.iter().filter(|g| **g > 0.0).count(),
                     signature.gain.by_fold.len(),
                 ),
-                signature: signature.clone(),
+                signature,
             }
         });
     let verdict = if effects.iter().any(|e| e.confident) {
@@ -225,13 +271,11 @@ pub fn conclude(
     } else {
         "consistent"
     };
-    let mean = study.force.iter().sum::<f64>() / n;
-    let variance = study.force.iter().map(|f| (f - mean).powi(2)).sum::<f64>() / n;
     Some(Diagnosis {
         verdict,
         baseline,
         extended: with,
-        noise_floor: 100.0 * extended.noise.row_variance / variance,
+        noise_floor: 100.0 * extended.noise.row_variance * n / study.variation(),
         effects,
         unknown,
         lacks: catalogue::lacks(&study.s),
@@ -245,7 +289,7 @@ fn judge(evidence: Evidence, mechanics: &[(String, f64)]) -> Option<Effect> {
     let Evidence {
         candidate: own,
         rivals,
-        curves,
+        outdone,
         certainty,
         malformed,
     } = evidence;
@@ -270,11 +314,7 @@ fn judge(evidence: Evidence, mechanics: &[(String, f64)]) -> Option<Effect> {
         }
     }
     ambiguous_with.truncate(4);
-    // A free curve over some coordinate that does far better says that the name is wrong.
-    let adequate = malformed.is_none()
-        && curves
-            .iter()
-            .all(|c| nats > 0.5 * c.gain.total() || !c.certain());
+    let adequate = malformed.is_none() && !outdone;
     let over = nats / own.threshold;
     let own_best = rivals.iter().all(|r| r.gain.total() < nats + TIE.0);
     let best_rival = rivals
@@ -287,12 +327,13 @@ fn judge(evidence: Evidence, mechanics: &[(String, f64)]) -> Option<Effect> {
     let named = 1.0 / (1.0 + (-(nats - best_rival) / (6.0 + 0.05 * nats)).exp());
     // How often a name with so many nats was right, on 200 trials of `cargo xtask trials` (seeds 1 and 2): a half at 150, more
     // than nine in ten beyond 1000. What pretends to be physics brings nats as well.
-    let right = 1.0 / (1.0 + (HALF / nats).powf(1.2));
+    let right = 1.0 / (1.0 + (HALF / nats).powf(1.5));
     let confidence = (real * named * right * if adequate { 1.0 } else { 0.1 }).clamp(0.01, 0.99);
     let helped = own.gain.by_fold.iter().filter(|g| **g > 0.0).count();
     let confident = over > CERTAIN
         && 3 * helped >= 2 * own.gain.by_fold.len()
         && adequate
+        && certainty * (nats / EVIDENT).sqrt() > SURE
         && (confidence > LIKELY || !ambiguous_with.is_empty() && real * right > LIKELY && own_best);
     let source = periodic(id).then(|| {
         let period = own.term.shape.first().copied().unwrap_or(0.0);
@@ -315,10 +356,11 @@ fn judge(evidence: Evidence, mechanics: &[(String, f64)]) -> Option<Effect> {
         nats,
         threshold: own.threshold,
         certainty,
+        adequate,
         malformed,
         by_fold: own.gain.by_fold.clone(),
         nmse_test: [f64::NAN; 2],
-        place: None,
+        places: Vec::new(),
         parameters: Vec::new(),
         source,
         ambiguous_with,
@@ -340,10 +382,11 @@ fn shape(own: f64, core: f64, rows: usize) -> Effect {
         nats,
         threshold: CERTAIN,
         certainty: f64::INFINITY,
+        adequate: true,
         malformed: None,
         by_fold: Vec::new(),
         nmse_test: [own, core],
-        place: None,
+        places: Vec::new(),
         parameters: Vec::new(),
         source: None,
         ambiguous_with: Vec::new(),
@@ -356,13 +399,26 @@ fn periodic(id: &str) -> bool {
 }
 
 /// Where the force of a term is.
-fn place(study: &Study, state: &State, index: usize) -> Option<(Axis, f64, f64, f64)> {
-    let axis = Axis::of(state.terms[index].id);
+fn places(study: &Study, state: &State, index: usize) -> Vec<Place> {
     let force = study.force_of(state, index);
     let squares: Vec<f64> = force.iter().map(|f| f * f).collect();
-    let values = study.weak.at_centres(&axis.values(&study.s)?);
-    let (from, to, share) = signature::concentration(&values, &squares)?;
-    Some((axis, from, to, share))
+    let own = Axis::of(state.terms[index].id);
+    let others = [Axis::Position, Axis::Speed, Axis::Time];
+    std::iter::once(own)
+        .chain(others.into_iter().filter(|axis| *axis != own))
+        .filter_map(|axis| {
+            let values = study.weak.at_centres(&axis.values(&study.s)?);
+            let (low, high) = signals::bounds(&values);
+            let (from, to, share) = signature::concentration(&values, &squares)?;
+            let place = Place {
+                axis,
+                from,
+                to,
+                share,
+            };
+            (axis == own || to - from < CONFINED * (high - low)).then_some(place)
+        })
+        .collect()
 }
 
 /// Coefficients and shape parameters of a term with 95 % intervals, all other coefficients free.
@@ -379,15 +435,14 @@ pub fn parameters(study: &Study, state: &State, index: usize) -> Vec<(String, Es
     let mut slopes: Vec<Option<usize>> = Vec::new();
     for (k, key) in keys.iter().enumerate() {
         let value = term.shape[k];
-        let (travel, _) = columns::moving_range(&study.s);
-        let duration = study.s.t.last().copied().unwrap_or(1.0);
+        let travel = study.s.travel();
         let step = match key.1 {
             Scale::Chosen => {
                 slopes.push(None);
                 continue;
             }
             Scale::Period => 0.01 * value * value / travel,
-            Scale::Frequency => 0.01 / duration,
+            Scale::Frequency => 0.01 / study.s.duration(),
             Scale::Logarithmic => 0.01 * value,
             Scale::Travel => travel * 1e-3,
         };
@@ -492,7 +547,7 @@ pub fn parameters(study: &Study, state: &State, index: usize) -> Vec<(String, Es
         let error = slopes[k].and_then(deviation);
         list.push((key.0.to_owned(), estimate(term.shape[k], error)));
     }
-    let (from, to) = super::signals::bounds(&study.s.x);
+    let (from, to) = signals::bounds(&study.s.x);
     let known = |value| Estimate { value, ci95: None };
     match term.id {
         "position_force" | "position_friction" => {

@@ -1,6 +1,5 @@
 //! The motion that would show what this recording cannot, or tell apart what it leaves open.
 
-use super::catalogue::moving_speeds;
 use super::columns::spread;
 use super::conclude::Diagnosis;
 use super::signals::bounds;
@@ -134,8 +133,8 @@ pub fn profile(study: &Study, recording: &Recording, found: &Diagnosis) -> (Stri
         }
     }
     let (low, high) = bounds(&study.s.x);
-    let top = study.s.v.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    let speeds = (moving_speeds(&study.s).0.min(0.1 * top), top);
+    let top = study.s.top_speed();
+    let speeds = (study.s.speeds().0.min(0.1 * top), top);
     let mut profile = Profile {
         x: vec![0.5 * (low + high)],
     };

@@ -1,5 +1,7 @@
 //! What a model left out of a recording: located, named, modelled and shown on folds that no fit saw.
 
+pub mod blocks;
+pub mod bursts;
 pub mod catalogue;
 pub mod columns;
 pub mod conclude;
@@ -96,18 +98,7 @@ pub fn diagnose(
         ))
     };
     let found = search::search(&mut study, &given, &periods, progress).ok_or_else(unable)?;
-    let shape_error = match model.map(|m| &m.friction) {
-        Some(FrictionModel::Gms {
-            breakaway, blocks, ..
-        }) => {
-            let blocks: Vec<(f64, f64)> = blocks
-                .iter()
-                .map(|b| (b.stiffness, b.weight * breakaway / b.stiffness))
-                .collect();
-            study.shape_error(&blocks, &found.state)
-        }
-        _ => None,
-    };
+    let shape_error = model.and_then(|m| study.shape_error(&m.friction, &found.state));
     let diagnosis = conclude::conclude(&study, found, given.len(), &mechanics, shape_error)
         .ok_or_else(unable)?;
     Ok((study, diagnosis))
@@ -140,6 +131,8 @@ fn given(model: &Model) -> Vec<Term> {
     }
     for effect in &model.effects {
         let shape: Vec<f64> = match effect.id {
+            // Its centre is free where no constant force stands for it.
+            "position_spring" if model.constant_force == 0.0 => vec![1.0],
             "position_force" | "position_friction" => vec![effect.cosines().len() as f64],
             "thermal_drift" if effect.has("level_per_K") => Vec::new(),
             id => columns::parameters(id)

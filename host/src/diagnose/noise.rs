@@ -58,7 +58,7 @@ impl Parameters {
         match index {
             i if i < PROCESSES => &mut self.deviation[i],
             i if i < 2 * PROCESSES => &mut self.length[i - PROCESSES],
-            12 => &mut self.white,
+            i if i == 2 * PROCESSES => &mut self.white,
             _ => &mut self.position,
         }
     }
@@ -512,6 +512,18 @@ mod tests {
         )
     }
 
+    fn over<'a>(folds: &'a [Range<usize>], columns: [&'a [f64]; 4]) -> Course<'a> {
+        let [time, path, friction, stiffness] = columns;
+        Course {
+            folds,
+            time,
+            path,
+            friction,
+            stiffness,
+            stroke: 1e-3,
+        }
+    }
+
     #[test]
     fn finds_the_deviations_that_made_the_data() {
         let (folds, [time, path, friction, stiffness]) = course(20, 800);
@@ -523,14 +535,7 @@ mod tests {
                 r[i] = 0.01 * normal(&mut rng) + gain * friction[i];
             }
         }
-        let course = Course {
-            folds: &folds,
-            time: &time,
-            path: &path,
-            friction: &friction,
-            stiffness: &stiffness,
-            stroke: 1e-3,
-        };
+        let course = over(&folds, [&time, &path, &friction, &stiffness]);
         let noise = Noise::estimate(&r, &course, None);
         assert!(
             (noise.variability() / 0.1 - 1.0).abs() < 0.5,
@@ -558,14 +563,7 @@ mod tests {
                 .collect::<Vec<f64>>()
         };
         let (a, b) = (draw(), draw());
-        let course = Course {
-            folds: &folds,
-            time: &time,
-            path: &path,
-            friction: &friction,
-            stiffness: &stiffness,
-            stroke: 1e-3,
-        };
+        let course = over(&folds, [&time, &path, &friction, &stiffness]);
         let noise = Noise::estimate(&a, &course, None);
         let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let (left, right) = (

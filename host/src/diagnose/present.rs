@@ -48,10 +48,10 @@ impl Unknown {
         format!(
             "what is left follows {}, {}{place}; {} {force} RMS in all; it helps in {} of {} folds",
             self.signature.axis.name(),
-            if self.signature.odd {
-                "flips with direction"
-            } else {
-                "the same in both directions"
+            match (self.signature.axis, self.signature.odd) {
+                (Axis::Bursts, _) => "which nothing in the motion tells",
+                (_, true) => "flips with direction",
+                (_, false) => "the same in both directions",
             },
             digits(self.rms),
             self.folds.0,
@@ -75,10 +75,10 @@ impl Diagnosis {
                     .map(|(name, estimate)| (key_of(recording.kind, name), json!(estimate)))
                     .collect();
                 let place: Vec<Value> = e
-                    .place
+                    .places
                     .iter()
-                    .map(|(axis, from, to, share)| json!({
-                        "axis": axis.name(), "from": from, "to": to, "unit": axis.unit(unit), "share_of_mismatch": share,
+                    .map(|p| json!({
+                        "axis": p.axis.name(), "from": p.from, "to": p.to, "unit": p.axis.unit(unit), "share_of_mismatch": p.share,
                     }))
                     .collect();
                 json!({

@@ -21,6 +21,17 @@ const RIDGE: f64 = 1e-9;
 /// A candidate of which less than this share is new to the model cannot be told from it.
 const NEW: f64 = 1e-6;
 
+/// Standard deviations of the nats of noise draws above their mean.
+const DEVIATIONS: f64 = 4.0;
+
+/// Nats that noise alone does not reach, from those of its draws.
+pub fn beyond(draws: &[f64]) -> f64 {
+    let n = draws.len() as f64;
+    let mean = draws.iter().sum::<f64>() / n;
+    let square: f64 = draws.iter().map(|g| (g - mean).powi(2)).sum();
+    mean + DEVIATIONS * (square / (n - 1.0)).sqrt()
+}
+
 /// The base model against the recording and against draws of the noise alone.
 pub struct Problem {
     parts: Vec<DMatrix<f64>>,

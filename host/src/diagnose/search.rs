@@ -1,9 +1,9 @@
 //! Which effects act: forward, swap and backward, with thresholds from the recording's own noise.
 
 use super::catalogue::TESTED;
-use super::columns::{Scale, lowest_limit, moving_range, parameters, shapes};
-use super::score::Gain;
-use super::signature::{self, Axis, Signature, signatures};
+use super::columns::{Scale, lowest_limit, parameters, shapes};
+use super::score::{Gain, beyond};
+use super::signature::{self, Axis, signatures};
 use super::spectra;
 use super::study::{State, Study, Term};
 use crate::progress::Progress;
@@ -11,8 +11,6 @@ use rayon::prelude::*;
 
 /// Most effects named in one recording.
 const MOST: usize = 6;
-/// Standard deviations of the best noise draw's nats above their mean.
-const DEVIATIONS: f64 = 4.0;
 /// Nats that a name must bring in any case: odds of 150 to 1 on the folds held out.
 const LEAST: f64 = 5.0;
 /// A term that takes off more than this share of the mismatch changes what the others act through.
@@ -21,18 +19,27 @@ const LARGE: f64 = 0.1;
 /// follow of a real hysteresis is not in it.
 const PLAIN: f64 = 2.0;
 /// Nats beyond which fewer standard errors will do: an effect may be plain to a fit and small beside the friction's wandering.
-const EVIDENT: f64 = 100.0;
-
-/// Whether an improvement is plain enough for its nats.
-pub fn is_plain(certainty: f64, nats: f64) -> bool {
-    certainty > PLAIN * (EVIDENT / nats.max(EVIDENT))
-}
+pub const EVIDENT: f64 = 100.0;
+/// Largest level of a Stribeck curve: static friction three times the sliding one.
+const STEEPEST: f64 = 2.0;
 /// Share of its nats by which an effect must beat a simpler one that it contains.
 const NESTED: f64 = 0.03;
 /// Share of its nats by which an asymmetry must beat a constant force.
 const ALIKE: f64 = 0.15;
+/// How often a term may give way to one that takes its sign.
+const REPLACED: usize = 3;
+/// Share of a larger effect's nats below which an effect may be what the other's form leaves.
+const SMALL: f64 = 0.35;
 /// Nats by which a rival must be better to take a term's place.
 const BETTER: f64 = 3.0;
+
+/// Share of the moving samples below the speed at which the rows must still resolve a line of position.
+const SLOW: f64 = 0.2;
+
+/// Whether an improvement is plain enough for its nats.
+fn is_plain(certainty: f64, nats: f64) -> bool {
+    certainty > PLAIN * (EVIDENT / nats.max(EVIDENT))
+}
 
 /// The best shape of an effect, what it would add, and what noise alone adds.
 #[derive(Clone, Debug)]
@@ -54,7 +61,9 @@ impl Candidate {
     /// Nats that count against rivals: an effect that contains a simpler one has to be clearly better.
     fn rank(&self) -> f64 {
         let handicap = match self.term.id {
-            "frictional_lag" | "position_force" => 5.0 + NESTED * self.gain.total(),
+            "frictional_lag" | "position_force" | "quadratic_drag" => {
+                5.0 + NESTED * self.gain.total()
+            }
             // No fit tells it from a constant force; that is the simpler of the two.
             "coulomb_asymmetry" => 5.0 + ALIKE * self.gain.total(),
             _ => 0.0,
@@ -90,15 +99,26 @@ pub fn consistent(by_fold: &[f64]) -> bool {
 fn physical(id: &str, coefficients: &[f64]) -> bool {
     match (id, coefficients) {
         (
-            "viscous" | "quadratic_drag" | "stribeck" | "frictional_lag" | "dwell_aging"
-            | "drive_compliance" | "position_spring" | "creep" | "actuator_dead_zone",
+            "viscous" | "quadratic_drag" | "dwell_aging" | "drive_compliance" | "position_spring"
+            | "creep" | "actuator_dead_zone",
             [c, ..],
         ) => *c > 0.0,
+        // Beyond it the falling curve and a viscous force cancel each other over the speeds recorded.
+        ("stribeck" | "frictional_lag", [c]) => (0.0..STEEPEST).contains(c),
+        // Friction does not push.
+        ("local_friction_spot", [c]) => *c > -1.0,
         ("backlash", [c]) => (0.4..1.6).contains(c),
         // All that is commanded above the limit is lost.
         ("actuator_saturation", [c]) => (0.7..1.3).contains(c),
         _ => true,
     }
+}
+
+fn is_physical(state: &State, index: usize) -> bool {
+    physical(
+        state.terms[index].id,
+        &state.fit.coefficients[state.places[index].clone()],
+    )
 }
 
 /// The best candidate of every effect, best first.
@@ -143,14 +163,11 @@ pub fn scan(study: &Study, state: &State, periods: &[f64]) -> Vec<Candidate> {
                     .fold(f64::NEG_INFINITY, f64::max)
             })
             .collect();
-        let mean = maxima.iter().sum::<f64>() / draws as f64;
-        let spread =
-            (maxima.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (draws - 1) as f64).sqrt();
         best.push(Candidate {
             term: top.0.clone(),
             gain: top.2.clone(),
             // Lines are looked for among `tries` frequencies, which the draws did not do.
-            threshold: (mean + DEVIATIONS * spread).max(LEAST) + top.1.max(1.0).ln(),
+            threshold: beyond(&maxima).max(LEAST) + top.1.max(1.0).ln(),
         });
     }
     best.sort_by(|a, b| b.excess().total_cmp(&a.excess()));
@@ -160,15 +177,13 @@ pub fn scan(study: &Study, state: &State, periods: &[f64]) -> Vec<Candidate> {
 /// Lines of the mismatch in position and in time, and the periods of the mechanics, with the frequencies tried for them.
 fn lines(study: &Study, state: &State, periods: &[f64]) -> Vec<(Term, f64)> {
     let s = &study.s;
-    let weights = state.noise.inverse(&study.residual(state));
     let x = study.weak.at_centres(&s.x);
     let t = study.weak.at_centres(&s.t);
-    let friction = study.weak.at_centres(&study.reference.friction);
-    let (travel, slow) = moving_range(s);
+    let (travel, slow) = (s.travel(), s.moving_speed(SLOW).max(1e-300));
     let row_s = study.weak.half_width_s;
     let finest = 0.5 / (row_s * slow);
     let lowest = 1.5 / travel;
-    let by_friction: Vec<f64> = weights.iter().zip(&friction).map(|(w, f)| w * f).collect();
+    let (weights, by_friction) = study.weighed_residual(state);
     let mut found = Vec::new();
     let tries = (finest / lowest).max(1.0);
     let duration = t.last().copied().unwrap_or(0.0) - t.first().copied().unwrap_or(0.0);
@@ -213,8 +228,7 @@ pub fn refine(study: &Study, without: &State, term: &Term) -> Term {
         return best;
     };
     let keys = parameters(term.id);
-    let (travel, _) = moving_range(&study.s);
-    let duration = study.s.t.last().copied().unwrap_or(1.0);
+    let (travel, duration) = (study.s.travel(), study.s.duration());
     let mut steps: Vec<f64> = keys
         .iter()
         .map(|(_, scale)| match scale {
@@ -269,12 +283,10 @@ pub fn refine(study: &Study, without: &State, term: &Term) -> Term {
 fn sharpened(study: &Study, mut state: State, given: usize) -> Option<State> {
     for index in given..state.terms.len() {
         let mut terms = state.terms.clone();
-        let term = terms.remove(index);
-        if parameters(term.id).is_empty() {
+        if parameters(terms[index].id).is_empty() {
             continue;
         }
-        let without = study.fit_with(&terms, state.noise.clone())?;
-        terms.insert(index, refine(study, &without, &term));
+        terms[index] = refine(study, &study.without(&state, index)?, &terms[index]);
         state = study.fit(&terms, Some(&state))?;
     }
     Some(state)
@@ -289,7 +301,7 @@ fn folded(study: &Study, state: State, given: usize) -> Option<State> {
         return Some(state);
     };
     let size = coefficients(constant).first().map_or(0.0, |c| c.abs());
-    let (travel, _) = moving_range(&study.s);
+    let travel = study.s.travel();
     let spring = place("position_spring").filter(|&i| {
         coefficients(i)
             .first()
@@ -323,8 +335,8 @@ pub struct Evidence {
     pub candidate: Candidate,
     /// Every other effect in its place, best first.
     pub rivals: Vec<Candidate>,
-    /// Free curves over each coordinate in its place, best first.
-    pub curves: Vec<Signature>,
+    /// A free curve over some coordinate explains it better, or it is what another effect's form leaves.
+    pub outdone: bool,
     /// Standard errors by which the plain held-out error falls.
     pub certainty: f64,
     /// The coordinate over which its size changes, which the catalogue's effect does not do.
@@ -342,6 +354,7 @@ pub fn search(
     let mut rest = scan(study, &state, periods);
     progress.inc(1);
     let mut slight: Vec<Candidate> = Vec::new();
+    let mut replaced = 0;
     while state.terms.len() < given.len() + MOST {
         rest.retain(|c| c.excess() > 0.0 && !slight.iter().any(|s| s.term.id == c.term.id));
         lead(study, &state, &mut rest);
@@ -354,11 +367,21 @@ pub fn search(
             break;
         };
         let (share, certainty) = study.improvement(&state, &next);
-        if !is_plain(certainty, nats) {
+        // A term that takes on a sign against its physics beside another only cancels it within the motion recorded.
+        let cancelled: Vec<usize> = (0..state.terms.len())
+            .filter(|&i| is_physical(&state, i) && !is_physical(&next, i))
+            .collect();
+        let gives_way = cancelled.iter().all(|i| *i >= given.len()) && replaced < REPLACED;
+        if !is_plain(certainty, nats) || !cancelled.is_empty() && !gives_way {
             slight.push(top);
             continue;
         }
         state = next;
+        for &i in cancelled.iter().rev() {
+            replaced += 1;
+            state = study.without(&state, i)?;
+        }
+        let terms = state.terms.clone();
         if share > LARGE {
             study.refer_to(&terms)?;
             state = sharpened(study, study.fit(&terms, None)?, given.len())?;
@@ -391,9 +414,7 @@ fn weigh(
     let mut swaps = 0;
     while index < state.terms.len() {
         let term = state.terms[index].clone();
-        let mut others = state.terms.clone();
-        others.remove(index);
-        let without = study.fit_with(&others, state.noise.clone())?;
+        let without = study.without(&state, index)?;
         let mut rivals = scan(study, &without, periods);
         let threshold = rivals
             .iter()
@@ -416,8 +437,9 @@ fn weigh(
             && swaps < 3
         {
             swaps += 1;
-            others.insert(index, better.term.clone());
-            state = study.fit_with(&others, state.noise.clone())?;
+            let mut terms = state.terms.clone();
+            terms[index] = better.term.clone();
+            state = study.fit_with(&terms, state.noise.clone())?;
             evidence.clear();
             index = given;
             continue;
@@ -432,14 +454,23 @@ fn weigh(
         }
         let curves = signatures(study, &without);
         evidence.push(Evidence {
+            outdone: signature::outdone(study, &state, &own, &curves),
             candidate: own,
             rivals,
-            curves,
             certainty,
             malformed: signature::malformed(study, &state, index, own_nats),
         });
         index += 1;
         progress.inc(1);
+    }
+    let nats: Vec<f64> = evidence.iter().map(|e| e.candidate.gain.total()).collect();
+    for (index, own) in evidence.iter_mut().enumerate() {
+        let largest = (0..nats.len()).max_by(|a, b| nats[*a].total_cmp(&nats[*b]))?;
+        if nats[index] < SMALL * nats[largest] {
+            let without = study.without(&state, given + index)?;
+            let larger = state.terms[given + largest].id;
+            own.outdone |= signature::remainder(study, &without, &own.candidate, larger);
+        }
     }
     Some((state, evidence))
 }

@@ -9,6 +9,8 @@ use std::ops::Range;
 const FOLDS: usize = 12;
 /// A reversal counts once the motion came back by this share of the travel, or by six times the encoder's noise.
 const HYSTERESIS: f64 = 0.003;
+/// Strokes end at the same places where the ends scatter by less than this share of the travel.
+const SAME_ENDS: f64 = 0.03;
 /// Speeds below this share of the highest are rest.
 const REST: f64 = 0.01;
 
@@ -34,8 +36,6 @@ pub struct Signals {
     pub path: Vec<f64>,
     /// Duration of the last rest (s); 0 before the first one.
     pub dwell: Vec<f64>,
-    /// Path since that rest (m or rad).
-    pub since_rest: Vec<f64>,
     /// Temperature (°C), where recorded.
     pub temperature: Option<Vec<f64>>,
     /// Load (N), where recorded.
@@ -71,10 +71,6 @@ impl Signals {
         let threshold = (HYSTERESIS * (high - low)).max(6.0 * noise);
         let dt = recording.sample_time_s();
         let n = x.len();
-        let top = kinematics
-            .velocity
-            .iter()
-            .fold(0.0f64, |m, v| m.max(v.abs()));
         let mut s = Self {
             dt,
             t: running_time(recording),
@@ -85,7 +81,6 @@ impl Signals {
             last_stroke: vec![high - low; n],
             path: vec![0.0; n],
             dwell: vec![0.0; n],
-            since_rest: vec![high - low; n],
             temperature: recording.temperature_c.clone(),
             load: recording.load_n.clone(),
             pieces: recording.pieces.clone(),
@@ -97,7 +92,7 @@ impl Signals {
             x,
         };
         s.strokes(&smooth, threshold);
-        s.paths(REST * top);
+        s.paths(REST * s.top_speed());
         s.assign_folds(recording);
         s
     }
@@ -145,6 +140,51 @@ impl Signals {
         }
     }
 
+    /// Distance between the outermost positions (m or rad).
+    pub fn travel(&self) -> f64 {
+        let (low, high) = bounds(&self.x);
+        high - low
+    }
+
+    /// Time from the first sample to the last (s).
+    pub fn duration(&self) -> f64 {
+        self.t.last().copied().unwrap_or(0.0)
+    }
+
+    /// Highest speed (m/s or rad/s).
+    pub fn top_speed(&self) -> f64 {
+        self.v.iter().fold(0.0, |top, v| top.max(v.abs()))
+    }
+
+    /// The speed that the share `q` of the moving samples stays below (m/s or rad/s).
+    pub fn moving_speed(&self, q: f64) -> f64 {
+        let still = REST * self.top_speed();
+        let speeds = self.v.iter().map(|v| v.abs());
+        let moving: Vec<f64> = speeds.filter(|v| *v > still).collect();
+        quantile(&moving, q)
+    }
+
+    /// Low and high speed of the moving samples: the 5 % and 95 % quantiles (m/s or rad/s).
+    pub fn speeds(&self) -> (f64, f64) {
+        (self.moving_speed(0.05), self.moving_speed(0.95))
+    }
+
+    /// Whether every stroke runs between the same ends, so that position and displacement since reversal are one coordinate.
+    pub fn same_ends(&self) -> bool {
+        let (low, high) = bounds(&self.x);
+        let samples = self.x.iter().zip(&self.since_reversal).zip(&self.direction);
+        let off = samples.map(|((x, since), direction)| {
+            let expected = if *direction > 0.0 {
+                low + since
+            } else {
+                high - since
+            };
+            (x - expected).powi(2)
+        });
+        let rms = (off.sum::<f64>() / self.x.len().max(1) as f64).sqrt();
+        self.reversals > 2 && rms < SAME_ENDS * (high - low)
+    }
+
     /// Time since the last reversal (s).
     pub fn time_since_reversal(&self) -> Vec<f64> {
         let mut since = 0.0;
@@ -158,13 +198,13 @@ impl Signals {
     }
 
     fn paths(&mut self, still: f64) {
-        let (mut path, mut rest, mut dwell, mut left) = (0.0, 0.0, 0.0, f64::INFINITY);
+        let (mut path, mut rest, mut dwell) = (0.0, 0.0, 0.0);
         for i in 0..self.x.len() {
             let speed = self.v[i].abs();
             if speed > still {
                 path += speed * self.dt;
                 if rest > 0.05 {
-                    (dwell, left) = (rest, path);
+                    dwell = rest;
                 }
                 rest = 0.0;
             } else {
@@ -172,9 +212,6 @@ impl Signals {
             }
             self.path[i] = path;
             self.dwell[i] = dwell;
-            if left.is_finite() {
-                self.since_rest[i] = path - left;
-            }
         }
     }
 

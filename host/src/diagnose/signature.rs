@@ -1,13 +1,19 @@
 //! Which coordinate organises a mismatch, without asking what physics it is.
 
-use super::score::Gain;
-use super::search::consistent;
+use super::score::{Gain, beyond};
+use super::search::{Candidate, consistent};
 use super::signals::{Signals, quantile};
 use super::spectra;
 use super::study::{State, Study};
 use super::weak::Column;
 use rayon::prelude::*;
 
+/// Nats that a curve must bring in any case: it has several coefficients and many coordinates to choose from.
+const LEAST: f64 = 10.0;
+/// Times its threshold that a curve over a coordinate brings before it is called unknown physics.
+pub const UNNAMED: f64 = 6.0;
+/// Highest frequency of a clock that the friction level follows (Hz).
+const FASTEST_HZ: f64 = 5.0;
 /// Knots of the smooth curve over a coordinate.
 const KNOTS: usize = 8;
 
@@ -38,6 +44,8 @@ pub enum Axis {
     RecentSpeed,
     /// Time, periodic (s).
     TimePeriodic,
+    /// Time, in bursts (s): see [`super::bursts`].
+    Bursts,
     /// Acceleration along the motion: speeding up or slowing down (m/s² or rad/s²).
     SpeedingUp,
 }
@@ -46,7 +54,7 @@ pub enum Axis {
 const FORGOTTEN_S: f64 = 1.0;
 
 impl Axis {
-    /// All of them.
+    /// Those over which a curve can be drawn.
     pub const ALL: [Axis; 13] = [
         Axis::Position,
         Axis::Velocity,
@@ -78,6 +86,7 @@ impl Axis {
             Axis::TimeSinceReversal => "time since reversal",
             Axis::RecentSpeed => "highest speed of the last seconds",
             Axis::TimePeriodic => "time, periodic",
+            Axis::Bursts => "time, in bursts",
             Axis::SpeedingUp => "acceleration along the motion",
         }
     }
@@ -88,7 +97,9 @@ impl Axis {
             Axis::Position | Axis::SinceReversal | Axis::Path => position.to_owned(),
             Axis::Velocity | Axis::Speed | Axis::RecentSpeed => format!("{position}/s"),
             Axis::Acceleration | Axis::SpeedingUp => format!("{position}/s²"),
-            Axis::Time | Axis::TimeSinceReversal | Axis::TimePeriodic => "s".to_owned(),
+            Axis::Time | Axis::TimeSinceReversal | Axis::TimePeriodic | Axis::Bursts => {
+                "s".to_owned()
+            }
             Axis::Temperature => "°C".to_owned(),
             Axis::Load => "N".to_owned(),
         }
@@ -102,7 +113,7 @@ impl Axis {
             Axis::Speed => Some(s.v.iter().map(|v| v.abs()).collect()),
             Axis::SinceReversal => Some(s.since_reversal.clone()),
             Axis::Acceleration => Some(s.a.clone()),
-            Axis::Time | Axis::TimePeriodic => Some(s.t.clone()),
+            Axis::Time | Axis::TimePeriodic | Axis::Bursts => Some(s.t.clone()),
             Axis::Path => Some(s.path.clone()),
             Axis::Temperature => s.temperature.clone(),
             Axis::Load => s.load.clone(),
@@ -118,6 +129,17 @@ impl Axis {
             }
             Axis::SpeedingUp => Some(s.a.iter().zip(&s.direction).map(|(a, d)| a * d).collect()),
         }
+    }
+
+    /// Whether an effect over one of the two coordinates looks alike over the other.
+    fn is_akin(self, other: Axis) -> bool {
+        let family = |axis| match axis {
+            Axis::Velocity | Axis::Speed => 0,
+            Axis::Acceleration | Axis::SpeedingUp => 1,
+            Axis::Time | Axis::Path | Axis::Temperature => 2,
+            _ => 3,
+        };
+        self == other || family(self) < 3 && family(self) == family(other)
     }
 
     /// The coordinate in which an effect of the catalogue acts.
@@ -178,15 +200,15 @@ pub fn signatures(study: &Study, state: &State) -> Vec<Signature> {
     let mut found: Vec<Signature> = tried
         .into_par_iter()
         .filter_map(|(axis, odd)| {
-            let rows = match axis {
-                Axis::TimePeriodic => clockwork(study, state, odd)?,
-                _ => curve(study, axis, odd)?,
-            };
+            let rows = rows(study, state, axis, odd)?;
             let gain = study.gain_of(state, &rows)?;
-            let draws = gain.null.len() as f64;
-            let mean = gain.null.iter().sum::<f64>() / draws;
-            let spread = (gain.null.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / draws).sqrt();
-            let threshold = (mean + 4.0 * spread).max(10.0);
+            // A clock is looked for among so many frequencies, which the draws did not do.
+            let tries = if axis == Axis::TimePeriodic {
+                (FASTEST_HZ * study.s.duration()).max(1.0).ln()
+            } else {
+                0.0
+            };
+            let threshold = beyond(&gain.null).max(LEAST) + tries;
             Some(Signature {
                 axis,
                 odd,
@@ -197,6 +219,52 @@ pub fn signatures(study: &Study, state: &State) -> Vec<Signature> {
         .collect();
     found.sort_by(|a, b| b.excess().total_cmp(&a.excess()));
     found
+}
+
+/// Share of an effect's nats that a free curve may bring beside it.
+const BESIDE: f64 = 0.2;
+
+/// Whether a curve that is free over a coordinate other than the effect's own explains more than the effect does in the same
+/// place, and goes on explaining where `state` has the effect: then the name is wrong. Over its own coordinate it is right, and
+/// something else acts there as well.
+pub fn outdone(study: &Study, state: &State, own: &Candidate, curves: &[Signature]) -> bool {
+    let nats = own.gain.total();
+    // Every curve that is alike in both directions holds a constant.
+    let constant = matches!(own.term.id, "constant_force" | "coulomb_asymmetry");
+    let foreign = |c: &&Signature| {
+        let akin = Axis::of(own.term.id).is_akin(c.axis);
+        !akin && (c.odd || !constant) && c.certain()
+    };
+    curves.iter().filter(foreign).any(|c| {
+        let beside = || {
+            let rows = rows(study, state, c.axis, c.odd)?;
+            Some(study.gain_of(state, &rows)?.total())
+        };
+        let least = (UNNAMED * c.threshold).max(BESIDE * nats);
+        c.gain.total() > 2.0 * nats
+            || c.gain.total() > nats && beside().is_some_and(|gain| gain > least)
+    })
+}
+
+/// Whether free curves over speed, in place of the form of a `larger` effect of speed, take most of what a smaller one brings.
+pub fn remainder(study: &Study, without: &State, own: &Candidate, larger: &str) -> bool {
+    // A force in proportion to velocity has no form that could be wrong.
+    if Axis::of(larger) != Axis::Speed && larger != "quadratic_drag"
+        || matches!(own.term.id, "viscous" | "constant_force")
+    {
+        return false;
+    }
+    let curves = [(Axis::Speed, true), (Axis::Velocity, false)]
+        .into_iter()
+        .filter_map(|(axis, odd)| curve(study, axis, odd))
+        .flatten();
+    let mut columns: Vec<Vec<f64>> = curves.collect();
+    let alone = study.gain_of(without, &columns);
+    columns.extend(study.term_rows(&own.term).iter().cloned());
+    let both = study.gain_of(without, &columns);
+    alone
+        .zip(both)
+        .is_some_and(|(alone, both)| both.total() - alone.total() < 0.5 * own.gain.total())
 }
 
 /// Share of its nats that an effect may gain by changing its size over a coordinate.
@@ -234,6 +302,13 @@ pub fn malformed(study: &Study, state: &State, index: usize, nats: f64) -> Optio
     (found.1 > 10.0 && found.1 > FORM * nats).then_some(found.0)
 }
 
+fn rows(study: &Study, state: &State, axis: Axis, odd: bool) -> Option<Vec<Vec<f64>>> {
+    match axis {
+        Axis::TimePeriodic => clockwork(study, state, odd),
+        _ => curve(study, axis, odd),
+    }
+}
+
 /// The curve's columns at the rows: a force, or a change of the friction level.
 fn curve(study: &Study, axis: Axis, odd: bool) -> Option<Vec<Vec<f64>>> {
     let s = &study.s;
@@ -256,31 +331,35 @@ fn curve(study: &Study, axis: Axis, odd: bool) -> Option<Vec<Vec<f64>>> {
     )
 }
 
-/// A change of the friction level that follows a clock: the strongest line in time of the mismatch along the friction, with its
-/// third harmonic; slower than noise wanders, faster than drift.
+/// A change of the friction level that follows a clock: of the lines in time of the mismatch along the friction the one that
+/// brings most, with its third harmonic; slower than noise wanders, faster than drift.
 fn clockwork(study: &Study, state: &State, odd: bool) -> Option<Vec<Vec<f64>>> {
     if !odd {
         return None;
     }
     let t = study.weak.at_centres(&study.s.t);
     let friction = study.weak.at_centres(&study.reference.friction);
-    let weights: Vec<f64> = state
-        .noise
-        .inverse(&study.residual(state))
-        .iter()
-        .zip(&friction)
-        .map(|(w, f)| w * f)
-        .collect();
+    let (_, weights) = study.weighed_residual(state);
     let duration = t.last()? - t.first()?;
-    let line = *spectra::lines(&t, &weights, 4.0 / duration, 5.0).first()?;
-    let mut columns = Vec::new();
-    for order in [1.0, 3.0] {
-        for phase in [0.0, 0.25] {
-            let wave = |t: &f64| (std::f64::consts::TAU * (order * line * t + phase)).cos();
-            columns.push(t.iter().zip(&friction).map(|(t, f)| f * wave(t)).collect());
-        }
-    }
-    Some(columns)
+    let waves = |line: f64| -> Vec<Vec<f64>> {
+        let wave = |order: f64, phase: f64| {
+            let angle = move |t: f64| std::f64::consts::TAU * (order * line * t + phase);
+            let level = t.iter().zip(&friction).map(|(t, f)| f * angle(*t).cos());
+            level.collect()
+        };
+        vec![
+            wave(1.0, 0.0),
+            wave(1.0, 0.25),
+            wave(3.0, 0.0),
+            wave(3.0, 0.25),
+        ]
+    };
+    spectra::lines(&t, &weights, 4.0 / duration, FASTEST_HZ)
+        .into_iter()
+        .map(waves)
+        .filter_map(|columns| Some((study.gain_of(state, &columns)?.total(), columns)))
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|best| best.1)
 }
 
 /// Hat functions over quantiles of a coordinate, without the last one (all together are a constant).

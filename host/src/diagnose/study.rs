@@ -1,29 +1,24 @@
 //! A recording with its dictionary, and one hypothesis about what acts in it.
 
-use super::catalogue::moving_speeds;
-use super::columns::{self, Baseline, spread};
+use super::blocks::{FINER, between_samples, deflection, yields};
+use super::columns::{self, Baseline};
 use super::noise::{Course, Noise};
 use super::score::{Bound, Fit, Gain, Problem};
-use super::signals::{Signals, bounds, quantile};
+use super::signals::{Signals, quantile};
 use super::weak::{Column, Weak};
-use crate::identify::stop::Deflection;
+use crate::friction::{FrictionModel, Path};
 use crate::recording::Recording;
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::{Arc, Mutex};
 
-/// Blocks of the over-resolved core. On simulated stages naming the missing physics rose from 45 % with the paper's six to
-/// 71 % with 24: error of the hysteresis core is the main impostor.
-const CORE: usize = 24;
 /// Realisations of the noise alone behind each threshold.
 const DRAWS: usize = 16;
 /// Ratio of held-out errors up to which a spring explains as much as blocks that yield late.
 const SPRING: f64 = 1.02;
 /// Share of the travel after which a block is said to yield late.
 const LATE: f64 = 16.0;
-/// Points of the path for each sample.
-const FINER: usize = 4;
 /// Blocks of rows of a fold, between which an improvement is compared.
 const BLOCKS: usize = 20;
 /// Smooth maps over the travel among the plain effects that the noise model must not swallow.
@@ -131,10 +126,7 @@ impl Study {
         let (fine, pieces) = between_samples(&s);
         let deflections: Vec<Vec<f64>> = yields
             .par_iter()
-            .map(|&d| {
-                let z = Deflection::along(&fine, &pieces, d).z;
-                z.into_iter().step_by(FINER).collect()
-            })
+            .map(|&d| deflection(&fine, &pieces, d))
             .collect();
         let mut core_rows: Vec<Vec<f64>> = deflections
             .par_iter()
@@ -209,8 +201,7 @@ impl Study {
 
     /// A block that yields late in the travel is a spring by another name. Where a spring explains as much, it is left out.
     fn without_springs(&mut self) {
-        let (low, high) = bounds(&self.s.x);
-        let last = (high - low) / LATE;
+        let last = self.s.travel() / LATE;
         let first = usize::from(self.inertial);
         let kept = first + self.yields.iter().filter(|d| **d <= last).count();
         let all = self.core_rows.len();
@@ -369,6 +360,28 @@ impl Study {
         })
     }
 
+    /// The hypothesis less one of its terms, with the same noise.
+    pub fn without(&self, state: &State, index: usize) -> Option<State> {
+        let mut terms = state.terms.clone();
+        terms.remove(index);
+        self.fit_with(&terms, state.noise.clone())
+    }
+
+    /// Sum of squares of the measured effort about its mean.
+    pub fn variation(&self) -> f64 {
+        let mean = columns::mean(&self.force);
+        self.force.iter().map(|f| (f - mean).powi(2)).sum()
+    }
+
+    /// The residual weighed by how well each row is known, and the same times the friction: what lines of force and of the friction
+    /// level are looked for in.
+    pub fn weighed_residual(&self, state: &State) -> (Vec<f64>, Vec<f64>) {
+        let weights = state.noise.inverse(&self.residual(state));
+        let friction = self.weak.at_centres(&self.reference.friction);
+        let by_friction = weights.iter().zip(&friction).map(|(w, f)| w * f).collect();
+        (weights, by_friction)
+    }
+
     /// Measured less modelled effort at the rows.
     pub fn residual(&self, state: &State) -> Vec<f64> {
         residual(&self.force, &state.rows, &state.fit.coefficients)
@@ -455,18 +468,26 @@ impl Study {
         rows
     }
 
-    /// Held-out NMSE (%) of a hypothesis with given blocks, free by a common factor only, and with the core: least squares
-    /// both, because a wrong shape misleads a fit that trusts its noise model.
-    pub fn shape_error(&self, blocks: &[(f64, f64)], state: &State) -> Option<[f64; 2]> {
+    /// Held-out NMSE (%) of a hypothesis with the user's friction, free by a common factor only, and with the core: least
+    /// squares both, because a wrong shape misleads a fit that trusts its noise model. `None` where the library refuses a
+    /// parameter.
+    pub fn shape_error(&self, friction: &FrictionModel, state: &State) -> Option<[f64; 2]> {
         let (fine, pieces) = between_samples(&self.s);
-        let mut friction = vec![0.0; self.s.x.len()];
-        for &(k, d) in blocks {
-            let z = Deflection::along(&fine, &pieces, d).z;
-            friction
-                .iter_mut()
-                .zip(z.iter().step_by(FINER))
-                .for_each(|(f, z)| *f += k * z);
+        let held = |v: &f64| std::iter::repeat_n(*v, FINER);
+        let velocity: Vec<f64> = self.s.v.iter().flat_map(held).collect();
+        let path = Path {
+            position: &fine,
+            velocity: &velocity,
+            pieces: &pieces,
+            sample_time: self.s.dt / FINER as f64,
+        };
+        let mut friction = friction.clone();
+        if let FrictionModel::Gms { sliding, .. } = &mut friction {
+            // Its Stribeck curve is among the given terms.
+            *sliding = None;
         }
+        let force = friction.force(path).ok()?;
+        let friction = force.into_iter().step_by(FINER).collect();
         let mut rows = vec![self.weak.rows(&Column::of(friction))];
         if self.inertial {
             rows.push(self.core_rows[0].clone());
@@ -477,8 +498,7 @@ impl Study {
             let fit = Problem::new(&white, rows, bounds, &self.force, 1).fit()?;
             Some(self.held_out_square(rows, &fit))
         };
-        let mean = columns::mean(&self.force);
-        let variation: f64 = self.force.iter().map(|f| (f - mean).powi(2)).sum();
+        let variation = self.variation();
         let own = square(&rows, vec![Bound::Free; rows.len()])?;
         let core = square(&state.rows, state.bounds.clone())?;
         Some([own, core].map(|sum| 100.0 * sum / variation))
@@ -535,7 +555,7 @@ fn residual(force: &[f64], rows: &[Vec<f64>], coefficients: &[f64]) -> Vec<f64> 
 /// Plain effects that stand beside the core while friction and noise are found: physics that is not in the hypothesis yet
 /// must not be taken for noise.
 fn plain(s: &Signals) -> Vec<Term> {
-    let (slow, fast) = moving_speeds(s);
+    let (slow, fast) = s.speeds();
     let middle = (slow * fast).sqrt();
     let mut terms = vec![
         Term::new("constant_force", &[]),
@@ -551,42 +571,4 @@ fn plain(s: &Signals) -> Vec<Term> {
         terms.push(Term::new("quadratic_drag", &[]));
     }
     terms
-}
-
-/// The path with points between the samples, by cubic interpolation (Catmull and Rom 1974), as many for each sample: a
-/// reversal lies between two samples, and a block that does not see its peak is off by as much from there on.
-fn between_samples(s: &Signals) -> (Vec<f64>, Vec<Range<usize>>) {
-    let mut fine = Vec::with_capacity(FINER * s.x.len());
-    for piece in &s.pieces {
-        let x = &s.x[piece.clone()];
-        let at = |i: usize| x[i.min(x.len() - 1)];
-        for i in 0..x.len() {
-            let (a, b, c, d) = (at(i.saturating_sub(1)), at(i), at(i + 1), at(i + 2));
-            for k in 0..FINER {
-                let u = k as f64 / FINER as f64;
-                let bend = (3.0 * (b - c) + d - a) * u + 2.0 * a - 5.0 * b + 4.0 * c - d;
-                fine.push(b + 0.5 * u * (c - a + u * bend));
-            }
-        }
-    }
-    let finer = |p: &Range<usize>| FINER * p.start..FINER * p.end;
-    (fine, s.pieces.iter().map(finer).collect())
-}
-
-/// Log-spaced yields from what a typical sample moves to half of the longest stroke.
-fn yields(s: &Signals) -> Vec<f64> {
-    let steps: Vec<f64> =
-        s.x.windows(2)
-            .map(|p| (p[1] - p[0]).abs())
-            .filter(|d| *d > 0.0)
-            .collect();
-    let (low, high) = bounds(&s.x);
-    let longest = 0.5 * (high - low);
-    let stroke = quantile(&s.since_reversal, 0.999).min(high - low) * 0.5;
-    let long = if stroke > 0.0 { stroke } else { longest };
-    let short = (0.5 * quantile(&steps, 0.1))
-        .max(quantile(&steps, 0.0))
-        .min(long / 10.0)
-        .max(long / 3e4);
-    spread(short, long, CORE)
 }

@@ -9,7 +9,7 @@ mod source;
 
 pub use refuse::{reduced, refused};
 pub use sha256::sha256;
-pub use source::{Options, rust_source};
+pub use source::{Options, carried, rust_source};
 
 #[cfg(test)]
 mod tests {

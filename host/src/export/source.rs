@@ -100,6 +100,23 @@ pub fn rust_source(model: &Model, options: &Options) -> Result<String, String> {
     Ok(text)
 }
 
+/// What stands beside the friction model in a controller: the viscous term, the constant force, the effects.
+pub fn carried(model: &Model) -> Vec<Effect> {
+    let alone = |id, key: &str, value: f64| Effect {
+        id,
+        values: vec![(key.to_owned(), value)],
+    };
+    let mut effects = Vec::new();
+    if model.viscous != 0.0 {
+        effects.push(alone("viscous", "viscous_N_s_per_m", model.viscous));
+    }
+    if model.constant_force != 0.0 {
+        effects.push(alone("constant_force", "force_N", model.constant_force));
+    }
+    effects.extend(model.effects.iter().cloned());
+    effects
+}
+
 /// A tuple, nested where there are more than [`TUPLE`], in lines indented by `indent`.
 fn nested(terms: &[Term], indent: usize, of: fn(&Term) -> &str) -> String {
     let list = |terms: &[Term], indent: usize| {
@@ -297,18 +314,7 @@ impl Source<'_> {
 
     fn effects(&mut self, options: &Options) -> Result<(), String> {
         let model = self.model;
-        let alone = |id: &'static str, key: &str, value: f64| Effect {
-            id,
-            values: vec![(key.to_owned(), value)],
-        };
-        let mut effects = Vec::new();
-        if model.viscous != 0.0 {
-            effects.push(alone("viscous", "viscous_N_s_per_m", model.viscous));
-        }
-        if model.constant_force != 0.0 {
-            effects.push(alone("constant_force", "force_N", model.constant_force));
-        }
-        effects.extend(model.effects.iter().cloned());
+        let effects = carried(model);
 
         if effects.iter().any(|e| shape(e).1.contains(&FORCE_LIMIT)) {
             let limit = options

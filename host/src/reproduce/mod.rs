@@ -2,6 +2,7 @@
 
 pub mod experiment;
 pub mod figure_6;
+pub mod literal;
 pub mod paper;
 mod present;
 pub mod printed;
@@ -21,6 +22,7 @@ use crate::nmse::nmse;
 use crate::progress::Progress;
 use experiment::Experiment;
 use figure_6::Figure6;
+use literal::Literal;
 use paper::Column;
 use printed::Bound;
 use rayon::prelude::*;
@@ -160,6 +162,8 @@ pub struct Reproduction {
     pub bounds: Vec<Bound>,
     /// Loop closure of the paper's models, by name.
     pub closures: Vec<(&'static str, LoopClosure)>,
+    /// Equations (10)–(12) as printed.
+    pub literal: Vec<Literal>,
     /// Figure 6 and Table 2, with all models.
     pub figure_6: Figure6,
     /// The experiment, simulated.
@@ -210,6 +214,7 @@ pub fn reproduce(seed: u64, progress: &Progress) -> Result<Reproduction, String>
         recommendation: recommendation(&sizes),
         bounds: printed::bounds(&curve)?,
         closures: closures()?,
+        literal: literal::literal()?,
         figure_6: {
             let found = Figure6::of_the_paper()?;
             progress.inc(1);

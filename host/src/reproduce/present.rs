@@ -76,6 +76,7 @@ impl Reproduction {
             "table3": recovered,
             "printed_bounds": bounds,
             "loop_closure": closures,
+            "equations_as_printed": super::literal::to_json(&self.literal),
             "models": models,
             "experiment": experiment,
             "recommendation": self.recommendation,
@@ -326,7 +327,10 @@ impl Reproduction {
                 Section {
                     heading: "Non-local memory".to_owned(),
                     paragraphs: vec!["The models run from rest through an outer loop of ±40 µm and nested reversals, each half the one before, and back through the same reversals. A model with non-local memory returns to the force that it left.".to_owned()],
-                    tables: vec![self.closure_table()],
+                    tables: vec![
+                        self.closure_table(),
+                        super::literal::table(&self.literal),
+                    ],
                     figures: vec![self.loop_figure()],
                 }],
             ]

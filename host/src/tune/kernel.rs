@@ -109,13 +109,11 @@ impl Kernel {
         }
     }
 
-    /// The measured firmware whose controller computes as this kernel does: in `f32`, or in whole numbers.
-    pub fn controller(self) -> &'static str {
+    /// The arithmetic of the controller and the effects around it: fixed point where the kernel computes in whole numbers.
+    pub fn arithmetic(self) -> &'static str {
         match self {
-            Self::GmsF32 | Self::QuasiStaticF32 => "quasi_static_f32",
-            Self::GmsI32 | Self::SlipReserve | Self::Packed | Self::ConstantTime => {
-                "quasi_static_i16f16"
-            }
+            Self::GmsF32 | Self::QuasiStaticF32 => "f32",
+            Self::GmsI32 | Self::SlipReserve | Self::Packed | Self::ConstantTime => "i16f16",
         }
     }
 

@@ -6,6 +6,8 @@ mod present;
 mod tests;
 
 use crate::cost::{Cost, CostTable, WholeTick};
+use crate::effects::Effect;
+use crate::export::{carried, refused};
 use crate::friction::{FrictionModel, Path};
 use crate::identify::{Identification, Method};
 use crate::model::Model;
@@ -101,16 +103,17 @@ pub fn of_model(
         model: model.clone(),
         nmse_test: None,
     };
-    tuning(&[sized], &motion, None, costs, budget)
+    tuning(&[sized], model, &motion, None, costs, budget)
 }
 
-/// Tunes what `identify` found on a recording, at every number of blocks.
+/// Tunes what `identify` found on a recording, at every number of blocks, beside the effects of `model`.
 ///
 /// # Errors
 /// Why the recording cannot be tuned for.
 pub fn of_recording(
     recording: &Recording,
     found: &Identification,
+    model: &Model,
     count: f64,
     costs: &CostTable,
     budget: Budget,
@@ -144,7 +147,7 @@ pub fn of_recording(
     let mean = found.effort.iter().sum::<f64>() / found.effort.len() as f64;
     let variance =
         found.effort.iter().map(|f| (f - mean).powi(2)).sum::<f64>() / found.effort.len() as f64;
-    tuning(&models, &motion, Some(variance), costs, budget)
+    tuning(&models, model, &motion, Some(variance), costs, budget)
 }
 
 /// A motion in counts.
@@ -219,6 +222,7 @@ fn made_up_strokes(
 
 fn tuning(
     models: &[Sized],
+    with_effects: &Model,
     motion: &Motion,
     variance: Option<f64>,
     costs: &CostTable,
@@ -235,7 +239,10 @@ fn tuning(
         pieces: &motion.pieces,
         sample_time: motion.sample_time,
     };
-    let (mut choices, mut notes) = (Vec::new(), Vec::new());
+    let refused = refused(with_effects);
+    let mut effects = carried(with_effects);
+    effects.retain(|effect| refused.iter().all(|(id, _)| *id != effect.id));
+    let (mut choices, mut notes) = (Vec::new(), effects_notes(&effects, &refused, costs));
     for sized in models {
         let FrictionModel::Gms {
             breakaway, blocks, ..
@@ -270,12 +277,13 @@ fn tuning(
                 None => continue,
             };
             let squares: f64 = force.iter().zip(&exact).map(|(a, b)| (a - b).powi(2)).sum();
+            let cost = costs.effects(&effects, kernel.arithmetic()).beside(cost);
             let mean_square = squares / force.len().max(1) as f64;
             let added = variance.map_or(0.0, |variance| 100.0 * mean_square / variance);
             choices.push(Choice {
                 kernel,
                 share: budget.share_of(cost.cycles_worst),
-                tick: costs.whole_tick(kernel.controller(), &cost),
+                tick: costs.whole_tick(kernel.arithmetic(), &cost),
                 cost,
                 nmse_test: sized.nmse_test.map(|nmse| nmse + added),
                 arithmetic: 100.0 * mean_square.sqrt() / breakaway,
@@ -302,6 +310,42 @@ fn tuning(
         origin: costs.origin.clone(),
         recorded: variance.is_some(),
     })
+}
+
+/// Whose cycles are in the figures, and whose are not.
+fn effects_notes(
+    effects: &[Effect],
+    refused: &[(&'static str, &'static str)],
+    costs: &CostTable,
+) -> Vec<String> {
+    let mut notes = Vec::new();
+    let (float, fixed) = (
+        costs.effects(effects, "f32"),
+        costs.effects(effects, "i16f16"),
+    );
+    if !float.each.is_empty() {
+        let list: Vec<String> = float
+            .each
+            .iter()
+            .zip(&fixed.each)
+            .map(|((id, float), (_, fixed))| format!("{id} {float:.0} and {fixed:.0}"))
+            .collect();
+        notes.push(format!(
+            "cycles, flash and RAM include the model's effects, measured beside four blocks in f32 and in I16F16: {}; a kernel in whole numbers \
+             is given those in I16F16, which the firmware has to compute beside it (no type composes the two)",
+            list.join(", ")
+        ));
+    }
+    if !float.missing.is_empty() {
+        notes.push(format!(
+            "the table of costs lacks {}: not counted",
+            float.missing.join(", ")
+        ));
+    }
+    for (id, reason) in refused {
+        notes.push(format!("{id} is not counted: {reason}"));
+    }
+    notes
 }
 
 /// The fewest blocks after which no more are worth their cycles, in the cheapest arithmetic that adds little.

@@ -173,6 +173,33 @@ pub fn print(rows: &[Row]) {
     }
 }
 
+/// By how much each effect, composed with `Gms<4>`, makes the control tick grow: mean cycles, in `f32` and in I16F16.
+pub fn print_effects(rows: &[Row]) {
+    let in_tick = |kernel: &str| {
+        let row = rows
+            .iter()
+            .find(|row| row.kernel == kernel && row.blocks == 4);
+        row.and_then(|row| row.cycles_in_tick)
+    };
+    let growth = |effect: &str, arithmetic: &str| {
+        Some(
+            in_tick(&format!("with_{effect}_{arithmetic}"))?
+                - in_tick(&format!("gms_{arithmetic}"))?,
+        )
+    };
+    println!(
+        "{:<30} {:>8} {:>8}",
+        "effect beside Gms<4>, in tick", "f32", "I16F16"
+    );
+    for row in rows {
+        let name = row.kernel.strip_prefix("with_");
+        if let Some(effect) = name.and_then(|name| name.strip_suffix("_f32")) {
+            let (float, fixed) = (growth(effect, "f32"), growth(effect, "i16f16"));
+            println!("{effect:<30} {:>8} {:>8}", decimal(float), decimal(fixed));
+        }
+    }
+}
+
 /// Every way in which `measured` is worse than, or not covered by, `committed`.
 pub fn regressions(committed: &[Row], measured: &[Row]) -> Vec<String> {
     let same = |a: &Row, b: &Row| a.kernel == b.kernel && a.blocks == b.blocks;
