@@ -8,7 +8,7 @@
 use anyhow::{Context, bail};
 use fixed::types::I16F16;
 use preslide::control::learning::{Adaptation, MismatchWatch};
-use preslide::control::{Learning, LearningSettings, Settings};
+use preslide::control::{Learning, LearningSettings};
 use preslide::{Block, QuasiStaticGms, Units};
 use preslide_host::identify::{Options, STEPS, identify};
 use preslide_host::progress::Progress;
@@ -185,13 +185,7 @@ fn serve(elf: &Path, port: u16, truth: &Path) -> anyhow::Result<()> {
     // Every tick's telemetry would cost more than the rest of the emulation: QEMU sends it byte by byte.
     // The exchange of the initialisation, tick 0, carries no byte.
     script = script.send(1, &[Request::Telemetry { every: 5 }]);
-    // One request a move, each in time for the one before it to end.
-    let mut tick = 40;
-    for step in presliding() {
-        script = script.send(tick, &requests(&[step]));
-        tick += step.plan::<f32>(&Settings::PAPER_AXIS, Units::SI)?.ticks() as u64;
-    }
-    script.ticks = tick + 200;
+    script = script.follow(40, &presliding())?;
     script.disturb = Box::new(|tick, stage| {
         if tick.is_multiple_of(LOOK_TICKS) {
             let speed = stage.truth().velocity_m_s;

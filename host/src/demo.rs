@@ -1,112 +1,203 @@
-//! The recording that `preslide demo` makes for itself: the simulated stage under a plain position controller.
+//! The page of `preslide demo`: what was recorded, how many blocks and why, what was missing, how much better it tracks.
 
-use crate::progress::Progress;
-use crate::stage::trajectory::Trajectory;
-use crate::stage::{Stage, StageConfig};
-use std::f64::consts::TAU;
+use crate::chain::{Followed, Trial};
+use crate::diagnose::study::Study;
+use crate::diagnose::{Diagnosis, catalogue};
+use crate::identify::Identification;
+use crate::recording::Recording;
+use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Table};
 
-/// Strokes of one repeat (m), peak to peak. The largest exceeds twice the longest yield displacement of the
-/// paper's axis (39 µm), so that every block slips; the smaller ones show the memory.
-const STROKES_M: [f64; 4] = [150e-6, 60e-6, 20e-6, 8e-6];
-/// Speed of the strokes (m/s): below the Stribeck velocity, and hundreds of samples within a stroke.
-const SPEED_M_S: f64 = 40e-6;
-/// Repeats: one fold of the cross-validation each.
-const REPEATS: usize = 6;
-/// Control ticks averaged into one sample: 500 Hz at the stage's 20 kHz.
-const TICKS_PER_SAMPLE: usize = 40;
-/// Bandwidth of the position controller (Hz), a ninth of the drive's resonance.
-const BANDWIDTH_HZ: f64 = 40.0;
-
-/// What an engineer would have on disk after an afternoon at the machine.
-#[derive(Clone, Debug, Default)]
-pub struct Samples {
-    /// Time (s).
-    pub t_s: Vec<f64>,
-    /// Measured position (m), from the encoder count.
-    pub x_m: Vec<f64>,
-    /// Motor force at the stage (N), from the measured current.
-    pub force_n: Vec<f64>,
-    /// Number of the repeat.
-    pub repeat: Vec<u32>,
+/// Everything that the story is about.
+pub struct Story<'a> {
+    /// The stage and what it hides.
+    pub trial: &'a Trial,
+    /// Its recording.
+    pub recording: &'a Recording,
+    /// Rigid body and friction.
+    pub found: &'a Identification,
+    /// The fits behind the diagnosis.
+    pub study: &'a Study,
+    /// What the model left out.
+    pub diagnosis: &'a Diagnosis,
+    /// The judged motion without a model, with the identified one, with what the diagnosis added, and with the truth.
+    pub followed: [Followed; 4],
 }
 
-impl Samples {
-    /// The recording as CSV in the project's format.
-    pub fn to_csv(&self) -> String {
-        let mut text = String::from("t_s,x_m,force_N,repeat\n");
-        for i in 0..self.t_s.len() {
-            text += &format!(
-                "{:.6},{:.10},{:.6},{}\n",
-                self.t_s[i], self.x_m[i], self.force_n[i], self.repeat[i]
-            );
-        }
-        text
-    }
-}
-
-/// Moves the simulated stage through nested triangles and records it.
-///
-/// # Errors
-/// Where the stage refuses its configuration.
-pub fn record(seed: u64, progress: &Progress) -> anyhow::Result<Samples> {
-    let config = StageConfig {
-        seed,
-        ..StageConfig::default()
-    };
-    let mut corners = vec![(0.0, 0.0)];
-    let mut repeats = Vec::new();
-    for _ in 0..REPEATS {
-        for stroke in STROKES_M {
-            for end in [0.5 * stroke, -0.5 * stroke] {
-                let (t, x) = corners[corners.len() - 1];
-                corners.push((t + (end - x).abs() / SPEED_M_S, end));
-            }
-        }
-        repeats.push(corners[corners.len() - 1].0);
-    }
-    let trajectory = Trajectory::try_polyline(&corners, 0.0)?;
-
-    let mut stage = Stage::try_new(config.clone())?;
-    let mass = config.mass_kg + stage.reflected_rotor_kg();
-    let omega = TAU * BANDWIDTH_HZ;
-    let (stiffness, damping, reset) = (mass * omega * omega, 1.4 * mass * omega, omega / 4.0);
-    let tick = 1.0 / config.control_rate_hz;
-    // The derivative of 25 nm counts at 20 kHz needs a low-pass, here at five times the bandwidth.
-    let smoothing = 1.0 - (-5.0 * omega * tick).exp();
-    let force_per_volt = stage.force_constant_n_per_a() / config.motor.resistance_ohm;
-
-    let mut samples = Samples::default();
-    let (mut error_before, mut slope, mut sum) = (0.0, 0.0, 0.0);
-    let (mut position, mut current) = (0.0, 0.0);
-    let mut reading = stage.reading();
-    let ticks = (trajectory.duration_s() / tick) as usize;
-    for k in 0..ticks {
-        let time = k as f64 * tick;
-        let measured = f64::from(reading.count) * config.encoder.count_m;
-        let error = trajectory.at(time).position_m - measured;
-        slope += smoothing * ((error - error_before) / tick - slope);
-        error_before = error;
-        sum += stiffness * reset * tick * error;
-        let force = stiffness * error + damping * slope + sum;
-        reading = stage.tick(force / force_per_volt / reading.supply_v);
-
-        position += measured;
-        current += reading.current_a;
-        if (k + 1) % TICKS_PER_SAMPLE == 0 {
-            let n = TICKS_PER_SAMPLE as f64;
-            samples.t_s.push(time - 0.5 * (n - 1.0) * tick);
-            samples.x_m.push(position / n);
-            samples
-                .force_n
-                .push(current / n * stage.force_constant_n_per_a());
-            samples
-                .repeat
-                .push(repeats.partition_point(|&end| end <= time) as u32);
-            (position, current) = (0.0, 0.0);
-        }
-        if (k + 1) % (ticks / 100) == 0 {
-            progress.inc(1);
+impl Story<'_> {
+    fn names(&self) -> String {
+        let confident = self.diagnosis.effects.iter().filter(|e| e.confident);
+        let names: Vec<String> = confident
+            .map(|e| {
+                let words = catalogue::entry(e.id).map_or("", |entry| entry.words);
+                format!("{} ({words}; confidence {:.2})", e.id, e.confidence)
+            })
+            .collect();
+        if names.is_empty() {
+            "nothing that is certain".to_owned()
+        } else {
+            names.join(", ")
         }
     }
-    Ok(samples)
+
+    /// What the four ways of compensating are called.
+    fn ways(&self) -> [String; 4] {
+        let size = self.found.best().size();
+        [
+            "no friction model".to_owned(),
+            format!("identified: GMS, N = {size}"),
+            "with what the diagnosis added".to_owned(),
+            "with the stage's own parameters".to_owned(),
+        ]
+    }
+
+    /// Tracking errors, for the terminal and the page.
+    pub fn table(&self) -> Table {
+        let nm = |value: f64| format!("{:.0}", value * 1e9);
+        let row = |(way, followed): (String, &Followed)| {
+            let error = &followed.error;
+            let rms = error.rms_m().map_or("fault".to_owned(), nm);
+            vec![way, rms, nm(error.peak_m())]
+        };
+        Table {
+            caption: "Tracking error of the true position, the same gains throughout".to_owned(),
+            head: ["feed-forward", "RMS nm", "largest nm"]
+                .map(String::from)
+                .to_vec(),
+            rows: self
+                .ways()
+                .into_iter()
+                .zip(&self.followed)
+                .map(row)
+                .collect(),
+        }
+    }
+
+    /// What came of it, in a sentence or two.
+    pub fn outcome(&self) -> String {
+        let nm = |i: usize| {
+            let followed: Option<&Followed> = self.followed.get(i);
+            let rms = followed.and_then(|f| f.error.rms_m());
+            rms.map_or("a fault".to_owned(), |rms| format!("{:.0} nm", rms * 1e9))
+        };
+        format!(
+            "The diagnosis names {}. RMS tracking error: {} without a friction model, {} with the identified one, {} with what the \
+             diagnosis added; knowing the truth gives {}.",
+            self.names(),
+            nm(0),
+            nm(1),
+            nm(2),
+            nm(3),
+        )
+    }
+
+    /// The page.
+    pub fn page(&self, command: String) -> Page {
+        let recording = self.recording;
+        let identified = self.found.page(recording, String::new()).sections;
+        let diagnosed = self.diagnosis.page(self.study, recording, String::new());
+        let mut sections = vec![self.recorded()];
+        sections.extend(identified.into_iter().next().map(|section| Section {
+            heading: "How many blocks, and why".to_owned(),
+            paragraphs: [vec![self.found.recommendation.clone()], section.paragraphs].concat(),
+            ..section
+        }));
+        let mut diagnosed = diagnosed.sections.into_iter();
+        let missing = diagnosed.next().unwrap_or_default();
+        // Of the maps of the mismatch the one by the coordinate that organises it.
+        let telling = self.diagnosis.organised.first();
+        let map = telling.and_then(|signature| {
+            let title = format!("Mismatch against {}", signature.axis.name());
+            let maps = diagnosed.next()?.figures;
+            maps.into_iter().find(|figure| figure.title == title)
+        });
+        sections.push(Section {
+            figures: map.into_iter().chain(missing.figures.clone()).collect(),
+            ..missing
+        });
+        sections.push(self.tracked());
+        Page {
+            title: "Preslide, once around: recorded, identified, diagnosed, compensated".to_owned(),
+            lead: self.outcome(),
+            command,
+            sections,
+        }
+    }
+
+    fn recorded(&self) -> Section {
+        let r = self.recording;
+        let line = |title: &str, x: (&str, &str, &[f64]), y: (&str, &str, &[f64])| {
+            Figure::new(title, Axis::new(x.0, x.1), Axis::new(y.0, y.1))
+                .with(Series::line("measured", x.2.to_vec(), y.2.to_vec()).colour(Colour::Black))
+        };
+        Section {
+            heading: "What was recorded".to_owned(),
+            paragraphs: vec![format!(
+                "The simulated stage (3 kg on a 2 mm screw) follows nested strokes of 150 to 8 µm at three stations, slow slides \
+                 and passes over 4 mm, for {:.0} s, under the firmware's control code without a friction model. Encoder count and \
+                 motor current leave it as telemetry and become a recording. Its friction is a 64-element hysteresis that \
+                 yields smoothly and wanders by up to ±15 %; besides, it hides something.",
+                r.t_s.last().copied().unwrap_or(0.0)
+            )],
+            figures: vec![
+                line(
+                    "The motion",
+                    ("time", "s", &r.t_s),
+                    ("position", "m", &r.position),
+                ),
+                line(
+                    "The force it took",
+                    ("position", "m", &r.position),
+                    ("motor force", "N", &r.effort),
+                ),
+            ],
+            ..Section::default()
+        }
+    }
+
+    fn tracked(&self) -> Section {
+        let error = Figure::new(
+            "Tracking error over the judged motion",
+            Axis::new("time", "s"),
+            Axis::new("reference − true position", "m"),
+        );
+        let looks = [
+            (Colour::Sky, Emphasis::Normal),
+            (Colour::Blue, Emphasis::Normal),
+            (Colour::Vermillion, Emphasis::Strong),
+        ];
+        let lines = self.ways().into_iter().zip(&self.followed).zip(looks);
+        let error = lines.fold(error, |figure, ((way, followed), (colour, emphasis))| {
+            let line = Series::line(way, followed.t_s.clone(), followed.error_m.clone());
+            figure.with(line.colour(colour).emphasis(emphasis))
+        });
+        let reference = self.followed.first().map(|followed| {
+            Figure::new(
+                "The judged motion",
+                Axis::new("time", "s"),
+                Axis::new("reference", "m"),
+            )
+            .with(
+                Series::line(
+                    "reference",
+                    followed.t_s.clone(),
+                    followed.reference_m.clone(),
+                )
+                .colour(Colour::Black),
+            )
+        });
+        Section {
+            heading: "How much better it tracks".to_owned(),
+            paragraphs: vec![
+                "Another motion than the recorded one: other places, speeds and reversals. The feedback is the same in every run; \
+                 only the force fed forward differs."
+                    .to_owned(),
+                format!(
+                    "What the stage hid, which nothing had told the diagnosis: {}.",
+                    self.trial.effect.words()
+                ),
+            ],
+            tables: vec![self.table()],
+            figures: [error].into_iter().chain(reference).collect(),
+        }
+    }
 }

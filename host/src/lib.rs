@@ -1,6 +1,7 @@
 //! From a recording to the parameters of a real-time friction model, and to its simulation.
 
 pub mod capture;
+pub mod chain;
 pub mod compare;
 pub mod cost;
 pub mod demo;

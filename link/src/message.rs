@@ -145,4 +145,6 @@ pub enum Refusal {
     Busy,
     /// The controller is in its safe state; send [`Request::Restart`] first.
     Stopped,
+    /// The friction model was compiled in as `preslide export` wrote it: it changes with the firmware's build.
+    CompiledIn,
 }

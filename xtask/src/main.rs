@@ -1,7 +1,9 @@
 //! `cargo xtask`: builds, checks and measures Preslide; installs what that needs. Standard library only.
 
 mod book;
+mod browser;
 mod call_graph;
+mod chain;
 mod cycles;
 mod process;
 mod qemu;
@@ -43,6 +45,11 @@ const COMMANDS: &[Command] = &[
         name: "stage",
         help: "the firmware in QEMU on the simulated stage, its telemetry on tcp:127.0.0.1:7700 or the PORT named",
         run: qemu::serve_command,
+    },
+    Command {
+        name: "chain",
+        help: "concealed effects recorded, diagnosed, compiled into the firmware and tracked again; --seed N, --count K",
+        run: chain::run_command,
     },
     Command {
         name: "trials",

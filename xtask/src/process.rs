@@ -81,6 +81,23 @@ pub fn run_for(command: &mut Command, limit: Duration) -> Result<(), String> {
     }
 }
 
+/// Standard output and standard error of a command that must succeed before `limit` has passed.
+pub fn output_for(command: &mut Command, limit: Duration) -> Result<(String, String), String> {
+    let folder = std::env::temp_dir().join(format!("preslide-output-{}", std::process::id()));
+    let told = |error: std::io::Error| format!("{}: {error}", folder.display());
+    std::fs::create_dir_all(&folder).map_err(told)?;
+    // Files take any amount while nobody reads.
+    let (out, err) = (folder.join("out"), folder.join("err"));
+    let file = |path| std::fs::File::create(path).map_err(told);
+    let result = run_for(command.stdout(file(&out)?).stderr(file(&err)?), limit);
+    let texts = [out, err].map(|path| std::fs::read(path).unwrap_or_default());
+    let [out, err] = texts.map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+    // What stays is in the way of nothing.
+    let _ = std::fs::remove_dir_all(&folder);
+    result.map_err(|reason| format!("{reason}: {}", err.trim()))?;
+    Ok((out, err))
+}
+
 /// Standard output of a command that must succeed.
 pub fn output(command: &mut Command) -> Result<String, String> {
     let line = shown(command);

@@ -24,6 +24,9 @@ pub const LEARNING_FEATURES: &[&str] = &["--features", "adaptation"];
 /// The end of a run, which only the emulator's control task has.
 const QUIT: &str = "preslide_qemu::quit";
 
+/// What `preslide export` writes of a model with all effects that a controller can use; the tests of the tool keep it.
+const EXPORTED: &str = "host/tests/exported/linear.rs";
+
 const GOLDEN: &str = "firmware/boards/qemu/expected";
 
 /// A run of the motion takes 10 s on a slow machine, the faults two minutes.
@@ -61,6 +64,11 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     build("preslide-stm32g474", "stm32g474", &["--features", "log"])?;
     let board = build("preslide-stm32g474", "stm32g474", &[])?;
     check_image("stm32g474", &board, TIM6_DAC, &[])?;
+    check_ccm(&board)?;
+    // With a model compiled in that has every effect.
+    let (mut exported, board) = build_command("preslide-stm32g474", "stm32g474")?;
+    run(exported.env("PRESLIDE_MODEL", root().join(EXPORTED)))?;
+    check_image("stm32g474 with an exported model", &board, TIM6_DAC, &[])?;
     check_ccm(&board)?;
     let golden = root().join(GOLDEN);
     let mut faults = Command::new(&rig);
@@ -111,30 +119,15 @@ pub fn build_rig() -> Result<PathBuf, String> {
 
 /// Captures the telemetry of a motion in QEMU with the tool, identifies it, and compares with the stage's friction.
 fn identified(rig: &Path, elf: &Path) -> Result<(), String> {
-    // Free a moment ago; QEMU binds it next.
-    let port = std::net::TcpListener::bind("127.0.0.1:0")
-        .and_then(|listener| listener.local_addr())
-        .map_err(|error| format!("no free port on 127.0.0.1: {error}"))?
-        .port()
-        .to_string();
+    let port = free_port()?;
     let folder = std::env::temp_dir().join(format!("preslide-capture-{}", std::process::id()));
     std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let (recording, truth) = (folder.join("capture.csv"), folder.join("truth.json"));
     let mut serve = Command::new(rig);
-    let serving = serve.arg("serve").arg(elf).arg(&port).arg(&truth).spawn();
-    let mut serving = serving.map_err(|error| format!("the rig did not start: {error}"))?;
-    let mut capture = Command::new(root().join("target/release/preslide"));
-    capture.args(["capture", &format!("tcp:127.0.0.1:{port}"), "--wait", "20"]);
-    let captured = run_for(capture.arg("--output").arg(&recording), LIMIT);
-    if captured.is_err() {
-        // It has nobody to talk to any more.
-        let _ = serving.kill();
-    }
-    let served = serving.wait().map_err(|error| error.to_string())?;
-    captured?;
-    if !served.success() {
-        return Err(format!("the rig failed ({served})"));
-    }
+    serve.arg("serve").arg(elf).arg(&port).arg(&truth);
+    capture(&mut serve, &port, |tool| {
+        run_for(tool.arg("-o").arg(&recording), LIMIT)
+    })?;
     let mut judge = Command::new(rig);
     let judged = run_for(judge.arg("judge").arg(&recording).arg(&truth), LIMIT);
     // What stays of a failed run is there to be looked at.
@@ -144,19 +137,52 @@ fn identified(rig: &Path, elf: &Path) -> Result<(), String> {
     judged
 }
 
+/// A port of this machine that was free a moment ago; QEMU binds it next.
+pub fn free_port() -> Result<String, String> {
+    let listener = std::net::TcpListener::bind("127.0.0.1:0");
+    let address = listener.and_then(|listener| listener.local_addr());
+    let address = address.map_err(|error| format!("no free port on 127.0.0.1: {error}"))?;
+    Ok(address.port().to_string())
+}
+
+/// Starts what serves telemetry at that port, and has `run` finish and run the tool's command that captures it.
+pub fn capture(
+    serve: &mut Command,
+    port: &str,
+    run: impl FnOnce(&mut Command) -> Result<(), String>,
+) -> Result<(), String> {
+    let serving = serve.spawn();
+    let mut serving = serving.map_err(|error| format!("the rig did not start: {error}"))?;
+    let mut tool = Command::new(root().join("target/release/preslide"));
+    tool.args(["capture", &format!("tcp:127.0.0.1:{port}"), "--wait", "20"]);
+    let captured = run(&mut tool);
+    if captured.is_err() {
+        // It has nobody to talk to any more.
+        let _ = serving.kill();
+    }
+    let served = serving.wait().map_err(|error| error.to_string())?;
+    captured?;
+    if served.success() {
+        Ok(())
+    } else {
+        Err(format!("the rig failed ({served})"))
+    }
+}
+
 /// Builds a firmware package; where the image is. A folder of its own for each variant keeps all of them.
 pub fn build(package: &str, folder: &str, more: &[&str]) -> Result<PathBuf, String> {
-    let toolchain = Toolchain::ensure()?;
+    let (mut command, image) = build_command(package, folder)?;
+    run(command.args(more))?;
+    Ok(image)
+}
+
+/// The command that builds a firmware package, and where the image will be.
+pub fn build_command(package: &str, folder: &str) -> Result<(Command, PathBuf), String> {
     let target = root().join("firmware/target").join(folder);
-    let firmware = root().join("firmware");
-    let arguments = [
-        &["build", "--release", "--locked", "--package", package][..],
-        more,
-    ]
-    .concat();
-    let mut command = toolchain.cargo(&firmware, &arguments);
-    run(command.arg("--target-dir").arg(&target))?;
-    Ok(target.join(TARGET).join("release").join(package))
+    let arguments = ["build", "--release", "--locked", "--package", package];
+    let mut command = Toolchain::ensure()?.cargo(&root().join("firmware"), &arguments);
+    command.arg("--target-dir").arg(&target);
+    Ok((command, target.join(TARGET).join("release").join(package)))
 }
 
 /// CCM SRAM of the STM32G474.

@@ -86,6 +86,12 @@ const STEPS: &[Step] = &[
         run: || crate::qemu::run_command(&[]),
     },
     Step {
+        name: "chain",
+        reason: "effects that only the stage knows of are named, compiled into the firmware and compensated",
+        needs: &[Need::Qemu],
+        run: crate::chain::gate,
+    },
+    Step {
         name: "trials",
         reason: "the diagnosis of a few generated recordings: no false alarm, no fewer names than before",
         needs: &[],
@@ -99,8 +105,8 @@ const STEPS: &[Step] = &[
     },
     Step {
         name: "demo",
-        reason: "the first command of the README works",
-        needs: &[],
+        reason: "the first command of the README works, and a browser draws its report",
+        needs: &[Need::Chromium],
         run: demo,
     },
     Step {
@@ -272,17 +278,7 @@ fn package_list() -> Result<(), String> {
 fn demo() -> Result<(), String> {
     let folder = std::env::temp_dir().join(format!("preslide-demo-{}", std::process::id()));
     run(cargo(&["run", "--release", "--", "demo", "--out"]).arg(&folder))?;
-    let entries = std::fs::read_dir(&folder)
-        .map_err(|error| format!("the demo left no {}: {error}", folder.display()))?;
-    let has_report = entries
-        .flatten()
-        .any(|entry| entry.path().extension().is_some_and(|kind| kind == "html"));
-    if !has_report {
-        return Err(format!(
-            "the demo wrote no HTML report into {}",
-            folder.display()
-        ));
-    }
+    crate::browser::check(&folder.join("report.html"))?;
     std::fs::remove_dir_all(&folder)
         .map_err(|error| format!("cannot remove {}: {error}", folder.display()))
 }

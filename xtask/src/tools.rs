@@ -18,6 +18,8 @@ pub enum Need {
     Qemu,
     /// Cross compiler, C library and binary utilities.
     ArmGcc,
+    /// The browser that opens the report.
+    Chromium,
 }
 
 impl Need {
@@ -40,6 +42,12 @@ impl Need {
                 "  Fedora: sudo dnf install arm-none-eabi-gcc-cs arm-none-eabi-newlib\n  \
                  Arch: sudo pacman -S arm-none-eabi-gcc arm-none-eabi-newlib\n  \
                  macOS: brew install --cask gcc-arm-embedded",
+            ),
+            Need::Chromium => program(
+                "chromium",
+                &["chromium"],
+                "the report page is opened in a real browser",
+                "  Fedora: sudo dnf install chromium\n  Arch: sudo pacman -S chromium",
             ),
         }
     }

@@ -3,27 +3,31 @@
 use crate::{Change, Model};
 use core::sync::atomic::{AtomicBool, AtomicU16, Ordering};
 use heapless::spsc::{Consumer, Producer};
+use preslide::Friction;
 use preslide::control::{Coefficients, Move, Settings};
-use preslide_link::{Deframer, GainSettings, ModelSettings, Refusal, Report, Request, Sample};
+use preslide_link::{Deframer, GainSettings, Refusal, Report, Request, Sample};
+
+/// A move in the number type of the model.
+type Planned<M> = Move<<<M as Model>::Friction as Friction>::Scalar>;
 
 /// Reads requests, validates and plans what they ask for, and hands on telemetry.
-pub struct Background<F: Model> {
+pub struct Background<M: Model> {
     deframer: Deframer,
     settings: Settings,
-    model: ModelSettings,
-    moves: Producer<'static, Move<F::Scalar>>,
-    changes: Producer<'static, Change<F>>,
+    model: M,
+    moves: Producer<'static, Planned<M>>,
+    changes: Producer<'static, Change<M::Friction>>,
     samples: Consumer<'static, Sample>,
     stopped: &'static AtomicBool,
     every: &'static AtomicU16,
 }
 
-impl<F: Model> Background<F> {
+impl<M: Model> Background<M> {
     pub(crate) fn new(
         settings: Settings,
-        model: ModelSettings,
-        moves: Producer<'static, Move<F::Scalar>>,
-        changes: Producer<'static, Change<F>>,
+        model: M,
+        moves: Producer<'static, Planned<M>>,
+        changes: Producer<'static, Change<M::Friction>>,
         samples: Consumer<'static, Sample>,
         stopped: &'static AtomicBool,
         every: &'static AtomicU16,
@@ -72,7 +76,7 @@ impl<F: Model> Background<F> {
                     speed / ramp,
                     self.settings.encoder.count,
                     self.settings.sample_time,
-                    F::UNITS,
+                    M::UNITS,
                 );
                 self.queue(planned.map_err(|_| Refusal::OutOfRange)?)
             }
@@ -82,9 +86,9 @@ impl<F: Model> Background<F> {
             }
             Request::Gains(gains) => {
                 let settings = with_gains(&self.settings, &gains);
-                self.swap(settings, self.model)
+                self.swap(settings, self.model.clone())
             }
-            Request::Model(model) => self.swap(self.settings, model),
+            Request::Model(settings) => self.swap(self.settings, self.model.set(&settings)?),
             Request::Restart => self
                 .changes
                 .enqueue(Change::Restart)
@@ -97,7 +101,7 @@ impl<F: Model> Background<F> {
         }
     }
 
-    fn queue(&mut self, next: Move<F::Scalar>) -> Result<(), Refusal> {
+    fn queue(&mut self, next: Planned<M>) -> Result<(), Refusal> {
         if self.stopped.load(Ordering::Relaxed) {
             return Err(Refusal::Stopped);
         }
@@ -105,9 +109,10 @@ impl<F: Model> Background<F> {
     }
 
     /// Nothing is taken unless everything is valid and the swap is on its way.
-    fn swap(&mut self, settings: Settings, model: ModelSettings) -> Result<(), Refusal> {
-        let coefficients = F::build(&model)
-            .and_then(|friction| Coefficients::try_new(&settings, friction, F::UNITS))
+    fn swap(&mut self, settings: Settings, model: M) -> Result<(), Refusal> {
+        let coefficients = model
+            .build(settings.sample_time)
+            .and_then(|friction| Coefficients::try_new(&settings, friction, M::UNITS))
             .map_err(|_| Refusal::OutOfRange)?;
         self.changes
             .enqueue(Change::Swap(coefficients))

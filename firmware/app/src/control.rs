@@ -1,12 +1,12 @@
 //! The task at the control rate.
 
-use crate::{Bridge, Change, Model};
+use crate::{Bridge, Change};
 use core::convert::Infallible;
 use core::sync::atomic::{AtomicBool, AtomicU16, Ordering};
 use embedded_hal::pwm::SetDutyCycle;
 use heapless::spsc::{Consumer, Producer};
-use preslide::Scalar;
 use preslide::control::{Command, Controller, Fault, Measurement, Move, NormalRange};
+use preslide::{Friction, Scalar};
 use preslide_link::{FaultCode, RangeCode, Sample};
 
 /// What a board measured at the start of a tick, raw.
@@ -28,7 +28,7 @@ pub struct Inputs {
 /// [`Inputs::late`]; the bridge holds the old code for the time between. The reference advances by ticks, so it
 /// waits with the axis and no step follows. After more than [`preslide::control::Watch::overruns`] late ticks
 /// in a row the axis goes to its safe state. A task that never ends is the watchdog's business.
-pub struct Control<F: Model> {
+pub struct Control<F: Friction + 'static> {
     pub(crate) controller: Controller<F, u32>,
     pub(crate) moves: Consumer<'static, Move<F::Scalar>>,
     pub(crate) changes: Consumer<'static, Change<F>>,
@@ -42,7 +42,7 @@ pub struct Control<F: Model> {
     pub(crate) dropped: u32,
 }
 
-impl<F: Model> Control<F> {
+impl<F: Friction> Control<F> {
     /// One tick. The bridge gets its code before the telemetry is written.
     #[inline]
     pub fn tick<A, B>(&mut self, inputs: Inputs, bridge: &mut Bridge<A, B>)
@@ -103,7 +103,7 @@ impl<F: Model> Control<F> {
 }
 
 #[inline]
-fn decide<F: Model>(
+fn decide<F: Friction>(
     controller: &mut Controller<F, u32>,
     change: Option<Change<F>>,
     next: Option<Move<F::Scalar>>,

@@ -16,5 +16,6 @@ mod queues;
 pub use background::Background;
 pub use bridge::Bridge;
 pub use control::{Control, Inputs};
-pub use model::{Model, STARTING_MODEL};
+pub use learning::Learned;
+pub use model::{Blocks, Exported, Model, Number, STARTING_MODEL};
 pub use queues::{Change, Queues};

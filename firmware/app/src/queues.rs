@@ -3,14 +3,14 @@
 use crate::{Background, Control, Model};
 use core::sync::atomic::{AtomicBool, AtomicU16};
 use heapless::spsc::Queue;
-use preslide::ParamError;
 use preslide::control::{Coefficients, Controller, Move, Settings};
-use preslide_link::{ModelSettings, Sample};
+use preslide::{Friction, ParamError};
+use preslide_link::Sample;
 
 /// A change of the controller between two ticks.
 // The large variant is copied once when it is swapped in; there is no heap to box it in.
 #[allow(clippy::large_enum_variant)]
-pub enum Change<F: Model> {
+pub enum Change<F: Friction> {
     /// New parameters.
     Swap(Coefficients<F>),
     /// Leave the safe state.
@@ -18,7 +18,7 @@ pub enum Change<F: Model> {
 }
 
 /// The queues; one capacity is used up by the queue itself.
-pub struct Queues<F: Model> {
+pub struct Queues<F: Friction> {
     moves: Queue<Move<F::Scalar>, 9>,
     changes: Queue<Change<F>, 3>,
     /// 3 ms of telemetry at 20 kHz.
@@ -27,7 +27,7 @@ pub struct Queues<F: Model> {
     every: AtomicU16,
 }
 
-impl<F: Model> Queues<F> {
+impl<F: Friction> Queues<F> {
     /// Empty ones.
     pub const fn new() -> Self {
         Self {
@@ -43,15 +43,16 @@ impl<F: Model> Queues<F> {
     ///
     /// # Errors
     /// The first setting or parameter that is not usable.
-    pub fn tasks(
+    pub fn tasks<M: Model<Friction = F>>(
         &'static mut self,
         settings: Settings,
-        model: &ModelSettings,
+        model: M,
         first: u32,
         every: u16,
-    ) -> Result<(Control<F>, Background<F>), ParamError> {
+    ) -> Result<(Control<F>, Background<M>), ParamError> {
         *self.every.get_mut() = every;
-        let coefficients = Coefficients::try_new(&settings, F::build(model)?, F::UNITS)?;
+        let friction = model.build(settings.sample_time)?;
+        let coefficients = Coefficients::try_new(&settings, friction, M::UNITS)?;
         let (moves_in, moves) = self.moves.split();
         let (changes_in, changes) = self.changes.split();
         let (samples, samples_out) = self.samples.split();
@@ -70,7 +71,7 @@ impl<F: Model> Queues<F> {
             },
             Background::new(
                 settings,
-                *model,
+                model,
                 moves_in,
                 changes_in,
                 samples_out,
@@ -81,7 +82,7 @@ impl<F: Model> Queues<F> {
     }
 }
 
-impl<F: Model> Default for Queues<F> {
+impl<F: Friction> Default for Queues<F> {
     fn default() -> Self {
         Self::new()
     }

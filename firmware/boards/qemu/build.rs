@@ -1,4 +1,6 @@
-//! Linker arguments.
+//! Linker arguments, and the exported model.
+
+include!("../exported_model.rs");
 
 fn main() {
     println!(
@@ -8,4 +10,5 @@ fn main() {
     println!("cargo:rustc-link-arg=-Tlink.x");
     println!("cargo:rerun-if-changed=memory.x");
     println!("cargo:rerun-if-changed=device.x");
+    exported_model();
 }

@@ -1,4 +1,6 @@
-//! Linker arguments.
+//! Linker arguments, and the exported model.
+
+include!("../exported_model.rs");
 
 fn main() {
     println!(
@@ -14,4 +16,5 @@ fn main() {
     for file in ["memory.x", "ccm.x", "build.rs"] {
         println!("cargo:rerun-if-changed={file}");
     }
+    exported_model();
 }

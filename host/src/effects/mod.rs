@@ -37,11 +37,13 @@
 
 pub mod along;
 mod catalogue;
+mod feed_forward;
 mod terms;
 #[cfg(test)]
 mod tests;
 
 pub use along::Measured;
+pub use feed_forward::Chosen;
 
 /// Most cosines of a map.
 pub const MOST_TERMS: usize = 16;

@@ -36,6 +36,9 @@ pub enum RigError {
     /// A file or socket could not be made.
     #[error("{0}: {1}")]
     File(PathBuf, std::io::Error),
+    /// The firmware answered otherwise than it should.
+    #[error("the firmware {0}")]
+    Answer(&'static str),
     /// The stage or the host's controller could not be built.
     #[error(transparent)]
     Tracking(#[from] crate::tracking::TrackingError),

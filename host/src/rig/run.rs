@@ -1,8 +1,11 @@
 //! A run: the firmware in lock step with the stage, with what is sent to it and what is done to it.
 
+use super::requests;
 use super::{Emulator, Listener, Remains, RigError};
+use crate::stage::concealed::Concealed;
 use crate::stage::{EncoderReading, Stage, StageConfig};
-use crate::tracking::TrackingError;
+use crate::tracking::{Step, TrackingError};
+use preslide::Units;
 use preslide::control::Settings;
 use preslide_link::{LARGEST_FRAME, Reading, Request, encode};
 use std::path::Path;
@@ -16,6 +19,8 @@ pub struct Script<'a> {
     pub ticks: u64,
     /// The stage.
     pub stage: StageConfig,
+    /// What it hides.
+    pub concealed: Option<Concealed>,
     /// Bytes on the command link: from which tick on, and what.
     pub bytes: Vec<(u64, Vec<u8>)>,
     /// Changes the stage before the tick.
@@ -37,6 +42,7 @@ impl Script<'_> {
                 seed: 7,
                 ..StageConfig::default()
             },
+            concealed: None,
             bytes: Vec::new(),
             disturb: Box::new(|_, _| {}),
             falsify: Box::new(|_, _| {}),
@@ -51,6 +57,21 @@ impl Script<'_> {
         let bytes = requests.iter().flat_map(frame).collect();
         self.bytes.push((tick, bytes));
         self
+    }
+
+    /// Sends moves from `tick` on, one request a move, each in time for the one before it to end; the script ends with the
+    /// last, and 10 ms of rest.
+    ///
+    /// # Errors
+    /// A move that cannot be planned.
+    pub fn follow(mut self, mut tick: u64, steps: &[Step]) -> Result<Self, TrackingError> {
+        for step in steps {
+            self = self.send(tick, &requests(std::slice::from_ref(step)));
+            let planned = step.plan::<f32>(&Settings::PAPER_AXIS, Units::SI)?;
+            tick += u64::from(planned.ticks());
+        }
+        self.ticks = tick + 200;
+        Ok(self)
     }
 }
 
@@ -88,7 +109,12 @@ pub struct Record {
 /// [`RigError`] where QEMU or the stage cannot be started.
 pub fn run(elf: &Path, script: &Script, listener: Listener) -> Result<Record, RigError> {
     let steps = Settings::PAPER_AXIS.motor.steps;
-    let mut stage = Stage::try_new(script.stage.clone()).map_err(TrackingError::from)?;
+    let config = script.stage.clone();
+    let mut stage = match script.concealed {
+        Some(effect) => Stage::concealing(config, effect),
+        None => Stage::try_new(config),
+    }
+    .map_err(TrackingError::from)?;
     let mut emulator = Emulator::start(elf, listener, script.plugin.as_deref())?;
     let mut codes = Vec::new();
     let mut broke_off = false;

@@ -271,6 +271,11 @@ impl FrictionTruth {
         })
     }
 
+    /// The gain of this repeat, which multiplies all of the friction as long as the contact lives [–]; what wanders is beside it.
+    pub fn repeat_gain(&self) -> f64 {
+        1.0 + self.bound * self.shares[0] * self.repeat
+    }
+
     /// Force that a contact without memory, with the gains of this moment, would show after `x_m` ≥ 0 at the velocity
     /// `v_m_s` \[N\], viscous friction left out; for scoring.
     pub fn virgin_now_n(&self, x_m: f64, v_m_s: f64) -> f64 {

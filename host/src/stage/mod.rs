@@ -27,6 +27,7 @@
 //! Switching ripple of the PWM (its mean acts), commutation, the dependence of gear losses on load (losses are in the
 //! friction truth, at the mass), backlash, temperature. What matters of them can be added as a [`Disturbance`].
 
+pub mod concealed;
 mod config;
 mod dynamics;
 mod encoder;
@@ -39,6 +40,7 @@ mod variability;
 
 use std::f64::consts::TAU;
 
+use concealed::Concealed;
 pub use config::{
     DriveConfig, EncoderConfig, FrictionConfig, MotorConfig, StageConfig, StageError, SupplyConfig,
     VariabilityConfig, VirginBlock,
@@ -100,6 +102,7 @@ pub struct Stage {
     step_s: f64,
     friction: FrictionTruth,
     disturbances: Vec<Box<dyn Disturbance>>,
+    concealed: Option<Concealed>,
     state: LinearState,
     position_m: f64,
     external_n: f64,
@@ -123,6 +126,7 @@ impl Stage {
             step_s,
             friction: FrictionTruth::try_new(&config.friction, config.seed)?,
             disturbances: Vec::new(),
+            concealed: None,
             state: LinearState::default(),
             position_m: 0.0,
             external_n: 0.0,
@@ -226,6 +230,16 @@ impl Stage {
         self.disturbances.push(disturbance);
     }
 
+    /// A stage that hides an effect, as [`Stage::try_new`].
+    ///
+    /// # Errors
+    /// [`StageError`] naming the first key of `config` that is out of range.
+    pub fn concealing(config: StageConfig, effect: Concealed) -> Result<Self, StageError> {
+        let mut stage = Self::try_new(effect.configure(config))?;
+        stage.concealed = Some(effect);
+        Ok(stage)
+    }
+
     /// The true state, for scoring only.
     pub fn truth(&self) -> Truth {
         let (v, t) = (self.state.velocity_m_s, self.time_s());
@@ -234,7 +248,7 @@ impl Stage {
             position_m: self.position_m,
             velocity_m_s: v,
             rotor_position_m: self.position_m + self.state.lead_m,
-            friction_n: self.friction.force_n(v) + self.config.friction.viscous_n_s_per_m * v,
+            friction_n: self.friction_n(v) + self.config.friction.viscous_n_s_per_m * v,
             motor_n: self.coefficients.force_constant * self.state.current_a,
             external_n: self.acting_n(v, t),
         }
@@ -284,6 +298,12 @@ impl Stage {
         (self.supply_v + supply.ripple_v * (TAU * supply.ripple_hz * t_s).sin()).max(0.0)
     }
 
+    /// Friction at velocity `v`, viscous part left out \[N\].
+    fn friction_n(&self, v: f64) -> f64 {
+        let level = self.concealed.map_or(1.0, |c| c.level(self.position_m));
+        level * self.friction.force_n(v)
+    }
+
     /// External force and disturbances at velocity `v` \[N\].
     fn acting_n(&self, v: f64, t: f64) -> f64 {
         self.disturbances
@@ -291,14 +311,15 @@ impl Stage {
             .map(|d| d.force_n(self.position_m, v, t))
             .filter(|force| force.is_finite())
             .fold(self.external_n, |sum, force| sum + force)
+            - self.concealed.map_or(0.0, |c| c.force_n(self.position_m))
     }
 
     /// Half a step of the mass under friction and what acts from outside, by the explicit midpoint rule.
     fn kick(&mut self, t: f64) {
         let v = self.state.velocity_m_s;
         let per_kg = 0.5 * self.step_s / self.config.mass_kg;
-        let middle = v + 0.5 * per_kg * (self.acting_n(v, t) - self.friction.force_n(v));
-        let (acting, friction) = (self.acting_n(middle, t), self.friction.force_n(middle));
+        let middle = v + 0.5 * per_kg * (self.acting_n(v, t) - self.friction_n(v));
+        let (acting, friction) = (self.acting_n(middle, t), self.friction_n(middle));
         let after = v + per_kg * (acting - friction);
         // A constant force over a change of velocity does exactly this work.
         let path = 0.25 * self.step_s * (v + after);

@@ -109,7 +109,19 @@ impl<F: Friction> Axis<F> {
         units: Units,
         stage: StageConfig,
     ) -> Result<Self, TrackingError> {
-        let stage = Stage::try_new(stage)?;
+        Self::on(settings, friction, units, Stage::try_new(stage)?)
+    }
+
+    /// On a stage that stands where it is.
+    ///
+    /// # Errors
+    /// [`TrackingError`] where the settings are not usable.
+    pub fn on(
+        settings: &Settings,
+        friction: F,
+        units: Units,
+        stage: Stage,
+    ) -> Result<Self, TrackingError> {
         let coefficients = Coefficients::try_new(settings, friction, units)?;
         let first = stage.reading().count;
         Ok(Self {

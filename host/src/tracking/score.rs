@@ -15,7 +15,16 @@ pub struct Tracking {
 impl Tracking {
     /// Takes a tick; `count` is one encoder count (m).
     pub fn add(&mut self, now: &Instant, count: f64) {
-        let error = now.command.reference as f64 / 65536.0 * count - now.encoder_m;
+        self.take(now, count, now.encoder_m);
+    }
+
+    /// Takes a tick; the error is that of the true position.
+    pub fn add_true(&mut self, now: &Instant, count: f64) {
+        self.take(now, count, now.true_m);
+    }
+
+    fn take(&mut self, now: &Instant, count: f64, position_m: f64) {
+        let error = now.command.reference as f64 / 65536.0 * count - position_m;
         self.squares += error * error;
         self.samples += 1;
         self.peak = self.peak.max(error.abs());

@@ -14,33 +14,42 @@ use cortex_m_semihosting::{debug, heprintln};
 use preslide::control::learning::Adaptation;
 #[cfg(feature = "watch")]
 use preslide::control::learning::MismatchWatch;
+#[cfg(feature = "watch")]
+use preslide_app::Learned;
 
 #[cfg(feature = "float")]
-type Number = f32;
+preslide_app::model!(f32);
 #[cfg(not(feature = "float"))]
-type Number = fixed::types::I16F16;
+preslide_app::model!(fixed::types::I16F16);
 
-type Model = preslide::QuasiStaticGms<{ preslide_link::MOST_BLOCKS }, Number>;
+#[cfg(feature = "watch")]
+type Scalar = <<Model as preslide_app::Model>::Friction as preslide::Friction>::Scalar;
 
 #[cfg(not(feature = "watch"))]
-type Friction = Model;
+type Law = Model;
+#[cfg(not(feature = "watch"))]
+const LAW: Law = MODEL;
 #[cfg(all(feature = "watch", not(feature = "adaptation")))]
-type Friction = preslide::control::Learning<Model, MismatchWatch<Number>>;
+type Law = Learned<Model, MismatchWatch<Scalar>>;
 #[cfg(feature = "adaptation")]
-type Friction = preslide::control::Learning<Model, (MismatchWatch<Number>, Adaptation<Number>)>;
+type Law = Learned<Model, (MismatchWatch<Scalar>, Adaptation<Scalar>)>;
+#[cfg(feature = "watch")]
+const LAW: Law = Learned::new(MODEL);
+
+type Friction = <Law as preslide_app::Model>::Friction;
 
 /// As on the board: 170 MHz at 20 kHz.
 const STEPS: u16 = 8500;
 
 #[rtic::app(device = crate::device)]
 mod app {
-    use super::{Friction, STEPS};
+    use super::{Friction, LAW, Law, STEPS};
     use crate::registers::{CLOCK_HZ, Timer, Uart, Watchdog};
     use crate::stage::{self, Channel};
     use cortex_m_semihosting::{debug, heprintln};
     use heapless::spsc::{Consumer, Producer, Queue};
     use preslide::control::Settings;
-    use preslide_app::{Background, Bridge, Control, Inputs, Queues, STARTING_MODEL};
+    use preslide_app::{Background, Bridge, Control, Inputs, Queues};
     use preslide_link::{LARGEST_FRAME, Report, encode};
 
     #[shared]
@@ -50,7 +59,7 @@ mod app {
     struct Local {
         control: Control<Friction>,
         bridge: Bridge<Channel, Channel>,
-        background: Background<Friction>,
+        background: Background<Law>,
         received: Consumer<'static, u8>,
         arrived: Producer<'static, u8>,
         late: bool,
@@ -62,7 +71,7 @@ mod app {
         let settings = Settings::PAPER_AXIS;
         let first = stage::exchange().count;
         let (forward, backward) = Channel::pair(STEPS);
-        let tasks = cx.local.queues.tasks(settings, &STARTING_MODEL, first, 1);
+        let tasks = cx.local.queues.tasks(settings, LAW, first, 1);
         let (Ok((control, background)), Some(bridge)) =
             (tasks, Bridge::new(forward, backward, STEPS))
         else {

@@ -11,11 +11,13 @@ mod sense;
 
 use core::panic::PanicInfo;
 
-type Friction = preslide::QuasiStaticGms<{ preslide_link::MOST_BLOCKS }, fixed::types::I16F16>;
+preslide_app::model!(fixed::types::I16F16);
+
+type Friction = <Model as preslide_app::Model>::Friction;
 
 #[rtic::app(device = embassy_stm32, peripherals = false)]
 mod app {
-    use super::Friction;
+    use super::{Friction, MODEL, Model};
     use crate::bridge::{self, Channel};
     use crate::clock;
     use crate::log::Log;
@@ -29,7 +31,7 @@ mod app {
     use embassy_stm32::wdg::IndependentWatchdog;
     use embedded_hal_nb::serial::Read;
     use preslide::control::Settings;
-    use preslide_app::{Background, Bridge, Control, Inputs, Queues, STARTING_MODEL};
+    use preslide_app::{Background, Bridge, Control, Inputs, Queues};
     use preslide_link::{LARGEST_FRAME, Report, encode};
 
     /// Telemetry of every eighth tick, 2500 frames of some 30 bytes a second, is what 921600 baud carry.
@@ -41,7 +43,7 @@ mod app {
     #[local]
     struct Local {
         control: Control<Friction>,
-        background: Background<Friction>,
+        background: Background<Model>,
         bridge: Bridge<Channel, Channel>,
         sense: Sense,
         // Kept, so that its pins stay the timer's.
@@ -67,10 +69,7 @@ mod app {
         serial.baudrate = 921_600;
         let link = Uart::new_blocking(p.USART3, p.PC11, p.PC10, serial);
         let first = pac::TIM2.cnt().read();
-        let tasks = cx
-            .local
-            .queues
-            .tasks(settings, &STARTING_MODEL, first, EVERY);
+        let tasks = cx.local.queues.tasks(settings, MODEL, first, EVERY);
         let bridge = Bridge::new(forward, backward, clock::STEPS);
         let (Ok((control, background)), Some(bridge), Ok(link)) = (tasks, bridge, link) else {
             // Nothing drives yet; the watchdog is not running, so it stays so.

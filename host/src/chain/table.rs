@@ -1,0 +1,147 @@
+//! What the chain ended in, as a table.
+
+use serde::{Deserialize, Serialize};
+use std::fmt::Write as _;
+
+/// Share of the best that is possible within which the chain should end (-): issue 6.
+const AIM: f64 = 1.3;
+
+/// What the diagnosis says in its JSON, as far as the table shows it.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Told {
+    baseline: Error,
+    extended: Error,
+    effects: Vec<Named>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+struct Error {
+    nmse_test: f64,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+struct Named {
+    id: String,
+    level: String,
+    confidence: f64,
+}
+
+/// RMS tracking errors (m) with the same gains; `None` where the firmware gave up.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct Errors {
+    /// Without any friction model.
+    pub none: Option<f64>,
+    /// With what `identify` found.
+    pub before: Option<f64>,
+    /// With the blocks that `diagnose` refitted, but without the effects that it added.
+    pub refit: Option<f64>,
+    /// With both.
+    pub after: Option<f64>,
+    /// With the stage's own parameters.
+    pub known: Option<f64>,
+}
+
+/// One trial.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// What was concealed.
+    pub concealed: &'static str,
+    /// What the diagnosis said.
+    pub told: Told,
+    /// How well the axis was followed.
+    pub errors: Errors,
+}
+
+impl Row {
+    /// The confident names, the first one first.
+    fn names(&self) -> Vec<&Named> {
+        let of = self.told.effects.iter();
+        of.filter(|effect| effect.level == "confident").collect()
+    }
+
+    /// The concealed effect was named first.
+    pub fn is_named(&self) -> bool {
+        let names = self.names();
+        names.first().is_some_and(|name| name.id == self.concealed)
+    }
+
+    /// Error after the chain over that with the truth known (-).
+    fn ratio(&self) -> Option<f64> {
+        Some(self.errors.after? / self.errors.known?)
+    }
+
+    /// The chain ended within 1.3 times what knowing the truth gives.
+    pub fn is_close(&self) -> bool {
+        self.ratio().is_some_and(|ratio| ratio <= AIM)
+    }
+}
+
+/// The table, its summary, and whether five of six trials, rounded up, ended close to what is possible.
+pub fn table(rows: &[Row]) -> (String, bool) {
+    let mut text = format!(
+        "{:<20} {:<28} {:>10} {:>16}   {:^39} {:>7}\n{:<20} {:<28} {:>10} {:>16}   {:>7} {:>7} {:>7} {:>7} {:>7} {:>7}\n",
+        "concealed",
+        "named as",
+        "confidence",
+        "held-out NMSE %",
+        "RMS tracking error (nm)",
+        "after/",
+        "",
+        "",
+        "",
+        "before   after",
+        "none",
+        "before",
+        "refit",
+        "after",
+        "known",
+        "known",
+    );
+    for row in rows {
+        let names = row.names();
+        let list: Vec<&str> = names.iter().map(|name| name.id.as_str()).collect();
+        let confidence = names
+            .first()
+            .map_or("–".to_owned(), |name| format!("{:.2}", name.confidence));
+        let nm =
+            |error: Option<f64>| error.map_or("fault".to_owned(), |e| format!("{:.0}", e * 1e9));
+        let Errors {
+            none,
+            before,
+            refit,
+            after,
+            known,
+        } = row.errors;
+        let _ = writeln!(
+            text,
+            "{:<20} {:<28} {:>10} {:>7.3} {:>8.3}   {:>7} {:>7} {:>7} {:>7} {:>7} {:>7}",
+            row.concealed,
+            if list.is_empty() {
+                "nothing".to_owned()
+            } else {
+                list.join(", ")
+            },
+            confidence,
+            row.told.baseline.nmse_test,
+            row.told.extended.nmse_test,
+            nm(none),
+            nm(before),
+            nm(refit),
+            nm(after),
+            nm(known),
+            row.ratio()
+                .map_or("–".to_owned(), |ratio| format!("{ratio:.2}")),
+        );
+    }
+    let count = |is: fn(&Row) -> bool| rows.iter().filter(|row| is(row)).count();
+    let (named, close) = (count(Row::is_named), count(Row::is_close));
+    let enough = 6 * close >= 5 * rows.len();
+    let _ = writeln!(
+        text,
+        "{named} of {} named first; {close} of {} tracked within {AIM} × what knowing the truth gives: the aim, five of six, is {}.",
+        rows.len(),
+        rows.len(),
+        if enough { "met" } else { "missed" }
+    );
+    (text, enough)
+}

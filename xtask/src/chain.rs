@@ -1,0 +1,224 @@
+//! `cargo xtask chain`: the whole chain, once around, for effects that only the stage knows of.
+//!
+//! Each trial: the firmware in QEMU on a stage that conceals an effect, its telemetry captured; rigid body and friction
+//! identified; `preslide diagnose`, which is given that recording and that model and nothing else; the model before and
+//! after and the stage's own parameters exported as Rust and compiled into the firmware; the same motion tracked with each.
+//! The programs are those that a user has; only the steps of `host/examples/chain.rs` know the truth.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use crate::process::{cargo, output, root, run};
+use crate::qemu::{build, build_command, capture, free_port};
+use crate::tools::Need;
+
+/// No friction at all.
+const NONE: &str = "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[friction]\nkind = \"coulomb\"\ncoulomb_N = 0.0\n";
+
+/// Ticks of a row of the recording: 2 ms, two samples of the telemetry.
+const ROW: &str = "40";
+
+/// Trials at a time; a trial keeps one core busy.
+const WORKERS: usize = 2;
+
+pub fn run_command(arguments: &[String]) -> Result<(), String> {
+    let (mut seed, mut count) = (1_u64, 6_usize);
+    let mut words = arguments.iter();
+    while let Some(word) = words.next() {
+        let value = words.next().map(String::as_str).unwrap_or_default();
+        let known = match word.as_str() {
+            "--seed" => value.parse().map(|value| seed = value).is_ok(),
+            "--count" => value.parse().map(|value| count = value).is_ok() && count > 0,
+            _ => false,
+        };
+        if !known {
+            return Err(format!(
+                "`chain` takes --seed N and --count K, got `{}`",
+                arguments.join(" ")
+            ));
+        }
+    }
+    chain(seed, count)
+}
+
+/// A short chain that gates CI: two effects, both named and both tracked close to what is possible.
+pub fn gate() -> Result<(), String> {
+    chain(1, 2)
+}
+
+fn chain(seed: u64, count: usize) -> Result<(), String> {
+    Need::Qemu.ensure()?;
+    let what = ["build", "--release", "--package", "preslide-cli", "--bins"];
+    run(cargo(&what).args(["--example", "chain"]))?;
+    let shipped = build("preslide-qemu", "qemu-fixed", &[])?;
+    let folder = std::env::temp_dir().join(format!("preslide-chain-{}", std::process::id()));
+    let chain = Chain {
+        seed: seed.to_string(),
+        shipped,
+        folder,
+        building: Mutex::new(()),
+    };
+    let start = Instant::now();
+    let folders = chain.run(count)?;
+    println!(
+        "\nseed {seed}, {count} trials, {:.0} s",
+        start.elapsed().as_secs_f64()
+    );
+    let mut table = chain.steps(&["table"]);
+    table.args(&folders);
+    let met = run_shown(&mut table);
+    if met.is_ok() {
+        // What stays of a chain that missed its aim is there to be looked at.
+        let _ = std::fs::remove_dir_all(&chain.folder);
+    } else {
+        println!("recordings and models are in {}", chain.folder.display());
+    }
+    met
+}
+
+struct Chain {
+    seed: String,
+    /// The firmware as it comes, which is recorded.
+    shipped: PathBuf,
+    folder: PathBuf,
+    /// Only one build at a time: they share a folder, and the image in it is copied away.
+    building: Mutex<()>,
+}
+
+impl Chain {
+    /// All trials; their folders.
+    fn run(&self, count: usize) -> Result<Vec<PathBuf>, String> {
+        make(&self.folder)?;
+        let model = self.folder.join("none.toml");
+        std::fs::write(&model, NONE).map_err(|e| format!("{}: {e}", model.display()))?;
+        let none = self.image(&self.folder, "none", &[])?;
+        let folders: Vec<PathBuf> = (0..count)
+            .map(|index| self.folder.join(index.to_string()))
+            .collect();
+        let next = AtomicUsize::new(0);
+        let work = || {
+            loop {
+                let index = next.fetch_add(1, Ordering::Relaxed);
+                let Some(folder) = folders.get(index) else {
+                    return Ok(());
+                };
+                let start = Instant::now();
+                self.trial(index, folder, &none)
+                    .inspect_err(|_| next.store(count, Ordering::Relaxed))?;
+                println!(
+                    "trial {} of {count}: {:.0} s",
+                    index + 1,
+                    start.elapsed().as_secs_f64()
+                );
+            }
+        };
+        std::thread::scope(|scope| {
+            let workers: Vec<_> = (0..WORKERS).map(|_| scope.spawn(work)).collect();
+            workers.into_iter().try_for_each(|worker| {
+                let ended = worker.join();
+                ended.unwrap_or_else(|_| Err("a trial ended early".to_owned()))
+            })
+        })?;
+        Ok(folders)
+    }
+
+    /// Once around; everything that is found stays in `folder`.
+    fn trial(&self, index: usize, folder: &Path, none: &Path) -> Result<(), String> {
+        make(folder)?;
+        let file = |name: &str| folder.join(name);
+        let index = index.to_string();
+        let port = free_port()?;
+        let mut serve = self.steps(&["serve"]);
+        serve.arg(&index).arg(&self.shipped).arg(&port);
+        serve.stdout(Stdio::null()).stderr(Stdio::null());
+        let recording = file("recording.csv");
+        capture(&mut serve, &port, |tool| {
+            quiet(tool.args(["--every", ROW]).arg("-o").arg(&recording))
+        })?;
+
+        let model = file("before.toml");
+        quiet(tool("identify").arg(&recording).arg("-o").arg(&model))?;
+        let mut diagnose = tool("diagnose");
+        diagnose.arg(&recording).arg("--model").arg(&model);
+        diagnose.arg("-o").arg(file("after.toml"));
+        quiet(diagnose.arg("--json").arg(file("diagnosis.json")))?;
+        quiet(self.steps(&["known"]).arg(&index).arg(file("known.toml")))?;
+
+        for name in ["before", "after", "known"] {
+            self.image(folder, name, &[])?;
+        }
+        // What the refitted blocks do by themselves.
+        let after = std::fs::read_to_string(file("after.toml")).map_err(|e| e.to_string())?;
+        let ids = after.lines().filter_map(|line| line.strip_prefix("id = "));
+        // Some come twice, but a name leaves out all of them.
+        let ids: BTreeSet<&str> = ids.map(|id| id.trim_matches('"')).collect();
+        let ids: Vec<&str> = ids.into_iter().collect();
+        let refit = file("refit.toml");
+        std::fs::write(&refit, &after).map_err(|e| format!("{}: {e}", refit.display()))?;
+        self.image(folder, "refit", &ids)?;
+        quiet(self.steps(&["track"]).arg(&index).arg(none).arg(folder))
+    }
+
+    /// Exports the model of that name `without` some effects, and builds the firmware with it; the image.
+    fn image(&self, folder: &Path, name: &str, without: &[&str]) -> Result<PathBuf, String> {
+        let file = |kind: &str| folder.join(format!("{name}.{kind}"));
+        let export = |without: &[&str]| {
+            let mut export = tool("export");
+            export.args(without.iter().flat_map(|id| ["--without", id]));
+            quiet(export.arg(file("toml")).arg("-o").arg(file("rs")))
+        };
+        if let Err(refusal) = export(without) {
+            // What no controller can compensate is left out, as the refusal says.
+            let mut words = refusal.split_whitespace();
+            let mut without = without.to_vec();
+            while words.by_ref().any(|word| word == "--without") {
+                without.extend(words.next());
+            }
+            export(&without).map_err(|_| refusal.clone())?;
+        }
+        let building = self.building.lock().map_err(|e| e.to_string())?;
+        let (mut build, image) = build_command("preslide-qemu", "chain")?;
+        quiet(build.env("PRESLIDE_MODEL", file("rs")))?;
+        let copy = file("elf");
+        std::fs::copy(&image, &copy).map_err(|e| format!("{}: {e}", image.display()))?;
+        drop(building);
+        Ok(copy)
+    }
+
+    /// A step that knows the truth.
+    fn steps(&self, words: &[&str]) -> Command {
+        let mut command = Command::new(root().join("target/release/examples/chain"));
+        command.args(words).arg(&self.seed);
+        command
+    }
+}
+
+/// A command of the tool.
+fn tool(command: &str) -> Command {
+    let mut tool = Command::new(root().join("target/release/preslide"));
+    tool.arg(command);
+    tool
+}
+
+/// Runs it; what it printed is told where it failed.
+fn quiet(command: &mut Command) -> Result<(), String> {
+    output(command).map(|_| ())
+}
+
+fn make(folder: &Path) -> Result<(), String> {
+    std::fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))
+}
+
+/// Runs it with its output shown.
+fn run_shown(command: &mut Command) -> Result<(), String> {
+    let status = command.status().map_err(|e| e.to_string())?;
+    if status.success() {
+        Ok(())
+    } else {
+        Err("the chain missed its aim; see above".to_owned())
+    }
+}
