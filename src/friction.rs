@@ -1,6 +1,7 @@
 //! What every friction model is: motion in, force out.
 
 use crate::Scalar;
+use crate::control::Condition;
 
 /// The motion of one control tick, in the model's [`Units`](crate::Units).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,6 +41,26 @@ pub trait Friction {
     /// Only models with effects of position ([`crate::effects::With`]) keep it; for the others it is no code.
     #[inline]
     fn place(&self, _state: &mut Self::State, _position: Self::Scalar) {}
+
+    /// Forgets the motion, as after a fault, but not what was learned ([`crate::control::Learning`]); a model that learns
+    /// nothing is at rest.
+    #[inline]
+    fn release(&self, state: &mut Self::State) {
+        *state = self.at_rest();
+    }
+
+    /// Tells the model what the drive spent on friction in the tick of the last [`Friction::step`], in force units; `None`
+    /// where that is not known, as where the command was cut.
+    ///
+    /// Only models that learn from it ([`crate::control::Learning`]) keep it; for the others it is no code.
+    #[inline]
+    fn spent(&self, _state: &mut Self::State, _force: Option<Self::Scalar>) {}
+
+    /// What a model that learns has to say.
+    #[inline]
+    fn condition(&self, _state: &Self::State) -> Condition<Self::Scalar> {
+        Condition::NONE
+    }
 
     /// Advances `state` by one tick and returns the friction force at its end, in the model's units.
     fn step(&self, state: &mut Self::State, motion: Motion<Self::Scalar>) -> Self::Scalar;

@@ -1,12 +1,16 @@
 //! The control task's promises: the limit, the faults, the swap and the reference, in every arithmetic.
 
 use fixed::types::I16F16;
+use preslide::control::learning::{Adaptation, MismatchWatch};
 use preslide::control::{
-    Coefficients, Command, Controller, Drive, Fault, Measurement, Move, Reference, Settings,
+    Coefficients, Command, Controller, Drive, Fault, Learning, LearningSettings, Measurement, Move,
+    Reference, Settings,
 };
 use preslide::{Block, Friction, Gms, LuGre, QuasiStaticGms, Scalar, Sliding, Units};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+
+type Both<S> = (MismatchWatch<S>, Adaptation<S>);
 
 /// The fixed-point form's units: counts and millinewtons.
 const COUNTS: Units = Units {
@@ -136,7 +140,7 @@ fn never_exceeds<F: Friction + Clone>(
 /// 10⁷ ticks in all, over the models and arithmetics.
 #[test]
 fn the_command_never_exceeds_its_limit_over_ten_million_random_ticks() {
-    let part = 10_000_000 / 5;
+    let part = 10_000_000 / 7;
     let full =
         Gms::<3>::try_new(&BLOCKS, 0.9, sliding(), 50e-6, Units::SI).expect("Table 3 is valid");
     let lugre =
@@ -162,6 +166,18 @@ fn the_command_never_exceeds_its_limit_over_ten_million_random_ticks() {
         part,
         3,
     );
+    let learning = LearningSettings::PAPER_AXIS;
+    let adaptive = |units| Learning::try_new(quasi_static(units), &learning, units);
+    let fixed: Learning<_, Both<I16F16>> = adaptive(COUNTS).expect("valid");
+    never_exceeds(fixed, COUNTS, Drive::Reference, part, 6);
+    let learning = LearningSettings {
+        block: 8,
+        ..learning
+    };
+    let float = quasi_static::<f32>(Units::SI);
+    let float: Learning<_, Both<f32>> =
+        Learning::try_new(float, &learning, Units::SI).expect("valid");
+    never_exceeds(float, Units::SI, Drive::Measured, part, 7);
     never_exceeds(full, Units::SI, Drive::Measured, part, 4);
     never_exceeds(lugre, Units::SI, Drive::Measured, part, 5);
 }

@@ -2,19 +2,23 @@
 //! `rig faults ELF FOLDER [--bless]` injects the faults and compares with the golden files. `rig serve ELF PORT TRUTH` moves
 //! the stage through nested strokes, hands its telemetry to `preslide capture tcp:127.0.0.1:PORT` and writes what the
 //! stage's friction was; `rig judge REC.csv TRUTH` compares with it what `identify` finds in the capture. `rig record ELF
-//! PLUGIN` has a QEMU plugin watch the motion. `cargo xtask qemu`, `stage` and `cycles` call it.
+//! PLUGIN` has a QEMU plugin watch the motion. `rig wear ELF` lets the stage wear from half way on and asks
+//! whether the firmware notices. `cargo xtask qemu`, `stage` and `cycles` call it.
 
 use anyhow::{Context, bail};
 use fixed::types::I16F16;
+use preslide::control::learning::{Adaptation, MismatchWatch};
+use preslide::control::{Learning, LearningSettings};
 use preslide::{Block, QuasiStaticGms, Units};
 use preslide_host::identify::{Options, STEPS, identify};
 use preslide_host::progress::Progress;
 use preslide_host::recording::{self, LoadOptions};
 use preslide_host::rig::{
-    Listener, Script, TrueCurve, agreement, injections, motion, presliding, requests, run,
+    Listener, Notice, Script, TrueCurve, Wear, agreement, injections, motion, notice, presliding,
+    requests, run,
 };
 use preslide_host::tracking::FIXED_UNITS;
-use preslide_link::Request;
+use preslide_link::{RangeCode, Request};
 use std::cell::RefCell;
 use std::path::Path;
 
@@ -66,6 +70,13 @@ fn main() -> anyhow::Result<()> {
                 );
             }
         }
+        ["wear", elf] => {
+            type Both = (MismatchWatch<I16F16>, Adaptation<I16F16>);
+            let model = QuasiStaticGms::<4, I16F16>::try_new(&blocks, breakaway, FIXED_UNITS)?;
+            let settings = LearningSettings::PAPER_AXIS;
+            let model = Learning::<_, Both>::try_new(model, &settings, FIXED_UNITS)?;
+            wear(&notice(Path::new(elf), model, FIXED_UNITS, &WEAR)?)?;
+        }
         ["serve", elf, port, truth] => {
             serve(
                 Path::new(elf),
@@ -85,8 +96,54 @@ fn main() -> anyhow::Result<()> {
         ["faults", elf, folder] => faults(Path::new(elf), Path::new(folder), false)?,
         ["faults", elf, folder, "--bless"] => faults(Path::new(elf), Path::new(folder), true)?,
         _ => bail!(
-            "usage: rig fixed|float ELF, rig faults ELF FOLDER [--bless], rig serve ELF PORT TRUTH, rig judge REC.csv TRUTH, or rig record ELF PLUGIN"
+            "usage: rig fixed|float ELF, rig faults ELF FOLDER [--bless], rig serve ELF PORT TRUTH, rig judge REC.csv TRUTH, rig wear ELF, or rig record ELF PLUGIN"
         ),
+    }
+    Ok(())
+}
+
+/// A stage that becomes 1 % harder to move with every stroke, from half way on.
+const WEAR: Wear = Wear {
+    strokes: 60,
+    per_stroke: 0.01,
+};
+
+/// Tells what the firmware noticed, and whether that is right.
+fn wear(notice: &Notice) -> anyhow::Result<()> {
+    let Notice {
+        agreement,
+        learned: [learned, host_learned],
+        worn_from,
+        raised: [raised, host_raised],
+        level,
+        adapted,
+        faults,
+        log,
+    } = notice;
+    println!("wear: {agreement:?}");
+    println!(
+        "normal range learned by tick {learned:?} (host {host_learned:?}), wear from {worn_from}, flag {raised:?} (host \
+         {host_raised:?}) at friction level {level:.3}, adapted level at the end {adapted:.3}, samples in the safe state {faults}"
+    );
+    print!("{log}");
+    let (Some(learned), Some(host_learned)) = (learned, host_learned) else {
+        bail!("the normal range was never learned");
+    };
+    let (Some((raised, RangeCode::Above)), Some((host_raised, RangeCode::Above))) =
+        (raised, host_raised)
+    else {
+        bail!("no flag for more friction was raised");
+    };
+    // Telemetry comes every 20th tick.
+    let same = |emulator: &u64, host: &u64| (*host..host + 20).contains(emulator);
+    if learned >= worn_from || raised <= worn_from {
+        bail!("the flag was raised before the stage began to wear, or the range learned after");
+    }
+    if agreement.different > 0 || !same(learned, host_learned) || !same(raised, host_raised) {
+        bail!("the emulator and the host differ");
+    }
+    if *faults > 0 {
+        bail!("the axis stopped; a status must not stop it");
     }
     Ok(())
 }

@@ -11,5 +11,6 @@ mod message;
 pub use frame::{Deframer, FrameError, LARGEST_FRAME, encode};
 pub use lock_step::{Exchange, Order, Reading};
 pub use message::{
-    FaultCode, GainSettings, MOST_BLOCKS, ModelSettings, Refusal, Report, Request, Sample,
+    FaultCode, GainSettings, MOST_BLOCKS, ModelSettings, RangeCode, Refusal, Report, Request,
+    Sample,
 };

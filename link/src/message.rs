@@ -92,6 +92,23 @@ pub struct Sample {
     pub supply: u16,
     /// Why the PWM is off.
     pub fault: Option<FaultCode>,
+    /// What the watch on the friction model says; `None` without a watch. A status: the axis runs on.
+    pub range: Option<RangeCode>,
+    /// Friction level less 1, in 10⁻⁴; 0 without adaptation.
+    pub level: i16,
+}
+
+/// `preslide::control::NormalRange` on the wire.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RangeCode {
+    /// The normal range is being learned.
+    Learning,
+    /// What the drive spends on friction is within its normal range.
+    Inside,
+    /// It is above: wear, a new spot.
+    Above,
+    /// It is below.
+    Below,
 }
 
 /// `preslide::control::Fault` on the wire.

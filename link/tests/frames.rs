@@ -1,8 +1,8 @@
 //! Frames survive the line, and nothing on the line survives the parser's checks by accident.
 
 use preslide_link::{
-    Deframer, Exchange, FrameError, GainSettings, LARGEST_FRAME, ModelSettings, Reading, Report,
-    Request, Sample, encode,
+    Deframer, Exchange, FrameError, GainSettings, LARGEST_FRAME, ModelSettings, RangeCode, Reading,
+    Report, Request, Sample, encode,
 };
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -53,6 +53,8 @@ fn messages_survive_the_line() {
         current: i16::MIN,
         supply: u16::MAX,
         fault: None,
+        range: Some(RangeCode::Below),
+        level: i16::MIN,
     });
     let mut deframer = Deframer::new();
     let back: Vec<_> = frame(&sample)

@@ -114,6 +114,14 @@ impl<F: Friction> Compensator<F> {
         let friction = self.share.mul_input(force);
         friction.add_input(self.mass.mul_input(acceleration))
     }
+
+    /// Tells the model what the drive spent on friction: the whole `force` less that on the mass.
+    #[inline]
+    pub fn spent(&self, state: &mut F::State, force: Option<F::Scalar>, acceleration: F::Scalar) {
+        let on_the_mass = self.mass.mul_input(acceleration);
+        let spent = force.map(|force| force.sub_input(on_the_mass));
+        self.friction.spent(state, spent);
+    }
 }
 
 /// No friction model: feedback only.

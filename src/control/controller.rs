@@ -2,7 +2,8 @@
 
 use super::reference::saturate;
 use super::{
-    Coefficients, FadeState, Fault, Move, PidState, Reference, Rounding, Saturation, Suspicion,
+    Coefficients, Condition, FadeState, Fault, Move, PidState, Reference, Rounding, Saturation,
+    Suspicion,
 };
 use crate::encoder::EdgeTiming;
 use crate::{Count, CountTracker, Friction, Motion, Scalar};
@@ -93,6 +94,13 @@ impl<F: Friction, C: Count> Controller<F, C> {
     /// Why the PWM is off.
     pub fn fault(&self) -> Option<Fault> {
         self.fault
+    }
+
+    /// What a friction model that learns has to say ([`super::Learning`]).
+    #[inline]
+    pub fn condition(&self) -> Condition<F::Scalar> {
+        let friction = self.coefficients.compensator.friction();
+        friction.condition(&self.friction)
     }
 
     /// The friction model's memory, to tell it what the tick does not measure: temperature, load
@@ -191,6 +199,13 @@ impl<F: Friction, C: Count> Controller<F, C> {
         let (code, cut) = c.limiter.apply(code);
         self.code = code;
         self.cut = cut;
+        // What was cut, bumped by a swap or held for longer than a tick does not tell the friction.
+        let told = cut == Saturation::None && !self.fade.is_running() && !measured.late;
+        c.compensator.spent(
+            &mut self.friction,
+            told.then_some(force),
+            reference.acceleration,
+        );
         Command {
             code,
             position,
@@ -206,7 +221,8 @@ impl<F: Friction, C: Count> Controller<F, C> {
         self.pid = PidState::new();
         self.rounding = Rounding::new();
         self.fade = FadeState::new();
-        self.friction = self.coefficients.compensator.friction().at_rest();
+        let friction = self.coefficients.compensator.friction();
+        friction.release(&mut self.friction);
         Command {
             code: 0,
             position,

@@ -24,6 +24,7 @@
 mod compensator;
 mod controller;
 mod faults;
+pub mod learning;
 mod limiter;
 mod motor;
 mod pid;
@@ -34,6 +35,7 @@ mod swap;
 pub use compensator::{Compensator, Drive, FeedForward, NoFriction};
 pub use controller::{Command, Controller, Measurement};
 pub use faults::{Fault, Monitor, Suspicion, Watch};
+pub use learning::{Condition, Learning, LearningSettings, NormalRange};
 pub use limiter::{Limiter, Saturation};
 pub use motor::{Motor, MotorDrive, Rounding};
 pub use pid::{Pid, PidGains, PidState};

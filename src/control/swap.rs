@@ -33,6 +33,12 @@ impl<S: Scalar> FadeState<S> {
             left: 0,
         }
     }
+
+    /// A difference is still being faded out.
+    #[inline]
+    pub fn is_running(&self) -> bool {
+        self.left > 0
+    }
 }
 
 impl<S: Scalar> Default for FadeState<S> {

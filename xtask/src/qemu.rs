@@ -1,7 +1,7 @@
 //! `cargo xtask qemu`: the firmware in an emulator against the simulated stage.
 //!
 //! Builds the QEMU board in both arithmetics, shows that its control code has no panic path, prints flash, RAM and
-//! stack, runs the same motion twice in QEMU and once on the host, injects the faults, and identifies the stage's friction
+//! stack, runs the same motion twice in QEMU and once on the host, injects the faults, lets the stage wear under a firmware that watches it, and identifies the stage's friction
 //! from captured telemetry. `cargo xtask stage` only serves that telemetry.
 
 use std::path::{Path, PathBuf};
@@ -16,6 +16,10 @@ use crate::tools::Need;
 /// The interrupt of the control task, on either board; nothing that can panic may be reached from it.
 const TIMER0: &str = "TIMER0";
 const TIM6_DAC: &str = "TIM6_DAC";
+
+/// The firmware that learns what the drive spends: it watches that and adapts the friction level.
+pub const LEARNING_FOLDER: &str = "qemu-fixed-adaptation";
+pub const LEARNING_FEATURES: &[&str] = &["--features", "adaptation"];
 
 /// The end of a run, which only the emulator's control task has.
 const QUIT: &str = "preslide_qemu::quit";
@@ -73,6 +77,15 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
         faults.arg("--bless");
     }
     run_for(&mut faults, LIMIT)?;
+    let learning = build("preslide-qemu", LEARNING_FOLDER, LEARNING_FEATURES)?;
+    check_image(
+        "fixed with watch and adaptation",
+        &learning,
+        TIMER0,
+        &[QUIT],
+    )?;
+    let mut wear = Command::new(&rig);
+    run_for(wear.arg("wear").arg(&learning), LIMIT)?;
     identified(&rig, &fixed)
 }
 

@@ -5,9 +5,9 @@ use core::convert::Infallible;
 use core::sync::atomic::{AtomicBool, AtomicU16, Ordering};
 use embedded_hal::pwm::SetDutyCycle;
 use heapless::spsc::{Consumer, Producer};
-use preslide::Friction;
-use preslide::control::{Command, Controller, Fault, Measurement, Move};
-use preslide_link::{FaultCode, Sample};
+use preslide::control::{Command, Controller, Fault, Measurement, Move, NormalRange};
+use preslide::{Friction, Scalar};
+use preslide_link::{FaultCode, RangeCode, Sample};
 
 /// What a board measured at the start of a tick, raw.
 #[derive(Clone, Copy, Debug)]
@@ -70,6 +70,7 @@ impl<F: Friction> Control<F> {
             return;
         }
         self.since = 0;
+        let condition = self.controller.condition();
         let sample = Sample {
             sequence: self.sequence,
             dropped: self.dropped,
@@ -81,6 +82,14 @@ impl<F: Friction> Control<F> {
             current: inputs.current,
             supply: inputs.supply,
             fault: command.fault.map(on_the_wire),
+            range: condition.range.map(range_on_the_wire),
+            level: condition.level.map_or(0, |level| {
+                let ten_thousandths = level
+                    .sub_input(Scalar::ONE)
+                    .mul_input(Scalar::from_int(10_000));
+                // The level is within 0.5…1.5.
+                ten_thousandths.round_to_int() as i16
+            }),
         };
         // The queue divides by its length, `capacity + 1`: asked here, so that the compiler knows that it is not 0 and
         // links no panic.
@@ -110,6 +119,15 @@ fn decide<F: Friction>(
         controller.start(next);
     }
     controller.tick(measurement)
+}
+
+fn range_on_the_wire(range: NormalRange) -> RangeCode {
+    match range {
+        NormalRange::Learning => RangeCode::Learning,
+        NormalRange::Inside => RangeCode::Inside,
+        NormalRange::Above => RangeCode::Above,
+        NormalRange::Below => RangeCode::Below,
+    }
 }
 
 fn on_the_wire(fault: Fault) -> FaultCode {

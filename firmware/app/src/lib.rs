@@ -9,11 +9,13 @@
 mod background;
 mod bridge;
 mod control;
+mod learning;
 mod model;
 mod queues;
 
 pub use background::Background;
 pub use bridge::Bridge;
 pub use control::{Control, Inputs};
+pub use learning::Learner;
 pub use model::{Blocks, Exported, Model, Number, STARTING_MODEL};
 pub use queues::{Change, Queues};

@@ -8,7 +8,7 @@ pub use source::open;
 
 use crate::recording::MotionKind;
 use preslide::control::Settings;
-use preslide_link::{Deframer, FaultCode, Report, Sample};
+use preslide_link::{Deframer, FaultCode, RangeCode, Report, Sample};
 use std::io::{BufWriter, ErrorKind, Read, Write};
 
 /// What turns raw telemetry into SI, and how much of it is kept.
@@ -63,6 +63,8 @@ pub struct Summary {
     pub damaged: u64,
     /// The first fault, and when (s).
     pub fault: Option<(FaultCode, f64)>,
+    /// The first time that what the drive spent on friction left its normal range, to which side, and when (s).
+    pub left_range: Option<(RangeCode, f64)>,
     /// Why the capture ended.
     pub end: End,
 }
@@ -195,6 +197,10 @@ pub fn capture(
             summary.dropped = sample.dropped.into();
             let time = f64::from(sample.tick) * scale.sample_time_s;
             summary.fault = summary.fault.or(sample.fault.map(|fault| (fault, time)));
+            let left = sample
+                .range
+                .filter(|range| matches!(range, RangeCode::Above | RangeCode::Below));
+            summary.left_range = summary.left_range.or(left.map(|range| (range, time)));
             if begin {
                 // Rows are counted from behind this sample.
                 row = Mean::behind(&sample);

@@ -1,7 +1,7 @@
 use super::{CaptureError, End, Scale, capture, open};
 use crate::recording::MotionKind;
 use preslide::control::Settings;
-use preslide_link::{FaultCode, LARGEST_FRAME, Report, Sample, encode};
+use preslide_link::{FaultCode, LARGEST_FRAME, RangeCode, Report, Sample, encode};
 use std::time::Duration;
 
 fn frame(sequence: u32, tick: u32) -> Vec<u8> {
@@ -15,6 +15,12 @@ fn frame(sequence: u32, tick: u32) -> Vec<u8> {
         current: 1000,
         supply: 6000,
         fault: (tick == 8).then_some(FaultCode::Overrun),
+        range: Some(if tick < 6 {
+            RangeCode::Inside
+        } else {
+            RangeCode::Above
+        }),
+        level: 0,
     };
     let mut frame = [0; LARGEST_FRAME];
     let length = encode(&Report::Sample(sample), &mut frame).expect("it fits");
@@ -45,6 +51,7 @@ fn telemetry_becomes_a_recording_in_si() {
     assert_eq!((summary.samples, summary.rows, lines.len()), (11, 5, 6));
     assert_eq!((summary.gaps, summary.damaged), (0, 0));
     assert_eq!(summary.fault, Some((FaultCode::Overrun, 8.0 * 50e-6)));
+    assert_eq!(summary.left_range, Some((RangeCode::Above, 6.0 * 50e-6)));
     assert_eq!(summary.end, End::Closed);
 }
 

@@ -44,6 +44,8 @@ pub fn record(trial: &Trial) -> anyhow::Result<String> {
                 current: (now.current_a * 1e4).round() as i16,
                 supply: (settings.motor.supply / settings.supply_code) as u16,
                 fault: None,
+                range: None,
+                level: 0,
             })));
         }
     });

@@ -6,6 +6,7 @@ use preslide::control::Settings;
 use preslide_host::capture::{CaptureError, End, Scale, Summary, capture, open};
 use preslide_host::progress::Progress;
 use preslide_host::recording::MotionKind;
+use preslide_link::RangeCode;
 use serde_json::json;
 use std::fs::OpenOptions;
 use std::path::PathBuf;
@@ -189,6 +190,16 @@ impl Capture {
                 "Note: the controller stopped at {time:.4} s ({fault:?}); identify what is before: --train 0..{time:.4}."
             );
         }
+        if let Some((range, time)) = summary.left_range {
+            let (more, causes) = match range {
+                RangeCode::Below => ("less", "a lighter load, running-in, a warmer stage"),
+                _ => ("more", "wear, dirt, a new spot"),
+            };
+            say!(
+                "Note: at {time:.4} s the controller reports that its drive spends {more} on friction than is normal ({causes}); \
+                 identify anew, or diagnose against the present model."
+            );
+        }
         match summary.end {
             End::Silent => say!("Note: the line fell silent for 10 s."),
             End::Restarted => {
@@ -211,6 +222,7 @@ fn machine(summary: &Summary) -> serde_json::Value {
         "dropped": summary.dropped,
         "damaged": summary.damaged,
         "fault": summary.fault.map(|(fault, time)| json!({ "kind": format!("{fault:?}"), "t_s": time })),
+        "left_range": summary.left_range.map(|(range, time)| json!({ "side": format!("{range:?}"), "t_s": time })),
         "end": format!("{:?}", summary.end).to_lowercase(),
     })
 }

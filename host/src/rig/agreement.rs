@@ -97,13 +97,25 @@ pub fn agreement<F: Friction>(
     let ticks = 16_000;
     let script = Script::quiet(ticks).send(20, &requests(&steps));
     let record = run(elf, &script, Listener::File)?;
-    let samples: Vec<Sample> = samples(&record).collect();
+    let agreement = compare(&record, &script, &steps, friction, units, |_, _| {})?;
+    Ok((agreement, record))
+}
+
+/// Compares a run of the script, which asked for `steps` one behind the other, with the host's. `observe` is shown the host's
+/// controller after every tick.
+pub(super) fn compare<F: Friction>(
+    record: &Record,
+    script: &Script,
+    steps: &[Step],
+    friction: F,
+    units: Units,
+    observe: impl FnMut(u64, &Controller<F, u32>),
+) -> Result<Agreement, RigError> {
     // Single moves are planned below the interrupt, so the tick of the first one is the firmware's to tell.
-    let begin = samples
-        .iter()
+    let begin = samples(record)
         .find(|sample| sample.reference != 0)
         .map_or(u64::MAX, |sample| u64::from(sample.tick));
-    let host = simulate(&script, &narrowed(&steps), friction, units, begin)?;
+    let host = simulate(script, &narrowed(steps), friction, units, begin, observe)?;
     let pairs = record.codes.iter().zip(&host);
     let differences = pairs
         .clone()
@@ -115,7 +127,7 @@ pub fn agreement<F: Friction>(
     for report in &record.remains.reports {
         digest.add(format!("{report:?}").as_bytes());
     }
-    let agreement = Agreement {
+    Ok(Agreement {
         ticks: pairs.count(),
         largest: differences.clone().max().unwrap_or(u32::MAX),
         different: differences.filter(|difference| *difference > 0).count(),
@@ -125,8 +137,7 @@ pub fn agreement<F: Friction>(
             .max()
             .unwrap_or(0),
         digest: digest.0,
-    };
-    Ok((agreement, record))
+    })
 }
 
 /// The samples among the reports.
@@ -148,6 +159,7 @@ fn simulate<F: Friction>(
     friction: F,
     units: Units,
     begin: u64,
+    mut observe: impl FnMut(u64, &Controller<F, u32>),
 ) -> Result<Vec<i32>, RigError> {
     let settings = Settings::PAPER_AXIS;
     let parameter = |error: ParamError| RigError::Tracking(TrackingError::Parameter(error));
@@ -165,6 +177,7 @@ fn simulate<F: Friction>(
     let mut code = 0;
     for tick in 1..=script.ticks {
         codes.push(code);
+        (script.disturb)(tick, &mut stage);
         let reading = registers(stage.tick(f64::from(code) / settings.motor.steps));
         if tick >= begin
             && controller.is_idle()
@@ -179,6 +192,7 @@ fn simulate<F: Friction>(
                 late: false,
             })
             .code;
+        observe(tick, &controller);
     }
     Ok(codes)
 }

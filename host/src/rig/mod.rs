@@ -5,9 +5,11 @@ mod emulator;
 mod faults;
 mod run;
 mod truth;
+mod wear;
 
 pub use agreement::{Agreement, agreement, motion, requests, samples};
 pub use emulator::{Emulator, Listener, Remains, RigError};
 pub use faults::{Injection, injections};
 pub use run::{ByTick, Record, Script, frame, registers, run};
 pub use truth::{Comparison, TrueCurve, presliding};
+pub use wear::{Notice, Wear, notice};

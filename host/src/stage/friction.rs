@@ -153,6 +153,8 @@ pub struct FrictionTruth {
     shares: [f64; 3],
     repeat: f64,
     gain: Wander,
+    /// What wear has made of all forces [–].
+    level: f64,
     /// Σ g·W·ζ over all \[N\].
     force: f64,
     /// Its slipping part \[N\].
@@ -209,6 +211,7 @@ impl FrictionTruth {
             ],
             repeat: repeat_constant(seed, 0),
             gain: Wander::new(seed, 1, variability.correlation_m),
+            level: 1.0,
             force: 0.0,
             slipping: 0.0,
         })
@@ -223,9 +226,20 @@ impl FrictionTruth {
             path += band.share * slip;
         }
         self.gain.advance(path);
+        self.sum();
+    }
+
+    /// Multiplies all forces, from now on [–]; see [`Stage::set_friction_level`](super::Stage::set_friction_level).
+    pub(super) fn set_level(&mut self, level: f64) {
+        self.level = level;
+        self.sum();
+    }
+
+    /// The forces of all bands.
+    fn sum(&mut self) {
         (self.force, self.slipping) = (0.0, 0.0);
         for index in 0..self.bands.len() {
-            let gain = 1.0 + self.deviation(index);
+            let gain = self.level * (1.0 + self.deviation(index));
             if let Some(band) = self.bands.get(index) {
                 self.force += gain * band.force;
                 self.slipping += gain * band.slipping;
@@ -271,7 +285,7 @@ impl FrictionTruth {
         }
         // Wander follows the path; the gains of this moment stay.
         let gains: Vec<f64> = (0..self.bands.len())
-            .map(|index| 1.0 + self.deviation(index))
+            .map(|index| self.level * (1.0 + self.deviation(index)))
             .collect();
         let (mut force, mut slipping) = (0.0, 0.0);
         for (band, gain) in fresh.bands.iter_mut().zip(gains) {

@@ -208,6 +208,23 @@ impl Stage {
         Ok(())
     }
 
+    /// Multiplies the friction, viscous part left out, by `level` from now on \[–\]: wear, or a spot where it is told by position.
+    ///
+    /// # Errors
+    /// When it is negative or not finite; the level then stays as it was.
+    pub fn set_friction_level(&mut self, level: f64) -> Result<(), StageError> {
+        if !(level.is_finite() && level >= 0.0) {
+            return Err(StageError::OutOfRange {
+                key: "friction level",
+                value: level,
+                reason: "it must be zero or more, and finite",
+                remedy: "to zero or above",
+            });
+        }
+        self.friction.set_level(level);
+        Ok(())
+    }
+
     /// Adds a concealed effect.
     pub fn add_disturbance(&mut self, disturbance: Box<dyn Disturbance>) {
         self.disturbances.push(disturbance);

@@ -1,7 +1,9 @@
 //! The production controller on the simulated stage, tick by tick.
 
 use crate::stage::{Stage, StageConfig, StageError, interpolated_m};
-use preslide::control::{Coefficients, Command, Controller, Measurement, Move, Settings};
+use preslide::control::{
+    Coefficients, Command, Condition, Controller, Fault, Measurement, Move, Settings,
+};
 use preslide::{Friction, ParamError, Units};
 
 /// Why a run could not be made.
@@ -16,6 +18,9 @@ pub enum TrackingError {
     /// The identification experiment did not lead to a model.
     #[error("identification: {0}")]
     Identification(String),
+    /// The controller gave up where it should not have.
+    #[error("the axis stopped with {0:?}; the gains do not fit the stage")]
+    Stopped(Fault),
 }
 
 impl From<ParamError> for TrackingError {
@@ -166,5 +171,30 @@ impl<F: Friction> Axis<F> {
     /// The stage, for scoring.
     pub fn stage(&self) -> &Stage {
         &self.stage
+    }
+
+    /// The stage, to change it.
+    pub fn stage_mut(&mut self) -> &mut Stage {
+        &mut self.stage
+    }
+
+    /// What a friction model that learns has to say.
+    pub fn condition(&self) -> Condition<F::Scalar> {
+        self.controller.condition()
+    }
+
+    /// The friction model's memory.
+    pub fn friction_state(&mut self) -> &mut F::State {
+        self.controller.friction_state()
+    }
+
+    /// Starts a move; the next ticks follow it.
+    pub fn start(&mut self, next: Move<F::Scalar>) {
+        self.controller.start(next);
+    }
+
+    /// The move is done.
+    pub fn is_idle(&self) -> bool {
+        self.controller.is_idle()
     }
 }

@@ -3,11 +3,13 @@
 //! Same gains throughout. Every compensator's parameters come from one [`Experiment`] on the stage; the motions are
 //! then followed on stages with other seeds, whose friction differs by up to ±15 % from the one identified.
 
+pub mod adaptation;
 mod axis;
 mod identification;
 pub mod motions;
 mod score;
 mod simplex;
+pub mod watch;
 
 pub use axis::{Axis, Instant, Step, TrackingError};
 pub use identification::Experiment;

@@ -8,7 +8,7 @@ use super::disassembly::Disassembly;
 use super::recorder::{Recorder, Watched};
 use super::table::Row;
 use super::{price, price_paths};
-use crate::qemu;
+use crate::qemu::{self, LEARNING_FEATURES, LEARNING_FOLDER};
 use std::process::Command;
 
 /// RTIC gives the task the name of the interrupt that it is bound to.
@@ -18,9 +18,29 @@ const HANDLER: &str = "TIMER0";
 const EXCHANGE: &str = "preslide_qemu5stage8exchange";
 
 /// Kernel, and the build of the firmware with it: folder and features.
-const BUILDS: [(&str, &str, &[&str]); 2] = [
+const BUILDS: [(&str, &str, &[&str]); 6] = [
     ("quasi_static_i16f16", "qemu-fixed", &[]),
     ("quasi_static_f32", "qemu-float", &["--features", "float"]),
+    (
+        "quasi_static_i16f16_watch",
+        "qemu-fixed-watch",
+        &["--features", "watch"],
+    ),
+    (
+        "quasi_static_f32_watch",
+        "qemu-float-watch",
+        &["--features", "float,watch"],
+    ),
+    (
+        "quasi_static_i16f16_adaptation",
+        LEARNING_FOLDER,
+        LEARNING_FEATURES,
+    ),
+    (
+        "quasi_static_f32_adaptation",
+        "qemu-float-adaptation",
+        &["--features", "float,adaptation"],
+    ),
 ];
 
 /// `preslide_link::MOST_BLOCKS`.

@@ -10,20 +10,41 @@ mod stage;
 use core::panic::PanicInfo;
 use cortex_m_rt::exception;
 use cortex_m_semihosting::{debug, heprintln};
+#[cfg(feature = "adaptation")]
+use preslide::control::learning::Adaptation;
+#[cfg(feature = "watch")]
+use preslide::control::learning::MismatchWatch;
+#[cfg(feature = "watch")]
+use preslide_app::Learner;
 
 #[cfg(feature = "float")]
 preslide_app::model!(f32);
 #[cfg(not(feature = "float"))]
 preslide_app::model!(fixed::types::I16F16);
 
-type Friction = <Model as preslide_app::Model>::Friction;
+#[cfg(feature = "watch")]
+type Number = <<Model as preslide_app::Model>::Friction as preslide::Friction>::Scalar;
+
+#[cfg(not(feature = "watch"))]
+type Source = Model;
+#[cfg(all(feature = "watch", not(feature = "adaptation")))]
+type Source = Learner<Model, MismatchWatch<Number>>;
+#[cfg(feature = "adaptation")]
+type Source = Learner<Model, (MismatchWatch<Number>, Adaptation<Number>)>;
+
+#[cfg(not(feature = "watch"))]
+const SOURCE: Source = MODEL;
+#[cfg(feature = "watch")]
+const SOURCE: Source = Learner::new(MODEL);
+
+type Friction = <Source as preslide_app::Model>::Friction;
 
 /// As on the board: 170 MHz at 20 kHz.
 const STEPS: u16 = 8500;
 
 #[rtic::app(device = crate::device)]
 mod app {
-    use super::{Friction, MODEL, Model, STEPS};
+    use super::{Friction, SOURCE, STEPS, Source};
     use crate::registers::{CLOCK_HZ, Timer, Uart, Watchdog};
     use crate::stage::{self, Channel};
     use cortex_m_semihosting::{debug, heprintln};
@@ -39,7 +60,7 @@ mod app {
     struct Local {
         control: Control<Friction>,
         bridge: Bridge<Channel, Channel>,
-        background: Background<Model>,
+        background: Background<Source>,
         received: Consumer<'static, u8>,
         arrived: Producer<'static, u8>,
         late: bool,
@@ -51,7 +72,7 @@ mod app {
         let settings = Settings::PAPER_AXIS;
         let first = stage::exchange().count;
         let (forward, backward) = Channel::pair(STEPS);
-        let tasks = cx.local.queues.tasks(settings, MODEL, first, 1);
+        let tasks = cx.local.queues.tasks(settings, SOURCE, first, 1);
         let (Ok((control, background)), Some(bridge)) =
             (tasks, Bridge::new(forward, backward, STEPS))
         else {
