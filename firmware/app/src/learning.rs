@@ -1,4 +1,4 @@
-//! A friction model that learns is built and set like the one that it wraps.
+//! A friction model that learns comes from where the one that it wraps comes from.
 
 use crate::Model;
 use core::marker::PhantomData;
@@ -7,24 +7,23 @@ use preslide::control::{Learning, LearningSettings};
 use preslide::{Friction, ParamError, Units};
 use preslide_link::{ModelSettings, Refusal};
 
-/// The model `M` whose friction learns `L` from what the drive spends, with [`LearningSettings::PAPER_AXIS`]. A new model, and new
-/// gains, begin to learn anew.
-pub struct Learned<M, L>(M, PhantomData<L>);
+/// The model `M` with what `L` learns of it, by [`LearningSettings::PAPER_AXIS`]. A new model, and new gains, begin to learn anew.
+pub struct Learner<M, L>(M, PhantomData<L>);
 
-impl<M, L> Learned<M, L> {
-    /// Lets `model` learn.
+impl<M, L> Learner<M, L> {
+    /// Learns of `model`.
     pub const fn new(model: M) -> Self {
         Self(model, PhantomData)
     }
 }
 
-impl<M: Clone, L> Clone for Learned<M, L> {
+impl<M: Clone, L> Clone for Learner<M, L> {
     fn clone(&self) -> Self {
         Self::new(self.0.clone())
     }
 }
 
-impl<M, L> Model for Learned<M, L>
+impl<M, L> Model for Learner<M, L>
 where
     M: Model,
     L: Learn<<M::Friction as Friction>::Scalar> + 'static,
@@ -38,6 +37,6 @@ where
     }
 
     fn set(&self, settings: &ModelSettings) -> Result<Self, Refusal> {
-        Ok(Self::new(self.0.set(settings)?))
+        self.0.set(settings).map(Self::new)
     }
 }

@@ -16,6 +16,6 @@ mod queues;
 pub use background::Background;
 pub use bridge::Bridge;
 pub use control::{Control, Inputs};
-pub use learning::Learned;
+pub use learning::Learner;
 pub use model::{Blocks, Exported, Model, Number, STARTING_MODEL};
 pub use queues::{Change, Queues};

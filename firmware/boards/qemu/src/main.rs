@@ -15,7 +15,7 @@ use preslide::control::learning::Adaptation;
 #[cfg(feature = "watch")]
 use preslide::control::learning::MismatchWatch;
 #[cfg(feature = "watch")]
-use preslide_app::Learned;
+use preslide_app::Learner;
 
 #[cfg(feature = "float")]
 preslide_app::model!(f32);
@@ -23,27 +23,28 @@ preslide_app::model!(f32);
 preslide_app::model!(fixed::types::I16F16);
 
 #[cfg(feature = "watch")]
-type Scalar = <<Model as preslide_app::Model>::Friction as preslide::Friction>::Scalar;
+type Number = <<Model as preslide_app::Model>::Friction as preslide::Friction>::Scalar;
 
 #[cfg(not(feature = "watch"))]
-type Law = Model;
-#[cfg(not(feature = "watch"))]
-const LAW: Law = MODEL;
+type Source = Model;
 #[cfg(all(feature = "watch", not(feature = "adaptation")))]
-type Law = Learned<Model, MismatchWatch<Scalar>>;
+type Source = Learner<Model, MismatchWatch<Number>>;
 #[cfg(feature = "adaptation")]
-type Law = Learned<Model, (MismatchWatch<Scalar>, Adaptation<Scalar>)>;
-#[cfg(feature = "watch")]
-const LAW: Law = Learned::new(MODEL);
+type Source = Learner<Model, (MismatchWatch<Number>, Adaptation<Number>)>;
 
-type Friction = <Law as preslide_app::Model>::Friction;
+#[cfg(not(feature = "watch"))]
+const SOURCE: Source = MODEL;
+#[cfg(feature = "watch")]
+const SOURCE: Source = Learner::new(MODEL);
+
+type Friction = <Source as preslide_app::Model>::Friction;
 
 /// As on the board: 170 MHz at 20 kHz.
 const STEPS: u16 = 8500;
 
 #[rtic::app(device = crate::device)]
 mod app {
-    use super::{Friction, LAW, Law, STEPS};
+    use super::{Friction, SOURCE, STEPS, Source};
     use crate::registers::{CLOCK_HZ, Timer, Uart, Watchdog};
     use crate::stage::{self, Channel};
     use cortex_m_semihosting::{debug, heprintln};
@@ -59,7 +60,7 @@ mod app {
     struct Local {
         control: Control<Friction>,
         bridge: Bridge<Channel, Channel>,
-        background: Background<Law>,
+        background: Background<Source>,
         received: Consumer<'static, u8>,
         arrived: Producer<'static, u8>,
         late: bool,
@@ -71,7 +72,7 @@ mod app {
         let settings = Settings::PAPER_AXIS;
         let first = stage::exchange().count;
         let (forward, backward) = Channel::pair(STEPS);
-        let tasks = cx.local.queues.tasks(settings, LAW, first, 1);
+        let tasks = cx.local.queues.tasks(settings, SOURCE, first, 1);
         let (Ok((control, background)), Some(bridge)) =
             (tasks, Bridge::new(forward, backward, STEPS))
         else {
