@@ -199,7 +199,7 @@ fn format() -> Result<(), String> {
 
 fn host_tests() -> Result<(), String> {
     say_if_recordings_are_absent();
-    run(&mut cargo(&["test", "--workspace"]))
+    run(&mut cargo(&["test", "--workspace", "--no-fail-fast"]))
 }
 
 fn thumb_build() -> Result<(), String> {
