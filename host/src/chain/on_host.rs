@@ -24,15 +24,16 @@ const ROW: u32 = 40;
 /// The recording (CSV) of a controller without a friction model that follows the recorded motion: its telemetry, captured.
 ///
 /// # Errors
-/// Where the stage or the motion is refused.
+/// Where the stage or the motion is refused, or the controller gave up.
 pub fn record(trial: &Trial) -> anyhow::Result<String> {
     let settings = Settings::PAPER_AXIS;
     let friction = NoFriction::<f64>::new();
     let mut axis = Axis::on(&settings, friction, Units::SI, trial.stage()?)?;
     let mut telemetry = Vec::new();
-    let mut tick = 0;
+    let (mut tick, mut fault) = (0, None);
     axis.follow(&plan(&recorded(), &settings)?, |now| {
         tick += 1;
+        fault = now.command.fault;
         if tick % EVERY == 0 {
             telemetry.extend(frame(&Report::Sample(Sample {
                 sequence: tick / EVERY,
@@ -49,6 +50,9 @@ pub fn record(trial: &Trial) -> anyhow::Result<String> {
             })));
         }
     });
+    if let Some(fault) = fault {
+        anyhow::bail!("the axis stopped with {fault:?}: the gains do not fit the stage");
+    }
     let mut csv = Vec::new();
     capture(
         &telemetry[..],
