@@ -126,15 +126,21 @@ fn windows(energy: &[f64], length: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rand::Rng;
+    use rand::RngExt;
 
     #[test]
     fn another_order_takes_the_clusters_and_leaves_the_tails() {
         let mut rng = ChaCha8Rng::seed_from_u64(5);
         let mut draw = || -2.0 * rng.random::<f64>().max(1e-12).ln();
         let steady: Vec<f64> = (0..8000).map(|_| 0.5 * draw()).collect();
-        // The same deviation in bursts: every tenth window four times as large.
-        let burst = |i: usize| if (i / 10) % 10 == 0 { 4.0 } else { 2.0 / 3.0 };
+        // The same mean square in bursts: every tenth window fourteen times the others.
+        let burst = |i: usize| {
+            if (i / 10).is_multiple_of(10) {
+                6.0
+            } else {
+                4.0 / 9.0
+            }
+        };
         let clustered: Vec<f64> = (0..8000).map(|i| 0.5 * draw() * burst(i)).collect();
         let class: Vec<usize> = (0..8000).map(|i| i % 7).collect();
         let beyond_order = |values: &[f64]| {

@@ -31,7 +31,7 @@ pub struct Literal {
     pub n: usize,
     /// How (11) was read.
     pub reading: Reading,
-    /// Force \[N\] where the motion turned, [`SOON`] later, and back at the start.
+    /// Force \[N\] where the motion turned, `SOON` later, and back at the start.
     pub force: [f64; 3],
     /// The same where blocks stick again at the reversal: `Σ clamp(k_i·z_i, ±W_i)`.
     pub mended: [f64; 3],
@@ -39,7 +39,7 @@ pub struct Literal {
     pub stuck_again: usize,
 }
 
-/// Every size in [`SHOWN`], in both readings.
+/// Every size in `SHOWN`, in both readings.
 ///
 /// # Errors
 /// A size that Table 3 does not have.
