@@ -8,7 +8,7 @@
 //! | `sh,root` | run in the workspace root |
 //! | `sh,recordings` | run in the workspace root if `../shared/recordings` is there, else skipped, loudly |
 //! | `sh,ci=STEP` | not run here: that step of `cargo xtask test` runs it |
-//! | `sh,long` | takes minutes: the next block must run a part of it |
+//! | `sh,long` | takes minutes: the next block, or the step of CI that it names, runs a part of it |
 //! | `sh,board` | needs hardware: nothing runs it, and the chapter says so |
 //! | `LANGUAGE,file=NAME` | written into that folder |
 //! | `text,printed` | lines that the commands before it print, in order; `…` stands for any number of lines |

@@ -31,7 +31,7 @@ pub enum Kind {
     },
     Recordings,
     Ci(String),
-    /// Takes minutes; the next block runs a part of it.
+    /// Takes minutes; the next block, or a step of CI that it names, runs a part of it.
     Long,
     Board,
     File(String),
@@ -128,7 +128,9 @@ fn blocks(text: &str) -> Result<Vec<Block>, String> {
             let line = block.lines.first().map_or("", String::as_str);
             line.split('#').next().unwrap_or("").trim().to_string()
         };
-        if pair[0].kind == Kind::Long && !(runs && first(&pair[1]).starts_with(&first(&pair[0]))) {
+        let part = matches!(pair[1].kind, Kind::Ci(_))
+            || runs && first(&pair[1]).starts_with(&first(&pair[0]));
+        if pair[0].kind == Kind::Long && !part {
             return Err(format!(
                 "line {}: the next block must run a part of this long command",
                 pair[0].first
