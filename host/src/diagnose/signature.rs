@@ -221,11 +221,11 @@ pub fn signatures(study: &Study, state: &State) -> Vec<Signature> {
     found
 }
 
-/// Share of an effect's nats that a free curve may bring beside it.
-const BESIDE: f64 = 0.2;
+/// Share of an effect's nats that it keeps beside a free curve over another coordinate, if its name is right.
+const BESIDE: f64 = 0.5;
 
 /// Whether a curve that is free over a coordinate other than the effect's own explains more than the effect does in the same
-/// place, and goes on explaining where `state` has the effect: then the name is wrong. Over its own coordinate it is right, and
+/// place, goes on explaining where `state` has the effect, and leaves it little: then the name is wrong. Over its own coordinate it is right, and
 /// something else acts there as well.
 pub fn outdone(study: &Study, state: &State, own: &Candidate, curves: &[Signature]) -> bool {
     let nats = own.gain.total();
@@ -240,9 +240,11 @@ pub fn outdone(study: &Study, state: &State, own: &Candidate, curves: &[Signatur
             let rows = rows(study, state, c.axis, c.odd)?;
             Some(study.gain_of(state, &rows)?.total())
         };
-        let least = (UNNAMED * c.threshold).max(BESIDE * nats);
-        c.gain.total() > 2.0 * nats
-            || c.gain.total() > nats && beside().is_some_and(|gain| gain > least)
+        // What the effect brings beside the curve, by the chain rule of log-likelihoods.
+        let left = |beside: f64| nats + beside - c.gain.total();
+        c.gain.total() > nats
+            && beside()
+                .is_some_and(|gain| gain > UNNAMED * c.threshold && left(gain) < BESIDE * nats)
     })
 }
 
