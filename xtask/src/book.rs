@@ -31,16 +31,7 @@ const LIMIT: Duration = Duration::from_secs(300);
 
 /// `--bless` writes what the commands print now into the book.
 pub fn run_command(arguments: &[String]) -> Result<(), String> {
-    let bless = match arguments {
-        [] => false,
-        [flag] if flag == "--bless" => true,
-        _ => {
-            return Err(format!(
-                "`book` takes --bless or nothing, got `{}`",
-                arguments.join(" ")
-            ));
-        }
-    };
+    let bless = crate::is_given("book", "--bless", arguments)?;
     let pages = page::all(&root().join("docs/src"))?;
     links::check(&pages)?;
     build()?;

@@ -30,16 +30,7 @@ const PREFIX: &str = "cycles__";
 const TABLE: &str = "firmware/cycles/cortex-m4.csv";
 
 pub fn run_command(arguments: &[String]) -> Result<(), String> {
-    let check = match arguments {
-        [] => false,
-        [flag] if flag == "--check" => true,
-        _ => {
-            return Err(format!(
-                "`cycles` takes --check or nothing, got `{}`",
-                arguments.join(" ")
-            ));
-        }
-    };
+    let check = crate::is_given("cycles", "--check", arguments)?;
     let (header, rows) = measure()?;
     println!();
     for line in &header {

@@ -81,6 +81,18 @@ fn main() -> ExitCode {
     }
 }
 
+/// Whether the one flag that a command takes was given.
+fn is_given(command: &str, flag: &str, arguments: &[String]) -> Result<bool, String> {
+    match arguments {
+        [] => Ok(false),
+        [given] if given == flag => Ok(true),
+        _ => Err(format!(
+            "`{command}` takes {flag} or nothing, got `{}`",
+            arguments.join(" ")
+        )),
+    }
+}
+
 fn print_help() {
     println!("cargo xtask COMMAND\n");
     for command in COMMANDS {

@@ -33,16 +33,7 @@ const GOLDEN: &str = "firmware/boards/qemu/expected";
 const LIMIT: Duration = Duration::from_secs(600);
 
 pub fn run_command(arguments: &[String]) -> Result<(), String> {
-    let bless = match arguments {
-        [] => false,
-        [flag] if flag == "--bless" => true,
-        _ => {
-            return Err(format!(
-                "`qemu` takes --bless or nothing, got `{}`",
-                arguments.join(" ")
-            ));
-        }
-    };
+    let bless = crate::is_given("qemu", "--bless", arguments)?;
     Need::Qemu.ensure()?;
     Need::ArmGcc.ensure()?;
     let rig = build_rig()?;
