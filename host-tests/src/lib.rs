@@ -6,3 +6,18 @@ pub mod path;
 pub mod reference;
 pub mod table3;
 pub mod trials;
+
+use std::path::PathBuf;
+
+/// The folder of the real recordings; where it is absent, `None` and a loud line.
+pub fn recordings() -> Option<PathBuf> {
+    let root = PathBuf::from(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../shared/recordings"
+    ));
+    if root.is_dir() {
+        return Some(root);
+    }
+    eprintln!("SKIPPED: ../shared/recordings is absent");
+    None
+}

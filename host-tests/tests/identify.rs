@@ -2,12 +2,12 @@
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
-use std::path::Path;
 
 use preslide_host::identify::{Identification, Options, STEPS, identify};
 use preslide_host::model::Model;
 use preslide_host::progress::Progress;
 use preslide_host::recording::{self, LoadOptions, Recording};
+use preslide_host_tests::recordings;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -17,14 +17,6 @@ fn run(recording: &Recording, options: &Options) -> Identification {
 
 /// A real recording, where the folder exists.
 fn real(name: &str, map: &[(&str, &str)]) -> Option<Recording> {
-    let root = Path::new(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../shared/recordings"
-    ));
-    if !root.is_dir() {
-        eprintln!("SKIPPED: ../shared/recordings is absent");
-        return None;
-    }
     let options = LoadOptions {
         map: map
             .iter()
@@ -32,7 +24,7 @@ fn real(name: &str, map: &[(&str, &str)]) -> Option<Recording> {
             .collect(),
         ..LoadOptions::default()
     };
-    Some(recording::load(&root.join(name), &options).unwrap_or_else(|e| panic!("{e}")))
+    Some(recording::load(&recordings()?.join(name), &options).unwrap_or_else(|e| panic!("{e}")))
 }
 
 fn parsed(csv: &str) -> Recording {
