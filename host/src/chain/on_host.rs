@@ -2,7 +2,7 @@
 
 use super::{Errors, Row, Trial, judged, known, recorded};
 use crate::capture::{Scale, capture};
-use crate::diagnose::{Refusal, diagnose};
+use crate::diagnose::diagnose;
 use crate::friction::Visitor;
 use crate::identify::{Options, STEPS, identify};
 use crate::model::Model;
@@ -132,10 +132,7 @@ pub fn rehearse(trial: &Trial) -> anyhow::Result<Row> {
     let progress = Progress::new("identify", STEPS);
     let found = identify(&recording, &Options::default(), &progress).map_err(anyhow::Error::msg)?;
     let before = &found.best().model;
-    let (study, diagnosis) =
-        diagnose(&recording, Some(before), &progress).map_err(|refusal| match refusal {
-            Refusal::Input(reason) | Refusal::Data(reason) => anyhow::Error::msg(reason),
-        })?;
+    let (study, diagnosis) = diagnose(&recording, Some(before), &progress)?;
     let (after, _) = diagnosis.extended_model(&study, &recording, Some(before));
     let mut refit = after.clone();
     refit.effects.clear();

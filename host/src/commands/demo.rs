@@ -5,7 +5,7 @@ use anyhow::anyhow;
 use clap::Args;
 use preslide_host::chain::{Trial, follow, known, record};
 use preslide_host::demo::Story;
-use preslide_host::diagnose::{Refusal, diagnose};
+use preslide_host::diagnose::diagnose;
 use preslide_host::export::{self, refused, rust_source};
 use preslide_host::identify::{Options, STEPS, identify};
 use preslide_host::progress::Progress;
@@ -61,12 +61,8 @@ impl Demo {
 
         say!("\n3. What is missing: preslide diagnose, from that recording and that model alone\n");
         let before = &found.best().model;
-        let progress = Progress::new("diagnose", 24);
-        let (study, diagnosis) =
-            diagnose(&recording, Some(before), &progress).map_err(|refusal| match refusal {
-                Refusal::Input(reason) => Failure::Input(reason),
-                Refusal::Data(reason) => Failure::Data(reason),
-            })?;
+        let progress = Progress::new("diagnose, steps of the search", 0);
+        let (study, diagnosis) = diagnose(&recording, Some(before), &progress)?;
         progress.finish();
         say!("{}\n", diagnosis.verdict_words(&recording));
         say!("{}", diagnosis.table(&recording).to_text());
@@ -82,13 +78,7 @@ impl Demo {
 
         say!("\n4. How much better it tracks: another motion, the same gains, the same stage\n");
         let truth = known(trial).map_err(|reason| anyhow!(reason))?;
-        let followed = [None, Some(before), Some(&after), Some(&truth)].map(|model| {
-            trial
-                .stage()
-                .map_err(Into::into)
-                .and_then(|s| follow(s, model))
-        });
-        let [none, identified, extended, known] = followed;
+        let run = |model| anyhow::Ok(follow(trial.stage()?, model)?);
         let story = Story {
             trial,
             recording: &recording,
@@ -96,10 +86,10 @@ impl Demo {
             study: &study,
             diagnosis: &diagnosis,
             followed: [
-                none.map_err(anyhow::Error::from)?,
-                identified.map_err(anyhow::Error::from)?,
-                extended.map_err(anyhow::Error::from)?,
-                known.map_err(anyhow::Error::from)?,
+                run(None)?,
+                run(Some(before))?,
+                run(Some(&after))?,
+                run(Some(&truth))?,
             ],
         };
         say!("{}", story.table().to_text());

@@ -53,7 +53,6 @@ impl Diagnose {
         let progress = Progress::new("diagnose, steps of the search", 0);
         let (study, found) = match diagnose(&recording, model.as_ref(), &progress) {
             Ok(found) => found,
-            Err(Refusal::Input(message)) => return Err(Failure::Input(message)),
             Err(Refusal::Data(message)) => {
                 let answer = serde_json::json!({
                     "schema": "preslide.diagnosis/1", "recording": recording.name, "verdict": "insufficient-data",
@@ -62,6 +61,7 @@ impl Diagnose {
                 self.outputs.write_json(&answer)?;
                 return Err(Failure::Data(format!("insufficient-data: {message}")));
             }
+            Err(refusal) => return Err(refusal.into()),
         };
         progress.finish();
         say!("{}\n", found.verdict_words(&recording));

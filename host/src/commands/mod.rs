@@ -17,6 +17,7 @@ pub mod simulate;
 pub mod tune;
 
 use clap::Args;
+use preslide_host::diagnose::Refusal;
 use preslide_host::identify::Options;
 use preslide_host::identify::split::{Window, check_windows, parse_window};
 use preslide_host::model::ModelError;
@@ -62,6 +63,15 @@ impl From<RecordingError> for Failure {
 impl From<ModelError> for Failure {
     fn from(error: ModelError) -> Self {
         Failure::Input(error.to_string())
+    }
+}
+
+impl From<Refusal> for Failure {
+    fn from(refusal: Refusal) -> Self {
+        match refusal {
+            Refusal::Input(reason) => Failure::Input(reason),
+            Refusal::Data(reason) => Failure::Data(reason),
+        }
     }
 }
 

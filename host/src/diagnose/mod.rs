@@ -23,6 +23,7 @@ use crate::progress::Progress;
 use crate::recording::Recording;
 pub use conclude::Diagnosis;
 use study::{Study, Term};
+use thiserror::Error;
 
 /// Ratio of sample times from which recordings are too unlike for one kernel.
 const UNLIKE: f64 = 3.0;
@@ -38,11 +39,13 @@ const FATAL: [(&str, &str); 3] = [
 ];
 
 /// Why there is no diagnosis.
-#[derive(Debug)]
+#[derive(Debug, Error)]
 pub enum Refusal {
     /// The input is wrong.
+    #[error("{0}")]
     Input(String),
     /// The data cannot tell.
+    #[error("{0}")]
     Data(String),
 }
 
