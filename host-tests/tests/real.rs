@@ -5,35 +5,23 @@ use preslide_host::friction::FrictionModel;
 use preslide_host::model::Model;
 use preslide_host::progress::Progress;
 use preslide_host::recording::{self, LoadOptions, Recording};
+use preslide_host_tests::recordings;
 use std::f64::consts::TAU;
-use std::path::Path;
 
 /// Published least-squares value [N].
 const OFFSET: f64 = -3.1648;
 
 fn emps() -> Option<Recording> {
-    let root = Path::new(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../shared/recordings"
-    ));
-    if !root.is_dir() {
-        eprintln!("SKIPPED: ../shared/recordings is absent");
-        return None;
-    }
-    let file = root.join("emps/emps_tracking.csv");
+    let file = recordings()?.join("emps/emps_tracking.csv");
     Some(recording::load(&file, &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}")))
 }
 
 /// The diagnosis against inertia, Coulomb and viscous friction.
 fn against_friction(recording: &Recording) -> Diagnosis {
     let model = Model {
-        motion: recording.kind,
         inertia: 95.1,
         viscous: 203.5,
-        friction: FrictionModel::Coulomb { coulomb: 20.4 },
-        constant_force: 0.0,
-        effects: Vec::new(),
-        mechanics: Vec::new(),
+        ..Model::of_friction(recording.kind, FrictionModel::Coulomb { coulomb: 20.4 })
     };
     let progress = Progress::new("test", 12);
     diagnose(recording, Some(&model), &progress)

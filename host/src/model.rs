@@ -151,6 +151,19 @@ fn to_linear_keys(value: &mut toml::Value, path: &str) -> Result<(), String> {
 }
 
 impl Model {
+    /// Friction and nothing else.
+    pub fn of_friction(motion: MotionKind, friction: FrictionModel) -> Self {
+        Self {
+            motion,
+            inertia: 0.0,
+            viscous: 0.0,
+            friction,
+            constant_force: 0.0,
+            effects: Vec::new(),
+            mechanics: Vec::new(),
+        }
+    }
+
     /// Reads a model file.
     ///
     /// # Errors

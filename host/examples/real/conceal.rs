@@ -23,19 +23,6 @@ struct Case<'a> {
     reference: String,
 }
 
-/// A model of friction and nothing else.
-pub fn bare(recording: &Recording, friction: FrictionModel) -> Model {
-    Model {
-        motion: recording.kind,
-        inertia: 0.0,
-        viscous: 0.0,
-        friction,
-        constant_force: 0.0,
-        effects: Vec::new(),
-        mechanics: Vec::new(),
-    }
-}
-
 /// What `identify`, which shares no fit with the diagnosis, says of a recording.
 fn identified(recording: &Recording) -> Result<(Model, [f64; 2]), String> {
     let progress = Progress::new(format!("{}: identify", recording.name), STEPS);
@@ -140,7 +127,7 @@ pub fn table() -> Result<Table, String> {
     let whole = Model {
         viscous,
         constant_force: offset,
-        ..bare(&emps, FrictionModel::Coulomb { coulomb: level })
+        ..Model::of_friction(emps.kind, FrictionModel::Coulomb { coulomb: level })
     };
     let mut conceal = |recording, concealed, model, reference: String| {
         cases.push(Case {
@@ -230,7 +217,7 @@ pub fn table() -> Result<Table, String> {
         let with = |sliding| Model {
             viscous: 1e-6,
             constant_force: 1e-6,
-            ..bare(recording, friction(sliding))
+            ..Model::of_friction(recording.kind, friction(sliding))
         };
         conceal(recording, None, with(Some(sliding)), String::new());
         let reference = format!(
@@ -247,7 +234,7 @@ pub fn table() -> Result<Table, String> {
         figure(period),
         figure(amplitude)
     );
-    let model = bare(&cogging, FrictionModel::Coulomb { coulomb: 0.03 });
+    let model = Model::of_friction(cogging.kind, FrictionModel::Coulomb { coulomb: 0.03 });
     conceal(&cogging, Some("periodic_force"), model, reference);
 
     let rows = cases

@@ -1,6 +1,5 @@
 //! A known effect is added to a measured force, ever weaker: down to which strength is it named?
 
-use super::conceal::bare;
 use super::{load, run, words};
 use preslide_host::diagnose::Diagnosis;
 use preslide_host::diagnose::conclude::Effect;
@@ -232,7 +231,7 @@ pub fn tables() -> Result<Vec<Table>, String> {
     emps.effort.iter_mut().for_each(|f| *f -= EMPS_OFFSET);
     let model = Model {
         viscous: 1.0,
-        ..bare(&emps, FrictionModel::Coulomb { coulomb: 20.4 })
+        ..Model::of_friction(emps.kind, FrictionModel::Coulomb { coulomb: 20.4 })
     };
     let tribometer = load("tribometer_reciprocating/reciprocating_5N.csv")?;
     let common = [

@@ -101,7 +101,7 @@ pub fn words(effect: &Effect) -> String {
 
 /// The parameters of an effect with their intervals.
 pub fn parameters(effect: &Effect, recording: &Recording) -> String {
-    let any = conceal::bare(recording, FrictionModel::Coulomb { coulomb: 1.0 });
+    let any = Model::of_friction(recording.kind, FrictionModel::Coulomb { coulomb: 1.0 });
     let list: Vec<String> = effect
         .parameters
         .iter()

@@ -31,84 +31,70 @@ pub fn known(trial: &Trial) -> Result<Model, String> {
     let stage = trial.stage().map_err(|e| e.to_string())?;
     let mut gain = stage.friction().repeat_gain();
     let mut model = Model {
-        motion: MotionKind::Linear,
         inertia: config.mass_kg,
         viscous: viscous_n_s_per_m,
-        friction: FrictionModel::Gms {
-            breakaway: breakaway_n,
-            blocks: paper::REFERENCE
-                .blocks
-                .iter()
-                .map(|&(stiffness, weight)| Block { stiffness, weight })
-                .collect(),
-            sliding: None,
-        },
-        constant_force: 0.0,
-        effects: Vec::new(),
-        mechanics: Vec::new(),
+        ..Model::of_friction(
+            MotionKind::Linear,
+            FrictionModel::Gms {
+                breakaway: breakaway_n,
+                blocks: paper::REFERENCE
+                    .blocks
+                    .iter()
+                    .map(|&(stiffness, weight)| Block { stiffness, weight })
+                    .collect(),
+                sliding: None,
+            },
+        )
     };
-    let mut values = match *effect {
+    let values = match *effect {
         Concealed::PeriodicForce {
             force_n,
             period_m,
             phase_rad,
-        } => vec![
+        } => named(&[
             ("force_N", force_n),
             ("period_m", period_m),
             ("phase_rad", phase_rad),
-        ],
+        ]),
         Concealed::LocalFrictionSpot {
             level,
             position_m,
             width_m,
-        } => vec![
+        } => named(&[
             ("level", level),
             ("position_m", position_m),
             ("width_m", width_m),
-        ],
+        ]),
         Concealed::PeriodicFriction {
             level,
             period_m,
             phase_rad,
-        } => vec![
+        } => named(&[
             ("level", level),
             ("period_m", period_m),
             ("phase_rad", phase_rad),
-        ],
+        ]),
         Concealed::Stribeck { drop, velocity_m_s } => {
             // The catalogue's level is that above sliding friction, the stage's drop that below breakaway.
             gain *= 1.0 - drop;
-            vec![
+            named(&[
                 ("level", drop / (1.0 - drop)),
                 ("velocity_m_s", velocity_m_s),
                 ("exponent", config.friction.stribeck_exponent),
-            ]
+            ])
         }
-        Concealed::PositionForce { .. } | Concealed::PositionFriction { .. } => {
-            vec![("from_m", -HALF_TRAVEL_M), ("to_m", HALF_TRAVEL_M)]
+        Concealed::PositionForce { .. } => {
+            let (mean, shape) = cosines(|x| effect.force_n(x));
+            model.constant_force = mean;
+            map(shape, "_N")
+        }
+        Concealed::PositionFriction { .. } => {
+            // The mean of a level is a matter of the friction.
+            let (mean, shape) = cosines(|x| effect.level(x));
+            gain *= mean;
+            map(shape.map(|cosine| cosine / mean), "")
         }
     };
-    let (map, unit, mean): (Box<dyn Fn(f64) -> f64>, _, _) = match effect {
-        Concealed::PositionForce { .. } => (Box::new(|x| effect.force_n(x)), "_N", 0.0),
-        Concealed::PositionFriction { .. } => (Box::new(|x| effect.level(x)), "", 1.0),
-        _ => (Box::new(|_| 0.0), "", 0.0),
-    };
-    let cosines = cosines(map);
-    let keys: Vec<String> = (1..=TERMS).map(|j| format!("cosine{j}{unit}")).collect();
-    if values.iter().any(|(key, _)| *key == "from_m") {
-        // The mean of a level is a matter of the friction, that of a force one of its own.
-        let level = if mean == 0.0 { 1.0 } else { cosines[0] };
-        values.extend(
-            keys.iter()
-                .zip(&cosines[1..])
-                .map(|(key, c)| (key.as_str(), c / level)),
-        );
-        if mean == 0.0 {
-            model.constant_force = cosines[0];
-        } else {
-            gain *= level;
-        }
-    }
     if let FrictionModel::Gms {
         breakaway, blocks, ..
     } = &mut model.friction
@@ -118,23 +104,37 @@ pub fn known(trial: &Trial) -> Result<Model, String> {
             block.stiffness *= gain;
         }
     }
+    let values: Vec<(&str, f64)> = values.iter().map(|(k, v)| (k.as_str(), *v)).collect();
     model.effects = vec![Effect::new(effect.id(), &values)?];
     Ok(model)
 }
 
-/// Coefficients of `f` over the travel: the mean, then `cos(jπu)` for u = 0…1.
-fn cosines(f: impl Fn(f64) -> f64) -> Vec<f64> {
-    (0..=TERMS)
-        .map(|j| {
-            let sum: f64 = (0..POINTS)
-                .map(|i| {
-                    let u = (i as f64 + 0.5) / POINTS as f64;
-                    f(HALF_TRAVEL_M * (2.0 * u - 1.0)) * (PI * j as f64 * u).cos()
-                })
-                .sum();
-            sum / POINTS as f64 * if j == 0 { 1.0 } else { 2.0 }
-        })
-        .collect()
+fn named(values: &[(&str, f64)]) -> Vec<(String, f64)> {
+    let own = |(key, value): &(&str, f64)| ((*key).to_owned(), *value);
+    values.iter().map(own).collect()
+}
+
+/// The mean of `f` over the travel, and its coefficients of `cos(jπu)`, j = 1…[`TERMS`], for u = 0…1.
+fn cosines(f: impl Fn(f64) -> f64) -> (f64, [f64; TERMS]) {
+    let against = |j: f64| {
+        let sum: f64 = (0..POINTS)
+            .map(|i| {
+                let u = (i as f64 + 0.5) / POINTS as f64;
+                f(HALF_TRAVEL_M * (2.0 * u - 1.0)) * (PI * j * u).cos()
+            })
+            .sum();
+        sum / POINTS as f64
+    };
+    let shape = std::array::from_fn(|j| 2.0 * against((j + 1) as f64));
+    (against(0.0), shape)
+}
+
+/// The values of a map over the whole travel.
+fn map(shape: [f64; TERMS], unit: &str) -> Vec<(String, f64)> {
+    let mut values = named(&[("from_m", -HALF_TRAVEL_M), ("to_m", HALF_TRAVEL_M)]);
+    let cosines = shape.iter().enumerate();
+    values.extend(cosines.map(|(j, c)| (format!("cosine{}{unit}", j + 1), *c)));
+    values
 }
 
 #[cfg(test)]

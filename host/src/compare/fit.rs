@@ -349,17 +349,15 @@ impl<'a> Problem<'a> {
             .filter(|(_, angle)| !(AT_EDGE..1.0 - AT_EDGE).contains(&share(**angle)))
             .map(|(bound, _)| bound.name)
             .collect();
+        let friction = self
+            .family
+            .model(&place, linear.amplitude, linear.damping)?;
         Some(Fit {
             model: Model {
-                motion: self.data.motion,
                 inertia: linear.mass,
                 viscous: linear.viscous,
-                friction: self
-                    .family
-                    .model(&place, linear.amplitude, linear.damping)?,
                 constant_force: linear.offset,
-                effects: Vec::new(),
-                mechanics: Vec::new(),
+                ..Model::of_friction(self.data.motion, friction)
             },
             place,
             nmse: now.residual.norm_squared(),

@@ -24,17 +24,16 @@ impl Diagnosis {
         blocks.sort_by(|a, b| a.1.total_cmp(&b.1));
         let (stiffness, yields): (Vec<f64>, Vec<f64>) = blocks.into_iter().unzip();
         let mut model = Model {
-            motion: recording.kind,
             inertia: if study.inertial {
                 state.fit.coefficients[0]
             } else {
                 0.0
             },
-            viscous: 0.0,
-            friction: FrictionModel::maxwell_slip(&stiffness, &yields),
-            constant_force: 0.0,
-            effects: Vec::new(),
             mechanics: user.map(|m| m.mechanics.clone()).unwrap_or_default(),
+            ..Model::of_friction(
+                recording.kind,
+                FrictionModel::maxwell_slip(&stiffness, &yields),
+            )
         };
         let mut refused = Vec::new();
         for (index, term) in state.terms.iter().enumerate() {

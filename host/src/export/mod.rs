@@ -20,15 +20,7 @@ mod tests {
     use preslide::{Block, HsiehParams, Sliding};
 
     fn model(friction: FrictionModel) -> Model {
-        Model {
-            motion: MotionKind::Linear,
-            inertia: 0.0,
-            viscous: 0.0,
-            friction,
-            constant_force: 0.0,
-            effects: Vec::new(),
-            mechanics: Vec::new(),
-        }
+        Model::of_friction(MotionKind::Linear, friction)
     }
 
     fn source(model: &Model, limit: Option<f64>) -> Result<String, String> {

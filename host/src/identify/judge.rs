@@ -96,13 +96,10 @@ impl Judge<'_> {
     fn model(&self, friction: FrictionModel, linear: &[(&'static str, f64)]) -> Model {
         let of = |name| linear.iter().find(|p| p.0 == name).map_or(0.0, |p| p.1);
         Model {
-            motion: self.recording.kind,
             inertia: of("mass"),
             viscous: of("viscous"),
-            friction,
             constant_force: of("offset"),
-            effects: Vec::new(),
-            mechanics: Vec::new(),
+            ..Model::of_friction(self.recording.kind, friction)
         }
     }
 

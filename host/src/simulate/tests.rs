@@ -6,15 +6,7 @@ use crate::reproduce::paper;
 use preslide::{Block, Sliding};
 
 fn model(friction: FrictionModel) -> Model {
-    Model {
-        motion: MotionKind::Linear,
-        inertia: 0.0,
-        viscous: 0.0,
-        friction,
-        constant_force: 0.0,
-        effects: Vec::new(),
-        mechanics: Vec::new(),
-    }
+    Model::of_friction(MotionKind::Linear, friction)
 }
 
 /// The paper's experiment: up, back, nested reversals, below breakaway throughout.
