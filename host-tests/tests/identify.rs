@@ -92,7 +92,8 @@ fn the_tribometer_is_explained_by_one_block() {
     assert!(found.candidates[0].nmse_test > 50.0);
     assert_eq!(found.best().size(), 1);
     // Why the halves differ is said.
-    assert!(found.notes.iter().any(|n| n.contains("fits worse than")));
+    let notes = found.notes(&recording);
+    assert!(notes.iter().any(|n| n.contains("fits worse than")));
 }
 
 /// A machine that is known exactly.

@@ -243,6 +243,26 @@ macro_rules! with_blocks {
 pub(crate) use with_blocks;
 
 impl FrictionModel {
+    /// Its name in tables.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Coulomb { .. } => "Coulomb + viscous".to_owned(),
+            Self::Dahl { exponent: 1.0, .. } => "Dahl, n = 1".to_owned(),
+            Self::Dahl { .. } => "Dahl".to_owned(),
+            Self::LuGre { .. } => "LuGre".to_owned(),
+            Self::BoucWen { .. } => "Bouc-Wen".to_owned(),
+            Self::ElastoPlastic { .. } => "elasto-plastic".to_owned(),
+            Self::Leuven {
+                form: LeuvenForm::Modified,
+                ..
+            } => "Leuven".to_owned(),
+            Self::Leuven { .. } => "Leuven, original".to_owned(),
+            Self::TwoState { .. } => "two-state".to_owned(),
+            Self::Hsieh(_) => "Hsieh".to_owned(),
+            Self::Gms { blocks, .. } => format!("GMS, N = {}", blocks.len()),
+        }
+    }
+
     /// Its name in model files and tables.
     pub fn kind(&self) -> &'static str {
         match self {

@@ -390,6 +390,15 @@ fn model_json_and_report_are_written_and_read_back() {
             .kind(),
         "coulomb"
     );
+    // Another model of the family, with its parameters in a table.
+    let run = preslide(&["identify", &path, "--friction", "dahl_linear", "-o", &model]);
+    assert!(run.succeeds().out.contains("Dahl, n = 1 *"), "{}", run.out);
+    assert!(run.out.contains("stiffness_N_per_m"), "{}", run.out);
+    let kind = Model::load(Path::new(&model)).expect("a model file");
+    assert_eq!(kind.friction.kind(), "dahl");
+    let both = ["--friction", "lugre", "--blocks", "2"];
+    preslide(&[&["identify", path.as_str()][..], &both].concat()).fails(2, &["--blocks"]);
+    preslide(&["identify", &path, "--friction", "wet"]).fails(2, &["wet", "two_state"]);
 }
 
 #[test]

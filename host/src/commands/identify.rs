@@ -2,6 +2,7 @@
 
 use super::{Failure, OutputArgs, RecordingArgs, SplitArgs, command_line, write_text};
 use clap::Args;
+use preslide_host::identify::family::Family;
 use preslide_host::identify::{Identification, STEPS, identify};
 use preslide_host::progress::Progress;
 use preslide_host::recording::Recording;
@@ -24,6 +25,10 @@ pub struct Identify {
     #[arg(long, value_name = "N")]
     blocks: Option<usize>,
 
+    /// Fit this model of the family and write it instead of the recommended one
+    #[arg(long, value_name = "KIND", conflicts_with = "blocks")]
+    friction: Option<Family>,
+
     /// Write the model
     #[arg(short, long, value_name = "MODEL.toml")]
     output: Option<PathBuf>,
@@ -38,12 +43,18 @@ impl Identify {
         let start = Instant::now();
         let recording = self.recordings.load()?;
         let options = self.split.options(&recording)?;
-        let progress = Progress::new("identify", STEPS);
+        let more = if self.friction.is_some() { 2 } else { 0 };
+        let progress = Progress::new("identify", STEPS + more);
         let mut found = identify(&recording, &options, &progress).map_err(Failure::Data)?;
-        progress.finish();
         if let Some(blocks) = self.blocks {
             found.choose(blocks).map_err(Failure::Input)?;
         }
+        if let Some(family) = self.friction {
+            found
+                .choose_family(&recording, family, &progress)
+                .map_err(Failure::Data)?;
+        }
+        progress.finish();
 
         print(&found, &recording);
 
@@ -61,10 +72,11 @@ impl Identify {
 pub fn print(found: &Identification, recording: &Recording) {
     say!("{}", found.rigid_body_table(recording).to_text());
     say!("{}", found.size_table().to_text());
-    if let Some(table) = found.block_table(recording) {
+    let tables = [found.parameter_table(), found.block_table(recording)];
+    for table in tables.into_iter().flatten() {
         say!("{}", table.to_text());
     }
-    for note in &found.notes {
+    for note in found.notes(recording) {
         say!("Note: {note}.");
     }
     say!("{}", found.recommendation);

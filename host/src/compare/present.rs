@@ -1,10 +1,10 @@
 //! A comparison for people and for machines.
 
-use super::{Compared, Comparison, NEAR, SEED, TICK};
+use super::{Compared, Comparison, NEAR, TICK};
 use crate::friction::FrictionModel;
+use crate::identify::family::bench::SEED;
 use crate::recording::{MotionKind, Recording};
 use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
-use preslide::LeuvenForm;
 use serde_json::{Value, json};
 
 /// Strokes drawn in the loop figure; more would hide each other.
@@ -13,27 +13,12 @@ const STROKES: usize = 2;
 impl Compared {
     /// Its name in tables.
     pub fn name(&self) -> String {
-        match &self.model.friction {
-            FrictionModel::Coulomb { .. } => "Coulomb + viscous".to_owned(),
-            FrictionModel::Dahl { exponent: 1.0, .. } => "Dahl, n = 1".to_owned(),
-            FrictionModel::Dahl { .. } => "Dahl".to_owned(),
-            FrictionModel::LuGre { .. } => "LuGre".to_owned(),
-            FrictionModel::BoucWen { .. } => "Bouc-Wen".to_owned(),
-            FrictionModel::ElastoPlastic { .. } => "elasto-plastic".to_owned(),
-            FrictionModel::Leuven {
-                form: LeuvenForm::Modified,
-                ..
-            } => "Leuven".to_owned(),
-            FrictionModel::Leuven { .. } => "Leuven, original".to_owned(),
-            FrictionModel::TwoState { .. } => "two-state".to_owned(),
-            FrictionModel::Hsieh(_) => "Hsieh".to_owned(),
-            FrictionModel::Gms { blocks, .. } => format!("GMS, N = {}", blocks.len()),
-        }
+        self.candidate.model.friction.name()
     }
 
     /// The model file as JSON: its keys carry the unit, on linear and rotary axes alike.
     fn file(&self) -> Value {
-        toml::from_str(&self.model.to_toml(&[])).unwrap_or(Value::Null)
+        toml::from_str(&self.candidate.model.to_toml(&[])).unwrap_or(Value::Null)
     }
 
     /// `key value, key value, …`.
@@ -76,8 +61,8 @@ impl Comparison {
         let others: Vec<String> = self
             .models
             .iter()
-            .filter(|m| m.model.friction.kind() != best.model.friction.kind())
-            .map(|m| format!("{} {} %", m.name(), percent(m.nmse_test)))
+            .filter(|m| m.candidate.model.friction.kind() != best.candidate.model.friction.kind())
+            .map(|m| format!("{} {} %", m.name(), percent(m.candidate.nmse_test)))
             .collect();
         let loops = match best.memory_in_words() {
             "yes" => "its inner loops close",
@@ -87,7 +72,7 @@ impl Comparison {
         format!(
             "Use {}: {} % of the variance left on held-out data ({}); {loops}{cost}. Of the models that take at most {TICK:.0} cycles (5 % of 170 MHz at 20 kHz) it is the cheapest within {:.0} % of the lowest error.",
             best.name(),
-            percent(best.nmse_test),
+            percent(best.candidate.nmse_test),
             others.join(", "),
             100.0 * (NEAR - 1.0),
         )
@@ -103,22 +88,22 @@ impl Comparison {
             .models
             .iter()
             .map(|m| {
-                let blocks = match &m.model.friction {
+                let blocks = match &m.candidate.model.friction {
                     FrictionModel::Gms { blocks, .. } => Some(blocks.len()),
                     _ => None,
                 };
                 json!({
-                    "kind": m.model.friction.kind(),
+                    "kind": m.candidate.model.friction.kind(),
                     "blocks": blocks,
-                    "nmse_train": m.nmse_train,
-                    "nmse_test": m.nmse_test,
+                    "nmse_train": m.candidate.nmse_train,
+                    "nmse_test": m.candidate.nmse_test,
                     closure_key: m.memory.largest,
                     "loop_closure_share": m.memory.largest / m.memory.range,
                     "nonlocal_memory": m.memory.is_nonlocal(),
                     "cycles_mean": m.cost.as_ref().map(|c| c.cycles_mean),
                     "cycles_worst": m.cost.as_ref().map(|c| c.cycles_worst),
-                    "fitted_parameters": m.parameters,
-                    "at_edge": m.at_edge,
+                    "fitted_parameters": m.candidate.fitted_parameters(),
+                    "at_edge": m.candidate.at_edge,
                     "model": m.file(),
                 })
             })
@@ -131,7 +116,7 @@ impl Comparison {
             "seed": SEED,
             "models": models,
             "recommended": self.models.get(self.recommended).map(|m| json!({
-                "kind": m.model.friction.kind(),
+                "kind": m.candidate.model.friction.kind(),
                 "index": self.recommended,
                 "reason": self.recommendation(),
             })),
@@ -174,9 +159,9 @@ impl Comparison {
                     let mark = if i == self.recommended { " *" } else { "" };
                     vec![
                         format!("{}{mark}", m.name()),
-                        percent(m.nmse_train),
-                        percent(m.nmse_test),
-                        m.parameters.to_string(),
+                        percent(m.candidate.nmse_train),
+                        percent(m.candidate.nmse_test),
+                        m.candidate.fitted_parameters().to_string(),
                         format!("{:.1e}", m.memory.largest),
                         if m.memory.range > 0.0 {
                             format!("{:.1e}", m.memory.largest / m.memory.range)
@@ -289,11 +274,14 @@ impl Comparison {
                 Series::line(
                     m.name(),
                     of(&recording.position, &shown),
-                    of(&m.fitted, &shown),
+                    of(&m.candidate.fitted, &shown),
                 )
                 .colour(colour),
             );
-            let residual: Vec<f64> = judged.iter().map(|&i| effort[i] - m.fitted[i]).collect();
+            let residual: Vec<f64> = judged
+                .iter()
+                .map(|&i| effort[i] - m.candidate.fitted[i])
+                .collect();
             residuals = residuals
                 .with(Series::line(m.name(), of(&recording.t_s, judged), residual).colour(colour));
             nested = nested.with(
@@ -323,9 +311,10 @@ impl Comparison {
         )
         .note("Models without a measured kernel are missing here.");
         for m in &self.models {
-            let point =
-                |at: f64| Series::line(m.name(), vec![at], vec![m.nmse_test]).style(Style::Points);
-            sizes = sizes.with(point(m.parameters as f64));
+            let point = |at: f64| {
+                Series::line(m.name(), vec![at], vec![m.candidate.nmse_test]).style(Style::Points)
+            };
+            sizes = sizes.with(point(m.candidate.fitted_parameters() as f64));
             if let Some(cost) = &m.cost {
                 costs = costs.with(point(cost.cycles_mean));
             }
@@ -387,8 +376,8 @@ impl Comparison {
     fn drawn(&self) -> impl Iterator<Item = &Compared> {
         self.models.iter().filter(|m| {
             self.models.iter().all(|other| {
-                other.model.friction.kind() != m.model.friction.kind()
-                    || m.nmse_test <= other.nmse_test
+                other.candidate.model.friction.kind() != m.candidate.model.friction.kind()
+                    || m.candidate.nmse_test <= other.candidate.nmse_test
             })
         })
     }

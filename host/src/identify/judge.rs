@@ -84,12 +84,9 @@ impl Judge<'_> {
         Candidate {
             nmse_train: nmse(self.effort, &fitted, self.train),
             nmse_test,
-            rigid_body: Vec::new(),
-            blocks: Vec::new(),
-            covariance: None,
-            model,
             method,
             fitted,
+            ..Candidate::new(model)
         }
     }
 

@@ -1,6 +1,7 @@
 //! From a recording to parameters: the rigid body, and friction models of every size.
 
 pub mod estimate;
+pub mod family;
 mod judge;
 pub mod maxwell_slip;
 mod notes;
@@ -18,6 +19,7 @@ use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::{MotionKind, Recording};
 use estimate::Estimate;
+use family::Family;
 use nalgebra::{DMatrix, DVector};
 use regression::{Column, Regression};
 use rigid_body::{Kinematics, Terms};
@@ -44,6 +46,8 @@ pub enum Method {
     Paper,
     /// Globally searched breakpoints.
     Optimal,
+    /// Descent from several starts, linear parameters projected out.
+    Descent(Family),
 }
 
 impl Method {
@@ -53,6 +57,7 @@ impl Method {
             Method::LeastSquares => "least squares",
             Method::Paper => "paper",
             Method::Optimal => "optimal",
+            Method::Descent(_) => "variable projection",
         }
     }
 }
@@ -71,6 +76,10 @@ pub struct Candidate {
     /// `mass` (where one is fitted), `viscous`, `offset` and `coulomb`, which for GMS is the breakaway force ΣW;
     /// empty for the paper's procedure, which has none.
     pub rigid_body: Vec<(&'static str, Estimate)>,
+    /// Friction's own parameters by their keys in model files of linear axes; empty for Coulomb friction and GMS.
+    pub parameters: Vec<(&'static str, Estimate)>,
+    /// Parameters that the search would have moved beyond its bounds.
+    pub at_edge: Vec<&'static str>,
     /// Stiffness (N/m) and yield displacement (m) of each block with confidence.
     pub blocks: Vec<(Estimate, Estimate)>,
     /// Covariance of the blocks' stiffnesses and then of the logarithms of their yields, and the folds it comes from.
@@ -80,6 +89,30 @@ pub struct Candidate {
 }
 
 impl Candidate {
+    fn new(model: Model) -> Self {
+        Self {
+            model,
+            method: Method::LeastSquares,
+            nmse_train: f64::NAN,
+            nmse_test: f64::NAN,
+            rigid_body: Vec::new(),
+            parameters: Vec::new(),
+            at_edge: Vec::new(),
+            blocks: Vec::new(),
+            covariance: None,
+            fitted: Vec::new(),
+        }
+    }
+
+    /// Number of friction parameters that were fitted, without inertia, viscous part (but for Hsieh's own) and offset.
+    pub fn fitted_parameters(&self) -> usize {
+        match (self.method, self.size()) {
+            (Method::Descent(family), _) => family.parameter_count(),
+            (_, 0) => 1,
+            (_, blocks) => 2 * blocks,
+        }
+    }
+
     /// Number of Maxwell-slip blocks, 0 for other models.
     pub fn size(&self) -> usize {
         match &self.model.friction {
@@ -118,8 +151,8 @@ pub struct Identification {
     pub recommended: usize,
     /// One sentence: what to use and why.
     pub recommendation: String,
-    /// What the user should know, besides the recording's own warnings.
-    pub notes: Vec<String>,
+    /// What the user should know of the search, whichever model is taken.
+    search_notes: Vec<String>,
     /// The effort that the models explain, filtered where `filtered`.
     pub effort: Vec<f64>,
     /// Velocity (m/s or rad/s).
@@ -307,14 +340,14 @@ pub fn identify(
         candidates,
         recommended,
         recommendation: String::new(),
-        notes,
+        search_notes: notes,
         effort,
         velocity: kinematics.velocity,
         split,
         virgin,
         yield_range: range,
     };
-    identification.conclude(recording);
+    identification.recommendation = identification.recommended_in_words();
     Ok(identification)
 }
 

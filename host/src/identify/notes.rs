@@ -1,7 +1,11 @@
 //! What a user should know about an identification, in words.
 
+use super::family::Family;
+use super::family::bench::Bench;
+use super::rigid_body::Kinematics;
 use super::{Candidate, Identification, Method};
 use crate::nmse::nmse;
+use crate::progress::Progress;
 use crate::recording::Recording;
 
 /// Difference between training and test NMSE that wants an explanation.
@@ -28,7 +32,31 @@ pub struct Level {
     pub test: bool,
 }
 
+impl Candidate {
+    /// What the search says against its own result.
+    pub fn caveats(&self) -> Vec<String> {
+        let mut caveats = Vec::new();
+        let name = self.model.friction.name();
+        if self.method == Method::Descent(Family::Hsieh) {
+            caveats.push(format!("{name}: its error has several minima, so that another seed may find other parameters and a different error; take this as what was reached, not as the best there is"));
+        }
+        if !self.at_edge.is_empty() {
+            caveats.push(format!(
+                "{name}: {} ended at the bound of its search range: the recording asks for a limiting case of the model, and the value itself means little",
+                self.at_edge.join(", ")
+            ));
+        }
+        caveats
+    }
+}
+
 impl Identification {
+    /// Highest speed of the training data (m/s or rad/s).
+    pub fn top_speed(&self) -> f64 {
+        let rows = self.split.folds.iter().flatten();
+        rows.map(|&i| self.velocity[i].abs()).fold(0.0, f64::max)
+    }
+
     /// The model to use.
     pub fn best(&self) -> &Candidate {
         &self.candidates[self.recommended]
@@ -48,12 +76,43 @@ impl Identification {
                 sizes.join(", ")
             )
         })?;
+        self.say_taken();
+        Ok(())
+    }
+
+    /// Fits a model of the family and recommends it, because the user wants it. Reports two steps to `progress`.
+    ///
+    /// # Errors
+    /// Why the model does not go with this recording; exit code 3.
+    pub fn choose_family(
+        &mut self,
+        recording: &Recording,
+        family: Family,
+        progress: &Progress,
+    ) -> Result<(), String> {
+        let kinematics = Kinematics::of(recording);
+        let candidate = Bench::new(recording, &kinematics, self).candidate(family, progress)?;
+        let candidate = candidate.ok_or_else(|| {
+            format!(
+                "{}: {} cannot be fitted: from no start did its force resist the motion; see what `preslide compare` says of the others",
+                recording.name,
+                family.name()
+            )
+        })?;
+        self.recommended = self.candidates.len();
+        self.candidates.push(candidate);
+        self.say_taken();
+        Ok(())
+    }
+
+    fn say_taken(&mut self) {
+        let best = self.best();
         self.recommendation = format!(
-            "Taken as asked: N = {blocks}, {:.3} % held out. {}",
-            self.best().nmse_test,
+            "Taken as asked: {}, {:.3} % held out. Otherwise: {}",
+            best.model.friction.name(),
+            best.nmse_test,
             self.recommendation
         );
-        Ok(())
     }
 
     /// The GMS models with optimal breakpoints, ascending in size.
@@ -128,18 +187,22 @@ impl Identification {
         nmse(&self.effort, &corrected, &all)
     }
 
-    /// Writes the recommendation and the notes.
-    pub(super) fn conclude(&mut self, recording: &Recording) {
-        let unit = recording.position_unit();
-        let baseline = self.candidates[0].nmse_test;
-        let lowest = self
-            .optimal()
-            .map(|c| c.nmse_test)
-            .fold(f64::INFINITY, f64::min);
+    /// NMSE (%) held out of Coulomb + viscous friction, and the lowest of GMS.
+    fn extremes(&self) -> (f64, f64) {
+        let held_out = self.optimal().map(|c| c.nmse_test);
+        (
+            self.candidates[0].nmse_test,
+            held_out.fold(f64::INFINITY, f64::min),
+        )
+    }
+
+    /// What to use and why.
+    pub(super) fn recommended_in_words(&self) -> String {
+        let (baseline, lowest) = self.extremes();
         let best = self.best();
         let blocks = best.size();
         let plural = if blocks == 1 { "" } else { "s" };
-        let recommendation = if best.nmse_test.is_nan() || best.nmse_test > UNEXPLAINED {
+        if best.nmse_test.is_nan() || best.nmse_test > UNEXPLAINED {
             format!(
                 "Use none of these models: the best leaves {:.3} % of the variance on held-out data. Friction is not what moves this effort; look at the residual against time and position, at the effort's column (--map) and sign (--sign), and record faster or longer strokes.",
                 best.nmse_test
@@ -153,9 +216,15 @@ impl Identification {
                 "Use GMS with {blocks} block{plural}: {:.3} % of the variance left on held-out data (the best of all sizes leaves {lowest:.3} %, Coulomb + viscous {baseline:.3} %).",
                 best.nmse_test
             )
-        };
+        }
+    }
 
-        let mut notes = Vec::new();
+    /// What the user should know, besides the recording's own warnings.
+    pub fn notes(&self, recording: &Recording) -> Vec<String> {
+        let unit = recording.position_unit();
+        let (baseline, lowest) = self.extremes();
+        let best = self.best();
+        let mut notes = self.search_notes.clone();
         if baseline > MOSTLY_PRESLIDING && lowest < 0.5 * baseline {
             notes.push(format!(
                 "Coulomb + viscous friction leaves {baseline:.0} %: most of this motion is pre-sliding, where it says nothing"
@@ -169,7 +238,8 @@ impl Identification {
                 if viscous.1.ci95.is_some_and(|ci| ci[1] > 0.0) { ", and may be zero" } else { "" }
             ));
         }
-        if blocks > 0 {
+        notes.extend(best.caveats());
+        if best.size() > 0 {
             let (shortest, longest) = self.yield_range;
             for (_, d) in &best.blocks {
                 if d.value <= 1.001 * shortest {
@@ -199,8 +269,7 @@ impl Identification {
             );
         }
         notes.extend(self.explain_test(recording));
-        self.notes.extend(notes);
-        self.recommendation = recommendation;
+        notes
     }
 
     /// Whether three quarters of the moving samples have the median speed within a fifth.

@@ -1,6 +1,8 @@
 //! An identification for people and for machines.
 
+use super::estimate::Estimate;
 use super::{Identification, Method};
+use crate::friction::Path;
 use crate::model::Model;
 use crate::recording::{MotionKind, Recording};
 use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
@@ -8,6 +10,8 @@ use serde_json::{Value, json};
 
 /// Repeats drawn in the loop figure; more would hide each other.
 const LOOPS: usize = 2;
+/// Steps of a ramp that draws a model's virgin curve.
+const RAMP: usize = 1000;
 
 /// Keys of the JSON output for a rigid body parameter.
 fn key(kind: MotionKind, name: &str) -> &'static str {
@@ -55,6 +59,8 @@ impl Identification {
                     "nmse_train": c.nmse_train,
                     "nmse_test": c.nmse_test,
                     "breakaway": breakaway(&c.model),
+                    "parameters": c.parameters.iter().map(|(key, e)| (c.model.key(key), json!(e))).collect::<serde_json::Map<_, _>>(),
+                    "at_edge": c.at_edge,
                     "stiffness": c.blocks.iter().map(|b| b.0).collect::<Vec<_>>(),
                     "yield_displacement": c.blocks.iter().map(|b| b.1).collect::<Vec<_>>(),
                 })
@@ -69,7 +75,7 @@ impl Identification {
             "held_out": if self.split.test.is_some() { "test window".to_owned() } else { format!("{}s in turn", self.split.unit) },
             "friction": friction,
             "recommended": { "kind": best.model.friction.kind(), "blocks": best.size(), "reason": self.recommendation },
-            "warnings": recording.warnings.iter().map(ToString::to_string).chain(self.notes.iter().cloned()).collect::<Vec<_>>(),
+            "warnings": recording.warnings.iter().map(ToString::to_string).chain(self.notes(recording)).collect::<Vec<_>>(),
             "seconds": seconds,
         })
     }
@@ -86,7 +92,7 @@ impl Identification {
                 .rigid_body
                 .iter()
                 .map(|(name, e)| {
-                    let bound = |i: usize| e.ci95.map_or("–".to_owned(), |ci| digits(ci[i]));
+                    let [from, to] = bounds(e);
                     let name_shown = match *name {
                         "mass" if recording.kind == MotionKind::Rotary => "inertia",
                         "coulomb" if self.best().size() > 0 => "coulomb (ΣW)",
@@ -95,8 +101,8 @@ impl Identification {
                     vec![
                         name_shown.to_owned(),
                         digits(e.value),
-                        bound(0),
-                        bound(1),
+                        from,
+                        to,
                         unit(recording.kind, name).to_owned(),
                     ]
                 })
@@ -117,6 +123,8 @@ impl Identification {
                     ]
                 })
         };
+        let best = self.best().model.friction.name();
+        let marked = |name: &str| format!("{name}{}", if name == best { " *" } else { "" });
         let largest = self.candidates.iter().map(|c| c.size()).max().unwrap_or(0);
         let held_out = if self.split.test.is_some() {
             "test".to_owned()
@@ -125,25 +133,39 @@ impl Identification {
         };
         let mut rows = vec![{
             let [train, test] = of(Method::LeastSquares, 0);
-            let mark = if self.best().size() == 0 {
-                "Coulomb + viscous *"
-            } else {
-                "Coulomb + viscous"
-            };
-            vec![mark.to_owned(), train, test, "–".to_owned(), "–".to_owned()]
+            vec![
+                marked("Coulomb + viscous"),
+                train,
+                test,
+                "–".to_owned(),
+                "–".to_owned(),
+            ]
         }];
         rows.extend((1..=largest).map(|size| {
             let [train, test] = of(Method::Optimal, size);
             let [paper_train, paper_test] = of(Method::Paper, size);
-            let mark = if size == self.best().size() { " *" } else { "" };
             vec![
-                format!("GMS, N = {size}{mark}"),
+                marked(&format!("GMS, N = {size}")),
                 train,
                 test,
                 paper_train,
                 paper_test,
             ]
         }));
+        let chosen = self.candidates.iter();
+        rows.extend(
+            chosen
+                .filter(|c| matches!(c.method, Method::Descent(_)))
+                .map(|c| {
+                    vec![
+                        marked(&c.model.friction.name()),
+                        format!("{:.4}", c.nmse_train),
+                        format!("{:.4}", c.nmse_test),
+                        "–".to_owned(),
+                        "–".to_owned(),
+                    ]
+                }),
+        );
         Table {
             caption: "NMSE (eq. 13) in % of the effort's variance; * recommended".to_owned(),
             head: [
@@ -158,7 +180,29 @@ impl Identification {
         }
     }
 
-    /// The recommended model's blocks with confidence; none for Coulomb.
+    /// Parameters of a model of the family with confidence; none for Coulomb friction and GMS.
+    pub fn parameter_table(&self) -> Option<Table> {
+        let best = self.best();
+        (!best.parameters.is_empty()).then(|| Table {
+            caption: format!(
+                "{}, by its keys in model files; – stands where nothing was fitted",
+                best.model.friction.name()
+            ),
+            head: ["parameter", "value", "95 % from", "to"]
+                .map(String::from)
+                .to_vec(),
+            rows: best
+                .parameters
+                .iter()
+                .map(|(key, e)| {
+                    let [from, to] = bounds(e);
+                    vec![best.model.key(key), digits(e.value), from, to]
+                })
+                .collect(),
+        })
+    }
+
+    /// The recommended model's blocks with confidence; none for models without blocks.
     pub fn block_table(&self, recording: &Recording) -> Option<Table> {
         let best = self.best();
         let total: f64 = best.blocks.iter().map(|(k, d)| k.value * d.value).sum();
@@ -230,10 +274,10 @@ impl Identification {
             .style(Style::Dashed)
             .colour(Colour::Sky),
         );
-        if best.size() > 0 {
+        if self.recommended > 0 {
             loops = loops.with(
                 Series::line(
-                    format!("GMS, N = {}", best.size()),
+                    best.model.friction.name(),
                     position,
                     of(&best.fitted, &shown),
                 )
@@ -310,14 +354,17 @@ impl Identification {
             )
             .colour(Colour::Black),
         );
-        if best.size() > 0 {
-            let corners = corners(
-                best.blocks.iter().map(|(k, d)| (k.value, d.value)),
-                self.yield_range.1,
-            );
+        if self.recommended > 0 {
+            let (curve, style) = match best.size() {
+                0 => (self.ramp(), Style::Line),
+                _ => {
+                    let blocks = best.blocks.iter().map(|(k, d)| (k.value, d.value));
+                    (corners(blocks, self.yield_range.1), Style::LinePoints)
+                }
+            };
             virgin = virgin.with(
-                Series::line(format!("GMS, N = {}", best.size()), corners.0, corners.1)
-                    .style(Style::LinePoints)
+                Series::line(best.model.friction.name(), curve.0, curve.1)
+                    .style(style)
                     .colour(Colour::Vermillion),
             );
         }
@@ -336,7 +383,11 @@ impl Identification {
             .style(Style::LinePoints),
         );
 
-        let tables = [Some(self.size_table()), self.block_table(recording)];
+        let tables = [
+            Some(self.size_table()),
+            self.parameter_table(),
+            self.block_table(recording),
+        ];
         Page {
             title: format!("Identification of {}", recording.name),
             lead: self.recommendation.clone(),
@@ -399,12 +450,28 @@ impl Identification {
                         .warnings
                         .iter()
                         .map(ToString::to_string)
-                        .chain(self.notes.iter().cloned())
+                        .chain(self.notes(recording))
                         .collect(),
                     ..Section::default()
                 },
             ],
         }
+    }
+
+    /// Displacement and force of the recommended model along half a stroke from rest, at a tenth of the recording's top
+    /// speed; nothing where the library refuses the model.
+    fn ramp(&self) -> (Vec<f64>, Vec<f64>) {
+        let (step, speed) = (self.yield_range.1 / RAMP as f64, 0.1 * self.top_speed());
+        let position: Vec<f64> = (0..=RAMP).map(|i| i as f64 * step).collect();
+        let whole = 0..position.len();
+        let path = Path {
+            position: &position,
+            velocity: &vec![speed; position.len()],
+            pieces: std::slice::from_ref(&whole),
+            sample_time: step / speed,
+        };
+        let force = self.best().model.friction.force(path);
+        force.map_or_else(|_| Default::default(), |force| (position, force))
     }
 
     /// The last whole repeats of the test data, or of the training data.
@@ -426,6 +493,12 @@ impl Identification {
             .filter(|&i| kept.contains(&labels[i]))
             .collect()
     }
+}
+
+/// Both ends of the interval in words.
+fn bounds(estimate: &Estimate) -> [String; 2] {
+    let ends = estimate.ci95.map(|ends| ends.map(digits));
+    ends.unwrap_or_else(|| ["–", "–"].map(String::from))
 }
 
 /// Breakaway force `ΣW` (N or N·m) of a GMS, Coulomb force of a Coulomb model.
@@ -454,9 +527,12 @@ fn corners(blocks: impl Iterator<Item = (f64, f64)> + Clone, end: f64) -> (Vec<f
 /// Five significant digits.
 fn digits(value: f64) -> String {
     let size = value.abs();
-    if size != 0.0 && !(1e-2..1e5).contains(&size) {
+    if size == 0.0 {
+        return "0".to_owned();
+    }
+    if !(1e-2..1e5).contains(&size) {
         return format!("{value:.4e}");
     }
-    let decimals = 4 - size.max(1e-9).log10().floor().clamp(-4.0, 4.0) as i32;
+    let decimals = 4 - size.log10().floor().clamp(-4.0, 4.0) as i32;
     format!("{value:.*}", decimals.max(0) as usize)
 }

@@ -1,16 +1,25 @@
-//! The models with parameters that enter nonlinearly: their parameters, where these may lie, and what is left linear.
+//! The rest of the family: models with parameters that enter nonlinearly, where these may lie, and what is left linear.
+
+pub mod bench;
+pub mod fit;
+pub mod starts;
+#[cfg(test)]
+pub(crate) mod tests;
 
 use crate::friction::FrictionModel;
+use clap::ValueEnum;
 use preslide::{Block, HsiehParams, LeuvenForm, Sliding};
 
 /// A friction model that is fitted by a nonlinear optimiser.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[value(rename_all = "snake_case")]
 pub enum Family {
     /// [`FrictionModel::Dahl`].
     Dahl,
     /// [`FrictionModel::Dahl`] with `n = 1`, the usual choice in controllers.
     DahlLinear,
     /// [`FrictionModel::LuGre`].
+    #[value(name = "lugre")]
     LuGre,
     /// [`FrictionModel::BoucWen`].
     BoucWen,
@@ -266,21 +275,4 @@ fn transition_blocks(length: f64, stretch: f64, breakaway: f64) -> Vec<Block> {
             }
         })
         .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Concave, all of the force, and as many as said.
-    #[test]
-    fn the_transition_curve_becomes_blocks() {
-        for stretch in [0.3, 0.6, 1.0] {
-            let blocks = transition_blocks(1e-6, stretch, 0.9);
-            assert_eq!(blocks.len(), TRANSITION_BLOCKS);
-            assert!(blocks.iter().all(|b| b.stiffness > 0.0 && b.weight > 0.0));
-            let sum: f64 = blocks.iter().map(|b| b.weight).sum();
-            assert!((sum - 1.0).abs() < 1e-12, "{sum}");
-        }
-    }
 }

@@ -1,7 +1,7 @@
 //! The best parameters of a model on a recording: variable projection, Levenberg–Marquardt, several starts.
 
-use super::family::{Bounded, Family, Span};
 use super::starts::latin_hypercube;
+use super::{Bounded, Family, Span};
 use crate::friction::Path;
 use crate::identify::regression::{Gram, solve_normal};
 use crate::kinematics::ZeroPhase;

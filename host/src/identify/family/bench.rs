@@ -1,0 +1,206 @@
+//! A model of the family on a recording: fitted, judged on what it did not see, each parameter with its confidence.
+
+use super::fit::{Data, Fit};
+use super::{Family, Span};
+use crate::friction::Path;
+use crate::identify::estimate::Estimate;
+use crate::identify::rigid_body::Kinematics;
+use crate::identify::split::Split;
+use crate::identify::{Candidate, Identification, Method};
+use crate::nmse::nmse;
+use crate::progress::Progress;
+use crate::recording::Recording;
+use rayon::prelude::*;
+
+/// Seed of the starts.
+///
+/// On the tribometer five seeds gave the same Dahl and LuGre fits to four digits. Hsieh's error has several minima:
+/// four seeds led to 0.237–0.241 % in training with quite different parameters, one to 1.26 %.
+pub const SEED: u64 = 20_170_515;
+
+/// Groups of folds that take turns in being held out, as for GMS.
+const GROUPS: usize = 6;
+
+/// What every model of the family is fitted to.
+pub struct Bench<'a> {
+    data: Data<'a>,
+    span: Span,
+    split: &'a Split,
+    train: Vec<usize>,
+}
+
+impl<'a> Bench<'a> {
+    /// With the effort, the split and the range of yields that `identify` used.
+    pub fn new(
+        recording: &'a Recording,
+        kinematics: &'a Kinematics,
+        found: &'a Identification,
+    ) -> Self {
+        // Coulomb friction alone may have lost its inertia to the spring that it lacks.
+        let with_mass = found
+            .optimal()
+            .next()
+            .is_some_and(|gms| gms.rigid_body.iter().any(|p| p.0 == "mass"));
+        let (shortest, longest) = found.yield_range;
+        Self {
+            data: Data {
+                motion: recording.kind,
+                path: Path {
+                    position: &recording.position,
+                    velocity: &kinematics.velocity,
+                    pieces: &recording.pieces,
+                    sample_time: recording.sample_time_s(),
+                },
+                effort: &found.effort,
+                filter: found.filtered.then_some(&kinematics.filter),
+                acceleration: with_mass.then_some(kinematics.acceleration.as_slice()),
+            },
+            span: Span {
+                shortest,
+                longest,
+                speed: found.top_speed(),
+                sample_time: recording.sample_time_s(),
+                duration: recording.len() as f64 * recording.sample_time_s(),
+            },
+            split: &found.split,
+            train: found.split.train(),
+        }
+    }
+
+    /// Fits `family`; `None` where from no start its force resists the motion.
+    ///
+    /// The intervals are those of a jackknife over groups of folds, as many as [`GROUPS`] where there are.
+    ///
+    /// # Errors
+    /// Which parameter the library refuses.
+    pub fn candidate(
+        &self,
+        family: Family,
+        progress: &Progress,
+    ) -> Result<Option<Candidate>, String> {
+        let best = self.data.fit(family, &self.span, &self.train, SEED);
+        progress.inc(1);
+        let Some(best) = best else {
+            return Ok(None);
+        };
+        let groups = self.groups();
+        let refits: Vec<Option<Fit>> = (0..groups.len())
+            .into_par_iter()
+            .map(|out| self.without(&groups, out, family, &best))
+            .collect();
+        progress.inc(1);
+        let fitted = self.data.effort_of(&best.model)?;
+        let nmse_test = match &self.split.test {
+            Some(rows) => nmse(self.data.effort, &fitted, rows),
+            None => self.cross_validated(&groups, &refits)?,
+        };
+        let known: Option<Vec<&Fit>> = refits.iter().map(Option::as_ref).collect();
+        let estimate = |of: &dyn Fn(&Fit) -> f64| match &known {
+            Some(known) => jackknife(
+                of(&best),
+                &known.iter().map(|fit| of(fit)).collect::<Vec<_>>(),
+            ),
+            None => Estimate::new(of(&best), None, 0),
+        };
+        let mass = self.data.acceleration.is_some();
+        let rigid_body = [
+            mass.then(|| ("mass", estimate(&|fit| fit.model.inertia))),
+            Some(("viscous", estimate(&|fit| fit.model.viscous))),
+            Some(("offset", estimate(&|fit| fit.model.constant_force))),
+        ];
+        let scalars = best.model.friction.scalars();
+        let parameters = scalars.iter().enumerate();
+        Ok(Some(Candidate {
+            nmse_train: nmse(self.data.effort, &fitted, &self.train),
+            nmse_test,
+            rigid_body: rigid_body.into_iter().flatten().collect(),
+            parameters: parameters
+                .filter(|(_, (_, value))| value.is_finite())
+                .map(|(i, (key, _))| (*key, estimate(&|fit| fit.model.friction.scalars()[i].1)))
+                .collect(),
+            at_edge: best.at_edge.clone(),
+            method: Method::Descent(family),
+            fitted,
+            ..Candidate::new(best.model.clone())
+        }))
+    }
+
+    /// Rows of the folds that are held out together.
+    fn groups(&self) -> Vec<Vec<usize>> {
+        let per_group = self.split.folds.len().div_ceil(GROUPS).max(1);
+        let groups = self.split.folds.chunks(per_group);
+        groups.map(<[Vec<usize>]>::concat).collect()
+    }
+
+    /// The fit to all groups but one, from where the fit to all ended.
+    fn without(
+        &self,
+        groups: &[Vec<usize>],
+        out: usize,
+        family: Family,
+        from: &Fit,
+    ) -> Option<Fit> {
+        let rest = groups.iter().enumerate().filter(|(i, _)| *i != out);
+        let rest: Vec<usize> = rest.flat_map(|(_, rows)| rows.iter().copied()).collect();
+        self.data.refit(family, &self.span, &rest, from)
+    }
+
+    /// NMSE (%) over groups held out in turn.
+    fn cross_validated(
+        &self,
+        groups: &[Vec<usize>],
+        refits: &[Option<Fit>],
+    ) -> Result<f64, String> {
+        let mut predicted = vec![0.0; self.data.effort.len()];
+        for (rows, fit) in groups.iter().zip(refits) {
+            // Where there is no fit, nothing better is known of the held-out samples than zero effort.
+            let Some(fit) = fit else { continue };
+            let effort = self.data.effort_of(&fit.model)?;
+            for &i in rows {
+                predicted[i] = effort[i];
+            }
+        }
+        Ok(nmse(self.data.effort, &predicted, &self.train))
+    }
+}
+
+/// A value with the confidence that leaving out one group after the other gives it (Efron and Tibshirani, An introduction
+/// to the bootstrap, 1993, eq. 11.5); none where nothing was fitted.
+fn jackknife(value: f64, left_out: &[f64]) -> Estimate {
+    let groups = left_out.len() as f64;
+    let error = |values: &[f64]| {
+        let mean = values.iter().sum::<f64>() / groups;
+        let scatter: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+        ((groups - 1.0) / groups * scatter).sqrt()
+    };
+    if left_out.iter().all(|v| *v == value) {
+        return Estimate::new(value, None, 0);
+    }
+    if value > 0.0 && left_out.iter().all(|v| *v > 0.0) {
+        let logarithms: Vec<f64> = left_out.iter().map(|v| v.ln()).collect();
+        return Estimate::logarithmic(value, Some(error(&logarithms)), left_out.len());
+    }
+    Estimate::new(value, Some(error(left_out)), left_out.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of a mean the jackknife gives the textbook's standard error.
+    #[test]
+    fn the_error_of_a_mean() {
+        let samples = [-1.0, 3.0, 2.0, -5.0, 4.5, 0.5];
+        let n = samples.len() as f64;
+        let mean = samples.iter().sum::<f64>() / n;
+        let variance: f64 = samples.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        let without: Vec<f64> = samples.iter().map(|x| (n * mean - x) / (n - 1.0)).collect();
+        let reach = 2.570_582 * (variance / n).sqrt();
+        let found = jackknife(mean, &without).ci95.unwrap();
+        assert!((found[1] - mean - reach).abs() < 1e-6 * reach, "{found:?}");
+        assert!(
+            jackknife(2.0, &[2.0; 6]).ci95.is_none(),
+            "fixed, so without confidence"
+        );
+    }
+}
