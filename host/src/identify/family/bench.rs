@@ -69,7 +69,7 @@ impl<'a> Bench<'a> {
 
     /// Fits `family`; `None` where from no start its force resists the motion.
     ///
-    /// The intervals are those of a jackknife over groups of folds, as many as [`GROUPS`] where there are.
+    /// The intervals are those of a jackknife over (at most six) groups of folds.
     ///
     /// # Errors
     /// Which parameter the library refuses.
