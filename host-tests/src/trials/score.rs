@@ -7,7 +7,8 @@
 
 use serde_json::Value;
 
-use super::effect::Id;
+use super::effect::{Effect, Id};
+use super::friction::{LOAD_N, TEMPERATURE_C};
 use super::truth::Achievable;
 use super::{Kind, Label, Region, Trial};
 
@@ -149,6 +150,17 @@ pub fn tenable(named: &Named, truth: &[Id]) -> bool {
     truth
         .iter()
         .any(|&id| right(named, id) || (id == Id::FrictionalLag && named.id == Id::Stribeck.name()))
+}
+
+/// The friction level, beside the nominal one, at the load or temperature that a stated level is relative to.
+fn base(effect: &Effect, named: &Named) -> f64 {
+    let (key, nominal) = match effect.id {
+        Id::LoadDependentFriction => ("load_N", LOAD_N),
+        Id::ThermalDrift => ("temperature_C", TEMPERATURE_C),
+        _ => return 1.0,
+    };
+    let stated = named.parameters.iter().find(|p| p.0 == key);
+    stated.map_or(1.0, |p| 1.0 + effect.values[0] * (p.1 - nominal))
 }
 
 /// Unit at the end of a parameter's name; empty for a pure number.
@@ -313,6 +325,7 @@ impl Judged {
                     if name.starts_with("phase") || value == 0.0 {
                         continue;
                     }
+                    let value = value / base(effect, named);
                     scores.push(ParameterScore {
                         name: format!("{}.{name}", named.id),
                         relative_error: (stated - value).abs() / value.abs(),

@@ -65,6 +65,7 @@ pub fn parameters(id: &str) -> &'static [(&'static str, Scale)] {
             ("erasing_path_m", Logarithmic),
         ],
         "creep" => &[("share_of_breakaway", Chosen)],
+        "drive_compliance" => &[("motor_share", Chosen)],
         "backlash" => &[("gap_m", Logarithmic)],
         "actuator_saturation" => &[("limit_N", Logarithmic)],
         _ => &[],
@@ -151,6 +152,7 @@ pub fn shapes(id: &str, study: &Study) -> Vec<Vec<f64>> {
             product(&[0.1, 0.5], &spread(erased / 300.0, erased, 5))
         }
         "creep" => vec![vec![0.15]],
+        "drive_compliance" => vec![vec![MOTOR_SHARE]],
         "backlash" => {
             let shortest = shortest_yield(study);
             spread(shortest, (200.0 * shortest).min(travel / 20.0), 9)
@@ -293,10 +295,10 @@ pub fn columns(id: &str, shape: &[f64], study: &Study) -> Vec<Column> {
                 ..Column::default()
             }];
         }
-        // Behind a spring the load is displaced by the transmitted effort; half of the inertia is taken to be the load's.
+        // Behind a spring the load is displaced by the transmitted effort.
         "drive_compliance" => {
-            let transmitted = of(&|i| b.fitted[i] - MOTOR_SHARE * b.mass * s.a[i]);
-            return vec![displaced(transmitted, (1.0 - MOTOR_SHARE) * b.mass, study)];
+            let transmitted = of(&|i| b.fitted[i] - at(0) * b.mass * s.a[i]);
+            return vec![displaced(transmitted, (1.0 - at(0)) * b.mass, study)];
         }
         // The gap is crossed where the transmitted effort changes sign.
         "backlash" => {
@@ -363,8 +365,17 @@ pub fn columns(id: &str, shape: &[f64], study: &Study) -> Vec<Column> {
     plain.into_iter().map(Column::of).collect()
 }
 
-/// Share of the inertia on the motor's side of a compliant drive, which one recording does not tell.
+/// Share of the inertia on the motor's side of a compliant drive or a gap, which one recording does not tell.
 pub const MOTOR_SHARE: f64 = 0.5;
+
+/// Between which values a parameter lies that is assumed because a recording does not tell it: `motor_share`, `share_of_breakaway`.
+pub fn assumed(id: &str) -> Option<[f64; 2]> {
+    match id {
+        "drive_compliance" => Some([0.3, 0.7]),
+        "creep" => Some([0.12, 0.2]),
+        _ => None,
+    }
+}
 
 /// Mean of some values.
 pub fn mean(values: &[f64]) -> f64 {

@@ -1,6 +1,7 @@
 //! The model file that a diagnosis ends in: the confident effects on the refitted baseline.
 
-use super::conclude::{Diagnosis, parameters};
+use super::conclude::Diagnosis;
+use super::parameters::parameters;
 use super::study::Study;
 use crate::effects::Effect;
 use crate::friction::{FrictionModel, MOST_BLOCKS};
@@ -67,12 +68,13 @@ impl Diagnosis {
 }
 
 /// Keys of the diagnosis that a model file has no use for.
-const INTERNAL: [(&str, &str); 7] = [
+const INTERNAL: [(&str, &str); 8] = [
     ("position_force", "constant_N"),
     ("stribeck", "slipping_only"),
     ("position_force", "terms"),
     ("position_friction", "terms"),
     ("drive_compliance", "stiffness_N_per_m"),
+    ("drive_compliance", "motor_share"),
     ("actuator_saturation", "share"),
     ("backlash", "share"),
 ];

@@ -8,9 +8,11 @@ pub mod conclude;
 pub mod experiment;
 mod extend;
 pub mod noise;
+mod parameters;
 mod present;
 pub mod score;
 pub mod search;
+mod shape;
 pub mod signals;
 pub mod signature;
 pub mod spectra;
@@ -137,6 +139,8 @@ fn given(model: &Model) -> Vec<Term> {
             // Its centre is free where no constant force stands for it.
             "position_spring" if model.constant_force == 0.0 => vec![1.0],
             "position_force" | "position_friction" => vec![effect.cosines().len() as f64],
+            // The model file's drive has as much inertia on both sides.
+            "drive_compliance" => vec![columns::MOTOR_SHARE],
             "thermal_drift" if effect.has("level_per_K") => Vec::new(),
             id => columns::parameters(id)
                 .iter()

@@ -234,6 +234,43 @@ impl Problem {
         })
     }
 
+    /// Standard errors of the coefficients of `fit` by leaving out one kind of rows after the other (a jackknife): a form that
+    /// is wrong gives other values on other motions, which repeats of the same motion do not show. `kinds` tells the kind of
+    /// each row.
+    pub fn error_of_form(&self, fit: &Fit, kinds: &[usize]) -> Option<Vec<f64>> {
+        let k = fit.active.len();
+        let count = kinds.iter().max()? + 1;
+        let mut grams = vec![DMatrix::zeros(k, k); count];
+        let mut rights = vec![DVector::zeros(k); count];
+        let mut first = 0;
+        for (part, target) in self.parts.iter().zip(&self.targets) {
+            let own = &kinds[first..first + part.nrows()];
+            first += part.nrows();
+            for kind in 0..count {
+                let rows: Vec<usize> = (0..own.len()).filter(|i| own[*i] == kind).collect();
+                let mut x = part.select_rows(&rows).select_columns(&fit.active);
+                for (i, &j) in fit.active.iter().enumerate() {
+                    x.column_mut(i).scale_mut(self.scale[j]);
+                }
+                grams[kind] += x.tr_mul(&x);
+                rights[kind] += x.tr_mul(&target.column(0).select_rows(&rows));
+            }
+        }
+        let ridge = DMatrix::from_diagonal_element(k, k, RIDGE);
+        let gram = grams.iter().fold(ridge, |sum, own| sum + own);
+        let right = rights.iter().fold(DVector::zeros(k), |sum, own| sum + own);
+        let whole = gram.clone().cholesky()?.solve(&right);
+        let mut square = vec![0.0; self.bounds.len()];
+        for (own, own_right) in grams.iter().zip(&rights) {
+            let without = (&gram - own).cholesky()?.solve(&(&right - own_right));
+            for (i, &j) in fit.active.iter().enumerate() {
+                square[j] += ((without[i] - whole[i]) * self.scale[j]).powi(2);
+            }
+        }
+        let share = (count as f64 - 1.0) / count as f64;
+        Some(square.into_iter().map(|s| (share * s).sqrt()).collect())
+    }
+
     /// What `columns` add to `fit` when their coefficients are fitted jointly with the rest.
     pub fn gain(&self, fit: &Fit, noise: &Noise, columns: &[Vec<f64>]) -> Option<Gain> {
         let k = columns.len();

@@ -1,8 +1,9 @@
 //! Which effects act: forward, swap and backward, with thresholds from the recording's own noise.
 
 use super::catalogue::TESTED;
-use super::columns::{Scale, lowest_limit, parameters, shapes};
+use super::columns::{parameters, shapes};
 use super::score::{Gain, beyond};
+use super::shape::{polished, refine, sharpened};
 use super::signature::{self, Axis, signatures};
 use super::spectra;
 use super::study::{State, Study, Term};
@@ -96,7 +97,7 @@ pub fn consistent(by_fold: &[f64]) -> bool {
 }
 
 /// Whether coefficients have the sign, or the value, that the physics has.
-fn physical(id: &str, coefficients: &[f64]) -> bool {
+pub fn physical(id: &str, coefficients: &[f64]) -> bool {
     match (id, coefficients) {
         (
             "viscous" | "quadratic_drag" | "dwell_aging" | "drive_compliance" | "position_spring"
@@ -221,77 +222,6 @@ fn lines(study: &Study, state: &State, periods: &[f64]) -> Vec<(Term, f64)> {
     found
 }
 
-/// Refines the shape of a term by likelihood, all coefficients free.
-pub fn refine(study: &Study, without: &State, term: &Term) -> Term {
-    let mut best = term.clone();
-    let Some(mut value) = study.gain(without, &best).map(|g| g.total()) else {
-        return best;
-    };
-    let keys = parameters(term.id);
-    let (travel, duration) = (study.s.travel(), study.s.duration());
-    let mut steps: Vec<f64> = keys
-        .iter()
-        .map(|(_, scale)| match scale {
-            Scale::Chosen => 0.0,
-            Scale::Period => 0.15 * term.shape[0] / travel,
-            Scale::Frequency => 0.15 / (duration * term.shape[0]),
-            Scale::Logarithmic => 0.3,
-            Scale::Travel => travel / 80.0,
-        })
-        .collect();
-    for _ in 0..7 {
-        let mut moved = false;
-        for j in 0..keys.len().min(best.shape.len()) {
-            if steps[j] == 0.0 {
-                continue;
-            }
-            for sign in [-1.0, 1.0] {
-                let mut trial = best.clone();
-                trial.shape[j] = match keys[j].1 {
-                    Scale::Travel => trial.shape[j] + sign * steps[j],
-                    _ => trial.shape[j] * (sign * steps[j]).exp(),
-                };
-                match keys[j].0 {
-                    "exponent" => trial.shape[j] = trial.shape[j].clamp(1.0, 3.0),
-                    // A shorter lag is none that the rows could tell.
-                    "time_constant_s" if term.id == "frictional_lag" => {
-                        trial.shape[j] = trial.shape[j].max(0.6 * study.weak.half_width_s);
-                    }
-                    // The column is made of the measured effort: with a limit below most of it, the effort explains itself.
-                    "limit_N" => trial.shape[j] = trial.shape[j].max(lowest_limit(study)),
-                    _ => {}
-                }
-                if let Some(gain) = study
-                    .gain(without, &trial)
-                    .filter(|g| physical(trial.id, &g.coefficients))
-                    .map(|g| g.total())
-                    && gain > value + 1e-3
-                {
-                    (best, value, moved) = (trial, gain, true);
-                    break;
-                }
-            }
-        }
-        if !moved {
-            steps.iter_mut().for_each(|s| *s *= 0.4);
-        }
-    }
-    best
-}
-
-/// Refines every term that was found, after what they act through has changed.
-fn sharpened(study: &Study, mut state: State, given: usize) -> Option<State> {
-    for index in given..state.terms.len() {
-        let mut terms = state.terms.clone();
-        if parameters(terms[index].id).is_empty() {
-            continue;
-        }
-        terms[index] = refine(study, &study.without(&state, index)?, &terms[index]);
-        state = study.fit(&terms, Some(&state))?;
-    }
-    Some(state)
-}
-
 /// A constant beside a spring or a map of force is the spring's centre or the map's mean, unless it is large beside them.
 fn folded(study: &Study, state: State, given: usize) -> Option<State> {
     let mut terms = state.terms.clone();
@@ -391,6 +321,7 @@ pub fn search(
     }
     rest.extend(slight);
     let state = folded(study, state, given.len())?;
+    let state = polished(study, state, given.len())?;
     let (state, evidence) = weigh(study, state, given.len(), periods, progress)?;
     let first = study.fit_with(given, state.noise.clone())?;
     Some(Found {

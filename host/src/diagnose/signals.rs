@@ -185,6 +185,30 @@ impl Signals {
         self.reversals > 2 && rms < SAME_ENDS * (high - low)
     }
 
+    /// The kind of the stroke that each sample belongs to: strokes in the order of their highest speeds, cut into `count` kinds of
+    /// as many samples each.
+    pub fn kinds_of_strokes(&self, count: usize) -> Vec<usize> {
+        let mut strokes: Vec<(f64, std::ops::Range<usize>)> = Vec::new();
+        for i in 0..self.x.len() {
+            match strokes.last_mut() {
+                Some((top, stroke)) if self.direction[i] == self.direction[stroke.start] => {
+                    *top = self.v[i].abs().max(*top);
+                    stroke.end = i + 1;
+                }
+                _ => strokes.push((self.v[i].abs(), i..i + 1)),
+            }
+        }
+        strokes.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut kinds = vec![0; self.x.len()];
+        let mut before = 0;
+        for (_, stroke) in strokes {
+            let middle = before + stroke.len() / 2;
+            before += stroke.len();
+            kinds[stroke].fill(middle * count / self.x.len().max(1));
+        }
+        kinds
+    }
+
     /// Time since the last reversal (s).
     pub fn time_since_reversal(&self) -> Vec<f64> {
         let mut since = 0.0;
