@@ -298,7 +298,7 @@ pub fn malformed(study: &Study, state: &State, index: usize, nats: f64) -> Optio
     let own = Axis::of(id);
     let found = [Axis::Speed, Axis::Time, Axis::SinceReversal]
         .into_par_iter()
-        .filter(|axis| *axis != own)
+        .filter(|axis| !axis.is_akin(own))
         .filter_map(|axis| Some((axis, changing(axis)?)))
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
     (found.1 > 10.0 && found.1 > FORM * nats).then_some(found.0)
