@@ -458,6 +458,7 @@ fn non_negative(
 
 #[cfg(test)]
 mod tests {
+    use super::super::noise::Course;
     use super::*;
 
     #[test]
@@ -467,5 +468,35 @@ mod tests {
         let b = DVector::from_column_slice(&[2.0, -1.0, -3.0]);
         let bounds = [Bound::NonNegative, Bound::NonNegative, Bound::Free];
         assert_eq!(non_negative(&a, &b, &[0, 1, 2], &bounds), Some(vec![0, 2]));
+    }
+
+    /// Of a mean over kinds of equal size the error is the textbook's of the mean of their means.
+    #[test]
+    fn kinds_that_differ_widen_the_error() {
+        let (kinds, rows) = (6, 40);
+        let n = kinds * rows;
+        let folds = [0..n / 2, n / 2..n];
+        let time: Vec<f64> = (0..n).map(|i| i as f64).collect();
+        let none = vec![0.0; n];
+        let course = Course {
+            folds: &folds,
+            time: &time,
+            path: &none,
+            friction: &none,
+            stiffness: &none,
+            stroke: 1.0,
+        };
+        let means = [1.0, 3.0, 2.0, -1.0, 0.5, 4.0];
+        let kind: Vec<usize> = (0..n).map(|i| i % kinds).collect();
+        let force: Vec<f64> = kind.iter().map(|k| means[*k]).collect();
+        let noise = Noise::white(&force, &course);
+        let problem = Problem::new(&noise, &[vec![1.0; n]], vec![Bound::Free], &force, 1);
+        let error = problem
+            .error_of_form(&problem.fit().unwrap(), &kind)
+            .unwrap()[0];
+        let mean = means.iter().sum::<f64>() / kinds as f64;
+        let square: f64 = means.iter().map(|m| (m - mean).powi(2)).sum();
+        let textbook = (square / (kinds * (kinds - 1)) as f64).sqrt();
+        assert!((error / textbook - 1.0).abs() < 1e-6, "{error} {textbook}");
     }
 }

@@ -10,8 +10,10 @@ use serde_json::{Value, json};
 
 /// Repeats drawn in the loop figure; more would hide each other.
 const LOOPS: usize = 2;
-/// Steps of a ramp that draws a model's virgin curve.
-const RAMP: usize = 1000;
+/// Points of a model's virgin curve.
+const RAMP: i32 = 100;
+/// Steps on the way to each of them.
+const STEPS: usize = 400;
 
 /// Keys of the JSON output for a rigid body parameter.
 fn key(kind: MotionKind, name: &str) -> &'static str {
@@ -341,31 +343,31 @@ impl Identification {
                     .colour(colour),
                 );
         }
+        // Logarithmic: the yields of the blocks lie decades apart. Rest, where all is zero, has no place there.
         let mut virgin = Figure::new(
             "Virgin curve (mean branch after a reversal, halved)",
-            Axis::new("displacement", x),
+            Axis::new("displacement", x).log(),
             Axis::new("friction", f),
         )
         .with(
             Series::line(
                 "measured",
-                self.virgin.displacement.clone(),
-                self.virgin.force.clone(),
+                self.virgin.displacement.iter().skip(1).copied().collect(),
+                self.virgin.force.iter().skip(1).copied().collect(),
             )
             .colour(Colour::Black),
         );
         if self.recommended > 0 {
-            let (curve, style) = match best.size() {
-                0 => (self.ramp(), Style::Line),
-                _ => {
-                    let blocks = best.blocks.iter().map(|(k, d)| (k.value, d.value));
-                    (corners(blocks, self.yield_range.1), Style::LinePoints)
-                }
-            };
+            let name = best.model.friction.name();
+            let (displacement, force) = self.ramp();
+            virgin =
+                virgin.with(Series::line(name, displacement, force).colour(Colour::Vermillion));
+        }
+        if best.size() > 0 {
+            let yields: Vec<f64> = best.blocks.iter().map(|(_, d)| d.value).collect();
+            let force = yields.iter().map(|d| best.virgin_force(*d).value).collect();
             virgin = virgin.with(
-                Series::line(best.model.friction.name(), curve.0, curve.1)
-                    .style(style)
-                    .colour(Colour::Vermillion),
+                Series::points("yields of the blocks", yields, force).colour(Colour::Vermillion),
             );
         }
         let levels = self.levels(recording);
@@ -458,20 +460,31 @@ impl Identification {
         }
     }
 
-    /// Displacement and force of the recommended model along half a stroke from rest, at a tenth of the recording's top
-    /// speed; nothing where the library refuses the model.
+    /// The recommended model's virgin curve at a tenth of the recording's top speed: displacements from a tenth of the shortest
+    /// yield to half of the longest stroke, evenly on a logarithmic axis, and the force at the end of each. Nothing where the
+    /// library refuses the model.
     fn ramp(&self) -> (Vec<f64>, Vec<f64>) {
-        let (step, speed) = (self.yield_range.1 / RAMP as f64, 0.1 * self.top_speed());
-        let position: Vec<f64> = (0..=RAMP).map(|i| i as f64 * step).collect();
-        let whole = 0..position.len();
-        let path = Path {
-            position: &position,
-            velocity: &vec![speed; position.len()],
-            pieces: std::slice::from_ref(&whole),
-            sample_time: step / speed,
-        };
-        let force = self.best().model.friction.force(path);
-        force.map_or_else(|_| Default::default(), |force| (position, force))
+        let (shortest, longest) = self.yield_range;
+        let speed = 0.1 * self.top_speed();
+        let growth = (10.0 * longest / shortest).powf(1.0 / RAMP as f64);
+        let displacement: Vec<f64> = (0..=RAMP)
+            .map(|i| 0.1 * shortest * growth.powi(i))
+            .collect();
+        let force = displacement
+            .iter()
+            .map(|&x| {
+                let position: Vec<f64> = (0..=STEPS).map(|i| x * i as f64 / STEPS as f64).collect();
+                let whole = 0..position.len();
+                let path = Path {
+                    position: &position,
+                    velocity: &vec![speed; position.len()],
+                    pieces: std::slice::from_ref(&whole),
+                    sample_time: x / STEPS as f64 / speed,
+                };
+                self.best().model.friction.force(path).ok()?.pop()
+            })
+            .collect::<Option<Vec<f64>>>();
+        force.map_or_else(Default::default, |force| (displacement, force))
     }
 
     /// The last whole repeats of the test data, or of the training data.
@@ -511,17 +524,6 @@ fn force_unit(recording: &Recording) -> &'static str {
         MotionKind::Linear => "N",
         MotionKind::Rotary => "N·m",
     }
-}
-
-/// Corners of the virgin curve of these blocks, up to `end`.
-fn corners(blocks: impl Iterator<Item = (f64, f64)> + Clone, end: f64) -> (Vec<f64>, Vec<f64>) {
-    let mut x: Vec<f64> = blocks.clone().map(|(_, d)| d).chain([0.0, end]).collect();
-    x.sort_by(f64::total_cmp);
-    let force = x
-        .iter()
-        .map(|&x| blocks.clone().map(|(k, d)| k * x.min(d)).sum())
-        .collect();
-    (x, force)
 }
 
 /// Five significant digits.
