@@ -53,7 +53,7 @@ fn clean_recordings_of_two_laws_are_consistent() {
 }
 
 #[test]
-fn a_stribeck_curve_is_named_with_its_velocity() {
+fn a_stribeck_curve_is_named_with_its_velocity_and_honest_intervals() {
     let seed = 272;
     let (found, _) = answer(seed, Kind::Single(Id::Stribeck, Strength::Typical));
     assert_eq!(confident(&found), ["stribeck"], "seed {seed}");
@@ -67,17 +67,24 @@ fn a_stribeck_curve_is_named_with_its_velocity() {
         .label
         .effects[0]
         .values;
-    let velocity = found.effects[0]
-        .parameters
-        .iter()
-        .find(|p| p.0 == "velocity_m_s")
-        .expect("stated");
-    assert!(
-        (velocity.1.value / truth[1] - 1.0).abs() < 0.3,
-        "{} {}",
-        velocity.1.value,
-        truth[1]
-    );
+    for (key, truth) in [
+        ("level", truth[0]),
+        ("velocity_m_s", truth[1]),
+        ("exponent", truth[2]),
+    ] {
+        let all = &found.effects[0].parameters;
+        let (_, stated) = all.iter().find(|p| p.0 == key).expect("stated");
+        let [low, high] = stated.ci95.expect("an interval");
+        assert!(
+            low <= truth && truth <= high,
+            "{key} {truth} is not in {low}…{high}"
+        );
+        assert!(
+            (stated.value / truth - 1.0).abs() < 0.3,
+            "{key} {} {truth}",
+            stated.value
+        );
+    }
 }
 
 #[test]

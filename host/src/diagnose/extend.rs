@@ -2,7 +2,7 @@
 
 use super::conclude::Diagnosis;
 use super::parameters::parameters;
-use super::study::Study;
+use super::study::{State, Study};
 use crate::effects::Effect;
 use crate::friction::{FrictionModel, MOST_BLOCKS};
 use crate::model::Model;
@@ -17,7 +17,8 @@ impl Diagnosis {
         recording: &Recording,
         user: Option<&Model>,
     ) -> (Model, Vec<String>) {
-        let state = &self.states[1];
+        let tabulable = tabulable(study, &self.states[1]);
+        let state = tabulable.as_ref().unwrap_or(&self.states[1]);
         let mut blocks = study.blocks(&state.fit);
         // The library takes so many blocks: the weakest give way.
         blocks.sort_by(|a, b| (b.0 * b.1).total_cmp(&(a.0 * a.1)));
@@ -65,6 +66,19 @@ impl Diagnosis {
         }
         (model, refused)
     }
+}
+
+/// The hypothesis with Stribeck exponents that the library tabulates, 1 and above, all coefficients fitted again; `None` where
+/// all are.
+fn tabulable(study: &Study, state: &State) -> Option<State> {
+    let mut terms = state.terms.clone();
+    let mut steep = terms
+        .iter_mut()
+        .filter(|t| matches!(t.id, "stribeck" | "frictional_lag") && t.shape[1] < 1.0)
+        .peekable();
+    steep.peek()?;
+    steep.for_each(|term| term.shape[1] = 1.0);
+    study.fit_with(&terms, state.noise.clone())
 }
 
 /// Keys of the diagnosis that a model file has no use for.
