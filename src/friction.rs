@@ -49,12 +49,12 @@ pub trait Friction {
         *state = self.at_rest();
     }
 
-    /// Tells the model what the drive spent on friction in the tick of the last [`Friction::step`], in force units; `None`
+    /// Lets the model ask what the drive spent on friction in the tick of the last [`Friction::step`], in force units; `None`
     /// where that is not known, as where the command was cut.
     ///
-    /// Only models that learn from it ([`crate::control::Learning`]) keep it; for the others it is no code.
+    /// Only models that learn from it ([`crate::control::Learning`]) ask, and not in every tick; for the others it is no code.
     #[inline]
-    fn spent(&self, _state: &mut Self::State, _force: Option<Self::Scalar>) {}
+    fn spent(&self, _state: &mut Self::State, _force: impl FnOnce() -> Option<Self::Scalar>) {}
 
     /// What a model that learns has to say.
     #[inline]

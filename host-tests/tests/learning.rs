@@ -2,7 +2,7 @@
 
 use fixed::types::I16F16;
 use preslide::control::learning::{
-    Adaptation, AdaptationSettings, Block as Mean, Condition, Learn, MismatchSettings,
+    Adaptation, AdaptationSettings, Block as Mean, Condition, LOOK_EVERY, Learn, MismatchSettings,
     MismatchWatch, decision_interval,
 };
 use preslide::control::{
@@ -105,7 +105,10 @@ fn the_level_is_that_of_weighted_least_squares() {
 
 /// Garbage of every kind, in motion and force: level and force stay within their bounds.
 fn stays_bounded<S: Scalar>(units: Units, garbage: &[S], seed: u64) {
-    let settings = LearningSettings { block: 4, ..PAPER };
+    let settings = LearningSettings {
+        block: 4 * LOOK_EVERY,
+        ..PAPER
+    };
     let model: Learning<_, Both<S>> = learning(&settings, units);
     let bound = model.limit().expect("bounded").to_f64();
     assert!((bound * units.force / 0.9 - 1.2).abs() < 0.01, "{bound}");
@@ -130,7 +133,7 @@ fn stays_bounded<S: Scalar>(units: Units, garbage: &[S], seed: u64) {
         let force = model.step(&mut state, motion);
         assert!(force.to_f64().abs() <= bound, "{force:?}");
         let spent = pick(bias * 0.9 / units.force);
-        model.spent(&mut state, (tick % 997 > 3).then_some(spent));
+        model.spent(&mut state, || (tick % 997 > 3).then_some(spent));
         if tick % 100_003 == 0 {
             model.release(&mut state);
         }
@@ -151,7 +154,10 @@ fn whatever_comes_level_and_force_stay_within_their_bounds() {
 
 #[test]
 fn without_excitation_or_knowledge_the_level_is_frozen_to_the_bit() {
-    let settings = LearningSettings { block: 4, ..PAPER };
+    let settings = LearningSettings {
+        block: 4 * LOOK_EVERY,
+        ..PAPER
+    };
     let model: Learning<_, Adaptation<f32>> = learning(&settings, Units::SI);
     let mut state = model.at_rest();
     let mut go = |displacement: f32, spent: Option<f32>, ticks: usize| {
@@ -161,7 +167,7 @@ fn without_excitation_or_knowledge_the_level_is_frozen_to_the_bit() {
                 model.release(&mut state);
             }
             model.step(&mut state, Motion::quasi_static(displacement));
-            model.spent(&mut state, spent);
+            model.spent(&mut state, || spent);
         }
         model.condition(&state).level.expect("it adapts")
     };
@@ -243,10 +249,29 @@ fn who_learns_nothing_changes_nothing() {
     for _ in 0..100_000 {
         let motion = Motion::quasi_static(rng.random_range(-1e-6_f32..1e-6));
         assert_eq!(plain.step(&mut a, motion), wrapped.step(&mut b, motion));
-        wrapped.spent(&mut b, Some(1.0));
+        wrapped.spent(&mut b, || Some(1.0));
     }
     assert_eq!(wrapped.condition(&b), Condition::NONE);
     assert_eq!(wrapped.limit(), plain.limit());
+}
+
+/// What a tick costs in the mean: in all others the controller is not asked, and nothing is done.
+#[test]
+fn one_tick_in_seven_asks_what_was_spent() {
+    let model: Learning<_, Both<f32>> = learning(&PAPER, Units::SI);
+    let mut state = model.at_rest();
+    let mut asked = Vec::new();
+    for tick in 0..700 * LOOK_EVERY {
+        model.step(&mut state, Motion::quasi_static(2e-8));
+        model.spent(&mut state, || {
+            asked.push(tick);
+            Some(1.0)
+        });
+    }
+    let expected: Vec<u32> = (0..700).map(|look| look * LOOK_EVERY).collect();
+    assert_eq!(asked, expected);
+    // It was learned from all the same.
+    assert!(level(&model.condition(&state)) > 1.01);
 }
 
 /// Mean run lengths of the two-sided CUSUM with known parameters, from D. C. Montgomery, *Introduction to Statistical Quality

@@ -16,7 +16,7 @@ fn main() -> anyhow::Result<()> {
         Some("adaptation") => {
             adaptation::print(&adaptation::table(&settings, &learning, 6, progress)?)
         }
-        Some("watch") => watch::print(&watch::study(&settings, &learning, 60, 12, progress)?),
+        Some("watch") => watch::print(&watch::study(&settings, &learning, 400, 12, progress)?),
         Some(other) => anyhow::bail!("give `adaptation`, `watch` or nothing, not `{other}`"),
     };
     print!("{text}");

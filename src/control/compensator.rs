@@ -115,12 +115,17 @@ impl<F: Friction> Compensator<F> {
         friction.add_input(self.mass.mul_input(acceleration))
     }
 
-    /// Tells the model what the drive spent on friction: the whole `force` less that on the mass.
+    /// Lets the model ask what the drive spent on friction: the whole `force` less that on the mass.
     #[inline]
-    pub fn spent(&self, state: &mut F::State, force: Option<F::Scalar>, acceleration: F::Scalar) {
-        let on_the_mass = self.mass.mul_input(acceleration);
-        let spent = force.map(|force| force.sub_input(on_the_mass));
-        self.friction.spent(state, spent);
+    pub fn spent(
+        &self,
+        state: &mut F::State,
+        force: impl FnOnce() -> Option<F::Scalar>,
+        acceleration: F::Scalar,
+    ) {
+        self.friction.spent(state, || {
+            Some(force()?.sub_input(self.mass.mul_input(acceleration)))
+        });
     }
 }
 

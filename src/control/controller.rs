@@ -200,12 +200,13 @@ impl<F: Friction, C: Count> Controller<F, C> {
         self.code = code;
         self.cut = cut;
         // What was cut, bumped by a swap or held for longer than a tick does not tell the friction.
-        let told = cut == Saturation::None && !self.fade.is_running() && !measured.late;
-        c.compensator.spent(
-            &mut self.friction,
-            told.then_some(force),
-            reference.acceleration,
-        );
+        let fades = &self.fade;
+        let told = || {
+            let tells = cut == Saturation::None && !fades.is_running() && !measured.late;
+            tells.then_some(force)
+        };
+        c.compensator
+            .spent(&mut self.friction, told, reference.acceleration);
         Command {
             code,
             position,

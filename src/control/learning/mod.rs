@@ -1,10 +1,11 @@
 //! What the drive spends on friction, compared with what the model says: the on-line watch and the adaptation.
 //!
-//! [`Learning`] wraps a friction model; [`super::Controller`] tells it every tick what was spent, the motor force less the
-//! mass times the acceleration ([`Friction::spent`]). Both forces are averaged over the same moving ticks, a *block*, so they
-//! have the same bandwidth: one that is long against the feedback's settling, and in which encoder steps vanish. A block counts
-//! where the model's mean force along the motion is at least [`LearningSettings::excitation`] of its limit; what follows a
-//! reversal does not. Rest, saturation, a fade, a late tick and a fault learn nothing: what was learned stays to the bit.
+//! [`Learning`] wraps a friction model; it asks [`super::Controller`] in every [`LOOK_EVERY`]th tick what was spent, the motor
+//! force less the mass times the acceleration ([`Friction::spent`]). Both forces are averaged over the same looks at a moving
+//! axis, a *block*, so they have the same bandwidth: one that is long against the feedback's settling, and in which encoder steps
+//! vanish. A block counts where the model's mean force along the motion is at least [`LearningSettings::excitation`] of its
+//! limit; what follows a reversal does not. A look at rest tells nothing; one at a cut command, in a fade or in a late tick, and
+//! any fault, drop the block. Where only such come, what was learned stays to the bit.
 //!
 //! | type | does |
 //! |---|---|
@@ -30,15 +31,16 @@ pub use adaptation::{Adaptation, AdaptationSettings, AdaptationState};
 pub use mismatch::{MismatchSettings, MismatchState, MismatchWatch, NormalRange};
 pub use run_length::decision_interval;
 
-use crate::param::{Bound, ParamError, at_most, fits, positive, to_positive, to_scalar};
+use crate::param::{Bound, ParamError, at_least, at_most, fits, positive, to_positive, to_scalar};
 use crate::{Friction, Motion, Scalar, Units};
 
 /// How to learn (SI).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LearningSettings {
-    /// Moving ticks in a block, 1…10000.
+    /// Moving ticks in a block, from [`LOOK_EVERY`] to 10000; those beyond a multiple of it are not counted.
     pub block: u32,
-    /// Bound on the model's force (N or N·m); its own bound holds where it is smaller.
+    /// Bound on the force that is learned from, and on the model's where it is adapted (N or N·m); the model's own bound holds
+    /// where it is smaller.
     pub limit: f64,
     /// Share of the limit `e` (-), 0.1…1, that the model's mean force along the motion must reach for a block to count.
     pub excitation: f64,
@@ -49,12 +51,12 @@ pub struct LearningSettings {
 }
 
 impl LearningSettings {
-    /// For [`super::Settings::PAPER_AXIS`]. A block of 12.8 ms is twice the time constant of the loop's crossover; the adaptation
+    /// For [`super::Settings::PAPER_AXIS`]. A block of 12.6 ms is twice the time constant of the loop's crossover; the adaptation
     /// forgets in 0.1 s of sliding, which at 0.2 mm/s is less than the 100 µm over which the stage's friction wanders, and leaves
     /// 5 % to the model, about what four blocks are off; a window of the watch is four times as long as those 100 µm. Memory,
     /// excitation and dead zone are the best of eight combinations on the simulated stage.
     pub const PAPER_AXIS: LearningSettings = LearningSettings {
-        block: 256,
+        block: 252,
         limit: 5.0,
         excitation: 0.6,
         adaptation: AdaptationSettings {
@@ -70,6 +72,11 @@ impl LearningSettings {
         },
     };
 }
+
+/// Ticks from one look at what was spent to the next; the others only count down. The work is done once in so many ticks, and
+/// the noise of a window hardly grows: it is friction's own, over lengths of hundreds of ticks. A prime number, so that what
+/// repeats every two, five or ten ticks (a late tick, an encoder line at a round speed) is met in all of its phases.
+pub const LOOK_EVERY: u32 = 7;
 
 /// Means over a block, in the model's units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -202,7 +209,7 @@ impl<S: Scalar, A: Learn<S>, B: Learn<S>> Learn<S> for (A, B) {
 ///
 /// New coefficients ([`super::Controller::swap`]) begin to learn anew; a fault and a restart keep what was learned.
 ///
-/// **Bound.** `|F| ≤ (1 + r)·limit`, `r` the adaptation's range (0 without).
+/// **Bound.** `|F| ≤ (1 + r)·limit`, `r` the adaptation's range. Without adaptation the force is the model's, to the bit.
 #[derive(Clone, Debug)]
 pub struct Learning<F: Friction, L> {
     friction: F,
@@ -211,8 +218,8 @@ pub struct Learning<F: Friction, L> {
     /// Twice the limit: more than that was not spent on friction.
     most: F::Scalar,
     excited: F::Scalar,
-    ticks: u32,
-    per_tick: F::Scalar,
+    looks: u32,
+    per_look: F::Scalar,
 }
 
 /// What a [`Learning`] remembers.
@@ -223,8 +230,11 @@ pub struct LearningState<M, B, S> {
     /// The last tick's force before the level, and its displacement.
     force: S,
     displacement: S,
+    /// Of the running block: sums over its looks, and their number.
     block: Block<S>,
-    ticks: u32,
+    looks: u32,
+    /// Ticks to the next look, or to the block's end.
+    wait: u32,
 }
 
 impl<M, B, S: Scalar> LearningState<M, B, S> {
@@ -235,7 +245,7 @@ impl<M, B, S: Scalar> LearningState<M, B, S> {
 
     fn drop_block(&mut self) {
         self.block = Block::EMPTY;
-        self.ticks = 0;
+        self.looks = 0;
     }
 }
 
@@ -255,9 +265,11 @@ impl<F: Friction, L: Learn<F::Scalar>> Learning<F, L> {
             Some(own) if own < limit => own,
             _ => limit,
         };
-        let ticks = positive("ticks of a block", settings.block.into())?;
+        let ticks = settings.block.into();
+        at_least("ticks of a block", ticks, LOOK_EVERY.into())?;
         at_most("ticks of a block", ticks, 10_000.0)?;
-        let excitation = crate::param::at_least("excitation", settings.excitation, 0.1)?;
+        let looks = settings.block / LOOK_EVERY;
+        let excitation = at_least("excitation", settings.excitation, 0.1)?;
         at_most("excitation", excitation, 1.0)?;
         let learner = L::try_new(settings, limit * units.force, units)?;
         fits::<F::Scalar>("bound of the learned force", 2.0 * limit)?;
@@ -267,14 +279,29 @@ impl<F: Friction, L: Learn<F::Scalar>> Learning<F, L> {
             limit: to_positive("limit of the learned force", limit)?,
             most: to_scalar("bound of the learned force", 2.0 * limit)?,
             excited: to_positive("excitation", excitation * limit)?,
-            ticks: settings.block,
-            per_tick: to_positive("share of a tick in a block", 1.0 / ticks)?,
+            looks,
+            per_look: to_positive("share of a look in a block", 1.0 / f64::from(looks))?,
         })
     }
 
     /// What learns.
     pub fn learner(&self) -> &L {
         &self.learner
+    }
+
+    /// Ends a block. What cannot be, not a number too, is limited here and not at every look: the controller cuts a force that
+    /// large and does not tell it. A function of its own, so that the registers it needs are not saved in every tick.
+    #[inline(never)]
+    fn end_block(&self, state: &mut LearningState<F::State, L::State, F::Scalar>) {
+        let block = Block {
+            model: state.block.model.limited(self.limit),
+            spent: state.block.spent.limited(self.most),
+            path: (state.block.path).mul_input(F::Scalar::from_int(LOOK_EVERY as i32)),
+        };
+        state.drop_block();
+        if block.model >= self.excited {
+            self.learner.block(&mut state.learned, &block);
+        }
     }
 }
 
@@ -289,7 +316,8 @@ impl<F: Friction, L: Learn<F::Scalar>> Friction for Learning<F, L> {
             force: F::Scalar::ZERO,
             displacement: F::Scalar::ZERO,
             block: Block::EMPTY,
-            ticks: 0,
+            looks: 0,
+            wait: 0,
         }
     }
 
@@ -307,26 +335,40 @@ impl<F: Friction, L: Learn<F::Scalar>> Friction for Learning<F, L> {
 
     #[inline(always)]
     fn step(&self, state: &mut Self::State, motion: Motion<F::Scalar>) -> F::Scalar {
-        let force = self.friction.step(&mut state.friction, motion);
-        let force = force.limited(self.limit);
+        let mut force = self.friction.step(&mut state.friction, motion);
+        if L::LEVEL {
+            force = force.limited(self.limit);
+        }
         state.force = force;
         state.displacement = motion.displacement;
         if L::LEVEL {
-            force.mul_input(self.learner.level(&state.learned))
-        } else {
-            force
+            force = force.mul_input(self.learner.level(&state.learned));
         }
+        force
     }
 
     fn limit(&self) -> Option<F::Scalar> {
+        if !L::LEVEL {
+            return self.friction.limit();
+        }
         // Products are rounded down, so that of the negative limit is the larger one.
         let highest = self.learner.highest();
         Some(self.limit.opposite().mul_input(highest).opposite())
     }
 
     #[inline(always)]
-    fn spent(&self, state: &mut Self::State, force: Option<F::Scalar>) {
-        let Some(spent) = force else {
+    fn spent(&self, state: &mut Self::State, force: impl FnOnce() -> Option<F::Scalar>) {
+        if let Some(left) = state.wait.checked_sub(1) {
+            state.wait = left;
+            return;
+        }
+        // The tick after the block's last look ends it, so that no tick has both to do.
+        if state.looks == self.looks {
+            state.wait = LOOK_EVERY - 2;
+            return self.end_block(state);
+        }
+        state.wait = LOOK_EVERY - 1;
+        let Some(spent) = force() else {
             return state.drop_block();
         };
         let moved = state.displacement;
@@ -335,26 +377,18 @@ impl<F: Friction, L: Learn<F::Scalar>> Friction for Learning<F, L> {
         if !(path > F::Scalar::ZERO) {
             return;
         }
-        let direction = if moved < F::Scalar::ZERO {
-            -F::Scalar::ONE
+        let share = if moved < F::Scalar::ZERO {
+            -self.per_look
         } else {
-            F::Scalar::ONE
-        };
-        let mean = |sum: F::Scalar, force: F::Scalar| {
-            sum.add_input(force.mul_input(self.per_tick).along(direction))
+            self.per_look
         };
         let sums = &mut state.block;
-        sums.model = mean(sums.model, state.force);
-        sums.spent = mean(sums.spent, spent.limited(self.most));
+        sums.model = sums.model.add_input(state.force.mul_input(share));
+        sums.spent = sums.spent.add_input(spent.mul_input(share));
         sums.path = sums.path.add_input(path);
-        state.ticks += 1;
-        if state.ticks < self.ticks {
-            return;
-        }
-        let block = state.block;
-        state.drop_block();
-        if block.model >= self.excited {
-            self.learner.block(&mut state.learned, &block);
+        state.looks += 1;
+        if state.looks == self.looks {
+            state.wait = 0;
         }
     }
 
