@@ -151,6 +151,8 @@ pub fn shapes(id: &str, study: &Study) -> Vec<Vec<f64>> {
             let erased = quantile(&s.last_stroke, 0.5);
             product(&[0.1, 0.5], &spread(erased / 300.0, erased, 5))
         }
+        // Its centre in the middle of the travel, or free.
+        "position_spring" => vec![Vec::new(), vec![1.0]],
         "creep" => vec![vec![0.15]],
         "drive_compliance" => vec![vec![MOTOR_SHARE]],
         "backlash" => {
@@ -218,6 +220,7 @@ pub fn columns(id: &str, shape: &[f64], study: &Study) -> Vec<Column> {
         vec![of(&|i| phase(of_x(i)).cos()), of(&|i| phase(of_x(i)).sin())]
     };
     let (from, to) = bounds(&s.x);
+    let travel = to - from;
     // Cosines of multiples of one angle, by their recurrence.
     let cosines = |weight: &dyn Fn(usize) -> f64| -> Vec<Vec<f64>> {
         let base = of(&|i| (PI * (s.x[i] - from) / (to - from)).cos());
@@ -267,7 +270,7 @@ pub fn columns(id: &str, shape: &[f64], study: &Study) -> Vec<Column> {
         }
         "position_spring" => vec![of(&|i| s.x[i] - 0.5 * (from + to))]
             .into_iter()
-            .chain(shape.first().map(|_| vec![1.0; s.x.len()]))
+            .chain(shape.first().map(|_| vec![ASIDE * travel; s.x.len()]))
             .collect(),
         "position_force" => cosines(&|_| 1.0)
             .into_iter()
@@ -364,6 +367,9 @@ pub fn columns(id: &str, shape: &[f64], study: &Study) -> Vec<Column> {
     };
     plain.into_iter().map(Column::of).collect()
 }
+
+/// Share of the travel by which a spring's centre may lie aside of the middle: beyond it the constant is a matter of its own.
+pub const ASIDE: f64 = 0.4;
 
 /// Share of the inertia on the motor's side of a compliant drive or a gap, which one recording does not tell.
 pub const MOTOR_SHARE: f64 = 0.5;

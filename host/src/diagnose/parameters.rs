@@ -1,6 +1,6 @@
 //! Values of an effect's parameters, with what the recording leaves open.
 
-use super::columns::{self, Scale, amplitude_key, mean};
+use super::columns::{self, ASIDE, Scale, amplitude_key, mean};
 use super::score::{Bound, Problem};
 use super::shape::slopes;
 use super::signals;
@@ -155,7 +155,9 @@ pub fn parameters(study: &Study, state: &State, index: usize) -> Vec<(String, Es
             list.push(("to_m".to_owned(), known(to)));
         }
         "position_spring" => {
-            let aside = c.get(1).map_or(0.0, |constant| constant / c[0]);
+            let aside = c
+                .get(1)
+                .map_or(0.0, |share| ASIDE * (to - from) * share / c[0]);
             list.push(("centre_m".to_owned(), known(0.5 * (from + to) - aside)));
         }
         "load_dependent_friction" => {

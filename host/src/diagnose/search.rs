@@ -1,7 +1,7 @@
 //! Which effects act: forward, swap and backward, with thresholds from the recording's own noise.
 
 use super::catalogue::TESTED;
-use super::columns::{parameters, shapes};
+use super::columns::{ASIDE, parameters, shapes};
 use super::score::{Gain, beyond};
 use super::shape::{polished, refine, sharpened};
 use super::signature::{self, Axis, signatures};
@@ -102,8 +102,10 @@ pub fn physical(id: &str, coefficients: &[f64]) -> bool {
         (
             "viscous" | "quadratic_drag" | "dwell_aging" | "drive_compliance" | "position_spring"
             | "creep" | "actuator_dead_zone",
-            [c, ..],
+            [c],
         ) => *c > 0.0,
+        // Its centre lies within the travel's middle.
+        ("position_spring", [stiffness, aside]) => *stiffness > aside.abs(),
         // Beyond it the falling curve and a viscous force cancel each other over the speeds recorded.
         ("stribeck" | "frictional_lag", [c]) => (0.0..STEEPEST).contains(c),
         // Friction does not push.
@@ -235,7 +237,7 @@ fn folded(study: &Study, state: State, given: usize) -> Option<State> {
     let spring = place("position_spring").filter(|&i| {
         coefficients(i)
             .first()
-            .is_some_and(|k| size < 0.4 * travel * k)
+            .is_some_and(|k| size < ASIDE * travel * k)
     });
     let map = place("position_force")
         .filter(|&i| size < coefficients(i).iter().map(|c| c.abs()).sum::<f64>());
