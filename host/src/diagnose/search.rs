@@ -117,7 +117,8 @@ pub fn physical(id: &str, coefficients: &[f64]) -> bool {
     }
 }
 
-fn is_physical(state: &State, index: usize) -> bool {
+/// Whether the coefficients of term `index` have the sign, or the value, that the physics has.
+pub fn is_physical(state: &State, index: usize) -> bool {
     physical(
         state.terms[index].id,
         &state.fit.coefficients[state.places[index].clone()],

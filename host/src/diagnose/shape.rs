@@ -2,7 +2,7 @@
 
 use super::columns::{Scale, lowest_limit, parameters};
 use super::score::{Bound, Problem};
-use super::search::physical;
+use super::search::{is_physical, physical};
 use super::study::{State, Study, Term};
 
 /// A shape parameter within what a recording can tell.
@@ -122,6 +122,10 @@ const POLISHES: usize = 8;
 const REACH: f64 = 30.0;
 /// Nats that are worth another step.
 const WORTH: f64 = 0.1;
+/// Share of the plain held-out error by which a step may raise it.
+const WORSE: f64 = 0.01;
+/// Share of Gauss and Newton's step below which none is tried.
+const SHORTEST: f64 = 0.02;
 
 /// All shapes of terms that are not given, and all coefficients, by Gauss and Newton's method: [`refine`] goes along one
 /// parameter at a time and stops short in a valley between two.
@@ -160,13 +164,16 @@ pub fn polished(study: &Study, mut state: State, given: usize) -> Option<State> 
         }
         let next = study.fit_with(&terms, state.noise.clone())?;
         let gained = next.fit.total() - state.fit.total();
-        if gained > 0.0 {
+        // A column that grows like another gains nats by what the noise model lets pass, and predicts worse.
+        let (share, _) = study.improvement(&state, &next);
+        let sound = free.iter().all(|&i| is_physical(&next, i)) && share > -WORSE;
+        if gained > 0.0 && sound {
             state = next;
             length = (2.0 * length).min(1.0);
         } else {
             length *= 0.3;
         }
-        if gained.abs() < WORTH {
+        if gained.abs() < WORTH || length < SHORTEST {
             break;
         }
     }
