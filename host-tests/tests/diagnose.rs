@@ -16,7 +16,7 @@ fn answer(seed: u64, kind: Kind) -> (Diagnosis, Model) {
     let recording =
         load(&folder.path().join(RECORDING), &LoadOptions::default()).expect("a recording");
     let model = Model::load(&folder.path().join(MODEL)).expect("a model");
-    let progress = Progress::new("diagnose", 1);
+    let progress = Progress::new("diagnose", 0);
     let (study, found) = diagnose(&recording, Some(&model), &progress).expect("a diagnosis");
     let (extended, refused) = found.extended_model(&study, &recording, Some(&model));
     assert!(refused.is_empty(), "{refused:?}");

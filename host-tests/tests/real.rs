@@ -23,7 +23,7 @@ fn against_friction(recording: &Recording) -> Diagnosis {
         viscous: 203.5,
         ..Model::of_friction(recording.kind, FrictionModel::Coulomb { coulomb: 20.4 })
     };
-    let progress = Progress::new("test", 12);
+    let progress = Progress::new("test", 0);
     diagnose(recording, Some(&model), &progress)
         .unwrap_or_else(|refusal| panic!("{refusal:?}"))
         .1

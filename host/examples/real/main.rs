@@ -60,7 +60,7 @@ pub fn run(
 ) -> Result<(Diagnosis, f64), String> {
     let start = Instant::now();
     eprint!("{what}: ");
-    let found = diagnose(recording, model, &Progress::new(what, 12));
+    let found = diagnose(recording, model, &Progress::new(what, 0));
     let seconds = start.elapsed().as_secs_f64();
     eprintln!("{seconds:.1} s");
     match found {

@@ -37,7 +37,7 @@ pub fn parameters(study: &Study, state: &State, index: usize) -> Vec<(String, Es
     let deviation = |j: usize| {
         let fit = fit.as_ref()?;
         let at = fit.active.iter().position(|a| *a == j)?;
-        // The fit's own error, or what leaving out a fold at a time tells (the jackknife), whichever is larger.
+        // The fit's own error, or what leaving out a fold or a kind of strokes at a time tells, whichever is largest.
         let left_out: Vec<f64> = fit.held_out.iter().map(|c| c[j]).collect();
         let centre = mean(&left_out);
         let n = left_out.len() as f64;
