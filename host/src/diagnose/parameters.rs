@@ -7,9 +7,6 @@ use super::signals;
 use super::study::{State, Study, Term};
 use crate::identify::estimate::Estimate;
 
-/// Kinds of strokes that are left out in turn.
-const KINDS: usize = 8;
-
 /// Coefficients and shape parameters of a term with 95 % intervals, all other coefficients free.
 pub fn parameters(study: &Study, state: &State, index: usize) -> Vec<(String, Estimate)> {
     let term = &state.terms[index];
@@ -31,9 +28,9 @@ pub fn parameters(study: &Study, state: &State, index: usize) -> Vec<(String, Es
         .collect();
     let problem = Problem::new(&state.noise, &rows, bounds, &study.force, 1);
     let fit = problem.fit();
-    let kinds = study.s.kinds_of_strokes(KINDS);
-    let kinds: Vec<usize> = study.weak.centres.iter().map(|&c| kinds[c]).collect();
-    let of_form = fit.as_ref().and_then(|f| problem.error_of_form(f, &kinds));
+    let of_form = fit
+        .as_ref()
+        .and_then(|f| problem.error_of_form(f, &study.kinds));
     let deviation = |j: usize| {
         let fit = fit.as_ref()?;
         let at = fit.active.iter().position(|a| *a == j)?;

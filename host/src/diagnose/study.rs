@@ -24,6 +24,9 @@ const BLOCKS: usize = 20;
 /// Smooth maps over the travel among the plain effects that the noise model must not swallow.
 const PLAIN_MAPS: f64 = 5.0;
 
+/// Kinds of strokes that take turns in being left out.
+const KINDS: usize = 8;
+
 /// What stays the same for every hypothesis.
 pub struct Study {
     /// Coordinates.
@@ -36,6 +39,8 @@ pub struct Study {
     pub effort: Vec<f64>,
     /// Whether the effort contains inertia.
     pub inertial: bool,
+    /// Kind of the stroke that each row belongs to.
+    pub kinds: Vec<usize>,
     /// Yield displacements of the core (m or rad).
     pub yields: Vec<f64>,
     /// The model that effects act through: the core, fitted together with plain effects.
@@ -151,7 +156,9 @@ impl Study {
             stiffness: none,
             stroke: quantile(&s.last_stroke, 0.9),
         };
+        let kinds = s.kinds_of_strokes(KINDS);
         let mut study = Self {
+            kinds: weak.centres.iter().map(|&c| kinds[c]).collect(),
             noise: Noise::white(&force, &at.course(&weak.folds)),
             force,
             effort: recording.effort.clone(),
