@@ -8,7 +8,7 @@ use super::rigid_body::{self, Kinematics, RigidBody, Terms};
 use super::split::Split;
 use super::virgin::VirginCurve;
 use super::{Candidate, Method};
-use crate::friction::{FrictionModel, Path};
+use crate::friction::FrictionModel;
 use crate::model::Model;
 use crate::nmse::nmse;
 use crate::recording::Recording;
@@ -30,20 +30,11 @@ pub(super) struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    fn path(&self) -> Path<'_> {
-        Path {
-            position: &self.recording.position,
-            velocity: &self.kinematics.velocity,
-            pieces: &self.recording.pieces,
-            sample_time: self.recording.sample_time_s(),
-        }
-    }
-
     /// The whole effort of a model, filtered like the measured one.
     fn effort_of(&self, model: &Model) -> Result<Vec<f64>, String> {
         let friction = model
             .friction
-            .force(self.path())
+            .force(self.kinematics.path(self.recording))
             .map_err(|e| e.to_string())?;
         let mut effort = if self.inertial {
             self.kinematics.filter.smooth(&friction)
@@ -130,8 +121,7 @@ impl Judge<'_> {
         fit: impl Fn(&[Vec<usize>]) -> Result<Vec<f64>, String>,
     ) -> Result<f64, String> {
         let mut predicted = vec![0.0; self.recording.len()];
-        let per_group = self.split.folds.len().div_ceil(6);
-        for group in self.split.folds.chunks(per_group) {
+        for group in self.split.groups() {
             let rest: Vec<Vec<usize>> = self
                 .split
                 .folds

@@ -4,6 +4,7 @@
 use super::refine::{self, Fit};
 use super::regression::{Gram, Regression, solve_normal};
 use super::search::{Choice, best_choices};
+use super::split::GROUPS;
 use super::virgin::VirginCurve;
 use crate::progress::Progress;
 use rayon::prelude::*;
@@ -18,8 +19,6 @@ const REFINED: usize = 3;
 const LONG: usize = 500_000;
 /// Relative improvement below which a refinement has converged where only the held-out error is asked for.
 const HELD_OUT: f64 = 1e-4;
-/// Groups of folds that take turns in being held out.
-const GROUPS: usize = 6;
 
 /// Steps of progress that [`select`] makes.
 pub const STEPS: u64 = (1 + GROUPS + MOST) as u64;

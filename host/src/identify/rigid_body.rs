@@ -2,6 +2,7 @@
 
 use super::estimate::Estimate;
 use super::regression::{Column, Gram, solve_normal};
+use crate::friction::Path;
 use crate::kinematics::ZeroPhase;
 use crate::recording::Recording;
 use nalgebra::{DMatrix, DVector};
@@ -32,6 +33,16 @@ impl RigidBody {
 }
 
 impl Kinematics {
+    /// The recording's motion, as friction models run along it.
+    pub fn path<'a>(&'a self, recording: &'a Recording) -> Path<'a> {
+        Path {
+            position: &recording.position,
+            velocity: &self.velocity,
+            pieces: &recording.pieces,
+            sample_time: recording.sample_time_s(),
+        }
+    }
+
     /// Chooses the band and differentiates the position.
     pub fn of(recording: &Recording) -> Self {
         let filter = ZeroPhase::choose(recording);

@@ -101,6 +101,9 @@ pub struct Split {
     pub test: Option<Vec<usize>>,
 }
 
+/// Most groups of folds that take turns in being held out.
+pub const GROUPS: usize = 6;
+
 impl Split {
     /// Splits a recording; without windows all of it is fitted and the folds take turns in being held out.
     pub fn new(recording: &Recording, train: Option<Window>, test: Option<Window>) -> Self {
@@ -126,6 +129,12 @@ impl Split {
         };
         let test = test.map(|_| (0..recording.len()).filter(|&i| within(test, i)).collect());
         Self { folds, unit, test }
+    }
+
+    /// Neighbouring folds that are held out together: at most [`GROUPS`] groups.
+    pub fn groups(&self) -> impl Iterator<Item = &[Vec<usize>]> {
+        let per_group = self.folds.len().div_ceil(GROUPS).max(1);
+        self.folds.chunks(per_group)
     }
 
     /// All training samples, in order.

@@ -7,7 +7,7 @@ pub mod ramp;
 mod tests;
 
 use crate::effects::{Effect, Measured};
-use crate::friction::{FrictionModel, Path};
+use crate::friction::FrictionModel;
 use crate::identify::rigid_body::Kinematics;
 use crate::model::Model;
 use crate::nmse::nmse;
@@ -76,21 +76,11 @@ fn same_axis(model: &Model, kind: MotionKind, name: &str) -> Result<(), String> 
 /// recording does not have.
 pub fn force_of_motion(model: &Model, recording: &Recording) -> Result<Simulation, String> {
     same_axis(model, recording.kind, &recording.name)?;
-    let Kinematics {
-        filter,
-        velocity,
-        acceleration,
-        ..
-    } = Kinematics::of(recording);
-    let path = Path {
-        position: &recording.position,
-        velocity: &velocity,
-        pieces: &recording.pieces,
-        sample_time: recording.sample_time_s(),
-    };
+    let kinematics = Kinematics::of(recording);
+    let (path, filter) = (kinematics.path(recording), &kinematics.filter);
     let measured = Measured {
         t_s: Some(&recording.t_s),
-        acceleration: Some(&acceleration),
+        acceleration: Some(&kinematics.acceleration),
         temperature_c: recording.temperature_c.as_deref(),
         load_n: recording.load_n.as_deref(),
     };
@@ -115,9 +105,10 @@ pub fn force_of_motion(model: &Model, recording: &Recording) -> Result<Simulatio
     let agreement = if comparable && !recording.effort.is_empty() {
         let (measured, simulated) = if recording.role.contains_inertia() {
             // What comes from velocity and acceleration has been through the filter already.
-            let rigid: Vec<f64> = velocity
+            let rigid: Vec<f64> = kinematics
+                .velocity
                 .iter()
-                .zip(&acceleration)
+                .zip(&kinematics.acceleration)
                 .map(|(v, a)| model.inertia * a + model.viscous * v + model.constant_force)
                 .collect();
             let rest: Vec<f64> = force.iter().zip(&rigid).map(|(f, r)| f - r).collect();
@@ -157,7 +148,7 @@ pub fn force_of_motion(model: &Model, recording: &Recording) -> Result<Simulatio
         t_s: recording.t_s.clone(),
         position: recording.position.clone(),
         force,
-        velocity: Some(velocity),
+        velocity: Some(kinematics.velocity),
         agreement,
         breakaway: None,
         notes,

@@ -1,6 +1,7 @@
 //! Force to motion and back, against the library and against closed forms.
 
 use super::*;
+use crate::friction::Path;
 use crate::recording::{LoadOptions, Needs, load_csv};
 use crate::reproduce::paper;
 use preslide::{Block, Sliding};

@@ -2,7 +2,6 @@
 
 use super::fit::{Data, Fit};
 use super::{Family, Span};
-use crate::friction::Path;
 use crate::identify::estimate::Estimate;
 use crate::identify::rigid_body::Kinematics;
 use crate::identify::split::Split;
@@ -17,9 +16,6 @@ use rayon::prelude::*;
 /// On the tribometer five seeds gave the same Dahl and LuGre fits to four digits. Hsieh's error has several minima:
 /// four seeds led to 0.237–0.241 % in training with quite different parameters, one to 1.26 %.
 pub const SEED: u64 = 20_170_515;
-
-/// Groups of folds that take turns in being held out, as for GMS.
-const GROUPS: usize = 6;
 
 /// What every model of the family is fitted to.
 pub struct Bench<'a> {
@@ -45,12 +41,7 @@ impl<'a> Bench<'a> {
         Self {
             data: Data {
                 motion: recording.kind,
-                path: Path {
-                    position: &recording.position,
-                    velocity: &kinematics.velocity,
-                    pieces: &recording.pieces,
-                    sample_time: recording.sample_time_s(),
-                },
+                path: kinematics.path(recording),
                 effort: &found.effort,
                 filter: found.filtered.then_some(&kinematics.filter),
                 acceleration: with_mass.then_some(kinematics.acceleration.as_slice()),
@@ -83,7 +74,7 @@ impl<'a> Bench<'a> {
         let Some(best) = best else {
             return Ok(None);
         };
-        let groups = self.groups();
+        let groups: Vec<Vec<usize>> = self.split.groups().map(<[_]>::concat).collect();
         let refits: Vec<Option<Fit>> = (0..groups.len())
             .into_par_iter()
             .map(|out| self.without(&groups, out, family, &best))
@@ -123,13 +114,6 @@ impl<'a> Bench<'a> {
             fitted,
             ..Candidate::new(best.model.clone())
         }))
-    }
-
-    /// Rows of the folds that are held out together.
-    fn groups(&self) -> Vec<Vec<usize>> {
-        let per_group = self.split.folds.len().div_ceil(GROUPS).max(1);
-        let groups = self.split.folds.chunks(per_group);
-        groups.map(<[Vec<usize>]>::concat).collect()
     }
 
     /// The fit to all groups but one, from where the fit to all ended.

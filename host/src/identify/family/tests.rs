@@ -3,7 +3,6 @@
 use super::bench::SEED;
 use super::fit::{Data, Fit};
 use super::*;
-use crate::friction::Path;
 use crate::identify::rigid_body::Kinematics;
 use crate::identify::{Options, STEPS, identify};
 use crate::progress::Progress;
@@ -59,12 +58,7 @@ fn fit_of(recording: &Recording, family: Family) -> Fit {
     let rows: Vec<usize> = (0..recording.len()).collect();
     let data = Data {
         motion: recording.kind,
-        path: Path {
-            position: &recording.position,
-            velocity: &kinematics.velocity,
-            pieces: &recording.pieces,
-            sample_time: recording.sample_time_s(),
-        },
+        path: kinematics.path(recording),
         effort: &recording.effort,
         filter: None,
         acceleration: None,
