@@ -236,7 +236,10 @@ impl Comparison {
             rows.iter().map(|&i| values[i]).collect()
         };
         let effort = &self.identification.effort;
-        let drawn = || self.drawn().zip(Colour::PALETTE);
+        // More kinds of models than colours: the second round is dashed.
+        let rounds = [Style::Line, Style::Dashed]
+            .into_iter()
+            .flat_map(|style| Colour::PALETTE.map(|colour| (colour, style)));
 
         let mut loops = Figure::new(
             "Force–displacement loops",
@@ -269,25 +272,18 @@ impl Comparison {
             Axis::new("position", x),
             Axis::new("friction model", f),
         );
-        for (m, colour) in drawn() {
-            loops = loops.with(
-                Series::line(
-                    m.name(),
-                    of(&recording.position, &shown),
-                    of(&m.candidate.fitted, &shown),
-                )
-                .colour(colour),
-            );
+        for (m, (colour, style)) in self.drawn().zip(rounds) {
+            let line = |x, y| Series::line(m.name(), x, y).colour(colour).style(style);
+            loops = loops.with(line(
+                of(&recording.position, &shown),
+                of(&m.candidate.fitted, &shown),
+            ));
             let residual: Vec<f64> = judged
                 .iter()
                 .map(|&i| effort[i] - m.candidate.fitted[i])
                 .collect();
-            residuals = residuals
-                .with(Series::line(m.name(), of(&recording.t_s, judged), residual).colour(colour));
-            nested = nested.with(
-                Series::line(m.name(), m.memory.position.clone(), m.memory.force.clone())
-                    .colour(colour),
-            );
+            residuals = residuals.with(line(of(&recording.t_s, judged), residual));
+            nested = nested.with(line(m.memory.position.clone(), m.memory.force.clone()));
         }
         let loops = loops.note(format!(
             "The last {STROKES} whole strokes of the {} data.",

@@ -29,6 +29,14 @@ fn finds_the_model_that_made_the_recording() {
     assert!(!dahl.memory.is_nonlocal());
     let gms = of_kind(&comparison, "GMS");
     assert!(gms.memory.is_nonlocal() && gms.candidate.nmse_test > dahl.candidate.nmse_test);
+    let page = comparison.page(&recording, String::new());
+    let kinds: std::collections::BTreeSet<&str> = comparison
+        .models
+        .iter()
+        .map(|m| m.candidate.model.friction.kind())
+        .collect();
+    // Every kind has a curve, beside the measured one.
+    assert_eq!(page.sections[0].figures[0].series.len(), kinds.len() + 1);
     let json = comparison.to_json(&recording, 1.0);
     assert_eq!(json["schema"], "preslide.comparison/1");
     assert_eq!(json["models"][1]["kind"], "dahl");
