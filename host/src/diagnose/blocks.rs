@@ -1,6 +1,7 @@
 //! The blocks of the over-resolved core: their yields, and their deflections along the path between the samples.
 
-use super::columns::spread;
+use super::effect::grid::spread;
+use super::rows::LATE;
 use super::signals::{Signals, quantile};
 use crate::identify::stop::Deflection;
 use std::ops::Range;
@@ -37,16 +38,14 @@ pub fn deflection(fine: &[f64], pieces: &[Range<usize>], d: f64) -> Vec<f64> {
     z.into_iter().step_by(FINER).collect()
 }
 
-/// Log-spaced yields from what a typical sample moves to half of the longest stroke.
+/// Log-spaced yields from what a typical sample moves to the share [`LATE`] of the travel.
 pub fn yields(s: &Signals) -> Vec<f64> {
     let steps: Vec<f64> =
         s.x.windows(2)
             .map(|p| (p[1] - p[0]).abs())
             .filter(|d| *d > 0.0)
             .collect();
-    let longest = 0.5 * s.travel();
-    let stroke = (0.5 * quantile(&s.since_reversal, 0.999)).min(longest);
-    let long = if stroke > 0.0 { stroke } else { longest };
+    let long = LATE * s.travel();
     let short = (0.5 * quantile(&steps, 0.1))
         .max(quantile(&steps, 0.0))
         .min(long / 10.0)

@@ -1,9 +1,10 @@
 //! The motion that would show what this recording cannot, or tell apart what it leaves open.
 
-use super::columns::spread;
-use super::conclude::Diagnosis;
+use super::effect::grid::spread;
+use super::effect::{self, Part};
+use super::hysteresis;
 use super::signals::bounds;
-use super::study::Study;
+use super::verdict::Diagnosis;
 use crate::recording::Recording;
 use std::fmt::Write as _;
 
@@ -13,38 +14,6 @@ const REPEATS: usize = 4;
 const STEP_S: f64 = 1e-3;
 /// Longest that one part of a repeat may take (s).
 const LONGEST_S: f64 = 40.0;
-
-/// A part of the motion.
-#[derive(Clone, Copy, PartialEq)]
-enum Part {
-    /// Triangles inside triangles, for hysteresis, backlash and encoder.
-    Nested,
-    /// The same stroke at speeds of three decades.
-    Speeds,
-    /// Slow moves after rests of 0.1, 1 and 10 s.
-    Rests,
-    /// Slow passes over the whole travel, there and back.
-    Passes,
-    /// Fast strokes, for inertia, delay and elasticity.
-    Fast,
-}
-
-impl Part {
-    /// The parts that show an effect.
-    fn of(id: &str) -> &'static [Part] {
-        match id {
-            "viscous" | "quadratic_drag" | "stribeck" | "frictional_lag" => &[Part::Speeds],
-            "dwell_aging" | "creep" => &[Part::Rests, Part::Speeds],
-            "channel_delay" | "drive_compliance" => &[Part::Fast, Part::Nested],
-            "presliding_shape" | "backlash" | "encoder_error" | "actuator_dead_zone" => {
-                &[Part::Nested]
-            }
-            "actuator_saturation" => &[Part::Fast],
-            "external_vibration" => &[Part::Rests],
-            _ => &[Part::Passes, Part::Speeds],
-        }
-    }
-}
 
 /// A motion from rest to rest.
 struct Profile {
@@ -117,24 +86,34 @@ impl Profile {
     }
 }
 
+/// The parts that show an effect.
+fn parts_of(id: &str) -> &'static [Part] {
+    match effect::by_id(id) {
+        Some(effect) => effect.shown_by(),
+        None if id == hysteresis::ID => &[Part::Nested],
+        None => &[],
+    }
+}
+
 /// The motion as CSV, within the travel and the speeds of the recording, and what it is for.
-pub fn profile(study: &Study, recording: &Recording, found: &Diagnosis) -> (String, String) {
+pub fn profile(recording: &Recording, found: &Diagnosis) -> (String, String) {
     let open = found
         .effects
         .iter()
-        .filter(|e| !e.confident || !e.ambiguous_with.is_empty())
-        .flat_map(|e| std::iter::once(e.id).chain(e.ambiguous_with.iter().copied()));
+        .filter(|e| !e.confident || !e.ambiguous.is_empty())
+        .flat_map(|e| std::iter::once(e.id()).chain(e.ambiguous.iter().map(|e| e.id())));
     let hidden = found.lacks.iter().flat_map(|l| l.hides.iter().copied());
     let ids: Vec<&str> = open.chain(hidden).collect();
     let mut parts: Vec<Part> = Vec::new();
-    for part in ids.iter().flat_map(|id| Part::of(id)) {
+    for part in ids.iter().flat_map(|id| parts_of(id)) {
         if !parts.contains(part) {
             parts.push(*part);
         }
     }
-    let (low, high) = bounds(&study.s.x);
-    let top = study.s.top_speed();
-    let speeds = (study.s.speeds().0.min(0.1 * top), top);
+    let s = &found.ground.rows.s;
+    let (low, high) = bounds(&s.x);
+    let top = s.top_speed();
+    let speeds = (s.speeds().0.min(0.1 * top), top);
     let mut profile = Profile {
         x: vec![0.5 * (low + high)],
     };

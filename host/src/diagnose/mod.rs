@@ -1,34 +1,47 @@
-//! What a model left out of a recording: located, named, modelled and shown on folds that no fit saw.
+//! What a model left out of a recording: located, named, modelled and shown on stretches that no fit saw.
+//!
+//! The stages, each immutable once made: [`rows`] (which instants can tell) → [`core`] and [`noise`] in [`ground`] (what every
+//! hypothesis stands on) → [`offer`] (every candidate on top of one) → [`search`] (which of them the recording asks for) →
+//! [`naming`] and [`confidence`] (what each may be called) → [`verdict`]. The catalogue is [`effect`], one file each.
 
-pub mod blocks;
-pub mod bursts;
-pub mod catalogue;
-pub mod columns;
-pub mod conclude;
+pub mod axis;
+mod blocks;
+pub mod change;
+pub mod confidence;
+pub mod core;
+pub mod curve;
+pub mod effect;
+pub mod evidence;
 pub mod experiment;
 mod extend;
-pub mod noise;
+pub mod ground;
+mod hysteresis;
+pub mod naming;
+mod noise;
+pub mod normal;
+pub mod offer;
+mod page;
 mod parameters;
+pub mod place;
+mod polish;
 mod present;
-pub mod score;
+pub mod rows;
 pub mod search;
-mod shape;
 pub mod signals;
-pub mod signature;
-pub mod spectra;
-pub mod study;
+mod spectra;
+pub mod term;
+pub mod verdict;
 pub mod weak;
+pub mod words;
 
-use crate::friction::FrictionModel;
 use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::Recording;
-pub use conclude::Diagnosis;
-use study::{Study, Term};
+use ground::Ground;
+use rows::Rows;
+use term::Term;
 use thiserror::Error;
-
-/// Ratio of sample times from which recordings are too unlike for one kernel.
-const UNLIKE: f64 = 3.0;
+pub use verdict::Diagnosis;
 
 /// Warnings of the loader that leave nothing to diagnose, with what would.
 const FATAL: [(&str, &str); 3] = [
@@ -59,7 +72,31 @@ pub fn diagnose(
     recording: &Recording,
     model: Option<&Model>,
     progress: &Progress,
-) -> Result<(Study, Diagnosis), Refusal> {
+) -> Result<Diagnosis, Refusal> {
+    check(recording, model)?;
+    let rows = Rows::new(recording).map_err(Refusal::Data)?;
+    progress.inc(1);
+    let given = model.map(given).unwrap_or_default();
+    let mechanics = model.map(|m| m.mechanics.clone()).unwrap_or_default();
+    let periods: Vec<(String, f64)> = mechanics
+        .into_iter()
+        .filter(|(key, _)| key != "encoder_count_m" && key != "encoder_count_rad")
+        .collect();
+    let lengths: Vec<f64> = periods.iter().map(|p| p.1).collect();
+    let unable = || {
+        Refusal::Data(format!(
+            "{}: the motion does not determine inertia and friction; record both directions at several speeds",
+            recording.name
+        ))
+    };
+    let ground = Ground::new(rows, &given).ok_or_else(unable)?;
+    progress.inc(1);
+    let found = search::search(ground, &given, &lengths, progress).ok_or_else(unable)?;
+    verdict::conclude(found, given.len(), &periods, model.map(|m| &m.friction)).ok_or_else(unable)
+}
+
+/// Refuses what is no recording of motion and effort, or not the model's kind of axis.
+fn check(recording: &Recording, model: Option<&Model>) -> Result<(), Refusal> {
     for (code, remedy) in FATAL {
         if let Some(warning) = recording.warnings.iter().find(|w| w.code == code) {
             return Err(Refusal::Data(format!(
@@ -68,15 +105,6 @@ pub fn diagnose(
             )));
         }
     }
-    if !matches!(recording.effort_unit(), "N" | "Nm") {
-        return Err(Refusal::Input(format!(
-            "{}: the effort is a {} in {}, which is no force; map it with the drive's constant, such as --map force_N=35.15*voltage_V or --map torque_Nm=0.0066*current_A",
-            recording.name,
-            recording.role.name(),
-            recording.effort_unit()
-        )));
-    }
-    one_sample_time(recording)?;
     if let Some(model) = model
         && model.motion != recording.kind
     {
@@ -87,95 +115,17 @@ pub fn diagnose(
             recording.kind.name()
         )));
     }
-    let mut study = Study::new(recording).map_err(Refusal::Data)?;
-    progress.inc(1);
-    let given = model.map(given).unwrap_or_default();
-    let mechanics = model.map(|m| m.mechanics.clone()).unwrap_or_default();
-    let periods: Vec<f64> = mechanics
-        .iter()
-        .filter(|(key, _)| key != "encoder_count_m")
-        .map(|m| m.1)
-        .collect();
-    let unable = || {
-        Refusal::Data(format!(
-            "{}: the motion does not determine inertia and friction; record both directions at several speeds",
-            recording.name
-        ))
-    };
-    let found = search::search(&mut study, &given, &periods, progress).ok_or_else(unable)?;
-    let shape_error = model.and_then(|m| study.shape_error(&m.friction, &found.state));
-    let diagnosis = conclude::conclude(&study, found, given.len(), &mechanics, shape_error)
-        .ok_or_else(unable)?;
-    Ok((study, diagnosis))
+    Ok(())
 }
 
 /// What the user's model already has.
 fn given(model: &Model) -> Vec<Term> {
-    let mut terms = Vec::new();
-    let mut give = |id, shape: &[f64]| {
-        terms.push(Term {
+    let own = effect::ALL.into_iter().flat_map(|effect| {
+        let shapes = effect.in_model(model);
+        shapes.into_iter().map(move |shape| Term {
             given: true,
-            ..Term::new(id, shape)
-        });
-    };
-    if model.viscous != 0.0 {
-        give("viscous", &[]);
-    }
-    if model.constant_force != 0.0 {
-        give("constant_force", &[]);
-    }
-    if let FrictionModel::Gms {
-        sliding: Some(sliding),
-        ..
-    }
-    | FrictionModel::LuGre { sliding, .. } = &model.friction
-        && sliding.coulomb > 0.0
-    {
-        let shape = [sliding.stribeck_velocity, sliding.stribeck_exponent, 0.0];
-        give("stribeck", &shape);
-    }
-    for effect in &model.effects {
-        let shape: Vec<f64> = match effect.id {
-            // Its centre is free where no constant force stands for it.
-            "position_spring" if model.constant_force == 0.0 => vec![1.0],
-            "position_force" | "position_friction" => vec![effect.cosines().len() as f64],
-            // The model file's drive has as much inertia on both sides.
-            "drive_compliance" => vec![columns::MOTOR_SHARE],
-            "thermal_drift" if effect.has("level_per_K") => Vec::new(),
-            id => columns::parameters(id)
-                .iter()
-                .map(|(key, _)| effect.get(key))
-                .collect(),
-        };
-        give(effect.id, &shape);
-    }
-    terms
-}
-
-/// Refuses recordings of different sample times: one kernel serves all rows.
-fn one_sample_time(recording: &Recording) -> Result<(), Refusal> {
-    let usual = recording.sample_time_s();
-    let own = |piece: &std::ops::Range<usize>| {
-        let t = &recording.t_s[piece.clone()];
-        let steps: Vec<f64> = t.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        signals::quantile(&steps, 0.5)
-    };
-    let unlike: Vec<_> = recording
-        .pieces
-        .iter()
-        .filter(|p| p.len() > 3 && !(1.0 / UNLIKE..UNLIKE).contains(&(own(p) / usual)))
-        .collect();
-    let samples: usize = unlike.iter().map(|p| p.len()).sum();
-    if let Some(piece) = unlike.first()
-        && 3 * samples > recording.len()
-    {
-        return Err(Refusal::Input(format!(
-            "{}: {samples} of {} samples, the first of them number {}, are {:.2e} s apart and not {usual:.2e} s; diagnose recordings of one sample time together, the others by themselves",
-            recording.name,
-            recording.len(),
-            piece.start + 1,
-            own(piece)
-        )));
-    }
-    Ok(())
+            ..Term::new(term::Subject::Effect(effect), &shape)
+        })
+    });
+    own.collect()
 }

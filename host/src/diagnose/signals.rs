@@ -1,12 +1,10 @@
 //! The coordinates that can organise a mismatch, at every sample.
 
 use crate::identify::rigid_body::Kinematics;
-use crate::identify::split::Split;
-use crate::recording::Recording;
+use crate::kinematics::ZeroPhase;
+use crate::recording::{MotionKind, Recording};
 use std::ops::Range;
 
-/// Most folds; neighbours are joined beyond it, so that the time does not grow with the number of strokes.
-const FOLDS: usize = 12;
 /// A reversal counts once the motion came back by this share of the travel, or by six times the encoder's noise.
 const HYSTERESIS: f64 = 0.003;
 /// Strokes end at the same places where the ends scatter by less than this share of the travel.
@@ -22,6 +20,10 @@ pub struct Signals {
     pub t: Vec<f64>,
     /// Measured position (m or rad).
     pub x: Vec<f64>,
+    /// The same within the band of the kinematics (m or rad), zero-phase.
+    pub smooth: Vec<f64>,
+    /// RMS of what that leaves: counts and noise of the encoder (m or rad).
+    pub position_noise: f64,
     /// Velocity (m/s or rad/s), zero-phase.
     pub v: Vec<f64>,
     /// Acceleration (m/s² or rad/s²), zero-phase.
@@ -40,18 +42,21 @@ pub struct Signals {
     pub temperature: Option<Vec<f64>>,
     /// Load (N), where recorded.
     pub load: Option<Vec<f64>>,
+    /// Further columns of the recording, such as another axis's position: name and values as written.
+    pub extra: Vec<(String, Vec<f64>)>,
+    /// Whether the axis turns.
+    pub rotary: bool,
     /// Contiguous samples.
     pub pieces: Vec<Range<usize>>,
     /// Fold of every sample.
     pub fold: Vec<usize>,
     /// Number of folds.
     pub folds: usize,
-    /// What a fold holds: "repeat" or "segment".
-    pub unit: &'static str,
     /// Reversals found.
     pub reversals: usize,
     /// Band of the kinematics (Hz).
     pub band_hz: f64,
+    filter: ZeroPhase,
 }
 
 impl Signals {
@@ -83,17 +88,21 @@ impl Signals {
             dwell: vec![0.0; n],
             temperature: recording.temperature_c.clone(),
             load: recording.load_n.clone(),
+            extra: Vec::new(),
+            rotary: recording.kind == MotionKind::Rotary,
             pieces: recording.pieces.clone(),
             fold: vec![0; n],
             folds: 0,
-            unit: "segment",
             reversals: 0,
             band_hz: kinematics.filter.cutoff_hz(),
+            filter: kinematics.filter,
+            position_noise: noise,
             x,
+            smooth: Vec::new(),
         };
         s.strokes(&smooth, threshold);
+        s.smooth = smooth;
         s.paths(REST * s.top_speed());
-        s.assign_folds(recording);
         s
     }
 
@@ -138,6 +147,11 @@ impl Signals {
             }
             last = (x[end - 1] - x[start]).abs();
         }
+    }
+
+    /// Derivative by time of a column, with the filter of the velocity: zero-phase.
+    pub fn smooth_slope(&self, values: &[f64]) -> Vec<f64> {
+        self.filter.derivative(values, 1)
     }
 
     /// Distance between the outermost positions (m or rad).
@@ -238,21 +252,6 @@ impl Signals {
             self.dwell[i] = dwell;
         }
     }
-
-    fn assign_folds(&mut self, recording: &Recording) {
-        let mut split = Split::new(recording, None, None);
-        split.folds.sort_by_key(|rows| rows.first().copied());
-        // Strokes in pairs: a fold then holds both directions.
-        let strokes_per_fold = if split.unit == "segment" { 2 } else { 1 };
-        let per_fold = split.folds.len().div_ceil(FOLDS).max(strokes_per_fold);
-        self.unit = split.unit;
-        self.folds = split.folds.len().div_ceil(per_fold);
-        for (k, rows) in split.folds.iter().enumerate() {
-            for &i in rows {
-                self.fold[i] = k / per_fold;
-            }
-        }
-    }
 }
 
 /// Time from 0 that runs on where a joined recording starts its clock again.
@@ -280,6 +279,11 @@ pub fn bounds(values: &[f64]) -> (f64, f64) {
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| {
             (l.min(v), h.max(v))
         })
+}
+
+/// Mean of some values.
+pub fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
 /// The value below which the share `q` of `values` lies.

@@ -26,8 +26,9 @@ pub struct Weak {
 
 impl Weak {
     /// Chooses the kernel: about 25 ms wide, wider where the encoder's noise asks for it (−6 dB at the band of the
-    /// kinematics), never below four samples. `inertial` tells whether an acceleration is needed at all.
-    pub fn new(s: &Signals, inertial: bool) -> Self {
+    /// kinematics), never below four samples. `inertial` tells whether an acceleration is needed at all, `usable` which samples
+    /// a row may be centred at.
+    pub fn new(s: &Signals, inertial: bool, usable: &[bool]) -> Self {
         let by_band = if inertial { 0.62 / s.band_hz } else { 0.0 };
         let by_rows = s.x.len() as f64 * s.dt / ROWS as f64;
         let half_s = by_band.max(12.5e-3).max(by_rows);
@@ -39,11 +40,11 @@ impl Weak {
         for piece in &s.pieces {
             let first = piece.start + half + 1;
             let last = piece.end.saturating_sub(half + 1);
-            for centre in (first..last).step_by(spacing) {
+            for centre in (first..last).step_by(spacing).filter(|c| usable[*c]) {
                 by_fold[s.fold[centre]].push(centre);
             }
         }
-        by_fold.retain(|rows| rows.len() > 20);
+        by_fold.retain(|rows| !rows.is_empty());
         let mut folds = Vec::new();
         let mut centres = Vec::new();
         for rows in by_fold {

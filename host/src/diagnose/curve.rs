@@ -1,0 +1,77 @@
+//! Free curves over a coordinate: what organises a mismatch, without asking what physics it is.
+
+use super::axis::Axis;
+use super::effect::Scene;
+use super::signals::{Signals, quantile};
+use super::weak::Column;
+
+/// Knots of the smooth curve over a coordinate.
+const KNOTS: usize = 8;
+/// Knots closer than this share of the range are one.
+const CLOSE: f64 = 0.02;
+
+/// A curve over one coordinate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Curve {
+    /// The coordinate.
+    pub axis: Axis,
+    /// Flips with direction: a change of the friction level, not a force.
+    pub odd: bool,
+}
+
+impl Curve {
+    /// The curves that this recording can have.
+    pub fn all(s: &Signals) -> Vec<Curve> {
+        let axes = Axis::of(s).into_iter();
+        // A level that follows velocity is one that follows speed and direction.
+        let both = axes.flat_map(|axis| [false, true].map(|odd| Curve { axis, odd }));
+        both.filter(|c| c.axis != Axis::Velocity || !c.odd).collect()
+    }
+
+    /// Hat functions at the samples: a force, or a change of the friction level.
+    pub fn columns(self, scene: &Scene) -> Vec<Column> {
+        let Some(values) = self.axis.values(scene.s) else {
+            return Vec::new();
+        };
+        // After a reversal the friction is still small; what acts there is not in proportion to it.
+        let load = match self.axis {
+            Axis::SinceReversal => &scene.s.direction,
+            _ => &scene.core.friction,
+        };
+        let mut hats = hats(&values);
+        if self.odd {
+            for hat in &mut hats {
+                hat.iter_mut().zip(load).for_each(|(h, l)| *h *= l);
+            }
+        }
+        hats.into_iter().map(Column::of).collect()
+    }
+}
+
+/// Hat functions over quantiles of a coordinate, without the last one (all together are a constant); none where it has too
+/// few values.
+pub fn hats(values: &[f64]) -> Vec<Vec<f64>> {
+    let mut knots: Vec<f64> = (0..KNOTS)
+        .map(|k| quantile(values, k as f64 / (KNOTS - 1) as f64))
+        .collect();
+    let span = knots[KNOTS - 1] - knots[0];
+    knots.dedup_by(|a, b| *a - *b < CLOSE * span);
+    if span <= 0.0 || knots.len() < 4 {
+        return Vec::new();
+    }
+    let last = knots.len() - 1;
+    let hat = |k: usize, v: f64| {
+        let v = v.clamp(knots[0], knots[last]);
+        if v <= knots[k] {
+            if k == 0 {
+                return 1.0;
+            }
+            ((v - knots[k - 1]) / (knots[k] - knots[k - 1])).max(0.0)
+        } else {
+            ((knots[k + 1] - v) / (knots[k + 1] - knots[k])).max(0.0)
+        }
+    };
+    (0..last)
+        .map(|k| values.iter().map(|v| hat(k, *v)).collect())
+        .collect()
+}

@@ -1,0 +1,92 @@
+//! `F` held within ± limit.
+
+use super::grid::one;
+use super::readout::enter;
+use super::{Class, Effect, Fitted, Part, Scale, Scene};
+use crate::diagnose::axis::Axis;
+use crate::diagnose::signals::quantile;
+use crate::diagnose::weak::Column;
+use crate::identify::estimate::Estimate;
+use crate::model::Model;
+
+/// Share of the samples that stay below the limit at least: the column is made of the measured effort, and with a limit below most of
+/// it the effort would explain itself.
+const RARE: f64 = 0.95;
+/// Key of the coefficient: how much of the command above the limit is lost.
+const SHARE: &str = "share";
+
+/// `actuator_saturation`.
+pub struct ActuatorSaturation;
+
+impl Effect for ActuatorSaturation {
+    fn id(&self) -> &'static str {
+        "actuator_saturation"
+    }
+
+    fn name(&self) -> &'static str {
+        "saturation of the drive"
+    }
+
+    fn words(&self) -> &'static str {
+        "a drive that gives less than it is asked for"
+    }
+
+    fn class(&self) -> Class {
+        Class::Drive
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Time
+    }
+
+    fn experiment(&self) -> &'static str {
+        "the same motion with half the acceleration"
+    }
+
+    fn shown_by(&self) -> &'static [Part] {
+        &[Part::Fast]
+    }
+
+    fn shape(&self) -> &'static [(&'static str, Scale)] {
+        &[("limit_N", Scale::Logarithmic)]
+    }
+
+    fn grid(&self, scene: &Scene) -> Vec<Vec<f64>> {
+        one(exceeded(scene, RARE), 0.95 * exceeded(scene, 0.9999), 16)
+    }
+
+    fn within(&self, scene: &Scene, _: usize, value: f64) -> f64 {
+        value.max(exceeded(scene, RARE))
+    }
+
+    fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column> {
+        let &[limit] = shape else {
+            return Vec::new();
+        };
+        let effort = scene.effort;
+        vec![scene.force(|i| effort[i].signum() * (effort[i].abs() - limit).max(0.0))]
+    }
+
+    fn admits(&self, _: &[f64], coefficients: &[f64]) -> bool {
+        // All that is commanded above the limit is lost.
+        matches!(coefficients, [c] if (0.7..1.3).contains(c))
+    }
+
+    fn acts_on_effort(&self) -> bool {
+        true
+    }
+
+    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
+        fitted.one(SHARE, self)
+    }
+
+    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
+        enter(self.id(), values, &[SHARE], model)
+    }
+}
+
+/// The effort that the share `q` of the samples stays below (N or N·m).
+fn exceeded(scene: &Scene, q: f64) -> f64 {
+    let size: Vec<f64> = scene.effort.iter().map(|f| f.abs()).collect();
+    quantile(&size, q)
+}

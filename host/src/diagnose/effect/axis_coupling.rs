@@ -1,0 +1,114 @@
+//! A force in proportion to a further column, its velocity, its direction or its acceleration: gravity, viscous coupling, friction or
+//! inertia of another axis.
+
+use super::readout::known;
+use super::{Class, Effect, Fitted, Scale, Scene};
+use crate::diagnose::axis::Axis;
+use crate::diagnose::signals::{Signals, bounds, mean};
+use crate::diagnose::weak::Column;
+use crate::identify::estimate::Estimate;
+use crate::model::Model;
+
+/// Forms: 0 the value, 1 its velocity, 2 the direction, 3 its acceleration.
+const FORMS: u8 = 4;
+/// Share of the highest speed over which a direction changes.
+const SMALL: f64 = 0.02;
+
+/// `axis_coupling`.
+pub struct AxisCoupling;
+
+impl Effect for AxisCoupling {
+    fn id(&self) -> &'static str {
+        "axis_coupling"
+    }
+
+    fn name(&self) -> &'static str {
+        "coupling to another axis"
+    }
+
+    fn words(&self) -> &'static str {
+        "a force that follows the motion of another axis"
+    }
+
+    fn class(&self) -> Class {
+        Class::Law
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::ColumnVelocity(0)
+    }
+
+    fn experiment(&self) -> &'static str {
+        "move the other axis alone while this one is held, then this one alone"
+    }
+
+    fn recurs(&self) -> bool {
+        true
+    }
+
+    fn lacks(&self, s: &Signals) -> Option<&'static str> {
+        s.extra.is_empty().then_some("the motion of other axes")
+    }
+
+    fn shape(&self) -> &'static [(&'static str, Scale)] {
+        &[("column", Scale::Chosen), ("form", Scale::Chosen)]
+    }
+
+    fn grid(&self, scene: &Scene) -> Vec<Vec<f64>> {
+        let moves = |values: &[f64]| {
+            let (from, to) = bounds(values);
+            to > from
+        };
+        let columns = scene.s.extra.iter().enumerate();
+        columns
+            .filter(|(_, (_, values))| moves(values))
+            .flat_map(|(i, _)| (0..FORMS).map(move |form| vec![i as f64, f64::from(form)]))
+            .collect()
+    }
+
+    fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column> {
+        let &[column, form] = shape else {
+            return Vec::new();
+        };
+        let s = scene.s;
+        let Some((_, values)) = s.extra.get(column as usize) else {
+            return Vec::new();
+        };
+        vec![Column::of(match form as u8 {
+            // A constant is a matter of its own.
+            0 => {
+                let mean = mean(values);
+                values.iter().map(|value| value - mean).collect()
+            }
+            1 => s.smooth_slope(values),
+            2 => direction(&s.smooth_slope(values)),
+            _ => s.smooth_slope(&s.smooth_slope(values)),
+        })]
+    }
+
+    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
+        let mut values = vec![fitted.entry("coupling", 0)];
+        let keys = self.shape().iter().zip(fitted.shape);
+        values.extend(keys.map(|((key, _), value)| known(key, *value)));
+        values
+    }
+
+    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
+        let _ = (values, model);
+        Err(
+            "a model file has no other axis; compensate the coupling where both axes are known"
+                .to_owned(),
+        )
+    }
+}
+
+/// Sign of a velocity, smooth through zero.
+fn direction(velocity: &[f64]) -> Vec<f64> {
+    let top = velocity
+        .iter()
+        .fold(f64::MIN_POSITIVE, |top, v| top.max(v.abs()));
+    velocity
+        .iter()
+        .map(|v| (v / (SMALL * top)).tanh())
+        .collect()
+}

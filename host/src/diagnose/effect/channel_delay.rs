@@ -1,0 +1,65 @@
+//! The force is recorded `τ` after the motion: `−τ·dF/dt`.
+
+use super::readout::enter;
+use super::{Class, Effect, Fitted, Part, Scene};
+use crate::diagnose::axis::Axis;
+use crate::diagnose::weak::Column;
+use crate::identify::estimate::Estimate;
+use crate::model::Model;
+
+/// `channel_delay`.
+pub struct ChannelDelay;
+
+impl Effect for ChannelDelay {
+    fn id(&self) -> &'static str {
+        "channel_delay"
+    }
+
+    fn name(&self) -> &'static str {
+        "time shift between channels"
+    }
+
+    fn words(&self) -> &'static str {
+        "force and position sampled at different times"
+    }
+
+    fn class(&self) -> Class {
+        Class::Drive
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Acceleration
+    }
+
+    fn experiment(&self) -> &'static str {
+        "fast sine motion at two frequencies: a delay's phase grows in proportion"
+    }
+
+    fn shown_by(&self) -> &'static [Part] {
+        &[Part::Fast, Part::Nested]
+    }
+
+    fn columns(&self, _: &[f64], scene: &Scene) -> Vec<Column> {
+        vec![Column {
+            sloped: scene.sampled(|i| -scene.core.fitted[i]),
+            ..Column::default()
+        }]
+    }
+
+    /// A sample between reading the position and writing the force is how controllers work.
+    fn is_harmless(&self, scene: &Scene, coefficients: &[f64]) -> bool {
+        coefficients.iter().all(|delay| delay.abs() <= scene.s.dt)
+    }
+
+    fn acts_on_effort(&self) -> bool {
+        true
+    }
+
+    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
+        fitted.one("delay_s", self)
+    }
+
+    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
+        enter(self.id(), values, &[], model)
+    }
+}

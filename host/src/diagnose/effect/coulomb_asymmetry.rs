@@ -1,0 +1,64 @@
+//! `m = 1 + a·sgn F`, which is `sgn v` in sliding.
+
+use super::constant_force::ConstantForce;
+use super::lack::both_directions;
+use super::readout::enter;
+use super::{Class, Effect, Fitted, Scene};
+use crate::diagnose::axis::Axis;
+use crate::diagnose::signals::Signals;
+use crate::diagnose::weak::Column;
+use crate::identify::estimate::Estimate;
+use crate::model::Model;
+
+/// Share of the friction level over which its sign changes.
+const SMALL: f64 = 0.1;
+
+/// `coulomb_asymmetry`.
+pub struct CoulombAsymmetry;
+
+impl Effect for CoulombAsymmetry {
+    fn id(&self) -> &'static str {
+        "coulomb_asymmetry"
+    }
+
+    fn name(&self) -> &'static str {
+        "friction that differs by direction"
+    }
+
+    fn words(&self) -> &'static str {
+        "friction that differs by direction"
+    }
+
+    fn class(&self) -> Class {
+        Class::Plain
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Velocity
+    }
+
+    fn experiment(&self) -> &'static str {
+        "turn the stage end for end, or change the load: an asymmetry scales with the friction level"
+    }
+
+    fn lacks(&self, s: &Signals) -> Option<&'static str> {
+        both_directions(s)
+    }
+
+    fn equivalents(&self, _: &Signals) -> &'static [&'static dyn Effect] {
+        &[&ConstantForce]
+    }
+
+    fn columns(&self, _: &[f64], scene: &Scene) -> Vec<Column> {
+        let (friction, level) = (&scene.core.friction, scene.core.level);
+        vec![scene.friction(|i| (friction[i] / (SMALL * level)).tanh())]
+    }
+
+    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
+        fitted.one("asymmetry", self)
+    }
+
+    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
+        enter(self.id(), values, &[], model)
+    }
+}

@@ -1,0 +1,136 @@
+//! The load on a spring behind the motor, which has the encoder.
+
+use super::displaced::displaced;
+use super::readout::enter;
+use super::{Class, Effect, Fitted, Part, Scale, Scene};
+use crate::diagnose::axis::Axis;
+use crate::diagnose::weak::Column;
+use crate::effects::Effect as Entry;
+use crate::identify::estimate::Estimate;
+use crate::model::Model;
+use std::f64::consts::TAU;
+
+/// Share of the inertia on the motor's side of an elastic drive or a gap, which one recording does not tell.
+pub(super) const MOTOR_SHARE: f64 = 0.5;
+/// Between which values it lies: drives are chosen so that neither side has much more than twice the other's inertia. The intervals hold
+/// what follows from both.
+const SHARES: [f64; 2] = [0.3, 0.7];
+/// Key of the resonance.
+const FREQUENCY: &str = "frequency_Hz";
+
+/// `drive_compliance`.
+pub struct DriveCompliance;
+
+impl Effect for DriveCompliance {
+    fn id(&self) -> &'static str {
+        "drive_compliance"
+    }
+
+    fn name(&self) -> &'static str {
+        "elastic drive"
+    }
+
+    fn words(&self) -> &'static str {
+        "an elastic drive between motor and load"
+    }
+
+    fn class(&self) -> Class {
+        Class::Drive
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Acceleration
+    }
+
+    fn experiment(&self) -> &'static str {
+        "a sweep through the expected resonance"
+    }
+
+    fn shown_by(&self) -> &'static [Part] {
+        &[Part::Fast, Part::Nested]
+    }
+
+    fn shape(&self) -> &'static [(&'static str, Scale)] {
+        &[("motor_share", Scale::Chosen)]
+    }
+
+    fn shape_in(&self, _: &Entry, _: &Model) -> Vec<f64> {
+        // The model file's drive has as much inertia on both sides.
+        vec![MOTOR_SHARE]
+    }
+
+    fn grid(&self, _: &Scene) -> Vec<Vec<f64>> {
+        vec![vec![MOTOR_SHARE]]
+    }
+
+    fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column> {
+        let &[share] = shape else {
+            return Vec::new();
+        };
+        // Behind a spring the load is displaced by the transmitted effort.
+        let (core, a) = (scene.core, &scene.s.a);
+        let transmitted = scene.sampled(|i| core.fitted[i] - share * core.mass * a[i]);
+        vec![displaced(&transmitted, (1.0 - share) * core.mass, scene)]
+    }
+
+    fn admits(&self, _: &[f64], coefficients: &[f64]) -> bool {
+        matches!(coefficients, [c] if *c > 0.0)
+    }
+
+    fn acts_on_effort(&self) -> bool {
+        true
+    }
+
+    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
+        let stiffness = |c: f64| 1.0 / c.abs().max(f64::MIN_POSITIVE);
+        let mut values = vec![
+            over_shares(fitted, "stiffness_N_per_m", |_, c, error| {
+                let error = error.map(|e| e * stiffness(c).powi(2));
+                fitted.estimate(stiffness(c), error)
+            }),
+            over_shares(fitted, FREQUENCY, |share, c, error| {
+                // Two masses on a spring: `ω² = k/(m·μ·(1 − μ))`.
+                let reduced = fitted.scene.core.mass * share * (1.0 - share);
+                let frequency = (stiffness(c) / reduced).sqrt() / TAU;
+                let error = error.map(|e| 0.5 * e * stiffness(c) * frequency);
+                fitted.estimate(frequency, error)
+            }),
+        ];
+        values.extend(fitted.shape_of(self));
+        values
+    }
+
+    fn in_model(&self, model: &Model) -> Vec<Vec<f64>> {
+        // The model file's drive has as much inertia on both sides.
+        let own = model.effects.iter().filter(|e| e.id == self.id());
+        own.map(|_| vec![MOTOR_SHARE]).collect()
+    }
+
+    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
+        let frequency: Vec<_> = values
+            .iter()
+            .filter(|(key, _)| key == FREQUENCY)
+            .cloned()
+            .collect();
+        enter(self.id(), &frequency, &[], model)
+    }
+}
+
+/// A value at the assumed share, and an interval that holds those at all that the share may be.
+fn over_shares(
+    fitted: &Fitted,
+    key: &str,
+    of: impl Fn(f64, f64, Option<f64>) -> Estimate,
+) -> (String, Estimate) {
+    let error = fitted.error(0);
+    let share = fitted.shape.first().copied().unwrap_or(MOTOR_SHARE);
+    let mut own = of(share, fitted.coefficient(0), error);
+    for share in SHARES {
+        if let (Some([low, high]), Some(c)) = (&mut own.ci95, (fitted.at_shape)(&[share]))
+            && let Some(ends) = of(share, c, error).ci95
+        {
+            (*low, *high) = (low.min(ends[0]), high.max(ends[1]));
+        }
+    }
+    (key.to_owned(), own)
+}

@@ -1,0 +1,81 @@
+//! `A·cos(2πft + φ)`.
+
+use super::readout::enter;
+use super::wave::{PHASE, amplitude_and_phase, wave};
+use super::{Class, Effect, Fitted, Line, Part, Scale, Scene};
+use crate::diagnose::axis::Axis;
+use crate::diagnose::weak::Column;
+use crate::identify::estimate::Estimate;
+use crate::model::Model;
+use std::f64::consts::FRAC_PI_2;
+
+/// `external_vibration`.
+pub struct ExternalVibration;
+
+impl Effect for ExternalVibration {
+    fn id(&self) -> &'static str {
+        "external_vibration"
+    }
+
+    fn name(&self) -> &'static str {
+        "vibration from outside"
+    }
+
+    fn words(&self) -> &'static str {
+        "a vibration from outside, of fixed frequency in time"
+    }
+
+    fn class(&self) -> Class {
+        Class::Drive
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Time
+    }
+
+    fn experiment(&self) -> &'static str {
+        "a recording at rest with the controller off"
+    }
+
+    fn shown_by(&self) -> &'static [Part] {
+        &[Part::Rests]
+    }
+
+    fn recurs(&self) -> bool {
+        true
+    }
+
+    fn shape(&self) -> &'static [(&'static str, Scale)] {
+        &[("frequency_Hz", Scale::Frequency)]
+    }
+
+    fn grid(&self, _: &Scene) -> Vec<Vec<f64>> {
+        Vec::new()
+    }
+
+    fn line(&self) -> Option<Line> {
+        Some(Line::Time)
+    }
+
+    fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column> {
+        let &[frequency] = shape else {
+            return Vec::new();
+        };
+        wave(&scene.s.t, 1.0 / frequency).map(Column::of).to_vec()
+    }
+
+    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
+        let mut values = amplitude_and_phase("force_N", PHASE, fitted);
+        values.extend(fitted.shape_of(self));
+        values
+    }
+
+    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
+        // The model file's vibration is a sine.
+        let mut sine = values.to_vec();
+        for (_, phase) in sine.iter_mut().filter(|(key, _)| key == PHASE) {
+            phase.value += FRAC_PI_2;
+        }
+        enter(self.id(), &sine, &[], model)
+    }
+}

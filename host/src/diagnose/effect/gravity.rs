@@ -1,0 +1,91 @@
+//! `A·sin(q − q0)` about a rotary axis. A model file has it as a force of one period a turn.
+
+use super::periodic_force::PeriodicForce;
+use super::position_spring::PositionSpring;
+use super::readout::{enter, known, value_of};
+use super::wave::amplitude_and_phase;
+use super::{Class, Effect, Fitted, Part, Scene};
+use crate::diagnose::axis::Axis;
+use crate::diagnose::signals::Signals;
+use crate::diagnose::weak::Column;
+use crate::identify::estimate::Estimate;
+use crate::model::Model;
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// Key of the amplitude, `amplitude_Nm` on the rotary axes that it is for.
+const AMPLITUDE: &str = "amplitude_N";
+/// Key of the angle at which its force is zero and rising.
+const ANGLE: &str = "angle_rad";
+
+/// `gravity`.
+pub struct Gravity;
+
+impl Effect for Gravity {
+    fn id(&self) -> &'static str {
+        "gravity"
+    }
+
+    fn name(&self) -> &'static str {
+        "gravity"
+    }
+
+    fn words(&self) -> &'static str {
+        "the weight of an arm or an unbalanced rotor: one wave a turn"
+    }
+
+    fn class(&self) -> Class {
+        Class::Plain
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Position
+    }
+
+    fn experiment(&self) -> &'static str {
+        "slow passes over half a turn or more, and again with the axis of rotation upright, where gravity is gone"
+    }
+
+    fn shown_by(&self) -> &'static [Part] {
+        &[Part::Passes]
+    }
+
+    fn lacks(&self, s: &Signals) -> Option<&'static str> {
+        is_one_slope(s).then_some("travel of a radian or more")
+    }
+
+    fn equivalents(&self, s: &Signals) -> &'static [&'static dyn Effect] {
+        if is_one_slope(s) {
+            &[&PositionSpring]
+        } else {
+            &[]
+        }
+    }
+
+    fn grid(&self, scene: &Scene) -> Vec<Vec<f64>> {
+        scene.s.rotary.then(Vec::new).into_iter().collect()
+    }
+
+    fn columns(&self, _: &[f64], scene: &Scene) -> Vec<Column> {
+        let q = &scene.s.x;
+        vec![scene.force(|i| q[i].sin()), scene.force(|i| q[i].cos())]
+    }
+
+    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
+        // `a·sin q + b·cos q = A·sin(q − q0)` with `q0 = atan2(−b, a)`.
+        amplitude_and_phase(AMPLITUDE, ANGLE, fitted)
+    }
+
+    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
+        let wave = [
+            known("force_N", value_of(values, AMPLITUDE)),
+            known("period_m", TAU),
+            known("phase_rad", -value_of(values, ANGLE) - FRAC_PI_2),
+        ];
+        enter(PeriodicForce.id(), &wave, &[], model)
+    }
+}
+
+/// Whether an axis turns by less than a radian, over which gravity and a spring are one slope.
+pub(super) fn is_one_slope(s: &Signals) -> bool {
+    s.rotary && s.travel() < 1.0
+}

@@ -1,0 +1,111 @@
+//! `m = 1 + c·(load − load0)` with a measured load, else friction that grows by a share of the effort that is transmitted.
+
+use super::readout::{enter, known};
+use super::{Class, Effect, Fitted, Scale, Scene};
+use crate::diagnose::axis::Axis;
+use crate::diagnose::signals::{Signals, bounds, mean, quantile};
+use crate::diagnose::weak::Column;
+use crate::effects::Effect as Entry;
+use crate::identify::estimate::Estimate;
+use crate::model::Model;
+
+/// Key of the friction that a unit of transmitted effort brings (-), as in a gear.
+const SHARE: &str = "share_of_transmitted";
+/// Share of the friction level by which the transmitted effort must vary.
+const LEAST: f64 = 0.1;
+
+/// `load_dependent_friction`.
+pub struct LoadDependentFriction;
+
+impl Effect for LoadDependentFriction {
+    fn id(&self) -> &'static str {
+        "load_dependent_friction"
+    }
+
+    fn name(&self) -> &'static str {
+        "load-dependent friction"
+    }
+
+    fn words(&self) -> &'static str {
+        "a friction level that follows the load"
+    }
+
+    fn class(&self) -> Class {
+        Class::Law
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Load
+    }
+
+    fn experiment(&self) -> &'static str {
+        "the same strokes at two loads"
+    }
+
+    fn lacks(&self, s: &Signals) -> Option<&'static str> {
+        let varies = |load: &Vec<f64>| {
+            let (from, to) = bounds(load);
+            to - from >= 0.1 * to.abs()
+        };
+        (!s.load.as_ref().is_some_and(varies)).then_some("varied load")
+    }
+
+    fn shape(&self) -> &'static [(&'static str, Scale)] {
+        &[("transmitted", Scale::Chosen)]
+    }
+
+    fn shape_in(&self, _: &Entry, _: &Model) -> Vec<f64> {
+        Vec::new()
+    }
+
+    fn grid(&self, scene: &Scene) -> Vec<Vec<f64>> {
+        if scene.s.load.is_some() {
+            return vec![Vec::new()];
+        }
+        let load = transmitted(scene);
+        let varies = quantile(&load, 0.95) - quantile(&load, 0.05);
+        let told = varies > LEAST * scene.core.level;
+        told.then(|| vec![1.0]).into_iter().collect()
+    }
+
+    fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column> {
+        if !shape.is_empty() {
+            let load = transmitted(scene);
+            let mean = mean(&load);
+            return vec![scene.friction(|i| (load[i] - mean) / scene.core.level)];
+        }
+        let load = scene.s.load.iter();
+        load.map(|load| {
+            let mean = mean(load);
+            scene.friction(|i| load[i] - mean)
+        })
+        .collect()
+    }
+
+    fn admits(&self, shape: &[f64], coefficients: &[f64]) -> bool {
+        // More load does not lessen friction; a column's load may count either way.
+        shape.is_empty() || matches!(coefficients, [c] if *c > 0.0)
+    }
+
+    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
+        match &fitted.scene.s.load {
+            Some(load) if fitted.shape.is_empty() => {
+                vec![fitted.entry("level_per_N", 0), known("load_N", mean(load))]
+            }
+            _ => vec![fitted.entry(SHARE, 0)],
+        }
+    }
+
+    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
+        if values.iter().any(|(key, _)| key == SHARE) {
+            return Err("a model file has friction that follows a recorded load only; record the load as load_N".to_owned());
+        }
+        enter(self.id(), values, &[], model)
+    }
+}
+
+/// Size of the effort that the model has beside friction: weight, inertia, load (N or N·m). That the effect is itself a part of the
+/// fitted effort is of second order.
+fn transmitted(scene: &Scene) -> Vec<f64> {
+    scene.sampled(|i| (scene.core.fitted[i] - scene.core.friction[i]).abs())
+}

@@ -1,0 +1,88 @@
+//! `m = 1 + a·exp(−((x − x_s)/w)²)`.
+
+use super::grid::spread;
+use super::lack::{both_directions, different_ends};
+use super::readout::enter;
+use super::{Class, Effect, Fitted, Scale, Scene};
+use crate::diagnose::axis::Axis;
+use crate::diagnose::signals::{Signals, bounds};
+use crate::diagnose::weak::Column;
+use crate::identify::estimate::Estimate;
+use crate::model::Model;
+
+/// `local_friction_spot`.
+pub struct LocalFrictionSpot;
+
+impl Effect for LocalFrictionSpot {
+    fn id(&self) -> &'static str {
+        "local_friction_spot"
+    }
+
+    fn name(&self) -> &'static str {
+        "friction spot"
+    }
+
+    fn words(&self) -> &'static str {
+        "a narrow place of higher or lower friction"
+    }
+
+    fn class(&self) -> Class {
+        Class::Place
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Position
+    }
+
+    fn experiment(&self) -> &'static str {
+        "slow passes over the place, started from both sides"
+    }
+
+    fn recurs(&self) -> bool {
+        true
+    }
+
+    fn lacks(&self, s: &Signals) -> Option<&'static str> {
+        both_directions(s).or_else(|| different_ends(s))
+    }
+
+    fn shape(&self) -> &'static [(&'static str, Scale)] {
+        &[
+            ("position_m", Scale::Travel),
+            ("width_m", Scale::Logarithmic),
+        ]
+    }
+
+    fn grid(&self, scene: &Scene) -> Vec<Vec<f64>> {
+        let (from, to) = bounds(&scene.s.x);
+        let travel = to - from;
+        let widths = spread(travel / 120.0, travel / 10.0, 4);
+        let places = |width: f64| {
+            let count = (travel / width).ceil() as usize;
+            let place = move |i: usize| from + travel * i as f64 / count as f64;
+            (0..=count).map(move |i| vec![place(i), width])
+        };
+        widths.into_iter().flat_map(places).collect()
+    }
+
+    fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column> {
+        let &[position, width] = shape else {
+            return Vec::new();
+        };
+        let x = &scene.s.x;
+        vec![scene.friction(|i| (-((x[i] - position) / width).powi(2)).exp())]
+    }
+
+    fn admits(&self, _: &[f64], coefficients: &[f64]) -> bool {
+        // Friction does not push.
+        matches!(coefficients, [c] if *c > -1.0)
+    }
+
+    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
+        fitted.one("level", self)
+    }
+
+    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
+        enter(self.id(), values, &[], model)
+    }
+}

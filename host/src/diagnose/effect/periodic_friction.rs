@@ -1,0 +1,79 @@
+//! `m = 1 + a·cos(2πx/p + φ)`.
+
+use super::lack::both_directions;
+use super::readout::enter;
+use super::wave::{PHASE, amplitude_and_phase, wave};
+use super::{Class, Effect, Fitted, Line, Scale, Scene};
+use crate::diagnose::axis::Axis;
+use crate::diagnose::signals::Signals;
+use crate::diagnose::weak::Column;
+use crate::identify::estimate::Estimate;
+use crate::model::Model;
+
+/// `periodic_friction`.
+pub struct PeriodicFriction;
+
+impl Effect for PeriodicFriction {
+    fn id(&self) -> &'static str {
+        "periodic_friction"
+    }
+
+    fn name(&self) -> &'static str {
+        "friction ripple"
+    }
+
+    fn words(&self) -> &'static str {
+        "a friction level with a fixed period in position: screw or ball passage"
+    }
+
+    fn class(&self) -> Class {
+        Class::Place
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Position
+    }
+
+    fn experiment(&self) -> &'static str {
+        "slow passes over several periods in both directions: friction flips with the direction"
+    }
+
+    fn recurs(&self) -> bool {
+        true
+    }
+
+    fn lacks(&self, s: &Signals) -> Option<&'static str> {
+        both_directions(s)
+    }
+
+    fn shape(&self) -> &'static [(&'static str, Scale)] {
+        &[("period_m", Scale::Period)]
+    }
+
+    fn grid(&self, _: &Scene) -> Vec<Vec<f64>> {
+        Vec::new()
+    }
+
+    fn line(&self) -> Option<Line> {
+        Some(Line::Level)
+    }
+
+    fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column> {
+        let &[period] = shape else {
+            return Vec::new();
+        };
+        wave(&scene.s.x, period)
+            .map(|wave| scene.friction(|i| wave[i]))
+            .to_vec()
+    }
+
+    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
+        let mut values = amplitude_and_phase("level", PHASE, fitted);
+        values.extend(fitted.shape_of(self));
+        values
+    }
+
+    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
+        enter(self.id(), values, &[], model)
+    }
+}

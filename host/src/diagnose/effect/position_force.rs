@@ -1,0 +1,89 @@
+//! `Σ c_j·cos(jπu)` over the travel, with its mean where that is no force of its own.
+
+use super::cosines::{COUNTS, cosines, map};
+use super::lack::different_ends;
+use super::readout::{enter, value_of};
+use super::{Class, Effect, Fitted, Scale, Scene};
+use crate::diagnose::axis::Axis;
+use crate::diagnose::signals::Signals;
+use crate::diagnose::weak::Column;
+use crate::effects::Effect as Entry;
+use crate::identify::estimate::Estimate;
+use crate::model::Model;
+
+/// Key of the mean, which a model file has as its constant force.
+const MEAN: &str = "constant_N";
+
+/// `position_force`.
+pub struct PositionForce;
+
+impl Effect for PositionForce {
+    fn id(&self) -> &'static str {
+        "position_force"
+    }
+
+    fn name(&self) -> &'static str {
+        "force map over the travel"
+    }
+
+    fn words(&self) -> &'static str {
+        "a force that depends on position, the same in both directions"
+    }
+
+    fn class(&self) -> Class {
+        Class::Place
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Position
+    }
+
+    fn experiment(&self) -> &'static str {
+        "slow passes over the whole travel in both directions"
+    }
+
+    fn lacks(&self, s: &Signals) -> Option<&'static str> {
+        different_ends(s)
+    }
+
+    fn shape(&self) -> &'static [(&'static str, Scale)] {
+        &[("terms", Scale::Chosen), ("with_mean", Scale::Chosen)]
+    }
+
+    fn shape_in(&self, entry: &Entry, _: &Model) -> Vec<f64> {
+        vec![entry.cosines().len() as f64]
+    }
+
+    fn grid(&self, _: &Scene) -> Vec<Vec<f64>> {
+        COUNTS.map(|count| vec![count]).to_vec()
+    }
+
+    fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column> {
+        let Some(&count) = shape.first() else {
+            return Vec::new();
+        };
+        let mean = shape.get(1).map(|_| vec![1.0; scene.s.x.len()]);
+        let columns = cosines(scene.s, count).into_iter().chain(mean);
+        columns.map(Column::of).collect()
+    }
+
+    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
+        let count = fitted.shape.first().map_or(0, |count| *count as usize);
+        let mut values = map(fitted, count, "_N");
+        if fitted.coefficients.len() > count {
+            values.insert(0, fitted.entry(MEAN, count));
+        }
+        values
+    }
+
+    fn in_model(&self, model: &Model) -> Vec<Vec<f64>> {
+        let own = model.effects.iter().filter(|e| e.id == self.id());
+        own.map(|e| vec![e.cosines().len() as f64]).collect()
+    }
+
+    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
+        enter(self.id(), values, &[MEAN], model)?;
+        model.constant_force += value_of(values, MEAN);
+        Ok(())
+    }
+}

@@ -1,0 +1,78 @@
+//! `m = 1 + Σ c_j·cos(jπu)` over the travel: preload, wear.
+
+use super::cosines::{COUNTS, cosines, map};
+use super::lack::{both_directions, different_ends};
+use super::readout::enter;
+use super::{Class, Effect, Fitted, Scale, Scene};
+use crate::diagnose::axis::Axis;
+use crate::diagnose::signals::Signals;
+use crate::diagnose::weak::Column;
+use crate::effects::Effect as Entry;
+use crate::identify::estimate::Estimate;
+use crate::model::Model;
+
+/// `position_friction`.
+pub struct PositionFriction;
+
+impl Effect for PositionFriction {
+    fn id(&self) -> &'static str {
+        "position_friction"
+    }
+
+    fn name(&self) -> &'static str {
+        "friction map over the travel"
+    }
+
+    fn words(&self) -> &'static str {
+        "a friction level that varies over the travel"
+    }
+
+    fn class(&self) -> Class {
+        Class::Place
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Position
+    }
+
+    fn experiment(&self) -> &'static str {
+        "slow passes over the whole travel in both directions, repeated later"
+    }
+
+    fn lacks(&self, s: &Signals) -> Option<&'static str> {
+        both_directions(s).or_else(|| different_ends(s))
+    }
+
+    fn shape(&self) -> &'static [(&'static str, Scale)] {
+        &[("terms", Scale::Chosen)]
+    }
+
+    fn shape_in(&self, entry: &Entry, _: &Model) -> Vec<f64> {
+        vec![entry.cosines().len() as f64]
+    }
+
+    fn grid(&self, _: &Scene) -> Vec<Vec<f64>> {
+        COUNTS.map(|count| vec![count]).to_vec()
+    }
+
+    fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column> {
+        let Some(&count) = shape.first() else {
+            return Vec::new();
+        };
+        let columns = cosines(scene.s, count);
+        columns.iter().map(|c| scene.friction(|i| c[i])).collect()
+    }
+
+    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
+        map(fitted, fitted.coefficients.len(), "")
+    }
+
+    fn in_model(&self, model: &Model) -> Vec<Vec<f64>> {
+        let own = model.effects.iter().filter(|e| e.id == self.id());
+        own.map(|e| vec![e.cosines().len() as f64]).collect()
+    }
+
+    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
+        enter(self.id(), values, &[], model)
+    }
+}

@@ -1,0 +1,106 @@
+//! `κ·(x − x0)`, the centre in the middle of the travel or free.
+
+use super::gravity::{Gravity, is_one_slope};
+use super::lack::different_ends;
+use super::readout::{enter, known};
+use super::{Class, Effect, Fitted, Scale, Scene};
+use crate::diagnose::axis::Axis;
+use crate::diagnose::signals::{Signals, bounds};
+use crate::diagnose::weak::Column;
+use crate::effects::Effect as Entry;
+use crate::identify::estimate::Estimate;
+use crate::model::Model;
+
+/// Share of the travel by which a spring's centre may lie aside of the middle: beyond it the constant is a matter of its own.
+pub const ASIDE: f64 = 0.4;
+
+/// `position_spring`.
+pub struct PositionSpring;
+
+impl Effect for PositionSpring {
+    fn id(&self) -> &'static str {
+        "position_spring"
+    }
+
+    fn name(&self) -> &'static str {
+        "spring over the travel"
+    }
+
+    fn words(&self) -> &'static str {
+        "a spring over the travel, such as a cable"
+    }
+
+    fn class(&self) -> Class {
+        Class::Plain
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Position
+    }
+
+    fn experiment(&self) -> &'static str {
+        "the same strokes about two distant positions"
+    }
+
+    fn lacks(&self, s: &Signals) -> Option<&'static str> {
+        different_ends(s)
+    }
+
+    fn shape(&self) -> &'static [(&'static str, Scale)] {
+        &[("free_centre", Scale::Chosen)]
+    }
+
+    fn equivalents(&self, s: &Signals) -> &'static [&'static dyn Effect] {
+        if is_one_slope(s) { &[&Gravity] } else { &[] }
+    }
+
+    fn shape_in(&self, _: &Entry, model: &Model) -> Vec<f64> {
+        // Its centre is free where no constant force stands for it.
+        let free = model.constant_force == 0.0;
+        free.then_some(1.0).into_iter().collect()
+    }
+
+    fn grid(&self, _: &Scene) -> Vec<Vec<f64>> {
+        vec![Vec::new(), vec![1.0]]
+    }
+
+    fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column> {
+        let (from, to) = bounds(&scene.s.x);
+        let spring = scene.force(|i| scene.s.x[i] - 0.5 * (from + to));
+        let centre = shape.first().map(|_| scene.force(|_| ASIDE * (to - from)));
+        std::iter::once(spring).chain(centre).collect()
+    }
+
+    fn admits(&self, _: &[f64], coefficients: &[f64]) -> bool {
+        match coefficients {
+            [stiffness] => *stiffness > 0.0,
+            // Its centre lies within the travel's middle.
+            [stiffness, aside] => *stiffness > aside.abs(),
+            _ => false,
+        }
+    }
+
+    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
+        let (from, to) = bounds(&fitted.scene.s.x);
+        let stiffness = fitted.coefficient(0);
+        let aside = match fitted.coefficient(1) {
+            0.0 => 0.0,
+            share => ASIDE * (to - from) * share / stiffness,
+        };
+        vec![
+            fitted.entry("stiffness_N_per_m", 0),
+            known("centre_m", 0.5 * (from + to) - aside),
+        ]
+    }
+
+    fn in_model(&self, model: &Model) -> Vec<Vec<f64>> {
+        // Its centre is free where no constant force stands for it.
+        let shape = if model.constant_force == 0.0 { vec![1.0] } else { Vec::new() };
+        let own = model.effects.iter().filter(|e| e.id == self.id());
+        own.map(|_| shape.clone()).collect()
+    }
+
+    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
+        enter(self.id(), values, &[], model)
+    }
+}

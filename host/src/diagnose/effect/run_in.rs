@@ -1,0 +1,69 @@
+//! `m = 1 + a·exp(−s/λ)` in travelled path.
+
+use super::grid::one;
+use super::readout::enter;
+use super::{Class, Effect, Fitted, Scale, Scene};
+use crate::diagnose::axis::Axis;
+use crate::diagnose::signals::Signals;
+use crate::diagnose::weak::Column;
+use crate::identify::estimate::Estimate;
+use crate::model::Model;
+
+/// `run_in`.
+pub struct RunIn;
+
+impl Effect for RunIn {
+    fn id(&self) -> &'static str {
+        "run_in"
+    }
+
+    fn name(&self) -> &'static str {
+        "run-in"
+    }
+
+    fn words(&self) -> &'static str {
+        "a friction level that decays with travelled path"
+    }
+
+    fn class(&self) -> Class {
+        Class::Drift
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Path
+    }
+
+    fn experiment(&self) -> &'static str {
+        "a rest of an hour in between: run-in stays, temperature does not"
+    }
+
+    fn lacks(&self, s: &Signals) -> Option<&'static str> {
+        let path = s.path.last().copied().unwrap_or(0.0);
+        (path < 10.0 * s.travel()).then_some("a long run")
+    }
+
+    fn shape(&self) -> &'static [(&'static str, Scale)] {
+        &[("path_m", Scale::Logarithmic)]
+    }
+
+    fn grid(&self, scene: &Scene) -> Vec<Vec<f64>> {
+        let path = scene.s.path.last().copied().unwrap_or(0.0);
+        one(path / 20.0, path * 2.0, 5)
+    }
+
+    fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column> {
+        let &[decay] = shape else {
+            return Vec::new();
+        };
+        let path = &scene.s.path;
+        vec![scene.friction(|i| (-path[i] / decay).exp())]
+    }
+
+    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
+        fitted.one("level", self)
+    }
+
+    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
+        enter(self.id(), values, &[], model)
+    }
+}

@@ -1,0 +1,341 @@
+//! Every effect of the catalogue on a small made motion.
+
+use super::*;
+use crate::diagnose::signals::quantile;
+use crate::friction::FrictionModel;
+use crate::identify::stop::Deflection;
+use crate::recording::{LoadOptions, MotionKind, Recording, load_csv};
+use std::collections::HashSet;
+use std::fmt::Write as _;
+
+/// Sample time of the motion (s).
+const STEP_S: f64 = 2e-3;
+/// Ids that a model file keeps elsewhere, or not at all.
+const NOT_IN_FILES: [&str; 3] = ["viscous", "gravity", "axis_coupling"];
+
+/// Strokes of several lengths and speeds with rests, `side` = −1 mirrored.
+fn motion(kind: MotionKind, side: f64) -> Recording {
+    let keys = match kind {
+        MotionKind::Linear => "x_m,force_N",
+        MotionKind::Rotary => "q_rad,torque_Nm",
+    };
+    let mut text = format!("t_s,{keys},temperature_C,load_N,repeat\n");
+    for i in 0..6000 {
+        let t = f64::from(i) * STEP_S;
+        // Rests of two lengths, a third and a half of every two seconds, by a phase that stands still.
+        let beat = t.rem_euclid(4.0);
+        let phase = t - beat + (beat - 0.4).clamp(0.0, 1.6) + (beat - 3.0).clamp(0.0, 1.0);
+        let x = 0.05 * (2.6 * phase).sin() + 0.012 * (7.1 * phase + 0.3).sin();
+        let force = 0.8 * (40.0 * x).sin() + 0.3 * (2.6 * phase).cos();
+        let (x, force) = (side * x, side * force);
+        let (warm, load) = (20.0 + 0.5 * t, 30.0 + 6.0 * (0.7 * t).sin());
+        writeln!(text, "{t},{x},{force},{warm},{load},{}", i / 1500).unwrap();
+    }
+    let options = LoadOptions {
+        sign: Some(1.0),
+        ..LoadOptions::default()
+    };
+    load_csv(text.as_bytes(), "made.csv", &options).unwrap()
+}
+
+/// The motion, the model and the effort that columns are made of.
+struct Stage {
+    s: Signals,
+    core: Baseline,
+    effort: Vec<f64>,
+}
+
+impl Stage {
+    fn new(kind: MotionKind, side: f64) -> Self {
+        let recording = motion(kind, side);
+        let mut s = Signals::of(&recording);
+        s.extra = vec![("other_m".to_owned(), s.t.iter().map(|t| t.sin()).collect())];
+        let (mass, blocks) = (3.0, vec![(4000.0, 1e-4), (600.0, 1e-3)]);
+        let n = s.x.len();
+        let (mut friction, mut slipping) = (vec![0.0; n], vec![0.0; n]);
+        for &(k, d) in &blocks {
+            for (i, z) in Deflection::along(&s.x, &s.pieces, d).z.iter().enumerate() {
+                friction[i] += k * z;
+                slipping[i] += if z.abs() >= 0.999 * d { k * z } else { 0.0 };
+            }
+        }
+        let size: Vec<f64> = friction.iter().map(|f: &f64| f.abs()).collect();
+        let core = Baseline {
+            mass,
+            blocks,
+            level: quantile(&size, 0.9),
+            slipping,
+            stiffness: vec![0.0; n],
+            fitted: (0..n).map(|i| friction[i] + mass * s.a[i]).collect(),
+            friction,
+        };
+        let effort = recording.effort;
+        Self { s, core, effort }
+    }
+
+    fn scene(&self) -> Scene<'_> {
+        Scene {
+            s: &self.s,
+            core: &self.core,
+            effort: &self.effort,
+        }
+    }
+}
+
+/// The shapes of the grid, or one on a line.
+fn shapes(effect: &dyn Effect, scene: &Scene) -> Vec<Vec<f64>> {
+    match effect.line() {
+        Some(Line::Force | Line::Level) => vec![vec![0.004]],
+        Some(Line::Time) => vec![vec![13.0]],
+        None => effect.grid(scene),
+    }
+}
+
+fn parts(column: &Column) -> [&Vec<f64>; 3] {
+    [&column.value, &column.sloped, &column.curved]
+}
+
+#[test]
+fn ids_are_unique_and_model_files_know_them() {
+    let ids: HashSet<&str> = ALL.iter().map(|e| e.id()).collect();
+    assert_eq!(ids.len(), ALL.len());
+    for effect in ALL {
+        let id = effect.id();
+        assert_eq!(by_id(id).map(Effect::id), Some(id));
+        // A known id lacks its keys, another is refused as such.
+        let refused = Entry::new(id, &[]).unwrap_err();
+        assert_eq!(
+            refused.starts_with("id:"),
+            NOT_IN_FILES.contains(&id),
+            "{refused}"
+        );
+    }
+}
+
+#[test]
+fn columns_cover_the_samples_and_are_finite() {
+    let linear = Stage::new(MotionKind::Linear, 1.0);
+    let rotary = Stage::new(MotionKind::Rotary, 1.0);
+    for effect in ALL {
+        let stage = if effect.id() == "gravity" {
+            assert!(effect.grid(&linear.scene()).is_empty());
+            &rotary
+        } else {
+            &linear
+        };
+        let scene = stage.scene();
+        let shapes = shapes(effect, &scene);
+        assert!(!shapes.is_empty(), "{}", effect.id());
+        for shape in shapes {
+            // Fewer where a mean or a centre is not free, or a column of the recording makes a shape needless.
+            assert!(shape.len() <= effect.shape().len(), "{}", effect.id());
+            let within = |(i, v): (usize, &f64)| effect.within(&scene, i, *v);
+            let inside: Vec<f64> = shape.iter().enumerate().map(within).collect();
+            let columns = effect.columns(&inside, &scene);
+            assert!(!columns.is_empty(), "{} {shape:?}", effect.id());
+            for column in &columns {
+                let filled: Vec<_> = parts(column)
+                    .into_iter()
+                    .filter(|p| !p.is_empty())
+                    .collect();
+                assert!(
+                    filled.iter().any(|p| p.iter().any(|v| *v != 0.0)),
+                    "{} {shape:?}",
+                    effect.id()
+                );
+                for part in filled {
+                    assert_eq!(part.len(), scene.s.x.len());
+                    assert!(
+                        part.iter().all(|v| v.is_finite()),
+                        "{} {shape:?}",
+                        effect.id()
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_has_a_sign_is_refused_the_other() {
+    let refused: [(&str, &[f64]); 15] = [
+        ("viscous", &[-1.0]),
+        ("quadratic_drag", &[-1.0]),
+        ("dwell_aging", &[-0.1]),
+        ("drive_compliance", &[-1e-6]),
+        ("position_spring", &[-1.0]),
+        ("position_spring", &[1.0, 1.1]),
+        ("creep", &[-1e-9]),
+        ("actuator_dead_zone", &[-0.1]),
+        ("stribeck", &[-0.1]),
+        ("stribeck", &[2.1]),
+        ("frictional_lag", &[-0.1]),
+        ("local_friction_spot", &[-1.1]),
+        ("backlash", &[0.2]),
+        ("actuator_saturation", &[0.5]),
+        ("actuator_saturation", &[1.5]),
+    ];
+    for (id, coefficients) in refused {
+        let effect = by_id(id).unwrap();
+        assert!(!effect.admits(&[], coefficients), "{id} {coefficients:?}");
+    }
+    let load = by_id("load_dependent_friction").unwrap();
+    assert!(!load.admits(&[1.0], &[-0.1]) && load.admits(&[], &[-0.1]));
+}
+
+/// Friction and what acts through the motion flips with it, a constant and an asymmetry do not.
+#[test]
+fn forces_flip_with_a_mirrored_motion_where_the_physics_does() {
+    let there = Stage::new(MotionKind::Linear, 1.0);
+    let back = Stage::new(MotionKind::Linear, -1.0);
+    for effect in ALL {
+        let side = match effect.id() {
+            "constant_force" | "coulomb_asymmetry" => 1.0,
+            // Not the same place, or no part of this axis's motion.
+            "gravity"
+            | "position_force"
+            | "position_friction"
+            | "local_friction_spot"
+            | "periodic_force"
+            | "periodic_friction"
+            | "encoder_error"
+            | "external_vibration"
+            | "axis_coupling" => continue,
+            _ => -1.0,
+        };
+        for shape in shapes(effect, &there.scene())
+            .into_iter()
+            .filter(|s| s != &[1.0])
+        {
+            let (a, b) = (
+                effect.columns(&shape, &there.scene()),
+                effect.columns(&shape, &back.scene()),
+            );
+            for (a, b) in a
+                .iter()
+                .zip(&b)
+                .flat_map(|(a, b)| parts(a).into_iter().zip(parts(b)))
+            {
+                let top = a.iter().fold(0.0f64, |top, v| top.max(v.abs()));
+                let off = a
+                    .iter()
+                    .zip(b)
+                    .fold(0.0f64, |off, (a, b)| off.max((a - side * b).abs()));
+                assert!(
+                    off <= 1e-6 * top,
+                    "{} {shape:?}: {off:e} of {top:e}",
+                    effect.id()
+                );
+            }
+        }
+    }
+}
+
+/// A made fit with admissible coefficients enters a model file and is read from it with the same shape.
+#[test]
+fn model_files_take_the_parameters_and_give_the_shape_back() {
+    let stage = Stage::new(MotionKind::Linear, 1.0);
+    let scene = stage.scene();
+    for effect in ALL {
+        for shape in shapes(effect, &scene) {
+            let shape = effect.storable(&shape);
+            let count = effect.columns(&shape, &scene).len();
+            let size = match effect.id() {
+                "backlash" | "actuator_saturation" => 1.0,
+                // The library takes no encoder that reads backwards.
+                "encoder_error" => 1e-5,
+                _ => 0.01,
+            };
+            let mut coefficients = vec![size; count];
+            if let (Some(aside), true) = (coefficients.get_mut(1), effect.id() == "position_spring")
+            {
+                *aside = 0.002;
+            }
+            assert!(
+                effect.admits(&shape, &coefficients),
+                "{} {shape:?}",
+                effect.id()
+            );
+            let fitted = Fitted {
+                shape: &shape,
+                coefficients: &coefficients,
+                shape_errors: &vec![Some(1e-6); shape.len()],
+                errors: &vec![Some(1e-3); count],
+                folds: 6,
+                at_shape: &|_| Some(0.012),
+                scene,
+            };
+            let values = effect.values(&fitted);
+            assert!(
+                values.iter().all(|(_, e)| e.value.is_finite()),
+                "{values:?}"
+            );
+            let mut model = Model::of_friction(
+                MotionKind::Linear,
+                FrictionModel::maxwell_slip(&[4000.0], &[1e-4]),
+            );
+            let entered = effect.extend(&values, &mut model);
+            match effect.id() {
+                "axis_coupling" => assert!(entered.is_err()),
+                "viscous" => assert_eq!(model.viscous, 0.01),
+                "constant_force" => assert_eq!(model.constant_force, 0.01),
+                id => {
+                    entered.unwrap();
+                    let entry = &model.effects[0];
+                    assert_eq!(entry.id, id);
+                    let kept = effect.shape_in(entry, &model);
+                    for (((key, _), own), kept) in effect.shape().iter().zip(&shape).zip(kept) {
+                        // That only slipping blocks weaken is no matter of a model file.
+                        let same = (own - kept).abs() <= 1e-12 * own.abs();
+                        assert!(same || *key == "slipping_only", "{id} {shape:?}: {kept}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn gravity_is_a_wave_of_one_turn_in_a_model_file() {
+    let stage = Stage::new(MotionKind::Rotary, 1.0);
+    let scene = stage.scene();
+    let gravity = by_id("gravity").unwrap();
+    let fitted = Fitted {
+        shape: &[],
+        coefficients: &[0.6, -0.8],
+        shape_errors: &[],
+        errors: &[None, None],
+        folds: 6,
+        at_shape: &|_| None,
+        scene,
+    };
+    let values = gravity.values(&fitted);
+    let of = |key: &str| values.iter().find(|v| v.0 == key).unwrap().1.value;
+    let mut model = Model::of_friction(
+        MotionKind::Rotary,
+        FrictionModel::maxwell_slip(&[4000.0], &[1e-4]),
+    );
+    gravity.extend(&values, &mut model).unwrap();
+    let wave = &model.effects[0];
+    for q in [-2.0f64, 0.1, 0.7, 3.0] {
+        let force = 0.6 * q.sin() - 0.8 * q.cos();
+        let named = of("amplitude_N") * (q - of("angle_rad")).sin();
+        let phase = std::f64::consts::TAU * q / wave.get("period_m") + wave.get("phase_rad");
+        let kept = wave.get("force_N") * phase.cos();
+        assert!(
+            (named - force).abs() < 1e-12 && (kept - force).abs() < 1e-12,
+            "{q}: {force} {named} {kept}"
+        );
+    }
+}
+
+#[test]
+fn friction_follows_the_transmitted_effort_where_no_load_is_recorded() {
+    let mut stage = Stage::new(MotionKind::Linear, 1.0);
+    let load = by_id("load_dependent_friction").unwrap();
+    assert_eq!(load.grid(&stage.scene()), [Vec::<f64>::new()]);
+    stage.s.load = None;
+    assert_eq!(load.grid(&stage.scene()), [[1.0]]);
+    stage.core.fitted = stage.core.friction.iter().map(|f| f + 5.0).collect();
+    assert!(load.grid(&stage.scene()).is_empty());
+}

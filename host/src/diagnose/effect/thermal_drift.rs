@@ -1,0 +1,105 @@
+//! `m = 1 + β·(T − T0)` with a measured temperature, else `m = 1 + a·exp(−t/τ)`.
+
+use super::grid::one;
+use super::readout::enter;
+use super::readout::known;
+use super::{Class, Effect, Fitted, Scale, Scene};
+use crate::diagnose::axis::Axis;
+use crate::diagnose::signals::{Signals, bounds, mean};
+use crate::diagnose::weak::Column;
+use crate::effects::Effect as Entry;
+use crate::identify::estimate::Estimate;
+use crate::model::Model;
+
+/// `thermal_drift`.
+pub struct ThermalDrift;
+
+impl Effect for ThermalDrift {
+    fn id(&self) -> &'static str {
+        "thermal_drift"
+    }
+
+    fn name(&self) -> &'static str {
+        "thermal drift"
+    }
+
+    fn words(&self) -> &'static str {
+        "a friction level that follows temperature"
+    }
+
+    fn class(&self) -> Class {
+        Class::Drift
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Time
+    }
+
+    fn experiment(&self) -> &'static str {
+        "the same strokes cold and warm, temperature recorded"
+    }
+
+    fn lacks(&self, s: &Signals) -> Option<&'static str> {
+        match &s.temperature {
+            None => Some("temperature"),
+            Some(t) if bounds(t).1 - bounds(t).0 < 1.0 => Some("temperature range"),
+            Some(_) => None,
+        }
+    }
+
+    fn shape(&self) -> &'static [(&'static str, Scale)] {
+        &[("time_constant_s", Scale::Chosen)]
+    }
+
+    fn shape_in(&self, entry: &Entry, _: &Model) -> Vec<f64> {
+        let warming = entry.has("time_constant_s");
+        let shape = warming.then(|| entry.get("time_constant_s"));
+        shape.into_iter().collect()
+    }
+
+    fn grid(&self, scene: &Scene) -> Vec<Vec<f64>> {
+        if scene.s.temperature.is_some() {
+            return vec![Vec::new()];
+        }
+        let duration = scene.s.duration();
+        one(duration / 10.0, duration * 2.0, 4)
+    }
+
+    fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column> {
+        let s = scene.s;
+        match (shape, &s.temperature) {
+            (&[time_constant], _) => vec![scene.friction(|i| (-s.t[i] / time_constant).exp())],
+            (_, Some(temperature)) => {
+                let mean = mean(temperature);
+                vec![scene.friction(|i| temperature[i] - mean)]
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
+        match &fitted.scene.s.temperature {
+            Some(temperature) if fitted.shape.is_empty() => vec![
+                fitted.entry("level_per_K", 0),
+                known("temperature_C", mean(temperature)),
+            ],
+            _ => fitted.one("level", self),
+        }
+    }
+
+    fn in_model(&self, model: &Model) -> Vec<Vec<f64>> {
+        let own = model.effects.iter().filter(|e| e.id == self.id());
+        own.map(|e| {
+            if e.has("level_per_K") {
+                Vec::new()
+            } else {
+                vec![e.get("time_constant_s")]
+            }
+        })
+        .collect()
+    }
+
+    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
+        enter(self.id(), values, &[], model)
+    }
+}

@@ -1,0 +1,282 @@
+//! What every hypothesis stands on: the rows, the core, the friction that effects act through, and the noise that weights.
+
+use super::core::Core;
+use super::axis::Axis;
+use super::change::{Change, late_yields};
+use super::curve::Curve;
+use super::effect::{Baseline, Scene};
+use super::noise::{Course, Noise};
+use super::normal::{Bound, Normal};
+use super::rows::Rows;
+use super::signals::quantile;
+use super::term::{Subject, Term};
+use rayon::prelude::*;
+use std::collections::HashMap;
+use std::ops::Range;
+use std::sync::{Arc, Mutex};
+
+/// Rounds of core, plain effects and noise in turns.
+const ROUNDS: usize = 2;
+
+/// A column cache's key: the subject and the bits of its shape.
+type Key = (String, Vec<u64>);
+
+/// Rows, core, baseline and noise.
+pub struct Ground {
+    /// The rows.
+    pub rows: Arc<Rows>,
+    /// The core.
+    pub core: Arc<Core>,
+    /// The model that effects act through.
+    pub baseline: Baseline,
+    /// What weights the rows.
+    pub noise: Noise,
+    cache: Mutex<HashMap<Key, Arc<Vec<Vec<f64>>>>>,
+}
+
+/// A hypothesis, fitted.
+pub struct Hypothesis {
+    /// What stands beside the core.
+    pub terms: Vec<Term>,
+    /// Coefficients of each term among all.
+    pub places: Vec<Range<usize>>,
+    /// The fit.
+    pub normal: Normal,
+    /// All columns at the rows, not whitened.
+    columns: Vec<Arc<Vec<Vec<f64>>>>,
+}
+
+impl Ground {
+    /// Finds friction and noise of a recording, with the terms of a model that is given.
+    ///
+    /// # Errors
+    /// What the recording lacks.
+    pub fn new(rows: Rows, given: &[Term]) -> Option<Self> {
+        let core = Core::new(&rows);
+        let course_less = Baseline::default();
+        let noise = Noise::white(&rows.force, &course(&rows, &Places::of(&rows, &course_less)));
+        let mut ground = Self {
+            baseline: course_less,
+            noise,
+            cache: Mutex::default(),
+            rows: Arc::new(rows),
+            core: Arc::new(core),
+        };
+        let alone = ground.fit(&[])?;
+        ground = ground.with_baseline(&alone);
+        ground.referred_to(given)
+    }
+
+    /// The same recording with friction and noise found beside `terms` and plain effects.
+    pub fn referred_to(&self, terms: &[Term]) -> Option<Self> {
+        let all: Vec<Term> = terms.iter().cloned().chain(plain()).collect();
+        let mut ground: Option<Self> = None;
+        for _ in 0..ROUNDS {
+            let from = ground.as_ref().unwrap_or(self);
+            let fitted = from.fit(&all)?;
+            let mut next = from.with_baseline(&fitted);
+            let places = Places::of(&next.rows, &next.baseline);
+            next.noise = Noise::estimate(&fitted.residual(&next.rows.force), &course(&next.rows, &places), None);
+            ground = Some(next);
+        }
+        ground
+    }
+
+    fn with_baseline(&self, fitted: &Hypothesis) -> Self {
+        Self {
+            baseline: self.core.baseline(
+                &self.rows,
+                &fitted.normal.coefficients,
+                &fitted.terms,
+                &self.baseline,
+            ),
+            rows: self.rows.clone(),
+            core: self.core.clone(),
+            noise: self.noise.clone(),
+            cache: Mutex::default(),
+        }
+    }
+
+    /// What columns are made of.
+    pub fn scene(&self) -> Scene<'_> {
+        Scene {
+            s: &self.rows.s,
+            core: &self.baseline,
+            effort: &self.rows.effort,
+        }
+    }
+
+    /// A term's columns at the rows; computed once.
+    pub fn columns(&self, term: &Term) -> Arc<Vec<Vec<f64>>> {
+        let key = (
+            term.subject.key(),
+            term.shape.iter().map(|v| v.to_bits()).collect(),
+        );
+        if let Ok(cache) = self.cache.lock()
+            && let Some(columns) = cache.get(&key)
+        {
+            return columns.clone();
+        }
+        let columns = Arc::new(self.columns_once(term));
+        if let Ok(mut cache) = self.cache.lock() {
+            cache.insert(key, columns.clone());
+        }
+        columns
+    }
+
+    /// The same, not kept: for shapes that are not tried again.
+    pub fn columns_once(&self, term: &Term) -> Vec<Vec<f64>> {
+        let columns = term.columns(&self.scene());
+        columns.iter().map(|c| self.rows.weak.rows(c)).collect()
+    }
+
+    /// Blocks of a hypothesis, late ones included: stiffness and yield displacement.
+    pub fn blocks(&self, hypothesis: &Hypothesis) -> Vec<(f64, f64)> {
+        let mut blocks = self.core.blocks(&hypothesis.normal.coefficients);
+        for (index, term) in hypothesis.terms.iter().enumerate() {
+            if matches!(term.subject, Subject::Change(Change::LateYields)) {
+                let yields = late_yields(&self.rows.s);
+                let late = hypothesis.coefficients(index).iter().copied().zip(yields);
+                blocks.extend(late.filter(|b| b.0 > 0.0));
+            }
+        }
+        blocks
+    }
+
+    /// Fits core and terms.
+    pub fn fit(&self, terms: &[Term]) -> Option<Hypothesis> {
+        let own: Vec<Arc<Vec<Vec<f64>>>> = terms.par_iter().map(|t| self.columns(t)).collect();
+        self.fit_columns(terms, own, &[])
+    }
+
+    /// Fits core, terms and further free columns behind them.
+    pub fn fit_beside(&self, terms: &[Term], more: &[Vec<f64>]) -> Option<Normal> {
+        let own: Vec<Arc<Vec<Vec<f64>>>> = terms.par_iter().map(|t| self.columns(t)).collect();
+        Some(self.fit_columns(terms, own, more)?.normal)
+    }
+
+    fn fit_columns(&self, terms: &[Term], own: Vec<Arc<Vec<Vec<f64>>>>, more: &[Vec<f64>]) -> Option<Hypothesis> {
+        let mut columns: Vec<&[f64]> = self.core.rows.iter().map(Vec::as_slice).collect();
+        let mut bounds = self.core.bounds();
+        let mut places = Vec::new();
+        for (term, own) in terms.iter().zip(&own) {
+            places.push(columns.len()..columns.len() + own.len());
+            bounds.extend(own.iter().map(|_| term.bound()));
+            columns.extend(own.iter().map(Vec::as_slice));
+        }
+        columns.extend(more.iter().map(Vec::as_slice));
+        bounds.extend(more.iter().map(|_| Bound::Free));
+        let normal = Normal::new(&self.noise, &self.rows.weak.folds, &columns, &bounds, &self.rows.force)?;
+        let core = Arc::new(self.core.rows.clone());
+        Some(Hypothesis {
+            terms: terms.to_vec(),
+            places,
+            normal,
+            columns: std::iter::once(core).chain(own).collect(),
+        })
+    }
+}
+
+impl Hypothesis {
+    /// Measured less modelled effort at the rows.
+    pub fn residual(&self, force: &[f64]) -> Vec<f64> {
+        self.less(force, |_| &self.normal.coefficients)
+    }
+
+    /// The same with the coefficients of the other folds.
+    pub fn held_out_residual(&self, rows: &Rows) -> Vec<f64> {
+        let own: Vec<Vec<f64>> = (0..rows.weak.folds.len()).map(|s| self.normal.without_fold(s)).collect();
+        let mut fold = vec![0; rows.force.len()];
+        for (s, range) in rows.weak.folds.iter().enumerate() {
+            fold[range.clone()].fill(s);
+        }
+        self.less(&rows.force, |i| &own[fold[i]])
+    }
+
+    fn less<'a>(&'a self, force: &[f64], of: impl Fn(usize) -> &'a Vec<f64>) -> Vec<f64> {
+        let columns: Vec<&Vec<f64>> = self.columns.iter().flat_map(|c| c.iter()).collect();
+        let mut residual = force.to_vec();
+        for (i, r) in residual.iter_mut().enumerate() {
+            let c = of(i);
+            for &j in &self.normal.active {
+                *r -= c[j] * columns[j][i];
+            }
+        }
+        residual
+    }
+
+    /// Force of term `index` at the rows.
+    pub fn force_of(&self, index: usize) -> Vec<f64> {
+        let own = &self.columns[index + 1];
+        let mut force = vec![0.0; own.first().map_or(0, Vec::len)];
+        for (column, j) in own.iter().zip(self.places[index].clone()) {
+            let c = self.normal.coefficients[j];
+            force.iter_mut().zip(column).for_each(|(f, v)| *f += c * v);
+        }
+        force
+    }
+
+    /// Coefficients of term `index`.
+    pub fn coefficients(&self, index: usize) -> &[f64] {
+        &self.normal.coefficients[self.places[index].clone()]
+    }
+
+    /// Whether the coefficients of term `index` are what the physics admits.
+    pub fn admits(&self, index: usize) -> bool {
+        self.terms[index].admits(self.coefficients(index))
+    }
+}
+
+/// The rows in time and along the path, and what the noise acts through there.
+struct Places {
+    time: Vec<f64>,
+    path: Vec<f64>,
+    friction: Vec<f64>,
+    stiffness: Vec<f64>,
+    stroke: f64,
+}
+
+impl Places {
+    fn of(rows: &Rows, baseline: &Baseline) -> Self {
+        let none = || vec![0.0; rows.force.len()];
+        let at = |column: &[f64]| {
+            if column.is_empty() {
+                none()
+            } else {
+                rows.weak.rows(&super::weak::Column::of(column.to_vec()))
+            }
+        };
+        Self {
+            time: rows.weak.at_centres(&rows.s.t),
+            path: rows.weak.at_centres(&rows.s.path),
+            friction: at(&baseline.friction),
+            stiffness: at(&baseline.stiffness),
+            stroke: quantile(&rows.s.last_stroke, 0.9),
+        }
+    }
+}
+
+fn course<'a>(rows: &'a Rows, places: &'a Places) -> Course<'a> {
+    Course {
+        folds: &rows.weak.folds,
+        time: &places.time,
+        path: &places.path,
+        friction: &places.friction,
+        stiffness: &places.stiffness,
+        stroke: places.stroke,
+    }
+}
+
+/// Free curves that stand beside the core while friction and noise are found: physics that is not in the hypothesis yet must
+/// not be taken for noise.
+fn plain() -> impl Iterator<Item = Term> {
+    let curves = [
+        (Axis::Position, false),
+        (Axis::Position, true),
+        (Axis::Velocity, false),
+        (Axis::Speed, true),
+    ];
+    curves
+        .into_iter()
+        .map(|(axis, odd)| Term::new(Subject::Curve(Curve { axis, odd }), &[]))
+}

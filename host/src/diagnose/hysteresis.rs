@@ -1,0 +1,104 @@
+//! Whether the user's own hysteresis is what is wrong: `presliding_shape`, which has no term of its own.
+
+use super::blocks::{FINER, between_samples};
+use super::evidence::{Evidence, evidence};
+use super::ground::{Ground, Hypothesis};
+use super::normal::{Bound, Normal};
+use super::weak::Column;
+use crate::friction::{FrictionModel, Path};
+
+/// NMSE (%) by which the user's friction, refitted by a common factor, may be worse than the core before its shape is called
+/// wrong: what the paper's three blocks leave (its Table 3).
+const TOLERATED: f64 = 0.839;
+/// Times the core's held-out error that it must leave at least.
+const WORSE: f64 = 2.0;
+
+/// Id of the effect.
+pub const ID: &str = "presliding_shape";
+/// Its name for a person.
+pub const NAME: &str = "shape of the hysteresis";
+/// What it is.
+pub const WORDS: &str = "a hysteresis that the model's friction law does not have";
+/// The experiment that tells it from its rivals.
+pub const EXPERIMENT: &str = "reversals of 5, 20 and 100 µm at one slow speed";
+
+/// The user's hysteresis against the core's.
+pub struct Shape {
+    /// Held-out NMSE (%) with the user's friction, and with the core.
+    pub nmse: [f64; 2],
+    /// What the core explains beside the user's friction.
+    pub evidence: Evidence,
+    /// What the core changes, at the rows (N or N·m).
+    pub force: Vec<f64>,
+}
+
+impl Shape {
+    /// Whether the user's hysteresis is materially wrong.
+    pub fn is_wrong(&self) -> bool {
+        let [own, core] = self.nmse;
+        own - core > TOLERATED && own > WORSE * core
+    }
+
+    /// Judges the friction of the user's model beside the terms of a hypothesis; `None` where the library refuses a parameter.
+    pub fn of(ground: &Ground, hypothesis: &Hypothesis, friction: &FrictionModel) -> Option<Self> {
+        let rows = &ground.rows;
+        let own = own_friction(ground, friction)?;
+        let terms = hypothesis.terms.iter().map(|t| ground.columns(t)).collect::<Vec<_>>();
+        let core = &ground.core.rows;
+        let inertia = core.len() - ground.core.yields.len();
+        let mut columns: Vec<&[f64]> = vec![own.as_slice()];
+        columns.extend(core[..inertia].iter().map(Vec::as_slice));
+        columns.extend(terms.iter().flat_map(|c| c.iter()).map(Vec::as_slice));
+        let bounds = vec![Bound::Free; columns.len()];
+        let fit = Normal::new(&ground.noise, &rows.weak.folds, &columns, &bounds, &rows.force)?;
+        let residual = held_out(&fit, &columns, rows);
+        let with_core = hypothesis.held_out_residual(rows);
+        let force: Vec<f64> = residual.iter().zip(&with_core).map(|(a, b)| a - b).collect();
+        let whitened: Vec<f64> = fit
+            .held_out
+            .iter()
+            .zip(&hypothesis.normal.held_out)
+            .map(|(a, b)| a - b)
+            .collect();
+        let nmse = |r: &[f64]| 100.0 * r.iter().map(|r| r * r).sum::<f64>() / rows.variation();
+        Some(Self {
+            nmse: [nmse(&residual), nmse(&with_core)],
+            evidence: evidence(&whitened, &fit.held_out, &rows.blocks),
+            force,
+        })
+    }
+}
+
+/// The user's friction along the recording, at the rows.
+fn own_friction(ground: &Ground, friction: &FrictionModel) -> Option<Vec<f64>> {
+    let s = &ground.rows.s;
+    let (fine, pieces) = between_samples(s);
+    let velocity: Vec<f64> = s.v.iter().flat_map(|v| std::iter::repeat_n(*v, FINER)).collect();
+    let path = Path {
+        position: &fine,
+        velocity: &velocity,
+        pieces: &pieces,
+        sample_time: s.dt / FINER as f64,
+    };
+    let mut friction = friction.clone();
+    if let FrictionModel::Gms { sliding, .. } = &mut friction {
+        // Its Stribeck curve is among the given terms.
+        *sliding = None;
+    }
+    let force = friction.force(path).ok()?;
+    let at_samples = force.into_iter().step_by(FINER).collect();
+    Some(ground.rows.weak.rows(&Column::of(at_samples)))
+}
+
+fn held_out(fit: &Normal, columns: &[&[f64]], rows: &super::rows::Rows) -> Vec<f64> {
+    let mut residual = rows.force.clone();
+    for (s, fold) in rows.weak.folds.iter().enumerate() {
+        let c = fit.without_fold(s);
+        for i in fold.clone() {
+            for &j in &fit.active {
+                residual[i] -= c[j] * columns[j][i];
+            }
+        }
+    }
+    residual
+}

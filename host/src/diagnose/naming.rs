@@ -1,0 +1,161 @@
+//! What each term of the hypothesis may be called: rivals in its place, and whether it survives changes of the core.
+//!
+//! A rival counts against a name only if it is not clearly worse and makes the name needless (*encompasses* it, Mizon and
+//! Richard 1986): otherwise every second effect of a machine would be a rival of the first.
+
+use super::change::Change;
+use super::effect::Effect;
+use super::evidence::Evidence;
+use super::ground::{Ground, Hypothesis};
+use super::offer::{Offer, offer_of, offers, refined};
+use super::search::{Found, MATERIAL};
+use super::term::{Subject, Term};
+
+/// Share of a term's explanation that a rival must reach by itself to be looked at.
+const NEAR: f64 = 0.6;
+/// Most rivals looked at for one term.
+const RIVALS: usize = 6;
+/// Share of its explanation that a term keeps beside a rival that makes it needless.
+const NEEDLESS: f64 = 0.3;
+/// Standard deviations by which a rival is clearly worse.
+const WORSE: f64 = 2.0;
+
+/// An effect's, a curve's or a change's standing in the final hypothesis.
+#[derive(Clone)]
+pub struct Standing {
+    /// The term.
+    pub term: Term,
+    /// Its number in the hypothesis.
+    pub index: usize,
+    /// What it is worth, everything else given.
+    pub evidence: Evidence,
+    /// Rivals that make it needless and are not clearly worse, best first.
+    pub ambiguous: Vec<&'static dyn Effect>,
+    /// Explanation of the best rival that makes it needless, over its own; 0 where there is none.
+    pub rival: f64,
+    /// The same for the best free curve or change of the core.
+    pub nameless: f64,
+    /// Standard deviations by which it explains more than that rival.
+    pub margin: f64,
+    /// Least share of its explanation that it keeps beside a change of the core.
+    pub survival: f64,
+    /// What else was tried in its place, with its explanation over the term's own.
+    pub tried: Vec<(String, f64)>,
+}
+
+/// Judges every term that is not given.
+pub fn standings(found: &Found, given: usize, periods: &[f64]) -> Vec<Standing> {
+    (given..found.hypothesis.terms.len())
+        .filter_map(|index| standing(found, index, periods))
+        .collect()
+}
+
+fn without(ground: &Ground, hypothesis: &Hypothesis, index: usize) -> Option<Hypothesis> {
+    let mut terms = hypothesis.terms.clone();
+    terms.remove(index);
+    ground.fit(&terms)
+}
+
+fn standing(found: &Found, index: usize, periods: &[f64]) -> Option<Standing> {
+    let ground = &found.ground;
+    let term = found.hypothesis.terms[index].clone();
+    let rest = without(ground, &found.hypothesis, index)?;
+    let own = offer_of(ground, &rest, std::slice::from_ref(&term), 1.0)?;
+    let (mut list, _) = offers(ground, &rest, periods);
+    list.retain(|o| !o.term.is_like(&term) && o.evidence.share > NEAR * own.evidence.share * 0.8);
+    list.truncate(RIVALS);
+    let mut standing = Standing {
+        index,
+        evidence: own.evidence,
+        ambiguous: Vec::new(),
+        rival: 0.0,
+        nameless: 0.0,
+        margin: f64::INFINITY,
+        survival: survival(ground, &rest, &term, &own),
+        tried: Vec::new(),
+        term,
+    };
+    for rival in &list {
+        let sharp = refined(ground, &rest, &rival.term);
+        let rival = offer_of(ground, &rest, &[sharp], 1.0)
+            .filter(|o| o.evidence.share > rival.evidence.share)
+            .unwrap_or_else(|| rival.clone());
+        standing.meet(ground, &rest, &own, &rival);
+    }
+    Some(standing)
+}
+
+impl Standing {
+    /// Compares with one rival in the same place.
+    fn meet(&mut self, ground: &Ground, rest: &Hypothesis, own: &Offer, rival: &Offer) {
+        let ratio = rival.evidence.share / own.evidence.share.max(1e-300);
+        self.tried.push((rival.term.subject.key(), ratio));
+        if ratio < NEAR {
+            return;
+        }
+        let beside = |first: &Term, second: &Term| {
+            let mut terms = rest.terms.clone();
+            terms.push(first.clone());
+            let with = ground.fit(&terms)?;
+            Some(offer_of(ground, &with, std::slice::from_ref(second), 1.0).map_or(0.0, |o| o.evidence.share))
+        };
+        // Shares of what is left beside a rival are larger than those of the whole.
+        let kept = beside(&rival.term, &self.term).unwrap_or(0.0) * (1.0 - rival.evidence.share).max(0.0);
+        if kept > NEEDLESS * own.evidence.share {
+            return;
+        }
+        let better = margin(ground, rest, own, rival);
+        match rival.term.subject {
+            Subject::Effect(effect) => {
+                if ratio > self.rival {
+                    (self.rival, self.margin) = (ratio, better);
+                }
+                if better < WORSE {
+                    self.ambiguous.push(effect);
+                }
+            }
+            // A curve that contains the effect's own does as well; only one that does clearly better tells against the name.
+            _ if better < -WORSE => self.nameless = self.nameless.max(ratio),
+            _ => {}
+        }
+    }
+}
+
+/// Standard deviations, over blocks, by which `own` leaves less than `rival`.
+fn margin(ground: &Ground, rest: &Hypothesis, own: &Offer, rival: &Offer) -> f64 {
+    let e = &rest.normal.held_out;
+    let differences: Vec<f64> = ground
+        .rows
+        .blocks
+        .iter()
+        .map(|rows| {
+            rows.clone()
+                .map(|i| (e[i] - rival.trial.force[i]).powi(2) - (e[i] - own.trial.force[i]).powi(2))
+                .sum()
+        })
+        .collect();
+    let n = differences.len() as f64;
+    let sum: f64 = differences.iter().sum();
+    let square: f64 = differences.iter().map(|d| (d - sum / n).powi(2)).sum();
+    sum / (square * n / (n - 1.0)).sqrt().max(1e-300)
+}
+
+/// The least share of its explanation that a term keeps beside a change of the core.
+fn survival(ground: &Ground, rest: &Hypothesis, term: &Term, own: &Offer) -> f64 {
+    Change::ALL
+        .into_iter()
+        .map(Subject::Change)
+        .filter(|c| c.key() != term.subject.key() && !rest.terms.iter().any(|t| t.subject.key() == c.key()))
+        .filter_map(|change| {
+            let change = Term::new(change, &[]);
+            let with = ground.fit(&[rest.terms.as_slice(), std::slice::from_ref(term)].concat())?;
+            // A change that adds nothing beside the term is no other explanation of the rest.
+            offer_of(ground, &with, std::slice::from_ref(&change), 1.0)
+                .filter(|o| o.evidence.share >= MATERIAL && o.evidence.z >= WORSE)?;
+            let changed = ground.fit(&[rest.terms.as_slice(), &[change]].concat())?;
+            let loss = changed.normal.loss() / rest.normal.loss();
+            let kept = offer_of(ground, &changed, std::slice::from_ref(term), 1.0).map_or(0.0, |o| o.evidence.share);
+            Some(kept * loss / own.evidence.share.max(1e-300))
+        })
+        .fold(1.0, f64::min)
+}

@@ -1,0 +1,229 @@
+//! Every candidate on top of a hypothesis: effects of the catalogue, free curves and changes of the core, each with its best shape.
+
+use super::change::Change;
+use super::curve::Curve;
+use super::effect::{self, Line, Scale};
+use super::evidence::{Evidence, chance, evidence};
+use super::ground::{Ground, Hypothesis};
+use super::normal::Trial;
+use super::spectra;
+use super::term::{Subject, Term};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Share of the moving samples below the speed at which the rows must still resolve a line of position.
+const SLOW: f64 = 0.2;
+/// Fewest periods of a line within the travel.
+const PERIODS: f64 = 1.5;
+/// Fewest periods of a vibration within the recording: slower is drift, or the motion itself.
+const CYCLES: f64 = 20.0;
+
+/// A candidate, judged.
+#[derive(Clone)]
+pub struct Offer {
+    /// It, with its best shape.
+    pub term: Term,
+    /// What it explains.
+    pub trial: Trial,
+    /// What that is worth.
+    pub evidence: Evidence,
+    /// Among how many independent places of its spectrum it was found.
+    pub tries: f64,
+}
+
+impl Offer {
+    /// The chance that any of `families` candidates does as well without any effect.
+    pub fn chance(&self, families: usize) -> f64 {
+        chance(self.evidence.z, self.tries * families as f64)
+    }
+}
+
+/// One candidate with its shapes.
+struct Family {
+    subject: Subject,
+    shapes: Vec<Vec<f64>>,
+    tries: f64,
+}
+
+/// The candidates of a recording on top of `hypothesis`; `periods` are those of the mechanics (m or rad).
+fn families(ground: &Ground, hypothesis: &Hypothesis, periods: &[f64]) -> Vec<Family> {
+    let scene = ground.scene();
+    let mut all: Vec<Family> = Vec::new();
+    for effect in effect::ALL {
+        let subject = Subject::Effect(effect);
+        let present = hypothesis
+            .terms
+            .iter()
+            .any(|t| t.effect().is_some_and(|e| e.id() == effect.id() || e.excludes().iter().any(|x| x.id() == effect.id())));
+        if present && !effect.recurs() {
+            continue;
+        }
+        let shapes = effect.grid(&scene);
+        all.push(Family {
+            subject,
+            shapes,
+            tries: 1.0,
+        });
+    }
+    let lines = Lines::of(ground, hypothesis);
+    for family in &mut all {
+        let Subject::Effect(effect) = family.subject else {
+            continue;
+        };
+        let Some(line) = effect.line() else {
+            continue;
+        };
+        let (found, tries) = lines.get(line);
+        family.shapes.extend(found.iter().map(|l| vec![*l]));
+        family.tries = tries;
+        if line != Line::Time {
+            let travel = ground.rows.s.travel();
+            let known = periods.iter().filter(|p| PERIODS * **p < travel);
+            family.shapes.extend(known.flat_map(|p| [vec![*p], vec![p / 2.0]]));
+        }
+    }
+    let nameless = Curve::all(&ground.rows.s)
+        .into_iter()
+        .map(Subject::Curve)
+        .chain(Change::ALL.map(Subject::Change));
+    for subject in nameless {
+        if !hypothesis.terms.iter().any(|t| t.subject.key() == subject.key()) {
+            all.push(Family {
+                subject,
+                shapes: vec![Vec::new()],
+                tries: 1.0,
+            });
+        }
+    }
+    all.retain(|f| !f.shapes.is_empty());
+    all
+}
+
+/// Every candidate that explains something, best first, and how many were tried.
+pub fn offers(ground: &Ground, hypothesis: &Hypothesis, periods: &[f64]) -> (Vec<Offer>, usize) {
+    let families = families(ground, hypothesis, periods);
+    let mut list: Vec<Offer> = families
+        .par_iter()
+        .filter_map(|family| {
+            let terms: Vec<Term> = family
+                .shapes
+                .iter()
+                .map(|s| Term::new(family.subject, s))
+                .collect();
+            offer_of(ground, hypothesis, &terms, family.tries)
+        })
+        .collect();
+    list.sort_by(|a, b| b.evidence.share.total_cmp(&a.evidence.share));
+    (list, families.len())
+}
+
+/// The best of some terms on top of a hypothesis.
+pub fn offer_of(ground: &Ground, hypothesis: &Hypothesis, terms: &[Term], tries: f64) -> Option<Offer> {
+    let columns: Vec<Arc<Vec<Vec<f64>>>> = terms.par_iter().map(|t| ground.columns(t)).collect();
+    let some: Vec<usize> = (0..terms.len()).filter(|i| !columns[*i].is_empty()).collect();
+    let shapes: Vec<&[Vec<f64>]> = some.iter().map(|&i| columns[i].as_slice()).collect();
+    let admits = |i: usize, c: &[f64]| terms[some[i]].admits(c);
+    let trial = hypothesis.normal.trial(&shapes, admits)?;
+    Some(Offer {
+        term: terms[some[trial.best]].clone(),
+        evidence: evidence(&trial.force, &hypothesis.normal.held_out, &ground.rows.blocks),
+        trial,
+        tries,
+    })
+}
+
+/// Lines of the mismatch in position and in time, with how many were possible.
+struct Lines(BTreeMap<u8, (Vec<f64>, f64)>);
+
+impl Lines {
+    fn of(ground: &Ground, hypothesis: &Hypothesis) -> Self {
+        let (s, weak) = (&ground.rows.s, &ground.rows.weak);
+        let x = weak.at_centres(&s.x);
+        let t = weak.at_centres(&s.t);
+        let friction = weak.at_centres(&ground.baseline.friction);
+        let weights = ground.noise.inverse(&hypothesis.residual(&ground.rows.force));
+        let by_friction: Vec<f64> = weights.iter().zip(&friction).map(|(w, f)| w * f).collect();
+        let (travel, slow) = (s.travel(), s.moving_speed(SLOW).max(1e-300));
+        let row_s = weak.half_width_s;
+        let (lowest, finest) = (PERIODS / travel, 0.5 / (row_s * slow));
+        let duration = (s.duration()).max(1e-300);
+        let (slowest, fastest) = (CYCLES / duration, 0.45 / row_s);
+        let in_position = (finest * travel).max(1.0);
+        let in_time = (fastest * duration).max(1.0);
+        let invert = |lines: Vec<f64>| lines.into_iter().map(|nu| 1.0 / nu).collect();
+        Self(BTreeMap::from([
+            (
+                Line::Force as u8,
+                (invert(spectra::lines(&x, &weights, lowest, finest)), in_position),
+            ),
+            (
+                Line::Level as u8,
+                (invert(spectra::lines(&x, &by_friction, lowest, finest)), in_position),
+            ),
+            (
+                Line::Time as u8,
+                (spectra::lines(&t, &weights, slowest, fastest), in_time),
+            ),
+        ]))
+    }
+
+    fn get(&self, line: Line) -> (&[f64], f64) {
+        self.0.get(&(line as u8)).map_or((&[], 1.0), |l| (&l.0, l.1))
+    }
+}
+
+/// Rounds of a search along each shape parameter.
+const ROUNDS: usize = 7;
+
+/// The term with the shape that explains most where it is fitted, all coefficients free.
+pub fn refined(ground: &Ground, without: &Hypothesis, term: &Term) -> Term {
+    let mut best = term.clone();
+    let Some(effect) = term.effect() else {
+        return best;
+    };
+    let value_of = |term: &Term| {
+        let columns = ground.columns(term);
+        let (reduction, c) = without.normal.reduction(&columns)?;
+        term.admits(&c).then_some(reduction)
+    };
+    let Some(mut value) = value_of(&best) else {
+        return best;
+    };
+    let scales: Vec<Scale> = effect.shape().iter().map(|p| p.1).collect();
+    let s = &ground.rows.s;
+    let mut steps: Vec<f64> = scales
+        .iter()
+        .zip(&term.shape)
+        .map(|(scale, value)| match scale {
+            Scale::Chosen => 0.0,
+            Scale::Period => 0.15 * value / s.travel(),
+            Scale::Frequency => 0.15 / (s.duration() * value),
+            Scale::Logarithmic => 0.3,
+            Scale::Travel => s.travel() / 80.0,
+        })
+        .collect();
+    for _ in 0..ROUNDS {
+        let mut moved = false;
+        for j in (0..steps.len()).filter(|j| scales[*j] != Scale::Chosen) {
+            for sign in [-1.0, 1.0] {
+                let mut trial = best.clone();
+                trial.shape[j] = match scales[j] {
+                    Scale::Travel => trial.shape[j] + sign * steps[j],
+                    _ => trial.shape[j] * (sign * steps[j]).exp(),
+                };
+                trial.shape[j] = effect.within(&ground.scene(), j, trial.shape[j]);
+                if let Some(reached) = value_of(&trial)
+                    && reached > value * (1.0 + 1e-9)
+                {
+                    (best, value, moved) = (trial, reached, true);
+                    break;
+                }
+            }
+        }
+        if !moved {
+            steps.iter_mut().for_each(|s| *s *= 0.4);
+        }
+    }
+    best
+}

@@ -1,0 +1,298 @@
+//! The report page of a diagnosis: where first, then what and how sure, then what the recording cannot show.
+
+use super::axis::Axis;
+use super::curve::Curve;
+use super::place::Place;
+use super::signals::{bounds, quantile};
+use super::term::Subject;
+use super::verdict::Diagnosis;
+use super::words::{between, quantity};
+use crate::recording::Recording;
+use crate::report::{self, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
+
+/// Points of a figure's cloud.
+const POINTS: usize = 6000;
+/// Stretches over which a mean is drawn.
+const BINS: usize = 48;
+/// Stretches of a map, each way.
+const CELLS: usize = 24;
+
+impl Diagnosis {
+    /// The report page.
+    pub fn page(&self, recording: &Recording, command: String) -> Page {
+        Page {
+            title: format!("Diagnosis of {}", recording.name),
+            lead: format!("{}. {}", self.verdict_words(recording), self.recommendation()),
+            command,
+            sections: vec![
+                self.located(recording),
+                self.missing(recording),
+                self.maps(recording),
+                Section {
+                    heading: "What this recording cannot show".to_owned(),
+                    paragraphs: self
+                        .lacks
+                        .iter()
+                        .map(|l| format!("{}: hides {}.", l.missing, l.hides.join(", ")))
+                        .collect(),
+                    ..Section::default()
+                },
+            ],
+        }
+    }
+
+    /// The coordinate that organises the mismatch, whether it flips with direction, and where it is.
+    fn organiser(&self) -> (Axis, bool, Option<Place>) {
+        if let Some(first) = self.confident().next() {
+            let own = first.places.first();
+            let axis = own.map_or(Axis::SinceReversal, |p| p.axis);
+            let odd = self.organised.iter().find_map(|o| match o.term.subject {
+                Subject::Curve(Curve { axis: a, odd }) if a == axis => Some(odd),
+                _ => None,
+            });
+            return (axis, odd.unwrap_or(false), own.copied());
+        }
+        if let Some(unknown) = &self.unknown {
+            return (unknown.axis, unknown.odd, unknown.place);
+        }
+        let best = self.organised.iter().find_map(|o| match o.term.subject {
+            Subject::Curve(curve) => Some(curve),
+            _ => None,
+        });
+        best.map_or((Axis::Position, false, None), |c| (c.axis, c.odd, None))
+    }
+
+    /// One picture and one sentence: where recording and model differ, before and after.
+    fn located(&self, recording: &Recording) -> Section {
+        let (axis, odd, place) = self.organiser();
+        let mut paragraphs: Vec<String> = self
+            .confident()
+            .map(|e| format!("{}.", self.sentence(e, recording)))
+            .collect();
+        if let Some(unknown) = &self.unknown {
+            paragraphs.push(format!("Without a name: {}.", unknown.words(self, recording)));
+        }
+        if paragraphs.is_empty() {
+            paragraphs.push(
+                "No stretch of any coordinate stands out of what noise and friction's own variability leave.".to_owned(),
+            );
+        }
+        Section {
+            heading: "Where model and recording differ".to_owned(),
+            paragraphs,
+            figures: self.mismatch_over(axis, odd, place, recording).into_iter().collect(),
+            ..Section::default()
+        }
+    }
+
+    /// Mean mismatch over a coordinate before and after, the place marked.
+    fn mismatch_over(&self, axis: Axis, odd: bool, place: Option<Place>, recording: &Recording) -> Option<Figure> {
+        let rows = &self.ground.rows;
+        let (x_unit, f_unit) = (axis.unit(recording.position_unit()), unit_of(recording));
+        let values = rows.weak.at_centres(&axis.values(&rows.s)?);
+        let direction = rows.weak.at_centres(&rows.s.direction);
+        let residuals = self.residuals();
+        let signed = |r: &[f64]| -> Vec<f64> {
+            let along = r.iter().zip(&direction);
+            along.map(|(r, d)| if odd { r * d } else { *r }).collect()
+        };
+        let [before, after] = [signed(&residuals[0]), signed(&residuals[1])];
+        let means = [means_over(&values, &before), means_over(&values, &after)];
+        let step = values.len().div_ceil(POINTS).max(1);
+        let thin = |v: &[f64]| v.iter().copied().step_by(step).collect::<Vec<_>>();
+        let name = axis.name(&rows.s);
+        let mut figure = Figure::new(
+            format!("Mismatch over {name}"),
+            report::Axis::new(name.as_str(), x_unit.as_str()),
+            report::Axis::new(
+                if odd { "measured − model, along the motion" } else { "measured − model" },
+                f_unit,
+            ),
+        )
+        .with(
+            Series::points("every row, before", thin(&values), thin(&before))
+                .colour(Colour::Sky)
+                .emphasis(Emphasis::Faint),
+        )
+        .with(
+            Series::line("mean before", means[0].0.clone(), means[0].1.clone())
+                .colour(Colour::Blue)
+                .emphasis(Emphasis::Strong),
+        )
+        .with(
+            Series::line("mean after", means[1].0.clone(), means[1].1.clone())
+                .colour(Colour::Vermillion)
+                .emphasis(Emphasis::Strong),
+        );
+        if let Some(place) = place {
+            let (low, high) = (quantile(&before, 0.002), quantile(&before, 0.998));
+            let x = vec![place.from, place.from, f64::NAN, place.to, place.to];
+            let y = vec![low, high, f64::NAN, low, high];
+            figure = figure.with(
+                Series::line("place", x, y)
+                    .style(Style::Dashed)
+                    .colour(Colour::Black),
+            );
+            figure.note = format!(
+                "The dashed lines mark where the effect has more than half of its largest force: {}.",
+                between(place.from, place.to, &x_unit)
+            );
+        }
+        Some(figure)
+    }
+
+    fn residuals(&self) -> [Vec<f64>; 2] {
+        [0, 1].map(|i| self.states[i].residual(&self.ground.rows.force))
+    }
+
+    /// The ranked names with how sure and why not the others.
+    fn missing(&self, recording: &Recording) -> Section {
+        let rows = &self.ground.rows;
+        let evidence = self.effects.iter().map(|e| {
+            let Some(standing) = &e.standing else {
+                return format!(
+                    "{} ({}): {}. It would explain {:.1} % of the mismatch, at {:.1} standard errors.",
+                    e.id(), e.level(), e.name.words(), 100.0 * e.evidence.share, e.evidence.z
+                );
+            };
+            let tried: Vec<String> = standing
+                .tried
+                .iter()
+                .map(|(key, ratio)| format!("{key} {:.0} %", 100.0 * ratio))
+                .collect();
+            format!(
+                "{} ({}): {}. It explains {:.1} % of the mismatch on stretches that its fit has not seen, at {:.1} standard errors over {:.0} stretches. In its place others explain, of what it does: {}. Beside changes of the hysteresis it keeps {:.0} %. To tell it apart: {}.",
+                e.id(), e.level(), e.name.words(), 100.0 * e.evidence.share, e.evidence.z, e.evidence.blocks,
+                if tried.is_empty() { "nothing comparable".to_owned() } else { tried.join(", ") },
+                100.0 * standing.survival, e.name.experiment()
+            )
+        });
+        let intro = format!(
+            "NMSE (eq. 13) is the squared error over the variance of the whole measured effort after averaging with a kernel of ±{:.1} ms; test figures come from {} stretches of the recording held out in turn. What is decided is decided between {} stretches with equal shares of the moving time and of the path. Rest ({:.0} % of the samples) and the begin of each recording, until friction's state is known, are left out.",
+            1e3 * rows.weak.half_width_s, rows.weak.folds.len(), rows.blocks.len(), 100.0 * rows.at_rest
+        );
+        Section {
+            heading: "What is missing".to_owned(),
+            paragraphs: std::iter::once(intro).chain(evidence).collect(),
+            tables: vec![self.table(recording)],
+            figures: vec![self.loops(recording)],
+        }
+    }
+
+    fn loops(&self, recording: &Recording) -> Figure {
+        let rows = &self.ground.rows;
+        let residuals = self.residuals();
+        let position = rows.weak.at_centres(&rows.s.x);
+        let shown = rows.weak.folds.last().cloned().unwrap_or(0..0);
+        let modelled = |i: usize| -> Vec<f64> {
+            let of = rows.force[shown.clone()].iter().zip(&residuals[i][shown.clone()]);
+            of.map(|(f, r)| f - r).collect()
+        };
+        let x = position[shown.clone()].to_vec();
+        Figure::new(
+            "Force–displacement loops of the last stretch",
+            report::Axis::new("position", recording.position_unit()),
+            report::Axis::new("effort, averaged by the kernel", unit_of(recording)),
+        )
+        .with(Series::line("measured", x.clone(), rows.force[shown.clone()].to_vec()).colour(Colour::Black))
+        .with(
+            Series::line("model", x.clone(), modelled(0))
+                .style(Style::Dashed)
+                .colour(Colour::Sky),
+        )
+        .with(
+            Series::line("extended model", x, modelled(1))
+                .emphasis(Emphasis::Strong)
+                .colour(Colour::Vermillion),
+        )
+    }
+
+    /// Maps of the mismatch over position × velocity and over time, and the free curves.
+    fn maps(&self, recording: &Recording) -> Section {
+        let s = &self.ground.rows.s;
+        let organised = self.organised.iter().take(8).map(|o| {
+            vec![
+                o.term.subject.name(s),
+                format!("{:.1}", 100.0 * o.evidence.share),
+                format!("{:.1}", o.evidence.z),
+            ]
+        });
+        let over_time = self.mismatch_over(Axis::Time, false, None, recording);
+        let others = [Axis::Position, Axis::Velocity, Axis::SinceReversal]
+            .into_iter()
+            .filter_map(|axis| self.mismatch_over(axis, false, None, recording));
+        Section {
+            heading: "Maps of what is left".to_owned(),
+            paragraphs: vec!["Structure in these plots is physics that the model lacks.".to_owned()],
+            tables: vec![
+                Table {
+                    caption: "Free curves over one coordinate: what they predict of the mismatch on stretches held out".to_owned(),
+                    head: ["curve", "share %", "z"].map(String::from).to_vec(),
+                    rows: organised.collect(),
+                },
+                self.largest_cells(recording),
+            ],
+            figures: over_time.into_iter().chain(others).collect(),
+        }
+    }
+
+    /// The cells of position × velocity in which the mean mismatch is largest, before and after.
+    fn largest_cells(&self, recording: &Recording) -> Table {
+        let rows = &self.ground.rows;
+        let (x, v) = (rows.weak.at_centres(&rows.s.x), rows.weak.at_centres(&rows.s.v));
+        let (bx, bv) = (bounds(&x), bounds(&v));
+        let cell = |value: f64, (low, high): (f64, f64)| {
+            let u = (value - low) / (high - low).max(1e-300);
+            ((u * CELLS as f64) as usize).min(CELLS - 1)
+        };
+        let [before, after] = self.residuals();
+        let mut sums = vec![(0.0, 0.0, 0usize); CELLS * CELLS];
+        for i in 0..x.len() {
+            let sum = &mut sums[cell(x[i], bx) * CELLS + cell(v[i], bv)];
+            *sum = (sum.0 + before[i], sum.1 + after[i], sum.2 + 1);
+        }
+        let mut order: Vec<usize> = (0..sums.len()).filter(|c| sums[*c].2 > 2).collect();
+        order.sort_by(|a, b| (sums[*b].0.abs()).total_cmp(&sums[*a].0.abs()));
+        let edge = |i: usize, (low, high): (f64, f64)| low + (high - low) * i as f64 / CELLS as f64;
+        let unit = recording.position_unit();
+        let row = |c: usize| {
+            let (i, j) = (c / CELLS, c % CELLS);
+            let n = sums[c].2 as f64;
+            vec![
+                between(edge(i, bx), edge(i + 1, bx), unit),
+                between(edge(j, bv), edge(j + 1, bv), &format!("{unit}/s")),
+                quantity(sums[c].0 / n, unit_of(recording)),
+                quantity(sums[c].1 / n, unit_of(recording)),
+            ]
+        };
+        Table {
+            caption: "Cells of position × velocity that hold most of the mismatch".to_owned(),
+            head: ["position", "velocity", "mean before", "mean after"].map(String::from).to_vec(),
+            rows: order.into_iter().take(6).map(row).collect(),
+        }
+    }
+}
+
+fn unit_of(recording: &Recording) -> &'static str {
+    match recording.effort_unit() {
+        "Nm" => "N·m",
+        other => other,
+    }
+}
+
+/// Means of `values` over stretches of a coordinate: centre and mean of those that hold any.
+fn means_over(at: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let (low, high) = bounds(at);
+    let mut sums = [(0.0, 0usize); BINS];
+    for (a, v) in at.iter().zip(values) {
+        let u = (a - low) / (high - low).max(1e-300);
+        let sum = &mut sums[((u * BINS as f64) as usize).min(BINS - 1)];
+        *sum = (sum.0 + v, sum.1 + 1);
+    }
+    let held = sums.iter().enumerate().filter(|(_, s)| s.1 > 2);
+    held.map(|(i, s)| {
+        let centre = low + (high - low) * (i as f64 + 0.5) / BINS as f64;
+        (centre, s.0 / s.1 as f64)
+    })
+    .unzip()
+}

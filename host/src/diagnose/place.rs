@@ -1,0 +1,86 @@
+//! Where a force acts: the stretch of a coordinate in which it is large.
+
+use super::axis::Axis;
+use super::rows::Rows;
+use super::signals::bounds;
+
+/// Stretches into which a coordinate is cut.
+const BINS: usize = 60;
+/// Share of its largest mean square within which a force is said to act: half of its amplitude.
+const LARGE: f64 = 0.25;
+/// Fewest rows of a stretch that count.
+const ROWS: usize = 3;
+/// Share of a coordinate's range below which a force is said to be confined to it.
+const CONFINED: f64 = 0.5;
+
+/// A stretch of a coordinate.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// The coordinate.
+    pub axis: Axis,
+    /// Its lower end, in the coordinate's unit.
+    pub from: f64,
+    /// Its upper end.
+    pub to: f64,
+    /// Share of the force's squares within it.
+    pub share: f64,
+}
+
+impl Place {
+    /// Where `force` (at the rows) is at least half of its largest over a coordinate; `None` where the recording does not have
+    /// the coordinate or the force.
+    ///
+    /// The mean square of each stretch counts, not its sum: an axis that dwells at a place does not make the force larger there.
+    pub fn of(rows: &Rows, axis: Axis, force: &[f64]) -> Option<Self> {
+        let values = rows.weak.at_centres(&axis.values(&rows.s)?);
+        let (low, high) = bounds(&values);
+        let total: f64 = force.iter().map(|f| f * f).sum();
+        if total <= 0.0 || high <= low {
+            return None;
+        }
+        let bin = |v: f64| (((v - low) / (high - low) * BINS as f64) as usize).min(BINS - 1);
+        let (mut sums, mut counts) = ([0.0; BINS], [0usize; BINS]);
+        for (v, f) in values.iter().zip(force) {
+            sums[bin(*v)] += f * f;
+            counts[bin(*v)] += 1;
+        }
+        let density = |i: usize| {
+            if counts[i] < ROWS {
+                0.0
+            } else {
+                sums[i] / counts[i] as f64
+            }
+        };
+        let peak = (0..BINS).max_by(|a, b| density(*a).total_cmp(&density(*b)))?;
+        let within = |i: &usize| density(*i) >= LARGE * density(peak) || counts[*i] < ROWS;
+        let first = (0..=peak).rev().take_while(within).last().unwrap_or(peak);
+        let last = (peak..BINS).take_while(within).last().unwrap_or(peak);
+        let edge = |i: usize| low + (high - low) * i as f64 / BINS as f64;
+        Some(Self {
+            axis,
+            from: edge(first),
+            to: edge(last + 1),
+            share: (first..=last).map(|i| sums[i]).sum::<f64>() / total,
+        })
+    }
+
+    /// The place over the force's own coordinate, and those over position, speed and time that confine it.
+    pub fn all(rows: &Rows, own: Axis, force: &[f64]) -> Vec<Self> {
+        let others = [Axis::Position, Axis::Speed, Axis::Time];
+        let confined = |place: &Place| {
+            let values = place.axis.values(&rows.s).unwrap_or_default();
+            let (low, high) = bounds(&values);
+            place.to - place.from < CONFINED * (high - low)
+        };
+        Self::of(rows, own, force)
+            .into_iter()
+            .chain(
+                others
+                    .into_iter()
+                    .filter(|axis| *axis != own)
+                    .filter_map(|axis| Self::of(rows, axis, force))
+                    .filter(confined),
+            )
+            .collect()
+    }
+}

@@ -1,0 +1,147 @@
+//! The rows that are fitted: which instants of a recording can tell, in blocks that every decision is a paired statistic of.
+
+use super::signals::{Signals, quantile};
+use super::weak::{Column, Weak};
+use crate::recording::Recording;
+use std::ops::Range;
+
+/// Blocks of rows. Their scores decide, so that what is common to neighbours counts once; more would be shorter than what
+/// friction remembers along its path.
+const BLOCKS: usize = 36;
+/// Blocks of a fold, which are held out together.
+const PER_FOLD: usize = 3;
+/// Fewest blocks that can decide: with six, the least of all sign patterns has a chance of 1 in 64.
+pub const FEWEST: usize = 7;
+/// Fewest rows of a block.
+const ROWS: usize = 30;
+/// Kinds of strokes that take turns in being left out, for intervals.
+const KINDS: usize = 8;
+/// Yield displacements of the core end at this share of the travel; a later yield is a spring, and competes as one.
+pub const LATE: f64 = 0.025;
+/// Seconds around an instant within which an axis that rests does not move.
+const STILL_S: f64 = 0.05;
+
+/// A recording as rows.
+pub struct Rows {
+    /// Coordinates, at the samples.
+    pub s: Signals,
+    /// Kernel, centres and folds.
+    pub weak: Weak,
+    /// Measured effort at the rows.
+    pub force: Vec<f64>,
+    /// Measured effort at the samples.
+    pub effort: Vec<f64>,
+    /// Whether the effort contains inertia.
+    pub inertial: bool,
+    /// Rows of each block.
+    pub blocks: Vec<Range<usize>>,
+    /// Kind of the stroke of each row.
+    pub kinds: Vec<usize>,
+    /// Share of the samples at which the axis rests.
+    pub at_rest: f64,
+}
+
+impl Rows {
+    /// Chooses the rows of a recording.
+    ///
+    /// # Errors
+    /// What the recording lacks, and what to record.
+    pub fn new(recording: &Recording) -> Result<Self, String> {
+        let mut s = Signals::of(recording);
+        let inertial = recording.role.contains_inertia();
+        let still = resting(&s);
+        let unsettled = unsettled(&s);
+        let usable: Vec<bool> = still.iter().zip(&unsettled).map(|(a, b)| !a && !b).collect();
+        let block = blocks_of(&s, &usable);
+        let count = block.iter().max().map_or(0, |b| b + 1);
+        s.fold = block.iter().map(|b| b / PER_FOLD).collect();
+        s.folds = count.div_ceil(PER_FOLD);
+        let weak = Weak::new(&s, inertial, &usable);
+        let mut blocks: Vec<Range<usize>> = Vec::new();
+        let mut last = None;
+        for (row, &centre) in weak.centres.iter().enumerate() {
+            match blocks.last_mut() {
+                Some(rows) if last == Some(block[centre]) => rows.end = row + 1,
+                _ => blocks.push(row..row + 1),
+            }
+            last = Some(block[centre]);
+        }
+        if blocks.len() < FEWEST || weak.folds.len() < 3 {
+            return Err(format!(
+                "{}: the axis moves for {:.1} s over {} stretches after its friction is known: too few to hold any out; record at least {FEWEST} strokes, or one several times as long",
+                recording.name,
+                usable.iter().filter(|u| **u).count() as f64 * s.dt,
+                blocks.len()
+            ));
+        }
+        let kinds = s.kinds_of_strokes(KINDS);
+        Ok(Self {
+            force: weak.rows(&Column::of(recording.effort.clone())),
+            effort: recording.effort.clone(),
+            kinds: weak.centres.iter().map(|&c| kinds[c]).collect(),
+            at_rest: still.iter().filter(|r| **r).count() as f64 / s.x.len().max(1) as f64,
+            inertial,
+            blocks,
+            weak,
+            s,
+        })
+    }
+
+    /// Sum of squares of the measured effort about its mean.
+    pub fn variation(&self) -> f64 {
+        let mean = self.force.iter().sum::<f64>() / self.force.len().max(1) as f64;
+        self.force.iter().map(|f| (f - mean).powi(2)).sum()
+    }
+}
+
+/// Where the axis rests: any force below breakaway is admissible there, whatever the model.
+fn resting(s: &Signals) -> Vec<bool> {
+    let half = ((STILL_S / s.dt).round() as usize).max(2);
+    let steps: Vec<f64> = s.x.windows(2).map(|p| (p[1] - p[0]).abs()).filter(|d| *d > 0.0).collect();
+    // A count of the encoder, or its noise, is no motion.
+    let moved = 1.5 * quantile(&steps, 0.02).max(s.position_noise);
+    let mut still = vec![false; s.x.len()];
+    for piece in &s.pieces {
+        for i in piece.clone() {
+            let from = i.saturating_sub(half).max(piece.start);
+            let to = (i + half).min(piece.end - 1);
+            let (middle, ends) = (s.smooth[i], [s.smooth[from], s.smooth[to]]);
+            still[i] = ends.iter().all(|e| (e - middle).abs() <= moved);
+        }
+    }
+    still
+}
+
+/// Where the state of friction is not known: after every start and joint until each block of the core has slipped, which it
+/// has once the axis moved over twice its yield.
+fn unsettled(s: &Signals) -> Vec<bool> {
+    let enough = 2.0 * LATE * s.travel();
+    let mut unsettled = vec![false; s.x.len()];
+    for piece in &s.pieces {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for i in piece.clone() {
+            low = low.min(s.x[i]);
+            high = high.max(s.x[i]);
+            unsettled[i] = high - low < enough;
+        }
+    }
+    unsettled
+}
+
+/// The block of every sample: stretches with equal shares of the moving time and of the path.
+fn blocks_of(s: &Signals, usable: &[bool]) -> Vec<usize> {
+    let path = |i: usize| if i > 0 { (s.path[i] - s.path[i - 1]).max(0.0) } else { 0.0 };
+    let moving = usable.iter().filter(|u| **u).count().max(1) as f64;
+    let whole: f64 = (0..usable.len()).filter(|i| usable[*i]).map(path).sum::<f64>().max(1e-300);
+    let rows = moving * s.dt / 12.5e-3;
+    let count = BLOCKS.min((rows / ROWS as f64) as usize).max(1);
+    let mut share = 0.0;
+    (0..usable.len())
+        .map(|i| {
+            if usable[i] {
+                share += 0.5 / moving + 0.5 * path(i) / whole;
+            }
+            ((share * count as f64) as usize).min(count - 1)
+        })
+        .collect()
+}

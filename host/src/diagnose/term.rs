@@ -1,0 +1,108 @@
+//! What can stand beside the core: an effect of the catalogue, a free curve, or a change of the core.
+
+use super::change::Change;
+use super::curve::Curve;
+use super::effect::{Effect, Scene};
+use super::normal::Bound;
+use super::signals::Signals;
+use super::weak::Column;
+
+/// What a term is.
+#[derive(Clone, Copy)]
+pub enum Subject {
+    /// An effect of the catalogue.
+    Effect(&'static dyn Effect),
+    /// A free curve over a coordinate: physics without a name.
+    Curve(Curve),
+    /// A change of the hysteresis core.
+    Change(Change),
+}
+
+/// A subject of a given shape.
+#[derive(Clone)]
+pub struct Term {
+    /// What it is.
+    pub subject: Subject,
+    /// Shape parameters.
+    pub shape: Vec<f64>,
+    /// Part of the user's model, or always free: kept, and not reported.
+    pub given: bool,
+}
+
+impl Term {
+    /// A term to be tried.
+    pub fn new(subject: Subject, shape: &[f64]) -> Self {
+        Self {
+            subject,
+            shape: shape.to_vec(),
+            given: false,
+        }
+    }
+
+    /// The effect, if it is one.
+    pub fn effect(&self) -> Option<&'static dyn Effect> {
+        match self.subject {
+            Subject::Effect(effect) => Some(effect),
+            _ => None,
+        }
+    }
+
+    /// Whether both are the same effect, curve or change, of whatever shape.
+    pub fn is_like(&self, other: &Term) -> bool {
+        self.subject.key() == other.subject.key()
+    }
+
+    /// Columns at the samples.
+    pub fn columns(&self, scene: &Scene) -> Vec<Column> {
+        match self.subject {
+            Subject::Effect(effect) => effect.columns(&self.shape, scene),
+            Subject::Curve(curve) => curve.columns(scene),
+            Subject::Change(change) => change.columns(scene),
+        }
+    }
+
+    /// How its coefficients are bound in a fit.
+    pub fn bound(&self) -> Bound {
+        match self.subject {
+            Subject::Change(change) => change.bound(),
+            _ => Bound::Free,
+        }
+    }
+
+    /// Whether coefficients are what the physics admits.
+    pub fn admits(&self, coefficients: &[f64]) -> bool {
+        match self.subject {
+            Subject::Effect(effect) => effect.admits(&self.shape, coefficients),
+            _ => true,
+        }
+    }
+
+    /// Whether its columns are made of the effort itself.
+    pub fn acts_on_effort(&self) -> bool {
+        self.effect().is_some_and(|e| e.acts_on_effort())
+    }
+}
+
+impl Subject {
+    /// Its name in reports: an effect's id, or what the curve or change is.
+    pub fn name(&self, s: &Signals) -> String {
+        match self {
+            Self::Effect(effect) => effect.id().to_owned(),
+            Self::Curve(curve) => format!(
+                "{} over {}",
+                if curve.odd { "friction level" } else { "force" },
+                curve.axis.name(s)
+            ),
+            Self::Change(change) => change.name().to_owned(),
+        }
+    }
+
+    /// What tells one subject from another.
+    pub fn key(&self) -> String {
+        match self {
+            Self::Effect(effect) => effect.id().to_owned(),
+            Self::Curve(curve) => format!("curve {curve:?}"),
+            Self::Change(change) => format!("change {change:?}"),
+        }
+    }
+}

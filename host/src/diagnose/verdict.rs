@@ -1,0 +1,410 @@
+//! From the hypothesis to what is said: names with their confidence, what has no name, and what the recording cannot tell.
+
+use super::axis::Axis;
+use super::change::Change;
+use super::confidence::{self, confidence};
+use super::effect::{self, Effect};
+use super::evidence::Evidence;
+use super::ground::{Ground, Hypothesis};
+use super::hysteresis::Shape;
+use super::naming::{Standing, standings};
+use super::offer::{Offer, offers};
+use super::parameters::parameters;
+use super::place::Place;
+use super::rows::Rows;
+use super::search::{ALPHA, Found};
+use super::signals::Signals;
+use super::term::{Subject, Term};
+use crate::friction::FrictionModel;
+use crate::identify::estimate::Estimate;
+
+/// Share of the mismatch from which an effect is named.
+const NAMED: f64 = 0.03;
+/// Share of the mismatch from which what has no name is stated.
+const UNNAMED: f64 = 0.05;
+/// Least confidence of a confident name.
+const LIKELY: f64 = 0.6;
+/// NMSE (%) on folds held out from which a model explains too little to be called consistent with anything.
+const EXPLAINS_LITTLE: f64 = 25.0;
+/// Share of [`ALPHA`]'s significance from which a candidate that did not enter is at least suspected.
+const SUSPECT: f64 = 0.3;
+/// Most suspicions beside what entered.
+const HINTS: usize = 3;
+
+/// What is said of a recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Nothing material is missing.
+    Consistent,
+    /// Effects of the catalogue are missing.
+    MissingPhysics,
+    /// Something is missing that has no name.
+    UnknownPhysics,
+    /// The recording does not say.
+    InsufficientData,
+}
+
+impl Verdict {
+    /// Its name in JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Verdict::Consistent => "consistent",
+            Verdict::MissingPhysics => "missing-physics",
+            Verdict::UnknownPhysics => "unknown-physics",
+            Verdict::InsufficientData => "insufficient-data",
+        }
+    }
+}
+
+/// What an effect is called by: an entry of the catalogue, or the hysteresis itself.
+#[derive(Clone, Copy)]
+pub enum Name {
+    /// An entry.
+    Entry(&'static dyn Effect),
+    /// The user's hysteresis is wrong.
+    Hysteresis,
+}
+
+/// An effect that is stated.
+#[derive(Clone)]
+pub struct Named {
+    /// What it is.
+    pub name: Name,
+    /// Its term, where it has one.
+    pub term: Option<Term>,
+    /// Enters the extended model; otherwise a hint.
+    pub confident: bool,
+    /// Probability that it is there and so named.
+    pub confidence: f64,
+    /// What it explains, everything else given.
+    pub evidence: Evidence,
+    /// What the confidence is computed from; `None` for the hysteresis and for hints that did not enter.
+    pub standing: Option<Standing>,
+    /// Held-out NMSE (%) without and with it.
+    pub nmse_test: [f64; 2],
+    /// Where it acts, over its own coordinate first.
+    pub places: Vec<Place>,
+    /// Its force at the rows (N or N·m).
+    pub force: Vec<f64>,
+    /// Key, value and interval.
+    pub parameters: Vec<(String, Estimate)>,
+    /// What of the mechanics has its period.
+    pub source: Option<String>,
+    /// Effects that explain it as well.
+    pub ambiguous: Vec<&'static dyn Effect>,
+}
+
+/// A mismatch that nothing in the catalogue explains.
+#[derive(Clone)]
+pub struct Unknown {
+    /// The coordinate that organises it; `None` where only the whole mismatch is too large.
+    pub axis: Axis,
+    /// It flips with direction.
+    pub odd: bool,
+    /// A change of the core, where it is one.
+    pub change: Option<Change>,
+    /// What a free curve explains of it.
+    pub evidence: Evidence,
+    /// Where it is.
+    pub place: Option<Place>,
+    /// Root mean square of its force (N or N·m).
+    pub rms: f64,
+    /// Its force at the rows.
+    pub force: Vec<f64>,
+}
+
+/// NMSE (%) fitted and held out.
+#[derive(Clone, Copy, Debug)]
+pub struct Nmse {
+    /// On the rows fitted.
+    pub train: f64,
+    /// On folds held out in turn.
+    pub test: f64,
+}
+
+/// What the recording lacks, and what it therefore cannot show.
+pub struct Lack {
+    /// What is missing.
+    pub missing: String,
+    /// Ids of the effects that it hides.
+    pub hides: Vec<&'static str>,
+}
+
+/// Everything found.
+pub struct Diagnosis {
+    /// In a word.
+    pub verdict: Verdict,
+    /// The user's model, refitted.
+    pub baseline: Nmse,
+    /// With the confident effects.
+    pub extended: Nmse,
+    /// What noise and friction's own variability leave of a perfect model (%).
+    pub noise_floor: f64,
+    /// Confident ones first.
+    pub effects: Vec<Named>,
+    /// What is left and has no name.
+    pub unknown: Option<Unknown>,
+    /// What the recording lacks.
+    pub lacks: Vec<Lack>,
+    /// How the baseline's mismatch is organised: free curves, best first.
+    pub organised: Vec<Offer>,
+    /// Candidates that did not enter, best first.
+    pub rest: Vec<Offer>,
+    /// Number of candidates.
+    pub families: usize,
+    /// Terms that the user's model already has.
+    pub given: usize,
+    /// Rows, friction and noise.
+    pub ground: Ground,
+    /// The hypothesis without and with the confident effects.
+    pub states: [Hypothesis; 2],
+}
+
+/// Held-out NMSE of a fitted hypothesis.
+pub fn nmse(rows: &Rows, hypothesis: &Hypothesis) -> Nmse {
+    let variation = rows.variation().max(1e-300);
+    let square = |r: &[f64]| r.iter().map(|r| r * r).sum::<f64>();
+    Nmse {
+        train: 100.0 * square(&hypothesis.residual(&rows.force)) / variation,
+        test: 100.0 * square(&hypothesis.held_out_residual(rows)) / variation,
+    }
+}
+
+/// Draws the conclusions.
+pub fn conclude(
+    found: Found,
+    given: usize,
+    mechanics: &[(String, f64)],
+    friction: Option<&FrictionModel>,
+) -> Option<Diagnosis> {
+    let periods: Vec<f64> = mechanics.iter().map(|m| m.1).collect();
+    let standings = standings(&found, given, &periods);
+    let mut effects: Vec<Named> = standings
+        .iter()
+        .filter_map(|s| named(&found, s, mechanics))
+        .collect();
+    let kept: Vec<Term> = found.hypothesis.terms[..given].to_vec();
+    let first = found.ground.fit(&kept)?;
+    let extended = extend(&found, &kept, &effects)?;
+    for effect in &mut effects {
+        effect.nmse_test = with_and_without(&found, &kept, &extended, effect)?;
+    }
+    let mut baseline = nmse(&found.ground.rows, &first);
+    let shape = friction.and_then(|f| Shape::of(&found.ground, &extended, f));
+    if let Some(shape) = shape.filter(Shape::is_wrong) {
+        let [own, core] = shape.nmse;
+        baseline.test += own - core;
+        baseline.train += own - core;
+        effects.push(hysteresis(&found, shape));
+    }
+    effects.sort_by(|a, b| {
+        (b.confident, b.evidence.share)
+            .partial_cmp(&(a.confident, a.evidence.share))
+            .unwrap_or(std::cmp::Ordering::Equal)
+    });
+    hint(&found, &mut effects);
+    let unknown = unknown(&found, &standings, &effects);
+    let after = nmse(&found.ground.rows, &extended);
+    let verdict = verdict(&effects, unknown.as_ref(), after);
+    let organised = {
+        let (mut list, _) = offers(&found.ground, &first, &[]);
+        list.retain(|o| matches!(o.term.subject, Subject::Curve(_)) && o.evidence.share > 0.0);
+        list
+    };
+    Some(Diagnosis {
+        verdict,
+        baseline,
+        extended: after,
+        noise_floor: 100.0 * found.ground.noise.row_variance * found.ground.rows.force.len() as f64
+            / found.ground.rows.variation().max(1e-300),
+        effects,
+        unknown,
+        lacks: lacks(&found.ground.rows.s),
+        organised,
+        rest: found.rest,
+        families: found.families,
+        given,
+        ground: found.ground,
+        states: [first, extended],
+    })
+}
+
+fn verdict(effects: &[Named], unknown: Option<&Unknown>, after: Nmse) -> Verdict {
+    if effects.iter().any(|e| e.confident) {
+        Verdict::MissingPhysics
+    } else if unknown.is_some() {
+        Verdict::UnknownPhysics
+    } else if after.test > EXPLAINS_LITTLE {
+        Verdict::InsufficientData
+    } else {
+        Verdict::Consistent
+    }
+}
+
+/// An effect of the hypothesis as it is stated; `None` for curves and changes, and for what every recording may have.
+fn named(found: &Found, standing: &Standing, mechanics: &[(String, f64)]) -> Option<Named> {
+    let effect = standing.term.effect()?;
+    let hypothesis = &found.hypothesis;
+    if effect.is_harmless(&found.ground.scene(), hypothesis.coefficients(standing.index)) {
+        return None;
+    }
+    let confidence = confidence(standing);
+    let mut ambiguous = standing.ambiguous.clone();
+    for equivalent in effect.equivalents(&found.ground.rows.s) {
+        if !ambiguous.iter().any(|e| e.id() == equivalent.id()) && equivalent.lacks(&found.ground.rows.s).is_none() {
+            ambiguous.push(*equivalent);
+        }
+    }
+    let force = hypothesis.force_of(standing.index);
+    Some(Named {
+        name: Name::Entry(effect),
+        term: Some(standing.term.clone()),
+        confident: confidence >= LIKELY && standing.evidence.share >= NAMED,
+        confidence,
+        evidence: standing.evidence,
+        standing: Some(standing.clone()),
+        nmse_test: [f64::NAN; 2],
+        places: Place::all(&found.ground.rows, effect.axis(), &force),
+        force,
+        parameters: parameters(&found.ground, hypothesis, standing.index),
+        source: source(effect, &standing.term, mechanics),
+        ambiguous,
+    })
+}
+
+/// The given terms, what widens the core, and the confident effects.
+fn extend(found: &Found, kept: &[Term], effects: &[Named]) -> Option<Hypothesis> {
+    let wider = found.hypothesis.terms[kept.len()..]
+        .iter()
+        .filter(|t| matches!(t.subject, Subject::Change(Change::LateYields)));
+    let confident = effects.iter().filter(|e| e.confident).filter_map(|e| e.term.as_ref());
+    let terms: Vec<Term> = kept.iter().chain(wider).chain(confident).cloned().collect();
+    found.ground.fit(&terms)
+}
+
+/// Held-out NMSE (%) without and with an effect, all confident ones beside it.
+fn with_and_without(found: &Found, kept: &[Term], extended: &Hypothesis, effect: &Named) -> Option<[f64; 2]> {
+    let own = effect.term.as_ref()?;
+    let is_own = |t: &Term| t.is_like(own) && t.shape == own.shape;
+    let mut terms: Vec<Term> = extended.terms.clone();
+    let at = terms.iter().skip(kept.len()).position(is_own).map(|i| i + kept.len());
+    if let Some(at) = at {
+        terms.remove(at);
+    }
+    let without = found.ground.fit(&terms)?;
+    terms.push(own.clone());
+    let with = found.ground.fit(&terms)?;
+    let of = |h: &Hypothesis| nmse(&found.ground.rows, h).test;
+    Some([of(&without), of(&with)])
+}
+
+fn hysteresis(found: &Found, shape: Shape) -> Named {
+    let [own, core] = shape.nmse;
+    Named {
+        name: Name::Hysteresis,
+        term: None,
+        confident: true,
+        confidence: confidence::of_hysteresis(own, core),
+        evidence: shape.evidence,
+        standing: None,
+        nmse_test: shape.nmse,
+        places: Place::all(&found.ground.rows, Axis::SinceReversal, &shape.force),
+        force: shape.force,
+        parameters: Vec::new(),
+        source: None,
+        ambiguous: Vec::new(),
+    }
+}
+
+/// Adds effects that nearly entered, as suspicions.
+fn hint(found: &Found, effects: &mut Vec<Named>) {
+    let near = found.rest.iter().filter(|o| {
+        o.evidence.share >= 0.5 * NAMED && o.chance(found.families) < SUSPECT.max(ALPHA)
+    });
+    for offer in near.take(HINTS) {
+        let Some(effect) = offer.term.effect() else {
+            continue;
+        };
+        if effect.is_harmless(&found.ground.scene(), &offer.trial.coefficients) {
+            continue;
+        }
+        effects.push(Named {
+            name: Name::Entry(effect),
+            term: Some(offer.term.clone()),
+            confident: false,
+            confidence: confidence::of_a_hint(&offer.evidence),
+            evidence: offer.evidence,
+            standing: None,
+            nmse_test: [f64::NAN; 2],
+            places: Vec::new(),
+            force: Vec::new(),
+            parameters: Vec::new(),
+            source: None,
+            ambiguous: Vec::new(),
+        });
+    }
+}
+
+/// What only a free curve or a change of the core explains.
+fn unknown(found: &Found, standings: &[Standing], effects: &[Named]) -> Option<Unknown> {
+    let nameless = standings.iter().filter(|s| {
+        let doubtful = s.term.effect().is_some_and(|e| {
+            effects.iter().any(|n| !n.confident && matches!(n.name, Name::Entry(own) if own.id() == e.id()))
+        });
+        let wider = matches!(s.term.subject, Subject::Change(Change::LateYields));
+        (s.term.effect().is_none() || doubtful) && !wider && s.evidence.share >= UNNAMED
+    });
+    let standing = nameless.max_by(|a, b| a.evidence.share.total_cmp(&b.evidence.share))?;
+    let (axis, odd, change) = match standing.term.subject {
+        Subject::Curve(curve) => (curve.axis, curve.odd, None),
+        Subject::Change(change) => (change.axis(), true, Some(change)),
+        Subject::Effect(effect) => (effect.axis(), false, None),
+    };
+    let force = found.hypothesis.force_of(standing.index);
+    let mean = force.iter().sum::<f64>() / force.len().max(1) as f64;
+    let varying: Vec<f64> = force.iter().map(|f| f - if odd { 0.0 } else { mean }).collect();
+    Some(Unknown {
+        axis,
+        odd,
+        change,
+        evidence: standing.evidence,
+        place: Place::of(&found.ground.rows, axis, &varying),
+        rms: (varying.iter().map(|f| f * f).sum::<f64>() / varying.len().max(1) as f64).sqrt(),
+        force: varying,
+    })
+}
+
+/// What of the mechanics has the period of an effect.
+fn source(effect: &dyn Effect, term: &Term, mechanics: &[(String, f64)]) -> Option<String> {
+    let in_position = effect.line().is_some_and(|line| line != effect::Line::Time);
+    let period = term.shape.first().copied().filter(|_| in_position)?;
+    let orders = mechanics
+        .iter()
+        .flat_map(|(key, length)| [1.0, 2.0, 3.0].map(|order| (key, length / order, order)));
+    let near = orders.into_iter().find(|(_, length, _)| (period / length - 1.0).abs() < 0.02);
+    Some(near.map_or("unknown".to_owned(), |(key, _, order)| {
+        if order == 1.0 {
+            key.clone()
+        } else {
+            format!("{key}, order {order}")
+        }
+    }))
+}
+
+/// What the recording lacks, and the effects that each lack hides.
+fn lacks(s: &Signals) -> Vec<Lack> {
+    let mut lacks: Vec<Lack> = Vec::new();
+    for effect in effect::ALL {
+        let Some(missing) = effect.lacks(s) else {
+            continue;
+        };
+        match lacks.iter_mut().find(|l| l.missing == missing) {
+            Some(lack) => lack.hides.push(effect.id()),
+            None => lacks.push(Lack {
+                missing: missing.to_owned(),
+                hides: vec![effect.id()],
+            }),
+        }
+    }
+    lacks
+}

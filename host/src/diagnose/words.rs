@@ -1,0 +1,227 @@
+//! A diagnosis in sentences, in the machine's own units.
+
+use super::effect::Effect;
+use super::hysteresis;
+use super::place::Place;
+use super::signals::quantile;
+use super::verdict::{Diagnosis, Name, Named, Unknown, Verdict};
+use crate::recording::Recording;
+use crate::report::display_unit;
+
+/// A force is called a change of the friction level where this share of its squares goes with, or against, the direction.
+const WITH_DIRECTION: f64 = 0.8;
+
+/// A value in the prefix that suits it: `-266 µN`.
+pub fn quantity(value: f64, unit: &str) -> String {
+    let shown = display_unit(unit, value);
+    format!("{} {}", three(value * shown.factor), shown.unit)
+}
+
+/// Two values in the prefix that suits the larger: `−0.5 and 0.1 mm`.
+pub fn between(from: f64, to: f64, unit: &str) -> String {
+    let shown = display_unit(unit, from.abs().max(to.abs()));
+    format!(
+        "between {} and {} {}",
+        three(from * shown.factor),
+        three(to * shown.factor),
+        shown.unit
+    )
+}
+
+/// Three figures.
+fn three(value: f64) -> String {
+    let size = value.abs();
+    let decimals = match size {
+        s if s >= 100.0 || s == 0.0 => 0,
+        s if s >= 10.0 => 1,
+        s if s >= 1.0 => 2,
+        _ => 3,
+    };
+    format!("{value:.decimals$}").replace('-', "−")
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.0} %", 100.0 * share.clamp(0.0, 1.0))
+}
+
+impl Name {
+    /// Id in JSON.
+    pub fn id(self) -> &'static str {
+        match self {
+            Name::Entry(effect) => effect.id(),
+            Name::Hysteresis => hysteresis::ID,
+        }
+    }
+
+    /// For a person.
+    pub fn name(self) -> &'static str {
+        match self {
+            Name::Entry(effect) => effect.name(),
+            Name::Hysteresis => hysteresis::NAME,
+        }
+    }
+
+    /// What it is.
+    pub fn words(self) -> &'static str {
+        match self {
+            Name::Entry(effect) => effect.words(),
+            Name::Hysteresis => hysteresis::WORDS,
+        }
+    }
+
+    /// The experiment that tells it from its rivals.
+    pub fn experiment(self) -> &'static str {
+        match self {
+            Name::Entry(effect) => effect.experiment(),
+            Name::Hysteresis => hysteresis::EXPERIMENT,
+        }
+    }
+}
+
+impl Named {
+    /// Id in JSON.
+    pub fn id(&self) -> &'static str {
+        self.name.id()
+    }
+
+    /// `confident` or `suspected`.
+    pub fn level(&self) -> &'static str {
+        if self.confident {
+            "confident"
+        } else {
+            "suspected"
+        }
+    }
+}
+
+impl Unknown {
+    /// What is left, in a clause.
+    pub fn words(&self, found: &Diagnosis, recording: &Recording) -> String {
+        let s = &found.ground.rows.s;
+        let place = self.place.map_or(String::new(), |p| {
+            format!(", largest {}", place_words(&p, recording))
+        });
+        let what = match self.change {
+            Some(change) => change.name().to_owned(),
+            None => format!("something that follows {}", self.axis.name(s)),
+        };
+        format!(
+            "{what}, {}{place}: {} RMS, {} of the mismatch",
+            if self.odd {
+                "flipping with the direction"
+            } else {
+                "the same in both directions"
+            },
+            quantity(self.rms, recording.effort_unit()),
+            percent(self.evidence.share),
+        )
+    }
+}
+
+fn place_words(place: &Place, recording: &Recording) -> String {
+    between(place.from, place.to, &place.axis.unit(recording.position_unit()))
+}
+
+/// How large a force is: of the friction level where it goes with the direction, else in its unit.
+fn size(found: &Diagnosis, force: &[f64], recording: &Recording) -> String {
+    let rows = &found.ground.rows;
+    let direction = rows.weak.at_centres(&rows.s.direction);
+    let along: Vec<f64> = force.iter().zip(&direction).map(|(f, d)| f * d).collect();
+    let square = |side: f64| -> f64 {
+        along.iter().filter(|a| **a * side > 0.0).map(|a| a * a).sum()
+    };
+    let (with, against) = (square(1.0), square(-1.0));
+    let large = quantile(&force.iter().map(|f| f.abs()).collect::<Vec<_>>(), 0.98);
+    let level = found.ground.baseline.level;
+    let of_level = percent(large / level.max(1e-300));
+    let unit = recording.effort_unit();
+    if with > WITH_DIRECTION * (with + against) {
+        format!("friction is up to {of_level} higher, in both directions")
+    } else if against > WITH_DIRECTION * (with + against) {
+        format!("friction is up to {of_level} lower, in both directions")
+    } else {
+        format!("a force of up to {} acts", quantity(large, unit))
+    }
+}
+
+impl Diagnosis {
+    /// One sentence on an effect: where, how much, what it is, what it explains, what compensating it is worth.
+    pub fn sentence(&self, effect: &Named, recording: &Recording) -> String {
+        let confined = effect.places.iter().find(|p| p.share > 0.0);
+        let place = confined.map_or(String::new(), |p| format!("{}, ", place_words(p, recording)));
+        let rms = {
+            let n = effect.force.len().max(1) as f64;
+            (effect.force.iter().map(|f| f * f).sum::<f64>() / n).sqrt()
+        };
+        let text = format!(
+            "{place}{}: {}. It explains {} of the mismatch; compensated, {} RMS of disturbance are gone",
+            size(self, &effect.force, recording),
+            effect.name.name(),
+            percent(effect.evidence.share),
+            quantity(rms, recording.effort_unit())
+        );
+        let mut letters = text.chars();
+        letters.next().map_or(String::new(), |c| c.to_uppercase().chain(letters).collect())
+    }
+
+    /// Verdict in one sentence.
+    pub fn verdict_words(&self, recording: &Recording) -> String {
+        let figures = format!(
+            "held-out NMSE {:.3} % before, {:.3} % after, {:.3} % expected of noise and of friction's own variability",
+            self.baseline.test, self.extended.test, self.noise_floor
+        );
+        let mut text = match self.verdict {
+            Verdict::Consistent => format!("consistent: nothing material is missing ({figures})"),
+            Verdict::MissingPhysics => {
+                let names: Vec<&str> = self.confident().map(Named::id).collect();
+                format!("missing-physics: {} ({figures})", names.join(", "))
+            }
+            Verdict::UnknownPhysics => format!("unknown-physics ({figures})"),
+            Verdict::InsufficientData => format!(
+                "insufficient-data: the best model leaves {:.0} % of the variance on stretches held out, and nothing of the catalogue explains it; this recording does not say ({figures})",
+                self.extended.test
+            ),
+        };
+        if let Some(unknown) = &self.unknown {
+            text += &format!("; without a name: {}", unknown.words(self, recording));
+        }
+        text
+    }
+
+    /// Effects that are stated with confidence.
+    pub fn confident(&self) -> impl Iterator<Item = &Named> {
+        self.effects.iter().filter(|e| e.confident)
+    }
+
+    /// One thing to do.
+    pub fn recommendation(&self) -> String {
+        let Some(first) = self.effects.first() else {
+            return match (&self.unknown, self.verdict) {
+                (_, Verdict::InsufficientData) => "Recommendation: record strokes over the whole travel at several speeds, in both directions, with the effort of the motor (`preslide diagnose … --experiment motion.csv` writes such a motion).".to_owned(),
+                (Some(_), _) => "Recommendation: look at the residual maps of the report; something acts that no catalogue entry describes.".to_owned(),
+                _ => "Recommendation: keep the model; what is left is noise and friction's own variability.".to_owned(),
+            };
+        };
+        let (name, words) = (first.name.name(), first.name.words());
+        match (first.confident, first.ambiguous.first()) {
+            (true, None) => format!("Recommendation: add {} to the model ({name}: {words}).", first.id()),
+            (true, Some(rival)) => format!(
+                "Recommendation: {} or {}, this recording cannot tell. To tell them apart: {}.",
+                first.id(),
+                rival.id(),
+                first.name.experiment()
+            ),
+            (false, _) => format!(
+                "Recommendation: {} is only suspected ({words}). To be sure: {}.",
+                first.id(),
+                first.name.experiment()
+            ),
+        }
+    }
+}
+
+/// Ids of effects, for a table.
+pub fn ids(effects: &[&'static dyn Effect]) -> String {
+    let ids: Vec<&str> = effects.iter().map(|e| e.id()).collect();
+    ids.join(", ")
+}
