@@ -4,9 +4,9 @@ use fixed::types::I16F16;
 use preslide::control::{Coefficients, Controller, Measurement, Settings};
 use preslide::effects::{
     ConstantForce, CoulombAsymmetry, DwellAging, Effect, EncoderError, ExternalVibration,
-    FrictionalLag, LoadDependentFriction, LocalFrictionSpot, PeriodicForce, PeriodicFriction,
-    PositionForce, PositionFriction, PositionSpring, QuadraticDrag, RunIn, Situation, Stribeck,
-    ThermalDrift, Viscous, WarmUp, With,
+    FrictionalLag, Gravity, LoadDependentFriction, LocalFrictionSpot, PeriodicForce,
+    PeriodicFriction, PositionForce, PositionFriction, PositionSpring, QuadraticDrag, RunIn,
+    Situation, Stribeck, ThermalDrift, Viscous, WarmUp, With,
 };
 use preslide::{Block, Friction, Gms, Motion, QuasiStaticGms, Scalar, Sliding, Units};
 use preslide_host_tests::deviation::Deviation;
@@ -742,5 +742,40 @@ fn surroundings_are_told_through_the_state() {
             (force(temperature, load) - 0.9 * level).abs() < 1e-9,
             "{temperature:?} {load:?}"
         );
+    }
+}
+
+/// Over two turns each way, in rad and in the 8192 counts per turn of a small encoder.
+#[test]
+fn gravity_is_the_sine_of_the_angle_in_every_arithmetic() {
+    fn worst<S: Scalar>(units: Units) -> f64 {
+        let gravity = Gravity::<S>::try_new(3.31, 0.7, units).expect("fits");
+        let of = |i: i32| {
+            let q = f64::from(i) * 4.0 * PI / 10_000.0;
+            let scalar = |value: f64| S::try_from_f64(value).expect("in range");
+            let at = Situation {
+                position: scalar(q / units.length),
+                velocity: S::ZERO,
+                friction: S::ZERO,
+                temperature: None,
+                load: None,
+            };
+            let force = gravity.force(&mut (), &at).to_f64() * units.force;
+            assert!(force.abs() <= gravity.bounds().force.to_f64() * units.force);
+            (force - 3.31 * (q - 0.7).sin()).abs()
+        };
+        (-10_000..=10_000).map(of).fold(0.0, f64::max)
+    }
+    let counts = Units {
+        length: TAU / 8192.0,
+        ..Units::SI
+    };
+    for (name, error, most) in [
+        ("f64", worst::<f64>(Units::SI), 5e-6),
+        ("f32", worst::<f32>(Units::SI), 1e-5),
+        ("I16F16 in counts", worst::<I16F16>(counts), 4e-3),
+    ] {
+        eprintln!("gravity of 3.31 N·m in {name}: largest error {error:.1e} N·m");
+        assert!(error < most, "{name}: {error:e} N·m");
     }
 }

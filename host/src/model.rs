@@ -95,8 +95,8 @@ const ROTARY: [(&str, &str); 9] = [
     ("_rad", "_m"),
 ];
 
-/// Keys that any axis has: a phase is an angle, the normal load a force.
-const COMMON: [&str; 3] = ["phase_rad", "load_N", "level_per_N"];
+/// Keys that any axis has: a phase is an angle (so is that of gravity, which only a rotary axis has), the normal load a force.
+const COMMON: [&str; 4] = ["phase_rad", "angle_rad", "load_N", "level_per_N"];
 
 /// A key of the file in the words of the other kind of axis, or `None` where it belongs to that other kind.
 /// A key of a linear axis in the words of an axis that moves so.
@@ -279,6 +279,12 @@ impl Model {
                     format!("{value} must be finite and above zero"),
                 );
             }
+        }
+        if self.motion == MotionKind::Linear && self.effects.iter().any(|e| e.id == "gravity") {
+            return fail(
+                "effects.id",
+                "gravity changes with the angle of a rotary axis; on a linear one it is a constant_force with force_N".to_owned(),
+            );
         }
         // The library is the judge of the friction parameters; one step of no motion builds the model.
         let still = Path {

@@ -34,6 +34,7 @@
 //! | `position_spring` | [`PositionSpring`] | force | given |
 //! | `position_force` | [`PositionForce`] | force | `Σ abs(c_j)` |
 //! | `periodic_force` | [`PeriodicForce`] | force | its amplitude |
+//! | `gravity` (rotary axes) | [`Gravity`] | force | its amplitude |
 //! | `external_vibration` | [`ExternalVibration`] | force | its amplitude |
 //! | `coulomb_asymmetry` | [`CoulombAsymmetry`] | level | its magnitude |
 //! | `stribeck` | [`Stribeck`] | level | its magnitude |
@@ -63,6 +64,7 @@ mod curve;
 mod dwell;
 mod encoder_error;
 mod forces;
+mod gravity;
 mod map;
 mod odometer;
 mod periodic;
@@ -78,6 +80,7 @@ pub use asymmetry::CoulombAsymmetry;
 pub use dwell::DwellAging;
 pub use encoder_error::EncoderError;
 pub use forces::{ConstantForce, PositionSpring, QuadraticDrag, Viscous};
+pub use gravity::Gravity;
 pub use map::{PositionForce, PositionFriction};
 pub use odometer::Odometer;
 pub use periodic::{PeriodicForce, PeriodicFriction};

@@ -109,6 +109,10 @@ pub struct ReadingArgs {
     /// Sign of the effort: 1 or -1; without it an opposed sign is found and flipped with a warning
     #[arg(long, value_name = "SIGN", allow_negative_numbers = true)]
     sign: Option<f64>,
+
+    /// Take a column as if it were not there; may be given several times
+    #[arg(long, value_name = "COLUMN")]
+    ignore: Vec<String>,
 }
 
 impl ReadingArgs {
@@ -118,6 +122,7 @@ impl ReadingArgs {
             needs,
             map: self.map.clone(),
             sign: self.sign,
+            ignore: self.ignore.clone(),
             ..LoadOptions::default()
         };
         let recordings = paths
@@ -129,7 +134,15 @@ impl ReadingArgs {
                 eprintln!("{}: warning: {warning}", recording.name);
             }
         }
-        Recording::join(recordings).map_err(Failure::Input)
+        let whole = Recording::join(recordings).map_err(Failure::Input)?;
+        for warning in whole
+            .warnings
+            .iter()
+            .filter(|w| w.code == recording::DROPPED)
+        {
+            eprintln!("{}: warning: {warning}", whole.name);
+        }
+        Ok(whole)
     }
 }
 

@@ -91,6 +91,8 @@ impl CostTable {
                 ])
             }
             "thermal_drift" if effect.has("time_constant_s") => Some(vec![(1.0, with("warm_up")?)]),
+            // The same code with other constants.
+            "gravity" => Some(vec![(1.0, with("periodic_force")?)]),
             id => Some(vec![(1.0, with(id)?)]),
         }
     }
@@ -165,6 +167,7 @@ mod tests {
                 "periodic_friction",
                 &[&wave[..], &[("level", 0.1)]].concat(),
             ),
+            effect("gravity", &[("force_N", 0.1), ("angle_rad", 0.5)]),
             effect("encoder_error", &[&wave[..], &[("error_m", 1e-8)]].concat()),
             effect(
                 "thermal_drift",

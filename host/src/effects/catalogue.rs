@@ -33,7 +33,7 @@ const LEVEL: Range = Within(preslide::effects::LARGEST_LEVEL);
 /// Keys of an effect, of which an id may have two sets; `cosine*` stands for `cosine1`, `cosine2`, … with what follows it.
 type Keys = &'static [(&'static str, Range)];
 
-const CATALOGUE: [(&str, Keys); 24] = [
+const CATALOGUE: [(&str, Keys); 25] = [
     ("constant_force", &[("force_N", Any)]),
     ("coulomb_asymmetry", &[("asymmetry", Within(1.0))]),
     ("quadratic_drag", &[("drag_N_s2_per_m2", Any)]),
@@ -82,6 +82,7 @@ const CATALOGUE: [(&str, Keys); 24] = [
         "encoder_error",
         &[("error_m", Any), ("period_m", Positive), ("phase_rad", Any)],
     ),
+    ("gravity", &[("force_N", Any), ("angle_rad", Any)]),
     (
         "external_vibration",
         &[

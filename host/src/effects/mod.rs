@@ -18,6 +18,7 @@
 //! | `periodic_force` | `A·cos(2πx/p + φ)` | `force_N`, `period_m`, `phase_rad` |
 //! | `periodic_friction` | `m = 1 + a·cos(2πx/p + φ)` | `level`, `period_m`, `phase_rad` |
 //! | `encoder_error` | measured `= x + e·cos(2πx/p + φ)` | `error_m`, `period_m`, `phase_rad` |
+//! | `gravity` | `A·sin(q − q0)`, rotary axes only | `force_N` (there `force_Nm`), `angle_rad` |
 //! | `external_vibration` | `A·sin(2πft + φ)` | `force_N`, `frequency_Hz`, `phase_rad` |
 //! | `channel_delay` | the force is recorded `τ` after the motion | `delay_s` |
 //! | `drive_compliance` | the load on a spring behind the motor with the encoder, `ω = 2πf = √(4k/M)` | `frequency_Hz` |

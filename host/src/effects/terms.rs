@@ -3,7 +3,7 @@
 use super::{Effect, MOST_TERMS};
 use preslide::effects::{
     self, ConstantForce, CoulombAsymmetry, DwellAging, EncoderError, ExternalVibration,
-    FrictionalLag, LARGEST_LEVEL, LoadDependentFriction, LocalFrictionSpot, PeriodicForce,
+    FrictionalLag, Gravity, LARGEST_LEVEL, LoadDependentFriction, LocalFrictionSpot, PeriodicForce,
     PeriodicFriction, PositionForce, PositionFriction, PositionSpring, QuadraticDrag, RunIn,
     Situation, Stribeck, ThermalDrift, WarmUp,
 };
@@ -97,6 +97,7 @@ pub(super) fn library(effect: &Effect, sample_time: f64) -> Result<Option<Term>,
             get("phase_rad"),
             u,
         )?),
+        "gravity" => term(Gravity::try_new(get("force_N"), get("angle_rad"), u)?),
         "external_vibration" => term(ExternalVibration::try_new(
             get("force_N"),
             get("frequency_Hz"),

@@ -96,6 +96,40 @@ pub(crate) fn every() -> Vec<Effect> {
     .to_vec()
 }
 
+/// The effect that only a rotary axis has.
+fn gravity() -> Effect {
+    Effect::new("gravity", &[("force_N", 3.31), ("angle_rad", 0.2)]).expect("gravity")
+}
+
+#[test]
+fn gravity_holds_an_arm_by_the_sine_of_its_angle_and_no_linear_axis() {
+    let arm = Model {
+        motion: MotionKind::Rotary,
+        ..model(vec![gravity()])
+    };
+    let position: Vec<f64> = (0..400).map(|i| f64::from(i) * 0.05 - 9.0).collect();
+    let rest = vec![0.0; position.len()];
+    let path = Path {
+        position: &position,
+        velocity: &rest,
+        pieces: std::slice::from_ref(&(0..400)),
+        sample_time: 1e-3,
+    };
+    let with = arm.resistance(path).expect("needs nothing more");
+    let without = model(vec![]).resistance(path).expect("needs nothing more");
+    for ((with, without), q) in with.iter().zip(&without).zip(&position) {
+        let error = with - without - 3.31 * (q - 0.2).sin();
+        assert!(error.abs() < 1e-5, "{error} N·m at {q} rad");
+    }
+    let text = arm.to_toml(&[]).replace("rotary", "linear");
+    let text = text
+        .replace("_Nm_s_per_rad", "_N_s_per_m")
+        .replace("inertia_kg_m2", "mass_kg")
+        .replace("_Nm", "_N");
+    let error = Model::parse(&text).expect_err("linear");
+    assert!(error.contains("constant_force"), "{error}");
+}
+
 fn model(effects: Vec<Effect>) -> Model {
     Model {
         motion: MotionKind::Linear,
@@ -111,9 +145,13 @@ fn model(effects: Vec<Effect>) -> Model {
 #[test]
 fn every_effect_is_read_back_as_it_was_written() {
     for motion in [MotionKind::Linear, MotionKind::Rotary] {
+        let mut effects = every();
+        if motion == MotionKind::Rotary {
+            effects.push(gravity());
+        }
         let model = Model {
             motion,
-            ..model(every())
+            ..model(effects)
         };
         let text = model.to_toml(&[]);
         assert_eq!(Model::parse(&text).as_ref(), Ok(&model), "{text}");
@@ -123,6 +161,7 @@ fn every_effect_is_read_back_as_it_was_written() {
                 "cosine3_Nm",
                 "period_rad",
                 "phase_rad",
+                "angle_rad",
                 "load_N",
                 "stiffness_Nm_per_rad",
                 "rate_rad_s",

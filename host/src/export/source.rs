@@ -435,6 +435,7 @@ fn shape(effect: &Effect) -> (&'static str, &'static [&'static str]) {
             "PeriodicForce",
             &["force_N", "period_m", "phase_rad", "units"],
         ),
+        "gravity" => ("Gravity", &["force_N", "angle_rad", "units"]),
         "periodic_friction" => (
             "PeriodicFriction",
             &["level", "period_m", "phase_rad", "units"],

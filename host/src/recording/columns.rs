@@ -166,7 +166,7 @@ pub(super) struct Plan {
     pub(super) kind: MotionKind,
     pub(super) role: EffortRole,
     pub(super) sources: Vec<Source>,
-    /// Columns that nothing reads.
+    /// Columns that have no role.
     pub(super) unused: Vec<usize>,
     pub(super) warnings: Vec<Warning>,
 }
@@ -209,7 +209,14 @@ pub(super) fn plan(
     listing: &str,
     map: &[(String, String)],
     needs: Needs,
+    ignore: &[String],
 ) -> Result<Plan, Problem> {
+    if let Some(name) = ignore.iter().find(|name| !columns.contains(name)) {
+        return Err(Problem::Ignore {
+            name: name.clone(),
+            listing: listing.into(),
+        });
+    }
     let mut sources: Vec<Source> = Vec::new();
     let mut taken = vec![false; columns.len()];
     for (target, expression) in map {
@@ -256,7 +263,7 @@ pub(super) fn plan(
     }
     let mut unused = Vec::new();
     for (i, name) in columns.iter().enumerate() {
-        if taken.get(i) == Some(&true) {
+        if taken.get(i) == Some(&true) || ignore.contains(name) {
             continue;
         }
         let slot_mapped = |k: &Known| sources.iter().any(|s| s.mapped && s.known.slot == k.slot);
@@ -334,24 +341,13 @@ pub(super) fn plan(
         warnings.push(Warning::new(
             "other-axis",
             format!(
-                "{} left unused: the position `{position}` is {}; give `--map` with a ratio to use it",
+                "{} not taken as the motion: the position `{position}` is {}; give `--map` with a ratio to use it so",
                 other_axis.join(", "),
                 kind.name()
             ),
         ));
     }
     unused.sort_unstable();
-    let names: Vec<&str> = unused
-        .iter()
-        .filter_map(|&i| columns.get(i))
-        .map(String::as_str)
-        .collect();
-    if !names.is_empty() {
-        warnings.push(Warning::new(
-            "unused-columns",
-            format!("not used: {}", names.join(", ")),
-        ));
-    }
     Ok(Plan {
         kind,
         role,
@@ -419,7 +415,7 @@ mod tests {
             .iter()
             .map(|(a, b)| (a.to_string(), b.to_string()))
             .collect();
-        plan(&names(list), list, &map, Needs::Both)
+        plan(&names(list), list, &map, Needs::Both, &[])
     }
 
     #[test]

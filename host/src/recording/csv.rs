@@ -5,6 +5,7 @@ use std::io::{self, BufRead, BufReader, Read};
 use super::LoadOptions;
 use super::columns;
 use super::error::Problem;
+use super::extra::Reading;
 use super::labels::Labels;
 use super::table::{Data, Place, Table};
 
@@ -48,7 +49,13 @@ pub(super) fn read(input: impl Read, options: &LoadOptions) -> Result<Table, Pro
     let mut line = 0;
     let header = header_line(&mut input, &mut line)?;
     let names = column_names(&header, line)?;
-    let plan = columns::plan(&names, &names.join(", "), &options.map, options.needs)?;
+    let plan = columns::plan(
+        &names,
+        &names.join(", "),
+        &options.map,
+        options.needs,
+        &options.ignore,
+    )?;
     let mut data: Vec<Data> = plan
         .sources
         .iter()
@@ -59,6 +66,11 @@ pub(super) fn read(input: impl Read, options: &LoadOptions) -> Result<Table, Pro
                 Data::Numbers(Vec::new())
             }
         })
+        .collect();
+    let mut extra: Vec<Reading> = plan
+        .unused
+        .iter()
+        .map(|&c| Reading::new(names.get(c).map_or("", String::as_str)))
         .collect();
     // The first value of each unused column, until it changes.
     let mut constant: Vec<(usize, Vec<u8>)> = Vec::new();
@@ -129,6 +141,14 @@ pub(super) fn read(input: impl Read, options: &LoadOptions) -> Result<Table, Pro
                 }
             }
         }
+        for (reading, &column) in extra.iter_mut().zip(&plan.unused) {
+            if reading.refused.is_none() {
+                match number(cell(&record, column)) {
+                    Ok(value) => reading.values.push(value),
+                    Err(what) => reading.refuse(format!("line {line}: {what}")),
+                }
+            }
+        }
         if samples == 0 {
             constant = plan
                 .unused
@@ -150,6 +170,7 @@ pub(super) fn read(input: impl Read, options: &LoadOptions) -> Result<Table, Pro
     Ok(Table {
         plan,
         data,
+        extra,
         place: Place::Lines(breaks),
         first_change,
     })

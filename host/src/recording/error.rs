@@ -162,6 +162,14 @@ pub enum Problem {
         /// Why not, and what would work.
         reason: String,
     },
+    /// An `--ignore` of a column that is not there.
+    #[error("--ignore {name}: there is no such column; the file has {listing}")]
+    Ignore {
+        /// The name as given.
+        name: String,
+        /// What the file has.
+        listing: String,
+    },
     /// A `--sign` other than 1 and -1.
     #[error(
         "--sign {0} is neither 1 nor -1; give `--sign -1` where the effort opposes the model's convention (positive against motion in +x)"

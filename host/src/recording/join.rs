@@ -1,6 +1,9 @@
 //! Several recordings of one machine as one.
 
-use super::Recording;
+use super::{Recording, Warning, extra};
+
+/// Code of the warning that names columns which not all recordings have.
+pub const DROPPED: &str = "columns-dropped";
 
 impl Recording {
     /// Joins recordings of one machine, in order; segments and repeats are numbered on.
@@ -32,6 +35,24 @@ impl Recording {
                 ));
             }
             let offset = whole.len();
+            let mut further = (
+                std::mem::take(&mut whole.extra),
+                std::mem::take(&mut whole.constant_extra),
+            );
+            let dropped = extra::join(
+                (&mut further, (next.extra, next.constant_extra)),
+                (offset, next.t_s.len()),
+            );
+            (whole.extra, whole.constant_extra) = further;
+            if !dropped.is_empty() {
+                whole.warnings.push(Warning::new(
+                    DROPPED,
+                    format!(
+                        "left out, as not every recording has them: {}",
+                        dropped.join(", ")
+                    ),
+                ));
+            }
             let after = |labels: &[u32]| labels.iter().max().map_or(0, |last| last + 1);
             let (segment, repeat) = (after(&whole.segment), after(&whole.repeat));
             whole.name = format!("{}, {}", whole.name, next.name);

@@ -12,6 +12,7 @@ use flate2::read::ZlibDecoder;
 use super::LoadOptions;
 use super::columns;
 use super::error::Problem;
+use super::extra::Reading;
 use super::labels::Labels;
 use super::table::{Data, Place, Table};
 
@@ -75,6 +76,7 @@ pub(super) fn read(bytes: &[u8], options: &LoadOptions) -> Result<Table, Problem
         &format!("the variables {listing}"),
         &options.map,
         options.needs,
+        &options.ignore,
     )
     .map_err(|e| {
         match e {
@@ -151,12 +153,34 @@ pub(super) fn read(bytes: &[u8], options: &LoadOptions) -> Result<Table, Problem
             Data::Numbers(values)
         });
     }
+    let extra = further(&variables, &plan.unused);
     Ok(Table {
         plan,
         data,
+        extra,
         place: Place::Elements,
         first_change: Vec::new(),
     })
+}
+
+/// The variables that have no role.
+fn further(variables: &[Variable], unused: &[usize]) -> Vec<Reading> {
+    let reading = |variable: &Variable| {
+        let mut reading = Reading::new(&variable.name);
+        match variable.vector() {
+            Some(values) if values.iter().all(|v| v.is_finite()) => {
+                reading.values = values.to_vec()
+            }
+            Some(_) => reading.refuse("holds numbers that are not finite".to_owned()),
+            None => reading.refuse("no vector of real numbers".to_owned()),
+        }
+        reading
+    };
+    unused
+        .iter()
+        .filter_map(|&i| variables.get(i))
+        .map(reading)
+        .collect()
 }
 
 fn same_length(

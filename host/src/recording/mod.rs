@@ -9,6 +9,7 @@ mod checks;
 mod columns;
 mod csv;
 mod error;
+mod extra;
 mod join;
 mod labels;
 mod mat;
@@ -25,6 +26,8 @@ use std::path::Path;
 
 use columns::Slot;
 pub use error::{Problem, RecordingError};
+pub use extra::Extra;
+pub use join::DROPPED;
 use table::{Data, Table};
 
 /// Motion along a line or about an axis.
@@ -140,6 +143,8 @@ pub struct Recording {
     pub load_n: Option<Vec<f64>>,
     /// Pressure (Pa), where recorded.
     pub pressure_pa: Option<Vec<f64>>,
+    /// Every further numeric column that varies, as written: what else the effort may follow.
+    pub extra: Vec<Extra>,
     /// Number of the part of the motion that each sample belongs to; one stroke between reversals
     /// where no column gives it.
     pub segment: Vec<u32>,
@@ -157,6 +162,8 @@ pub struct Recording {
     pub pieces: Vec<Range<usize>>,
     /// What the user should know.
     pub warnings: Vec<Warning>,
+    /// Further columns that stay at one value, by name: in a joined recording they may be part of one that varies.
+    constant_extra: Vec<(String, f64)>,
     sample_time_s: f64,
 }
 
@@ -240,6 +247,15 @@ impl Recording {
             temperature_c: some(&self.temperature_c),
             load_n: some(&self.load_n),
             pressure_pa: some(&self.pressure_pa),
+            extra: self
+                .extra
+                .iter()
+                .map(|extra| Extra {
+                    name: extra.name.clone(),
+                    values: keep(&extra.values, &inside),
+                })
+                .collect(),
+            constant_extra: self.constant_extra.clone(),
             segment: keep(&self.segment, &inside),
             repeat: keep(&self.repeat, &inside),
             pieces,
@@ -271,6 +287,8 @@ pub struct LoadOptions {
     pub map: Vec<(String, String)>,
     /// `--sign`: 1 or -1, multiplies the effort; without it an opposed sign is found and flipped.
     pub sign: Option<f64>,
+    /// `--ignore`: columns that are taken as if they were not there.
+    pub ignore: Vec<String>,
     /// Largest file that is opened (bytes); `.mat` files, which are held in memory, half of it.
     pub max_bytes: u64,
     /// Most samples that are kept: with 8 columns of 8 bytes, 640 MB.
@@ -283,6 +301,7 @@ impl Default for LoadOptions {
             needs: Needs::Both,
             map: Vec::new(),
             sign: None,
+            ignore: Vec::new(),
             max_bytes: 1 << 30,
             max_samples: 10_000_000,
         }
@@ -426,6 +445,8 @@ fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recor
     };
     let t_s = take(Slot::Time).unwrap_or_default();
     let samples = t_s.len();
+    let further = std::mem::take(&mut table.extra);
+    let (extra, constant_extra) = extra::sort(further, samples, &mut warnings);
     if samples < 2 {
         return Err(Problem::TooShort { samples, needed: 2 });
     }
@@ -503,6 +524,8 @@ fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recor
         temperature_c: take(Slot::Temperature),
         load_n: take(Slot::Load),
         pressure_pa: take(Slot::Pressure),
+        extra,
+        constant_extra,
         segment,
         repeat,
         segments_found,

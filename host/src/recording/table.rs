@@ -1,6 +1,7 @@
 //! What both file formats come to: columns of numbers, and where each sample stands in the file.
 
 use super::columns::Plan;
+use super::extra;
 use super::labels::Labels;
 
 /// The columns that a [`Plan`] asks for.
@@ -9,6 +10,8 @@ pub(super) struct Table {
     pub(super) plan: Plan,
     /// One per source of the plan, in its order.
     pub(super) data: Vec<Data>,
+    /// The columns that the plan does not use.
+    pub(super) extra: Vec<extra::Reading>,
     pub(super) place: Place,
     /// Unused columns that keep their first value for a while, and the sample where they first
     /// change: candidates for a segment where time starts again.

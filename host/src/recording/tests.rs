@@ -155,7 +155,7 @@ fn emps_has_four_cycles_of_two_strokes() {
     assert_eq!((r.segment.last(), r.repeat.last()), (Some(&7), Some(&3)));
     assert!(r.repeats_found && r.segments_found && r.reference.is_some());
     let codes: Vec<_> = r.warnings.iter().map(|w| w.code).collect();
-    assert_eq!(codes, ["unused-columns"], "voltage_cmd_V alone");
+    assert_eq!(codes, ["extra-columns"], "voltage_cmd_V alone");
 }
 
 #[test]

@@ -1,5 +1,5 @@
 // Written by `preslide export`; do not edit, export again. As a module: `#[rustfmt::skip] mod …;`.
-// Model rotary.toml, SHA-256 989c618c1aabc1f71373361c6afdbb1977d0fb1f07678b4e062e3e8db7519d30.
+// Model rotary.toml, SHA-256 ae71481be791d12f0b6185c433eaf16b49d0b529a63b22f43df468ae3ea9aa78.
 
 /// `stiffness_Nm_per_rad` of `lugre`.
 pub const LUGRE_STIFFNESS_NM_PER_RAD: f64 = 100.0;
@@ -21,10 +21,15 @@ pub const PERIODIC_FORCE_FORCE_NM: f64 = 0.005;
 pub const PERIODIC_FORCE_PERIOD_RAD: f64 = 0.8975979010256552;
 /// `phase_rad` of `periodic_force`.
 pub const PERIODIC_FORCE_PHASE_RAD: f64 = 0.4;
+/// `force_Nm` of `gravity`.
+pub const GRAVITY_FORCE_NM: f64 = 0.03;
+/// `angle_rad` of `gravity`.
+pub const GRAVITY_ANGLE_RAD: f64 = 0.2;
 
 /// The effects beside the friction model.
 pub type Effects<S = f32> = (
     ::preslide::effects::PeriodicForce<S>,
+    ::preslide::effects::Gravity<S>,
 );
 
 /// The friction model with its effects.
@@ -41,6 +46,7 @@ pub fn model<S: ::preslide::Scalar>(
     let friction = ::preslide::LuGre::try_new(LUGRE_STIFFNESS_NM_PER_RAD, LUGRE_DAMPING_NM_S_PER_RAD, LUGRE_BREAKAWAY_NM, ::preslide::Sliding { coulomb: LUGRE_COULOMB_NM, stribeck_velocity: LUGRE_STRIBECK_VELOCITY_RAD_S, stribeck_exponent: LUGRE_STRIBECK_EXPONENT, attraction: LUGRE_ATTRACTION_NM_PER_S }, units)?;
     let effects = (
         ::preslide::effects::PeriodicForce::try_new(PERIODIC_FORCE_FORCE_NM, PERIODIC_FORCE_PERIOD_RAD, PERIODIC_FORCE_PHASE_RAD, units)?,
+        ::preslide::effects::Gravity::try_new(GRAVITY_FORCE_NM, GRAVITY_ANGLE_RAD, units)?,
     );
     ::preslide::effects::With::try_new(friction, effects)
 }

@@ -1,0 +1,188 @@
+//! Numeric columns beyond those that a recording needs: what else the effort may follow.
+
+use super::Warning;
+
+/// A further column of the file, as it is written there: no unit is changed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Extra {
+    /// The column's name as written, its unit suffix included.
+    pub name: String,
+    /// One value for every sample of the recording, finite and not all the same.
+    pub values: Vec<f64>,
+}
+
+/// A further column while the file is read.
+#[derive(Debug)]
+pub(super) struct Reading {
+    pub(super) name: String,
+    pub(super) values: Vec<f64>,
+    /// The first thing in it that is no number, with its place.
+    pub(super) refused: Option<String>,
+}
+
+impl Reading {
+    pub(super) fn new(name: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            values: Vec::new(),
+            refused: None,
+        }
+    }
+
+    /// Ends the reading of a column that holds something else than numbers.
+    pub(super) fn refuse(&mut self, why: String) {
+        self.values = Vec::new();
+        self.refused = Some(why);
+    }
+}
+
+/// What became of the further columns: those that vary, and those that stay at one value.
+pub(super) type Sorted = (Vec<Extra>, Vec<(String, f64)>);
+
+/// Keeps the columns of `samples` finite numbers; says in one line which are kept and which are not.
+pub(super) fn sort(readings: Vec<Reading>, samples: usize, warnings: &mut Vec<Warning>) -> Sorted {
+    let (mut extra, mut constant) = (Vec::new(), Vec::new());
+    let mut left = Vec::new();
+    for Reading {
+        name,
+        values,
+        refused,
+    } in readings
+    {
+        match (refused, values.first()) {
+            (Some(why), _) => left.push(format!("{name} ({why})")),
+            (None, Some(&first)) if values.len() == samples => {
+                if values.iter().all(|&v| v == first) {
+                    left.push(format!("{name} (always {first})"));
+                    constant.push((name, first));
+                } else {
+                    extra.push(Extra { name, values });
+                }
+            }
+            _ => left.push(format!("{name} (not one number for every sample)")),
+        }
+    }
+    if !extra.is_empty() {
+        let names: Vec<&str> = extra.iter().map(|e| e.name.as_str()).collect();
+        warnings.push(Warning::new(
+            "extra-columns",
+            format!(
+                "kept for what the effort may follow: {}; --ignore NAME leaves one out",
+                names.join(", ")
+            ),
+        ));
+    }
+    if !left.is_empty() {
+        warnings.push(Warning::new(
+            "unused-columns",
+            format!("not used: {}", left.join(", ")),
+        ));
+    }
+    (extra, constant)
+}
+
+/// Joins the further columns of two recordings of `samples.0` and `samples.1` samples: those that both have. One that is constant in
+/// a recording is a column there too. Returns the names that only one of them has.
+pub(super) fn join((first, second): (&mut Sorted, Sorted), samples: (usize, usize)) -> Vec<String> {
+    let of = |sorted: &Sorted, name: &str, samples: usize| {
+        let varying = sorted.0.iter().find(|e| e.name == name);
+        let constant = || sorted.1.iter().find(|c| c.0 == name);
+        varying
+            .map(|e| e.values.clone())
+            .or_else(|| constant().map(|c| vec![c.1; samples]))
+    };
+    let names = |sorted: &Sorted| -> Vec<String> {
+        let varying = sorted.0.iter().map(|e| e.name.clone());
+        varying
+            .chain(sorted.1.iter().map(|c| c.0.clone()))
+            .collect()
+    };
+    let (mut own, mut other) = (names(first), names(&second));
+    let mut joined = (Vec::new(), Vec::new());
+    let mut dropped = Vec::new();
+    for name in own.drain(..) {
+        let same = |c: &&(String, f64)| c.0 == name;
+        if let (Some(a), Some(b)) = (first.1.iter().find(same), second.1.iter().find(same))
+            && a.1 == b.1
+        {
+            joined.1.push(a.clone());
+            continue;
+        }
+        match (of(first, &name, samples.0), of(&second, &name, samples.1)) {
+            (Some(mut values), Some(more)) => {
+                values.extend(more);
+                joined.0.push(Extra { name, values });
+            }
+            _ => dropped.push(name),
+        }
+    }
+    other.retain(|name| of(first, name, samples.0).is_none());
+    dropped.extend(other);
+    *first = joined;
+    dropped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{DROPPED, LoadOptions, Recording, load_csv};
+
+    fn load(text: &str, ignore: &[&str]) -> Recording {
+        let options = LoadOptions {
+            ignore: ignore.iter().map(|&i| i.to_owned()).collect(),
+            ..LoadOptions::default()
+        };
+        load_csv(text.as_bytes(), "extra.csv", &options).unwrap_or_else(|e| panic!("{e}"))
+    }
+    fn names(recording: &Recording) -> Vec<&str> {
+        recording.extra.iter().map(|e| e.name.as_str()).collect()
+    }
+    const FILE: &str = "t_s,x_m,force_N,joint5_q_rad,mode,note,vin_V\n\
+        0,0,1,0.5,2,a,7\n1,1,1,0.7,2,b,7\n2,0,1,0.9,2,c,8\n";
+
+    #[test]
+    fn further_numbers_are_kept_as_written_and_the_rest_is_said() {
+        let all = load(FILE, &[]);
+        assert_eq!(names(&all), ["joint5_q_rad", "vin_V"]);
+        assert_eq!(all.extra[0].values, [0.5, 0.7, 0.9]);
+        let said = |code: &str| {
+            let mut of = all.warnings.iter().filter(|w| w.code == code);
+            of.next().map_or("", |w| w.message.as_str())
+        };
+        assert!(said("extra-columns").contains("joint5_q_rad, vin_V"));
+        for part in ["mode (always 2)", "note (line 2: `a` is not a number)"] {
+            assert!(said("unused-columns").contains(part), "{all:?}");
+        }
+        assert_eq!(names(&load(FILE, &["vin_V"])), ["joint5_q_rad"]);
+        let window = all.slice_time(0.5, 3.0).expect("two samples");
+        assert_eq!(window.extra[1].values, [7.0, 8.0]);
+    }
+
+    #[test]
+    fn a_name_to_ignore_that_is_not_there_is_refused() {
+        let options = LoadOptions {
+            ignore: vec!["vin".into()],
+            ..LoadOptions::default()
+        };
+        let error = load_csv(FILE.as_bytes(), "extra.csv", &options).expect_err("no vin");
+        assert!(error.to_string().contains("vin_V"), "{error}");
+    }
+
+    #[test]
+    fn joined_recordings_keep_what_all_have_and_a_constant_in_one_is_a_column_there() {
+        let second = "t_s,x_m,force_N,joint5_q_rad,mode,vin_V\n\
+            0,0,1,0.5,3,7\n1,1,1,0.5,3,7\n2,0,1,0.5,3,7\n";
+        let whole = Recording::join(vec![load(FILE, &[]), load(second, &[])]).expect("joined");
+        assert_eq!(names(&whole), ["joint5_q_rad", "vin_V", "mode"]);
+        assert_eq!(whole.extra[0].values, [0.5, 0.7, 0.9, 0.5, 0.5, 0.5]);
+        assert_eq!(whole.extra[2].values, [2.0, 2.0, 2.0, 3.0, 3.0, 3.0]);
+        let without = load("t_s,x_m,force_N\n0,0,1\n1,1,1\n2,0,1\n", &[]);
+        let whole = Recording::join(vec![load(FILE, &[]), without]).expect("joined");
+        assert!(whole.extra.is_empty());
+        let dropped = whole.warnings.iter().find(|w| w.code == DROPPED);
+        assert!(
+            dropped.is_some_and(|w| w.message.contains("vin_V")),
+            "{:?}",
+            whole.warnings
+        );
+    }
+}
