@@ -1,8 +1,7 @@
 //! The page of `preslide demo`: what was recorded, how many blocks and why, what was missing, how much better it tracks.
 
 use crate::chain::{Followed, Trial};
-use crate::diagnose::study::Study;
-use crate::diagnose::{Diagnosis, catalogue};
+use crate::diagnose::Diagnosis;
 use crate::identify::Identification;
 use crate::recording::Recording;
 use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Table};
@@ -15,8 +14,6 @@ pub struct Story<'a> {
     pub recording: &'a Recording,
     /// Rigid body and friction.
     pub found: &'a Identification,
-    /// The fits behind the diagnosis.
-    pub study: &'a Study,
     /// What the model left out.
     pub diagnosis: &'a Diagnosis,
     /// The judged motion without a model, with the identified one, with what the diagnosis added, and with the truth.
@@ -25,12 +22,10 @@ pub struct Story<'a> {
 
 impl Story<'_> {
     fn names(&self) -> String {
-        let confident = self.diagnosis.effects.iter().filter(|e| e.confident);
-        let names: Vec<String> = confident
-            .map(|e| {
-                let words = catalogue::entry(e.id).map_or("", |entry| entry.words);
-                format!("{} ({words}; confidence {:.2})", e.id, e.confidence)
-            })
+        let names: Vec<String> = self
+            .diagnosis
+            .confident()
+            .map(|e| format!("{} ({}; confidence {:.2})", e.id(), e.name.words(), e.confidence))
             .collect();
         if names.is_empty() {
             "nothing that is certain".to_owned()
@@ -94,26 +89,15 @@ impl Story<'_> {
     pub fn page(&self, command: String) -> Page {
         let recording = self.recording;
         let identified = self.found.page(recording, String::new()).sections;
-        let diagnosed = self.diagnosis.page(self.study, recording, String::new());
+        let diagnosed = self.diagnosis.page(recording, String::new());
         let mut sections = vec![self.recorded()];
         sections.extend(identified.into_iter().next().map(|section| Section {
             heading: "How many blocks, and why".to_owned(),
             paragraphs: [vec![self.found.recommendation.clone()], section.paragraphs].concat(),
             ..section
         }));
-        let mut diagnosed = diagnosed.sections.into_iter();
-        let missing = diagnosed.next().unwrap_or_default();
-        // Of the maps of the mismatch the one by the coordinate that organises it.
-        let telling = self.diagnosis.organised.first();
-        let map = telling.and_then(|signature| {
-            let title = format!("Mismatch against {}", signature.axis.name());
-            let maps = diagnosed.next()?.figures;
-            maps.into_iter().find(|figure| figure.title == title)
-        });
-        sections.push(Section {
-            figures: map.into_iter().chain(missing.figures.clone()).collect(),
-            ..missing
-        });
+        // Where model and recording differ, and what is missing.
+        sections.extend(diagnosed.sections.into_iter().take(2));
         sections.push(self.tracked());
         Page {
             title: "Preslide, once around: recorded, identified, diagnosed, compensated".to_owned(),

@@ -132,8 +132,8 @@ pub fn rehearse(trial: &Trial) -> anyhow::Result<Row> {
     let progress = Progress::new("identify", STEPS);
     let found = identify(&recording, &Options::default(), &progress).map_err(anyhow::Error::msg)?;
     let before = &found.best().model;
-    let (study, diagnosis) = diagnose(&recording, Some(before), &progress)?;
-    let (after, _) = diagnosis.extended_model(&study, &recording, Some(before));
+    let diagnosis = diagnose(&recording, Some(before), &progress)?;
+    let (after, _) = diagnosis.extended_model(&recording, Some(before));
     let mut refit = after.clone();
     refit.effects.clear();
     let known = known(trial).map_err(anyhow::Error::msg)?;

@@ -62,12 +62,12 @@ impl Demo {
         say!("\n3. What is missing: preslide diagnose, from that recording and that model alone\n");
         let before = &found.best().model;
         let progress = Progress::new("diagnose, steps of the search", 0);
-        let (study, diagnosis) = diagnose(&recording, Some(before), &progress)?;
+        let diagnosis = diagnose(&recording, Some(before), &progress)?;
         progress.finish();
         say!("{}\n", diagnosis.verdict_words(&recording));
         say!("{}", diagnosis.table(&recording).to_text());
         say!("{}", diagnosis.recommendation());
-        let (mut after, _) = diagnosis.extended_model(&study, &recording, Some(before));
+        let (mut after, _) = diagnosis.extended_model(&recording, Some(before));
         let useless: Vec<&str> = refused(&after).iter().map(|(id, _)| *id).collect();
         after.effects.retain(|effect| !useless.contains(&effect.id));
         let extended = after.to_toml(&[format!("diagnosed from {}", recording.name)]);
@@ -83,7 +83,6 @@ impl Demo {
             trial,
             recording: &recording,
             found: &found,
-            study: &study,
             diagnosis: &diagnosis,
             followed: [
                 run(None)?,

@@ -2,7 +2,8 @@
 
 use super::{Failure, OutputArgs, RecordingArgs, command_line, write_text};
 use clap::Args;
-use preslide_host::diagnose::{Refusal, catalogue, diagnose, experiment};
+use preslide_host::diagnose::verdict::Verdict;
+use preslide_host::diagnose::{Refusal, diagnose, effect, experiment};
 use preslide_host::model::Model;
 use preslide_host::progress::Progress;
 use std::path::PathBuf;
@@ -32,15 +33,10 @@ pub struct Diagnose {
 }
 
 fn not_tested() -> String {
-    let tested: Vec<&str> = catalogue::TESTED.iter().map(|e| e.id).collect();
-    let not: Vec<String> = catalogue::NOT_TESTED
-        .iter()
-        .map(|(id, why)| format!("{id} ({why})"))
-        .collect();
+    let tested: Vec<&str> = effect::ALL.iter().map(|e| e.id()).collect();
     format!(
-        "Example: preslide diagnose recording.csv --model model.toml -o extended.toml --report diagnosis.html\n\nTested: {}.\n\nNot tested: {}.",
-        tested.join(", "),
-        not.join("; ")
+        "Example: preslide diagnose recording.csv --model model.toml -o extended.toml --report diagnosis.html\n\nTested: {}, presliding_shape.\n\nNot tested: lead_error (a second measurement of position).",
+        tested.join(", ")
     )
 }
 
@@ -51,7 +47,7 @@ impl Diagnose {
         let model = self.model.as_deref().map(Model::load).transpose()?;
         let recording = self.recordings.load()?;
         let progress = Progress::new("diagnose, steps of the search", 0);
-        let (study, found) = match diagnose(&recording, model.as_ref(), &progress) {
+        let found = match diagnose(&recording, model.as_ref(), &progress) {
             Ok(found) => found,
             Err(Refusal::Data(message)) => {
                 let answer = serde_json::json!({
@@ -73,7 +69,7 @@ impl Diagnose {
         }
         say!("{}", found.recommendation());
         if let Some(path) = &self.output {
-            let (extended, refused) = found.extended_model(&study, &recording, model.as_ref());
+            let (extended, refused) = found.extended_model(&recording, model.as_ref());
             for reason in refused {
                 say!("Not in {}: {reason}.", path.display());
             }
@@ -86,13 +82,17 @@ impl Diagnose {
             )?;
         }
         if let Some(path) = &self.experiment {
-            let (motion, words) = experiment::profile(&study, &recording, &found);
+            let (motion, words) = experiment::profile(&recording, &found);
             write_text(path, &motion)?;
             say!("{}: {words}.", path.display());
         }
         let seconds = start.elapsed().as_secs_f64();
         self.outputs.write(&found.to_json(&recording, seconds), || {
-            found.page(&study, &recording, command_line())
-        })
+            found.page(&recording, command_line())
+        })?;
+        if found.verdict == Verdict::InsufficientData {
+            return Err(Failure::Data(found.verdict_words(&recording)));
+        }
+        Ok(())
     }
 }

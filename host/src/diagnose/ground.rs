@@ -149,6 +149,24 @@ impl Ground {
         self.fit_columns(terms, own, &[])
     }
 
+    /// A noise model that weights all rows alike.
+    pub fn unweighted(&self) -> Noise {
+        let places = Places::of(&self.rows, &Baseline::default());
+        Noise::white(&self.rows.force, &course(&self.rows, &places))
+    }
+
+    /// Fits core and terms, all rows alike.
+    pub fn fit_unweighted(&self, terms: &[Term]) -> Option<Hypothesis> {
+        let ground = Self {
+            rows: self.rows.clone(),
+            core: self.core.clone(),
+            baseline: self.baseline.clone(),
+            noise: self.unweighted(),
+            cache: Mutex::default(),
+        };
+        ground.fit(terms)
+    }
+
     /// Fits core, terms and further free columns behind them.
     pub fn fit_beside(&self, terms: &[Term], more: &[Vec<f64>]) -> Option<Normal> {
         let own: Vec<Arc<Vec<Vec<f64>>>> = terms.par_iter().map(|t| self.columns(t)).collect();

@@ -39,7 +39,8 @@ impl Shape {
         own - core > TOLERATED && own > WORSE * core
     }
 
-    /// Judges the friction of the user's model beside the terms of a hypothesis; `None` where the library refuses a parameter.
+    /// Judges the friction of the user's model beside the terms of a hypothesis, by least squares: a wrong shape misleads a fit that
+    /// trusts its noise model. `None` where the library refuses a parameter.
     pub fn of(ground: &Ground, hypothesis: &Hypothesis, friction: &FrictionModel) -> Option<Self> {
         let rows = &ground.rows;
         let own = own_friction(ground, friction)?;
@@ -50,20 +51,15 @@ impl Shape {
         columns.extend(core[..inertia].iter().map(Vec::as_slice));
         columns.extend(terms.iter().flat_map(|c| c.iter()).map(Vec::as_slice));
         let bounds = vec![Bound::Free; columns.len()];
-        let fit = Normal::new(&ground.noise, &rows.weak.folds, &columns, &bounds, &rows.force)?;
+        let white = ground.unweighted();
+        let fit = Normal::new(&white, &rows.weak.folds, &columns, &bounds, &rows.force)?;
         let residual = held_out(&fit, &columns, rows);
-        let with_core = hypothesis.held_out_residual(rows);
+        let with_core = ground.fit_unweighted(&hypothesis.terms)?.held_out_residual(rows);
         let force: Vec<f64> = residual.iter().zip(&with_core).map(|(a, b)| a - b).collect();
-        let whitened: Vec<f64> = fit
-            .held_out
-            .iter()
-            .zip(&hypothesis.normal.held_out)
-            .map(|(a, b)| a - b)
-            .collect();
         let nmse = |r: &[f64]| 100.0 * r.iter().map(|r| r * r).sum::<f64>() / rows.variation();
         Some(Self {
             nmse: [nmse(&residual), nmse(&with_core)],
-            evidence: evidence(&whitened, &fit.held_out, &rows.blocks),
+            evidence: evidence(&force, &residual, &rows.blocks),
             force,
         })
     }

@@ -3,6 +3,7 @@
 use super::effect::{self, Class};
 use super::ground::{Ground, Hypothesis};
 use super::offer::{Offer, offer_of, offers, refined};
+use super::polish::polished;
 use super::term::{Subject, Term};
 use crate::progress::Progress;
 
@@ -60,8 +61,8 @@ pub fn search(mut ground: Ground, given: &[Term], periods: &[f64], progress: &Pr
         let full = hypothesis.terms.len() >= first.len() + MOST;
         let Some(next) = pick(&list, families).filter(|_| !full) else {
             return Some(Found {
+                hypothesis: polished(&ground, hypothesis, first.len()),
                 ground,
-                hypothesis,
                 rest: list,
                 families,
             });

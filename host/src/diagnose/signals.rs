@@ -88,7 +88,11 @@ impl Signals {
             dwell: vec![0.0; n],
             temperature: recording.temperature_c.clone(),
             load: recording.load_n.clone(),
-            extra: Vec::new(),
+            extra: recording
+                .extra
+                .iter()
+                .map(|e| (e.name.clone(), e.values.clone()))
+                .collect(),
             rotary: recording.kind == MotionKind::Rotary,
             pieces: recording.pieces.clone(),
             fold: vec![0; n],

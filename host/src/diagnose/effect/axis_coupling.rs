@@ -4,7 +4,7 @@
 use super::readout::known;
 use super::{Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
-use crate::diagnose::signals::{Signals, bounds, mean};
+use crate::diagnose::signals::{bounds, mean};
 use crate::diagnose::weak::Column;
 use crate::identify::estimate::Estimate;
 use crate::model::Model;
@@ -44,10 +44,6 @@ impl Effect for AxisCoupling {
 
     fn recurs(&self) -> bool {
         true
-    }
-
-    fn lacks(&self, s: &Signals) -> Option<&'static str> {
-        s.extra.is_empty().then_some("the motion of other axes")
     }
 
     fn shape(&self) -> &'static [(&'static str, Scale)] {

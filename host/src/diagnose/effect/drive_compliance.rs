@@ -100,12 +100,6 @@ impl Effect for DriveCompliance {
         values
     }
 
-    fn in_model(&self, model: &Model) -> Vec<Vec<f64>> {
-        // The model file's drive has as much inertia on both sides.
-        let own = model.effects.iter().filter(|e| e.id == self.id());
-        own.map(|_| vec![MOTOR_SHARE]).collect()
-    }
-
     fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
         let frequency: Vec<_> = values
             .iter()

@@ -1,8 +1,7 @@
-//! `A·sin(q − q0)` about a rotary axis. A model file has it as a force of one period a turn.
+//! `A·sin(q − q0)` about a rotary axis.
 
-use super::periodic_force::PeriodicForce;
 use super::position_spring::PositionSpring;
-use super::readout::{enter, known, value_of};
+use super::readout::enter;
 use super::wave::amplitude_and_phase;
 use super::{Class, Effect, Fitted, Part, Scene};
 use crate::diagnose::axis::Axis;
@@ -10,10 +9,9 @@ use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
 use crate::identify::estimate::Estimate;
 use crate::model::Model;
-use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Key of the amplitude, `amplitude_Nm` on the rotary axes that it is for.
-const AMPLITUDE: &str = "amplitude_N";
+/// Key of the amplitude, `torque_Nm` on the rotary axes that it is for.
+const AMPLITUDE: &str = "force_N";
 /// Key of the angle at which its force is zero and rising.
 const ANGLE: &str = "angle_rad";
 
@@ -76,12 +74,7 @@ impl Effect for Gravity {
     }
 
     fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
-        let wave = [
-            known("force_N", value_of(values, AMPLITUDE)),
-            known("period_m", TAU),
-            known("phase_rad", -value_of(values, ANGLE) - FRAC_PI_2),
-        ];
-        enter(PeriodicForce.id(), &wave, &[], model)
+        enter(self.id(), values, &[], model)
     }
 }
 

@@ -76,11 +76,6 @@ impl Effect for PositionForce {
         values
     }
 
-    fn in_model(&self, model: &Model) -> Vec<Vec<f64>> {
-        let own = model.effects.iter().filter(|e| e.id == self.id());
-        own.map(|e| vec![e.cosines().len() as f64]).collect()
-    }
-
     fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
         enter(self.id(), values, &[MEAN], model)?;
         model.constant_force += value_of(values, MEAN);

@@ -67,11 +67,6 @@ impl Effect for PositionFriction {
         map(fitted, fitted.coefficients.len(), "")
     }
 
-    fn in_model(&self, model: &Model) -> Vec<Vec<f64>> {
-        let own = model.effects.iter().filter(|e| e.id == self.id());
-        own.map(|e| vec![e.cosines().len() as f64]).collect()
-    }
-
     fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
         enter(self.id(), values, &[], model)
     }

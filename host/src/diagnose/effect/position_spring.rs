@@ -93,13 +93,6 @@ impl Effect for PositionSpring {
         ]
     }
 
-    fn in_model(&self, model: &Model) -> Vec<Vec<f64>> {
-        // Its centre is free where no constant force stands for it.
-        let shape = if model.constant_force == 0.0 { vec![1.0] } else { Vec::new() };
-        let own = model.effects.iter().filter(|e| e.id == self.id());
-        own.map(|_| shape.clone()).collect()
-    }
-
     fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
         enter(self.id(), values, &[], model)
     }

@@ -106,9 +106,7 @@ impl Effect for Stribeck {
 
     fn in_model(&self, model: &Model) -> Vec<Vec<f64>> {
         let listed = model.effects.iter().filter(|e| e.id == self.id());
-        let mut shapes: Vec<Vec<f64>> = listed
-            .map(|e| vec![e.get("velocity_m_s"), e.get("exponent"), 0.0])
-            .collect();
+        let mut shapes: Vec<Vec<f64>> = listed.map(|e| self.shape_in(e, model)).collect();
         if let FrictionModel::Gms {
             sliding: Some(sliding),
             ..

@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 /// Sample time of the motion (s).
 const STEP_S: f64 = 2e-3;
 /// Ids that a model file keeps elsewhere, or not at all.
-const NOT_IN_FILES: [&str; 3] = ["viscous", "gravity", "axis_coupling"];
+const NOT_IN_FILES: [&str; 2] = ["viscous", "axis_coupling"];
 
 /// Strokes of several lengths and speeds with rests, `side` = −1 mirrored.
 fn motion(kind: MotionKind, side: f64) -> Recording {

@@ -87,18 +87,6 @@ impl Effect for ThermalDrift {
         }
     }
 
-    fn in_model(&self, model: &Model) -> Vec<Vec<f64>> {
-        let own = model.effects.iter().filter(|e| e.id == self.id());
-        own.map(|e| {
-            if e.has("level_per_K") {
-                Vec::new()
-            } else {
-                vec![e.get("time_constant_s")]
-            }
-        })
-        .collect()
-    }
-
     fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
         enter(self.id(), values, &[], model)
     }
