@@ -47,6 +47,17 @@ impl Axis {
         own.into_iter().chain(further).collect()
     }
 
+    /// Whether what follows one of the two coordinates looks alike over the other.
+    pub fn is_akin(self, other: Axis) -> bool {
+        let family = |axis| match axis {
+            Axis::Velocity | Axis::Speed | Axis::Acceleration => 0,
+            Axis::Time | Axis::Path | Axis::Temperature => 1,
+            Axis::Position => 2,
+            _ => 3,
+        };
+        self == other || family(self) == family(other)
+    }
+
     /// Its name in JSON and tables.
     pub fn name(self, s: &Signals) -> String {
         let column = |i: usize| s.extra.get(i).map_or("further column", |e| &e.0);

@@ -12,6 +12,8 @@ pub const FEATURES: [&str; 4] = ["share", "z", "margin", "survival"];
 /// Placeholder until `cargo xtask calibrate` has written them: see `calibration.rs`.
 const WEIGHTS: [f64; 5] = [1.5, 0.8, 0.25, 1.0, 1.5];
 
+/// Factor of the probability of a name whose size changes over a foreign coordinate.
+const MALFORMED: f64 = 0.4;
 /// Standard deviations beyond which more say nothing more.
 const SATURATED: f64 = 10.0;
 
@@ -30,7 +32,9 @@ pub fn features(standing: &Standing) -> [f64; 4] {
 /// Probability that the effect is there and so named.
 pub fn confidence(standing: &Standing) -> f64 {
     let sum: f64 = features(standing).iter().zip(&WEIGHTS[1..]).map(|(f, w)| f * w).sum();
-    1.0 / (1.0 + (-(WEIGHTS[0] + sum)).exp())
+    let probability = 1.0 / (1.0 + (-(WEIGHTS[0] + sum)).exp());
+    // What changes its size where the catalogue's effect does not is something else.
+    if standing.form.is_some() { MALFORMED * probability } else { probability }
 }
 
 /// The same for the user's hysteresis, from the held-out NMSE (%) with it and with the core.

@@ -3,9 +3,11 @@
 //! A rival counts against a name only if it is not clearly worse and makes the name needless (*encompasses* it, Mizon and
 //! Richard 1986): otherwise every second effect of a machine would be a rival of the first.
 
+use super::axis::Axis;
 use super::change::Change;
+use super::curve::hats;
 use super::effect::Effect;
-use super::evidence::Evidence;
+use super::evidence::{Evidence, evidence};
 use super::ground::{Ground, Hypothesis};
 use super::offer::{Offer, offer_of, offers, refined};
 use super::search::{Found, MATERIAL};
@@ -17,6 +19,10 @@ const NEAR: f64 = 0.6;
 const RIVALS: usize = 6;
 /// Share of its explanation that a term keeps beside a rival that makes it needless.
 const NEEDLESS: f64 = 0.3;
+/// Share of its explanation that a change of its size over a foreign coordinate must add to tell against a name.
+const CHANGES: f64 = 0.25;
+/// Standard deviations of such a change: as many as a candidate needs to enter.
+const MODULATED: f64 = 3.0;
 /// Standard deviations by which a rival is clearly worse.
 const WORSE: f64 = 2.0;
 
@@ -39,6 +45,8 @@ pub struct Standing {
     pub margin: f64,
     /// Least share of its explanation that it keeps beside a change of the core.
     pub survival: f64,
+    /// The coordinate over which its size changes though the catalogue's does not, and what that change explains over its own.
+    pub form: Option<(Axis, f64)>,
     /// What else was tried in its place, with its explanation over the term's own.
     pub tried: Vec<(String, f64)>,
 }
@@ -72,6 +80,7 @@ fn standing(found: &Found, index: usize, periods: &[f64]) -> Option<Standing> {
         nameless: 0.0,
         margin: f64::INFINITY,
         survival: survival(ground, &rest, &term, &own),
+        form: form(found, index, &own),
         tried: Vec::new(),
         term,
     };
@@ -138,6 +147,31 @@ fn margin(ground: &Ground, rest: &Hypothesis, own: &Offer, rival: &Offer) -> f64
     let sum: f64 = differences.iter().sum();
     let square: f64 = differences.iter().map(|d| (d - sum / n).powi(2)).sum();
     sum / (square * n / (n - 1.0)).sqrt().max(1e-300)
+}
+
+/// The coordinate over which the size of a term changes most, and what the change explains over the term's own. A viscous force that acts
+/// at one place looks like a friction spot until one asks whether it grows with speed.
+fn form(found: &Found, index: usize, own: &Offer) -> Option<(Axis, f64)> {
+    let (ground, hypothesis) = (&found.ground, &found.hypothesis);
+    let effect = hypothesis.terms[index].effect()?;
+    let force = hypothesis.force_of(index);
+    let rows = &ground.rows;
+    let changes = |axis: Axis| {
+        let values = rows.weak.at_centres(&axis.values(&rows.s)?);
+        let columns: Vec<Vec<f64>> = hats(&values)
+            .into_iter()
+            .map(|hat| hat.iter().zip(&force).map(|(h, f)| h * f).collect())
+            .collect();
+        let trial = hypothesis.normal.trial(&[&columns], |_, _| true)?;
+        let found = evidence(&trial.force, &hypothesis.normal.held_out, &rows.blocks);
+        let ratio = found.share / own.evidence.share.max(1e-300);
+        (found.z >= MODULATED && found.share >= MATERIAL && ratio >= CHANGES).then_some((axis, ratio))
+    };
+    [Axis::Speed, Axis::Time, Axis::Position]
+        .into_iter()
+        .filter(|axis| !axis.is_akin(effect.axis()))
+        .filter_map(changes)
+        .max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// The least share of its explanation that a term keeps beside a change of the core.

@@ -259,7 +259,7 @@ fn named(found: &Found, standing: &Standing, mechanics: &[(String, f64)]) -> Opt
     Some(Named {
         name: Name::Entry(effect),
         term: Some(standing.term.clone()),
-        confident: confidence >= LIKELY && standing.evidence.share >= NAMED,
+        confident: confidence >= LIKELY && standing.evidence.share >= NAMED && standing.form.is_none(),
         confidence,
         evidence: standing.evidence,
         standing: Some(standing.clone()),
@@ -358,7 +358,7 @@ fn unknown(found: &Found, standings: &[Standing], effects: &[Named]) -> Option<U
     let (axis, odd, change) = match standing.term.subject {
         Subject::Curve(curve) => (curve.axis, curve.odd, None),
         Subject::Change(change) => (change.axis(), true, Some(change)),
-        Subject::Effect(effect) => (effect.axis(), false, None),
+        Subject::Effect(effect) => (standing.form.map_or(effect.axis(), |f| f.0), false, None),
     };
     let force = found.hypothesis.force_of(standing.index);
     let mean = force.iter().sum::<f64>() / force.len().max(1) as f64;
