@@ -2,6 +2,7 @@
 //! and the trials that the diagnosis is judged by.
 
 pub mod deviation;
+pub mod judge;
 pub mod path;
 pub mod reference;
 pub mod table3;

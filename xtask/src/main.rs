@@ -5,6 +5,7 @@ mod browser;
 mod call_graph;
 mod chain;
 mod cycles;
+mod judge;
 mod process;
 mod qemu;
 mod test;
@@ -55,6 +56,11 @@ const COMMANDS: &[Command] = &[
         name: "trials",
         help: "the diagnosis on recordings with a concealed effect, judged: tables; --help lists the options",
         run: trials::run_command,
+    },
+    Command {
+        name: "properties",
+        help: "recordings changed in ways that change nothing about the machine: does the diagnosis say the same?",
+        run: judge::properties,
     },
 ];
 

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use super::scenario::Scenario;
 use super::{ENCODER_PERIOD_M, Trial};
+use crate::judge::table::{Recording, Table};
 
 /// Names of the three files in a trial's folder.
 pub const RECORDING: &str = "recording.csv";
@@ -47,6 +48,17 @@ impl Trial {
             writeln!(out)?;
         }
         out.flush()
+    }
+
+    /// What the tool is given, for a judge that does not need files.
+    pub fn given(&self, name: impl Into<String>) -> Recording {
+        let mut text = Vec::new();
+        let table = self
+            .write_csv(&mut text)
+            .map_err(|e| e.to_string())
+            .and_then(|()| Table::parse(&String::from_utf8_lossy(&text)));
+        let table = table.unwrap_or_else(|e| panic!("a trial that is no table: {e}"));
+        Recording::new(name, table, Some(self.model_toml.clone()))
     }
 
     /// The truth, and what can be achieved, as TOML.

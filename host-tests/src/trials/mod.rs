@@ -176,11 +176,34 @@ pub fn trial(seed: u64, kind: Kind) -> Trial {
     }
 }
 
+/// A clean stage whose friction is that of its model file, block by block, and repeats perfectly; only the reading of the force
+/// has noise. Its mass and friction are the file's: the answer is `consistent`.
+pub fn repeatable(seed: u64) -> Trial {
+    let mut scenario = Scenario::new(seed, Kind::Clean, &[]);
+    scenario.hysteresis = law::Hysteresis::of_blocks(&scenario.model_blocks);
+    scenario.model_mass = scenario.mass;
+    scenario.noise.interpolation = 0.0;
+    let marching = Marching {
+        noise: false,
+        ..Marching::default()
+    };
+    let (scenario, recording, achievable) = record(scenario, marching);
+    Trial {
+        label: label(&scenario, Kind::Clean),
+        model_toml: files::model_toml(&scenario),
+        recording,
+        achievable,
+    }
+}
+
 fn run(seed: u64, kind: Kind, relative: &[f64]) -> (Scenario, Columns, Achievable) {
-    let scenario = Scenario::new(seed, kind, relative);
-    let ticks = march(&scenario, Marching::default());
+    record(Scenario::new(seed, kind, relative), Marching::default())
+}
+
+fn record(scenario: Scenario, marching: Marching) -> (Scenario, Columns, Achievable) {
+    let ticks = march(&scenario, marching);
     let commanded: Vec<f64> = ticks.iter().map(|tick| tick.commanded).collect();
-    let mut reading = draw::Draw::new(seed, 5);
+    let mut reading = draw::Draw::new(scenario.seed, 5);
     let force_n: Vec<f64> = sample(&scenario, &commanded, &scenario.effects)
         .iter()
         .map(|force| force + scenario.noise.reading * reading.normal())
