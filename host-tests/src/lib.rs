@@ -3,6 +3,7 @@
 
 pub mod deviation;
 pub mod judge;
+pub mod machines;
 pub mod path;
 pub mod reference;
 pub mod table3;

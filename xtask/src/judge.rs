@@ -22,3 +22,13 @@ fn judge(program: &str, arguments: &[String]) -> Result<(), String> {
 pub fn properties(arguments: &[String]) -> Result<(), String> {
     judge("properties", arguments)
 }
+
+/// Known effects added to real recordings.
+pub fn inject(arguments: &[String]) -> Result<(), String> {
+    judge("inject", arguments)
+}
+
+/// Every source of recordings with a known truth, in one table.
+pub fn sources(arguments: &[String]) -> Result<(), String> {
+    judge("sources", arguments)
+}

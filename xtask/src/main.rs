@@ -62,6 +62,16 @@ const COMMANDS: &[Command] = &[
         help: "recordings changed in ways that change nothing about the machine: does the diagnosis say the same?",
         run: judge::properties,
     },
+    Command {
+        name: "inject",
+        help: "known effects added to real recordings: are they named where an oracle sees them? --help lists the options",
+        run: judge::inject,
+    },
+    Command {
+        name: "sources",
+        help: "the diagnosis on every source of recordings with a known truth: one table; --help lists the options",
+        run: judge::sources,
+    },
 ];
 
 fn main() -> ExitCode {

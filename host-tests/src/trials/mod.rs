@@ -238,7 +238,8 @@ fn label(scenario: &Scenario, kind: Kind) -> Label {
             (Some(edge), _) => Some(("position", -half, edge)),
             (None, Id::LocalFrictionSpot) => {
                 let [_, position, width, _] = effect.values;
-                Some(("position", position - 2.0 * width, position + 2.0 * width))
+                // Where 97 % of it is.
+                Some(("position", position - 1.5 * width, position + 1.5 * width))
             }
             (None, Id::Stribeck) => Some(("velocity", 0.0, 2.0 * effect.values[1])),
             _ => None,
