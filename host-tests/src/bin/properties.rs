@@ -139,6 +139,9 @@ fn run(o: &Options) -> Result<(), String> {
             }
         };
         println!("{}: {said} ({seconds:.1} s)", recording.name);
+        if before.is_err() {
+            continue;
+        }
         let outcomes = parallel(&asked_of, o.jobs, |_, property| {
             let outcome = match property.apply(&recording) {
                 None => Outcome::NotAsked,

@@ -9,7 +9,7 @@ use preslide_host_tests::judge::case::Case;
 use preslide_host_tests::judge::source::{bench, injection, machines, stage, trials, write_json};
 use preslide_host_tests::judge::summary;
 use preslide_host_tests::judge::tool::Tool;
-use preslide_host_tests::trials::catalogue_plan;
+use preslide_host_tests::trials::{catalogue_plan, clean_plan};
 
 /// The diagnosis on every source of recordings with a known truth, in one table
 #[derive(Parser)]
@@ -35,6 +35,9 @@ struct Options {
     /// Trials of the project's plan, and half as many machines
     #[arg(long, default_value_t = 300, value_name = "N")]
     count: usize,
+    /// Clean trials besides, over all families and laws
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    clean: usize,
     /// Seeds of `../shared/generators/stage`, 76 trials each
     #[arg(
         long,
@@ -79,7 +82,10 @@ fn ask(o: &Options, tool: &Tool) -> Result<Vec<Case>, String> {
     let shared = preslide_host_tests::judge::real::shared().is_some();
     let mut cases = Vec::new();
     if wants("trials") {
-        let plan = catalogue_plan(o.count).into_iter().step_by(o.every);
+        let plan = catalogue_plan(o.count)
+            .into_iter()
+            .step_by(o.every)
+            .chain(clean_plan(o.clean));
         let plan: Vec<_> = plan
             .map(|(seed, kind)| (seed + 5_000_000 * o.seed, kind))
             .collect();

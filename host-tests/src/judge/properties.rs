@@ -230,9 +230,9 @@ pub enum Outcome {
     Moved(String),
     /// Another verdict, a name gone or a name more.
     Flipped(String),
-    /// Nothing was answered where there was an answer, or the other way about.
+    /// Nothing was answered where there was an answer.
     Refused(String),
-    /// The change would take something away from this recording.
+    /// The change would take something away from this recording, or it is refused as it is.
     NotAsked,
 }
 
@@ -286,9 +286,8 @@ pub fn compare(
 ) -> Outcome {
     let (before, after) = match (before, after) {
         (Ok(before), Ok(after)) => (before, after),
-        (Err(_), Err(_)) => return Outcome::Same,
+        (Err(_), _) => return Outcome::NotAsked,
         (Ok(_), Err(reason)) => return Outcome::Refused(reason.clone()),
-        (Err(reason), Ok(_)) => return Outcome::Refused(format!("before: {reason}")),
     };
     let ids = |d| {
         confident(d)
@@ -340,39 +339,41 @@ pub fn compare(
     }
 }
 
-/// The first parameter of a confident name that is outside the other answer's interval.
+/// The first confident name whose parameters are outside the other answer's intervals, in every name alike where there are several.
 fn moved(property: Property, before: &Diagnosis, after: &Diagnosis) -> Option<String> {
-    for old in confident(before) {
-        let Some(new) = confident(after).find(|e| e.id == old.id) else {
+    confident(before).find_map(|old| {
+        let alike = confident(after).filter(|new| new.id == old.id);
+        let moves: Option<Vec<String>> = alike.map(|new| differs(property, old, new)).collect();
+        moves?.into_iter().next()
+    })
+}
+
+/// The first parameter that is outside both intervals, or without any, 5 % off.
+fn differs(property: Property, old: &Named, new: &Named) -> Option<String> {
+    // Where a phase is zero is a convention that a shift may move; a mirror swaps from and to.
+    let skipped: &[&str] = match property {
+        Property::Mirrored => &["phase", "cosine", "sine", "from_", "to_"],
+        _ => &["phase", "cosine", "sine"],
+    };
+    for (key, value, interval) in &old.parameters {
+        let stated = new.parameters.iter().find(|p| p.0 == *key);
+        let Some((_, found, own)) =
+            stated.filter(|_| !skipped.iter().any(|word| key.contains(word)))
+        else {
             continue;
         };
-        for (key, value, interval) in &old.parameters {
-            // Where a phase is zero is a convention that a shift may move.
-            if ["phase", "cosine", "sine"]
-                .iter()
-                .any(|word| key.contains(word))
-            {
-                continue;
-            }
-            let Some((_, found, own)) = new.parameters.iter().find(|p| p.0 == *key) else {
-                continue;
-            };
-            let sign = sign(property, &old.id, key);
-            let (found, own) = match sign {
-                // The shape of a map over the position mirrors term by term.
-                None => (found.abs() * value.signum(), None),
-                Some(sign) => (
-                    sign * found,
-                    own.map(|(a, b)| ((sign * a).min(sign * b), (sign * a).max(sign * b))),
-                ),
-            };
-            let within = |interval: &Option<(f64, f64)>, value: f64| {
-                interval.is_some_and(|(from, to)| from <= value && value <= to)
-            };
-            let near = (found - value).abs() <= 0.05 * value.abs();
-            if !near && !within(interval, found) && !within(&own, *value) {
-                return Some(format!("{}.{key}: {value:.4e} → {found:.4e}", old.id));
-            }
+        let (found, own) = match sign(property, &old.id, key) {
+            // The shape of a map over the position mirrors term by term.
+            None => (found.abs() * value.signum(), None),
+            Some(sign) if sign < 0.0 => (-found, own.map(|(low, high)| (-high, -low))),
+            Some(_) => (*found, *own),
+        };
+        let within = |interval: &Option<(f64, f64)>, value: f64| {
+            interval.is_some_and(|(low, high)| low <= value && value <= high)
+        };
+        let near = (found - value).abs() <= 0.05 * value.abs();
+        if !near && !within(interval, found) && !within(&own, *value) {
+            return Some(format!("{}.{key}: {value:.4e} → {found:.4e}", old.id));
         }
     }
     None

@@ -24,7 +24,10 @@ impl Trial {
     pub fn write_csv(&self, out: impl Write) -> io::Result<()> {
         let mut out = BufWriter::new(out);
         let r = &self.recording;
-        write!(out, "t_s,x_m,force_N,segment,repeat")?;
+        write!(out, "t_s,x_m,force_N")?;
+        if r.numbered {
+            write!(out, ",segment,repeat")?;
+        }
         for (name, column) in [
             ("temperature_C", &r.temperature_c),
             ("normal_N", &r.normal_n),
@@ -37,11 +40,10 @@ impl Trial {
         for i in 0..r.t_s.len() {
             // A tenth of a nanometre and of a millinewton: below the count and the noise.
             let (t, x, force) = (r.t_s[i], r.x_m[i], r.force_n[i]);
-            write!(
-                out,
-                "{t:.3},{x:.10},{force:.4},{},{}",
-                r.segment[i], r.repeat[i]
-            )?;
+            write!(out, "{t:.3},{x:.10},{force:.4}")?;
+            if r.numbered {
+                write!(out, ",{},{}", r.segment[i], r.repeat[i])?;
+            }
             for column in [&r.temperature_c, &r.normal_n].into_iter().flatten() {
                 write!(out, ",{:.3}", column[i])?;
             }

@@ -40,6 +40,8 @@ pub const MASKING: f64 = 3.0;
 pub enum Kind {
     /// Nothing: the answer is `consistent`.
     Clean,
+    /// Nothing, on a stage unlike the others.
+    CleanOf(Family),
     /// One effect of the catalogue.
     Single(Id, Strength),
     /// One effect of [`CORNER`], strong, that acts at one end of the travel only.
@@ -54,11 +56,63 @@ pub enum Kind {
     Outside(Id),
 }
 
+/// Clean stages unlike those of the plan: a false alarm that only some family raises would not show there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// As in the plan.
+    Usual,
+    /// An encoder of 1 µm.
+    Coarse,
+    /// Three times the mass.
+    Heavy,
+    /// Friction that differs by up to ±30 %.
+    Loose,
+    /// Friction that repeats perfectly.
+    Even,
+    /// 250 rows a second.
+    Slow,
+    /// No columns that number segments and repeats.
+    Bare,
+}
+
+/// All families.
+pub const FAMILIES: [Family; 7] = [
+    Family::Usual,
+    Family::Coarse,
+    Family::Heavy,
+    Family::Loose,
+    Family::Even,
+    Family::Slow,
+    Family::Bare,
+];
+
+impl Family {
+    /// Name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Family::Usual => "usual",
+            Family::Coarse => "coarse",
+            Family::Heavy => "heavy",
+            Family::Loose => "loose",
+            Family::Even => "even",
+            Family::Slow => "slow",
+            Family::Bare => "bare",
+        }
+    }
+}
+
+/// `n` clean trials, over all families and laws in turn.
+pub fn clean_plan(n: usize) -> Vec<(u64, Kind)> {
+    // Seven families and five laws have no common factor: 35 trials meet all pairs.
+    let family = |i: usize| Kind::CleanOf(FAMILIES[i % FAMILIES.len()]);
+    (0..n).map(|i| (40_000_000 + i as u64, family(i))).collect()
+}
+
 impl Kind {
     /// Name in labels and tables.
     pub fn name(self) -> &'static str {
         match self {
-            Kind::Clean => "clean",
+            Kind::Clean | Kind::CleanOf(_) => "clean",
             Kind::Single(..) => "single",
             Kind::Corner(..) => "corner",
             Kind::Pair(..) => "pair",
@@ -71,7 +125,7 @@ impl Kind {
     /// The effects, the hidden one of a masked pair first.
     pub fn ids(self) -> Vec<Id> {
         match self {
-            Kind::Clean => Vec::new(),
+            Kind::Clean | Kind::CleanOf(_) => Vec::new(),
             Kind::Single(id, _)
             | Kind::Corner(id)
             | Kind::WrongBaseline(id)
@@ -105,6 +159,8 @@ pub struct Columns {
     pub segment: Vec<u32>,
     /// Number of the repeat.
     pub repeat: Vec<u32>,
+    /// Whether segments and repeats are numbered in the file.
+    pub numbered: bool,
     /// Temperature (°C).
     pub temperature_c: Option<Vec<f64>>,
     /// Preload of the guide (N).
@@ -220,6 +276,7 @@ fn record(scenario: Scenario, marching: Marching) -> (Scenario, Columns, Achieva
         force_n,
         segment: references().map(|r| r.segment).collect(),
         repeat: references().map(|r| r.repeat).collect(),
+        numbered: scenario.numbered,
         temperature_c: scenario
             .temperature_recorded
             .then(|| samples().map(|tick| tick.temperature).collect()),

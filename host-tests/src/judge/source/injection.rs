@@ -8,8 +8,8 @@ use crate::judge::tool::{Tool, parallel};
 /// A machine and an effect that is added to its recording.
 pub type Pair = (&'static Machine, &'static str);
 
-/// What is not driven by a force through friction carries none, and two recordings are refused as they are.
-const CARRIES_NONE: [&str; 2] = ["tanks", "outrunner"];
+/// The controls have no friction to carry an effect, and a turn one way only is refused as it is.
+const CARRIES_NONE: [&str; 3] = ["silverbox", "tanks", "outrunner"];
 
 /// Every `every`th wanted pair of recording and effect.
 pub fn pairs(wanted: impl Fn(&str, &str) -> bool, every: usize) -> Vec<Pair> {

@@ -8,7 +8,7 @@ use crate::trials::{Kind, Label, Trial, trial};
 /// A trial with an answer.
 pub fn case(label: &Label, answer: Result<Diagnosis, String>, seconds: f64) -> Case {
     let sort = match label.kind {
-        Kind::Clean => Sort::Clean,
+        Kind::Clean | Kind::CleanOf(_) => Sort::Clean,
         Kind::Single(..) => Sort::Single,
         Kind::Corner(_) | Kind::WrongBaseline(_) => Sort::Hidden,
         Kind::Pair(..) => Sort::Pair,
@@ -32,10 +32,18 @@ pub fn case(label: &Label, answer: Result<Diagnosis, String>, seconds: f64) -> C
     let lag = truth.iter().any(|t| t.id == "frictional_lag");
     Case {
         source: "trials",
-        name: format!("seed {} ({})", label.seed, label.law.name()),
+        name: match label.kind {
+            Kind::CleanOf(family) => format!(
+                "seed {} ({}, {})",
+                label.seed,
+                label.law.name(),
+                family.name()
+            ),
+            _ => format!("seed {} ({})", label.seed, label.law.name()),
+        },
         sort,
         strength: match label.kind {
-            Kind::Clean => 0.0,
+            Kind::Clean | Kind::CleanOf(_) => 0.0,
             kind => kind.strength().factor(),
         },
         truth,
