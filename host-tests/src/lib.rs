@@ -2,6 +2,8 @@
 //! and the trials that the diagnosis is judged by.
 
 pub mod deviation;
+pub mod judge;
+pub mod machines;
 pub mod path;
 pub mod reference;
 pub mod table3;

@@ -5,6 +5,7 @@ mod browser;
 mod call_graph;
 mod chain;
 mod cycles;
+mod judge;
 mod process;
 mod qemu;
 mod test;
@@ -55,6 +56,21 @@ const COMMANDS: &[Command] = &[
         name: "trials",
         help: "the diagnosis on recordings with a concealed effect, judged: tables; --help lists the options",
         run: trials::run_command,
+    },
+    Command {
+        name: "properties",
+        help: "recordings changed in ways that change nothing about the machine: does the diagnosis say the same?",
+        run: judge::properties,
+    },
+    Command {
+        name: "inject",
+        help: "known effects added to real recordings: are they named where an oracle sees them? --help lists the options",
+        run: judge::inject,
+    },
+    Command {
+        name: "sources",
+        help: "the diagnosis on every source of recordings with a known truth: one table; --help lists the options",
+        run: judge::sources,
     },
 ];
 

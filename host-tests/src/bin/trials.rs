@@ -1,19 +1,21 @@
 //! Runs `preslide diagnose` on generated recordings whose truth it does not see, and prints what it is worth.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode, Stdio};
-use std::sync::Mutex;
+use std::process::ExitCode;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-use preslide_host_tests::trials::files::{MODEL, RECORDING};
-use preslide_host_tests::trials::score::{Diagnosis, Judged};
-use preslide_host_tests::trials::{Kind, catalogue_plan, report, trial};
+use preslide_host_tests::judge::case::Case;
+use preslide_host_tests::judge::summary;
+use preslide_host_tests::judge::tool::{Tool, parallel};
+use preslide_host_tests::trials::score::Judged;
+use preslide_host_tests::trials::{Kind, catalogue_plan, clean_plan, report, trial};
 
 const HELP: &str = "\
 Usage: trials [OPTIONS]
 
   --count N        trials of the plan to run [default: 300]
+  --clean N        N clean trials over all families and laws instead of the plan
   --seed S         another set of recordings of the same plan [default: 0]
   --only WORDS     only trials whose kind, law or effect contains one of these words, separated by commas
   --diagnose CMD   the command to judge, called as `CMD RECORDING --model MODEL --json ANSWER`
@@ -28,6 +30,7 @@ Usage: trials [OPTIONS]
 
 struct Options {
     count: usize,
+    clean: Option<usize>,
     seed: u64,
     only: Vec<String>,
     diagnose: Vec<String>,
@@ -43,6 +46,7 @@ struct Options {
 fn options(mut arguments: impl Iterator<Item = String>) -> Result<Option<Options>, String> {
     let mut o = Options {
         count: 300,
+        clean: None,
         seed: 0,
         only: Vec::new(),
         diagnose: Vec::new(),
@@ -66,6 +70,7 @@ fn options(mut arguments: impl Iterator<Item = String>) -> Result<Option<Options
         };
         match argument.as_str() {
             "--count" => o.count = whole(value()?)? as usize,
+            "--clean" => o.clean = Some(whole(value()?)? as usize),
             "--seed" => o.seed = whole(value()?)?,
             "--only" => o.only = value()?.split(',').map(str::to_owned).collect(),
             "--diagnose" => o.diagnose = value()?.split_whitespace().map(str::to_owned).collect(),
@@ -91,101 +96,26 @@ fn plan(o: &Options) -> Vec<(u64, Kind)> {
         o.only.is_empty()
             || words.any(|word| o.only.iter().any(|only| word.contains(only.as_str())))
     };
-    catalogue_plan(o.count)
-        .into_iter()
+    let plan = o.clean.map_or_else(|| catalogue_plan(o.count), clean_plan);
+    plan.into_iter()
         // A million trials lie between two sets.
         .map(|(seed, kind)| (seed + 5_000_000 * o.seed, kind))
         .filter(|&(seed, kind)| wanted(seed, kind))
         .collect()
 }
 
-/// Runs `work` on every item, on `jobs` threads; results in the order of the items.
-fn parallel<T: Sync, R: Send>(
-    items: &[T],
-    jobs: usize,
-    work: impl Fn(usize, &T) -> R + Sync,
-) -> Vec<R> {
-    let next = AtomicUsize::new(0);
-    let results = Mutex::new(Vec::new());
-    std::thread::scope(|scope| {
-        for _ in 0..jobs {
-            scope.spawn(|| {
-                loop {
-                    let i = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(item) = items.get(i) else { break };
-                    let result = work(i, item);
-                    if let Ok(mut results) = results.lock() {
-                        results.push((i, result));
-                    }
-                }
-            });
-        }
-    });
-    let mut results = results.into_inner().unwrap_or_default();
-    results.sort_by_key(|(i, _)| *i);
-    results.into_iter().map(|(_, result)| result).collect()
-}
-
-/// Runs the diagnosis on the files in `folder`; the label is not among them.
-fn diagnose(command: &[String], folder: &Path, limit: Duration) -> Result<Diagnosis, String> {
-    let (program, arguments) = command.split_first().ok_or("--diagnose is empty")?;
-    let answer = folder.join("answer.json");
-    let errors = folder.join("stderr.txt");
-    let stderr = std::fs::File::create(&errors).map_err(|e| e.to_string())?;
-    let mut child = Command::new(program)
-        .args(arguments)
-        .arg(folder.join(RECORDING))
-        .arg("--model")
-        .arg(folder.join(MODEL))
-        .arg("--json")
-        .arg(&answer)
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .stderr(stderr)
-        .spawn()
-        .map_err(|e| format!("`{program}` does not start: {e}"))?;
-    let started = Instant::now();
-    let status = loop {
-        if let Some(status) = child.try_wait().map_err(|e| e.to_string())? {
-            break status;
-        }
-        if started.elapsed() > limit {
-            let _ = child.kill();
-            let _ = child.wait();
-            return Err(format!("still running after {} s", limit.as_secs()));
-        }
-        std::thread::sleep(Duration::from_millis(5));
-    };
-    let text = std::fs::read_to_string(&answer).map_err(|_| {
-        let said = std::fs::read_to_string(&errors).unwrap_or_default();
-        let last = said
-            .lines()
-            .rev()
-            .find(|line| !line.trim().is_empty())
-            .unwrap_or("no message");
-        format!("no JSON ({status}): {last}")
-    })?;
-    Diagnosis::parse(&text)
-}
-
 fn judge(o: &Options, plan: &[(u64, Kind)]) -> Result<(), String> {
-    let scratch = std::env::temp_dir().join(format!("preslide-trials-{}", std::process::id()));
+    let tool = Tool {
+        command: o.diagnose.clone(),
+        limit: o.limit,
+    };
     let done = AtomicUsize::new(0);
     let started = Instant::now();
-    let judged: Vec<Result<Judged, String>> = parallel(plan, o.jobs, |i, &(seed, kind)| {
+    let judged: Vec<Judged> = parallel(plan, o.jobs, |_, &(seed, kind)| {
         let made = trial(seed, kind);
-        let folder = scratch.join(i.to_string());
-        std::fs::create_dir_all(&folder)
-            .and_then(|()| made.write(&folder))
-            // Blind: the command gets a folder without the truth.
-            .and_then(|()| {
-                std::fs::remove_file(folder.join(preslide_host_tests::trials::files::LABEL))
-            })
-            .map_err(|e| format!("{}: {e}", folder.display()))?;
-        let begun = Instant::now();
-        let answer = diagnose(&o.diagnose, &folder, o.limit);
-        let judged = Judged::new(&made, answer, begun.elapsed().as_secs_f64());
-        let _ = std::fs::remove_dir_all(&folder);
+        // Blind: the tool gets a folder without the truth.
+        let (answer, seconds) = tool.diagnose(&made.given("trial"));
+        let judged = Judged::new(&made, answer, seconds);
         let n = done.fetch_add(1, Ordering::Relaxed) + 1;
         if !o.quiet {
             let left = started.elapsed().as_secs_f64() / n as f64 * (plan.len() - n) as f64;
@@ -196,11 +126,11 @@ fn judge(o: &Options, plan: &[(u64, Kind)]) -> Result<(), String> {
                 judged.line()
             );
         }
-        Ok(judged)
+        judged
     });
-    let _ = std::fs::remove_dir_all(&scratch);
-    let judged = judged.into_iter().collect::<Result<Vec<_>, _>>()?;
     println!("{}", report::tables(&judged));
+    let cases: Vec<Case> = judged.iter().map(Case::from).collect();
+    println!("\n{}", summary::table(&cases));
     if let Some(file) = &o.json {
         let text =
             serde_json::to_string_pretty(&report::to_json(&judged)).map_err(|e| e.to_string())?;

@@ -49,6 +49,14 @@ pub enum Id {
     TimeOfDay,
     /// A friction level lowered by the highest speed of the last seconds.
     SpeedHistory,
+    /// Each reversal stirs the grease: the level rises by a step, and a path lets it settle again.
+    ReversalChurn,
+    /// A cage that rattles at one speed: the level is higher in a narrow band of it.
+    SpeedBand,
+    /// Rollers that slip and never find back: the level waves with the path travelled, whichever way, not with the position.
+    PathRipple,
+    /// A machine nearby that runs up: a shaking force whose frequency drifts.
+    DriftingShake,
 }
 
 /// Effects of the catalogue, in its order.
@@ -81,13 +89,17 @@ pub const CATALOGUE: [Id; 25] = [
 ];
 
 /// Effects that are in no catalogue: the right answer is `unknown-physics`.
-pub const OUTSIDE: [Id; 6] = [
+pub const OUTSIDE: [Id; 10] = [
     Id::RandomBursts,
     Id::RelaxingMemory,
     Id::SpeedDetent,
     Id::AccelerationFriction,
     Id::TimeOfDay,
     Id::SpeedHistory,
+    Id::ReversalChurn,
+    Id::SpeedBand,
+    Id::PathRipple,
+    Id::DriftingShake,
 ];
 
 /// Effects that can be confined to one end of the travel.
@@ -121,7 +133,7 @@ pub const PAIRS: [(Id, Id); 16] = [
 ];
 
 /// Name, and names of the parameters in the order of [`Effect::values`].
-const NAMES: [(Id, &str, &[&str]); 31] = [
+const NAMES: [(Id, &str, &[&str]); 35] = [
     (Id::ConstantForce, "constant_force", &["force_N"]),
     (Id::CoulombAsymmetry, "coulomb_asymmetry", &["asymmetry"]),
     (Id::Viscous, "viscous", &["viscous_N_s_per_m"]),
@@ -228,6 +240,22 @@ const NAMES: [(Id, &str, &[&str]); 31] = [
         Id::SpeedHistory,
         "speed_history",
         &["level", "velocity_m_s", "time_constant_s"],
+    ),
+    (Id::ReversalChurn, "reversal_churn", &["level", "path_m"]),
+    (
+        Id::SpeedBand,
+        "speed_band",
+        &["level", "velocity_m_s", "width_m_s"],
+    ),
+    (
+        Id::PathRipple,
+        "path_ripple",
+        &["level", "path_m", "phase_rad"],
+    ),
+    (
+        Id::DriftingShake,
+        "drifting_shake",
+        &["force_N", "frequency_Hz", "rate_Hz_s", "phase_rad"],
     ),
 ];
 
@@ -411,6 +439,18 @@ impl Effect {
             ],
             Id::AccelerationFriction => [0.15 * s, draw.log_uniform(1e-3, 3e-3), 0.0, 0.0],
             Id::TimeOfDay => [0.12 * s, draw.uniform(4.0, 9.0), 0.0, 0.0],
+            Id::ReversalChurn => [0.12 * s, draw.log_uniform(2e-3, 8e-3), 0.0, 0.0],
+            Id::SpeedBand => {
+                let speed = draw.log_uniform(2e-3, 10e-3);
+                [0.3 * s, speed, speed * draw.uniform(0.15, 0.3), 0.0]
+            }
+            Id::PathRipple => [0.15 * s, draw.log_uniform(1e-3, 6e-3), phase, 0.0],
+            Id::DriftingShake => [
+                0.1 * s * friction,
+                draw.uniform(3.0, 10.0),
+                draw.uniform(0.05, 0.25),
+                phase,
+            ],
             Id::SpeedHistory => [
                 0.25 * s,
                 draw.log_uniform(2e-3, 8e-3),

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use super::scenario::Scenario;
 use super::{ENCODER_PERIOD_M, Trial};
+use crate::judge::table::{Recording, Table};
 
 /// Names of the three files in a trial's folder.
 pub const RECORDING: &str = "recording.csv";
@@ -23,7 +24,10 @@ impl Trial {
     pub fn write_csv(&self, out: impl Write) -> io::Result<()> {
         let mut out = BufWriter::new(out);
         let r = &self.recording;
-        write!(out, "t_s,x_m,force_N,segment,repeat")?;
+        write!(out, "t_s,x_m,force_N")?;
+        if r.numbered {
+            write!(out, ",segment,repeat")?;
+        }
         for (name, column) in [
             ("temperature_C", &r.temperature_c),
             ("normal_N", &r.normal_n),
@@ -36,17 +40,27 @@ impl Trial {
         for i in 0..r.t_s.len() {
             // A tenth of a nanometre and of a millinewton: below the count and the noise.
             let (t, x, force) = (r.t_s[i], r.x_m[i], r.force_n[i]);
-            write!(
-                out,
-                "{t:.3},{x:.10},{force:.4},{},{}",
-                r.segment[i], r.repeat[i]
-            )?;
+            write!(out, "{t:.3},{x:.10},{force:.4}")?;
+            if r.numbered {
+                write!(out, ",{},{}", r.segment[i], r.repeat[i])?;
+            }
             for column in [&r.temperature_c, &r.normal_n].into_iter().flatten() {
                 write!(out, ",{:.3}", column[i])?;
             }
             writeln!(out)?;
         }
         out.flush()
+    }
+
+    /// What the tool is given, for a judge that does not need files.
+    pub fn given(&self, name: impl Into<String>) -> Recording {
+        let mut text = Vec::new();
+        let table = self
+            .write_csv(&mut text)
+            .map_err(|e| e.to_string())
+            .and_then(|()| Table::parse(&String::from_utf8_lossy(&text)));
+        let table = table.unwrap_or_else(|e| panic!("a trial that is no table: {e}"));
+        Recording::new(name, table, Some(self.model_toml.clone()))
     }
 
     /// The truth, and what can be achieved, as TOML.

@@ -45,6 +45,7 @@ pub struct Friction<'a> {
     turn: (f64, f64, f64),
     recent_speed: f64,
     trend: f64,
+    stirred: f64,
 }
 
 impl<'a> Friction<'a> {
@@ -71,6 +72,7 @@ impl<'a> Friction<'a> {
             turn: (0.0, 0.0, 0.0),
             recent_speed: 0.0,
             trend: 0.0,
+            stirred: 0.0,
         }
     }
 
@@ -152,6 +154,24 @@ impl<'a> Friction<'a> {
                 Id::SpeedHistory => {
                     self.recent_speed = speed.max(self.recent_speed * (-dt / p2).exp());
                     level -= p0 * self.recent_speed / (p1 + self.recent_speed);
+                }
+                Id::ReversalChurn => {
+                    // The reversal counts at the instant at which it is remembered.
+                    let turned = self.turn.0 == now.t && dx != 0.0;
+                    if turned {
+                        self.stirred = (self.stirred + 1.0).min(3.0);
+                    }
+                    self.stirred *= (-dx.abs() / p1).exp();
+                    level += p0 * self.stirred;
+                }
+                Id::SpeedBand => {
+                    let away = (speed - p1) / p2;
+                    level += p0 * (-away * away).exp();
+                }
+                Id::PathRipple => level += p0 * (TAU * self.path / p1 + p2).cos(),
+                Id::DriftingShake => {
+                    let turns = (p1 + 0.5 * p2 * now.t) * now.t;
+                    added += p0 * (TAU * turns + p3).sin();
                 }
                 // These act between command, motor and encoder, or are errors of the model file.
                 Id::EncoderError

@@ -40,6 +40,8 @@ pub const MASKING: f64 = 3.0;
 pub enum Kind {
     /// Nothing: the answer is `consistent`.
     Clean,
+    /// Nothing, on a stage unlike the others.
+    CleanOf(Family),
     /// One effect of the catalogue.
     Single(Id, Strength),
     /// One effect of [`CORNER`], strong, that acts at one end of the travel only.
@@ -54,11 +56,63 @@ pub enum Kind {
     Outside(Id),
 }
 
+/// Clean stages unlike those of the plan: a false alarm that only some family raises would not show there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// As in the plan.
+    Usual,
+    /// An encoder of 1 µm.
+    Coarse,
+    /// Three times the mass.
+    Heavy,
+    /// Friction that differs by up to ±30 %.
+    Loose,
+    /// Friction that repeats perfectly.
+    Even,
+    /// 250 rows a second.
+    Slow,
+    /// No columns that number segments and repeats.
+    Bare,
+}
+
+/// All families.
+pub const FAMILIES: [Family; 7] = [
+    Family::Usual,
+    Family::Coarse,
+    Family::Heavy,
+    Family::Loose,
+    Family::Even,
+    Family::Slow,
+    Family::Bare,
+];
+
+impl Family {
+    /// Name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Family::Usual => "usual",
+            Family::Coarse => "coarse",
+            Family::Heavy => "heavy",
+            Family::Loose => "loose",
+            Family::Even => "even",
+            Family::Slow => "slow",
+            Family::Bare => "bare",
+        }
+    }
+}
+
+/// `n` clean trials, over all families and laws in turn.
+pub fn clean_plan(n: usize) -> Vec<(u64, Kind)> {
+    // Seven families and five laws have no common factor: 35 trials meet all pairs.
+    let family = |i: usize| Kind::CleanOf(FAMILIES[i % FAMILIES.len()]);
+    (0..n).map(|i| (40_000_000 + i as u64, family(i))).collect()
+}
+
 impl Kind {
     /// Name in labels and tables.
     pub fn name(self) -> &'static str {
         match self {
-            Kind::Clean => "clean",
+            Kind::Clean | Kind::CleanOf(_) => "clean",
             Kind::Single(..) => "single",
             Kind::Corner(..) => "corner",
             Kind::Pair(..) => "pair",
@@ -71,7 +125,7 @@ impl Kind {
     /// The effects, the hidden one of a masked pair first.
     pub fn ids(self) -> Vec<Id> {
         match self {
-            Kind::Clean => Vec::new(),
+            Kind::Clean | Kind::CleanOf(_) => Vec::new(),
             Kind::Single(id, _)
             | Kind::Corner(id)
             | Kind::WrongBaseline(id)
@@ -105,6 +159,8 @@ pub struct Columns {
     pub segment: Vec<u32>,
     /// Number of the repeat.
     pub repeat: Vec<u32>,
+    /// Whether segments and repeats are numbered in the file.
+    pub numbered: bool,
     /// Temperature (°C).
     pub temperature_c: Option<Vec<f64>>,
     /// Preload of the guide (N).
@@ -176,11 +232,34 @@ pub fn trial(seed: u64, kind: Kind) -> Trial {
     }
 }
 
+/// A clean stage whose friction is that of its model file, block by block, and repeats perfectly; only the reading of the force
+/// has noise. Its mass and friction are the file's: the answer is `consistent`.
+pub fn repeatable(seed: u64) -> Trial {
+    let mut scenario = Scenario::new(seed, Kind::Clean, &[]);
+    scenario.hysteresis = law::Hysteresis::of_blocks(&scenario.model_blocks);
+    scenario.model_mass = scenario.mass;
+    scenario.noise.interpolation = 0.0;
+    let marching = Marching {
+        noise: false,
+        ..Marching::default()
+    };
+    let (scenario, recording, achievable) = record(scenario, marching);
+    Trial {
+        label: label(&scenario, Kind::Clean),
+        model_toml: files::model_toml(&scenario),
+        recording,
+        achievable,
+    }
+}
+
 fn run(seed: u64, kind: Kind, relative: &[f64]) -> (Scenario, Columns, Achievable) {
-    let scenario = Scenario::new(seed, kind, relative);
-    let ticks = march(&scenario, Marching::default());
+    record(Scenario::new(seed, kind, relative), Marching::default())
+}
+
+fn record(scenario: Scenario, marching: Marching) -> (Scenario, Columns, Achievable) {
+    let ticks = march(&scenario, marching);
     let commanded: Vec<f64> = ticks.iter().map(|tick| tick.commanded).collect();
-    let mut reading = draw::Draw::new(seed, 5);
+    let mut reading = draw::Draw::new(scenario.seed, 5);
     let force_n: Vec<f64> = sample(&scenario, &commanded, &scenario.effects)
         .iter()
         .map(|force| force + scenario.noise.reading * reading.normal())
@@ -197,6 +276,7 @@ fn run(seed: u64, kind: Kind, relative: &[f64]) -> (Scenario, Columns, Achievabl
         force_n,
         segment: references().map(|r| r.segment).collect(),
         repeat: references().map(|r| r.repeat).collect(),
+        numbered: scenario.numbered,
         temperature_c: scenario
             .temperature_recorded
             .then(|| samples().map(|tick| tick.temperature).collect()),
@@ -215,7 +295,8 @@ fn label(scenario: &Scenario, kind: Kind) -> Label {
             (Some(edge), _) => Some(("position", -half, edge)),
             (None, Id::LocalFrictionSpot) => {
                 let [_, position, width, _] = effect.values;
-                Some(("position", position - 2.0 * width, position + 2.0 * width))
+                // Where 97 % of it is.
+                Some(("position", position - 1.5 * width, position + 1.5 * width))
             }
             (None, Id::Stribeck) => Some(("velocity", 0.0, 2.0 * effect.values[1])),
             _ => None,

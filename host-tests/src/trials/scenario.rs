@@ -1,12 +1,12 @@
 //! Everything that a trial is made of before it is run: the machine, its motion, its noise, its effects.
 
-use super::Kind;
 use super::draw::Draw;
 use super::effect::{CORNER, Effect, Id, Strength};
 use super::friction::{Friction, burst_times};
 use super::law::{Hysteresis, LAWS, Law};
 use super::motion::Motion;
 use super::plant::{TICK_S, resonance_hz};
+use super::{Family, Kind};
 
 /// What does not repeat.
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +53,8 @@ pub struct Scenario {
     pub temperature_recorded: bool,
     /// The preload changes, and the recording has a column of it.
     pub load_varies: bool,
+    /// Segments and repeats are numbered in the recording.
+    pub numbered: bool,
     /// What does not repeat.
     pub noise: Noise,
     /// Motion asked of the stage.
@@ -103,6 +105,7 @@ impl Scenario {
             // Not only where they matter: the column's presence must not give the answer away.
             temperature_recorded: draw.chance(0.3) || has(Id::ThermalDrift),
             load_varies: draw.chance(0.25) || has(Id::LoadDependentFriction),
+            numbered: true,
             noise,
             motion,
             effects: Vec::new(),
@@ -110,6 +113,9 @@ impl Scenario {
             model_mass: mass,
             bursts: Vec::new(),
         };
+        if let Kind::CleanOf(family) = kind {
+            scenario.vary(family);
+        }
         for (i, id) in kind.ids().into_iter().enumerate() {
             let strength = kind.strength().factor() * relative.get(i).copied().unwrap_or(1.0);
             // A stream for each effect: its shape does not depend on strength or company.
@@ -127,6 +133,21 @@ impl Scenario {
         scenario.bursts = burst_times(&scenario.effects, duration, &mut Draw::new(seed, 3));
         scenario.model(kind, &mut Draw::new(seed, 4));
         scenario
+    }
+
+    fn vary(&mut self, family: Family) {
+        match family {
+            Family::Usual => {}
+            Family::Coarse => self.encoder_count = 1e-6,
+            Family::Heavy => (self.mass, self.model_mass) = (3.0 * self.mass, 3.0 * self.mass),
+            Family::Loose => {
+                self.noise.gain *= 2.0;
+                self.noise.wander *= 2.0;
+            }
+            Family::Even => (self.noise.gain, self.noise.wander) = (0.0, 0.0),
+            Family::Slow => self.ticks_per_sample = 16,
+            Family::Bare => self.numbered = false,
+        }
     }
 
     /// The model file's mass and blocks: six blocks on the true virgin curve, roughly as a user would have
@@ -183,7 +204,7 @@ impl Scenario {
     /// Strength in words, for labels.
     pub fn strength_name(kind: Kind) -> &'static str {
         match kind {
-            Kind::Clean => "none",
+            Kind::Clean | Kind::CleanOf(_) => "none",
             _ => Strength::name(kind.strength()),
         }
     }

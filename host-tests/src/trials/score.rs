@@ -10,7 +10,7 @@ use serde_json::Value;
 use super::effect::{Effect, Id};
 use super::friction::{LOAD_N, TEMPERATURE_C};
 use super::truth::Achievable;
-use super::{Kind, Label, Region, Trial};
+use super::{Label, Region, Trial};
 
 /// A parameter as the diagnosis states it: name, value, 95 % interval.
 pub type Stated = (String, f64, Option<(f64, f64)>);
@@ -394,6 +394,6 @@ impl Judged {
 
     /// Whether it is clean.
     pub fn clean(&self) -> bool {
-        self.label.kind == Kind::Clean
+        self.is("clean")
     }
 }

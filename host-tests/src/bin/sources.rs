@@ -1,0 +1,153 @@
+//! Every source of recordings with a known truth, asked of `preslide diagnose`: one table, curves, and a gate for CI.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Parser;
+use preslide_host_tests::judge::baseline;
+use preslide_host_tests::judge::case::Case;
+use preslide_host_tests::judge::source::{bench, injection, machines, stage, trials, write_json};
+use preslide_host_tests::judge::summary;
+use preslide_host_tests::judge::tool::Tool;
+use preslide_host_tests::trials::{catalogue_plan, clean_plan};
+
+/// The diagnosis on every source of recordings with a known truth, in one table
+#[derive(Parser)]
+#[command(name = "cargo xtask sources")]
+struct Options {
+    /// The program to judge [default: the one built beside this]
+    #[arg(long, value_name = "PROGRAM")]
+    preslide: Option<PathBuf>,
+    /// Sources to ask
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "trials,stage,machines,injection,benches",
+        value_name = "SOURCES"
+    )]
+    only: Vec<String>,
+    /// Share of each source: every Nth recording
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    every: usize,
+    /// Another set of the project's trials and of machines
+    #[arg(long, default_value_t = 0, value_name = "S")]
+    seed: u64,
+    /// Trials of the project's plan, and half as many machines
+    #[arg(long, default_value_t = 300, value_name = "N")]
+    count: usize,
+    /// Clean trials besides, over all families and laws
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    clean: usize,
+    /// Seeds of `../shared/generators/stage`, 76 trials each
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "777001,777002,777003",
+        value_name = "SEEDS"
+    )]
+    stage: Vec<u64>,
+    /// A set of that generator that is there already, instead of the seeds
+    #[arg(long, value_name = "FOLDER")]
+    stage_folder: Option<PathBuf>,
+    /// A Python with numpy and numba [default: an environment made under target/judge]
+    #[arg(long, value_name = "PROGRAM")]
+    python: Option<PathBuf>,
+    /// Strengths of injections, in percent of the effort's deviation
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "20,10,5",
+        value_name = "PERCENT"
+    )]
+    strengths: Vec<f64>,
+    /// Diagnoses at a time
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    jobs: usize,
+    /// Every case with truth and answer, for machines
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// True and false names over the threshold of confidence, as CSV; a picture beside it as .svg
+    #[arg(long, value_name = "FILE.csv")]
+    curves: Option<PathBuf>,
+    /// The fixed small set of CI, held against the committed baseline
+    #[arg(long)]
+    ci: bool,
+    /// With --ci: write the baseline instead
+    #[arg(long)]
+    bless: bool,
+}
+
+fn ask(o: &Options, tool: &Tool) -> Result<Vec<Case>, String> {
+    let wants = |source: &str| o.only.iter().any(|only| only == source);
+    let shared = preslide_host_tests::judge::real::shared().is_some();
+    let mut cases = Vec::new();
+    if wants("trials") {
+        let plan = catalogue_plan(o.count)
+            .into_iter()
+            .step_by(o.every)
+            .chain(clean_plan(o.clean));
+        let plan: Vec<_> = plan
+            .map(|(seed, kind)| (seed + 5_000_000 * o.seed, kind))
+            .collect();
+        cases.extend(trials::cases(tool, &plan, o.jobs));
+    }
+    if wants("machines") {
+        let seeds: Vec<u64> = (0..o.count as u64 / 2)
+            .step_by(o.every)
+            .map(|i| i + 1_000_000 * o.seed)
+            .collect();
+        cases.extend(machines::cases(tool, &seeds, o.jobs));
+    }
+    if wants("stage") && shared {
+        if let Some(folder) = &o.stage_folder {
+            cases.extend(stage::cases(tool, folder, o.every, o.jobs)?);
+        } else {
+            for seed in &o.stage {
+                let folder = stage::folder(*seed, o.python.as_deref())?;
+                cases.extend(stage::cases(tool, &folder, o.every, o.jobs)?);
+            }
+        }
+    }
+    if wants("injection") && shared {
+        let pairs = injection::pairs(|_, _| true, o.every);
+        cases.extend(injection::cases(tool, &pairs, &o.strengths, o.jobs)?);
+    }
+    if wants("benches") && shared {
+        cases.extend(bench::cases(tool, |_| true, o.jobs)?);
+    }
+    Ok(cases)
+}
+
+fn write(file: &Path, text: String) -> Result<(), String> {
+    std::fs::write(file, text).map_err(|e| format!("{}: {e}", file.display()))
+}
+
+fn run(o: &Options) -> Result<(), String> {
+    let tool = Tool::new(o.preslide.as_deref())?;
+    let cases = if o.ci {
+        baseline::cases(&tool, o.jobs)?
+    } else {
+        ask(o, &tool)?
+    };
+    println!("{}", summary::table(&cases));
+    write_json(o.json.as_deref(), &cases)?;
+    if let Some(file) = &o.curves {
+        write(file, summary::curves_csv(&cases))?;
+        write(&file.with_extension("svg"), summary::curves_svg(&cases))?;
+    }
+    match (o.ci, o.bless) {
+        (true, true) => baseline::bless(&cases),
+        (true, false) => baseline::compare(&cases),
+        _ => Ok(()),
+    }
+}
+
+fn main() -> ExitCode {
+    match run(&Options::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(reason) => {
+            eprintln!("sources: {reason}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,30 @@
+//! Machines of the second generator ([`crate::machines`]) as cases.
+
+use crate::judge::case::Case;
+use crate::judge::tool::{Tool, parallel};
+use crate::machines::make;
+
+/// Asks the tool of the machines of some seeds.
+pub fn cases(tool: &Tool, seeds: &[u64], jobs: usize) -> Vec<Case> {
+    let done = std::sync::atomic::AtomicUsize::new(0);
+    parallel(seeds, jobs, |_, &seed| {
+        let made = make(seed);
+        let (answer, seconds) = tool.diagnose(&made.recording);
+        let case = Case {
+            source: "machines",
+            name: made.recording.name,
+            sort: made.sort,
+            strength: made.strength,
+            truth: made.truth,
+            neutral: Vec::new(),
+            absent: None,
+            there: None,
+            answer,
+            seconds,
+        };
+        // No line tells which was what: nobody may tune to them.
+        let n = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
+        eprintln!("machines: {n} of {} ({seconds:.1} s)", seeds.len());
+        case
+    })
+}

@@ -1,0 +1,172 @@
+//! The independent generator of stages in `../shared/generators/stage`: a Python program, run once for each seed and kept under `target/`.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+
+use crate::judge::case::{Case, Place, Sort, Truth};
+use crate::judge::real::shared;
+use crate::judge::table::{Recording, Table};
+use crate::judge::tool::{Tool, parallel};
+
+/// Where generated sets and the Python environment are kept.
+fn kept() -> PathBuf {
+    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../target/judge"))
+}
+
+fn run(command: &mut Command) -> Result<(), String> {
+    eprintln!("$ {command:?}");
+    let status = command.status().map_err(|e| format!("{command:?}: {e}"))?;
+    if status.success() {
+        Ok(())
+    } else {
+        Err(format!("{command:?}: {status}"))
+    }
+}
+
+/// A Python with numpy and numba: the one given, or an environment that is made once.
+fn python(given: Option<&Path>) -> Result<PathBuf, String> {
+    if let Some(given) = given {
+        return Ok(given.to_owned());
+    }
+    let folder = kept().join("python");
+    let python = folder.join("bin/python");
+    if !python.exists() {
+        run(Command::new("python3").args(["-m", "venv"]).arg(&folder))?;
+        run(Command::new(&python).args(["-m", "pip", "install", "--quiet", "numpy", "numba"]))?;
+    }
+    Ok(python)
+}
+
+/// The folder of the trials of a seed, where they were generated before.
+pub fn kept_folder(seed: u64) -> Option<PathBuf> {
+    let folder = kept().join(format!("stage-{seed}"));
+    folder.join("complete").exists().then_some(folder)
+}
+
+/// The folder of the trials of a seed, generated where it is not there.
+///
+/// # Errors
+/// Where the generator is absent or fails.
+pub fn folder(seed: u64, given: Option<&Path>) -> Result<PathBuf, String> {
+    let generator = shared()
+        .ok_or("../shared is absent")?
+        .join("generators/stage/trials.py");
+    let folder = kept().join(format!("stage-{seed}"));
+    let done = folder.join("complete");
+    if !done.exists() {
+        let python = python(given)?;
+        let mut command = Command::new(python);
+        // The generator's folder is read-only.
+        command
+            .env("PYTHONDONTWRITEBYTECODE", "1")
+            .arg(&generator)
+            .arg(&folder);
+        run(command.args(["--n-per", "1", "--seed", &seed.to_string()]))?;
+        std::fs::write(&done, "").map_err(|e| format!("{}: {e}", done.display()))?;
+    }
+    Ok(folder)
+}
+
+/// What a label calls a parameter, whose effect it is, and what the tool calls it.
+const PARAMETERS: [(&str, &str, &str); 12] = [
+    ("bias", "constant_force", "force_N"),
+    ("asym", "coulomb_asymmetry", "asymmetry"),
+    ("visc", "viscous", "viscous_N_s_per_m"),
+    ("quad", "quadratic_drag", "drag_N_s2_per_m2"),
+    ("str_a", "stribeck", "level"),
+    ("str_vs", "stribeck", "velocity_m_s"),
+    ("spring", "position_spring", "stiffness_N_per_m"),
+    ("spot_x", "local_friction_spot", "position_m"),
+    ("cog_a", "periodic_force", "force_N"),
+    ("cog_p", "periodic_force", "period_m"),
+    ("delay", "channel_delay", "delay_s"),
+    ("vib_f", "external_vibration", "frequency_Hz"),
+];
+
+fn truth(effect: &Value, parameters: &Value) -> Truth {
+    let id = effect["id"].as_str().unwrap_or_default();
+    let id = if id == "unknown" {
+        effect["raw"].as_str().unwrap_or(id)
+    } else {
+        id
+    };
+    let value = |key: &str| parameters[key].as_f64();
+    let place = match id {
+        "stribeck" => value("str_vs").map(|v| Place::new("velocity", 0.0, 2.0 * v)),
+        "local_friction_spot" => value("spot_x")
+            .zip(value("spot_w"))
+            .map(|(x, w)| Place::new("position", x - 1.5 * w, x + 1.5 * w)),
+        _ => None,
+    };
+    let own = PARAMETERS.iter().filter(|p| p.1 == id);
+    Truth {
+        place,
+        parameters: own
+            .filter_map(|p| Some((p.2.to_owned(), value(p.0)?)))
+            .collect(),
+        ..Truth::named(id)
+    }
+}
+
+fn question(folder: &Path) -> Result<(Recording, Sort, f64, Vec<Truth>), String> {
+    let read = |name: &str| {
+        let file = folder.join(name);
+        std::fs::read_to_string(&file).map_err(|e| format!("{}: {e}", file.display()))
+    };
+    let label: Value = serde_json::from_str(&read("label.json")?).map_err(|e| e.to_string())?;
+    let sort = match label["kind"].as_str() {
+        Some("clean") => Sort::Clean,
+        Some("single") => Sort::Single,
+        Some("pair") => Sort::Pair,
+        Some("masked") => Sort::Masked,
+        Some("unknown") => Sort::Stranger,
+        kind => return Err(format!("{}: a label of kind {kind:?}", folder.display())),
+    };
+    let effects = label["effects"].as_array().cloned().unwrap_or_default();
+    let name = folder.file_name().unwrap_or_default().to_string_lossy();
+    let strength = effects
+        .first()
+        .and_then(|e| e["severity"].as_f64())
+        .unwrap_or(0.0);
+    let truths = effects.iter().map(|e| truth(e, &label["params"])).collect();
+    let table = Table::parse(&read("rec.csv")?)?;
+    Ok((
+        Recording::new(name, table, Some(read("base.toml")?)),
+        sort,
+        strength,
+        truths,
+    ))
+}
+
+/// Asks the tool of every `every`th trial in a folder.
+///
+/// # Errors
+/// Where a trial cannot be read.
+pub fn cases(tool: &Tool, folder: &Path, every: usize, jobs: usize) -> Result<Vec<Case>, String> {
+    let entries = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let mut trials: Vec<PathBuf> = entries.filter_map(|e| Some(e.ok()?.path())).collect();
+    trials.retain(|path| path.join("label.json").exists() && path.join("base.toml").exists());
+    trials.sort();
+    let trials: Vec<PathBuf> = trials.into_iter().step_by(every).collect();
+    let answered = parallel(&trials, jobs, |_, path| {
+        let (recording, sort, strength, truth) = question(path)?;
+        let (answer, seconds) = tool.diagnose(&recording);
+        let case = Case {
+            source: "stage",
+            name: recording.name,
+            sort,
+            strength,
+            truth,
+            neutral: Vec::new(),
+            absent: None,
+            there: None,
+            answer,
+            seconds,
+        };
+        eprintln!("{}", case.line());
+        Ok(case)
+    });
+    answered.into_iter().collect()
+}

@@ -1,0 +1,426 @@
+//! Figures of the cases of one source, and the table of all sources.
+
+use std::fmt::Write as _;
+
+use super::case::{Case, Sort};
+
+/// A count of a whole, with the exact 95 % interval of the share it estimates.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Share {
+    /// How many.
+    pub part: usize,
+    /// Of how many.
+    pub whole: usize,
+}
+
+impl Share {
+    /// How many of `items` hold.
+    pub fn of<T>(items: impl IntoIterator<Item = T>, holds: impl Fn(&T) -> bool) -> Self {
+        let mut share = Self::default();
+        for item in items {
+            share.part += usize::from(holds(&item));
+            share.whole += 1;
+        }
+        share
+    }
+
+    /// Part of whole; NaN of nothing.
+    pub fn value(self) -> f64 {
+        self.part as f64 / self.whole as f64
+    }
+
+    /// The exact binomial interval (Clopper and Pearson 1934), 2.5 % to either side.
+    pub fn interval(self) -> [f64; 2] {
+        let (k, n) = (self.part, self.whole);
+        let solve = |below: &dyn Fn(f64) -> bool| {
+            let (mut low, mut high) = (0.0, 1.0);
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if below(middle) {
+                    low = middle
+                } else {
+                    high = middle
+                }
+            }
+            0.5 * (low + high)
+        };
+        let low = if k == 0 {
+            0.0
+        } else {
+            solve(&|p| 1.0 - at_most(k - 1, n, p) < 0.025)
+        };
+        let high = if k == n {
+            1.0
+        } else {
+            solve(&|p| at_most(k, n, p) > 0.025)
+        };
+        [low, high]
+    }
+}
+
+/// Probability of at most `k` of `n` at probability `p` each.
+pub(super) fn at_most(k: usize, n: usize, p: f64) -> f64 {
+    if p <= 0.0 {
+        return 1.0;
+    }
+    let (mut logarithm, mut sum) = (n as f64 * (1.0 - p).ln(), 0.0);
+    for i in 0..=k {
+        sum += logarithm.exp();
+        logarithm += ((n - i) as f64 / (i + 1) as f64).ln() + (p / (1.0 - p)).ln();
+    }
+    sum.min(1.0)
+}
+
+impl std::fmt::Display for Share {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.whole == 0 {
+            return f.pad("–");
+        }
+        let [low, high] = self.interval().map(|p| 100.0 * p);
+        let text = format!(
+            "{}/{} {:.0} % ({low:.1}…{high:.1})",
+            self.part,
+            self.whole,
+            100.0 * self.value()
+        );
+        f.pad(&text)
+    }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// Expected calibration error over ten bins of equal width (Naeini et al. 2015) of names whose truth is known.
+pub fn calibration_error(stated: &[(f64, bool)]) -> f64 {
+    crate::trials::report::calibration_error(stated).unwrap_or(f64::NAN)
+}
+
+/// Confidence and truth of every stated name, suspected ones too, whose truth is known; strangers left out.
+pub fn stated<'a>(cases: impl Iterator<Item = &'a Case>) -> Vec<(f64, bool)> {
+    cases
+        .filter(|c| c.sort != Sort::Stranger)
+        .flat_map(|c| {
+            c.names()
+                .iter()
+                .filter_map(|n| Some((n.confidence, c.judges(n)?)))
+        })
+        .collect()
+}
+
+/// Names and figures of one source, one a row.
+pub fn rows(cases: &[&Case]) -> Vec<(String, String)> {
+    let of = |sort: Sort| cases.iter().filter(move |c| c.sort == sort);
+    let mut rows: Vec<(String, String)> = Vec::new();
+    let mut row = |name: &str, share: Share| {
+        if share.whole > 0 {
+            rows.push((name.to_owned(), share.to_string()));
+        }
+    };
+    row("without an answer", Share::of(cases, |c| c.answer.is_err()));
+    row(
+        "clean: false names",
+        Share::of(of(Sort::Clean), |c| c.false_names().next().is_some()),
+    );
+    row(
+        "clean: called unknown",
+        Share::of(of(Sort::Clean), |c| c.verdict() == "unknown-physics"),
+    );
+    let mut strengths: Vec<f64> = of(Sort::Single).map(|c| c.strength).collect();
+    strengths.sort_by(f64::total_cmp);
+    strengths.dedup();
+    for strength in strengths {
+        let own = || of(Sort::Single).filter(move |c| c.strength == strength);
+        let declared = |c: &&&Case| c.truth.iter().all(|t| c.finds_or_declares(t));
+        row(
+            &format!("×{strength}: first name right"),
+            Share::of(own(), |c| c.first_right()),
+        );
+        row(
+            &format!("×{strength}: named or declared"),
+            Share::of(own(), declared),
+        );
+        row(
+            &format!("×{strength}: named or declared, where an oracle sees it"),
+            Share::of(own().filter(|c| c.there == Some(true)), declared),
+        );
+    }
+    row(
+        "in a corner or on a wrong model: first name right",
+        Share::of(of(Sort::Hidden), |c| c.first_right()),
+    );
+    for (sort, name) in [(Sort::Pair, "pair"), (Sort::Masked, "masked")] {
+        row(
+            &format!("{name}: both named"),
+            Share::of(of(sort), |c| c.truth.iter().all(|t| c.finds(t))),
+        );
+        row(
+            &format!("{name}: one named"),
+            Share::of(of(sort), |c| c.truth.iter().any(|t| c.finds(t))),
+        );
+    }
+    row(
+        "strangers: unknown",
+        Share::of(of(Sort::Stranger), |c| c.verdict() == "unknown-physics"),
+    );
+    row(
+        "strangers: named",
+        Share::of(of(Sort::Stranger), |c| c.confident().next().is_some()),
+    );
+    row(
+        "strangers: consistent",
+        Share::of(of(Sort::Stranger), |c| c.verdict() == "consistent"),
+    );
+    let known = of(Sort::Machine).flat_map(|c| c.truth.iter().map(move |t| (c, t)));
+    row(
+        "machines: known effects named or declared",
+        Share::of(known, |(c, t)| c.finds_or_declares(t)),
+    );
+    row(
+        "machines: nothing absent named",
+        Share::of(of(Sort::Machine), |c| c.false_names().next().is_none()),
+    );
+    let judged = || {
+        let cases = cases.iter().filter(|c| c.sort != Sort::Stranger);
+        cases.flat_map(|c| {
+            c.confident()
+                .filter_map(|n| Some((n.confidence, c.judges(n)?)))
+        })
+    };
+    row(
+        "precision of confident names",
+        Share::of(judged(), |(_, right)| *right),
+    );
+    row(
+        "  of those at ≥ 0.9",
+        Share::of(judged().filter(|(p, _)| *p >= 0.9), |(_, right)| *right),
+    );
+    row(
+        "recordings with a false name",
+        Share::of(cases.iter().filter(|c| c.sort != Sort::Stranger), |c| {
+            c.false_names().next().is_some()
+        }),
+    );
+    let places: Vec<(bool, bool)> = cases.iter().flat_map(|c| c.places()).collect();
+    row(
+        "named effects with a place: stated",
+        Share::of(&places, |p| p.0),
+    );
+    row(
+        "named effects with a place: overlaps by half",
+        Share::of(&places, |p| p.1),
+    );
+    let covered: Vec<(String, bool)> = cases.iter().flat_map(|c| c.covered()).collect();
+    row(
+        "95 % intervals that hold the truth",
+        Share::of(&covered, |c| c.1),
+    );
+    let level = covered.iter().filter(|c| c.0 == "stribeck.level");
+    row("  Stribeck's level", Share::of(level, |c| c.1));
+    let stated = stated(cases.iter().copied());
+    if !stated.is_empty() {
+        let error = format!("{:.3} of {}", calibration_error(&stated), stated.len());
+        rows.push(("calibration error".to_owned(), error));
+    }
+    let seconds: Vec<f64> = cases.iter().map(|c| c.seconds).collect();
+    let longest = seconds.iter().copied().fold(0.0, f64::max);
+    rows.push((
+        "time, median and longest [s]".to_owned(),
+        format!("{:.1}, {longest:.1}", median(seconds)),
+    ));
+    rows
+}
+
+/// The sources in the order of their first case.
+pub fn sources(cases: &[Case]) -> Vec<&'static str> {
+    let mut sources: Vec<&'static str> = Vec::new();
+    for case in cases {
+        if !sources.contains(&case.source) {
+            sources.push(case.source);
+        }
+    }
+    sources
+}
+
+/// One table: a column for each source, a row for each figure (95 % intervals in brackets).
+pub fn table(cases: &[Case]) -> String {
+    let sources = sources(cases);
+    let columns: Vec<Vec<(String, String)>> = sources
+        .iter()
+        .map(|source| {
+            rows(
+                &cases
+                    .iter()
+                    .filter(|c| c.source == *source)
+                    .collect::<Vec<_>>(),
+            )
+        })
+        .collect();
+    let mut names: Vec<&String> = Vec::new();
+    // Every row stands behind the one that it follows in some source.
+    for column in &columns {
+        let mut at = 0;
+        for (name, _) in column {
+            match names.iter().position(|n| *n == name) {
+                Some(place) => at = place + 1,
+                None => {
+                    names.insert(at, name);
+                    at += 1;
+                }
+            }
+        }
+    }
+    let mut text = format!("| {:<52} |", "");
+    for (i, source) in sources.iter().enumerate() {
+        let n = cases.iter().filter(|c| c.source == *source).count();
+        let _ = write!(text, " {:<28} |", format!("{} ({n})", sources[i]));
+    }
+    let _ = write!(
+        text,
+        "\n|{}|{}",
+        "-".repeat(54),
+        format!("{}|", "-".repeat(30)).repeat(sources.len())
+    );
+    for name in names {
+        let _ = write!(text, "\n| {name:<52} |");
+        for column in &columns {
+            let value = column
+                .iter()
+                .find(|row| row.0 == *name)
+                .map_or("", |row| &row.1);
+            let _ = write!(text, " {value:<28} |");
+        }
+    }
+    text
+}
+
+/// Thresholds of confidence of a curve.
+pub const THRESHOLDS: [f64; 21] = [
+    0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8,
+    0.85, 0.9, 0.95, 0.99,
+];
+
+/// True effects found and false names stated, at each threshold of confidence: suspected names count too.
+pub fn curve(cases: &[&Case]) -> Vec<(f64, usize, usize)> {
+    THRESHOLDS
+        .iter()
+        .map(|&threshold| {
+            let names = |c: &&Case| -> Vec<Option<bool>> {
+                let above = c.names().iter().filter(|n| n.confidence >= threshold);
+                above.map(|n| c.judges(n)).collect()
+            };
+            let counted = cases.iter().filter(|c| c.sort != Sort::Stranger);
+            let all: Vec<Option<bool>> = counted.flat_map(names).collect();
+            let count = |right: bool| all.iter().filter(|j| **j == Some(right)).count();
+            (threshold, count(true), count(false))
+        })
+        .collect()
+}
+
+/// The curves of all sources as CSV.
+pub fn curves_csv(cases: &[Case]) -> String {
+    let mut text = "source,recordings,effects,confidence,true_names,false_names\n".to_owned();
+    for source in sources(cases) {
+        let own: Vec<&Case> = cases.iter().filter(|c| c.source == source).collect();
+        let effects: usize = own
+            .iter()
+            .filter(|c| c.sort != Sort::Stranger)
+            .map(|c| c.truth.len())
+            .sum();
+        for (threshold, right, wrong) in curve(&own) {
+            let _ = writeln!(
+                text,
+                "{source},{},{effects},{threshold},{right},{wrong}",
+                own.len()
+            );
+        }
+    }
+    text
+}
+
+/// The curves as a picture: true names (share of the effects) over false names (a recording).
+pub fn curves_svg(cases: &[Case]) -> String {
+    const COLOURS: [&str; 6] = [
+        "#1b6ca8", "#c8553d", "#3a7d44", "#8a5a9e", "#c28f2c", "#555555",
+    ];
+    let (width, height, left, bottom) = (560.0, 360.0, 60.0, 50.0);
+    let at = |wrong: f64, right: f64| {
+        (
+            left + (width - left - 20.0) * wrong.min(1.0),
+            height - bottom - (height - bottom - 20.0) * right,
+        )
+    };
+    let mut text = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"{width}\" height=\"{height}\" fill=\"white\"/>\n"
+    );
+    for tick in 0..=4 {
+        let share = f64::from(tick) / 4.0;
+        let ((x, y0), (x0, y)) = (at(share, 0.0), at(0.0, share));
+        let _ = writeln!(
+            text,
+            "<text x=\"{x:.0}\" y=\"{:.0}\" text-anchor=\"middle\">{share}</text><text x=\"{:.0}\" y=\"{y:.0}\" text-anchor=\"end\">{:.0} %</text><path d=\"M{x0:.0} {y:.0}H{:.0}\" stroke=\"#ddd\"/>",
+            y0 + 18.0,
+            x0 - 6.0,
+            100.0 * share,
+            width - 20.0
+        );
+    }
+    let _ = writeln!(
+        text,
+        "<text x=\"{:.0}\" y=\"{:.0}\" text-anchor=\"middle\">false names a recording</text><text x=\"14\" y=\"14\">effects named</text>",
+        0.5 * width,
+        height - 10.0
+    );
+    for (i, source) in sources(cases).into_iter().enumerate() {
+        let own: Vec<&Case> = cases.iter().filter(|c| c.source == source).collect();
+        let effects: usize = own
+            .iter()
+            .filter(|c| c.sort != Sort::Stranger)
+            .map(|c| c.truth.len())
+            .sum();
+        if effects == 0 {
+            continue;
+        }
+        let points: Vec<String> = curve(&own)
+            .iter()
+            .map(|(_, right, wrong)| {
+                at(
+                    *wrong as f64 / own.len() as f64,
+                    (*right as f64 / effects as f64).min(1.0),
+                )
+            })
+            .map(|(x, y)| format!("{x:.1},{y:.1}"))
+            .collect();
+        let colour = COLOURS[i % COLOURS.len()];
+        let _ = writeln!(
+            text,
+            "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2\"/><text x=\"{:.0}\" y=\"{:.0}\" fill=\"{colour}\" text-anchor=\"end\">{source}</text>",
+            points.join(" "),
+            width - 24.0,
+            200.0 + 16.0 * i as f64
+        );
+    }
+    text + "</svg>\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exact_intervals_are_those_of_the_tables() {
+        // Clopper and Pearson at 95 %: 0 of 99, 5 of 39, 10 of 10.
+        for ((part, whole), [low, high]) in [
+            ((0, 99), [0.0, 0.03658]),
+            ((5, 39), [0.04297, 0.27426]),
+            ((10, 10), [0.69150, 1.0]),
+        ] {
+            let [a, b] = Share { part, whole }.interval();
+            assert!(
+                (a - low).abs() < 1e-4 && (b - high).abs() < 1e-4,
+                "{part}/{whole}: {a} {b}"
+            );
+        }
+    }
+}

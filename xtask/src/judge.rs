@@ -1,0 +1,34 @@
+//! `cargo xtask properties`, `inject`, `sources`: judges of `preslide diagnose` that know it by its command line and its JSON only.
+
+use crate::process::{cargo, run};
+
+/// Builds the tool, unless another is named with `--preslide`, and runs a judge with the arguments of the program behind it.
+fn judge(program: &str, arguments: &[String]) -> Result<(), String> {
+    let named = |argument: &String| argument.starts_with("--preslide") || argument == "--help";
+    if !arguments.iter().any(named) {
+        run(&mut cargo(&[
+            "build",
+            "--release",
+            "--package",
+            "preslide-cli",
+            "--bins",
+        ]))?;
+    }
+    let mut command = cargo(&["run", "--release", "--package", "preslide-host-tests"]);
+    run(command.args(["--bin", program, "--"]).args(arguments))
+}
+
+/// Answers that must not flip.
+pub fn properties(arguments: &[String]) -> Result<(), String> {
+    judge("properties", arguments)
+}
+
+/// Known effects added to real recordings.
+pub fn inject(arguments: &[String]) -> Result<(), String> {
+    judge("inject", arguments)
+}
+
+/// Every source of recordings with a known truth, in one table.
+pub fn sources(arguments: &[String]) -> Result<(), String> {
+    judge("sources", arguments)
+}
