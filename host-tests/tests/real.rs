@@ -26,14 +26,13 @@ fn against_friction(recording: &Recording) -> Diagnosis {
     let progress = Progress::new("test", 0);
     diagnose(recording, Some(&model), &progress)
         .unwrap_or_else(|refusal| panic!("{refusal:?}"))
-        .1
 }
 
 /// Value and 95 % interval of a parameter of the effect that stands first, which must be `id`.
 fn first(found: &Diagnosis, id: &str, key: &str) -> (f64, [f64; 2]) {
     let effect = found.effects.first().expect("an effect");
-    println!("{id}: {} {:.0} nats", effect.confidence, effect.nats);
-    assert_eq!(effect.id, id);
+    println!("{id}: {} {:?}", effect.confidence, effect.evidence);
+    assert_eq!(effect.id(), id);
     let estimate = effect.parameters.iter().find(|p| p.0 == key).expect(key).1;
     (estimate.value, estimate.ci95.expect("an interval"))
 }

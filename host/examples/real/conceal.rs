@@ -85,11 +85,11 @@ fn row(case: &Case, found: Result<(Diagnosis, f64), String>) -> Vec<String> {
         .effects
         .iter()
         .enumerate()
-        .find(|(_, e)| Some(e.id) == case.concealed);
+        .find(|(_, e)| Some(e.id()) == case.concealed);
     let others: Vec<String> = d
         .effects
         .iter()
-        .filter(|e| Some(e.id) != case.concealed)
+        .filter(|e| Some(e.id()) != case.concealed)
         .map(words)
         .collect();
     row.push(match (case.concealed, named) {
@@ -98,10 +98,11 @@ fn row(case: &Case, found: Result<(Diagnosis, f64), String>) -> Vec<String> {
         (_, Some((place, effect))) => format!("{}. {}", place + 1, words(effect)),
     });
     row.push(named.map_or("–".to_owned(), |(_, effect)| {
-        let changed = effect.malformed.map_or(String::new(), |axis| {
-            format!("; its size changes with {}", axis.name())
+        let form = effect.standing.as_ref().and_then(|s| s.form);
+        let changed = form.map_or(String::new(), |(axis, _)| {
+            format!("; its size changes with {}", axis.name(&d.ground.rows.s))
         });
-        match effect.id {
+        match effect.id() {
             "presliding_shape" => format!(
                 "NMSE {} % by the model's shape, {} % by the core's",
                 figure(effect.nmse_test[0]),

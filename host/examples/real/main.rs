@@ -1,13 +1,12 @@
-//! `diagnose` on the real recordings in `../shared/recordings`: `cargo run --release --example real [table [NAME]|conceal|inject]`.
+//! `diagnose` on the real recordings in `../shared/recordings`: `cargo run --release --example real [table [NAME]|conceal]`.
 //!
-//! The table is what it says of each recording, or of those with NAME in their names. `conceal` takes a term out of the model that the data need, `inject` adds a
-//! known effect to the measured force; both ask whether the tool names it. Without an argument all three are printed.
+//! The table is what it says of each recording, or of those with NAME in their names. `conceal` takes a term out of the model that the data need,
+//! and asks whether the tool names it. Without an argument both are printed. Effects added to measured forces: `cargo xtask inject`.
 
 mod conceal;
-mod inject;
 mod screw;
 
-use preslide_host::diagnose::conclude::Effect;
+use preslide_host::diagnose::verdict::Named as Effect;
 use preslide_host::diagnose::{Diagnosis, Refusal, diagnose};
 use preslide_host::friction::FrictionModel;
 use preslide_host::model::Model;
@@ -64,7 +63,7 @@ pub fn run(
     let seconds = start.elapsed().as_secs_f64();
     eprintln!("{seconds:.1} s");
     match found {
-        Ok((_, diagnosis)) => Ok((diagnosis, seconds)),
+        Ok(diagnosis) => Ok((diagnosis, seconds)),
         Err(Refusal::Input(reason)) => Err(format!("exit 2: {reason}")),
         Err(Refusal::Data(reason)) => Err(format!("exit 3: {reason}")),
     }
@@ -80,22 +79,24 @@ pub fn figure(value: f64) -> String {
     }
 }
 
-/// One effect in a few words: name, nats, confidence and level.
+/// One effect in a few words: name, share of the mismatch, confidence and level.
 pub fn words(effect: &Effect) -> String {
     let level = if effect.confident {
         "confident"
     } else {
         "suspected"
     };
-    let or: Vec<&str> = effect.ambiguous_with.clone();
+    let or: Vec<&str> = effect.ambiguous.iter().map(|e| e.id()).collect();
     let or = if or.is_empty() {
         String::new()
     } else {
         format!(" (or {})", or.join(", "))
     };
     format!(
-        "{} {:.0} nats {:.2} {level}{or}",
-        effect.id, effect.nats, effect.confidence
+        "{} {:.1} % {:.2} {level}{or}",
+        effect.id(),
+        100.0 * effect.evidence.share,
+        effect.confidence
     )
 }
 
@@ -120,8 +121,8 @@ pub fn parameters(effect: &Effect, recording: &Recording) -> String {
 /// What is left and in no catalogue.
 fn unknown(diagnosis: &Diagnosis) -> String {
     diagnosis.unknown.as_ref().map_or("–".to_owned(), |u| {
-        let symmetry = if u.signature.odd { "odd" } else { "even" };
-        format!("{} ({symmetry})", u.signature.axis.name())
+        let symmetry = if u.odd { "odd" } else { "even" };
+        format!("{} ({symmetry})", u.axis.name(&diagnosis.ground.rows.s))
     })
 }
 
@@ -153,7 +154,7 @@ fn summary(part: &str) -> std::io::Result<Table> {
                 let effects: Vec<String> = d.effects.iter().map(words).collect();
                 vec![
                     name,
-                    d.verdict.to_owned(),
+                    d.verdict.name().to_owned(),
                     effects.join("; "),
                     unknown(&d),
                     format!("{} → {}", figure(d.baseline.test), figure(d.extended.test)),
@@ -205,19 +206,14 @@ fn main() -> Result<(), String> {
     let mut arguments = std::env::args().skip(1);
     let (chosen, part) = (arguments.next(), arguments.next().unwrap_or_default());
     let wants = |part: &str| chosen.as_deref().is_none_or(|c| c == part);
-    if !["table", "conceal", "inject"].into_iter().any(wants) {
-        return Err("usage: real [table [NAME]|conceal|inject]".to_owned());
+    if !["table", "conceal"].into_iter().any(wants) {
+        return Err("usage: real [table [NAME]|conceal]".to_owned());
     }
     if wants("table") {
         print(&summary(&part).map_err(|e| format!("../shared/recordings: {e}"))?);
     }
     if wants("conceal") {
         print(&conceal::table()?);
-    }
-    if wants("inject") {
-        for table in inject::tables()? {
-            print(&table);
-        }
     }
     Ok(())
 }
