@@ -95,7 +95,10 @@ fn a_constant_force_is_named_with_its_interval_and_its_double() {
     assert_eq!(confident(&found), ["constant_force"]);
     let effect = &found.effects[0];
     assert!(
-        effect.ambiguous.iter().any(|e| e.id() == "coulomb_asymmetry"),
+        effect
+            .ambiguous
+            .iter()
+            .any(|e| e.id() == "coulomb_asymmetry"),
         "no fit separates them"
     );
     let truth = trial(10, kind).label.effects[0].values[0];
@@ -114,5 +117,10 @@ fn a_constant_force_is_named_with_its_interval_and_its_double() {
 #[test]
 fn a_memory_of_time_is_unknown_physics() {
     let (found, _) = answer(56, Kind::Outside(Id::RelaxingMemory));
-    assert_ne!(found.verdict, Verdict::MissingPhysics, "{:?}", confident(&found));
+    assert_ne!(
+        found.verdict,
+        Verdict::MissingPhysics,
+        "{:?}",
+        confident(&found)
+    );
 }

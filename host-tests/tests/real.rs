@@ -24,8 +24,7 @@ fn against_friction(recording: &Recording) -> Diagnosis {
         ..Model::of_friction(recording.kind, FrictionModel::Coulomb { coulomb: 20.4 })
     };
     let progress = Progress::new("test", 0);
-    diagnose(recording, Some(&model), &progress)
-        .unwrap_or_else(|refusal| panic!("{refusal:?}"))
+    diagnose(recording, Some(&model), &progress).unwrap_or_else(|refusal| panic!("{refusal:?}"))
 }
 
 /// Value and 95 % interval of a parameter of the effect that stands first, which must be `id`.

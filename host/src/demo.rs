@@ -25,7 +25,14 @@ impl Story<'_> {
         let names: Vec<String> = self
             .diagnosis
             .confident()
-            .map(|e| format!("{} ({}; confidence {:.2})", e.id(), e.name.words(), e.confidence))
+            .map(|e| {
+                format!(
+                    "{} ({}; confidence {:.2})",
+                    e.id(),
+                    e.name.words(),
+                    e.confidence
+                )
+            })
             .collect();
         if names.is_empty() {
             "nothing that is certain".to_owned()

@@ -87,9 +87,10 @@ impl Diagnose {
             say!("{}: {words}.", path.display());
         }
         let seconds = start.elapsed().as_secs_f64();
-        self.outputs.write(&found.to_json(&recording, seconds), || {
-            found.page(&recording, command_line())
-        })?;
+        self.outputs
+            .write(&found.to_json(&recording, seconds), || {
+                found.page(&recording, command_line())
+            })?;
         if found.verdict == Verdict::InsufficientData {
             return Err(Failure::Data(found.verdict_words(&recording)));
         }

@@ -71,7 +71,12 @@ impl Change {
                 let slow = s.moving_speed(0.05).max(1e-3 * top);
                 let rate = |v: f64| (v.abs().max(slow) / top).ln();
                 vec![
-                    Column::of(s.v.iter().zip(&core.friction).map(|(v, f)| rate(*v) * f).collect()),
+                    Column::of(
+                        s.v.iter()
+                            .zip(&core.friction)
+                            .map(|(v, f)| rate(*v) * f)
+                            .collect(),
+                    ),
                     Column::of(
                         s.v.iter()
                             .zip(core.friction.iter().zip(&core.slipping))

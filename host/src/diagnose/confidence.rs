@@ -31,16 +31,25 @@ pub fn features(standing: &Standing) -> [f64; 4] {
 
 /// Probability that the effect is there and so named.
 pub fn confidence(standing: &Standing) -> f64 {
-    let sum: f64 = features(standing).iter().zip(&WEIGHTS[1..]).map(|(f, w)| f * w).sum();
+    let sum: f64 = features(standing)
+        .iter()
+        .zip(&WEIGHTS[1..])
+        .map(|(f, w)| f * w)
+        .sum();
     let probability = 1.0 / (1.0 + (-(WEIGHTS[0] + sum)).exp());
     // What changes its size where the catalogue's effect does not is something else.
-    if standing.form.is_some() { MALFORMED * probability } else { probability }
+    if standing.form.is_some() {
+        MALFORMED * probability
+    } else {
+        probability
+    }
 }
 
 /// The same for the user's hysteresis, from the held-out NMSE (%) with it and with the core.
-pub fn of_hysteresis(own: f64, core: f64) -> f64 {
+pub fn of_hysteresis(own: f64, core: f64, wrong: bool) -> f64 {
     let ratio = (own / core.max(1e-12)).max(1.0);
-    (1.0 - 0.5 / ratio).clamp(0.5, 0.99)
+    let sure = (1.0 - 0.5 / ratio).clamp(0.5, 0.99);
+    if wrong { sure } else { 0.5 * sure }
 }
 
 /// The same for a candidate that did not enter: half of what its evidence alone would give.

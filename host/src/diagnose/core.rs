@@ -69,7 +69,13 @@ impl Core {
     }
 
     /// The model that effects act through, from the coefficients of the core's columns and of `terms` behind them.
-    pub fn baseline(&self, rows: &Rows, coefficients: &[f64], terms: &[Term], before: &Baseline) -> Baseline {
+    pub fn baseline(
+        &self,
+        rows: &Rows,
+        coefficients: &[f64],
+        terms: &[Term],
+        before: &Baseline,
+    ) -> Baseline {
         let s = &rows.s;
         let first = self.rows.len() - self.yields.len();
         let mass = if rows.inertial { coefficients[0] } else { 0.0 };
@@ -106,7 +112,10 @@ impl Core {
                 let c = coefficients[next];
                 next += 1;
                 if !term.acts_on_effort() && !column.value.is_empty() {
-                    fitted.iter_mut().zip(&column.value).for_each(|(f, v)| *f += c * v);
+                    fitted
+                        .iter_mut()
+                        .zip(&column.value)
+                        .for_each(|(f, v)| *f += c * v);
                 }
             }
         }

@@ -25,7 +25,8 @@ impl Curve {
         let axes = Axis::of(s).into_iter();
         // A level that follows velocity is one that follows speed and direction.
         let both = axes.flat_map(|axis| [false, true].map(|odd| Curve { axis, odd }));
-        both.filter(|c| c.axis != Axis::Velocity || !c.odd).collect()
+        both.filter(|c| c.axis != Axis::Velocity || !c.odd)
+            .collect()
     }
 
     /// Hat functions at the samples: a force, or a change of the friction level.

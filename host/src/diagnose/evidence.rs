@@ -55,7 +55,9 @@ pub fn evidence(force: &[f64], residual: &[f64], blocks: &[Range<usize>]) -> Evi
 fn as_normal(t: f64, freedom: f64) -> f64 {
     /// Beyond it the distributions' tails are no longer told apart in double precision.
     const RAREST: f64 = 1e-280;
-    let tail = StudentsT::new(0.0, 1.0, freedom).map_or(0.5, |d| d.sf(t.abs())).max(RAREST);
+    let tail = StudentsT::new(0.0, 1.0, freedom)
+        .map_or(0.5, |d| d.sf(t.abs()))
+        .max(RAREST);
     let z = Normal::standard().inverse_cdf(tail).abs();
     z.min(t.abs()).copysign(t)
 }

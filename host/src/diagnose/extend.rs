@@ -8,7 +8,11 @@ use crate::recording::Recording;
 
 impl Diagnosis {
     /// The extended model, and the effects that no model file can hold, with the reason.
-    pub fn extended_model(&self, recording: &Recording, user: Option<&Model>) -> (Model, Vec<String>) {
+    pub fn extended_model(
+        &self,
+        recording: &Recording,
+        user: Option<&Model>,
+    ) -> (Model, Vec<String>) {
         let ground = &self.ground;
         let mut terms = self.states[1].terms.clone();
         for term in &mut terms {

@@ -1,8 +1,8 @@
 //! What every hypothesis stands on: the rows, the core, the friction that effects act through, and the noise that weights.
 
-use super::core::Core;
 use super::axis::Axis;
 use super::change::{Change, late_yields};
+use super::core::Core;
 use super::curve::Curve;
 use super::effect::{Baseline, Scene};
 use super::noise::{Course, Noise};
@@ -54,7 +54,10 @@ impl Ground {
     pub fn new(rows: Rows, given: &[Term]) -> Option<Self> {
         let core = Core::new(&rows);
         let course_less = Baseline::default();
-        let noise = Noise::white(&rows.force, &course(&rows, &Places::of(&rows, &course_less)));
+        let noise = Noise::white(
+            &rows.force,
+            &course(&rows, &Places::of(&rows, &course_less)),
+        );
         let mut ground = Self {
             baseline: course_less,
             noise,
@@ -76,7 +79,11 @@ impl Ground {
             let fitted = from.fit(&all)?;
             let mut next = from.with_baseline(&fitted);
             let places = Places::of(&next.rows, &next.baseline);
-            next.noise = Noise::estimate(&fitted.residual(&next.rows.force), &course(&next.rows, &places), None);
+            next.noise = Noise::estimate(
+                &fitted.residual(&next.rows.force),
+                &course(&next.rows, &places),
+                None,
+            );
             ground = Some(next);
         }
         ground
@@ -173,7 +180,12 @@ impl Ground {
         Some(self.fit_columns(terms, own, more)?.normal)
     }
 
-    fn fit_columns(&self, terms: &[Term], own: Vec<Arc<Vec<Vec<f64>>>>, more: &[Vec<f64>]) -> Option<Hypothesis> {
+    fn fit_columns(
+        &self,
+        terms: &[Term],
+        own: Vec<Arc<Vec<Vec<f64>>>>,
+        more: &[Vec<f64>],
+    ) -> Option<Hypothesis> {
         let mut columns: Vec<&[f64]> = self.core.rows.iter().map(Vec::as_slice).collect();
         let mut bounds = self.core.bounds();
         let mut places = Vec::new();
@@ -184,7 +196,13 @@ impl Ground {
         }
         columns.extend(more.iter().map(Vec::as_slice));
         bounds.extend(more.iter().map(|_| Bound::Free));
-        let normal = Normal::new(&self.noise, &self.rows.weak.folds, &columns, &bounds, &self.rows.force)?;
+        let normal = Normal::new(
+            &self.noise,
+            &self.rows.weak.folds,
+            &columns,
+            &bounds,
+            &self.rows.force,
+        )?;
         let core = Arc::new(self.core.rows.clone());
         Some(Hypothesis {
             terms: terms.to_vec(),
@@ -203,7 +221,9 @@ impl Hypothesis {
 
     /// The same with the coefficients of the other folds.
     pub fn held_out_residual(&self, rows: &Rows) -> Vec<f64> {
-        let own: Vec<Vec<f64>> = (0..rows.weak.folds.len()).map(|s| self.normal.without_fold(s)).collect();
+        let own: Vec<Vec<f64>> = (0..rows.weak.folds.len())
+            .map(|s| self.normal.without_fold(s))
+            .collect();
         let mut fold = vec![0; rows.force.len()];
         for (s, range) in rows.weak.folds.iter().enumerate() {
             fold[range.clone()].fill(s);

@@ -106,10 +106,14 @@ impl Standing {
             let mut terms = rest.terms.clone();
             terms.push(first.clone());
             let with = ground.fit(&terms)?;
-            Some(offer_of(ground, &with, std::slice::from_ref(second), 1.0).map_or(0.0, |o| o.evidence.share))
+            Some(
+                offer_of(ground, &with, std::slice::from_ref(second), 1.0)
+                    .map_or(0.0, |o| o.evidence.share),
+            )
         };
         // Shares of what is left beside a rival are larger than those of the whole.
-        let kept = beside(&rival.term, &self.term).unwrap_or(0.0) * (1.0 - rival.evidence.share).max(0.0);
+        let kept =
+            beside(&rival.term, &self.term).unwrap_or(0.0) * (1.0 - rival.evidence.share).max(0.0);
         if kept > NEEDLESS * own.evidence.share {
             return;
         }
@@ -139,7 +143,9 @@ fn margin(ground: &Ground, rest: &Hypothesis, own: &Offer, rival: &Offer) -> f64
         .iter()
         .map(|rows| {
             rows.clone()
-                .map(|i| (e[i] - rival.trial.force[i]).powi(2) - (e[i] - own.trial.force[i]).powi(2))
+                .map(|i| {
+                    (e[i] - rival.trial.force[i]).powi(2) - (e[i] - own.trial.force[i]).powi(2)
+                })
                 .sum()
         })
         .collect();
@@ -165,7 +171,8 @@ fn form(found: &Found, index: usize, own: &Offer) -> Option<(Axis, f64)> {
         let trial = hypothesis.normal.trial(&[&columns], |_, _| true)?;
         let found = evidence(&trial.force, &hypothesis.normal.held_out, &rows.blocks);
         let ratio = found.share / own.evidence.share.max(1e-300);
-        (found.z >= MODULATED && found.share >= MATERIAL && ratio >= CHANGES).then_some((axis, ratio))
+        (found.z >= MODULATED && found.share >= MATERIAL && ratio >= CHANGES)
+            .then_some((axis, ratio))
     };
     [Axis::Speed, Axis::Time, Axis::Position]
         .into_iter()
@@ -179,7 +186,9 @@ fn survival(ground: &Ground, rest: &Hypothesis, term: &Term, own: &Offer) -> f64
     Change::ALL
         .into_iter()
         .map(Subject::Change)
-        .filter(|c| c.key() != term.subject.key() && !rest.terms.iter().any(|t| t.subject.key() == c.key()))
+        .filter(|c| {
+            c.key() != term.subject.key() && !rest.terms.iter().any(|t| t.subject.key() == c.key())
+        })
         .filter_map(|change| {
             let change = Term::new(change, &[]);
             let with = ground.fit(&[rest.terms.as_slice(), std::slice::from_ref(term)].concat())?;
@@ -188,7 +197,8 @@ fn survival(ground: &Ground, rest: &Hypothesis, term: &Term, own: &Offer) -> f64
                 .filter(|o| o.evidence.share >= MATERIAL && o.evidence.z >= WORSE)?;
             let changed = ground.fit(&[rest.terms.as_slice(), &[change]].concat())?;
             let loss = changed.normal.loss() / rest.normal.loss();
-            let kept = offer_of(ground, &changed, std::slice::from_ref(term), 1.0).map_or(0.0, |o| o.evidence.share);
+            let kept = offer_of(ground, &changed, std::slice::from_ref(term), 1.0)
+                .map_or(0.0, |o| o.evidence.share);
             Some(kept * loss / own.evidence.share.max(1e-300))
         })
         .fold(1.0, f64::min)

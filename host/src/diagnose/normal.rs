@@ -79,7 +79,12 @@ pub struct Trial {
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut lanes = [0.0; 8];
     let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f64 = a8.remainder().iter().zip(b8.remainder()).map(|(a, b)| a * b).sum();
+    let rest: f64 = a8
+        .remainder()
+        .iter()
+        .zip(b8.remainder())
+        .map(|(a, b)| a * b)
+        .sum();
     for (a, b) in a8.zip(b8) {
         for k in 0..8 {
             lanes[k] += a[k] * b[k];
@@ -90,10 +95,19 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 impl Normal {
     /// Fits `columns` with their bounds to `force`; `None` where the columns do not determine their coefficients.
-    pub fn new(noise: &Noise, folds: &[Range<usize>], columns: &[&[f64]], bounds: &[Bound], force: &[f64]) -> Option<Self> {
+    pub fn new(
+        noise: &Noise,
+        folds: &[Range<usize>],
+        columns: &[&[f64]],
+        bounds: &[Bound],
+        force: &[f64],
+    ) -> Option<Self> {
         let whitened: Vec<Vec<f64>> = columns.par_iter().map(|c| noise.whitened(c)).collect();
         let target = noise.whitened(force);
-        let scale: Vec<f64> = whitened.iter().map(|c| dot(c, c).max(1e-300).sqrt().recip()).collect();
+        let scale: Vec<f64> = whitened
+            .iter()
+            .map(|c| dot(c, c).max(1e-300).sqrt().recip())
+            .collect();
         let unit: Vec<Vec<f64>> = whitened
             .into_iter()
             .zip(&scale)
@@ -127,7 +141,10 @@ impl Normal {
             .map(|out| {
                 let (g, r) = match out {
                     None => (pick(&gram), right.select_rows(&active)),
-                    Some(s) => (pick(&(&gram - &grams[s])), (&right - &rights[s]).select_rows(&active)),
+                    Some(s) => (
+                        pick(&(&gram - &grams[s])),
+                        (&right - &rights[s]).select_rows(&active),
+                    ),
                 };
                 let factor = g.cholesky()?;
                 let beta = factor.solve(&r);
@@ -204,7 +221,11 @@ impl Normal {
 
     /// What a candidate explains: of its shapes, each with its columns, each fold takes the one that explains most of the others.
     /// `admits` tells whether a shape may have such coefficients.
-    pub fn trial(&self, shapes: &[&[Vec<f64>]], admits: impl Fn(usize, &[f64]) -> bool + Sync) -> Option<Trial> {
+    pub fn trial(
+        &self,
+        shapes: &[&[Vec<f64>]],
+        admits: impl Fn(usize, &[f64]) -> bool + Sync,
+    ) -> Option<Trial> {
         let whitened: Vec<Vec<Vec<f64>>> = shapes
             .par_iter()
             .map(|columns| columns.iter().map(|c| self.noise.whitened(c)).collect())
@@ -215,7 +236,10 @@ impl Normal {
                 let solved = shape.solved[system].as_ref()?;
                 admits(i, solved.c.as_slice()).then_some(solved.reduction)
             };
-            let all = solved.iter().enumerate().filter_map(|(i, shape)| Some((i, of(shape, i)?)));
+            let all = solved
+                .iter()
+                .enumerate()
+                .filter_map(|(i, shape)| Some((i, of(shape, i)?)));
             all.max_by(|a, b| a.1.total_cmp(&b.1))
         };
         let (best, fitted) = choose(0)?;
@@ -252,22 +276,32 @@ impl Normal {
         Some((solved.reduction, solved.c.as_slice().to_vec()))
     }
 
-    fn products(&self, columns: &[Vec<f64>], rows: Range<usize>) -> (DMatrix<f64>, DMatrix<f64>, DVector<f64>) {
+    fn products(
+        &self,
+        columns: &[Vec<f64>],
+        rows: Range<usize>,
+    ) -> (DMatrix<f64>, DMatrix<f64>, DVector<f64>) {
         let k = columns.len();
         let of = |a: &[f64], b: &[f64]| dot(&a[rows.clone()], &b[rows.clone()]);
         (
-            DMatrix::from_fn(self.columns.len(), k, |i, j| of(&self.columns[i], &columns[j])),
+            DMatrix::from_fn(self.columns.len(), k, |i, j| {
+                of(&self.columns[i], &columns[j])
+            }),
             DMatrix::from_fn(k, k, |i, j| of(&columns[i], &columns[j])),
             DVector::from_fn(k, |i, _| of(&columns[i], &self.target)),
         )
     }
 
     fn solve(&self, columns: &[Vec<f64>]) -> Shape {
-        let parts: Vec<_> = self.folds.iter().map(|f| self.products(columns, f.clone())).collect();
-        let first = parts[0].clone();
-        let (cross, own, right) = parts[1..]
+        let parts: Vec<_> = self
+            .folds
             .iter()
-            .fold(first, |(a, b, c), part| (a + &part.0, b + &part.1, c + &part.2));
+            .map(|f| self.products(columns, f.clone()))
+            .collect();
+        let first = parts[0].clone();
+        let (cross, own, right) = parts[1..].iter().fold(first, |(a, b, c), part| {
+            (a + &part.0, b + &part.1, c + &part.2)
+        });
         let mut solved = vec![self.systems[0].schur(&cross, &own, &right)];
         for (system, part) in self.systems[1..].iter().zip(&parts) {
             solved.push(system.schur(&(&cross - &part.0), &(&own - &part.1), &(&right - &part.2)));
@@ -277,7 +311,12 @@ impl Normal {
 }
 
 impl System {
-    fn schur(&self, cross: &DMatrix<f64>, own: &DMatrix<f64>, right: &DVector<f64>) -> Option<Solved> {
+    fn schur(
+        &self,
+        cross: &DMatrix<f64>,
+        own: &DMatrix<f64>,
+        right: &DVector<f64>,
+    ) -> Option<Solved> {
         let w = self.factor.solve(cross);
         let schur = own - cross.tr_mul(&w);
         if (0..own.nrows()).any(|j| schur[(j, j)].is_nan() || schur[(j, j)] <= NEW * own[(j, j)]) {
@@ -294,7 +333,9 @@ impl System {
 }
 
 fn subtract(out: &mut [f64], column: &[f64], factor: f64) {
-    out.iter_mut().zip(column).for_each(|(o, v)| *o -= factor * v);
+    out.iter_mut()
+        .zip(column)
+        .for_each(|(o, v)| *o -= factor * v);
 }
 /// Lawson and Hanson's active set on normal equations (Solving Least Squares Problems, 1974, ch. 23): which columns take part
 /// so that no bounded coefficient is negative.

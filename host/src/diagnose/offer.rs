@@ -28,6 +28,8 @@ pub struct Offer {
     pub trial: Trial,
     /// What that is worth.
     pub evidence: Evidence,
+    /// Deviation of its force, of the measured effort's deviation.
+    pub relative: f64,
     /// Among how many independent places of its spectrum it was found.
     pub tries: f64,
 }
@@ -52,10 +54,11 @@ fn families(ground: &Ground, hypothesis: &Hypothesis, periods: &[f64]) -> Vec<Fa
     let mut all: Vec<Family> = Vec::new();
     for effect in effect::ALL {
         let subject = Subject::Effect(effect);
-        let present = hypothesis
-            .terms
-            .iter()
-            .any(|t| t.effect().is_some_and(|e| e.id() == effect.id() || e.excludes().iter().any(|x| x.id() == effect.id())));
+        let present = hypothesis.terms.iter().any(|t| {
+            t.effect().is_some_and(|e| {
+                e.id() == effect.id() || e.excludes().iter().any(|x| x.id() == effect.id())
+            })
+        });
         if present && !effect.recurs() {
             continue;
         }
@@ -80,7 +83,9 @@ fn families(ground: &Ground, hypothesis: &Hypothesis, periods: &[f64]) -> Vec<Fa
         if line != Line::Time {
             let travel = ground.rows.s.travel();
             let known = periods.iter().filter(|p| PERIODS * **p < travel);
-            family.shapes.extend(known.flat_map(|p| [vec![*p], vec![p / 2.0]]));
+            family
+                .shapes
+                .extend(known.flat_map(|p| [vec![*p], vec![p / 2.0]]));
         }
     }
     let nameless = Curve::all(&ground.rows.s)
@@ -88,7 +93,11 @@ fn families(ground: &Ground, hypothesis: &Hypothesis, periods: &[f64]) -> Vec<Fa
         .map(Subject::Curve)
         .chain(Change::ALL.map(Subject::Change));
     for subject in nameless {
-        if !hypothesis.terms.iter().any(|t| t.subject.key() == subject.key()) {
+        if !hypothesis
+            .terms
+            .iter()
+            .any(|t| t.subject.key() == subject.key())
+        {
             all.push(Family {
                 subject,
                 shapes: vec![Vec::new()],
@@ -119,18 +128,44 @@ pub fn offers(ground: &Ground, hypothesis: &Hypothesis, periods: &[f64]) -> (Vec
 }
 
 /// The best of some terms on top of a hypothesis.
-pub fn offer_of(ground: &Ground, hypothesis: &Hypothesis, terms: &[Term], tries: f64) -> Option<Offer> {
+pub fn offer_of(
+    ground: &Ground,
+    hypothesis: &Hypothesis,
+    terms: &[Term],
+    tries: f64,
+) -> Option<Offer> {
     let columns: Vec<Arc<Vec<Vec<f64>>>> = terms.par_iter().map(|t| ground.columns(t)).collect();
-    let some: Vec<usize> = (0..terms.len()).filter(|i| !columns[*i].is_empty()).collect();
+    let some: Vec<usize> = (0..terms.len())
+        .filter(|i| !columns[*i].is_empty())
+        .collect();
     let shapes: Vec<&[Vec<f64>]> = some.iter().map(|&i| columns[i].as_slice()).collect();
     let admits = |i: usize, c: &[f64]| terms[some[i]].admits(c);
     let trial = hypothesis.normal.trial(&shapes, admits)?;
+    let force = combined(shapes[trial.best], &trial.coefficients);
     Some(Offer {
+        relative: (squares(&force) / ground.rows.variation().max(1e-300)).sqrt(),
         term: terms[some[trial.best]].clone(),
-        evidence: evidence(&trial.force, &hypothesis.normal.held_out, &ground.rows.blocks),
+        evidence: evidence(
+            &trial.force,
+            &hypothesis.normal.held_out,
+            &ground.rows.blocks,
+        ),
         trial,
         tries,
     })
+}
+
+fn combined(columns: &[Vec<f64>], coefficients: &[f64]) -> Vec<f64> {
+    let mut force = vec![0.0; columns.first().map_or(0, Vec::len)];
+    for (column, c) in columns.iter().zip(coefficients) {
+        force.iter_mut().zip(column).for_each(|(f, v)| *f += c * v);
+    }
+    force
+}
+
+/// Sum of squares about zero: a constant is a force, too.
+fn squares(force: &[f64]) -> f64 {
+    force.iter().map(|f| f * f).sum()
 }
 
 /// Lines of the mismatch in position and in time, with how many were possible.
@@ -142,7 +177,9 @@ impl Lines {
         let x = weak.at_centres(&s.x);
         let t = weak.at_centres(&s.t);
         let friction = weak.at_centres(&ground.baseline.friction);
-        let weights = ground.noise.inverse(&hypothesis.residual(&ground.rows.force));
+        let weights = ground
+            .noise
+            .inverse(&hypothesis.residual(&ground.rows.force));
         let by_friction: Vec<f64> = weights.iter().zip(&friction).map(|(w, f)| w * f).collect();
         let (travel, slow) = (s.travel(), s.moving_speed(SLOW).max(1e-300));
         let row_s = weak.half_width_s;
@@ -155,11 +192,17 @@ impl Lines {
         Self(BTreeMap::from([
             (
                 Line::Force as u8,
-                (invert(spectra::lines(&x, &weights, lowest, finest)), in_position),
+                (
+                    invert(spectra::lines(&x, &weights, lowest, finest)),
+                    in_position,
+                ),
             ),
             (
                 Line::Level as u8,
-                (invert(spectra::lines(&x, &by_friction, lowest, finest)), in_position),
+                (
+                    invert(spectra::lines(&x, &by_friction, lowest, finest)),
+                    in_position,
+                ),
             ),
             (
                 Line::Time as u8,
@@ -169,7 +212,9 @@ impl Lines {
     }
 
     fn get(&self, line: Line) -> (&[f64], f64) {
-        self.0.get(&(line as u8)).map_or((&[], 1.0), |l| (&l.0, l.1))
+        self.0
+            .get(&(line as u8))
+            .map_or((&[], 1.0), |l| (&l.0, l.1))
     }
 }
 

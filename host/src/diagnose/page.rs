@@ -22,7 +22,11 @@ impl Diagnosis {
     pub fn page(&self, recording: &Recording, command: String) -> Page {
         Page {
             title: format!("Diagnosis of {}", recording.name),
-            lead: format!("{}. {}", self.verdict_words(recording), self.recommendation()),
+            lead: format!(
+                "{}. {}",
+                self.verdict_words(recording),
+                self.recommendation()
+            ),
             command,
             sections: vec![
                 self.located(recording),
@@ -70,7 +74,10 @@ impl Diagnosis {
             .map(|e| format!("{}.", self.sentence(e, recording)))
             .collect();
         if let Some(unknown) = &self.unknown {
-            paragraphs.push(format!("Without a name: {}.", unknown.words(self, recording)));
+            paragraphs.push(format!(
+                "Without a name: {}.",
+                unknown.words(self, recording)
+            ));
         }
         if paragraphs.is_empty() {
             paragraphs.push(
@@ -80,13 +87,22 @@ impl Diagnosis {
         Section {
             heading: "Where model and recording differ".to_owned(),
             paragraphs,
-            figures: self.mismatch_over(axis, odd, place, recording).into_iter().collect(),
+            figures: self
+                .mismatch_over(axis, odd, place, recording)
+                .into_iter()
+                .collect(),
             ..Section::default()
         }
     }
 
     /// Mean mismatch over a coordinate before and after, the place marked.
-    fn mismatch_over(&self, axis: Axis, odd: bool, place: Option<Place>, recording: &Recording) -> Option<Figure> {
+    fn mismatch_over(
+        &self,
+        axis: Axis,
+        odd: bool,
+        place: Option<Place>,
+        recording: &Recording,
+    ) -> Option<Figure> {
         let rows = &self.ground.rows;
         let (x_unit, f_unit) = (axis.unit(recording.position_unit()), unit_of(recording));
         let values = rows.weak.at_centres(&axis.values(&rows.s)?);
@@ -105,7 +121,11 @@ impl Diagnosis {
             format!("Mismatch over {name}"),
             report::Axis::new(name.as_str(), x_unit.as_str()),
             report::Axis::new(
-                if odd { "measured − model, along the motion" } else { "measured − model" },
+                if odd {
+                    "measured − model, along the motion"
+                } else {
+                    "measured − model"
+                },
                 f_unit,
             ),
         )
@@ -169,7 +189,10 @@ impl Diagnosis {
         });
         let intro = format!(
             "NMSE (eq. 13) is the squared error over the variance of the whole measured effort after averaging with a kernel of ±{:.1} ms; test figures come from {} stretches of the recording held out in turn. What is decided is decided between {} stretches with equal shares of the moving time and of the path. Rest ({:.0} % of the samples) and the begin of each recording, until friction's state is known, are left out.",
-            1e3 * rows.weak.half_width_s, rows.weak.folds.len(), rows.blocks.len(), 100.0 * rows.at_rest
+            1e3 * rows.weak.half_width_s,
+            rows.weak.folds.len(),
+            rows.blocks.len(),
+            100.0 * rows.at_rest
         );
         Section {
             heading: "What is missing".to_owned(),
@@ -185,7 +208,9 @@ impl Diagnosis {
         let position = rows.weak.at_centres(&rows.s.x);
         let shown = rows.weak.folds.last().cloned().unwrap_or(0..0);
         let modelled = |i: usize| -> Vec<f64> {
-            let of = rows.force[shown.clone()].iter().zip(&residuals[i][shown.clone()]);
+            let of = rows.force[shown.clone()]
+                .iter()
+                .zip(&residuals[i][shown.clone()]);
             of.map(|(f, r)| f - r).collect()
         };
         let x = position[shown.clone()].to_vec();
@@ -194,7 +219,10 @@ impl Diagnosis {
             report::Axis::new("position", recording.position_unit()),
             report::Axis::new("effort, averaged by the kernel", unit_of(recording)),
         )
-        .with(Series::line("measured", x.clone(), rows.force[shown.clone()].to_vec()).colour(Colour::Black))
+        .with(
+            Series::line("measured", x.clone(), rows.force[shown.clone()].to_vec())
+                .colour(Colour::Black),
+        )
         .with(
             Series::line("model", x.clone(), modelled(0))
                 .style(Style::Dashed)
@@ -239,7 +267,10 @@ impl Diagnosis {
     /// The cells of position × velocity in which the mean mismatch is largest, before and after.
     fn largest_cells(&self, recording: &Recording) -> Table {
         let rows = &self.ground.rows;
-        let (x, v) = (rows.weak.at_centres(&rows.s.x), rows.weak.at_centres(&rows.s.v));
+        let (x, v) = (
+            rows.weak.at_centres(&rows.s.x),
+            rows.weak.at_centres(&rows.s.v),
+        );
         let (bx, bv) = (bounds(&x), bounds(&v));
         let cell = |value: f64, (low, high): (f64, f64)| {
             let u = (value - low) / (high - low).max(1e-300);
@@ -267,7 +298,9 @@ impl Diagnosis {
         };
         Table {
             caption: "Cells of position × velocity that hold most of the mismatch".to_owned(),
-            head: ["position", "velocity", "mean before", "mean after"].map(String::from).to_vec(),
+            head: ["position", "velocity", "mean before", "mean after"]
+                .map(String::from)
+                .to_vec(),
             rows: order.into_iter().take(6).map(row).collect(),
         }
     }

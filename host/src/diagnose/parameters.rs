@@ -9,7 +9,11 @@ use crate::identify::estimate::Estimate;
 /// Parameters of term `index` with 95 % intervals, all other coefficients and shapes free. The interval is the widest that
 /// blocks of the recording, its folds, or its kinds of strokes give: where a form is wrong, other motions give other values,
 /// which repeats of the same motion do not show.
-pub fn parameters(ground: &Ground, hypothesis: &Hypothesis, index: usize) -> Vec<(String, Estimate)> {
+pub fn parameters(
+    ground: &Ground,
+    hypothesis: &Hypothesis,
+    index: usize,
+) -> Vec<(String, Estimate)> {
     let Some(effect) = hypothesis.terms[index].effect() else {
         return Vec::new();
     };
@@ -40,10 +44,14 @@ pub fn parameters(ground: &Ground, hypothesis: &Hypothesis, index: usize) -> Vec
     });
     let error = |j: usize| errors.as_ref().and_then(|e| e[j]);
     let place = hypothesis.places[index].clone();
-    let first_slope = fit.as_ref().map_or(0, |f| f.coefficients.len() - slopes.len());
+    let first_slope = fit
+        .as_ref()
+        .map_or(0, |f| f.coefficients.len() - slopes.len());
     let shape_errors: Vec<Option<f64>> = (0..term.shape.len())
         .map(|k| {
-            let at = slopes.iter().position(|s| s.term == index && s.parameter == k)?;
+            let at = slopes
+                .iter()
+                .position(|s| s.term == index && s.parameter == k)?;
             error(first_slope + at)
         })
         .collect();

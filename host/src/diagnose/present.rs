@@ -52,7 +52,11 @@ impl Diagnosis {
             .iter()
             .map(|(name, estimate)| (key_of(recording.kind, name), json!(estimate)))
             .collect();
-        let place: Vec<Value> = e.places.iter().map(|p| self.place_json(p, recording)).collect();
+        let place: Vec<Value> = e
+            .places
+            .iter()
+            .map(|p| self.place_json(p, recording))
+            .collect();
         let rivals: Vec<Value> = e
             .standing
             .iter()
@@ -61,7 +65,9 @@ impl Diagnosis {
             .collect();
         let features: Option<Map<String, Value>> = e.standing.as_ref().map(|s| {
             let named = FEATURES.iter().zip(features(s));
-            named.map(|(name, value)| ((*name).to_owned(), json!(value))).collect()
+            named
+                .map(|(name, value)| ((*name).to_owned(), json!(value)))
+                .collect()
         });
         json!({
             "id": e.id(), "name": e.name.name(), "rank": index + 1, "level": e.level(), "confidence": e.confidence,
@@ -96,10 +102,14 @@ impl Diagnosis {
     pub fn table(&self, recording: &Recording) -> Table {
         let row = |e: &Named| {
             let value = |(name, p): &(String, crate::identify::estimate::Estimate)| {
-                let reach = p
-                    .ci95
-                    .map_or(String::new(), |[a, b]| format!(" ± {}", digits(0.5 * (b - a))));
-                format!("{} {}{reach}", key_of(recording.kind, name), digits(p.value))
+                let reach = p.ci95.map_or(String::new(), |[a, b]| {
+                    format!(" ± {}", digits(0.5 * (b - a)))
+                });
+                format!(
+                    "{} {}{reach}",
+                    key_of(recording.kind, name),
+                    digits(p.value)
+                )
             };
             let parameters: Vec<String> = e.parameters.iter().map(value).collect();
             let nmse = |v: f64| finite(v).map_or("–".to_owned(), |v| format!("{v:.3}"));

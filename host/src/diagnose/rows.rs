@@ -51,7 +51,10 @@ impl Rows {
         let inertial = recording.role.contains_inertia();
         let still = resting(&s);
         let unsettled = unsettled(&s);
-        let usable: Vec<bool> = still.iter().zip(&unsettled).map(|(a, b)| !a && !b).collect();
+        let again = repeated(&s, &recording.effort);
+        let usable: Vec<bool> = (0..still.len())
+            .map(|i| !still[i] && !unsettled[i] && !again[i])
+            .collect();
         let block = blocks_of(&s, &usable);
         let count = block.iter().max().map_or(0, |b| b + 1);
         s.fold = block.iter().map(|b| b / PER_FOLD).collect();
@@ -97,7 +100,11 @@ impl Rows {
 /// Where the axis rests: any force below breakaway is admissible there, whatever the model.
 fn resting(s: &Signals) -> Vec<bool> {
     let half = ((STILL_S / s.dt).round() as usize).max(2);
-    let steps: Vec<f64> = s.x.windows(2).map(|p| (p[1] - p[0]).abs()).filter(|d| *d > 0.0).collect();
+    let steps: Vec<f64> =
+        s.x.windows(2)
+            .map(|p| (p[1] - p[0]).abs())
+            .filter(|d| *d > 0.0)
+            .collect();
     // A count of the encoder, or its noise, is no motion.
     let moved = 1.5 * quantile(&steps, 0.02).max(s.position_noise);
     let mut still = vec![false; s.x.len()];
@@ -128,11 +135,37 @@ fn unsettled(s: &Signals) -> Vec<bool> {
     unsettled
 }
 
+/// Pieces that are given twice: a copy proves nothing, and would be fitted and held out at once.
+fn repeated(s: &Signals, effort: &[f64]) -> Vec<bool> {
+    let mut again = vec![false; s.x.len()];
+    for (i, piece) in s.pieces.iter().enumerate() {
+        let same = |other: &Range<usize>| {
+            other.len() == piece.len()
+                && s.x[other.clone()] == s.x[piece.clone()]
+                && effort[other.clone()] == effort[piece.clone()]
+        };
+        if s.pieces[..i].iter().any(same) {
+            again[piece.clone()].fill(true);
+        }
+    }
+    again
+}
+
 /// The block of every sample: stretches with equal shares of the moving time and of the path.
 fn blocks_of(s: &Signals, usable: &[bool]) -> Vec<usize> {
-    let path = |i: usize| if i > 0 { (s.path[i] - s.path[i - 1]).max(0.0) } else { 0.0 };
+    let path = |i: usize| {
+        if i > 0 {
+            (s.path[i] - s.path[i - 1]).max(0.0)
+        } else {
+            0.0
+        }
+    };
     let moving = usable.iter().filter(|u| **u).count().max(1) as f64;
-    let whole: f64 = (0..usable.len()).filter(|i| usable[*i]).map(path).sum::<f64>().max(1e-300);
+    let whole: f64 = (0..usable.len())
+        .filter(|i| usable[*i])
+        .map(path)
+        .sum::<f64>()
+        .max(1e-300);
     let rows = moving * s.dt / 12.5e-3;
     let count = BLOCKS.min((rows / ROWS as f64) as usize).max(1);
     let mut share = 0.0;

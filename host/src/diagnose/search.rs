@@ -11,6 +11,8 @@ use crate::progress::Progress;
 pub const ALPHA: f64 = 0.05;
 /// Least share of the mismatch that a term must explain to enter: what has nothing to gain is no finding.
 pub const MATERIAL: f64 = 0.01;
+/// Least deviation of a candidate's force, of the measured effort's: below it nothing is to be gained on a machine, however repeatable the recording.
+const WORTH: f64 = 0.002;
 /// Share of the best candidate's explanation that plain physics needs to be taken first.
 const PLAIN: f64 = 0.5;
 /// Share of a free curve's explanation that a name must reach.
@@ -42,24 +44,27 @@ pub struct Found {
 }
 
 /// Searches on top of the given terms, and of a delay, which every recording may have.
-pub fn search(mut ground: Ground, given: &[Term], periods: &[f64], progress: &Progress) -> Option<Found> {
+pub fn search(
+    mut ground: Ground,
+    given: &[Term],
+    periods: &[f64],
+    progress: &Progress,
+) -> Option<Found> {
     let delay = Term::new(Subject::Effect(effect::ALWAYS_FREE), &[]);
-    let first = if given.iter().any(|t| t.is_like(&delay)) { given.to_vec() } else { [given, &[delay]].concat() };
+    let first = if given.iter().any(|t| t.is_like(&delay)) {
+        given.to_vec()
+    } else {
+        [given, &[delay]].concat()
+    };
     let mut hypothesis = ground.fit(&first)?;
     let mut barred: Vec<String> = Vec::new();
     loop {
         let (mut list, families) = offers(&ground, &hypothesis, periods);
         progress.inc(1);
-        let trace = std::env::var_os("PRESLIDE_TRACE").is_some();
         lead(&ground, &hypothesis, &mut list);
-        if trace {
-            for o in list.iter().take(12) {
-                eprintln!("   {:28} {:?} share {:.4} z {:.2} blocks {:.1} slope {:.2} p {:.1e}", o.term.subject.key(), o.term.shape, o.evidence.share, o.evidence.z, o.evidence.blocks, o.evidence.slope, o.chance(families));
-            }
-        }
         list.retain(|o| !barred.contains(&o.term.subject.key()));
         let full = hypothesis.terms.len() >= first.len() + MOST;
-        let Some(next) = pick(&list, families).filter(|_| !full) else {
+        let Some(next) = pick(&list, families).filter(|_| !full).cloned() else {
             return Some(Found {
                 hypothesis: polished(&ground, hypothesis, first.len()),
                 ground,
@@ -67,16 +72,20 @@ pub fn search(mut ground: Ground, given: &[Term], periods: &[f64], progress: &Pr
                 families,
             });
         };
-        if trace { eprintln!("-> {} {:?}", next.term.subject.key(), next.term.shape); }
         let mut terms = hypothesis.terms.clone();
         terms.push(next.term.clone());
         if next.evidence.share > LARGE {
             ground = ground.referred_to(&terms)?;
         }
         hypothesis = ground.fit(&terms)?;
-        // A term that the later ones make needless leaves, and does not come back: the search ends.
-        while let Some(index) = needless(&ground, &hypothesis, first.len()) {
-            if trace { eprintln!("<- {}", hypothesis.terms[index].subject.key()); }
+        // A term that the later ones make needless leaves, and does not come back: the search ends. What has no name does not
+        // drive out a name that was good enough in its place.
+        while let Some(mut index) = needless(&ground, &hypothesis, first.len()) {
+            let last = hypothesis.terms.len() - 1;
+            let named = hypothesis.terms[index].effect().is_some() && hypothesis.admits(index);
+            if named && next.term.effect().is_none() && hypothesis.terms[last].is_like(&next.term) {
+                index = last;
+            }
             barred.push(hypothesis.terms[index].subject.key());
             let mut terms = hypothesis.terms.clone();
             terms.remove(index);
@@ -87,7 +96,11 @@ pub fn search(mut ground: Ground, given: &[Term], periods: &[f64], progress: &Pr
 
 /// Refines the shapes of those that explain most: the grids of two effects are not equally fine.
 fn lead(ground: &Ground, hypothesis: &Hypothesis, list: &mut [Offer]) {
-    for offer in list.iter_mut().filter(|o| !o.term.shape.is_empty()).take(LEADERS) {
+    for offer in list
+        .iter_mut()
+        .filter(|o| !o.term.shape.is_empty())
+        .take(LEADERS)
+    {
         let term = refined(ground, hypothesis, &offer.term);
         if let Some(better) = offer_of(ground, hypothesis, &[term], offer.tries)
             && better.evidence.share > offer.evidence.share
@@ -102,7 +115,9 @@ fn lead(ground: &Ground, hypothesis: &Hypothesis, list: &mut [Offer]) {
 fn pick(list: &[Offer], families: usize) -> Option<&Offer> {
     let fit: Vec<&Offer> = list
         .iter()
-        .filter(|o| o.evidence.share >= MATERIAL && o.chance(families) < ALPHA)
+        .filter(|o| {
+            o.evidence.share >= MATERIAL && o.relative >= WORTH && o.chance(families) < ALPHA
+        })
         .collect();
     let best = *fit.first()?;
     let named = |o: &&&Offer| o.term.effect().is_some();
@@ -118,7 +133,10 @@ fn pick(list: &[Offer], families: usize) -> Option<&Offer> {
             && o.evidence.share >= PLAIN * best.evidence.share
     };
     let first = fit.iter().find(|o| named(o) && plain(o));
-    first.or_else(|| fit.iter().find(|o| named(o) && good(o))).copied().or(Some(best))
+    first
+        .or_else(|| fit.iter().find(|o| named(o) && good(o)))
+        .copied()
+        .or(Some(best))
 }
 
 /// The first term that explains too little beside the others, or has a sign that its physics has not.

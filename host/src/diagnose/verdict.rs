@@ -20,6 +20,12 @@ use crate::identify::estimate::Estimate;
 
 /// Share of the mismatch from which an effect is named.
 const NAMED: f64 = 0.03;
+/// The same where it is beyond doubt that something is there.
+const NAMED_SURELY: f64 = 0.015;
+/// Standard deviations from which it is.
+const BEYOND_DOUBT: f64 = 6.0;
+/// The share from which a transient is named: what the core misses after a stop or a reversal looks like one.
+const NAMED_TRANSIENT: f64 = 0.1;
 /// Share of the mismatch from which what has no name is stated.
 const UNNAMED: f64 = 0.05;
 /// Least confidence of a confident name.
@@ -191,10 +197,12 @@ pub fn conclude(
     }
     let mut baseline = nmse(&found.ground.rows, &first);
     let shape = friction.and_then(|f| Shape::of(&found.ground, &extended, f));
-    if let Some(shape) = shape.filter(Shape::is_wrong) {
+    if let Some(shape) = shape.filter(Shape::is_suspect) {
         let [own, core] = shape.nmse;
-        baseline.test += own - core;
-        baseline.train += own - core;
+        if shape.is_wrong() {
+            baseline.test += own - core;
+            baseline.train += own - core;
+        }
         effects.push(hysteresis(&found, shape));
     }
     effects.sort_by(|a, b| {
@@ -245,13 +253,18 @@ fn verdict(effects: &[Named], unknown: Option<&Unknown>, after: Nmse) -> Verdict
 fn named(found: &Found, standing: &Standing, mechanics: &[(String, f64)]) -> Option<Named> {
     let effect = standing.term.effect()?;
     let hypothesis = &found.hypothesis;
-    if effect.is_harmless(&found.ground.scene(), hypothesis.coefficients(standing.index)) {
+    if effect.is_harmless(
+        &found.ground.scene(),
+        hypothesis.coefficients(standing.index),
+    ) {
         return None;
     }
     let confidence = confidence(standing);
     let mut ambiguous = standing.ambiguous.clone();
     for equivalent in effect.equivalents(&found.ground.rows.s) {
-        if !ambiguous.iter().any(|e| e.id() == equivalent.id()) && equivalent.lacks(&found.ground.rows.s).is_none() {
+        if !ambiguous.iter().any(|e| e.id() == equivalent.id())
+            && equivalent.lacks(&found.ground.rows.s).is_none()
+        {
             ambiguous.push(*equivalent);
         }
     }
@@ -259,7 +272,9 @@ fn named(found: &Found, standing: &Standing, mechanics: &[(String, f64)]) -> Opt
     Some(Named {
         name: Name::Entry(effect),
         term: Some(standing.term.clone()),
-        confident: confidence >= LIKELY && standing.evidence.share >= NAMED && standing.form.is_none(),
+        confident: confidence >= LIKELY
+            && is_material(effect, &standing.evidence)
+            && standing.form.is_none(),
         confidence,
         evidence: standing.evidence,
         standing: Some(standing.clone()),
@@ -272,22 +287,46 @@ fn named(found: &Found, standing: &Standing, mechanics: &[(String, f64)]) -> Opt
     })
 }
 
+/// Whether an effect takes enough of the mismatch to be named.
+fn is_material(effect: &dyn Effect, evidence: &Evidence) -> bool {
+    let least = if effect.is_transient() {
+        NAMED_TRANSIENT
+    } else if evidence.z >= BEYOND_DOUBT {
+        NAMED_SURELY
+    } else {
+        NAMED
+    };
+    evidence.share >= least
+}
+
 /// The given terms, what widens the core, and the confident effects.
 fn extend(found: &Found, kept: &[Term], effects: &[Named]) -> Option<Hypothesis> {
     let wider = found.hypothesis.terms[kept.len()..]
         .iter()
         .filter(|t| matches!(t.subject, Subject::Change(Change::LateYields)));
-    let confident = effects.iter().filter(|e| e.confident).filter_map(|e| e.term.as_ref());
+    let confident = effects
+        .iter()
+        .filter(|e| e.confident)
+        .filter_map(|e| e.term.as_ref());
     let terms: Vec<Term> = kept.iter().chain(wider).chain(confident).cloned().collect();
     found.ground.fit(&terms)
 }
 
 /// Held-out NMSE (%) without and with an effect, all confident ones beside it.
-fn with_and_without(found: &Found, kept: &[Term], extended: &Hypothesis, effect: &Named) -> Option<[f64; 2]> {
+fn with_and_without(
+    found: &Found,
+    kept: &[Term],
+    extended: &Hypothesis,
+    effect: &Named,
+) -> Option<[f64; 2]> {
     let own = effect.term.as_ref()?;
     let is_own = |t: &Term| t.is_like(own) && t.shape == own.shape;
     let mut terms: Vec<Term> = extended.terms.clone();
-    let at = terms.iter().skip(kept.len()).position(is_own).map(|i| i + kept.len());
+    let at = terms
+        .iter()
+        .skip(kept.len())
+        .position(is_own)
+        .map(|i| i + kept.len());
     if let Some(at) = at {
         terms.remove(at);
     }
@@ -303,8 +342,8 @@ fn hysteresis(found: &Found, shape: Shape) -> Named {
     Named {
         name: Name::Hysteresis,
         term: None,
-        confident: true,
-        confidence: confidence::of_hysteresis(own, core),
+        confident: shape.is_wrong(),
+        confidence: confidence::of_hysteresis(own, core, shape.is_wrong()),
         evidence: shape.evidence,
         standing: None,
         nmse_test: shape.nmse,
@@ -349,7 +388,9 @@ fn hint(found: &Found, effects: &mut Vec<Named>) {
 fn unknown(found: &Found, standings: &[Standing], effects: &[Named]) -> Option<Unknown> {
     let nameless = standings.iter().filter(|s| {
         let doubtful = s.term.effect().is_some_and(|e| {
-            effects.iter().any(|n| !n.confident && matches!(n.name, Name::Entry(own) if own.id() == e.id()))
+            effects
+                .iter()
+                .any(|n| !n.confident && matches!(n.name, Name::Entry(own) if own.id() == e.id()))
         });
         let wider = matches!(s.term.subject, Subject::Change(Change::LateYields));
         (s.term.effect().is_none() || doubtful) && !wider && s.evidence.share >= UNNAMED
@@ -362,7 +403,10 @@ fn unknown(found: &Found, standings: &[Standing], effects: &[Named]) -> Option<U
     };
     let force = found.hypothesis.force_of(standing.index);
     let mean = force.iter().sum::<f64>() / force.len().max(1) as f64;
-    let varying: Vec<f64> = force.iter().map(|f| f - if odd { 0.0 } else { mean }).collect();
+    let varying: Vec<f64> = force
+        .iter()
+        .map(|f| f - if odd { 0.0 } else { mean })
+        .collect();
     Some(Unknown {
         axis,
         odd,
@@ -381,7 +425,9 @@ fn source(effect: &dyn Effect, term: &Term, mechanics: &[(String, f64)]) -> Opti
     let orders = mechanics
         .iter()
         .flat_map(|(key, length)| [1.0, 2.0, 3.0].map(|order| (key, length / order, order)));
-    let near = orders.into_iter().find(|(_, length, _)| (period / length - 1.0).abs() < 0.02);
+    let near = orders
+        .into_iter()
+        .find(|(_, length, _)| (period / length - 1.0).abs() < 0.02);
     Some(near.map_or("unknown".to_owned(), |(key, _, order)| {
         if order == 1.0 {
             key.clone()

@@ -119,7 +119,11 @@ impl Unknown {
 }
 
 fn place_words(place: &Place, recording: &Recording) -> String {
-    between(place.from, place.to, &place.axis.unit(recording.position_unit()))
+    between(
+        place.from,
+        place.to,
+        &place.axis.unit(recording.position_unit()),
+    )
 }
 
 /// How large a force is: of the friction level where it goes with the direction, else in its unit.
@@ -128,7 +132,11 @@ fn size(found: &Diagnosis, force: &[f64], recording: &Recording) -> String {
     let direction = rows.weak.at_centres(&rows.s.direction);
     let along: Vec<f64> = force.iter().zip(&direction).map(|(f, d)| f * d).collect();
     let square = |side: f64| -> f64 {
-        along.iter().filter(|a| **a * side > 0.0).map(|a| a * a).sum()
+        along
+            .iter()
+            .filter(|a| **a * side > 0.0)
+            .map(|a| a * a)
+            .sum()
     };
     let (with, against) = (square(1.0), square(-1.0));
     let large = quantile(&force.iter().map(|f| f.abs()).collect::<Vec<_>>(), 0.98);
@@ -148,7 +156,9 @@ impl Diagnosis {
     /// One sentence on an effect: where, how much, what it is, what it explains, what compensating it is worth.
     pub fn sentence(&self, effect: &Named, recording: &Recording) -> String {
         let confined = effect.places.iter().find(|p| p.share > 0.0);
-        let place = confined.map_or(String::new(), |p| format!("{}, ", place_words(p, recording)));
+        let place = confined.map_or(String::new(), |p| {
+            format!("{}, ", place_words(p, recording))
+        });
         let rms = {
             let n = effect.force.len().max(1) as f64;
             (effect.force.iter().map(|f| f * f).sum::<f64>() / n).sqrt()
@@ -161,7 +171,9 @@ impl Diagnosis {
             quantity(rms, recording.effort_unit())
         );
         let mut letters = text.chars();
-        letters.next().map_or(String::new(), |c| c.to_uppercase().chain(letters).collect())
+        letters
+            .next()
+            .map_or(String::new(), |c| c.to_uppercase().chain(letters).collect())
     }
 
     /// Verdict in one sentence.
@@ -204,7 +216,10 @@ impl Diagnosis {
         };
         let (name, words) = (first.name.name(), first.name.words());
         match (first.confident, first.ambiguous.first()) {
-            (true, None) => format!("Recommendation: add {} to the model ({name}: {words}).", first.id()),
+            (true, None) => format!(
+                "Recommendation: add {} to the model ({name}: {words}).",
+                first.id()
+            ),
             (true, Some(rival)) => format!(
                 "Recommendation: {} or {}, this recording cannot tell. To tell them apart: {}.",
                 first.id(),

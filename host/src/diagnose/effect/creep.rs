@@ -46,6 +46,10 @@ impl Effect for Creep {
         &[Part::Rests, Part::Speeds]
     }
 
+    fn is_transient(&self) -> bool {
+        true
+    }
+
     fn shape(&self) -> &'static [(&'static str, Scale)] {
         &[("share_of_breakaway", Scale::Logarithmic)]
     }

@@ -49,6 +49,10 @@ impl Effect for DwellAging {
         (to < 10.0 * from.max(0.02)).then_some("rests of different length")
     }
 
+    fn is_transient(&self) -> bool {
+        true
+    }
+
     fn shape(&self) -> &'static [(&'static str, Scale)] {
         &[
             ("time_constant_s", Scale::Logarithmic),

@@ -216,6 +216,11 @@ pub trait Effect: Sync {
         &[]
     }
 
+    /// Whether it acts for a while after a stop or a reversal only.
+    fn is_transient(&self) -> bool {
+        false
+    }
+
     /// Whether it is no larger than what every recording may have.
     fn is_harmless(&self, scene: &Scene, coefficients: &[f64]) -> bool {
         let _ = (scene, coefficients);
