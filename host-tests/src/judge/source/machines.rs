@@ -19,6 +19,7 @@ pub fn cases(tool: &Tool, seeds: &[u64], jobs: usize) -> Vec<Case> {
             neutral: Vec::new(),
             absent: None,
             there: None,
+            verdicts: &[],
             answer,
             seconds,
         };
