@@ -1,4 +1,4 @@
-//! `cargo xtask properties`, `inject`, `sources`: judges of `preslide diagnose` that know it by its command line and its JSON only.
+//! `cargo xtask properties`, `inject`, `sources`, `real`: judges of `preslide diagnose` that know it by its command line and its JSON only.
 
 use crate::process::{cargo, run};
 
@@ -31,4 +31,9 @@ pub fn inject(arguments: &[String]) -> Result<(), String> {
 /// Every source of recordings with a known truth, in one table.
 pub fn sources(arguments: &[String]) -> Result<(), String> {
     judge("sources", arguments)
+}
+
+/// What is said of each file of `../shared/recordings`.
+pub fn real(arguments: &[String]) -> Result<(), String> {
+    judge("real", arguments)
 }

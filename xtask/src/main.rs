@@ -72,6 +72,11 @@ const COMMANDS: &[Command] = &[
         help: "the diagnosis on every source of recordings with a known truth: one table; --help lists the options",
         run: judge::sources,
     },
+    Command {
+        name: "real",
+        help: "what the diagnosis says of each real recording: a table; a NAME chooses",
+        run: judge::real,
+    },
 ];
 
 fn main() -> ExitCode {

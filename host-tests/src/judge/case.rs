@@ -168,6 +168,8 @@ pub struct Case {
     pub absent: Option<Vec<String>>,
     /// Whether an oracle with the true column says that the data show it.
     pub there: Option<bool>,
+    /// Verdicts that are right whatever is named, a refusal besides; none is asked where empty.
+    pub verdicts: &'static [&'static str],
     /// What was said.
     pub answer: Result<Diagnosis, String>,
     /// How long it took (s).
@@ -225,6 +227,12 @@ impl Case {
         self.answer
             .as_ref()
             .map_or("no answer", |answer| &answer.verdict)
+    }
+
+    /// Whether the verdict is one of those that are right, where one is asked.
+    pub fn verdict_right(&self) -> Option<bool> {
+        let right = self.answer.is_err() || self.verdicts.contains(&self.verdict());
+        (!self.verdicts.is_empty()).then_some(right)
     }
 
     /// For each rightly named effect with a place: whether one was stated on that axis, whether it hits.
@@ -289,12 +297,17 @@ impl Case {
             Some(false) => " (not there)",
         };
         format!(
-            "{:<10} {:<8} ×{:<4} {:<28}{there} {} → {said}",
+            "{:<10} {:<8} ×{:<4} {:<28}{there} {} → {said}{}",
             self.source,
             self.sort.name(),
             self.strength,
             truth.join("+"),
-            self.name
+            self.name,
+            if self.verdict_right() == Some(false) {
+                " ✗ verdict"
+            } else {
+                ""
+            }
         )
     }
 

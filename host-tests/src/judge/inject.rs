@@ -232,7 +232,7 @@ fn misread(
             .flat_map(|part| misread(part, small).1));
     // Above a tenth of a period, the position would no longer follow the motion.
     let error = small * size / felt;
-    if !(error * k < 0.6) {
+    if !error.is_finite() || error * k > 0.6 {
         return None;
     }
     let mut changes = Vec::new();

@@ -57,10 +57,10 @@ impl Motion {
     pub fn stop(&self, yielding: f64) -> Vec<f64> {
         let mut force = vec![0.0; self.x.len()];
         for piece in &self.pieces {
-            let mut z: f64 = 0.0;
-            for i in piece.start + 1..piece.end {
-                z = (z + (self.x[i] - self.x[i - 1]) / yielding).clamp(-1.0, 1.0);
-                force[i] = z;
+            let (mut z, mut before): (f64, f64) = (0.0, self.x[piece.start]);
+            for (force, x) in force[piece.clone()].iter_mut().zip(&self.x[piece.clone()]) {
+                z = (z + (x - before) / yielding).clamp(-1.0, 1.0);
+                (*force, before) = (z, *x);
             }
         }
         force

@@ -307,9 +307,7 @@ pub fn compare(
     let hinted = lost.iter().all(|id| hints(after, id));
     let told = |d: &Diagnosis| d.unknown || confident(d).next().is_some();
     let short = after.verdict == "insufficient-data";
-    if !new.is_empty() && !lost.is_empty()
-        || new.is_empty() && !lost.is_empty() && !hinted && !short
-    {
+    if !lost.is_empty() && (!new.is_empty() || !hinted && !short) {
         let what = format!(
             "{verdict}; lost {}; new {}",
             list(lost.into_iter()),

@@ -177,6 +177,11 @@ pub fn rows(cases: &[&Case]) -> Vec<(String, String)> {
         "machines: known effects named or declared",
         Share::of(known, |(c, t)| c.finds_or_declares(t)),
     );
+    let verdicts = of(Sort::Machine).filter_map(|c| c.verdict_right());
+    row(
+        "machines: right verdict where one is known",
+        Share::of(verdicts, |right| *right),
+    );
     row(
         "machines: nothing absent named",
         Share::of(of(Sort::Machine), |c| c.false_names().next().is_none()),

@@ -90,7 +90,7 @@ impl Concealed {
         };
         let from = dice.between(0.1, 0.4) * machine.seconds;
         let time = (id == "external_vibration" && dice.chance(0.5))
-            .then(|| [from, from + 0.45 * machine.seconds]);
+            .then_some([from, from + 0.45 * machine.seconds]);
         Self {
             id,
             size,

@@ -43,8 +43,12 @@ pub struct Diagnosis {
     pub effects: Vec<Named>,
     /// It says that something is there which no catalogue has.
     pub unknown: bool,
+    /// The coordinate that organises it.
+    pub unknown_axis: Option<String>,
     /// NMSE (%) on data that no fit saw, before and after.
     pub nmse_test: Option<(f64, f64)>,
+    /// NMSE (%) that it takes for noise.
+    pub noise_floor: Option<f64>,
     /// Duration that it states (s).
     pub seconds: f64,
 }
@@ -76,7 +80,9 @@ impl Diagnosis {
             unknown: !json["unknown"].is_null() || verdict == "unknown-physics",
             verdict,
             effects: effects.into_iter().map(|(_, named)| named).collect(),
+            unknown_axis: json["unknown"]["axis"].as_str().map(str::to_owned),
             nmse_test: test("baseline").zip(test("extended")),
+            noise_floor: json["noise_floor_nmse"].as_f64(),
             seconds: json["seconds"].as_f64().unwrap_or(0.0),
         })
     }

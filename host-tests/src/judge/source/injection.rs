@@ -13,7 +13,9 @@ const CARRIES_NONE: [&str; 3] = ["silverbox", "tanks", "outrunner"];
 
 /// Every `every`th wanted pair of recording and effect.
 pub fn pairs(wanted: impl Fn(&str, &str) -> bool, every: usize) -> Vec<Pair> {
-    let machines = MACHINES.iter().filter(|m| !CARRIES_NONE.contains(&m.name));
+    let machines = MACHINES
+        .iter()
+        .filter(|m| m.model.is_none() && !CARRIES_NONE.contains(&m.name));
     machines
         .flat_map(|machine| EFFECTS.map(|effect| (machine, effect)))
         .filter(|(machine, effect)| wanted(machine.name, effect))
@@ -109,6 +111,7 @@ pub fn cases(
                 neutral: own.clone(),
                 absent: None,
                 there: Some(made.oracle.there),
+                verdicts: &[],
                 answer,
                 seconds,
             };

@@ -4,6 +4,9 @@ use crate::judge::case::Case;
 use crate::judge::tool::{Tool, parallel};
 use crate::machines::make;
 
+/// Name of the source.
+pub const SOURCE: &str = "machines";
+
 /// Asks the tool of the machines of some seeds.
 pub fn cases(tool: &Tool, seeds: &[u64], jobs: usize) -> Vec<Case> {
     let done = std::sync::atomic::AtomicUsize::new(0);
@@ -11,7 +14,7 @@ pub fn cases(tool: &Tool, seeds: &[u64], jobs: usize) -> Vec<Case> {
         let made = make(seed);
         let (answer, seconds) = tool.diagnose(&made.recording);
         let case = Case {
-            source: "machines",
+            source: SOURCE,
             name: made.recording.name,
             sort: made.sort,
             strength: made.strength,
@@ -19,6 +22,7 @@ pub fn cases(tool: &Tool, seeds: &[u64], jobs: usize) -> Vec<Case> {
             neutral: Vec::new(),
             absent: None,
             there: None,
+            verdicts: &[],
             answer,
             seconds,
         };

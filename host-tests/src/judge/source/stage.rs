@@ -162,6 +162,7 @@ pub fn cases(tool: &Tool, folder: &Path, every: usize, jobs: usize) -> Result<Ve
             neutral: Vec::new(),
             absent: None,
             there: None,
+            verdicts: &[],
             answer,
             seconds,
         };

@@ -54,6 +54,7 @@ pub fn case(label: &Label, answer: Result<Diagnosis, String>, seconds: f64) -> C
         },
         absent: None,
         there: None,
+        verdicts: &[],
         answer,
         seconds,
     }
