@@ -3,22 +3,19 @@
 use crate::{Change, Model};
 use core::sync::atomic::{AtomicBool, AtomicU16, Ordering};
 use heapless::spsc::{Consumer, Producer};
-use preslide::Friction;
 use preslide::control::{Coefficients, Move, Settings};
 use preslide_link::{Deframer, GainSettings, Refusal, Report, Request, Sample};
-
-/// A move in the number type of the model.
-type Planned<M> = Move<<<M as Model>::Friction as Friction>::Scalar>;
 
 /// Reads requests, validates and plans what they ask for, and hands on telemetry.
 pub struct Background<M: Model> {
     deframer: Deframer,
     settings: Settings,
     model: M,
-    moves: Producer<'static, Planned<M>>,
+    moves: Producer<'static, Move>,
     changes: Producer<'static, Change<M::Friction>>,
     samples: Consumer<'static, Sample>,
     stopped: &'static AtomicBool,
+    heard: &'static AtomicBool,
     every: &'static AtomicU16,
 }
 
@@ -26,10 +23,11 @@ impl<M: Model> Background<M> {
     pub(crate) fn new(
         settings: Settings,
         model: M,
-        moves: Producer<'static, Planned<M>>,
+        moves: Producer<'static, Move>,
         changes: Producer<'static, Change<M::Friction>>,
         samples: Consumer<'static, Sample>,
         stopped: &'static AtomicBool,
+        heard: &'static AtomicBool,
         every: &'static AtomicU16,
     ) -> Self {
         Self {
@@ -40,6 +38,7 @@ impl<M: Model> Background<M> {
             changes,
             samples,
             stopped,
+            heard,
             every,
         }
     }
@@ -47,6 +46,7 @@ impl<M: Model> Background<M> {
     /// Takes a byte of the command link; the answer, when it ended a frame.
     pub fn receive(&mut self, byte: u8) -> Option<Report> {
         let request = self.deframer.push(byte)?;
+        self.heard.store(true, Ordering::Relaxed);
         let result = request
             .map_err(Refusal::from)
             .and_then(|r| self.carry_out(r));
@@ -74,14 +74,12 @@ impl<M: Model> Background<M> {
                     distance_m.into(),
                     speed,
                     speed / ramp,
-                    self.settings.encoder.count,
-                    self.settings.sample_time,
-                    M::UNITS,
+                    self.settings.grid(),
                 );
                 self.queue(planned.map_err(|_| Refusal::OutOfRange)?)
             }
             Request::Dwell { time_s } => {
-                let planned = Move::dwell(time_s.into(), self.settings.sample_time);
+                let planned = Move::dwell(time_s.into(), self.settings.sample_time());
                 self.queue(planned.map_err(|_| Refusal::OutOfRange)?)
             }
             Request::Gains(gains) => {
@@ -101,7 +99,7 @@ impl<M: Model> Background<M> {
         }
     }
 
-    fn queue(&mut self, next: Planned<M>) -> Result<(), Refusal> {
+    fn queue(&mut self, next: Move) -> Result<(), Refusal> {
         if self.stopped.load(Ordering::Relaxed) {
             return Err(Refusal::Stopped);
         }
@@ -111,7 +109,7 @@ impl<M: Model> Background<M> {
     /// Nothing is taken unless everything is valid and the swap is on its way.
     fn swap(&mut self, settings: Settings, model: M) -> Result<(), Refusal> {
         let coefficients = model
-            .build(settings.sample_time)
+            .build(settings.sample_time())
             .and_then(|friction| Coefficients::try_new(&settings, friction, M::UNITS))
             .map_err(|_| Refusal::OutOfRange)?;
         self.changes

@@ -30,10 +30,11 @@ pub struct Inputs {
 /// in a row the axis goes to its safe state. A task that never ends is the watchdog's business.
 pub struct Control<F: Friction + 'static> {
     pub(crate) controller: Controller<F, u32>,
-    pub(crate) moves: Consumer<'static, Move<F::Scalar>>,
+    pub(crate) moves: Consumer<'static, Move>,
     pub(crate) changes: Consumer<'static, Change<F>>,
     pub(crate) samples: Producer<'static, Sample>,
     pub(crate) stopped: &'static AtomicBool,
+    pub(crate) heard: &'static AtomicBool,
     /// Ticks from one sample of telemetry to the next, and since the last.
     pub(crate) every: &'static AtomicU16,
     pub(crate) since: u16,
@@ -51,18 +52,22 @@ impl<F: Friction> Control<F> {
         B: SetDutyCycle<Error = Infallible>,
     {
         let change = self.changes.dequeue();
+        if self.heard.swap(false, Ordering::Relaxed) {
+            self.controller.heard();
+        }
         // In the safe state the queue is emptied, one move a tick: nobody can ask for a restart faster than that.
-        let wanted = self.controller.is_idle() || self.controller.fault().is_some();
+        let wanted = self.controller.is_idle() || !self.controller.is_enabled();
         let next = if wanted { self.moves.dequeue() } else { None };
         let measurement = Measurement {
             count: inputs.count,
             supply: inputs.supply,
+            current: inputs.current,
             late: inputs.late,
         };
         let command = decide(&mut self.controller, change, next, measurement);
         bridge.set(command.code);
         self.stopped
-            .store(command.fault.is_some(), Ordering::Relaxed);
+            .store(!command.enabled, Ordering::Relaxed);
 
         self.tick = self.tick.wrapping_add(1);
         self.since = self.since.saturating_add(1);
@@ -106,17 +111,21 @@ impl<F: Friction> Control<F> {
 fn decide<F: Friction>(
     controller: &mut Controller<F, u32>,
     change: Option<Change<F>>,
-    next: Option<Move<F::Scalar>>,
+    next: Option<Move>,
     measurement: Measurement<u32>,
 ) -> Command {
     match change {
         Some(Change::Swap(coefficients)) => controller.swap(coefficients),
-        Some(Change::Restart) => controller.restart(),
+        Some(Change::Restart) => {
+            controller.acknowledge();
+            // What speaks against it shows as the fault of the next sample.
+            let _ = controller.enable();
+        }
         None => {}
     }
     if let Some(next) = next {
-        // Without effect in the safe state.
-        controller.start(next);
+        // Refused beyond the axis's limits and in the safe state.
+        let _ = controller.start(next);
     }
     controller.tick(measurement)
 }
@@ -137,6 +146,9 @@ fn on_the_wire(fault: Fault) -> FaultCode {
         Fault::FollowingError => FaultCode::FollowingError,
         Fault::SupplyOutOfRange => FaultCode::SupplyOutOfRange,
         Fault::Overrun => FaultCode::Overrun,
-        Fault::NotANumber => FaultCode::NotANumber,
+        // The wire has no words of their own for these yet.
+        Fault::NotANumber | Fault::OverCurrent | Fault::Overload | Fault::CurrentOffset => {
+            FaultCode::NotANumber
+        }
     }
 }

@@ -19,11 +19,12 @@ pub enum Change<F: Friction> {
 
 /// The queues; one capacity is used up by the queue itself.
 pub struct Queues<F: Friction> {
-    moves: Queue<Move<F::Scalar>, 9>,
+    moves: Queue<Move, 9>,
     changes: Queue<Change<F>, 3>,
     /// 3 ms of telemetry at 20 kHz.
     samples: Queue<Sample, 65>,
     stopped: AtomicBool,
+    heard: AtomicBool,
     every: AtomicU16,
 }
 
@@ -34,7 +35,8 @@ impl<F: Friction> Queues<F> {
             moves: Queue::new(),
             changes: Queue::new(),
             samples: Queue::new(),
-            stopped: AtomicBool::new(false),
+            stopped: AtomicBool::new(true),
+            heard: AtomicBool::new(false),
             every: AtomicU16::new(1),
         }
     }
@@ -51,7 +53,7 @@ impl<F: Friction> Queues<F> {
         every: u16,
     ) -> Result<(Control<F>, Background<M>), ParamError> {
         *self.every.get_mut() = every;
-        let friction = model.build(settings.sample_time)?;
+        let friction = model.build(settings.sample_time())?;
         let coefficients = Coefficients::try_new(&settings, friction, M::UNITS)?;
         let (moves_in, moves) = self.moves.split();
         let (changes_in, changes) = self.changes.split();
@@ -63,6 +65,7 @@ impl<F: Friction> Queues<F> {
                 changes,
                 samples,
                 stopped: &self.stopped,
+                heard: &self.heard,
                 every: &self.every,
                 since: 0,
                 tick: 0,
@@ -76,6 +79,7 @@ impl<F: Friction> Queues<F> {
                 changes_in,
                 samples_out,
                 &self.stopped,
+                &self.heard,
                 &self.every,
             ),
         ))

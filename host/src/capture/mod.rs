@@ -31,7 +31,7 @@ impl Scale {
     pub fn of(settings: &Settings, every: u32) -> Self {
         Self {
             motion: MotionKind::Linear,
-            sample_time_s: settings.sample_time,
+            sample_time_s: settings.sample_time(),
             count: settings.encoder.count,
             effort_per_a: settings.motor.torque_constant * settings.motor.transmission(),
             every: every.max(1),

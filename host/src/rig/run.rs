@@ -5,7 +5,6 @@ use super::{Emulator, Listener, Remains, RigError};
 use crate::stage::concealed::Concealed;
 use crate::stage::{EncoderReading, Stage, StageConfig};
 use crate::tracking::{Step, TrackingError};
-use preslide::Units;
 use preslide::control::Settings;
 use preslide_link::{LARGEST_FRAME, Reading, Request, encode};
 use std::path::Path;
@@ -34,7 +33,7 @@ pub struct Script<'a> {
 }
 
 impl Script<'_> {
-    /// Nothing but the stage at rest.
+    /// Nothing but the stage at rest, the axis enabled.
     pub fn quiet(ticks: u64) -> Self {
         Self {
             ticks,
@@ -43,7 +42,7 @@ impl Script<'_> {
                 ..StageConfig::default()
             },
             concealed: None,
-            bytes: Vec::new(),
+            bytes: vec![(5, frame(&Request::Restart))],
             disturb: Box::new(|_, _| {}),
             falsify: Box::new(|_, _| {}),
             listening: Box::new(|_| true),
@@ -67,7 +66,7 @@ impl Script<'_> {
     pub fn follow(mut self, mut tick: u64, steps: &[Step]) -> Result<Self, TrackingError> {
         for step in steps {
             self = self.send(tick, &requests(std::slice::from_ref(step)));
-            let planned = step.plan::<f32>(&Settings::PAPER_AXIS, Units::SI)?;
+            let planned = step.plan(&Settings::PAPER_AXIS)?;
             tick += u64::from(planned.ticks());
         }
         self.ticks = tick + 200;
@@ -108,7 +107,7 @@ pub struct Record {
 /// # Errors
 /// [`RigError`] where QEMU or the stage cannot be started.
 pub fn run(elf: &Path, script: &Script, listener: Listener) -> Result<Record, RigError> {
-    let steps = Settings::PAPER_AXIS.motor.steps;
+    let steps = f64::from(Settings::PAPER_AXIS.hardware.steps);
     let config = script.stage.clone();
     let mut stage = match script.concealed {
         Some(effect) => Stage::concealing(config, effect),

@@ -82,7 +82,7 @@ mod app {
             }
         };
         let (arrived, received) = cx.local.bytes.split();
-        let cycles = (f64::from(CLOCK_HZ) * settings.sample_time) as u32;
+        let cycles = CLOCK_HZ / settings.hardware.rate_hz;
         // Ten ticks without a sign of life.
         Watchdog::start(10 * cycles);
         Timer::start(cycles);
