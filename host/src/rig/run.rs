@@ -6,8 +6,17 @@ use crate::stage::concealed::Concealed;
 use crate::stage::{EncoderReading, Stage, StageConfig};
 use crate::tracking::{Step, TrackingError};
 use preslide::control::Settings;
-use preslide_link::{LARGEST_FRAME, Reading, Request, encode};
+use preslide_link::{LARGEST_FRAME, Name, Numbered, Reading, Request, encode};
 use std::path::Path;
+
+/// The exchange of the initialisation, tick 0, carries no byte.
+const FIRST: u64 = 1;
+
+/// A script is silent for longer than a host may be: the axis is told not to mind, and to be enabled.
+fn enabling() -> Vec<Request> {
+    let silence = Name::new("silence").map(|name| Request::Set(name, 0.0));
+    silence.into_iter().chain([Request::Enable]).collect()
+}
 
 /// Does something to `T` in the tick given.
 pub type ByTick<'a, T> = Box<dyn Fn(u64, &mut T) + 'a>;
@@ -22,6 +31,8 @@ pub struct Script<'a> {
     pub concealed: Option<Concealed>,
     /// Bytes on the command link: from which tick on, and what.
     pub bytes: Vec<(u64, Vec<u8>)>,
+    /// Requests among them, which are numbered from 0.
+    pub requests: u16,
     /// Changes the stage before the tick.
     pub disturb: ByTick<'a, Stage>,
     /// Falsifies what the board reads in the tick.
@@ -42,18 +53,25 @@ impl Script<'_> {
                 ..StageConfig::default()
             },
             concealed: None,
-            bytes: vec![(5, frame(&Request::Restart))],
+            bytes: Vec::new(),
+            requests: 0,
             disturb: Box::new(|_, _| {}),
             falsify: Box::new(|_, _| {}),
             listening: Box::new(|_| true),
             plugin: None,
         }
+        .send(FIRST, &enabling())
     }
 
     /// Sends requests from `tick` on, one behind the other.
     #[must_use]
     pub fn send(mut self, tick: u64, requests: &[Request]) -> Self {
-        let bytes = requests.iter().flat_map(frame).collect();
+        let mut bytes = Vec::new();
+        for &request in requests {
+            let id = self.requests;
+            bytes.extend(frame(&Numbered { id, request }));
+            self.requests = id.wrapping_add(1);
+        }
         self.bytes.push((tick, bytes));
         self
     }
