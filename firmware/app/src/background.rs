@@ -9,8 +9,8 @@ use embedded_storage::nor_flash::NorFlash;
 use heapless::spsc::{Consumer, Producer};
 use preslide::control::{Axis, Coefficients, Move, Planner, Refused};
 use preslide_link::{
-    Answered, Deframer, GainSettings, Homing, Identity, LARGEST_FRAME, Mode, Numbered, POINTS,
-    PROTOCOL, Points, Refusal, Reply, Report, Request, ResetCause, Sample, State, encode,
+    Answered, Deframer, FaultCode, GainSettings, Homing, Identity, LARGEST_FRAME, Mode, Numbered,
+    POINTS, PROTOCOL, Points, Refusal, Reply, Report, Request, ResetCause, Sample, State, encode,
 };
 use preslide_store::Slots;
 
@@ -82,6 +82,11 @@ impl<M: Model> Background<M> {
             return true;
         }
         false
+    }
+
+    /// Why the axis is in its safe state, as far as the background knows.
+    pub fn fault(&self) -> Option<FaultCode> {
+        self.status.fault
     }
 
     /// The answer to the request that waits for its order.
