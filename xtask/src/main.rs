@@ -43,7 +43,7 @@ const COMMANDS: &[Command] = &[
     },
     Command {
         name: "stage",
-        help: "the firmware in QEMU on the simulated stage, its telemetry on tcp:127.0.0.1:7700 or the PORT named",
+        help: "an emulated drive, the firmware in QEMU on the simulated stage, on tcp:127.0.0.1:7700 or the PORT named",
         run: qemu::serve_command,
     },
     Command {
