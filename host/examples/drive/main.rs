@@ -2,7 +2,9 @@
 //!
 //! `drive serve ELF PORT` serves it to one client after the other, at the speed of a real one where the machine keeps up.
 //! `drive hammer ELF PORT` sends ten thousand requests, as many at once as the link allows, under telemetry of every tick, and counts
-//! the answers. `cargo xtask stage` and `cargo xtask qemu` call it.
+//! the answers. `drive typed ELF PORT TOOL` types at the tool. `cargo xtask stage` and `cargo xtask qemu` call it.
+
+mod typed;
 
 use anyhow::{Context, bail, ensure};
 use preslide::control::Axis;
@@ -28,33 +30,50 @@ const AHEAD: Duration = Duration::from_millis(2);
 fn main() -> anyhow::Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    let forever = AtomicBool::new(false);
     match words[..] {
         ["serve", elf, port] => {
             let port = port.parse().context("the port")?;
             println!("an emulated drive listens: preslide drive tcp:127.0.0.1:{port}");
-            serve(Path::new(elf), port, &forever)?;
+            serve(Path::new(elf), port, &AtomicBool::new(false))?;
         }
         ["hammer", elf, port] => {
             let port = port.parse().context("the port")?;
-            let over = AtomicBool::new(false);
-            std::thread::scope(|scope| {
-                let serving = scope.spawn(|| {
-                    let served = serve(Path::new(elf), port, &forever);
-                    over.store(true, Ordering::Relaxed);
-                    served
-                });
-                let hammered = hammer(port, &over);
-                forever.store(true, Ordering::Relaxed);
-                let served = serving.join();
-                hammered?;
-                served.map_err(|_| anyhow::anyhow!("the stage panicked"))??;
-                anyhow::Ok(())
-            })?;
+            beside(Path::new(elf), port, |over| hammer(port, over))?;
         }
-        _ => bail!("usage: drive serve ELF PORT, or drive hammer ELF PORT"),
+        ["typed", elf, port, tool] => {
+            let port = port.parse().context("the port")?;
+            let tool = Path::new(tool)
+                .canonicalize()
+                .with_context(|| tool.to_owned())?;
+            beside(Path::new(elf), port, |_| typed::typed(&tool, port))?;
+        }
+        _ => bail!(
+            "usage: drive serve ELF PORT, drive hammer ELF PORT, or drive typed ELF PORT TOOL"
+        ),
     }
     Ok(())
+}
+
+/// Does something while the drive serves; it is told when the drive has ended.
+fn beside(
+    elf: &Path,
+    port: u16,
+    act: impl FnOnce(&AtomicBool) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    let (enough, ended) = (AtomicBool::new(false), AtomicBool::new(false));
+    std::thread::scope(|scope| {
+        let serving = scope.spawn(|| {
+            let served = serve(elf, port, &enough);
+            ended.store(true, Ordering::Relaxed);
+            served
+        });
+        let acted = act(&ended);
+        enough.store(true, Ordering::Relaxed);
+        let served = serving.join();
+        acted?;
+        served.map_err(|_| anyhow::anyhow!("the stage panicked"))??;
+        Ok(())
+    })
 }
 
 /// Steps firmware and stage until told that it is over, or the firmware ends.
