@@ -40,7 +40,7 @@ impl<F: NorFlash> Slots<F> {
     /// Slots of `length` bytes (a multiple of the pages that `flash` erases) at two offsets; only records of `version` are read.
     /// `None` where a record does not fit.
     pub fn new(flash: F, offsets: [u32; 2], length: u32, version: u32) -> Option<Self> {
-        let whole = |offset: u32| offset as usize % F::ERASE_SIZE == 0;
+        let whole = |offset: u32| (offset as usize).is_multiple_of(F::ERASE_SIZE);
         let fits = length as usize >= IMAGE
             && whole(length)
             && offsets.iter().all(|offset| whole(*offset))

@@ -10,7 +10,7 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use crate::call_graph;
-use crate::process::{cargo, output, root, run, run_for};
+use crate::process::{cargo, output, output_for, root, run, run_for};
 use crate::thumb::{TARGET, Toolchain};
 use crate::tools::Need;
 
@@ -53,6 +53,8 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
         println!("{kind}: the second run printed the same bytes");
     }
     hammered(&fixed)?;
+    typed(&fixed)?;
+    example()?;
     // It cannot be run here, but it must build, fit and not panic.
     build("preslide-stm32g474", "stm32g474", &["--features", "log"])?;
     let board = build("preslide-stm32g474", "stm32g474", &[])?;
@@ -87,6 +89,44 @@ fn hammered(elf: &Path) -> Result<(), String> {
     let mut hammer = Command::new(root().join("target/release/examples/drive"));
     hammer.arg("hammer").arg(elf).arg(free_port()?);
     run_for(&mut hammer, LIMIT)
+}
+
+/// A script that types at `preslide drive`, over a pseudo terminal for the line and in its own terminal.
+fn typed(elf: &Path) -> Result<(), String> {
+    let mut typed = Command::new(root().join("target/release/examples/drive"));
+    typed.arg("typed").arg(elf).arg(free_port()?);
+    run_for(typed.arg(root().join("target/release/preslide")), LIMIT)
+}
+
+/// What `examples/rtic.rs` prints in QEMU. Sliding at 0.5 mm/s, Stribeck's curve gives 0.81 + 0.09·exp(−0.5²) = 0.880 N.
+const EXAMPLE: [&str; 2] = ["tick 4000: friction 880 mN", "tick 8000: friction -880 mN"];
+
+/// The example that a stranger copies first: built for the target, and run.
+fn example() -> Result<(), String> {
+    let what = ["--package", "preslide", "--example", "rtic"];
+    let how = ["build", "--release", "--features", "example-semihosting"];
+    let arguments = [&how[..], &what[..]].concat();
+    run(&mut Toolchain::ensure()?.cargo(root(), &arguments))?;
+    let image = root()
+        .join("target")
+        .join(TARGET)
+        .join("release/examples/rtic");
+    let mut qemu = Command::new("qemu-system-arm");
+    qemu.args(["-M", "netduinoplus2", "-nographic", "-icount", "shift=3"])
+        .args(["-semihosting-config", "enable=on,target=native", "-kernel"])
+        .arg(image)
+        .stdin(Stdio::null());
+    let (printed, log) = output_for(&mut qemu, Duration::from_secs(60))?;
+    let printed = printed + &log;
+    match EXAMPLE.iter().find(|line| !printed.contains(*line)) {
+        None => {
+            println!("examples/rtic.rs: {}", printed.trim().replace('\n', "; "));
+            Ok(())
+        }
+        Some(line) => Err(format!(
+            "examples/rtic.rs did not print `{line}`, but:\n{printed}"
+        )),
+    }
 }
 
 /// Serves an emulated drive, the firmware on the simulated stage, to one client after the other.

@@ -10,7 +10,7 @@ use preslide_host::drive::loadable;
 use preslide_host::model::Model;
 use preslide_host::progress::Progress;
 use preslide_host::recording::{self, LoadOptions, MotionKind, Needs};
-use preslide_link::{GainSettings, Homing, Mark, Mode, Name, Request};
+use preslide_link::{GainSettings, Homing, Mark, Mode, Name, Request, Sample};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -512,12 +512,14 @@ impl Commanded {
         );
         let stop = Arc::clone(&self.stop);
         let mut failed: Option<CaptureError> = None;
+        let mut error = Following::default();
         let playing = Play {
             offset,
             every: every as u16,
         };
         let played = playing.play(&mut self.drive, &motion, |samples| {
             for sample in &samples {
+                error.add(sample);
                 match recorder.take(sample) {
                     Ok(_) => {}
                     Err(error) => failed = Some(error),
@@ -550,8 +552,36 @@ impl Commanded {
             summary.rows,
             summary.missing
         );
+        let (rms, largest) = error.of(identity.count);
+        say!(
+            "following error: RMS {rms:.1} n{u}, largest {largest:.0} n{u}",
+            u = self.unit
+        );
         say!("Next: preslide identify {path} -o model.toml");
         Ok(())
+    }
+}
+
+/// Reference less position, by the encoder.
+#[derive(Default)]
+struct Following {
+    squares: f64,
+    samples: u32,
+    largest: f64,
+}
+
+impl Following {
+    fn add(&mut self, sample: &Sample) {
+        let error = sample.reference as f64 / 65_536.0 - f64::from(sample.position);
+        self.squares += error * error;
+        self.samples += 1;
+        self.largest = self.largest.max(error.abs());
+    }
+
+    /// RMS and largest (10⁻⁹ m or rad) for this count.
+    fn of(&self, count: f64) -> (f64, f64) {
+        let rms = (self.squares / f64::from(self.samples.max(1))).sqrt();
+        (rms * count * 1e9, self.largest * count * 1e9)
     }
 }
 
