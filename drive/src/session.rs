@@ -10,8 +10,8 @@ use std::time::{Duration, Instant, SystemTime};
 
 /// A request that is not answered in this time is sent again, under the same number.
 const PATIENCE: Duration = Duration::from_millis(400);
-/// How often.
-const ATTEMPTS: u32 = 10;
+/// How often: 10 s in all, which an emulator on a busy machine may need.
+const ATTEMPTS: u32 = 25;
 /// Samples kept for the caller to take; older ones are forgotten first.
 const KEPT: usize = 200_000;
 

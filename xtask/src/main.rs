@@ -4,6 +4,7 @@ mod book;
 mod browser;
 mod call_graph;
 mod chain;
+mod commission;
 mod cycles;
 mod process;
 mod qemu;

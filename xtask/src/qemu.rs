@@ -54,6 +54,7 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     }
     hammered(&fixed)?;
     typed(&fixed)?;
+    crate::commission::run(&fixed)?;
     example()?;
     // It cannot be run here, but it must build, fit and not panic.
     build("preslide-stm32g474", "stm32g474", &["--features", "log"])?;
