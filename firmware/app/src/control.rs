@@ -52,7 +52,9 @@ impl<F: Friction> Control<F> {
         B: SetDutyCycle<Error = Infallible>,
     {
         let change = self.changes.dequeue();
-        if self.heard.swap(false, Ordering::Relaxed) {
+        // Not one exchange: a word heard between the two is followed by others.
+        if self.heard.load(Ordering::Relaxed) {
+            self.heard.store(false, Ordering::Relaxed);
             self.controller.heard();
         }
         // In the safe state the queue is emptied, one move a tick: nobody can ask for a restart faster than that.
