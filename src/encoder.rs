@@ -63,20 +63,20 @@ impl<C: Count> CountTracker<C> {
 }
 
 /// Edges that a window begins at, at most; the ring has room for one that is older.
-const ANCHORS: u32 = 16;
+const ANCHORS: u32 = 32;
 
 /// Scales counts per tick to a [`Motion`], with a velocity from the time between edges.
 ///
 /// Counting edges per tick fails at low speed (one 25 nm count in a 50 µs tick reads as 0.5 mm/s), timing single
 /// edges fails at high speed. This does both: the travel from an edge at least `window` ticks ago to the last one,
 /// divided by the ticks between them. The window slides: it begins at the latest of the remembered edges that is old enough, and
-/// they are remembered a fourteenth of it apart. Between edges the estimate falls as `one count / time since the last edge`,
+/// they are remembered, and the estimate made anew, a thirtieth of it apart, at least two ticks. Between edges the estimate falls as `one count / time since the last edge`,
 /// because a faster motion would have produced an edge by now, and is 0 after `timeout`. An edge in the
 /// opposite direction reads as 0 and starts the timing anew.
 ///
-/// At a constant speed the relative error is at most one tick in the time between the edges used. Where edges come faster than
-/// windows, the delay is half the window and half the distance of the remembered edges: at most 0.55 windows in the mean for one
-/// of 10 ticks or more (asserted by a test). Where they come more slowly, it is between half an interval and one and a half.
+/// At a constant speed the relative error is at most one tick in the time between the edges used. Where edges come ten times as fast
+/// as windows, the delay is half the window and most of the distance of the remembered edges: at most 0.55 windows in the mean for
+/// one of 20 ticks or more (asserted by a test). Where they come more slowly, it is between half an interval and one and a half.
 #[derive(Clone, Debug)]
 pub struct EncoderScale<S = f32> {
     length: S,
@@ -131,6 +131,9 @@ impl EdgeTiming {
             self.oldest = self.newest;
             return;
         }
+        if self.age(self.newest) < spacing {
+            return;
+        }
         // Twice: edges that come in every tick need one step a spacing.
         for _ in 0..2 {
             if self.oldest != self.newest && self.age(self.oldest.wrapping_add(1)) >= window {
@@ -142,12 +145,10 @@ impl EdgeTiming {
         if ticks >= window {
             self.estimate = self.count.wrapping_sub(count) as f32 / ticks as f32;
         }
-        if self.age(self.newest) >= spacing {
-            if self.newest.wrapping_sub(self.oldest) == ANCHORS - 1 {
-                self.oldest = self.oldest.wrapping_add(1);
-            }
-            self.remember();
+        if self.newest.wrapping_sub(self.oldest) == ANCHORS - 1 {
+            self.oldest = self.oldest.wrapping_add(1);
         }
+        self.remember();
     }
 }
 
@@ -178,7 +179,7 @@ impl<S: Scalar> EncoderScale<S> {
             length: to_positive("length of a count", count / units.length)?,
             velocity_per_tick: to_positive("count per tick", count / sample_time / units.velocity)?,
             window: ticks(window),
-            spacing: ticks(window).div_ceil(ANCHORS - 2),
+            spacing: ticks(window).div_ceil(ANCHORS - 2).max(2),
             timeout: ticks(timeout),
         })
     }

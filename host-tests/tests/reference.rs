@@ -142,7 +142,12 @@ fn replan(axis: &Axis, replans: u32, seed: u64) -> Extremes {
             Ok(Ok(())) => started += 1,
             Ok(Err(_)) | Err(_) => refused += 1,
         }
-        for _ in 0..rng.next_u32() % 200 {
+        let long = if rng.next_u32().is_multiple_of(10) {
+            600
+        } else {
+            60
+        };
+        for _ in 0..rng.next_u32() % long {
             judge.take(reference.step(&pace).position);
         }
     }

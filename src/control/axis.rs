@@ -150,7 +150,8 @@ impl Axis {
     /// Assumptions, beside those of [`Motor::PAPER_AXIS`]: the mass is the 30 N weight plus the rotor
     /// (1.0 g·cm² by the motor's catalogue) reflected through gear and screw; duty is limited to what holds the
     /// winding below its rated torque, and the acceleration to what that duty gives with room for friction. The jerk makes the
-    /// smoothing 3.2 ms, half the time constant of the loop's crossover. A travel of ±12.5 mm is a guess at the screw's.
+    /// smoothing 3.2 ms, half the time constant of the loop's crossover; a fade of 0.4 s is long
+    /// enough for the feedback to take over what two models that differ by a tenth of the breakaway force disagree about. A travel of ±12.5 mm is a guess at the screw's.
     pub const PAPER_AXIS: Axis = Axis {
         hardware: Hardware::edge_aligned(170_000_000, 20_000),
         encoder: Encoder {
@@ -195,7 +196,7 @@ impl Axis {
             thermal_time: 5.0,
             current_offset: 0.05,
         },
-        fade_time: 0.1,
+        fade_time: 0.4,
         silence: 2.0,
     };
 

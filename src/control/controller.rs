@@ -4,8 +4,8 @@ use super::fade::Leaving;
 use super::faults::Readings;
 use super::reference::saturate;
 use super::{
-    Coefficients, Compensator, Condition, Fault, Jog, Move, Pace, PidState, Reference, Refused,
-    Rounding, Saturation, Suspicion,
+    Coefficients, Condition, Fault, Jog, Move, Pace, PidState, Reference, Refused, Rounding,
+    Saturation, Suspicion,
 };
 use crate::encoder::EdgeTiming;
 use crate::{Count, Friction, Motion, Scalar};
@@ -46,29 +46,33 @@ pub struct Command {
 ///
 /// It begins *disabled*, and so it is again after every fault: PWM off until [`Controller::enable`]. Disabled, it follows the
 /// count and learns what the current sense reads at rest.
+// In this order, so that what only a change of parameters needs does not push the rest out of the reach of a load.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub struct Controller<F: Friction, C> {
-    coefficients: Coefficients<F>,
     /// The last reading, and the position (counts) from an origin that is the axis's own if it is located.
     last: C,
     position: i64,
     located: bool,
     /// Position within the turn of an endless axis; the low bits of the position elsewhere.
     place: i32,
-    timing: EdgeTiming,
-    reference: Reference,
     pid: PidState<F::Scalar>,
-    friction: F::State,
     rounding: Rounding<F::Scalar>,
-    leaving: Option<Leaving<F>>,
-    suspicion: Suspicion,
     cut: Saturation,
     /// The last tick's code in the axis's direction.
     code: i32,
-    /// Ticks since the host was heard.
-    silent: u32,
+    /// Ticks until the host's silence has lasted too long.
+    patience: u32,
     enabled: bool,
+    /// There is one in `leaving`.
+    fades: bool,
     fault: Option<Fault>,
+    suspicion: Suspicion,
+    friction: F::State,
+    coefficients: Coefficients<F>,
+    timing: EdgeTiming,
+    reference: Reference,
+    leaving: Option<Leaving<F>>,
 }
 
 impl<F: Friction, C: Count> Controller<F, C> {
@@ -88,8 +92,9 @@ impl<F: Friction, C: Count> Controller<F, C> {
             suspicion: Suspicion::default(),
             cut: Saturation::None,
             code: 0,
-            silent: 0,
+            patience: 0,
             enabled: false,
+            fades: false,
             fault: None,
             coefficients,
         }
@@ -99,6 +104,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
     ///
     /// # Errors
     /// The fault that has not been acknowledged, or what the current sense shows.
+    #[inline(never)]
     pub fn enable(&mut self) -> Result<(), Fault> {
         if let Some(fault) = self.fault {
             return Err(fault);
@@ -110,10 +116,10 @@ impl<F: Friction, C: Count> Controller<F, C> {
         if let Some(fault) = self.fault {
             return Err(fault);
         }
-        self.reference = Reference::at(self.position, &self.coefficients.pace);
+        self.reference.stand(self.position, &self.coefficients.pace);
         self.reference.locate(self.located);
         self.suspicion.clear();
-        self.silent = 0;
+        self.heard();
         self.enabled = true;
         Ok(())
     }
@@ -174,7 +180,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
     fn may_move(&self) -> Result<(), Refused> {
         if !self.enabled {
             Err(Refused::NotEnabled)
-        } else if self.silent > self.coefficients.silence {
+        } else if self.is_silent() {
             Err(Refused::Silence)
         } else {
             Ok(())
@@ -189,12 +195,12 @@ impl<F: Friction, C: Count> Controller<F, C> {
     /// The host has been heard. [`super::Axis::silence`] after the last time a moving axis stops.
     #[inline]
     pub fn heard(&mut self) {
-        self.silent = 0;
+        self.patience = self.coefficients.silence;
     }
 
     /// The host has been silent for too long.
     pub fn is_silent(&self) -> bool {
-        self.silent > self.coefficients.silence
+        self.patience == 0 && self.coefficients.silence > 0
     }
 
     /// Position (counts) from the axis's origin.
@@ -213,6 +219,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
 
     /// The place that is called `from` (counts) is `to`: homing, or zeroing where `to` is 0. From here on the axis is located, its
     /// travel has ends, and what acts by position acts. In motion as well: reference and axis are renamed together.
+    #[inline(never)]
     pub fn set_position(&mut self, from: i64, to: i64) {
         let by = to.wrapping_sub(from);
         self.position = self.position.wrapping_add(by);
@@ -255,17 +262,22 @@ impl<F: Friction, C: Count> Controller<F, C> {
     /// The friction model goes on with what it remembers ([`Friction::take_over`]). Feedback, feed-forward and model cross-fade:
     /// the old ones run on beside the new ones for [`super::Axis::fade_time`]. What says what the machine is (encoder, motor,
     /// limits, watch) takes effect at once.
+    #[inline(never)]
     pub fn swap(&mut self, coefficients: Coefficients<F>) {
         let old = core::mem::replace(&mut self.coefficients, coefficients);
         let (new, left) = (&self.coefficients.compensator, &old.compensator);
         let memory = new.friction().take_over(left.friction(), &self.friction);
         let memory = core::mem::replace(&mut self.friction, memory);
-        let added = self.leaving.take().map_or(F::Scalar::ZERO, |l| l.added());
+        let added = match &self.leaving {
+            Some(leaving) if self.fades => leaving.added(),
+            _ => F::Scalar::ZERO,
+        };
         if self.enabled {
             let friction = (new != left).then_some(memory);
             let fade = &self.coefficients.fade;
             self.leaving = Some(Leaving::start(old, friction, fade, added));
         }
+        self.fades = self.enabled;
     }
 
     /// One tick. Call it once a sample time, with the counter read at its start.
@@ -288,12 +300,14 @@ impl<F: Friction, C: Count> Controller<F, C> {
             current: measured.current,
             late: measured.late,
         };
-        if let Some(fault) = c.monitor.measured(&mut self.suspicion, &read) {
+        if let Some(fault) = c.monitor.measured(&mut self.suspicion, read) {
             return self.trip(fault);
         }
-        self.silent = self.silent.saturating_add(1);
-        if self.silent == c.silence.wrapping_add(1) {
-            self.reference.stop();
+        if self.patience > 0 {
+            self.patience -= 1;
+            if self.patience == 0 {
+                self.reference.stop();
+            }
         }
         let reference = self.reference.step(&c.pace);
         // Both wrap; their difference does not.
@@ -311,23 +325,31 @@ impl<F: Friction, C: Count> Controller<F, C> {
         };
         // Whole counts do for maps and ripples, and are exact in `f32` up to 2²⁴ of them.
         let place = |counts: i32| F::Scalar::from_int(counts).mul_input(c.length_per_count);
-        let now = Moment {
-            error,
-            velocity_error: wanted.velocity.sub_input(motion.velocity),
-            wanted,
-            motion,
-            acceleration: c.acceleration.apply(reference.acceleration),
-            wanted_place: place(self.place.wrapping_add((error_q16 >> 16) as i32)),
-            place: place(self.place),
-        };
-        let feedback = c
-            .pid
-            .step(&mut self.pid, error, now.velocity_error, self.cut);
-        let feed_forward = now.feed_forward(&c.compensator, &mut self.friction);
+        let acceleration = F::Scalar::from_q16((reference.change >> 16) as i32)
+            .mul_input(c.acceleration_per_change);
+        let places = [
+            place(self.place.wrapping_add((error_q16 >> 16) as i32)),
+            place(self.place),
+        ];
+        let velocity_error = wanted.velocity.sub_input(motion.velocity);
+        let feedback = c.pid.step(&mut self.pid, error, velocity_error, self.cut);
+        let [wanted_place, measured_place] = places;
+        let model = &mut self.friction;
+        c.compensator.place(model, wanted_place, measured_place);
+        let feed_forward = c.compensator.step(model, wanted, motion, acceleration);
         let mut force = feedback.add_input(feed_forward);
-        if let Some(leaving) = &mut self.leaving {
-            force = force.add_input(now.fade(leaving, c, feed_forward));
+        if self.fades {
+            let now = Moment {
+                error,
+                velocity_error,
+                wanted,
+                motion,
+                acceleration,
+                places,
+            };
+            force = force.add_input(self.fade(&now, feed_forward));
         }
+        let c = &self.coefficients;
 
         let supply = f32::from(c.monitor.usable(measured.supply));
         let boost = F::Scalar::from_f32(c.supply_nominal / supply);
@@ -341,17 +363,13 @@ impl<F: Friction, C: Count> Controller<F, C> {
         self.code = code;
         self.cut = cut;
         // What was cut, bumped by another model or held for longer than a tick does not tell the friction.
-        let leaving = self.leaving.as_ref();
+        let leaving = if self.fades { &self.leaving } else { &None };
         let told = || {
-            let fades = leaving.is_some_and(Leaving::changes_model);
+            let fades = leaving.as_ref().is_some_and(Leaving::changes_model);
             let tells = cut == Saturation::None && !fades && !measured.late;
             tells.then_some(force)
         };
-        c.compensator
-            .spent(&mut self.friction, told, now.acceleration);
-        if leaving.is_some_and(Leaving::is_over) {
-            self.leaving = None;
-        }
+        c.compensator.spent(&mut self.friction, told, acceleration);
         Command {
             code: code.wrapping_mul(c.code_sign),
             position: self.position,
@@ -359,6 +377,26 @@ impl<F: Friction, C: Count> Controller<F, C> {
             fault: None,
             enabled: true,
         }
+    }
+
+    /// What the old parameters add to the new ones' force.
+    #[inline(never)]
+    fn fade(&mut self, now: &Moment<F::Scalar>, feed_forward: F::Scalar) -> F::Scalar {
+        let Some(leaving) = &mut self.leaving else {
+            return F::Scalar::ZERO;
+        };
+        let immediate = |c: &Coefficients<F>| c.pid.immediate(now.error, now.velocity_error);
+        let mut difference = immediate(&leaving.old).sub_input(immediate(&self.coefficients));
+        if let Some(state) = &mut leaving.friction {
+            let old = &leaving.old.compensator;
+            let [wanted, measured] = now.places;
+            old.place(state, wanted, measured);
+            let left = old.step(state, now.wanted, now.motion, now.acceleration);
+            difference = difference.add_input(left.sub_input(feed_forward));
+        }
+        let added = leaving.step(difference);
+        self.fades = !leaving.is_over();
+        added
     }
 
     /// Into the safe state.
@@ -376,7 +414,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
         self.cut = Saturation::None;
         self.pid = PidState::new();
         self.rounding = Rounding::new();
-        self.leaving = None;
+        self.fades = false;
         self.reference.stop();
         let friction = self.coefficients.compensator.friction();
         friction.release(&mut self.friction);
@@ -412,35 +450,6 @@ struct Moment<S> {
     motion: Motion<S>,
     /// The reference's, in velocity units per second.
     acceleration: S,
-    wanted_place: S,
-    place: S,
-}
-
-impl<S: Scalar> Moment<S> {
-    #[inline(always)]
-    fn feed_forward<F: Friction<Scalar = S>>(
-        &self,
-        compensator: &Compensator<F>,
-        state: &mut F::State,
-    ) -> S {
-        compensator.place(state, self.wanted_place, self.place);
-        compensator.step(state, self.wanted, self.motion, self.acceleration)
-    }
-
-    /// What the old parameters add to the new ones' force.
-    #[inline(never)]
-    fn fade<F: Friction<Scalar = S>>(
-        &self,
-        leaving: &mut Leaving<F>,
-        new: &Coefficients<F>,
-        feed_forward: S,
-    ) -> S {
-        let immediate = |c: &Coefficients<F>| c.pid.immediate(self.error, self.velocity_error);
-        let mut difference = immediate(&leaving.old).sub_input(immediate(new));
-        if let Some(state) = &mut leaving.friction {
-            let left = self.feed_forward(&leaving.old.compensator, state);
-            difference = difference.add_input(left.sub_input(feed_forward));
-        }
-        leaving.step(difference)
-    }
+    /// The reference's and the measured one.
+    places: [S; 2],
 }

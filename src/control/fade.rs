@@ -23,9 +23,11 @@ impl<S: Scalar> Fade<S> {
         positive("sample time", sample_time)?;
         let ticks = libm::ceil(positive("fade time", time)? / sample_time);
         let ticks = crate::param::at_most("fade time in ticks", ticks, LONGEST)?;
+        let part: S = to_scalar("fade per tick", 1.0 / ticks)?;
         Ok(Self {
-            part: to_scalar("fade per tick", 1.0 / ticks)?,
-            ticks: ticks as u32,
+            part,
+            // As many as the rounded part needs to take the weight to 0.
+            ticks: libm::round(1.0 / part.to_f64()) as u32,
         })
     }
 }

@@ -81,6 +81,8 @@ pub struct Monitor<S> {
     supply_ticks: u32,
     overruns: u32,
     current_max: i32,
+    /// Codes at which the winding does not warm beyond what it stands.
+    calm: u32,
     /// Squared codes, and their sum over ticks.
     rated: i32,
     overload: i64,
@@ -90,6 +92,8 @@ pub struct Monitor<S> {
 /// How long things have been wrong so far, and what the current sense reads at rest.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Suspicion {
+    /// One of the counters below is above 0.
+    any: bool,
     /// Ticks of pushing in one direction, which one, and the counts that came of it.
     frozen: u32,
     forward: bool,
@@ -115,6 +119,7 @@ impl Suspicion {
             offset: self.offset,
             // A winding does not cool by being told so.
             heat: self.heat,
+            any: self.heat > 0,
             ..Self::default()
         };
     }
@@ -147,6 +152,7 @@ impl<S: Scalar> Monitor<S> {
             )
         };
         let rated = codes("rated current", watch.current_rated)?;
+        let largest = codes("largest current", watch.current_max)?;
         let thermal = positive("thermal time", watch.thermal_time)? / sample_time;
         at_most("thermal time in ticks", thermal, 4e9)?;
         Ok(Self {
@@ -158,7 +164,8 @@ impl<S: Scalar> Monitor<S> {
             supply_max: (watch.supply_max / hardware.supply_code) as u16,
             supply_ticks: ticks("supply time", watch.supply_time)?,
             overruns: watch.overruns,
-            current_max: codes("largest current", watch.current_max)? as i32,
+            current_max: largest as i32,
+            calm: (rated as u32).min(largest as u32),
             rated: (rated * rated) as i32,
             overload: (rated * rated * thermal) as i64,
             offset: codes("offset of the current", watch.current_offset)? as i32,
@@ -166,8 +173,25 @@ impl<S: Scalar> Monitor<S> {
     }
 
     /// Checks what was measured, before anything is computed from it.
+    ///
+    /// The ordinary tick takes a few comparisons; only one in which something is unusual, or was, counts.
     #[inline]
-    pub(super) fn measured(&self, suspicion: &mut Suspicion, read: &Readings) -> Option<Fault> {
+    pub(super) fn measured(&self, suspicion: &mut Suspicion, read: Readings) -> Option<Fault> {
+        let current = i32::from(read.current) - (suspicion.offset >> 8);
+        let usual = read.counts.unsigned_abs() <= self.jump
+            && read.code.unsigned_abs() <= self.frozen_code.unsigned_abs()
+            && read.supply >= self.supply_min
+            && read.supply <= self.supply_max
+            && current.unsigned_abs() <= self.calm
+            && !read.late;
+        if usual && !suspicion.any {
+            return None;
+        }
+        self.suspect(suspicion, &read)
+    }
+
+    #[inline(never)]
+    fn suspect(&self, suspicion: &mut Suspicion, read: &Readings) -> Option<Fault> {
         let last = |counter: &mut u32, wrong: bool, allowed: u32| {
             *counter = if wrong { counter.saturating_add(1) } else { 0 };
             *counter > allowed
@@ -183,6 +207,11 @@ impl<S: Scalar> Monitor<S> {
         let over_current = last(&mut suspicion.current, large, 1);
         let heat = suspicion.heat + i64::from(current * current - self.rated);
         suspicion.heat = if heat > 0 { heat } else { 0 };
+        suspicion.any = suspicion.frozen > 0
+            || suspicion.supply > 0
+            || suspicion.late > 0
+            || suspicion.current > 0
+            || suspicion.heat > 0;
         if read.counts.unsigned_abs() > self.jump {
             Some(Fault::EncoderJump)
         } else if frozen {

@@ -39,7 +39,9 @@ impl Pace {
             ticks,
             MOST_SMOOTHED.into(),
         )?;
+        // Two ticks at least: what shifts by it counts on one bit.
         let bits = (libm::ceil(ticks) as u32)
+            .max(2)
             .next_power_of_two()
             .trailing_zeros();
         if let Some((low, high)) = limits.travel {
@@ -89,8 +91,8 @@ pub struct Sample {
     pub position: i64,
     /// Travel in this tick (2⁻¹⁶ counts).
     pub displacement: i32,
-    /// Its change (2⁻³² counts per tick²).
-    pub acceleration: i64,
+    /// Its change (2⁻³² counts per tick²), times [`Pace::smoothing`].
+    pub change: i64,
 }
 
 /// A speed to keep ([`super::Planner::jog`]).
@@ -115,6 +117,7 @@ enum Mode {
 /// A generator keeps acceleration within [`Limits::acceleration`] from one tick to the next, in exact integers; a moving average
 /// over `2·acceleration/jerk` then keeps the jerk. Both keep speed and travel. Positions wrap, so an axis may turn without end.
 #[derive(Clone, Debug, PartialEq)]
+#[repr(C)]
 pub struct Reference {
     /// What is planned, before smoothing: 2⁻³² counts, and per tick.
     planned: i64,
@@ -122,10 +125,10 @@ pub struct Reference {
     mode: Mode,
     plan: Move,
     tick: u32,
-    smoothing: Smoothing,
     position: i64,
     /// The ends of travel are known.
     located: bool,
+    smoothing: Smoothing,
 }
 
 impl Reference {
@@ -138,10 +141,20 @@ impl Reference {
             mode: Mode::Planned,
             plan: Move::NONE,
             tick: 0,
-            smoothing: Smoothing::at_rest(pace.bits),
             position,
             located: false,
+            smoothing: Smoothing::at_rest(pace.bits),
         }
+    }
+
+    /// Stands at `count`, in place.
+    pub(super) fn stand(&mut self, count: i64, pace: &Pace) {
+        self.planned = count.wrapping_shl(32);
+        self.speed = 0;
+        self.mode = Mode::Planned;
+        self.drop_plan();
+        self.position = self.planned;
+        self.smoothing.rest(pace.bits);
     }
 
     /// The next move may start: the one before it is done, but for what the smoothing still has to let out.
@@ -171,6 +184,7 @@ impl Reference {
     ///
     /// # Errors
     /// [`Refused`] where it exceeds the limits; nothing changes then.
+    #[inline(never)]
     pub fn start(&mut self, next: Move, pace: &Pace) -> Result<(), Refused> {
         let (steepest, fastest) = next.extremes();
         if steepest > pace.brake.unsigned_abs() + 1 {
@@ -202,6 +216,7 @@ impl Reference {
     }
 
     /// Brakes to rest by [`Limits::acceleration`]; what was planned is dropped.
+    #[inline(never)]
     pub fn stop(&mut self) {
         self.drop_plan();
         self.mode = Mode::Brake;
@@ -222,15 +237,16 @@ impl Reference {
     /// Advances by one tick.
     #[inline]
     pub fn step(&mut self, pace: &Pace) -> Sample {
-        let before = self.position >> 16;
+        let before = (self.position >> 16) as i32;
         self.speed = self.next_speed(pace);
         self.planned = self.planned.wrapping_add(self.speed);
-        let (speed, acceleration) = self.smoothing.step(self.speed);
+        let (speed, change) = self.smoothing.step(self.speed);
         self.position = self.position.wrapping_add(speed);
         Sample {
             position: self.position,
-            displacement: saturate((self.position >> 16).wrapping_sub(before)),
-            acceleration,
+            // Below 2¹³ counts, by the check of the speed limit.
+            displacement: ((self.position >> 16) as i32).wrapping_sub(before),
+            change,
         }
     }
 
@@ -247,9 +263,9 @@ impl Reference {
             }
             // Nothing follows what should have been joined to.
             Mode::Planned if self.speed == 0 => return 0,
+            Mode::Brake => return self.brake(pace),
             Mode::Planned => approach(self.speed, 0, pace.brake),
             Mode::Jog(speed) => approach(self.speed, speed, pace.brake),
-            Mode::Brake => return self.brake(pace),
         };
         if self.must_brake(speed, pace) {
             self.stop();
@@ -274,7 +290,7 @@ impl Reference {
     /// At `speed`, the rest of the way to the end of travel is no more than braking takes.
     ///
     /// Braking by `b` from `v` covers `v²/(2·b) − v/2` and at most `b/8` more; the tick at `v` itself covers `v`.
-    #[inline]
+    #[inline(never)]
     fn must_brake(&self, speed: i64, pace: &Pace) -> bool {
         let Some((low, high)) = pace.travel else {
             return false;

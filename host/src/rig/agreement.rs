@@ -190,6 +190,8 @@ fn simulate<F: Friction>(
                 .start(next)
                 .map_err(|_| RigError::Answer("was sent a move beyond the axis's limits"))?;
         }
+        // The firmware hears the script often enough.
+        controller.heard();
         code = controller
             .tick(Measurement {
                 count: reading.count,

@@ -129,6 +129,8 @@ impl<F: Friction> Axis<F> {
         let reading = self.stage.reading();
         let true_m = self.stage.truth().position_m;
         let encoder_m = interpolated_m(&self.stage.config().encoder, true_m) - self.origin_m;
+        // Who simulates it is not silent.
+        self.controller.heard();
         let command = self.controller.tick(Measurement {
             count: reading.count.cast_unsigned(),
             // Saturating: what an ADC does.
