@@ -275,7 +275,10 @@ fn send(
             return Ok(Reply::Done { room: 0 });
         }
         match answer {
-            Err(DriveError::Refused { refusal, .. }) if refusal == Refusal::Busy => {
+            Err(DriveError::Refused {
+                refusal: Refusal::Busy,
+                ..
+            }) => {
                 drive.listen(Duration::from_millis(2))?;
             }
             Err(error @ DriveError::Refused { .. }) => {
