@@ -27,6 +27,8 @@ struct Injection<'a> {
     host: Option<fn(u32, &mut Controller<Model, u32>, &Axis)>,
     /// It is wrong from the start: counted from the first tick, and no move is asked for before it.
     from_start: bool,
+    /// It changes nothing: the run is compared with an undisturbed one.
+    rides_out: bool,
 }
 
 /// A friction model that can be told to answer NaN.
@@ -131,9 +133,10 @@ fn run(injection: &Injection, undisturbed: Option<&Outcome>) -> Outcome {
             read(tick, &mut measured);
         }
         let command = controller.tick(measured);
+        // A bridge that is told to open does, whatever its PWM says.
         let code = match &injection.bridge {
-            Some(bridge) => bridge(tick, command.code),
-            None => command.code,
+            Some(bridge) if command.enabled => bridge(tick, command.code),
+            _ => command.code,
         };
         let true_m = stage.truth().position_m;
         outcome.path.push(true_m);
@@ -202,13 +205,13 @@ fn every_fault_keeps_its_bound_on_travel_and_command() {
     let undisturbed = run(&Injection::default(), None);
     assert_eq!(undisturbed.fault, None);
     let frozen = Cell::new(None);
-    let stuck = Cell::new(0);
+    let (lost, stuck) = (Cell::new(None), Cell::new(0));
     let rows = vec![
         row(
             "encoder frozen",
             Some(Fault::EncoderFrozen),
-            500,
-            400.0,
+            300,
+            160.0,
             read(|_, m| {
                 frozen.set(frozen.get().or(Some(m.count)));
                 m.count = frozen.get().unwrap_or(0);
@@ -217,32 +220,37 @@ fn every_fault_keeps_its_bound_on_travel_and_command() {
         row(
             "encoder phase lost",
             Some(Fault::EncoderFrozen),
-            500,
-            400.0,
+            300,
+            160.0,
             read(|_, m| {
                 // Of the four states of a line two are left: the count goes to and fro by one.
-                m.count = 4000 + (m.count >> 1 & 1);
+                let base = lost.get().unwrap_or(m.count);
+                lost.set(Some(base));
+                m.count = base + (m.count >> 1 & 1);
             }),
         ),
         row(
             "count jumps",
             Some(Fault::EncoderJump),
             0,
-            60.0,
+            10.0,
             read(|_, m| m.count = m.count.wrapping_add(4000)),
         ),
         row(
             "count noise of one",
             None,
             0,
-            2.0,
-            read(|tick, m| m.count = m.count.wrapping_add(tick * 7919 / 3 & 1)),
+            0.2,
+            Injection {
+                rides_out: true,
+                ..read(|tick, m| m.count = m.count.wrapping_add(tick * 7919 / 3 & 1))
+            },
         ),
         row(
             "encoder reversed",
-            Some(Fault::FollowingError),
-            2000,
-            400.0,
+            Some(Fault::EncoderFrozen),
+            900,
+            160.0,
             Injection {
                 axis: Some(|a| a.encoder.reversed = true),
                 from_start: true,
@@ -251,9 +259,9 @@ fn every_fault_keeps_its_bound_on_travel_and_command() {
         ),
         row(
             "motor leads reversed",
-            Some(Fault::FollowingError),
-            2000,
-            400.0,
+            Some(Fault::EncoderFrozen),
+            900,
+            160.0,
             Injection {
                 axis: Some(|a| a.motor.reversed = true),
                 from_start: true,
@@ -262,9 +270,9 @@ fn every_fault_keeps_its_bound_on_travel_and_command() {
         ),
         row(
             "bridge stuck",
-            Some(Fault::FollowingError),
-            4000,
-            2000.0,
+            Some(Fault::EncoderFrozen),
+            500,
+            160.0,
             Injection {
                 bridge: Some(Box::new(|tick, code| {
                     if tick < AT {
@@ -281,14 +289,14 @@ fn every_fault_keeps_its_bound_on_travel_and_command() {
             "over-current",
             Some(Fault::OverCurrent),
             1,
-            60.0,
+            10.0,
             read(|_, m| m.current = 20_000),
         ),
         row(
             "overload (I2t)",
             Some(Fault::Overload),
-            13_000,
-            2000.0,
+            2200,
+            240.0,
             Injection {
                 axis: Some(|a| a.watch.thermal_time = 0.1),
                 read: Some(Box::new(|tick, m| {
@@ -314,7 +322,7 @@ fn every_fault_keeps_its_bound_on_travel_and_command() {
             "supply sags to 4 V",
             Some(Fault::SupplyOutOfRange),
             20,
-            100.0,
+            12.0,
             Injection {
                 stage: Some(|tick, s| {
                     if tick == AT {
@@ -328,7 +336,7 @@ fn every_fault_keeps_its_bound_on_travel_and_command() {
             "supply over-voltage, 9 V",
             Some(Fault::SupplyOutOfRange),
             20,
-            100.0,
+            12.0,
             Injection {
                 stage: Some(|tick, s| {
                     if tick == AT {
@@ -342,7 +350,7 @@ fn every_fault_keeps_its_bound_on_travel_and_command() {
             "brown-out, reset",
             None,
             0,
-            2000.0,
+            20.0,
             Injection {
                 // The controller begins anew every 5 ms and is told nothing: it stays off.
                 host: Some(|tick, c, a| {
@@ -359,8 +367,9 @@ fn every_fault_keeps_its_bound_on_travel_and_command() {
             "host silent",
             None,
             0,
-            2000.0,
+            120.0,
             Injection {
+                // The last word was a tick before the injection.
                 axis: Some(|a| a.silence = 0.05),
                 host: Some(|tick, c, _| {
                     if tick < AT {
@@ -374,7 +383,7 @@ fn every_fault_keeps_its_bound_on_travel_and_command() {
             "jump during a swap",
             Some(Fault::EncoderJump),
             0,
-            60.0,
+            10.0,
             Injection {
                 host: Some(|tick, c, a| {
                     c.heard();
@@ -396,7 +405,7 @@ fn every_fault_keeps_its_bound_on_travel_and_command() {
             "jump during a stop",
             Some(Fault::EncoderJump),
             0,
-            60.0,
+            10.0,
             Injection {
                 host: Some(|tick, c, _| {
                     c.heard();
@@ -416,7 +425,7 @@ fn every_fault_keeps_its_bound_on_travel_and_command() {
             "NaN from a model",
             Some(Fault::NotANumber),
             0,
-            60.0,
+            10.0,
             Injection {
                 host: Some(|tick, c, a| {
                     c.heard();
@@ -430,13 +439,15 @@ fn every_fault_keeps_its_bound_on_travel_and_command() {
         row(
             "jam (following error)",
             Some(Fault::FollowingError),
-            3000,
-            400.0,
+            300,
+            260.0,
             Injection {
                 axis: Some(|a| a.watch.frozen_duty = 0.37),
                 stage: Some(|tick, s| {
-                    if tick == AT {
-                        let _ = s.set_external_force_n(-12.0);
+                    // For 10 ms.
+                    if tick == AT || tick == AT + 200 {
+                        let force = if tick == AT { -12.0 } else { 0.0 };
+                        let _ = s.set_external_force_n(force);
                     }
                 }),
                 ..Injection::default()
@@ -446,14 +457,14 @@ fn every_fault_keeps_its_bound_on_travel_and_command() {
             "every tick late",
             Some(Fault::Overrun),
             2,
-            60.0,
+            10.0,
             read(|_, m| m.late = true),
         ),
         row(
             "disabled in motion",
             None,
             0,
-            2000.0,
+            20.0,
             Injection {
                 host: Some(|tick, c, _| if tick == AT { c.disable() } else { c.heard() }),
                 ..Injection::default()
@@ -473,7 +484,7 @@ fn every_fault_keeps_its_bound_on_travel_and_command() {
         injection,
     } in rows
     {
-        let outcome = run(&injection, expected.is_none().then_some(&undisturbed));
+        let outcome = run(&injection, injection.rides_out.then_some(&undisturbed));
         let found = outcome
             .fault
             .map_or("nothing".into(), |fault| format!("{fault:?}"));
