@@ -1,4 +1,5 @@
-//! Says whether the core has the DSP instructions that `src/kernels/dsp.rs` uses: no stable `cfg` does.
+//! Says whether the core has the DSP instructions that `src/kernels/dsp.rs` uses: no stable `cfg` does. Has the examples for a
+//! microcontroller linked by cortex-m-rt's script, with `memory.x` from the root.
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
@@ -7,5 +8,9 @@ fn main() {
     let target = std::env::var("TARGET").unwrap_or_default();
     if target.starts_with("thumbv7em-") {
         println!("cargo:rustc-cfg=dsp_instructions");
+    }
+    if target.ends_with("-none-eabihf") && std::env::var_os("CARGO_FEATURE_EXAMPLE").is_some() {
+        println!("cargo:rustc-link-arg-examples=-Tlink.x");
+        println!("cargo:rerun-if-changed=memory.x");
     }
 }

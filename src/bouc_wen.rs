@@ -19,7 +19,7 @@ use crate::{Friction, Motion, Scalar};
 /// **Limits.** `σ = 1`, `n = 1` is Dahl's model with `n = 1`. Rate-independent: no Stribeck effect, so no stick-slip.
 /// No non-local memory: inner loops stay open and a ripple on a load drifts. `n` is 1…20 and `σ` 1/2…2: below 1/2 the
 /// model produces energy (the survey, section 5), beyond 2 it unloads at more than four times its own stiffness.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct BoucWen<S = f32> {
     coulomb: S,
     per_length: S,
@@ -76,6 +76,11 @@ impl<S: Scalar> Friction for BoucWen<S> {
 
     fn at_rest(&self) -> Self::State {
         BoucWenState { share: S::ZERO }
+    }
+
+    /// A share of the Coulomb force, whatever that is.
+    fn take_over(&self, _old: &Self, state: &Self::State) -> Self::State {
+        state.clone()
     }
 
     fn step(&self, state: &mut Self::State, motion: Motion<S>) -> S {

@@ -6,7 +6,7 @@ use crate::{Friction, Motion, Scalar};
 /// `F = F_c·sgn(v) + b·v`, with `sgn(0) = 0`.
 ///
 /// Without memory: it says nothing at standstill, which is the case the other models exist for.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Coulomb<S = f32> {
     coulomb: S,
     viscous: S,

@@ -14,7 +14,7 @@ use crate::{Friction, Motion, Scalar};
 /// The model has no non-local memory: inner loops do not close (the paper, "Experimental set-up"). An
 /// exponent within 1e-4 of 1 is taken as 1; in fixed point `e·κ·|dx|` also needs digits, so let `n` be 1 or
 /// differ from 1 by a tenth.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Dahl<S = f32> {
     coulomb: S,
     per_length: S,
@@ -71,6 +71,11 @@ impl<S: Scalar> Friction for Dahl<S> {
 
     fn at_rest(&self) -> Self::State {
         DahlState { share: S::ZERO }
+    }
+
+    /// A share of the Coulomb force, whatever that is.
+    fn take_over(&self, _old: &Self, state: &Self::State) -> Self::State {
+        state.clone()
     }
 
     #[inline]

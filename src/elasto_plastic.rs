@@ -23,7 +23,7 @@ const WIDEST: f64 = 0.9;
 /// **Limits.** A load whose ripple stays below `σ0·z_ba` does not drift at all, which LuGre's does. Above it, inner
 /// loops stay open: there is no non-local memory, and a loop below `z_ba` encloses no area, so that small motion is
 /// not damped but by `σ1`. `s(v)` weakens with speed, so that a soft drive sticks and slips.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ElastoPlastic<S = f32> {
     /// `σ0`, `σ1` and `z_ss(v)`, LuGre's `g(v)`.
     bristle: LuGre<S>,

@@ -10,7 +10,7 @@ const PER_UNIT: f64 = 16.0;
 pub(crate) const MOST_SUBSTEPS: usize = 1024;
 
 /// Runge and Kutta's fourth-order step on a law whose slope is of the order of 1.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Flow<S> {
     sixth: S,
     substep: S,

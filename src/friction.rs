@@ -27,7 +27,9 @@ impl<S: Scalar> Motion<S> {
 ///
 /// The force has the sign of the motion that it opposes: pushing in the positive direction gives a positive
 /// force, so adding it to a controller's output compensates friction.
-pub trait Friction {
+///
+/// Models are compared where one takes the place of another: equal parameters keep the memory ([`Friction::take_over`]).
+pub trait Friction: PartialEq {
     /// The number type that the model computes in.
     type Scalar: Scalar;
     /// The model's memory.
@@ -47,6 +49,18 @@ pub trait Friction {
     #[inline]
     fn release(&self, state: &mut Self::State) {
         *state = self.at_rest();
+    }
+
+    /// The memory with which this model goes on where `old` stopped with `state`.
+    ///
+    /// From equal parameters it must be `state` as it is: [`Controller::swap`](crate::control::Controller::swap) then changes no
+    /// command. A model whose memory means the same with other parameters keeps what fits them; any other one starts at rest.
+    fn take_over(&self, old: &Self, state: &Self::State) -> Self::State {
+        if self == old {
+            state.clone()
+        } else {
+            self.at_rest()
+        }
     }
 
     /// Lets the model ask what the drive spent on friction in the tick of the last [`Friction::step`], in force units; `None`

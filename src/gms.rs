@@ -8,7 +8,7 @@ use crate::{Friction, Motion, Scalar};
 use core::sync::atomic::{Ordering, compiler_fence};
 
 /// Stiffness and yield displacement of N blocks, in the model's units.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Blocks<const N: usize, S> {
     pub(crate) stiffness: [S; N],
     pub(crate) yields: [S; N],
@@ -105,7 +105,7 @@ impl<const N: usize, S: Scalar> Blocks<N, S> {
 /// assert!((force - 0.0374).abs() < 1e-4);
 /// # Ok::<(), preslide::ParamError>(())
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Gms<const N: usize, S = f32> {
     blocks: Blocks<N, S>,
     /// `σ(v)` and `λ(v)`.
@@ -182,6 +182,22 @@ impl<const N: usize, S: Scalar> Friction for Gms<N, S> {
             along: [S::ZERO; N],
             slipping: 0,
             direction: S::ONE,
+        }
+    }
+
+    fn take_over(&self, old: &Self, state: &Self::State) -> Self::State {
+        if self == old {
+            return state.clone();
+        }
+        // A block that now yields earlier slips from its new limit on; one that yields later sticks again.
+        let mut along = state.along;
+        for (z, bound) in along.iter_mut().zip(&self.blocks.yields) {
+            *z = z.limited(*bound);
+        }
+        GmsState {
+            along,
+            slipping: 0,
+            direction: state.direction,
         }
     }
 

@@ -48,7 +48,7 @@ pub struct HsiehParams {
 ///
 /// For identification and comparison on the host. A step costs one exponential and one power while elastic,
 /// and twenty of each while yielding: too slow for most control ticks, as the paper says of it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Hsieh<S = f32> {
     k1: S,
     saturation: S,

@@ -39,7 +39,7 @@ pub enum LeuvenForm {
 ///
 /// `N ≤ 32` blocks. For identification and comparison on the host: a step costs at least four powers. Computed
 /// in floats; fixed point saturates.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Leuven<const N: usize, S = f32> {
     blocks: Blocks<N, S>,
     exponent: S,

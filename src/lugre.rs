@@ -17,7 +17,7 @@ use crate::{Friction, Motion, Scalar};
 /// would turn one 25 nm count at 20 kHz into 0.5 mm/s, 2.2 N with the paper's `σp`. Eq. (3) has no viscous term
 /// for sliding; add one outside if the machine needs it. The Stribeck curve is that of [`Sliding`]; its
 /// attraction parameter is not used here. Inner loops do not close (no non-local memory).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LuGre<S = f32> {
     pub(crate) stiffness: S,
     pub(crate) damping: S,
@@ -81,6 +81,13 @@ impl<S: Scalar> Friction for LuGre<S> {
     fn at_rest(&self) -> Self::State {
         LuGreState {
             deflection: S::ZERO,
+        }
+    }
+
+    /// The bristles keep their deflection, as far as it fits.
+    fn take_over(&self, _old: &Self, state: &Self::State) -> Self::State {
+        LuGreState {
+            deflection: state.deflection.limited(self.largest),
         }
     }
 

@@ -22,7 +22,7 @@ use crate::{Friction, Motion, Scalar};
 /// assert!((force - 0.9).abs() < 1e-12); // every block slips: the breakaway force
 /// # Ok::<(), preslide::ParamError>(())
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct QuasiStaticGms<const N: usize, S = f32> {
     blocks: Blocks<N, S>,
 }
@@ -54,6 +54,15 @@ impl<const N: usize, S: Scalar> Friction for QuasiStaticGms<N, S> {
         QuasiStaticState {
             deflection: [S::ZERO; N],
         }
+    }
+
+    /// The blocks keep their deflections, as far as they yield no earlier now.
+    fn take_over(&self, _old: &Self, state: &Self::State) -> Self::State {
+        let mut kept = state.clone();
+        for (z, d) in kept.deflection.iter_mut().zip(&self.blocks.yields) {
+            *z = z.limited(*d);
+        }
+        kept
     }
 
     #[inline]

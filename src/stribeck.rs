@@ -66,7 +66,7 @@ const INTERVALS: usize = 64;
 /// It reaches up to the speed where the exponential has fallen to 1e-4 and is flat beyond. Its error in
 /// `s(v)/F_s` is at most `4e-3·(1 − F_c/F_s)`, largest at `δ = 1.3`, and `6e-4·(1 − F_c/F_s)` at `δ ≥ 2`
 /// (`host-tests` assert it); a cusp sharper than `δ = 1` would need finer nodes near standstill and is refused.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SpeedTable<S> {
     nodes: [[S; 2]; INTERVALS + 1],
     per_velocity: S,

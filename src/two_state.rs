@@ -20,7 +20,7 @@ use crate::{Friction, Motion, Scalar};
 /// **Limits.** Only the last reversal is remembered, which is what the paper calls vague: an inner loop ends on a
 /// branch of its own and stays open, and a ripple on a load drifts. `df0/dζ = −ln ζ` is infinite at a reversal, so no
 /// stiffness can be given and a small motion feels stiffer the smaller it is. `|F| ≤ F_s` always.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct TwoState<S = f32> {
     breakaway: S,
     per_distance: S,

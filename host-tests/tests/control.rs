@@ -3,8 +3,8 @@
 use fixed::types::I16F16;
 use preslide::control::learning::{Adaptation, MismatchWatch};
 use preslide::control::{
-    Coefficients, Command, Controller, Drive, Fault, Learning, LearningSettings, Measurement, Move,
-    Reference, Settings,
+    Axis, Coefficients, Command, Controller, Drive, Fault, Learning, LearningSettings, Measurement,
+    Move, Planner, Refused,
 };
 use preslide::{Block, Friction, Gms, LuGre, QuasiStaticGms, Scalar, Sliding, Units};
 use rand::{Rng, RngExt, SeedableRng};
@@ -48,31 +48,21 @@ fn quasi_static<S: Scalar>(units: Units) -> QuasiStaticGms<3, S> {
     QuasiStaticGms::try_new(&BLOCKS, 0.9, units).expect("Table 3 is valid")
 }
 
-fn controller<F: Friction>(settings: &Settings, friction: F, units: Units) -> Controller<F, u32> {
+fn controller<F: Friction>(settings: &Axis, friction: F, units: Units) -> Controller<F, u32> {
     let coefficients = Coefficients::try_new(settings, friction, units).expect("valid settings");
-    Controller::new(coefficients, 0)
+    let mut controller = Controller::new(coefficients, 0);
+    assert_eq!(controller.enable(), Ok(()));
+    controller
 }
 
-fn plan<S: Scalar>(settings: &Settings, distance: f64, speed: f64, units: Units) -> Move<S> {
-    let Settings {
-        encoder,
-        sample_time,
-        ..
-    } = settings;
-    Move::plan(
-        distance,
-        speed,
-        speed / 0.01,
-        encoder.count,
-        *sample_time,
-        units,
-    )
-    .expect("a valid move")
+fn plan(axis: &Axis, distance: f64, speed: f64) -> Move {
+    Move::plan(distance, speed, speed / 0.01, axis.grid()).expect("a valid move")
 }
 
 const HEALTHY: Measurement<u32> = Measurement {
     count: 0,
     supply: 6000,
+    current: 0,
     late: false,
 };
 
@@ -85,13 +75,13 @@ fn never_exceeds<F: Friction + Clone>(
     ticks: usize,
     seed: u64,
 ) {
-    let mut settings = Settings::PAPER_AXIS;
+    let mut settings = Axis::PAPER_AXIS;
     settings.feed_forward.drive = drive;
     // Wide open, so that the limiter has work to do before a fault ends it.
     settings.watch.following_error = 0.5e-3;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut controller = controller(&settings, friction.clone(), units);
-    let limit = (settings.duty_limit * settings.motor.steps) as i32;
+    let limit = (settings.duty_limit * f64::from(settings.hardware.steps)) as i32;
     let (mut at_limit, mut faults, mut count) = (0_u32, 0_u32, 0_u32);
     for _ in 0..ticks {
         let chance: u32 = rng.random();
@@ -102,8 +92,9 @@ fn never_exceeds<F: Friction + Clone>(
         };
         if chance % 1000 == 7 {
             let distance = rng.random_range(-2e-3..2e-3);
-            let speed = 10_f64.powf(rng.random_range(-6.0..-1.0));
-            controller.start(plan(&settings, distance, speed, units));
+            let speed = 10_f64.powf(rng.random_range(-6.0..-1.8));
+            // Refused while disabled, and above 1 m/s².
+            let _ = controller.start(plan(&settings, distance, speed));
         }
         if chance % 5000 == 9 {
             settings.gains.proportional = 10_f64.powf(rng.random_range(3.0..6.0));
@@ -119,6 +110,7 @@ fn never_exceeds<F: Friction + Clone>(
         let command = controller.tick(Measurement {
             count,
             supply,
+            current: rng.random_range(-2000..2000),
             late: chance % 50 == 1,
         });
         assert!(command.code.abs() <= limit, "{command:?}");
@@ -127,7 +119,8 @@ fn never_exceeds<F: Friction + Clone>(
             assert_eq!(command.code, 0);
             faults += 1;
             if chance.is_multiple_of(16) {
-                controller.restart();
+                controller.acknowledge();
+                let _ = controller.enable();
             }
         }
     }
@@ -198,7 +191,7 @@ fn ticks_to_fault(
 
 #[test]
 fn every_fault_ends_in_the_safe_state_within_its_ticks() {
-    let settings = Settings::PAPER_AXIS;
+    let settings = Axis::PAPER_AXIS;
     let fresh = || controller(&settings, quasi_static(Units::SI), Units::SI);
     let check = |(tick, command): (u32, Command), fault, ticks| {
         assert_eq!((command.fault, command.code, tick), (Some(fault), 0, ticks));
@@ -224,7 +217,7 @@ fn every_fault_ends_in_the_safe_state_within_its_ticks() {
         settings.watch.overruns + 1,
     );
     let mut pushed = fresh();
-    pushed.start(plan(&settings, 1e-3, 1e-3, Units::SI));
+    assert_eq!(pushed.start(plan(&settings, 1e-3, 1e-3)), Ok(()));
     let (tick, command) = ticks_to_fault(pushed, |_| HEALTHY);
     assert_eq!(
         (command.fault, command.code),
@@ -236,10 +229,11 @@ fn every_fault_ends_in_the_safe_state_within_its_ticks() {
 
 #[test]
 fn a_count_that_wraps_is_no_jump() {
-    let settings = Settings::PAPER_AXIS;
+    let settings = Axis::PAPER_AXIS;
     let coefficients =
         Coefficients::try_new(&settings, quasi_static::<f32>(Units::SI), Units::SI).expect("valid");
     let mut controller = Controller::new(coefficients, u32::MAX - 3);
+    assert_eq!(controller.enable(), Ok(()));
     for step in 0..10_u32 {
         let command = controller.tick(Measurement {
             count: (u32::MAX - 3).wrapping_add(step),
@@ -249,74 +243,171 @@ fn a_count_that_wraps_is_no_jump() {
     }
 }
 
+/// An axis that turns without end at 10 rev/s of 2²⁰ counts: 10¹⁰ counts, past every width that a position could be kept in, with
+/// the counter one count behind the reference.
 #[test]
-fn a_swap_does_not_bump_the_command() {
-    let mut settings = Settings::PAPER_AXIS;
-    let mut controller = controller(&settings, quasi_static::<I16F16>(COUNTS), COUNTS);
-    controller.start(plan(&settings, 10e-6, 50e-6, COUNTS));
-    // The axis follows one count behind for a while, then stands.
-    let mut before = controller.tick(HEALTHY);
-    for _ in 0..500 {
-        before = controller.tick(Measurement {
-            count: ((before.reference >> 16) - 1).max(0) as u32,
-            ..HEALTHY
-        });
+fn a_rotary_axis_turns_ten_billion_counts_without_a_fault() {
+    let turn = 1_u32 << 20;
+    let mut axis = Axis::PAPER_AXIS;
+    axis.encoder.count = std::f64::consts::TAU / f64::from(turn);
+    axis.encoder.turn = turn;
+    axis.motor.screw_lead = std::f64::consts::TAU;
+    axis.limits.travel = None;
+    axis.limits.speed = 10.5 * std::f64::consts::TAU;
+    axis.limits.acceleration = 500.0;
+    axis.limits.jerk = 500.0 * 625.0;
+    axis.watch.top_speed = 12.0 * std::f64::consts::TAU;
+    axis.watch.following_error = 1100.0 * axis.encoder.count;
+    axis.silence = 0.0;
+    let friction = preslide::control::NoFriction::<f32>::new();
+    let mut controller = controller(&axis, friction, Units::SI);
+    let jog = Planner::try_new(&axis).and_then(|p| p.jog(10.0 * std::f64::consts::TAU));
+    assert_eq!(controller.jog(jog.expect("within the limits")), Ok(()));
+    let (mut count, mut furthest, mut ticks) = (0_u32, 0, 0_u64);
+    while furthest < 10_000_000_000 {
+        let command = controller.tick(Measurement { count, ..HEALTHY });
+        assert_eq!(command.fault, None, "after {ticks} ticks at {furthest}");
+        assert!(command.position > furthest - 1000, "it must not turn back");
+        assert!((command.reference - (command.position << 16)).abs() < 1100 << 16);
+        furthest = command.position;
+        count = ((command.reference >> 16) - 1) as u32;
+        ticks += 1;
     }
-    let count = ((before.reference >> 16) - 1) as u32;
-    before = controller.tick(Measurement { count, ..HEALTHY });
-    settings.gains.proportional *= 3.0;
-    settings.gains.derivative *= 2.0;
-    controller.swap(
-        Coefficients::try_new(&settings, quasi_static(COUNTS), COUNTS).expect("valid settings"),
-    );
-    let after = controller.tick(Measurement { count, ..HEALTHY });
-    assert!(
-        before.code.abs() > 50,
-        "the command should be more than rounding: {before:?}"
-    );
-    // The reference moved on by a tenth of a count; without the fade the step would be hundreds of codes.
-    assert!(
-        (after.code - before.code).abs() <= 5,
-        "{before:?} {after:?}"
+    println!(
+        "{furthest} counts, {} turns, in {ticks} ticks",
+        furthest >> 20
     );
 }
 
 #[test]
-fn moves_end_where_they_should_to_the_last_bit() {
-    let settings = Settings::PAPER_AXIS;
-    for (distance, speed) in [
-        (100e-9, 20e-6),
-        (-37e-9, 5e-9),
-        (1e-3, 1e-3),
-        (-0.3e-6, 1e-2),
-        (2.5e-9, 1e-6),
-    ] {
-        let mut reference = Reference::<f32>::at(-7);
-        let start = reference.step().position;
-        let planned: Move<f32> = plan(&settings, distance, speed, Units::SI);
-        reference.start(planned);
-        let (mut last, mut ticks) = (start, 0);
-        while !reference.is_idle() {
-            let now = reference.step();
-            assert!(
-                ((now.position - last) as f64) * distance.signum() >= 0.0,
-                "it must not turn back"
-            );
-            (last, ticks) = (now.position, ticks + 1);
-        }
-        assert_eq!(ticks, planned.ticks());
-        let travelled = (last - start) as f64 / 65536.0 * 25e-9;
-        assert!(
-            (travelled - distance).abs() < 25e-9 / 30_000.0,
-            "{distance} {travelled}"
+fn boots_disabled_and_stays_so_until_told() {
+    let axis = Axis::PAPER_AXIS;
+    let friction = quasi_static::<f32>(Units::SI);
+    let coefficients = Coefficients::try_new(&axis, friction, Units::SI).expect("valid");
+    let mut controller = Controller::new(coefficients, 0_u32);
+    let mut planner = Planner::try_new(&axis).expect("valid");
+    let next = planner.by(1e-3, 1e-3, 0.1).expect("within the limits");
+    assert_eq!(controller.start(next), Err(Refused::NotEnabled));
+    for tick in 0..1000 {
+        let carried = Measurement {
+            count: tick * 5,
+            ..HEALTHY
+        };
+        let command = controller.tick(carried);
+        assert_eq!(
+            (command.code, command.enabled, command.fault),
+            (0, false, None)
         );
+    }
+    assert_eq!(controller.enable(), Ok(()));
+    assert_eq!(controller.start(next), Ok(()));
+    let here = Measurement {
+        count: 999 * 5,
+        ..HEALTHY
+    };
+    assert!(controller.tick(here).enabled);
+    // A fault disables; acknowledging it alone does not enable.
+    let jump = Measurement {
+        count: 99_999,
+        ..HEALTHY
+    };
+    assert_eq!(controller.tick(jump).fault, Some(Fault::EncoderJump));
+    assert_eq!(controller.enable(), Err(Fault::EncoderJump));
+    controller.acknowledge();
+    let command = controller.tick(jump);
+    assert_eq!(
+        (command.code, command.enabled, command.fault),
+        (0, false, None)
+    );
+    assert_eq!(controller.enable(), Ok(()));
+    controller.disable();
+    let command = controller.tick(jump);
+    assert_eq!(
+        (command.code, command.enabled, command.fault),
+        (0, false, None)
+    );
+}
+
+#[test]
+fn reversed_leads_and_counter_are_the_axis_s_business_alone() {
+    let run = |encoder: bool, motor: bool| {
+        let mut axis = Axis::PAPER_AXIS;
+        axis.encoder.reversed = encoder;
+        axis.motor.reversed = motor;
+        let mut controller = controller(&axis, quasi_static::<f32>(Units::SI), Units::SI);
+        assert_eq!(controller.start(plan(&axis, 1e-4, 1e-3)), Ok(()));
+        let mut commands = Vec::new();
+        let mut count = 0;
+        for _ in 0..2000 {
+            let wired: i32 = if encoder { -count } else { count };
+            let mut command = controller.tick(Measurement {
+                count: wired.cast_unsigned(),
+                ..HEALTHY
+            });
+            count = ((command.reference >> 16) - 3) as i32;
+            command.code *= if motor { -1 } else { 1 };
+            commands.push(command);
+        }
+        commands
+    };
+    let straight = run(false, false);
+    assert!(straight.iter().any(|command| command.code > 100));
+    assert_eq!(run(true, false), straight);
+    assert_eq!(run(false, true), straight);
+    assert_eq!(run(true, true), straight);
+}
+
+#[test]
+fn a_following_error_and_a_number_that_is_none_end_in_the_safe_state() {
+    let axis = Axis::PAPER_AXIS;
+    let mut left_behind = controller(&axis, quasi_static(Units::SI), Units::SI);
+    assert_eq!(left_behind.start(plan(&axis, 1e-3, 1e-2)), Ok(()));
+    // One count now and then keeps it from reading as frozen.
+    let crawling = |tick: u32| Measurement {
+        count: tick / 40 * 2,
+        ..HEALTHY
+    };
+    let (_, command) = ticks_to_fault(left_behind, crawling);
+    assert_eq!(
+        (command.fault, command.code, command.enabled),
+        (Some(Fault::FollowingError), 0, false)
+    );
+
+    let mut poisoned = controller(&axis, Poisoned(10), Units::SI);
+    let command = (0..10)
+        .map(|_| poisoned.tick(HEALTHY))
+        .last()
+        .expect("ten ticks");
+    assert_eq!(command.fault, Some(Fault::NotANumber));
+    assert_eq!((command.code, command.enabled), (0, false));
+}
+
+/// A model that answers NaN from the tick given on.
+#[derive(Clone, Debug, PartialEq)]
+struct Poisoned(u32);
+
+impl Friction for Poisoned {
+    type Scalar = f32;
+    type State = u32;
+
+    fn at_rest(&self) -> u32 {
+        0
+    }
+
+    fn step(&self, ticks: &mut u32, _: preslide::Motion<f32>) -> f32 {
+        *ticks += 1;
+        if *ticks < self.0 { 0.0 } else { f32::NAN }
+    }
+
+    fn limit(&self) -> Option<f32> {
+        None
     }
 }
 
 #[test]
 fn settings_that_cannot_be_are_refused_by_name() {
-    let refused = |change: fn(&mut Settings)| {
-        let mut settings = Settings::PAPER_AXIS;
+    let refused = |change: fn(&mut Axis)| {
+        let mut settings = Axis::PAPER_AXIS;
         change(&mut settings);
         Coefficients::try_new(&settings, quasi_static::<f32>(Units::SI), Units::SI)
             .expect_err("must be refused")
@@ -327,7 +418,10 @@ fn settings_that_cannot_be_are_refused_by_name() {
         "proportional gain"
     );
     assert_eq!(refused(|s| s.gains.integral = -1.0), "integral gain");
-    assert_eq!(refused(|s| s.sample_time = 0.0), "sample time");
+    assert_eq!(refused(|s| s.hardware.rate_hz = 0), "control rate");
+    assert_eq!(refused(|s| s.hardware.steps = 0), "PWM steps");
+    assert_eq!(refused(|s| s.limits.jerk = 0.0), "jerk limit");
+    assert_eq!(refused(|s| s.limits.speed = 30e-3), "top speed");
     assert_eq!(
         refused(|s| s.motor.resistance = f64::INFINITY),
         "resistance"
@@ -343,7 +437,7 @@ fn settings_that_cannot_be_are_refused_by_name() {
         "lowest supply voltage"
     );
     assert_eq!(refused(|s| s.encoder.count = f64::NAN), "length of a count");
-    let mut large = Settings::PAPER_AXIS;
+    let mut large = Axis::PAPER_AXIS;
     large.gains.proportional = 1e10;
     let error = Coefficients::try_new(&large, quasi_static::<I16F16>(COUNTS), COUNTS)
         .expect_err("too large");

@@ -674,38 +674,21 @@ fn the_controller_places_the_model() {
         let coefficients = Coefficients::try_new(&settings, model, u).expect("valid");
         let mut controller = Controller::new(coefficients, 0_u32);
         let mut code = 0;
-        // Carried slowly to x0 by hand, in the safe state, and started again there.
+        // Carried slowly to x0 by hand before it is enabled.
         let mut at = 0;
-        controller.tick(Measurement {
-            count: 0,
+        let measurement = |at: i32| Measurement {
+            count: at.cast_unsigned(),
             supply: 6000,
+            current: 0,
             late: false,
-        });
-        for _ in 0..10 {
-            controller.tick(Measurement {
-                count: 0,
-                supply: 0,
-                late: true,
-            });
-        }
-        assert!(controller.fault().is_some());
+        };
         while at != x0 {
             at += (x0 - at).signum() * (x0 - at).abs().min(20);
-            controller.tick(Measurement {
-                count: at.cast_unsigned(),
-                supply: 6000,
-                late: false,
-            });
+            assert!(!controller.tick(measurement(at)).enabled);
         }
-        controller.restart();
+        assert_eq!(controller.enable(), Ok(()));
         for _ in 0..200 {
-            code = controller
-                .tick(Measurement {
-                    count: at.cast_unsigned(),
-                    supply: 6000,
-                    late: false,
-                })
-                .code;
+            code = controller.tick(measurement(at)).code;
         }
         assert_eq!(controller.fault(), None);
         f64::from(code)

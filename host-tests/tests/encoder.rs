@@ -113,6 +113,46 @@ fn high_speed_is_measured_to_a_count_in_a_window() {
     }
 }
 
+/// Mean of `(v − v̂)/a` over a ramp (ticks): by how much the estimate is behind.
+fn mean_lag(window: f64, top: f64) -> f64 {
+    let scale = EncoderScale::<f64>::try_new(COUNT, SAMPLE_TIME, window, 2.0, Units::SI);
+    let scale = scale.expect("valid");
+    // From `top` to three times that, in counts per tick, over 20 windows; the first edge in a thousand phases.
+    let ticks = (20.0 * window / SAMPLE_TIME) as i64;
+    let slope = 2.0 * top / ticks as f64;
+    let (mut sum, mut samples) = (0.0, 0.0);
+    for phase in 0..1000 {
+        let mut timing = scale.at_rest();
+        let position = |tick: i64| {
+            let t = tick as f64;
+            (top * t + 0.5 * slope * t * t + f64::from(phase) * 1e-3).floor() as i64
+        };
+        for tick in 1..=ticks {
+            let counts = (position(tick) - position(tick - 1)) as i32;
+            let estimate = scale.step(&mut timing, counts).velocity * SAMPLE_TIME / COUNT;
+            if tick > ticks / 5 {
+                sum += (top + slope * tick as f64 - estimate) / slope;
+                samples += 1.0;
+            }
+        }
+    }
+    sum / samples
+}
+
+/// Half the window, not the whole one that estimates from one window after the other have.
+#[test]
+fn the_mean_lag_is_at_most_0_55_windows_where_edges_are_faster() {
+    println!("window (ms)  counts/tick  mean lag (windows)");
+    for window in [1e-3, 2e-3, 5e-3, 10e-3] {
+        // From ten edges in a window up.
+        for top in [10.0 * SAMPLE_TIME / window, 1.0, 3.7, 30.0, 500.0] {
+            let lag = mean_lag(window, top) * SAMPLE_TIME / window;
+            println!("{:>11} {top:>12} {lag:>19.3}", window * 1e3);
+            assert!((0.4..=0.55).contains(&lag), "{window} {top}: {lag}");
+        }
+    }
+}
+
 #[test]
 fn one_count_per_second_survives_fixed_point_units() {
     let units = Units {

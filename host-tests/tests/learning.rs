@@ -191,22 +191,22 @@ fn without_excitation_or_knowledge_the_level_is_frozen_to_the_bit() {
 }
 
 #[test]
-fn a_fault_keeps_what_was_learned_and_a_swap_does_not() {
+fn a_fault_and_new_gains_keep_what_was_learned_and_another_model_does_not() {
     let settings = Settings::PAPER_AXIS;
     let friction: Learning<_, Both<f32>> = learning(&PAPER, Units::SI);
     let coefficients =
         Coefficients::try_new(&settings, friction, Units::SI).expect("valid settings");
-    let mut controller = Controller::new(coefficients.clone(), 0_u32);
-    let slide = || -> Move<f32> {
-        Move::plan(4e-4, 1e-3, 0.1, 25e-9, 50e-6, Units::SI).expect("a valid move")
-    };
+    let mut controller = Controller::new(coefficients, 0_u32);
+    assert_eq!(controller.enable(), Ok(()));
+    let slide = || Move::plan(4e-4, 1e-3, 0.1, settings.grid()).expect("a valid move");
     let healthy = |count| Measurement {
         count,
         supply: 6000,
+        current: 0,
         late: false,
     };
     // The axis lags by ten counts: the feedback adds force to the model's.
-    controller.start(slide());
+    assert_eq!(controller.start(slide()), Ok(()));
     let mut count = 0;
     while !controller.is_idle() {
         let command = controller.tick(healthy(count));
@@ -214,18 +214,19 @@ fn a_fault_keeps_what_was_learned_and_a_swap_does_not() {
     }
     let learned = controller.condition();
     assert!(level(&learned) > 1.01, "{learned:?}");
-    controller.start(slide());
+    assert_eq!(controller.start(slide()), Ok(()));
     let jump = controller.tick(healthy(count + 5000));
     assert_eq!(jump.fault, Some(Fault::EncoderJump));
     for _ in 0..1000 {
         controller.tick(healthy(count));
         assert_eq!(controller.condition(), learned);
     }
-    controller.restart();
+    controller.acknowledge();
+    assert_eq!(controller.enable(), Ok(()));
     controller.tick(healthy(count));
     assert_eq!(controller.condition(), learned);
     // Every tick late is a fault; every second one is none, but tells nothing.
-    controller.start(slide());
+    assert_eq!(controller.start(slide()), Ok(()));
     let mut late = false;
     while !controller.is_idle() {
         late = !late;
@@ -236,7 +237,19 @@ fn a_fault_keeps_what_was_learned_and_a_swap_does_not() {
         count = ((controller.tick(measurement).reference >> 16) + 10).max(0) as u32;
     }
     assert_eq!(controller.condition(), learned);
-    controller.swap(coefficients);
+    let mut stiffer = settings;
+    stiffer.gains.proportional *= 1.5;
+    let with = |settings, learning_settings| {
+        let friction: Learning<_, Both<f32>> = learning(learning_settings, Units::SI);
+        Coefficients::try_new(settings, friction, Units::SI).expect("valid settings")
+    };
+    controller.swap(with(&stiffer, &PAPER));
+    assert_eq!(controller.condition(), learned);
+    let slower = LearningSettings {
+        block: 504,
+        ..PAPER
+    };
+    controller.swap(with(&stiffer, &slower));
     assert_eq!(level(&controller.condition()), 1.0);
 }
 
@@ -350,7 +363,7 @@ fn nested<F: Friction>(friction: F, stage_level: f64) -> (f64, Option<f64>) {
     set.expect("a level above zero");
     let moves: Vec<_> = motions::nested_triangles()
         .iter()
-        .map(|step| step.plan(&settings, Units::SI).expect("a valid move"))
+        .map(|step| step.plan(&settings).expect("a valid move"))
         .collect();
     let mut tracking = Tracking::default();
     axis.follow(&moves, |now| tracking.add(&now, settings.encoder.count));
@@ -389,10 +402,9 @@ fn wear<F: Friction>(friction: F) -> (Option<usize>, Option<f64>) {
             ramp_s: 0.02,
         };
         let mut faults = 0;
-        axis.follow(
-            &[step.plan(&settings, Units::SI).expect("a valid move")],
-            |now| faults += usize::from(now.command.fault.is_some()),
-        );
+        axis.follow(&[step.plan(&settings).expect("a valid move")], |now| {
+            faults += usize::from(now.command.fault.is_some())
+        });
         assert_eq!(faults, 0, "a status must not stop the axis");
         let condition = axis.condition();
         match condition.range {

@@ -17,7 +17,7 @@ fn nested<F: Friction>(friction: F, units: Units) -> f64 {
     let mut axis = Axis::try_new(&settings, friction, units, stage).expect("a valid axis");
     let moves: Vec<_> = motions::nested_triangles()
         .iter()
-        .map(|step| step.plan(&settings, units).expect("a valid move"))
+        .map(|step| step.plan(&settings).expect("a valid move"))
         .collect();
     let mut tracking = Tracking::default();
     axis.follow(&moves, |now| tracking.add(&now, settings.encoder.count));

@@ -1,17 +1,33 @@
 //! The messages. Telemetry is raw: counts and codes, scaled on the host.
 
+use crate::{Name, Parameter};
 use serde::{Deserialize, Serialize};
 
 /// Most Maxwell-slip blocks in a [`ModelSettings`].
 pub const MOST_BLOCKS: usize = 4;
 
-/// From the host to the controller. SI units.
+/// Points in a [`Request::Points`].
+pub const POINTS: usize = 8;
+
+/// What both ends must speak; the controller tells it in [`Identity`].
+pub const PROTOCOL: u16 = 2;
+
+/// A request with the number that its answer carries.
 ///
-/// Gains and friction model can be changed while the axis runs. Limits, motor, watch and reference cannot: they say what
-/// the machine is, and change with the firmware's build.
+/// A controller that gets the number of one of the last [`crate::WINDOW`] requests again answers again and does not carry it out
+/// again, so a host may repeat what was not answered: a move is made once.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Numbered {
+    /// Told by the host, one more than the last.
+    pub id: u16,
+    /// What is asked for.
+    pub request: Request,
+}
+
+/// From the host to the controller. SI units: m and N, or rad and N·m.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Request {
-    /// Answered with [`Report::Done`].
+    /// Tells that the host is there; a controller that hears nothing stops a moving axis.
     Ping,
     /// Move by `distance_m` (signed) at up to `speed_m_s`, reached in `ramp_s`; queued behind earlier moves.
     Move {
@@ -31,13 +47,87 @@ pub enum Request {
     Gains(GainSettings),
     /// Take this friction model between two ticks.
     Model(ModelSettings),
-    /// Leave the safe state.
-    Restart,
-    /// Send every `every`-th tick's telemetry, so that a slow line keeps up.
+    /// Acknowledge a fault. The axis stays disabled.
+    Acknowledge,
+    /// Send every `every`-th tick's telemetry, so that a slow line keeps up; 0 for none.
     Telemetry {
-        /// Ticks from sample to sample, at least 1.
+        /// Ticks from sample to sample.
         every: u16,
     },
+    /// Begins a conversation: numbers of earlier requests are forgotten. Answered with [`Reply::Identity`].
+    Hello,
+    /// Answered with [`Reply::State`].
+    State,
+    /// Hold the position from here on.
+    Enable,
+    /// Stop, then open the bridge.
+    Disable,
+    /// Brake within the limits, and drop what is queued.
+    Stop,
+    /// Find the origin.
+    Home(Homing),
+    /// The axis is at this position (m): its travel counts from there.
+    Zero {
+        /// Position (m).
+        position_m: f32,
+    },
+    /// Move to `position_m`; else as [`Request::Move`].
+    MoveTo {
+        /// Position (m).
+        position_m: f32,
+        /// Speed (m/s).
+        speed_m_s: f32,
+        /// Time to reach it (s).
+        ramp_s: f32,
+    },
+    /// Go on at this speed (m/s, signed) until a stop.
+    Jog {
+        /// Speed (m/s).
+        speed_m_s: f32,
+    },
+    /// Points of a stream, queued all or none. The motion ends at rest where the last point is sent twice.
+    Points(Points),
+    /// Answered with [`Reply::Parameter`].
+    Get(Name),
+    /// The parameter of this number, counted from 0; [`Refusal::NoParameter`] behind the last.
+    GetAt(u8),
+    /// Set a parameter.
+    Set(Name, f32),
+    /// Keep parameters and friction model over a reset.
+    Save,
+    /// Forget what was saved; what was compiled in rules from the next reset on.
+    Forget,
+}
+
+/// How to find the origin.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Homing {
+    /// What marks it.
+    pub mark: Mark,
+    /// Speed on the way to it (m/s, signed).
+    pub speed_m_s: f32,
+    /// What the position there is called (m).
+    pub position_m: f32,
+}
+
+/// What marks the origin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Mark {
+    /// The encoder's index pulse.
+    Index,
+    /// A mechanical stop: the axis lags by half of the following error that is a fault.
+    Stop,
+}
+
+/// Points of a stream, one every `ticks`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Points {
+    /// Ticks from point to point.
+    pub ticks: u16,
+    /// The first point (2⁻¹⁶ counts).
+    pub first: i64,
+    /// From each point to the next (2⁻¹⁶ counts).
+    pub steps: [i32; POINTS - 1],
 }
 
 /// Gains of the feedback.
@@ -65,10 +155,105 @@ pub struct ModelSettings {
 pub enum Report {
     /// One tick's telemetry.
     Sample(Sample),
-    /// A request was carried out, or queued.
-    Done,
-    /// A request or a frame was refused; the running parameters stay.
+    /// The answer to the request of this number.
+    Answer {
+        /// Of the request.
+        id: u16,
+        /// What came of it.
+        reply: Reply,
+    },
+    /// A frame could not be read, so nobody knows which request it was; the running parameters stay.
+    Damaged(Refusal),
+}
+
+/// What came of a request.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Reply {
+    /// It was carried out, or queued.
+    Done {
+        /// Moves or points that the queue still takes.
+        room: u16,
+    },
+    /// It was refused; nothing of it was taken.
     Refused(Refusal),
+    /// To [`Request::Hello`].
+    Identity(Identity),
+    /// To [`Request::State`].
+    State(State),
+    /// To [`Request::Get`] and [`Request::GetAt`].
+    Parameter(Parameter),
+}
+
+/// Who speaks, and what turns its telemetry into SI.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Identity {
+    /// [`PROTOCOL`] of the firmware.
+    pub protocol: u16,
+    /// Ticks per second (Hz).
+    pub rate_hz: u32,
+    /// One encoder count (m or rad).
+    pub count: f64,
+    /// Motor force at the stage per ampere (N/A or N·m/A).
+    pub effort_per_a: f32,
+    /// Moves and points that the empty queue takes.
+    pub room: u16,
+    /// What it runs with was saved, rather than compiled in.
+    pub saved: bool,
+}
+
+/// How the controller is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct State {
+    /// What it does.
+    pub mode: Mode,
+    /// Why the PWM is off, where that is not by order.
+    pub fault: Option<FaultCode>,
+    /// Positions count from the axis's origin, and its travel has ends.
+    pub located: bool,
+    /// The host has been silent for too long, and a moving axis was stopped.
+    pub silent: bool,
+    /// What the controller was last reset by.
+    pub reset: ResetCause,
+    /// Ticks since then.
+    pub tick: u32,
+    /// Position (counts).
+    pub position: i64,
+    /// Moves and points that wait.
+    pub queued: u16,
+    /// Moves that were planned but not made since the reset: the stream ran dry, or an end of travel.
+    pub dropped: u16,
+    /// Supply (mV).
+    pub supply: u16,
+    /// Winding current (0.1 mA).
+    pub current: i16,
+}
+
+/// What the controller does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Mode {
+    /// The bridge is open.
+    Disabled,
+    /// It holds its position.
+    Standing,
+    /// The reference moves.
+    Moving,
+    /// It looks for its origin.
+    Homing,
+}
+
+/// What a controller was reset by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ResetCause {
+    /// Power came on.
+    Power,
+    /// The supply was too low.
+    BrownOut,
+    /// The watchdog: the control task hung, or the firmware panicked.
+    Watchdog,
+    /// The reset pin or a debug probe.
+    Pin,
+    /// The firmware itself.
+    Software,
 }
 
 /// One tick, raw.
@@ -80,7 +265,7 @@ pub struct Sample {
     pub dropped: u32,
     /// Number of the tick.
     pub tick: u32,
-    /// Position from the first reading (counts).
+    /// Position (counts) from the origin: the first reading, or what homing or zeroing made it.
     pub position: i32,
     /// Reference (2⁻¹⁶ counts).
     pub reference: i64,
@@ -126,6 +311,14 @@ pub enum FaultCode {
     Overrun,
     /// The command was not a number.
     NotANumber,
+    /// The current was too high.
+    OverCurrent,
+    /// The winding has been above its rated current for too long (I²t).
+    Overload,
+    /// The current sense reads too much while the bridge is open.
+    CurrentOffset,
+    /// The bridge's own protection opened it (break input).
+    Bridge,
 }
 
 /// Why a frame or a request was refused.
@@ -141,10 +334,28 @@ pub enum Refusal {
     Unknown,
     /// A value is not finite or out of its range; nothing of the request was taken.
     OutOfRange,
-    /// The queue of moves is full; send it again later.
+    /// The queue is full; send it again later.
     Busy,
-    /// The controller is in its safe state; send [`Request::Restart`] first.
-    Stopped,
+    /// The controller is in its safe state; send [`Request::Acknowledge`] first.
+    Faulted,
     /// The friction model was compiled in as `preslide export` wrote it: it changes with the firmware's build.
     CompiledIn,
+    /// The axis is not enabled.
+    NotEnabled,
+    /// Only where the axis is disabled.
+    Enabled,
+    /// Only where the axis stands.
+    NotStanding,
+    /// Faster than the axis's speed limit.
+    TooFast,
+    /// Steeper than the axis's acceleration limit.
+    TooSteep,
+    /// It ends beyond the ends of travel.
+    BeyondTravel,
+    /// There is no such parameter.
+    NoParameter,
+    /// The parameter changes with the firmware's build only.
+    ReadOnly,
+    /// The board has no memory for parameters, or writing it failed.
+    Storage,
 }

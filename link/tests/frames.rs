@@ -1,8 +1,10 @@
 //! Frames survive the line, and nothing on the line survives the parser's checks by accident.
 
 use preslide_link::{
-    Deframer, Exchange, FrameError, GainSettings, LARGEST_FRAME, ModelSettings, RangeCode, Reading,
-    Report, Request, Sample, encode,
+    Answered, Deframer, Exchange, FaultCode, FrameError, GainSettings, Homing, Identity,
+    LARGEST_FRAME, LONGEST_NAME, Mark, Mode, ModelSettings, Name, Numbered, Order, POINTS,
+    Parameter, Points, RangeCode, Reading, Refusal, Reply, Report, Request, ResetCause, Sample,
+    State, WINDOW, encode,
 };
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -34,14 +36,35 @@ fn messages_survive_the_line() {
         breakaway_n: 0.9,
         blocks: [(270_313.0, 0.292); 4],
     });
+    // The largest of each kind, by which each fits a frame.
+    let name = Name::new(&"n".repeat(LONGEST_NAME)).expect("as long as a name may be");
     for request in [
         REQUEST,
         model,
         Request::Ping,
-        Request::Restart,
         Request::Telemetry { every: u16::MAX },
+        Request::Home(Homing {
+            mark: Mark::Index,
+            speed_m_s: 1.0,
+            position_m: 1.0,
+        }),
+        Request::Points(Points {
+            ticks: u16::MAX,
+            first: i64::MIN,
+            steps: [i32::MIN; POINTS - 1],
+        }),
+        Request::Set(name, 1.0),
     ] {
-        assert_eq!(feed(&frame(&request)), [Ok(request)]);
+        let numbered = Numbered {
+            id: u16::MAX,
+            request,
+        };
+        let mut deframer = Deframer::new();
+        let back: Vec<_> = frame(&numbered)
+            .iter()
+            .filter_map(|&b| deframer.push::<Numbered>(b))
+            .collect();
+        assert_eq!(back, [Ok(numbered)]);
     }
     let sample = Report::Sample(Sample {
         sequence: u32::MAX,
@@ -56,14 +79,59 @@ fn messages_survive_the_line() {
         range: Some(RangeCode::Below),
         level: i16::MIN,
     });
-    let mut deframer = Deframer::new();
-    let back: Vec<_> = frame(&sample)
-        .iter()
-        .filter_map(|&b| deframer.push::<Report>(b))
-        .collect();
-    assert_eq!(back, [Ok(sample)]);
+    let state = Reply::State(State {
+        mode: Mode::Homing,
+        fault: Some(FaultCode::Bridge),
+        located: true,
+        silent: true,
+        reset: ResetCause::Software,
+        tick: u32::MAX,
+        position: i64::MIN,
+        queued: u16::MAX,
+        dropped: u16::MAX,
+        supply: u16::MAX,
+        current: i16::MIN,
+    });
+    let identity = Reply::Identity(Identity {
+        protocol: u16::MAX,
+        rate_hz: u32::MAX,
+        count: 1.0,
+        effort_per_a: 1.0,
+        room: u16::MAX,
+        saved: true,
+    });
+    let parameter = Reply::Parameter(Parameter {
+        name,
+        value: 1.0,
+        settable: true,
+    });
+    let answer = |reply| Report::Answer {
+        id: u16::MAX,
+        reply,
+    };
+    let damaged = Report::Damaged(Refusal::Checksum);
+    for report in [
+        sample,
+        answer(state),
+        answer(identity),
+        answer(parameter),
+        damaged,
+    ] {
+        let mut deframer = Deframer::new();
+        let back: Vec<_> = frame(&report)
+            .iter()
+            .filter_map(|&b| deframer.push::<Report>(b))
+            .collect();
+        assert_eq!(back, [Ok(report)]);
+    }
+    let order = Order {
+        code: -3,
+        driven: true,
+    };
+    assert_eq!(Order::from_bytes(order.to_bytes()), order);
     let reading = Reading {
         count: 7,
+        index: Some(u32::MAX),
         supply: 6001,
         current: -3,
         byte: Some(0),
@@ -71,6 +139,20 @@ fn messages_survive_the_line() {
         ..Reading::default()
     };
     assert_eq!(Reading::from_bytes(reading.to_bytes()), reading);
+}
+
+#[test]
+fn a_repeated_request_is_answered_from_memory_and_old_numbers_are_forgotten() {
+    let mut answered = Answered::new();
+    assert_eq!(answered.find(0), None);
+    let reply = |id: u16| Reply::Done { room: id };
+    for id in 0..100 {
+        answered.add(id, reply(id));
+        let known: Vec<u16> = (0..200).filter(|n| answered.find(*n).is_some()).collect();
+        assert_eq!(known.len(), WINDOW.min(usize::from(id) + 1));
+        assert!(known.iter().all(|n| answered.find(*n) == Some(reply(*n))));
+        assert!(known.contains(&id));
+    }
 }
 
 #[test]

@@ -43,7 +43,7 @@ pub struct FeedForward {
 ///
 /// A Maxwell-slip sum, Dahl's model and Coulomb friction are bounded by construction ([`Friction::limit`]); the
 /// clamp here is for models with a viscous term, which are not.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Compensator<F: Friction> {
     friction: F,
     drive: Drive,
@@ -110,7 +110,15 @@ impl<F: Friction> Compensator<F> {
             Drive::Reference => reference,
             Drive::Measured => measured,
         };
-        let force = self.friction.step(state, motion).limited(self.limit);
+        let force = self.friction.step(state, motion);
+        // Not `limited`: what is not a number stays none, for the motor drive to find.
+        let force = if force > self.limit {
+            self.limit
+        } else if force < -self.limit {
+            -self.limit
+        } else {
+            force
+        };
         let friction = self.share.mul_input(force);
         friction.add_input(self.mass.mul_input(acceleration))
     }
@@ -130,7 +138,7 @@ impl<F: Friction> Compensator<F> {
 }
 
 /// No friction model: feedback only.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct NoFriction<S = f32>(PhantomData<S>);
 
 impl<S> NoFriction<S> {

@@ -1,14 +1,16 @@
 //! What the control task watches, and when it gives up.
 
-use crate::Scalar;
-use crate::param::{ParamError, at_least, not_negative, positive, to_scalar};
+use super::Axis;
+use crate::param::{ParamError, at_least, at_most, not_negative, positive, to_scalar};
+use crate::{Scalar, Units};
 
-/// Why the controller is in its safe state: PWM at 0 until [`super::Controller::restart`].
+/// Why the controller is in its safe state: PWM off until [`super::Controller::acknowledge`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
     /// The count moved further in one tick than the axis can. Found in that tick.
     EncoderJump,
-    /// The command pushed beyond [`Watch::frozen_duty`] and no count came for [`Watch::frozen_time`].
+    /// The command pushed beyond [`Watch::frozen_duty`] and the count came no further for [`Watch::frozen_time`]: it stands, or
+    /// goes to and fro as with one phase lost.
     EncoderFrozen,
     /// The position error exceeded [`Watch::following_error`]. Found in that tick.
     FollowingError,
@@ -18,6 +20,12 @@ pub enum Fault {
     Overrun,
     /// The command was not a number. Found in that tick.
     NotANumber,
+    /// The current exceeded [`Watch::current_max`] in two ticks in a row.
+    OverCurrent,
+    /// The winding has been above [`Watch::current_rated`] for too long (I²t).
+    Overload,
+    /// The current sense reads more than [`Watch::current_offset`] while the bridge is off. Found when enabling.
+    CurrentOffset,
 }
 
 /// Bounds of what counts as healthy (SI).
@@ -29,7 +37,7 @@ pub struct Watch {
     pub following_error: f64,
     /// |duty| (-) that moves the axis whatever the friction.
     pub frozen_duty: f64,
-    /// Time (s) at that duty without a count.
+    /// Time (s) at that duty in which the axis must come on by two counts.
     pub frozen_time: f64,
     /// Lowest supply voltage (V).
     pub supply_min: f64,
@@ -39,92 +47,172 @@ pub struct Watch {
     pub supply_time: f64,
     /// Late ticks in a row that are ridden out.
     pub overruns: u32,
+    /// Largest current (A).
+    pub current_max: f64,
+    /// Current (A) that the winding stands for ever.
+    pub current_rated: f64,
+    /// Thermal time constant of the winding `τ` (s): the fault comes when `∫(i² − i_rated²)dt`, held above 0, exceeds
+    /// `i_rated²·τ`, so at twice the rated current after a third of it.
+    pub thermal_time: f64,
+    /// Largest reading of the current sense (A) while the bridge is off; what is read there is taken off afterwards.
+    pub current_offset: f64,
+}
+
+/// What is read in a tick, for [`Monitor::measured`].
+pub(super) struct Readings {
+    /// Counts since the tick before.
+    pub counts: i32,
+    /// The command in force so far, in the axis's direction.
+    pub code: i32,
+    pub supply: u16,
+    pub current: i16,
+    pub late: bool,
 }
 
 /// [`Watch`] in counts, codes and ticks.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Monitor<S> {
     jump: u32,
     following_error: S,
-    frozen_code: u32,
+    frozen_code: i32,
     frozen_ticks: u32,
     supply_min: u16,
     supply_max: u16,
     supply_ticks: u32,
     overruns: u32,
+    current_max: i32,
+    /// Codes at which the winding does not warm beyond what it stands.
+    calm: u32,
+    /// Squared codes, and their sum over ticks.
+    rated: i32,
+    overload: i64,
+    offset: i32,
 }
 
-/// How long things have been wrong so far.
+/// How long things have been wrong so far, and what the current sense reads at rest.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Suspicion {
+    /// One of the counters below is above 0.
+    any: bool,
+    /// Ticks of pushing in one direction, which one, and the counts that came of it.
     frozen: u32,
+    forward: bool,
+    gained: i32,
     supply: u32,
     late: u32,
+    current: u32,
+    heat: i64,
+    /// Mean of the current's code with the bridge off, times 256.
+    offset: i32,
 }
 
-/// What scales a [`Watch`] to raw values.
-pub(crate) struct RawScale {
-    /// One count (m or rad).
-    pub count: f64,
-    /// `T_s` (s).
-    pub sample_time: f64,
-    /// PWM codes at full duty.
-    pub steps: f64,
-    /// One code of the supply measurement (V).
-    pub supply_code: f64,
-    /// The model's unit of length (m or rad).
-    pub length: f64,
+impl Suspicion {
+    /// Takes the current's code of a tick with the bridge off.
+    #[inline]
+    pub(super) fn calibrate(&mut self, current: i16) {
+        self.offset += i32::from(current) - (self.offset >> 8);
+    }
+
+    /// Nothing is wrong yet; what the current sense reads at rest stays.
+    pub(super) fn clear(&mut self) {
+        *self = Self {
+            offset: self.offset,
+            // A winding does not cool by being told so.
+            heat: self.heat,
+            any: self.heat > 0,
+            ..Self::default()
+        };
+    }
 }
 
 impl<S: Scalar> Monitor<S> {
-    pub(crate) fn try_new(watch: &Watch, scale: &RawScale) -> Result<Self, ParamError> {
+    pub(crate) fn try_new(axis: &Axis, units: Units) -> Result<Self, ParamError> {
+        let (watch, hardware) = (&axis.watch, &axis.hardware);
+        let sample_time = axis.sample_time();
         // A tick may see one count more than the speed alone makes.
-        let jump = positive("top speed", watch.top_speed)? * scale.sample_time / scale.count + 1.0;
+        let jump = positive("top speed", watch.top_speed)? * sample_time / axis.encoder.count + 1.0;
+        at_least("top speed", watch.top_speed, axis.limits.speed)?;
         positive("following error", watch.following_error)?;
         not_negative("frozen duty", watch.frozen_duty)?;
-        let ticks = |name, time| {
-            positive(name, time).map(|time| libm::ceil(time / scale.sample_time) as u32)
-        };
+        let ticks =
+            |name, time| positive(name, time).map(|time| libm::ceil(time / sample_time) as u32);
         positive("lowest supply voltage", watch.supply_min)?;
         at_least("highest supply voltage", watch.supply_max, watch.supply_min)?;
         // At least one code: the supply is divided by.
-        at_least("lowest supply voltage", watch.supply_min, scale.supply_code)?;
+        at_least(
+            "lowest supply voltage",
+            watch.supply_min,
+            hardware.supply_code,
+        )?;
+        let codes = |name, current: f64| {
+            at_most(
+                name,
+                positive(name, current)? / hardware.current_code,
+                32_767.0,
+            )
+        };
+        let rated = codes("rated current", watch.current_rated)?;
+        let largest = codes("largest current", watch.current_max)?;
+        let thermal = positive("thermal time", watch.thermal_time)? / sample_time;
+        at_most("thermal time in ticks", thermal, 4e9)?;
         Ok(Self {
             jump: jump as u32,
-            following_error: to_scalar("following error", watch.following_error / scale.length)?,
-            frozen_code: (watch.frozen_duty * scale.steps) as u32,
+            following_error: to_scalar("following error", watch.following_error / units.length)?,
+            frozen_code: (watch.frozen_duty * f64::from(hardware.steps)) as i32,
             frozen_ticks: ticks("frozen time", watch.frozen_time)?,
-            supply_min: libm::ceil(watch.supply_min / scale.supply_code) as u16,
-            supply_max: (watch.supply_max / scale.supply_code) as u16,
+            supply_min: libm::ceil(watch.supply_min / hardware.supply_code) as u16,
+            supply_max: (watch.supply_max / hardware.supply_code) as u16,
             supply_ticks: ticks("supply time", watch.supply_time)?,
             overruns: watch.overruns,
+            current_max: largest as i32,
+            calm: (rated as u32).min(largest as u32),
+            rated: (rated * rated) as i32,
+            overload: (rated * rated * thermal) as i64,
+            offset: codes("offset of the current", watch.current_offset)? as i32,
         })
     }
 
-    /// Checks what was measured, before anything is computed from it. `code` is the command that was in force.
+    /// Checks what was measured, before anything is computed from it.
+    ///
+    /// The ordinary tick takes a few comparisons; only one in which something is unusual, or was, counts.
     #[inline]
-    pub fn measured(
-        &self,
-        suspicion: &mut Suspicion,
-        counts: i32,
-        code: i32,
-        supply: u16,
-        late: bool,
-    ) -> Option<Fault> {
+    pub(super) fn measured(&self, suspicion: &mut Suspicion, read: Readings) -> Option<Fault> {
+        let current = i32::from(read.current) - (suspicion.offset >> 8);
+        let usual = read.counts.unsigned_abs() <= self.jump
+            && read.code.unsigned_abs() <= self.frozen_code.unsigned_abs()
+            && read.supply >= self.supply_min
+            && read.supply <= self.supply_max
+            && current.unsigned_abs() <= self.calm
+            && !read.late;
+        if usual && !suspicion.any {
+            return None;
+        }
+        self.suspect(suspicion, &read)
+    }
+
+    #[inline(never)]
+    fn suspect(&self, suspicion: &mut Suspicion, read: &Readings) -> Option<Fault> {
         let last = |counter: &mut u32, wrong: bool, allowed: u32| {
             *counter = if wrong { counter.saturating_add(1) } else { 0 };
             *counter > allowed
         };
-        let pushing = code.unsigned_abs() > self.frozen_code;
-        let frozen = last(
-            &mut suspicion.frozen,
-            pushing && counts == 0,
-            self.frozen_ticks,
-        );
-        let outside = supply < self.supply_min || supply > self.supply_max;
+        let frozen = self.frozen(suspicion, read);
+        let outside = read.supply < self.supply_min || read.supply > self.supply_max;
         let sag = last(&mut suspicion.supply, outside, self.supply_ticks);
-        let overrun = last(&mut suspicion.late, late, self.overruns);
-        if counts.unsigned_abs() > self.jump {
+        let overrun = last(&mut suspicion.late, read.late, self.overruns);
+        let current = i32::from(read.current) - (suspicion.offset >> 8);
+        // Its square fits.
+        let current = current.clamp(-32_767, 32_767);
+        let large = current > self.current_max || current < -self.current_max;
+        let over_current = last(&mut suspicion.current, large, 1);
+        let heat = suspicion.heat + i64::from(current * current - self.rated);
+        suspicion.heat = if heat > 0 { heat } else { 0 };
+        suspicion.any = suspicion.frozen > 0
+            || suspicion.supply > 0
+            || suspicion.late > 0
+            || suspicion.current > 0
+            || suspicion.heat > 0;
+        if read.counts.unsigned_abs() > self.jump {
             Some(Fault::EncoderJump)
         } else if frozen {
             Some(Fault::EncoderFrozen)
@@ -132,9 +220,44 @@ impl<S: Scalar> Monitor<S> {
             Some(Fault::SupplyOutOfRange)
         } else if overrun {
             Some(Fault::Overrun)
+        } else if over_current {
+            Some(Fault::OverCurrent)
+        } else if heat > self.overload {
+            Some(Fault::Overload)
         } else {
             None
         }
+    }
+
+    /// Pushed for too long in one direction without coming on by two counts.
+    #[inline]
+    fn frozen(&self, suspicion: &mut Suspicion, read: &Readings) -> bool {
+        let forward = read.code > 0;
+        let pushing = read.code > self.frozen_code || read.code < -self.frozen_code;
+        if !pushing || forward != suspicion.forward {
+            suspicion.forward = forward;
+            suspicion.frozen = 0;
+            suspicion.gained = 0;
+            return false;
+        }
+        let counts = if forward {
+            read.counts
+        } else {
+            read.counts.wrapping_neg()
+        };
+        suspicion.gained = suspicion.gained.saturating_add(counts);
+        suspicion.frozen = suspicion.frozen.saturating_add(1);
+        if suspicion.gained > 1 {
+            suspicion.frozen = 0;
+            suspicion.gained = 0;
+        }
+        suspicion.frozen > self.frozen_ticks
+    }
+
+    /// Checks what the current sense reads with the bridge off.
+    pub(super) fn at_rest(&self, suspicion: &Suspicion) -> Option<Fault> {
+        let offset = (suspicion.offset >> 8).abs();
+        (offset > self.offset).then_some(Fault::CurrentOffset)
     }
 
     /// Checks the position error.
@@ -143,7 +266,7 @@ impl<S: Scalar> Monitor<S> {
         (error.magnitude() > self.following_error).then_some(Fault::FollowingError)
     }
 
-    /// The supply code to compute with, never below the lowest healthy one.
+    /// The supply code to compute with, within what is healthy.
     #[inline]
     pub(crate) fn usable(&self, supply: u16) -> u16 {
         if supply < self.supply_min {

@@ -3,42 +3,53 @@
 //! `count → displacement → reference → PID + friction feed-forward → limiter → PWM code`
 //!
 //! There is no `cfg` in this module: the code that a simulation shows to work is the code that runs on the axis.
-//! [`Settings`] in SI become [`Coefficients`] once, outside the interrupt; [`Controller::tick`] uses only those.
-//! The friction model is a type parameter ([`NoFriction`] for none) and brings its number type along.
+//! An [`Axis`] in SI becomes [`Coefficients`] once, outside the interrupt; [`Controller::tick`] uses only those.
+//! The friction model is a type parameter ([`NoFriction`] for none) and brings its number type along. A [`Planner`] checks
+//! what is asked for against the axis's [`Limits`], also outside the interrupt.
 //!
 //! ```
-//! use preslide::control::{Coefficients, Controller, Measurement, Move, Settings};
+//! use preslide::control::{Axis, Coefficients, Controller, Measurement, Planner};
 //! use preslide::{Block, QuasiStaticGms, Units};
 //!
 //! let blocks = [Block { stiffness: 113_948.0, weight: 0.616 }, Block { stiffness: 8_870.0, weight: 0.384 }];
 //! let friction = QuasiStaticGms::<2>::try_new(&blocks, 0.9, Units::SI)?;
-//! let settings = Settings::PAPER_AXIS;
-//! let coefficients = Coefficients::try_new(&settings, friction, Units::SI)?;
+//! let axis = Axis::PAPER_AXIS;
+//! let coefficients = Coefficients::try_new(&axis, friction, Units::SI)?;
+//! let mut planner = Planner::try_new(&axis)?;
 //! let mut controller = Controller::new(coefficients, 0_u32);
-//! controller.start(Move::plan(1e-6, 10e-6, 1e-3, settings.encoder.count, settings.sample_time, Units::SI)?);
-//! let command = controller.tick(Measurement { count: 0, supply: 6000, late: false });
-//! assert!(command.fault.is_none());
+//! assert_eq!(controller.enable(), Ok(()));
+//! assert_eq!(controller.start(planner.by(1e-6, 10e-6, 1e-2)?), Ok(()));
+//! let command = controller.tick(Measurement { count: 0, supply: 6000, current: 0, late: false });
+//! assert!(command.enabled && command.fault.is_none());
 //! # Ok::<(), preslide::ParamError>(())
 //! ```
 
+mod axis;
+mod coefficients;
 mod compensator;
 mod controller;
+mod fade;
 mod faults;
 pub mod learning;
 mod limiter;
 mod motor;
+mod moves;
 mod pid;
+mod planner;
 mod reference;
-mod settings;
-mod swap;
+mod smoothing;
 
+pub use axis::{Axis, Encoder, Hardware, Limits, Settings};
+pub use coefficients::Coefficients;
 pub use compensator::{Compensator, Drive, FeedForward, NoFriction};
 pub use controller::{Command, Controller, Measurement};
+pub use fade::Fade;
 pub use faults::{Fault, Monitor, Suspicion, Watch};
 pub use learning::{Condition, Learning, LearningSettings, NormalRange};
 pub use limiter::{Limiter, Saturation};
 pub use motor::{Motor, MotorDrive, Rounding};
+pub use moves::{Grid, Move};
 pub use pid::{Pid, PidGains, PidState};
-pub use reference::{Move, Reference, Sample};
-pub use settings::{Coefficients, Encoder, Settings};
-pub use swap::{Fade, FadeState};
+pub use planner::Planner;
+pub use reference::{Jog, Pace, Reference, Refused, Sample};
+pub use smoothing::MOST_SMOOTHED;

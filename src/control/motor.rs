@@ -20,8 +20,8 @@ pub struct Motor {
     pub efficiency: f64,
     /// Supply voltage `U` (V) that the PWM codes are computed for.
     pub supply: f64,
-    /// PWM codes at full duty, 1…32000. The sign of a code is the direction.
-    pub steps: f64,
+    /// A positive duty moves the axis backward.
+    pub reversed: bool,
 }
 
 impl Motor {
@@ -35,7 +35,6 @@ impl Motor {
     /// | lead | 2 mm | Table 1, SKF SH 6×2 R |
     /// | gear | 1 | assumption: the paper names a gearhead but no ratio |
     /// | `η` | 1 | assumption: what gear and screw lose is part of the friction that is identified |
-    /// | steps | 8500 | 170 MHz timer at 20 kHz (NUCLEO-G474RE) |
     pub const PAPER_AXIS: Motor = Motor {
         torque_constant: 6.59e-3,
         resistance: 3.41,
@@ -43,7 +42,7 @@ impl Motor {
         screw_lead: 2e-3,
         efficiency: 1.0,
         supply: 6.0,
-        steps: 8500.0,
+        reversed: false,
     };
 
     /// Angle of the motor per travel of the stage, `2π·n/lead` (rad/m).
@@ -64,8 +63,6 @@ impl Motor {
         positive("efficiency", self.efficiency)?;
         at_most("efficiency", self.efficiency, 1.0)?;
         positive("supply voltage", self.supply)?;
-        positive("PWM steps", self.steps)?;
-        at_most("PWM steps", self.steps, 32_000.0)?;
         Ok(())
     }
 }
@@ -102,16 +99,17 @@ impl<S: Scalar> Default for Rounding<S> {
 }
 
 impl<S: Scalar> MotorDrive<S> {
-    /// Computes the coefficients for a model in `units`.
+    /// Computes the coefficients for a model in `units`, with `steps` PWM codes at full duty.
     ///
     /// # Errors
     /// [`ParamError`] where a value is not finite, out of range, or does not fit `S` in `units`.
-    pub fn try_new(motor: &Motor, units: Units) -> Result<Self, ParamError> {
+    pub fn try_new(motor: &Motor, steps: u16, units: Units) -> Result<Self, ParamError> {
         units.check()?;
         motor.check()?;
+        let steps = f64::from(steps);
         // The sum of two saturated codes is rounded in `S`.
-        fits::<S>("PWM steps", motor.steps)?;
-        let codes_per_volt = motor.steps / motor.supply;
+        fits::<S>("PWM steps", steps)?;
+        let codes_per_volt = steps / motor.supply;
         Ok(Self {
             codes_per_force: to_scalar(
                 "PWM codes per unit of force",

@@ -24,7 +24,7 @@ pub struct PidGains {
 ///
 /// The integral is kept as a force, so a change of `K_i` does not bump the command. It is bounded, and it holds
 /// in the direction in which the limiter cut the previous command (conditional integration).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Pid<S> {
     proportional: S,
     integral_per_tick: S,
@@ -97,8 +97,14 @@ impl<S: Scalar> Pid<S> {
             let added = self.integral_per_tick.mul_input(error);
             state.integral = state.integral.add_input(added).limited(self.integral_limit);
         }
-        let force = self.proportional.mul_input(error);
-        let force = force.add_input(self.derivative.mul_input(velocity_error));
+        let force = self.immediate(error, velocity_error);
         force.add_input(state.integral)
+    }
+
+    /// The force without its memory, `K_p·e + K_d·(v_ref − v)`.
+    #[inline]
+    pub(super) fn immediate(&self, error: S, velocity_error: S) -> S {
+        let force = self.proportional.mul_input(error);
+        force.add_input(self.derivative.mul_input(velocity_error))
     }
 }

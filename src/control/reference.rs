@@ -1,217 +1,331 @@
-//! The trajectory that the controller follows: moves with a trapezoidal velocity, in exact integer arithmetic.
+//! The trajectory that the controller follows: moves, jogs and stops with limited acceleration, smoothed to limited jerk.
 
-use crate::param::{Bound, ParamError, at_most, positive, to_scalar};
+use super::smoothing::Smoothing;
+use super::{Grid, Limits, MOST_SMOOTHED, Move};
+use crate::param::{ParamError, at_least, at_most};
 use crate::scalar::saturated;
-use crate::{Scalar, Units};
 
-/// Fraction bits of a position: 2⁻³² of a count, ± 2³¹ counts.
-const FRACTION: f64 = 4_294_967_296.0;
-
-/// One move, planned outside the interrupt: ramp up, cruise, ramp down, exactly over its distance.
-///
-/// Nested triangles are moves that follow each other; a dwell is [`Move::dwell`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Move<S> {
+/// [`Limits`] in counts and ticks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pace {
+    /// 2⁻³² counts per tick, and per tick².
+    speed: i64,
+    brake: i64,
+    /// Counts of braking per squared speed in 2⁻¹⁶ counts per tick.
+    per_brake: f32,
     /// 2⁻³² counts.
-    distance: i64,
-    /// 2⁻³² counts per tick².
-    acceleration: i64,
-    /// 2⁻³² counts per tick.
-    cruise: i64,
-    /// Ticks to the end of the ramp up, of the cruise, and of the whole.
-    ramp_end: u32,
-    cruise_end: u32,
-    end: u32,
-    /// The acceleration in velocity units per second.
-    felt: S,
+    travel: Option<(i64, i64)>,
+    /// The smoothing takes `2^bits` ticks.
+    bits: u32,
 }
 
-impl<S: Scalar> Move<S> {
-    /// Plans a move by `distance` (m or rad, signed) at up to `speed` (m/s) and `acceleration` (m/s²).
-    ///
-    /// Times are rounded to ticks, speed and acceleration then follow from the distance. `count` is one encoder
-    /// count (m or rad), `sample_time` is `T_s` (s).
-    ///
-    /// # Errors
-    /// [`ParamError`] where a value is not finite or not positive, the move takes more than 2³¹ ticks, or its
-    /// acceleration does not fit `S` in `units`.
-    pub fn plan(
-        distance: f64,
-        speed: f64,
-        acceleration: f64,
-        count: f64,
-        sample_time: f64,
-        units: Units,
-    ) -> Result<Self, ParamError> {
-        units.check()?;
-        positive("length of a count", count)?;
-        positive("sample time", sample_time)?;
-        let counts = positive("distance of a move", distance.abs())? / count;
-        at_most("distance of a move in counts", counts, 1e9)?;
-        let per_tick = positive("speed of a move", speed)? * sample_time / count;
-        let gain =
-            positive("acceleration of a move", acceleration)? * sample_time * sample_time / count;
-        let ramp = at_most("ramp of a move in ticks", libm::ceil(per_tick / gain), 1e9)?;
-        let (ramp, cruise) = if per_tick * ramp > counts {
-            (libm::floor(libm::sqrt(counts / gain)), 0.0)
-        } else {
-            (ramp, libm::round((counts - per_tick * ramp) / per_tick))
-        };
-        let ramp = if ramp < 1.0 { 1.0 } else { ramp };
-        at_most(
-            "length of a move in ticks",
-            2.0 * ramp + cruise,
-            2_147_483_647.0,
+impl Pace {
+    pub(crate) fn try_new(limits: &Limits, grid: Grid) -> Result<Self, ParamError> {
+        limits.check()?;
+        let brake = grid.acceleration(limits.acceleration);
+        at_least(
+            "acceleration limit in 2⁻³² counts per tick²",
+            brake as f64,
+            1.0,
         )?;
-        // Up and down together cover `a·n²`, the cruise `a·n·m`.
-        let gain = counts / (ramp * (ramp + cruise));
-        let sign = if distance < 0.0 { -1.0 } else { 1.0 };
-        let acceleration = (sign * gain * FRACTION) as i64;
-        let distance = (sign * counts * FRACTION) as i64;
-        let (ramp, cruise) = (ramp as i64, cruise as i64);
-        // What rounding the acceleration left over is made up for by the cruise.
-        let cruise_speed = if cruise > 0 {
-            (distance - acceleration * ramp * ramp) / cruise
-        } else {
-            acceleration * ramp
-        };
-        Ok(Self {
-            distance,
-            acceleration,
-            cruise: cruise_speed,
-            // `2·ramp + cruise` is below 2³¹, by the check above.
-            ramp_end: ramp as u32,
-            cruise_end: (ramp + cruise) as u32,
-            end: (2 * ramp + cruise) as u32,
-            felt: to_scalar(
-                "acceleration of a move",
-                sign * gain * count / (sample_time * sample_time) / units.velocity,
-            )?,
-        })
-    }
-
-    /// Stays where it is for `time` (s).
-    ///
-    /// # Errors
-    /// [`ParamError`] where a time is not positive or takes more than 2³¹ ticks.
-    pub fn dwell(time: f64, sample_time: f64) -> Result<Self, ParamError> {
-        let ticks = positive("dwell", time)? / positive("sample time", sample_time)?;
-        if ticks > 2_147_483_647.0 {
-            return Err(ParamError {
-                parameter: "dwell in ticks",
-                block: None,
-                value: ticks,
-                bound: Bound::AtMost(2_147_483_647.0),
-            });
+        at_most(
+            "speed limit in counts per tick",
+            limits.speed * grid.sample_time / grid.count,
+            8192.0,
+        )?;
+        let ticks = 2.0 * limits.acceleration / limits.jerk / grid.sample_time;
+        at_most(
+            "smoothing in ticks, 2·acceleration/jerk,",
+            ticks,
+            MOST_SMOOTHED.into(),
+        )?;
+        // Two ticks at least: what shifts by it counts on one bit.
+        let bits = (libm::ceil(ticks) as u32)
+            .max(2)
+            .next_power_of_two()
+            .trailing_zeros();
+        if let Some((low, high)) = limits.travel {
+            for end in [low, high] {
+                at_most("end of travel in counts", end.abs() / grid.count, 1e9)?;
+            }
         }
-        let ticks = libm::ceil(ticks) as u32;
         Ok(Self {
-            cruise_end: ticks,
-            end: ticks,
-            ..Self::NONE
+            speed: grid.speed(limits.speed),
+            brake,
+            // A millionth more than needed makes up for single precision.
+            per_brake: (1.000_001 / (2.0 * brake as f64)) as f32,
+            travel: limits
+                .travel
+                .map(|(low, high)| (grid.length(low), grid.length(high))),
+            bits,
         })
     }
 
-    /// The move that is over.
-    const NONE: Self = Self {
-        distance: 0,
-        acceleration: 0,
-        cruise: 0,
-        ramp_end: 0,
-        cruise_end: 0,
-        end: 0,
-        felt: S::ZERO,
-    };
-
-    /// How many ticks it takes.
-    #[inline]
-    pub fn ticks(&self) -> u32 {
-        self.end
+    /// Ticks of the smoothing: half of them is how far the reference lags behind what was planned.
+    pub fn smoothing(&self) -> u32 {
+        1 << self.bits
     }
+}
+
+/// Why a move is not started.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refused {
+    /// The axis is not enabled.
+    NotEnabled,
+    /// It is faster than [`Limits::speed`].
+    TooFast,
+    /// It is steeper than [`Limits::acceleration`].
+    TooSteep,
+    /// It ends beyond [`Limits::travel`].
+    BeyondTravel,
+    /// It is to join a motion that has ended: the stream of points ran dry or was stopped.
+    Broken,
+    /// The host has been silent for longer than [`super::Axis::silence`].
+    Silence,
 }
 
 /// The reference at the end of a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample<S> {
-    /// Position (2⁻¹⁶ counts).
+pub struct Sample {
+    /// Position (2⁻³² counts), which wraps after 2³² counts.
     pub position: i64,
     /// Travel in this tick (2⁻¹⁶ counts).
     pub displacement: i32,
-    /// Acceleration (velocity units per second).
-    pub acceleration: S,
+    /// Its change (2⁻³² counts per tick²), times [`Pace::smoothing`].
+    pub change: i64,
 }
 
-/// Follows one move after the other.
+/// A speed to keep ([`super::Planner::jog`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Jog {
+    /// 2⁻³² counts per tick.
+    pub(super) speed: i64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Mode {
+    /// Follows the plan.
+    Planned,
+    /// Goes over to this speed and keeps it.
+    Jog(i64),
+    /// Brakes, then follows the plan.
+    Brake,
+}
+
+/// Follows one move after the other, jogs, and stops from anywhere.
+///
+/// A generator keeps acceleration within [`Limits::acceleration`] from one tick to the next, in exact integers; a moving average
+/// over `2·acceleration/jerk` then keeps the jerk. Both keep speed and travel. Positions wrap, so an axis may turn without end.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Reference<S> {
-    /// 2⁻³² counts.
-    position: i64,
-    velocity: i64,
-    target: i64,
-    current: Move<S>,
+#[repr(C)]
+pub struct Reference {
+    /// What is planned, before smoothing: 2⁻³² counts, and per tick.
+    planned: i64,
+    speed: i64,
+    mode: Mode,
+    plan: Move,
     tick: u32,
+    position: i64,
+    /// The ends of travel are known.
+    located: bool,
+    smoothing: Smoothing,
 }
 
-impl<S: Scalar> Reference<S> {
+impl Reference {
     /// Stands at `count`.
-    pub fn at(count: i32) -> Self {
-        let position = i64::from(count) << 32;
+    pub fn at(count: i64, pace: &Pace) -> Self {
+        let position = count.wrapping_shl(32);
         Self {
-            position,
-            velocity: 0,
-            target: position,
-            current: Move::NONE,
+            planned: position,
+            speed: 0,
+            mode: Mode::Planned,
+            plan: Move::NONE,
             tick: 0,
+            position,
+            located: false,
+            smoothing: Smoothing::at_rest(pace.bits),
         }
     }
 
-    /// The move is done; the next may start.
-    #[inline]
-    pub fn is_idle(&self) -> bool {
-        self.tick >= self.current.ticks()
+    /// Stands at `count`, in place.
+    pub(super) fn stand(&mut self, count: i64, pace: &Pace) {
+        self.planned = count.wrapping_shl(32);
+        self.speed = 0;
+        self.mode = Mode::Planned;
+        self.drop_plan();
+        self.position = self.planned;
+        self.smoothing.rest(pace.bits);
     }
 
-    /// Starts a move from where the reference stands; ends a running one there, at once.
+    /// The next move may start: the one before it is done, but for what the smoothing still has to let out.
     #[inline]
-    pub fn start(&mut self, next: Move<S>) {
-        self.velocity = 0;
+    pub fn is_idle(&self) -> bool {
+        self.mode == Mode::Planned && self.tick >= self.plan.end
+    }
+
+    /// It stands still.
+    #[inline]
+    pub fn is_standing(&self) -> bool {
+        self.smoothing.left == 0 && self.is_idle()
+    }
+
+    /// Whether travel is limited from here on, `position` being counted from the axis's origin.
+    pub fn locate(&mut self, located: bool) {
+        self.located = located;
+    }
+
+    /// Calls the present place another one, `by` counts further.
+    pub(super) fn shift(&mut self, by: i64) {
+        self.planned = self.planned.wrapping_add(by.wrapping_shl(32));
+        self.position = self.position.wrapping_add(by.wrapping_shl(32));
+    }
+
+    /// Starts a move from where the plan stands. One that runs is stopped first, the new one begins at rest.
+    ///
+    /// # Errors
+    /// [`Refused`] where it exceeds the limits; nothing changes then.
+    #[inline(never)]
+    pub fn start(&mut self, next: Move, pace: &Pace) -> Result<(), Refused> {
+        let (steepest, fastest) = next.extremes();
+        if steepest > pace.brake.unsigned_abs() + 1 {
+            return Err(Refused::TooSteep);
+        }
+        if fastest > pace.speed.unsigned_abs() + 1 {
+            return Err(Refused::TooFast);
+        }
+        let stands = self.speed == 0 && self.is_idle();
+        // A joined move keeps in `cruise` the speed that it begins with.
+        if next.joins && !(self.is_idle() && self.speed == next.cruise) {
+            return Err(Refused::Broken);
+        }
+        if (stands || next.joins) && self.leaves(&next, pace) {
+            return Err(Refused::BeyondTravel);
+        }
+        self.plan = next;
         self.tick = 0;
-        self.target = self.position.wrapping_add(next.distance);
-        self.current = next;
+        if !(stands || next.joins) {
+            self.mode = Mode::Brake;
+        }
+        Ok(())
+    }
+
+    /// Goes on at a speed until it is told otherwise or the travel ends; what was planned is dropped.
+    pub fn jog(&mut self, jog: Jog, pace: &Pace) {
+        self.drop_plan();
+        self.mode = Mode::Jog(bounded(jog.speed, pace.speed));
+    }
+
+    /// Brakes to rest by [`Limits::acceleration`]; what was planned is dropped.
+    #[inline(never)]
+    pub fn stop(&mut self) {
+        self.drop_plan();
+        self.mode = Mode::Brake;
+    }
+
+    fn drop_plan(&mut self) {
+        self.plan = Move::NONE;
+        self.tick = 0;
+    }
+
+    /// The move would end beyond the ends of travel.
+    fn leaves(&self, next: &Move, pace: &Pace) -> bool {
+        let end = self.planned.wrapping_add(next.distance);
+        let beyond = |(low, high): (i64, i64)| end < low || end > high;
+        self.located && next.distance != 0 && pace.travel.is_some_and(beyond)
     }
 
     /// Advances by one tick.
     #[inline]
-    pub fn step(&mut self) -> Sample<S> {
-        let before = self.position >> 16;
-        let mut acceleration = S::ZERO;
-        if !self.is_idle() {
-            let plan = &self.current;
-            self.tick += 1;
-            if self.tick <= plan.ramp_end {
-                self.velocity = self.velocity.wrapping_add(plan.acceleration);
-                acceleration = plan.felt;
-            } else if self.tick <= plan.cruise_end {
-                self.velocity = plan.cruise;
-            } else {
-                if self.tick == plan.cruise_end + 1 {
-                    self.velocity = plan.acceleration.wrapping_mul(i64::from(plan.ramp_end));
-                }
-                self.velocity = self.velocity.wrapping_sub(plan.acceleration);
-                acceleration = -plan.felt;
-            }
-            self.position = self.position.wrapping_add(self.velocity);
-            if self.is_idle() {
-                self.position = self.target;
-                self.velocity = 0;
-            }
-        }
-        let position = self.position >> 16;
+    pub fn step(&mut self, pace: &Pace) -> Sample {
+        let before = (self.position >> 16) as i32;
+        self.speed = self.next_speed(pace);
+        self.planned = self.planned.wrapping_add(self.speed);
+        let (speed, change) = self.smoothing.step(self.speed);
+        self.position = self.position.wrapping_add(speed);
         Sample {
-            position,
-            displacement: saturate(position.wrapping_sub(before)),
-            acceleration,
+            position: self.position,
+            // Below 2¹³ counts, by the check of the speed limit.
+            displacement: ((self.position >> 16) as i32).wrapping_sub(before),
+            change,
         }
+    }
+
+    #[inline]
+    fn next_speed(&mut self, pace: &Pace) -> i64 {
+        let speed = match self.mode {
+            Mode::Planned if self.tick < self.plan.end => {
+                self.tick += 1;
+                let speed = self.plan.speed(self.tick, self.speed);
+                if !self.plan.joins {
+                    return speed;
+                }
+                bounded(speed, pace.speed)
+            }
+            // Nothing follows what should have been joined to.
+            Mode::Planned if self.speed == 0 => return 0,
+            Mode::Brake => return self.brake(pace),
+            Mode::Planned => approach(self.speed, 0, pace.brake),
+            Mode::Jog(speed) => approach(self.speed, speed, pace.brake),
+        };
+        if self.must_brake(speed, pace) {
+            self.stop();
+            return self.brake(pace);
+        }
+        speed
+    }
+
+    #[inline(never)]
+    fn brake(&mut self, pace: &Pace) -> i64 {
+        let speed = approach(self.speed, 0, pace.brake);
+        if speed == 0 {
+            self.mode = Mode::Planned;
+            // A move that waited may not fit from where it now begins.
+            if self.leaves(&self.plan, pace) {
+                self.drop_plan();
+            }
+        }
+        speed
+    }
+
+    /// At `speed`, the rest of the way to the end of travel is no more than braking takes.
+    ///
+    /// Braking by `b` from `v` covers `v²/(2·b) − v/2` and at most `b/8` more; the tick at `v` itself covers `v`.
+    #[inline(never)]
+    fn must_brake(&self, speed: i64, pace: &Pace) -> bool {
+        let Some((low, high)) = pace.travel else {
+            return false;
+        };
+        if !self.located || speed == 0 {
+            return false;
+        }
+        let ahead = if speed > 0 {
+            high.wrapping_sub(self.planned)
+        } else {
+            self.planned.wrapping_sub(low)
+        };
+        let ahead = (ahead >> 32) as i32;
+        let speed = saturate(speed >> 16) as f32;
+        let braking = speed * speed * pace.per_brake + speed.abs() * (1.0 / 65536.0);
+        // Two counts for what was rounded.
+        ahead as f32 - 2.0 <= braking
+    }
+}
+
+/// `from` moved towards `to` by at most `step`.
+#[inline]
+fn approach(from: i64, to: i64, step: i64) -> i64 {
+    from.wrapping_add(bounded(to.wrapping_sub(from), step))
+}
+
+/// `value` within ± `bound`. `clamp` would link a panic.
+#[inline]
+fn bounded(value: i64, bound: i64) -> i64 {
+    if value > bound {
+        bound
+    } else if value < -bound {
+        -bound
+    } else {
+        value
     }
 }
 

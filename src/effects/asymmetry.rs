@@ -8,7 +8,7 @@ use crate::param::ParamError;
 ///
 /// In sliding `sgn F = sgn v`. In pre-sliding the sign of the force is used and not that of the velocity, because the
 /// force would otherwise jump by `2·a·F` at every reversal; this way it passes through zero.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct CoulombAsymmetry<S = f32> {
     asymmetry: S,
 }

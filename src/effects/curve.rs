@@ -13,7 +13,7 @@ pub(super) const DECAYED: f64 = 9.210_340_371_976_184;
 ///
 /// For the functions tabulated here, `exp(−u^δ)` of height 1 up to where it is 1e-4, the error is at most 4e-3 at
 /// `δ = 1`…`1.3`, 6e-4 at `δ ≥ 2` (`host-tests` assert it).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Curve<S> {
     nodes: [S; INTERVALS + 1],
     per_unit: S,

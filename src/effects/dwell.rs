@@ -10,7 +10,7 @@ use core::f64::consts::LOG10_E;
 /// `dθ/dt = 1 − |v|·θ/λ` (the ageing law: J. H. Dieterich, *Modeling of rock friction 1*, J. Geophys. Res. 84, 1979):
 /// at rest `θ` is the time of rest, moving on erases it along the path `λ`. Explicit Euler, the loss held below the
 /// whole age, so stable for any speed. Costs a logarithm a tick (`libm`).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct DwellAging<S = f32> {
     /// Per natural logarithm.
     level: S,

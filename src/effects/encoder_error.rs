@@ -11,7 +11,7 @@ use core::f64::consts::TAU;
 /// The correction takes the error at the reading for that at the true position: it is wrong by at most
 /// `2π·e²/p`, 6 nm of a 100 nm error at a period of 10 µm. It corrects position and displacement; the
 /// velocity, of which it would be a share of `2π·e/p`, is left as measured.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct EncoderError<S = f32> {
     wave: Wave<S>,
     error: S,

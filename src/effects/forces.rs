@@ -5,7 +5,7 @@ use crate::Scalar;
 use crate::param::{ParamError, Units, positive, to_positive, to_scalar};
 
 /// `constant_force`: gravity, tilt, current offset, `F0`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ConstantForce<S = f32> {
     force: S,
 }
@@ -40,7 +40,7 @@ impl<S: Scalar> Effect<S> for ConstantForce<S> {
 }
 
 /// A coefficient in the model's units and the bound of what it gives.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Limited<S> {
     coefficient: S,
     limit: S,
@@ -70,7 +70,7 @@ impl<S: Scalar> Limited<S> {
 macro_rules! limited_force {
     ($(#[$doc:meta])* $name:ident, $(#[$new:meta])* $coefficient:ident, $said:literal, $unit:expr, |$at:ident| $input:expr) => {
         $(#[$doc])*
-        #[derive(Clone, Debug)]
+        #[derive(Clone, Debug, PartialEq)]
         pub struct $name<S = f32>(Limited<S>);
 
         impl<S: Scalar> $name<S> {
@@ -119,7 +119,7 @@ limited_force!(
 );
 
 /// `position_spring`: cable drag, `κ·(x − x0)`, bounded.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PositionSpring<S = f32> {
     spring: Limited<S>,
     centre: S,

@@ -6,7 +6,7 @@ use crate::Scalar;
 use crate::param::{ParamError, Units, at_most, fits, positive, to_scalar};
 
 /// The series, by Clenshaw's recurrence: one cosine, and three operations a term.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Series<const J: usize, S> {
     from: S,
     per_length: S,
@@ -67,7 +67,7 @@ macro_rules! map {
     ($(#[$doc:meta])* $name:ident, $(#[$new:meta])* $said:literal, $per_term:expr, $largest:expr,
      $acts:ident, $method:ident, $of:ident) => {
         $(#[$doc])*
-        #[derive(Clone, Debug)]
+        #[derive(Clone, Debug, PartialEq)]
         pub struct $name<const J: usize, S = f32>(Series<J, S>);
 
         impl<const J: usize, S: Scalar> $name<J, S> {

@@ -6,7 +6,7 @@ use crate::Scalar;
 use crate::param::{ParamError, Units, to_scalar};
 
 /// `periodic_force`: cogging or torque ripple, `A·cos(2πx/p + φ)`. A harmonic is another effect.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PeriodicForce<S = f32> {
     wave: Wave<S>,
     force: S,
@@ -43,7 +43,7 @@ impl<S: Scalar> Effect<S> for PeriodicForce<S> {
 }
 
 /// `periodic_friction`: screw or ball-passage ripple, `m = 1 + a·cos(2πx/p + φ)`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PeriodicFriction<S = f32> {
     wave: Wave<S>,
     level: S,

@@ -8,7 +8,7 @@ use crate::param::{ParamError, Units, positive, to_scalar};
 /// `local_friction_spot`: a dent, dirt or a dry place, `m = 1 + a·exp(−((x − x_s)/w)²)`.
 ///
 /// Tabulated; 0 from `|x − x_s| = 3.03·w` on.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LocalFrictionSpot<S = f32> {
     curve: Curve<S>,
     position: S,

@@ -9,7 +9,7 @@ use crate::param::{ParamError, Units, at_least, at_most, fits, positive, to_posi
 ///
 /// Acts on the whole friction force. A [`Gms`](crate::Gms) with [`Sliding`](crate::Sliding) has the Stribeck curve in the
 /// limit of its blocks instead; use one of the two.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Stribeck<S = f32> {
     curve: Curve<S>,
     level: S,
@@ -61,7 +61,7 @@ impl<S: Scalar> Effect<S> for Stribeck<S> {
 
 /// `frictional_lag`: the Stribeck level follows the velocity with a time constant,
 /// `dm/dt = (1 + a·exp(−(|v|/v_s)^δ) − m)/τ`, exact for a velocity that is constant over the tick.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct FrictionalLag<S = f32> {
     stribeck: Stribeck<S>,
     share: S,

@@ -5,7 +5,7 @@ use crate::Scalar;
 use crate::param::{ParamError, Units, positive, to_scalar};
 
 /// A level that is linear in an input, bounded.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Slope<S> {
     per_unit: S,
     origin: S,
@@ -28,7 +28,7 @@ impl<S: Scalar> Slope<S> {
 
 /// `thermal_drift`: `m = 1 + β·(T − T0)`, bounded. Tell the temperature through
 /// [`WithState::temperature`](super::WithState::temperature); until then the level is 1.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ThermalDrift<S = f32>(Slope<S>);
 
 impl<S: Scalar> ThermalDrift<S> {
@@ -64,7 +64,7 @@ impl<S: Scalar> Effect<S> for ThermalDrift<S> {
 
 /// `load_dependent_friction`: `m = 1 + c·(load − load0)`, bounded. Tell the load through
 /// [`WithState::load`](super::WithState::load); until then the level is 1.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LoadDependentFriction<S = f32>(Slope<S>);
 
 impl<S: Scalar> LoadDependentFriction<S> {

@@ -9,7 +9,7 @@ use core::f64::consts::TAU;
 /// `external_vibration`: `A·sin(2πft + φ)`, with `t` from the tick after [`Effect::at_rest`].
 ///
 /// A controller can use it only where something tells it the phase; the frequency of a pump nearby wanders.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ExternalVibration<S = f32> {
     force: S,
     per_tick: S,

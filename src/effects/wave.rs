@@ -50,7 +50,7 @@ pub(super) fn precise<S: Scalar>(
 }
 
 /// `cos(2πx/p + φ)` of a position.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Wave<S> {
     per_length: S,
     phase: S,

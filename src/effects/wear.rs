@@ -12,7 +12,7 @@ fn decay<S: Scalar>(name: &'static str, rise: f64) -> Result<Curve<S>, ParamErro
 }
 
 /// `run_in`: `m = 1 + a·exp(−s/λ)`, `s` the path travelled since [`Effect::at_rest`], `Σ|v|·T_s`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RunIn<S = f32> {
     curve: Curve<S>,
     level: S,
@@ -66,7 +66,7 @@ impl<S: Scalar> Effect<S> for RunIn<S> {
 }
 
 /// `thermal_drift` where no temperature is measured: `m = 1 + a·exp(−t/τ)`, `t` the time since [`Effect::at_rest`].
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct WarmUp<S = f32> {
     curve: Curve<S>,
     level: S,

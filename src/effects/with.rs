@@ -17,14 +17,14 @@ use crate::{Friction, Motion, Scalar};
 ///
 /// **Stability.** What [`Drive`](crate::control::Drive) says holds with that bound. Driven by the measured motion, a
 /// level adds `level·Σk_i` to the stiffness that the feedback has to exceed, a spring its own.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct With<F, E> {
     friction: F,
     effects: E,
 }
 
 /// What a [`With`] remembers.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct WithState<M, E, S = f32> {
     /// Temperature (°C), for [`ThermalDrift`](super::ThermalDrift): to be told as it is measured.
     pub temperature: Option<S>,
@@ -80,6 +80,18 @@ impl<F: Friction, E: Effect<F::Scalar>> Friction for With<F, E> {
             shift: None,
             friction: self.friction.at_rest(),
             effects: self.effects.at_rest(),
+        }
+    }
+
+    fn take_over(&self, old: &Self, state: &Self::State) -> Self::State {
+        WithState {
+            friction: self.friction.take_over(&old.friction, &state.friction),
+            effects: if self.effects == old.effects {
+                state.effects.clone()
+            } else {
+                self.effects.at_rest()
+            },
+            ..state.clone()
         }
     }
 

@@ -12,7 +12,7 @@ use crate::{Block, Friction, Motion, ParamError, Units};
 /// `w_i ← max(w_i + r·(2·D_i − 2·w_i) − |dx|, 0)`, both blocks of a word in one multiplication, since no half of
 /// `2·D − w` borrows from the other. Range, units and the bits of the force are those of `PackedSlipReserve`. On a core without
 /// DSP instructions the bits are the same, but the compiler may branch.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ConstantTimeSlipReserve<const PAIRS: usize> {
     packed: PackedSlipReserve<PAIRS>,
 }

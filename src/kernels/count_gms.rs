@@ -40,7 +40,7 @@ const GREATEST_SPREAD: f64 = 1_048_576.0;
 /// assert!((newtons - 4.0 * 25e-9 * (113_948.0 + 8_870.0)).abs() < 1e-4);
 /// # Ok::<(), preslide::ParamError>(())
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct CountGms<const N: usize> {
     blocks: [ShareBlock; N],
     /// Longest displacement of a tick.
@@ -52,7 +52,7 @@ pub struct CountGms<const N: usize> {
     table: [Interval; INTERVALS + 1],
 }
 
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct ShareBlock {
     /// `1/D_i`, in the scale of `q` per unit of length.
     rate: i32,
@@ -61,7 +61,7 @@ struct ShareBlock {
 }
 
 /// `σ` and `λ` in the middle of an interval of speed, and their differences across it.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Interval {
     /// In the scale of `q`.
     weakening: i32,

@@ -10,7 +10,7 @@ pub(super) use instructions::*;
 pub(super) use portable::*;
 
 /// Two blocks, the first in the low halves: `2·D` and `k`.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]
 pub(super) struct Pair {
     pub(super) full: u32,

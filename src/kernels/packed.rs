@@ -17,7 +17,7 @@ pub(super) const RANGE: Range = Range {
 /// Accepts `D_i` up to 16 383 units of length, `k_i` up to 32 767 units of force per unit of length, and
 /// `ΣW_i` up to 2³⁰ − 1 units of force. A displacement beyond ±32 768 is cut and slips every block all the same.
 /// On a core without the instructions portable code gives the same bits, more slowly.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PackedSlipReserve<const PAIRS: usize> {
     pub(super) limit: i32,
     pub(super) pairs: [Pair; PAIRS],

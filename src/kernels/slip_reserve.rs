@@ -37,7 +37,7 @@ const RANGE: Range = Range {
 /// assert!((f64::from(counts.to_num::<i32>()) * force - 0.9).abs() < 1e-6);
 /// # Ok::<(), preslide::ParamError>(())
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SlipReserve<const N: usize> {
     limit: i32,
     blocks: [Reserve; N],

@@ -4,6 +4,7 @@ mod book;
 mod browser;
 mod call_graph;
 mod chain;
+mod commission;
 mod cycles;
 mod judge;
 mod process;
@@ -44,7 +45,7 @@ const COMMANDS: &[Command] = &[
     },
     Command {
         name: "stage",
-        help: "the firmware in QEMU on the simulated stage, its telemetry on tcp:127.0.0.1:7700 or the PORT named",
+        help: "an emulated drive, the firmware in QEMU on the simulated stage, on tcp:127.0.0.1:7700 or the PORT named",
         run: qemu::serve_command,
     },
     Command {

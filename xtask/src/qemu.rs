@@ -1,21 +1,22 @@
 //! `cargo xtask qemu`: the firmware in an emulator against the simulated stage.
 //!
 //! Builds the QEMU board in both arithmetics, shows that its control code has no panic path, prints flash, RAM and
-//! stack, runs the same motion twice in QEMU and once on the host, injects the faults, lets the stage wear under a firmware that watches it, and identifies the stage's friction
-//! from captured telemetry. `cargo xtask stage` only serves that telemetry.
+//! stack, runs the same motion twice in QEMU and once on the host, sends ten thousand requests under full telemetry, injects the
+//! faults, lets the stage wear under a firmware that watches it, and identifies the stage's friction from captured telemetry.
+//! `cargo xtask stage` only serves the emulated drive.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use crate::call_graph;
-use crate::process::{cargo, output, root, run, run_for};
+use crate::process::{cargo, output, output_for, root, run, run_for};
 use crate::thumb::{TARGET, Toolchain};
 use crate::tools::Need;
 
 /// The interrupt of the control task, on either board; nothing that can panic may be reached from it.
 const TIMER0: &str = "TIMER0";
-const TIM6_DAC: &str = "TIM6_DAC";
+const ADC1_2: &str = "ADC1_2";
 
 /// The firmware that learns what the drive spends: it watches that and adapts the friction level.
 pub const LEARNING_FOLDER: &str = "qemu-fixed-adaptation";
@@ -51,15 +52,19 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
         }
         println!("{kind}: the second run printed the same bytes");
     }
+    hammered(&fixed)?;
+    typed(&fixed)?;
+    crate::commission::run(&fixed)?;
+    example()?;
     // It cannot be run here, but it must build, fit and not panic.
     build("preslide-stm32g474", "stm32g474", &["--features", "log"])?;
     let board = build("preslide-stm32g474", "stm32g474", &[])?;
-    check_image("stm32g474", &board, TIM6_DAC, &[])?;
+    check_image("stm32g474", &board, ADC1_2, &[])?;
     check_ccm(&board)?;
     // With a model compiled in that has every effect.
     let (mut exported, board) = build_command("preslide-stm32g474", "stm32g474")?;
     run(exported.env("PRESLIDE_MODEL", root().join(EXPORTED)))?;
-    check_image("stm32g474 with an exported model", &board, TIM6_DAC, &[])?;
+    check_image("stm32g474 with an exported model", &board, ADC1_2, &[])?;
     check_ccm(&board)?;
     let golden = root().join(GOLDEN);
     let mut faults = Command::new(&rig);
@@ -80,7 +85,52 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     identified(&rig, &fixed)
 }
 
-/// Serves the telemetry of the firmware on the simulated stage to whoever connects.
+/// Ten thousand requests, as many at once as the link allows, under telemetry of every tick: all answered, once each.
+fn hammered(elf: &Path) -> Result<(), String> {
+    let mut hammer = Command::new(root().join("target/release/examples/drive"));
+    hammer.arg("hammer").arg(elf).arg(free_port()?);
+    run_for(&mut hammer, LIMIT)
+}
+
+/// A script that types at `preslide drive`, over a pseudo terminal for the line and in its own terminal.
+fn typed(elf: &Path) -> Result<(), String> {
+    let mut typed = Command::new(root().join("target/release/examples/drive"));
+    typed.arg("typed").arg(elf).arg(free_port()?);
+    run_for(typed.arg(root().join("target/release/preslide")), LIMIT)
+}
+
+/// What `examples/rtic.rs` prints in QEMU. Sliding at 0.5 mm/s, Stribeck's curve gives 0.81 + 0.09·exp(−0.5²) = 0.880 N.
+const EXAMPLE: [&str; 2] = ["tick 4000: friction 880 mN", "tick 8000: friction -880 mN"];
+
+/// The example that a stranger copies first: built for the target, and run.
+fn example() -> Result<(), String> {
+    let what = ["--package", "preslide", "--example", "rtic"];
+    let how = ["build", "--release", "--features", "example-semihosting"];
+    let arguments = [&how[..], &what[..]].concat();
+    run(&mut Toolchain::ensure()?.cargo(root(), &arguments))?;
+    let image = root()
+        .join("target")
+        .join(TARGET)
+        .join("release/examples/rtic");
+    let mut qemu = Command::new("qemu-system-arm");
+    qemu.args(["-M", "netduinoplus2", "-nographic", "-icount", "shift=3"])
+        .args(["-semihosting-config", "enable=on,target=native", "-kernel"])
+        .arg(image)
+        .stdin(Stdio::null());
+    let (printed, log) = output_for(&mut qemu, Duration::from_secs(60))?;
+    let printed = printed + &log;
+    match EXAMPLE.iter().find(|line| !printed.contains(*line)) {
+        None => {
+            println!("examples/rtic.rs: {}", printed.trim().replace('\n', "; "));
+            Ok(())
+        }
+        Some(line) => Err(format!(
+            "examples/rtic.rs did not print `{line}`, but:\n{printed}"
+        )),
+    }
+}
+
+/// Serves an emulated drive, the firmware on the simulated stage, to one client after the other.
 pub fn serve_command(arguments: &[String]) -> Result<(), String> {
     let port = match arguments {
         [] => "7700",
@@ -93,16 +143,15 @@ pub fn serve_command(arguments: &[String]) -> Result<(), String> {
         }
     };
     Need::Qemu.ensure()?;
-    let rig = build_rig()?;
+    build_rig()?;
     let fixed = build("preslide-qemu", "qemu-fixed", &[])?;
-    let truth = fixed.with_extension("truth.json");
-    let mut serve = Command::new(rig);
-    run(serve.arg("serve").arg(fixed).arg(port).arg(truth))
+    let mut serve = Command::new(root().join("target/release/examples/drive"));
+    run(serve.arg("serve").arg(fixed).arg(port))
 }
 
 /// Builds the program that runs firmware in QEMU against the simulated stage, and the tool; where the former is.
 pub fn build_rig() -> Result<PathBuf, String> {
-    let what = ["--bins", "--example", "rig"];
+    let what = ["--bins", "--example", "rig", "--example", "drive"];
     let build = ["build", "--release", "--package", "preslide-cli"];
     run(&mut cargo(&[&build[..], &what[..]].concat()))?;
     Ok(root().join("target/release/examples/rig"))
@@ -183,7 +232,7 @@ const CCM: std::ops::Range<u32> = 0x1000_0000..0x1000_8000;
 fn check_ccm(elf: &Path) -> Result<(), String> {
     let disassembly = disassembly(elf)?;
     let places = call_graph::addresses(&disassembly);
-    let reached = call_graph::reached(&disassembly, TIM6_DAC, &[])?;
+    let reached = call_graph::reached(&disassembly, ADC1_2, &[])?;
     // The linker reaches flash from there through veneers only, which it names.
     let left: Vec<&String> = reached
         .iter()
@@ -194,7 +243,7 @@ fn check_ccm(elf: &Path) -> Result<(), String> {
         .collect();
     if !left.is_empty() {
         return Err(format!(
-            "{TIM6_DAC} runs in CCM SRAM but calls {left:?} outside; add them to firmware/boards/stm32g474/ccm.x"
+            "{ADC1_2} runs in CCM SRAM but calls {left:?} outside; add them to firmware/boards/stm32g474/ccm.x"
         ));
     }
     let symbols = output(Command::new("arm-none-eabi-nm").arg(elf))?;
@@ -208,7 +257,7 @@ fn check_ccm(elf: &Path) -> Result<(), String> {
         ));
     }
     println!(
-        "stm32g474: {TIM6_DAC} and the {} functions that it calls are in CCM SRAM, and so is the stack (checked by address; \
+        "stm32g474: {ADC1_2} and the {} functions that it calls are in CCM SRAM, and so is the stack (checked by address; \
          it cannot be run here)",
         reached.len() - 1
     );

@@ -1,41 +1,13 @@
-//! The H bridge: a signed code on two PWM channels.
+//! The H bridge, as a board has it.
 
-use core::convert::Infallible;
-use embedded_hal::pwm::SetDutyCycle;
+/// Takes a signed code, or opens.
+pub trait Bridge {
+    /// Drives with a PWM code within ± the steps of the board's [`preslide::control::Hardware`]. Closes the bridge if it was open.
+    fn drive(&mut self, code: i32);
 
-/// One channel drives forward, the other backward; the one that does not drive is at 0.
-pub struct Bridge<A, B> {
-    forward: A,
-    backward: B,
-}
+    /// Opens all switches, so that the axis coasts: both low sides on would brake it.
+    fn open(&mut self);
 
-impl<A, B> Bridge<A, B>
-where
-    A: SetDutyCycle<Error = Infallible>,
-    B: SetDutyCycle<Error = Infallible>,
-{
-    /// Both channels off. `None` where a channel's full duty is not `steps` codes, which would scale every command.
-    pub fn new(forward: A, backward: B, steps: u16) -> Option<Self> {
-        let fits = forward.max_duty_cycle() == steps && backward.max_duty_cycle() == steps;
-        let mut bridge = Self { forward, backward };
-        bridge.set(0);
-        fits.then_some(bridge)
-    }
-
-    /// Applies a code. The channel that stops is set first, so both never drive at once.
-    #[inline]
-    pub fn set(&mut self, code: i32) {
-        let duty = u16::try_from(code.unsigned_abs()).unwrap_or(u16::MAX);
-        let (Ok(()), Ok(())) = if code >= 0 {
-            (
-                self.backward.set_duty_cycle(0),
-                self.forward.set_duty_cycle(duty),
-            )
-        } else {
-            (
-                self.forward.set_duty_cycle(0),
-                self.backward.set_duty_cycle(duty),
-            )
-        };
-    }
+    /// The bridge's own protection has opened it since it was last driven.
+    fn is_broken(&self) -> bool;
 }

@@ -1,19 +1,20 @@
 //! The task at the control rate.
 
-use crate::{Bridge, Change};
-use core::convert::Infallible;
-use core::sync::atomic::{AtomicBool, AtomicU16, Ordering};
-use embedded_hal::pwm::SetDutyCycle;
+use crate::Bridge;
+use crate::queues::{Order, Planned, Seek, Shared, Status};
+use core::sync::atomic::Ordering;
 use heapless::spsc::{Consumer, Producer};
-use preslide::control::{Command, Controller, Fault, Measurement, Move, NormalRange};
+use preslide::control::{Command, Controller, Fault, Measurement, NormalRange, Refused};
 use preslide::{Friction, Scalar};
-use preslide_link::{FaultCode, RangeCode, Sample};
+use preslide_link::{FaultCode, Mark, Mode, RangeCode, Refusal, Sample};
 
 /// What a board measured at the start of a tick, raw.
 #[derive(Clone, Copy, Debug)]
 pub struct Inputs {
     /// Quadrature counter.
     pub count: u32,
+    /// What the counter showed at the index pulse, if one came since the last tick.
+    pub index: Option<u32>,
     /// Supply (mV).
     pub supply: u16,
     /// Winding current (0.1 mA).
@@ -22,6 +23,12 @@ pub struct Inputs {
     pub late: bool,
 }
 
+/// Ticks from one [`Status`] to the next where no order came.
+const STATUS_TICKS: u8 = 16;
+
+/// Moves of an earlier epoch that are dropped in a tick: a full queue is empty in a millisecond.
+const DROPS: usize = 4;
+
 /// Control: from the counter to the bridge, once a sample time.
 ///
 /// **Deadline:** the next tick. A tick that misses it is followed at once by the one that it delayed, told by
@@ -29,59 +36,291 @@ pub struct Inputs {
 /// waits with the axis and no step follows. After more than [`preslide::control::Watch::overruns`] late ticks
 /// in a row the axis goes to its safe state. A task that never ends is the watchdog's business.
 pub struct Control<F: Friction + 'static> {
-    pub(crate) controller: Controller<F, u32>,
-    pub(crate) moves: Consumer<'static, Move<F::Scalar>>,
-    pub(crate) changes: Consumer<'static, Change<F>>,
-    pub(crate) samples: Producer<'static, Sample>,
-    pub(crate) stopped: &'static AtomicBool,
-    /// Ticks from one sample of telemetry to the next, and since the last.
-    pub(crate) every: &'static AtomicU16,
-    pub(crate) since: u16,
-    pub(crate) tick: u32,
-    pub(crate) sequence: u32,
-    pub(crate) dropped: u32,
+    controller: Controller<F, u32>,
+    moves: Consumer<'static, Planned>,
+    orders: Consumer<'static, Order<F>>,
+    samples: Producer<'static, Sample>,
+    statuses: Producer<'static, Status>,
+    shared: &'static Shared,
+    status: Status,
+    /// The bridge opened itself; until it is acknowledged.
+    broken: bool,
+    /// To be disabled as soon as it stands.
+    leaving: bool,
+    seek: Option<Seek>,
+    /// Where the reference was (2⁻¹⁶ counts).
+    reference: i64,
+    since_status: u8,
+    /// Ticks since the last sample of telemetry.
+    since: u16,
+    sequence: u32,
+    dropped: u32,
 }
 
 impl<F: Friction> Control<F> {
-    /// One tick. The bridge gets its code before the telemetry is written.
+    pub(crate) fn new(
+        controller: Controller<F, u32>,
+        moves: Consumer<'static, Planned>,
+        orders: Consumer<'static, Order<F>>,
+        samples: Producer<'static, Sample>,
+        statuses: Producer<'static, Status>,
+        shared: &'static Shared,
+    ) -> Self {
+        Self {
+            controller,
+            moves,
+            orders,
+            samples,
+            statuses,
+            shared,
+            status: Status {
+                orders: 0,
+                outcome: Ok(()),
+                taken: 0,
+                epoch: 0,
+                mode: Mode::Disabled,
+                fault: None,
+                located: false,
+                silent: false,
+                tick: 0,
+                position: 0,
+                reference: 0,
+                dropped: 0,
+                supply: 0,
+                current: 0,
+            },
+            broken: false,
+            leaving: false,
+            seek: None,
+            reference: 0,
+            since_status: 0,
+            since: 0,
+            sequence: 0,
+            dropped: 0,
+        }
+    }
+
+    pub(crate) fn status(&self) -> Status {
+        self.status
+    }
+
+    /// One tick. The bridge gets its code before anything is told.
     #[inline]
-    pub fn tick<A, B>(&mut self, inputs: Inputs, bridge: &mut Bridge<A, B>)
-    where
-        A: SetDutyCycle<Error = Infallible>,
-        B: SetDutyCycle<Error = Infallible>,
-    {
-        let change = self.changes.dequeue();
-        // In the safe state the queue is emptied, one move a tick: nobody can ask for a restart faster than that.
-        let wanted = self.controller.is_idle() || self.controller.fault().is_some();
-        let next = if wanted { self.moves.dequeue() } else { None };
+    pub fn tick(&mut self, inputs: Inputs, bridge: &mut impl Bridge) {
+        if bridge.is_broken() && self.controller.is_enabled() {
+            self.broken = true;
+            self.controller.disable();
+        }
+        let order = self.orders.dequeue();
+        let ordered = order.is_some();
+        if let Some(order) = order {
+            self.status.outcome = self.carry_out(order);
+            self.status.orders = self.status.orders.wrapping_add(1);
+        }
+        if self.shared.heard.load(Ordering::Relaxed) {
+            self.shared.heard.store(false, Ordering::Relaxed);
+            self.controller.heard();
+        }
+        if self.seek.is_some() {
+            self.seek(&inputs);
+        }
+        self.feed();
         let measurement = Measurement {
             count: inputs.count,
             supply: inputs.supply,
+            current: inputs.current,
             late: inputs.late,
         };
-        let command = decide(&mut self.controller, change, next, measurement);
-        bridge.set(command.code);
-        self.stopped
-            .store(command.fault.is_some(), Ordering::Relaxed);
-
-        self.tick = self.tick.wrapping_add(1);
-        self.since = self.since.saturating_add(1);
-        if self.since < self.every.load(Ordering::Relaxed) {
-            return;
+        let command = decide(&mut self.controller, measurement);
+        if command.enabled {
+            bridge.drive(command.code);
+        } else {
+            bridge.open();
         }
-        self.since = 0;
+        self.reference = command.reference;
+        self.tell(&inputs, &command, ordered);
+    }
+
+    fn carry_out(&mut self, order: Order<F>) -> Result<(), Refusal> {
+        match order {
+            Order::Swap(coefficients) => self.controller.swap(coefficients),
+            Order::Enable => {
+                if self.broken {
+                    return Err(Refusal::Faulted);
+                }
+                self.leaving = false;
+                self.new_epoch();
+                self.controller.enable().map_err(|_| Refusal::Faulted)?;
+            }
+            Order::Disable => {
+                self.brake();
+                self.leaving = true;
+            }
+            Order::Stop => self.brake(),
+            Order::Acknowledge => {
+                self.broken = false;
+                self.controller.acknowledge();
+            }
+            Order::Jog(jog) => {
+                self.new_epoch();
+                self.seek = None;
+                self.controller.jog(jog).map_err(refusal)?;
+            }
+            Order::Place(to) => {
+                self.new_epoch();
+                self.controller.set_position(self.controller.position(), to);
+            }
+            Order::Seek(seek) => {
+                self.new_epoch();
+                self.controller.jog(seek.jog).map_err(refusal)?;
+                self.seek = Some(seek);
+            }
+        }
+        Ok(())
+    }
+
+    fn brake(&mut self) {
+        self.new_epoch();
+        self.seek = None;
+        self.controller.stop();
+    }
+
+    /// What waits was planned for another place.
+    fn new_epoch(&mut self) {
+        self.status.epoch = self.status.epoch.wrapping_add(1);
+    }
+
+    /// Looks whether the origin is reached.
+    #[inline(never)]
+    fn seek(&mut self, inputs: &Inputs) {
+        let Some(seek) = self.seek else {
+            return;
+        };
+        let position = self.controller.position();
+        match seek.mark {
+            Mark::Index => {
+                let Some(reading) = inputs.index else {
+                    return;
+                };
+                let there = self.controller.position_at(reading);
+                self.controller.set_position(there, seek.to);
+                self.controller.stop();
+            }
+            Mark::Stop => {
+                if ((self.reference >> 16) - position).abs() < seek.lag {
+                    return;
+                }
+                self.controller.set_position(position, seek.to);
+                // Enabled anew it holds where it is, instead of where the reference has gone.
+                self.controller.disable();
+                // The fault that this may find shows in the status.
+                let _ = self.controller.enable();
+            }
+        }
+        self.seek = None;
+        self.new_epoch();
+    }
+
+    /// The next move, when the one before it is done.
+    #[inline]
+    fn feed(&mut self) {
+        for _ in 0..DROPS {
+            let Some((epoch, next)) = self.moves.peek().copied() else {
+                return;
+            };
+            let stale = epoch != self.status.epoch;
+            if !stale && !self.controller.is_idle() {
+                return;
+            }
+            let _ = self.moves.dequeue();
+            self.status.taken = self.status.taken.wrapping_add(1);
+            if !stale {
+                if self.controller.start(next).is_err() {
+                    self.status.dropped = self.status.dropped.saturating_add(1);
+                    self.new_epoch();
+                }
+                return;
+            }
+            self.status.dropped = self.status.dropped.saturating_add(1);
+        }
+    }
+
+    /// Status and telemetry.
+    #[inline]
+    fn tell(&mut self, inputs: &Inputs, command: &Command, ordered: bool) {
+        let status = &mut self.status;
+        status.tick = status.tick.wrapping_add(1);
+        self.since_status += 1;
+        if ordered || self.since_status >= STATUS_TICKS {
+            self.since_status = 0;
+            self.tell_status(inputs, command);
+        }
+        self.since = self.since.saturating_add(1);
+        let every = self.shared.every.load(Ordering::Relaxed);
+        if self.since >= every && every > 0 {
+            self.since = 0;
+            self.tell_sample(inputs, command);
+        }
+    }
+
+    #[inline(never)]
+    fn tell_status(&mut self, inputs: &Inputs, command: &Command) {
+        let standing = self.controller.is_standing();
+        if self.leaving && standing {
+            self.leaving = false;
+            self.controller.disable();
+        }
+        let silent = command.enabled && self.controller.is_silent();
+        let mode = match (command.enabled, self.seek.is_some()) {
+            (false, _) => Mode::Disabled,
+            // The end of travel, the host's silence.
+            (true, true) if standing => Mode::Standing,
+            (true, true) => Mode::Homing,
+            (true, false) if standing => Mode::Standing,
+            (true, false) => Mode::Moving,
+        };
+        if mode == Mode::Disabled || mode == Mode::Standing {
+            self.seek = None;
+        }
+        if (silent && !self.status.silent) || (mode == Mode::Disabled && self.status.mode != mode) {
+            self.new_epoch();
+        }
+        self.status.mode = mode;
+        self.status.fault = match command.fault {
+            Some(fault) => Some(on_the_wire(fault)),
+            None => self.broken.then_some(FaultCode::Bridge),
+        };
+        self.status.located = self.controller.is_located();
+        self.status.silent = silent;
+        self.status.position = command.position;
+        // To the nearest count.
+        self.status.reference = command.reference.wrapping_add(1 << 15) >> 16;
+        self.status.supply = inputs.supply;
+        self.status.current = inputs.current;
+        // See `tell_sample`. One that finds no room is followed by another; the answer to an order waits for it.
+        let is_queue = self.statuses.capacity().checked_add(1).is_some();
+        if !is_queue || self.statuses.enqueue(self.status).is_err() {
+            self.since_status = STATUS_TICKS;
+        }
+    }
+
+    #[inline]
+    fn tell_sample(&mut self, inputs: &Inputs, command: &Command) {
         let condition = self.controller.condition();
         let sample = Sample {
             sequence: self.sequence,
             dropped: self.dropped,
-            tick: self.tick,
+            tick: self.status.tick,
             position: command.position as i32,
             reference: command.reference,
             // Within ± the limiter's, which is at most 32000.
             code: command.code as i16,
             current: inputs.current,
             supply: inputs.supply,
-            fault: command.fault.map(on_the_wire),
+            fault: match command.fault {
+                Some(fault) => Some(on_the_wire(fault)),
+                None => self.broken.then_some(FaultCode::Bridge),
+            },
             range: condition.range.map(range_on_the_wire),
             level: condition.level.map_or(0, |level| {
                 let ten_thousandths = level
@@ -105,20 +344,20 @@ impl<F: Friction> Control<F> {
 #[inline]
 fn decide<F: Friction>(
     controller: &mut Controller<F, u32>,
-    change: Option<Change<F>>,
-    next: Option<Move<F::Scalar>>,
     measurement: Measurement<u32>,
 ) -> Command {
-    match change {
-        Some(Change::Swap(coefficients)) => controller.swap(coefficients),
-        Some(Change::Restart) => controller.restart(),
-        None => {}
-    }
-    if let Some(next) = next {
-        // Without effect in the safe state.
-        controller.start(next);
-    }
     controller.tick(measurement)
+}
+
+/// Why a move was not started, on the wire.
+pub(crate) fn refusal(refused: Refused) -> Refusal {
+    match refused {
+        Refused::NotEnabled | Refused::Silence => Refusal::NotEnabled,
+        Refused::TooFast => Refusal::TooFast,
+        Refused::TooSteep => Refusal::TooSteep,
+        Refused::BeyondTravel => Refusal::BeyondTravel,
+        Refused::Broken => Refusal::NotStanding,
+    }
 }
 
 fn range_on_the_wire(range: NormalRange) -> RangeCode {
@@ -138,5 +377,8 @@ fn on_the_wire(fault: Fault) -> FaultCode {
         Fault::SupplyOutOfRange => FaultCode::SupplyOutOfRange,
         Fault::Overrun => FaultCode::Overrun,
         Fault::NotANumber => FaultCode::NotANumber,
+        Fault::OverCurrent => FaultCode::OverCurrent,
+        Fault::Overload => FaultCode::Overload,
+        Fault::CurrentOffset => FaultCode::CurrentOffset,
     }
 }

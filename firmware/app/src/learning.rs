@@ -39,4 +39,8 @@ where
     fn set(&self, settings: &ModelSettings) -> Result<Self, Refusal> {
         self.0.set(settings).map(Self::new)
     }
+
+    fn settings(&self) -> Option<ModelSettings> {
+        self.0.settings()
+    }
 }

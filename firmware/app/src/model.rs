@@ -24,6 +24,9 @@ pub trait Model: Clone + 'static {
     /// # Errors
     /// [`Refusal::CompiledIn`] where the link cannot set it.
     fn set(&self, settings: &ModelSettings) -> Result<Self, Refusal>;
+
+    /// What the command link set, or could; `None` for a model that was compiled in.
+    fn settings(&self) -> Option<ModelSettings>;
 }
 
 /// The number type of the controller, with the units to use it in.
@@ -71,6 +74,10 @@ impl<S: Number> Model for Blocks<S> {
     fn set(&self, settings: &ModelSettings) -> Result<Self, Refusal> {
         Ok(Self::new(*settings))
     }
+
+    fn settings(&self) -> Option<ModelSettings> {
+        Some(self.0)
+    }
 }
 
 /// What `preslide export` wrote: its function `model::<f32>`.
@@ -94,6 +101,10 @@ impl<F: Friction<Scalar = f32> + 'static> Model for Exported<F> {
 
     fn set(&self, _settings: &ModelSettings) -> Result<Self, Refusal> {
         Err(Refusal::CompiledIn)
+    }
+
+    fn settings(&self) -> Option<ModelSettings> {
+        None
     }
 }
 

@@ -1,30 +1,108 @@
 //! What lies between the two tasks.
 
-use crate::{Background, Control, Model};
+use crate::{Background, Control, Model, Parameters};
 use core::sync::atomic::{AtomicBool, AtomicU16};
 use heapless::spsc::Queue;
-use preslide::control::{Coefficients, Controller, Move, Settings};
+use preslide::control::{Axis, Coefficients, Controller, Jog, Move, Planner};
 use preslide::{Friction, ParamError};
-use preslide_link::Sample;
+use preslide_link::{FaultCode, Mark, Mode, Refusal, ResetCause, Sample};
 
-/// A change of the controller between two ticks.
+/// Moves and points that wait; one more is used up by the queue itself.
+pub const ROOM: u16 = 96;
+
+/// A move, and the epoch that it was planned in.
+pub(crate) type Planned = (u8, Move);
+
+/// What the background tells the control task to do between two ticks.
 // The large variant is copied once when it is swapped in; there is no heap to box it in.
 #[allow(clippy::large_enum_variant)]
-pub enum Change<F: Friction> {
-    /// New parameters.
+pub(crate) enum Order<F: Friction> {
+    /// Take new parameters.
     Swap(Coefficients<F>),
-    /// Leave the safe state.
-    Restart,
+    /// Hold the position.
+    Enable,
+    /// Stop, then open the bridge.
+    Disable,
+    /// Brake.
+    Stop,
+    /// Forget the fault.
+    Acknowledge,
+    /// Go on at a speed.
+    Jog(Jog),
+    /// The axis is at this position (counts).
+    Place(i64),
+    /// Find the origin.
+    Seek(Seek),
+}
+
+/// How the origin is found.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seek {
+    /// What marks it.
+    pub mark: Mark,
+    /// The way to it.
+    pub jog: Jog,
+    /// What the position there is called (counts).
+    pub to: i64,
+    /// How far the axis lags at a stop (counts).
+    pub lag: i64,
+}
+
+/// What the control task tells the background, every few ticks and after every order.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Status {
+    /// Orders carried out since the start, and what came of the last one.
+    pub orders: u16,
+    pub outcome: Result<(), Refusal>,
+    /// Moves taken out of the queue since the start.
+    pub taken: u16,
+    /// Moves that were planned in another epoch are not made.
+    pub epoch: u8,
+    pub mode: Mode,
+    pub fault: Option<FaultCode>,
+    pub located: bool,
+    pub silent: bool,
+    pub tick: u32,
+    /// Position and reference (counts).
+    pub position: i64,
+    pub reference: i64,
+    pub dropped: u16,
+    pub supply: u16,
+    pub current: i16,
+}
+
+/// What both tasks see.
+pub(crate) struct Shared {
+    /// A frame came from the host.
+    pub(crate) heard: AtomicBool,
+    /// Ticks from one sample of telemetry to the next; 0 for none.
+    pub(crate) every: AtomicU16,
 }
 
 /// The queues; one capacity is used up by the queue itself.
 pub struct Queues<F: Friction> {
-    moves: Queue<Move<F::Scalar>, 9>,
-    changes: Queue<Change<F>, 3>,
+    moves: Queue<Planned, { ROOM as usize + 1 }>,
+    orders: Queue<Order<F>, 3>,
     /// 3 ms of telemetry at 20 kHz.
     samples: Queue<Sample, 65>,
-    stopped: AtomicBool,
-    every: AtomicU16,
+    statuses: Queue<Status, 5>,
+    shared: Shared,
+}
+
+/// What a controller starts with.
+pub struct Start<M> {
+    /// What was compiled in.
+    pub axis: Axis,
+    /// The friction model.
+    pub model: M,
+    /// What was saved, if it could be read.
+    pub saved: Option<Parameters>,
+    /// The counter's reading.
+    pub count: u32,
+    /// Telemetry from every so many ticks.
+    pub every: u16,
+    /// What the board was reset by.
+    pub reset: ResetCause,
 }
 
 impl<F: Friction> Queues<F> {
@@ -32,53 +110,66 @@ impl<F: Friction> Queues<F> {
     pub const fn new() -> Self {
         Self {
             moves: Queue::new(),
-            changes: Queue::new(),
+            orders: Queue::new(),
             samples: Queue::new(),
-            stopped: AtomicBool::new(false),
-            every: AtomicU16::new(1),
+            statuses: Queue::new(),
+            shared: Shared {
+                heard: AtomicBool::new(false),
+                every: AtomicU16::new(1),
+            },
         }
     }
 
-    /// Both tasks, with the controller at the counter's reading `first` and telemetry from every `every`-th tick.
+    /// Both tasks. What was saved rules over what was compiled in, where it is usable.
     ///
     /// # Errors
-    /// The first setting or parameter that is not usable.
+    /// The first setting or parameter, of those compiled in, that is not usable.
     pub fn tasks<M: Model<Friction = F>>(
         &'static mut self,
-        settings: Settings,
-        model: M,
-        first: u32,
-        every: u16,
+        start: Start<M>,
     ) -> Result<(Control<F>, Background<M>), ParamError> {
-        *self.every.get_mut() = every;
-        let friction = model.build(settings.sample_time)?;
-        let coefficients = Coefficients::try_new(&settings, friction, M::UNITS)?;
+        *self.shared.every.get_mut() = start.every;
+        let built = |axis: &Axis, model: &M| {
+            let friction = model.build(axis.sample_time())?;
+            Coefficients::try_new(axis, friction, M::UNITS)
+        };
+        let saved = start
+            .saved
+            .and_then(|saved| saved.over(&start.axis, &start.model))
+            .and_then(|(axis, model)| Some((built(&axis, &model).ok()?, axis, model)));
+        let is_saved = saved.is_some();
+        let (coefficients, axis, model) = match saved {
+            Some(saved) => saved,
+            None => (built(&start.axis, &start.model)?, start.axis, start.model),
+        };
+        let planner = Planner::try_new(&axis)?;
         let (moves_in, moves) = self.moves.split();
-        let (changes_in, changes) = self.changes.split();
+        let (orders_in, orders) = self.orders.split();
         let (samples, samples_out) = self.samples.split();
-        Ok((
-            Control {
-                controller: Controller::new(coefficients, first),
-                moves,
-                changes,
-                samples,
-                stopped: &self.stopped,
-                every: &self.every,
-                since: 0,
-                tick: 0,
-                sequence: 0,
-                dropped: 0,
-            },
-            Background::new(
-                settings,
-                model,
-                moves_in,
-                changes_in,
-                samples_out,
-                &self.stopped,
-                &self.every,
-            ),
-        ))
+        let (statuses, statuses_out) = self.statuses.split();
+        let controller = Controller::new(coefficients, start.count);
+        let control = Control::new(controller, moves, orders, samples, statuses, &self.shared);
+        let background = Background {
+            deframer: preslide_link::Deframer::new(),
+            answered: preslide_link::Answered::new(),
+            axis,
+            model,
+            planner,
+            reset: start.reset,
+            saved: is_saved,
+            epoch: 0,
+            streaming: false,
+            moves_sent: 0,
+            orders_sent: 0,
+            pending: None,
+            status: control.status(),
+            moves: moves_in,
+            orders: orders_in,
+            samples: samples_out,
+            statuses: statuses_out,
+            shared: &self.shared,
+        };
+        Ok((control, background))
     }
 }
 

@@ -1,6 +1,7 @@
-//! Linker arguments, and the exported model.
+//! Linker arguments, the exported model, and whether the pins are what the chip has.
 
 include!("../exported_model.rs");
+include!("pins.rs");
 
 fn main() {
     println!(
@@ -17,4 +18,11 @@ fn main() {
         println!("cargo:rerun-if-changed={file}");
     }
     exported_model();
+    let read = |file: &str| std::fs::read_to_string(file).unwrap_or_default();
+    for wrong in check_pins(&read("README.md"), &read("src/main.rs")) {
+        println!("cargo::error={wrong}");
+    }
+    for file in ["README.md", "src/main.rs", "pins.rs"] {
+        println!("cargo:rerun-if-changed={file}");
+    }
 }

@@ -31,7 +31,7 @@ impl Scale {
     pub fn of(settings: &Settings, every: u32) -> Self {
         Self {
             motion: MotionKind::Linear,
-            sample_time_s: settings.sample_time,
+            sample_time_s: settings.sample_time(),
             count: settings.encoder.count,
             effort_per_a: settings.motor.torque_constant * settings.motor.transmission(),
             every: every.max(1),
@@ -133,9 +133,6 @@ pub enum CaptureError {
 /// Reads telemetry until the source ends, falls silent or restarts, or `rows` are written, into a recording (CSV).
 /// `progress` is told of every row.
 ///
-/// A row is the mean over [`Scale::every`] ticks, for time, position, reference and force alike, so that none lags behind
-/// another. Time is the tick's number, so what is missing shows as a gap that every reader of recordings finds.
-///
 /// # Errors
 /// [`CaptureError::Read`], [`CaptureError::Write`] or [`CaptureError::NoTelemetry`].
 pub fn capture(
@@ -145,14 +142,9 @@ pub fn capture(
     rows: Option<u64>,
     mut progress: impl FnMut(),
 ) -> Result<Summary, CaptureError> {
-    let mut to = BufWriter::new(to);
-    writeln!(to, "{}", scale.header()).map_err(CaptureError::Write)?;
+    let mut recorder = Recorder::begin(to, scale, rows)?;
     let mut deframer = Deframer::new();
-    let mut summary = Summary::default();
-    // Tick, sequence and drops of the last sample.
-    let mut last: Option<(u32, u32, u32)> = None;
     let mut bytes = 0;
-    let mut row = Mean::default();
     let mut buffer = [0; 4096];
     'reading: loop {
         let length = match source.read(&mut buffer) {
@@ -162,7 +154,7 @@ pub fn capture(
                 ErrorKind::Interrupted => continue,
                 ErrorKind::ConnectionReset => break,
                 ErrorKind::WouldBlock | ErrorKind::TimedOut => {
-                    summary.end = End::Silent;
+                    recorder.summary.end = End::Silent;
                     break;
                 }
                 _ => return Err(CaptureError::Read(error)),
@@ -170,65 +162,122 @@ pub fn capture(
         };
         bytes += length as u64;
         for &byte in buffer.iter().take(length) {
-            let sample = match deframer.push::<Report>(byte) {
-                Some(Ok(Report::Sample(sample))) => sample,
-                Some(Err(_)) => {
-                    // The first frame is usually cut: the line was there before the listener.
-                    summary.damaged += 1;
-                    continue;
+            let before = recorder.summary.rows;
+            match deframer.push::<Report>(byte) {
+                Some(Ok(Report::Sample(sample))) => {
+                    if recorder.take(&sample)? {
+                        break 'reading;
+                    }
                 }
-                _ => continue,
-            };
-            // A slow line carries every n-th tick only; what is missing shows in the numbers of the samples.
-            let mut missing = 0;
-            if let Some((tick, sequence, dropped)) = last {
-                if sample.tick <= tick {
-                    summary.end = End::Restarted;
-                    break 'reading;
-                }
-                let lost = sample.sequence.wrapping_sub(sequence).wrapping_sub(1);
-                missing = u64::from(lost) + u64::from(sample.dropped.wrapping_sub(dropped));
-                summary.gaps += u64::from(missing > 0);
-                summary.missing += missing;
+                // The first frame is usually cut: the line was there before the listener.
+                Some(Err(_)) => recorder.summary.damaged += 1,
+                _ => {}
             }
-            let begin = last.is_none() || missing > 0;
-            last = Some((sample.tick, sample.sequence, sample.dropped));
-            summary.samples += 1;
-            summary.dropped = sample.dropped.into();
-            let time = f64::from(sample.tick) * scale.sample_time_s;
-            summary.fault = summary.fault.or(sample.fault.map(|fault| (fault, time)));
-            let left = sample
-                .range
-                .filter(|range| matches!(range, RangeCode::Above | RangeCode::Below));
-            summary.left_range = summary.left_range.or(left.map(|range| (range, time)));
-            if begin {
-                // Rows are counted from behind this sample.
-                row = Mean::behind(&sample);
-                continue;
-            }
-            row.add(&sample);
-            if sample.tick - row.after >= scale.every {
-                row.write(&mut to, scale).map_err(CaptureError::Write)?;
-                row = Mean::behind(&sample);
-                summary.rows += 1;
+            if recorder.summary.rows > before {
                 progress();
-                if rows.is_some_and(|rows| summary.rows >= rows) {
-                    summary.end = End::Complete;
-                    break 'reading;
-                }
             }
         }
     }
-    to.flush().map_err(CaptureError::Write)?;
-    if summary.rows == 0 {
-        return Err(CaptureError::NoTelemetry {
-            bytes,
-            damaged: summary.damaged,
-            samples: summary.samples,
-            every: scale.every,
-        });
+    recorder.end(bytes)
+}
+
+/// Telemetry into a recording (CSV).
+///
+/// A row is the mean over [`Scale::every`] ticks, for time, position, reference and force alike, so that none lags behind
+/// another. Time is the tick's number, so what is missing shows as a gap that every reader of recordings finds.
+pub struct Recorder<W: Write> {
+    to: BufWriter<W>,
+    scale: Scale,
+    rows: Option<u64>,
+    summary: Summary,
+    /// Tick, sequence and drops of the last sample.
+    last: Option<(u32, u32, u32)>,
+    row: Mean,
+}
+
+impl<W: Write> Recorder<W> {
+    /// Writes the header; the recording is complete after so many rows.
+    ///
+    /// # Errors
+    /// [`CaptureError::Write`].
+    pub fn begin(to: W, scale: &Scale, rows: Option<u64>) -> Result<Self, CaptureError> {
+        let mut to = BufWriter::new(to);
+        writeln!(to, "{}", scale.header()).map_err(CaptureError::Write)?;
+        Ok(Self {
+            to,
+            scale: *scale,
+            rows,
+            summary: Summary::default(),
+            last: None,
+            row: Mean::default(),
+        })
     }
-    Ok(summary)
+
+    /// Takes a sample; whether the recording has ended: complete, or the controller restarted.
+    ///
+    /// # Errors
+    /// [`CaptureError::Write`].
+    pub fn take(&mut self, sample: &Sample) -> Result<bool, CaptureError> {
+        let (scale, summary) = (&self.scale, &mut self.summary);
+        // A slow line carries every n-th tick only; what is missing shows in the numbers of the samples.
+        let mut missing = 0;
+        if let Some((tick, sequence, dropped)) = self.last {
+            if sample.tick <= tick {
+                summary.end = End::Restarted;
+                return Ok(true);
+            }
+            let lost = sample.sequence.wrapping_sub(sequence).wrapping_sub(1);
+            missing = u64::from(lost) + u64::from(sample.dropped.wrapping_sub(dropped));
+            summary.gaps += u64::from(missing > 0);
+            summary.missing += missing;
+        }
+        let begin = self.last.is_none() || missing > 0;
+        self.last = Some((sample.tick, sample.sequence, sample.dropped));
+        summary.samples += 1;
+        summary.dropped = sample.dropped.into();
+        let time = f64::from(sample.tick) * scale.sample_time_s;
+        summary.fault = summary.fault.or(sample.fault.map(|fault| (fault, time)));
+        let left = sample
+            .range
+            .filter(|range| matches!(range, RangeCode::Above | RangeCode::Below));
+        summary.left_range = summary.left_range.or(left.map(|range| (range, time)));
+        if begin {
+            // Rows are counted from behind this sample.
+            self.row = Mean::behind(sample);
+            return Ok(false);
+        }
+        self.row.add(sample);
+        if sample.tick - self.row.after >= scale.every {
+            self.row
+                .write(&mut self.to, scale)
+                .map_err(CaptureError::Write)?;
+            self.row = Mean::behind(sample);
+            summary.rows += 1;
+            if self.rows.is_some_and(|rows| summary.rows >= rows) {
+                summary.end = End::Complete;
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Ends it; `bytes` were read for it.
+    ///
+    /// # Errors
+    /// [`CaptureError::Write`] or [`CaptureError::NoTelemetry`].
+    pub fn end(mut self, bytes: u64) -> Result<Summary, CaptureError> {
+        self.to.flush().map_err(CaptureError::Write)?;
+        let summary = self.summary;
+        if summary.rows == 0 {
+            return Err(CaptureError::NoTelemetry {
+                bytes,
+                damaged: summary.damaged,
+                samples: summary.samples,
+                every: self.scale.every,
+            });
+        }
+        Ok(summary)
+    }
 }
 
 /// The samples of a row, summed.

@@ -4,7 +4,7 @@ use super::{Trial, judged, recorded};
 use crate::rig::{Listener, RigError, Script, run, samples};
 use crate::tracking::{Step, TrackingError};
 use preslide::control::Settings;
-use preslide_link::{MOST_BLOCKS, ModelSettings, Refusal, Report, Request};
+use preslide_link::{MOST_BLOCKS, ModelSettings, Refusal, Reply, Report, Request};
 use std::cell::RefCell;
 use std::path::Path;
 
@@ -48,8 +48,11 @@ pub fn track(trial: &Trial, elf: &Path) -> Result<Option<f64>, RigError> {
         blocks: [(1e5, 0.25); MOST_BLOCKS],
     });
     let record = run(elf, &script.send(FIRST, &[set]), Listener::File)?;
-    let refused = Report::Refused(Refusal::CompiledIn);
-    if !record.remains.reports.contains(&refused) {
+    let is_refusal = |report: &Report| {
+        let compiled_in = Reply::Refused(Refusal::CompiledIn);
+        matches!(report, Report::Answer { reply, .. } if *reply == compiled_in)
+    };
+    if !record.remains.reports.iter().any(is_refusal) {
         return Err(RigError::Answer(
             "took a model over the link in place of the one that was compiled in",
         ));

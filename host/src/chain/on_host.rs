@@ -43,7 +43,7 @@ pub fn record(trial: &Trial) -> anyhow::Result<String> {
                 reference: now.command.reference,
                 code: now.command.code as i16,
                 current: (now.current_a * 1e4).round() as i16,
-                supply: (settings.motor.supply / settings.supply_code) as u16,
+                supply: (settings.motor.supply / settings.hardware.supply_code) as u16,
                 fault: None,
                 range: None,
                 level: 0,
@@ -64,8 +64,8 @@ pub fn record(trial: &Trial) -> anyhow::Result<String> {
     Ok(String::from_utf8(csv)?)
 }
 
-fn plan(steps: &[Step], settings: &Settings) -> Result<Vec<Move<f64>>, TrackingError> {
-    let plan = |step: &Step| step.plan(settings, Units::SI);
+fn plan(steps: &[Step], settings: &Settings) -> Result<Vec<Move>, TrackingError> {
+    let plan = |step: &Step| step.plan(settings);
     Ok(steps.iter().map(plan).collect::<Result<Vec<_>, _>>()?)
 }
 
@@ -91,7 +91,7 @@ pub fn follow(stage: Stage, model: Option<&Model>) -> Result<Followed, TrackingE
     match model {
         None => closed.visit(NoFriction::<f64>::new()),
         Some(model) => model
-            .feed_forward(Settings::PAPER_AXIS.sample_time, closed)
+            .feed_forward(Settings::PAPER_AXIS.sample_time(), closed)
             .map_err(TrackingError::Identification)?,
     }
 }
@@ -113,7 +113,7 @@ impl Visitor for Closed {
             followed.error.add_true(&now, settings.encoder.count);
             if tick % EVERY == 0 {
                 let reference = now.command.reference as f64 / 65536.0 * settings.encoder.count;
-                followed.t_s.push(f64::from(tick) * settings.sample_time);
+                followed.t_s.push(f64::from(tick) * settings.sample_time());
                 followed.reference_m.push(reference);
                 followed.error_m.push(reference - now.true_m);
             }

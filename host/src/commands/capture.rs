@@ -8,8 +8,8 @@ use preslide_host::progress::Progress;
 use preslide_host::recording::MotionKind;
 use preslide_link::RangeCode;
 use serde_json::json;
-use std::fs::OpenOptions;
-use std::path::PathBuf;
+use std::fs::{File, OpenOptions};
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// Scales that the project's own firmware starts with.
@@ -68,6 +68,34 @@ pub struct Capture {
     json: Option<PathBuf>,
 }
 
+fn refuse_existing(path: &Path, overwrite: bool) -> Result<(), Failure> {
+    if !overwrite && path.exists() {
+        let path = path.display();
+        return Err(Failure::Input(format!(
+            "{path} exists; name another file, or give --overwrite"
+        )));
+    }
+    Ok(())
+}
+
+/// Creates a recording's file; one that exists is replaced only where that was asked for.
+pub fn create(path: &Path, overwrite: bool) -> Result<File, Failure> {
+    refuse_existing(path, overwrite)?;
+    let mut options = OpenOptions::new();
+    options.write(true).truncate(true);
+    let file = if overwrite {
+        options.create(true).open(path)
+    } else {
+        options.create_new(true).open(path)
+    };
+    file.map_err(|error| {
+        Failure::Tool(format!(
+            "cannot write {}: {error}; name a file in a folder that exists and is writable",
+            path.display()
+        ))
+    })
+}
+
 fn parse_positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
@@ -96,14 +124,7 @@ impl Capture {
     /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
         let path = self.output.display();
-        let exists = || {
-            Failure::Input(format!(
-                "{path} exists; name another file, or give --overwrite"
-            ))
-        };
-        if !self.overwrite && self.output.exists() {
-            return Err(exists());
-        }
+        refuse_existing(&self.output, self.overwrite)?;
         let scale = Scale {
             sample_time_s: 1.0 / self.rate,
             count: self.count,
@@ -125,19 +146,7 @@ impl Capture {
             .map(|seconds| ((seconds / row_s).round() as u64).max(1));
 
         let source = open(&self.source, self.wait)?;
-        let mut options = OpenOptions::new();
-        options.write(true).truncate(true);
-        let file = if self.overwrite {
-            options.create(true).open(&self.output)
-        } else {
-            options.create_new(true).open(&self.output)
-        };
-        let file = file.map_err(|error| match error.kind() {
-            std::io::ErrorKind::AlreadyExists => exists(),
-            _ => Failure::Tool(format!(
-                "cannot write {path}: {error}; name a file in a folder that exists and is writable"
-            )),
-        })?;
+        let file = create(&self.output, self.overwrite)?;
         let progress = Progress::new("capture, rows", rows.unwrap_or(0));
         let captured = capture(source, file, &scale, rows, || progress.inc(1));
         progress.finish();

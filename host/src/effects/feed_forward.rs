@@ -55,6 +55,13 @@ impl Chosen {
     }
 }
 
+/// Its terms are functions, which cannot be compared.
+impl PartialEq for Chosen {
+    fn eq(&self, _: &Self) -> bool {
+        false
+    }
+}
+
 impl preslide::effects::Effect<f64> for Chosen {
     type State = Memory;
     const LEVEL: bool = true;

@@ -167,9 +167,12 @@ fn simulate<F: Friction>(
     let coefficients = Coefficients::try_new(&settings, friction, units).map_err(parameter)?;
     let first = registers(stage.tick(0.0)).count;
     let mut controller = Controller::new(coefficients, first);
+    controller
+        .enable()
+        .map_err(|fault| TrackingError::Stopped(fault))?;
     let moves = steps
         .iter()
-        .map(|step| step.plan(&settings, units))
+        .map(|step| step.plan(&settings))
         .collect::<Result<Vec<_>, _>>()
         .map_err(parameter)?;
     let mut moves = moves.into_iter();
@@ -178,17 +181,22 @@ fn simulate<F: Friction>(
     for tick in 1..=script.ticks {
         codes.push(code);
         (script.disturb)(tick, &mut stage);
-        let reading = registers(stage.tick(f64::from(code) / settings.motor.steps));
+        let reading = registers(stage.tick(f64::from(code) / f64::from(settings.hardware.steps)));
         if tick >= begin
             && controller.is_idle()
             && let Some(next) = moves.next()
         {
-            controller.start(next);
+            controller
+                .start(next)
+                .map_err(|_| RigError::Answer("was sent a move beyond the axis's limits"))?;
         }
+        // The firmware hears the script often enough.
+        controller.heard();
         code = controller
             .tick(Measurement {
                 count: reading.count,
                 supply: reading.supply,
+                current: reading.current,
                 late: false,
             })
             .code;

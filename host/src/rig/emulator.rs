@@ -53,6 +53,8 @@ pub enum Listener {
     Line,
     /// To the first client of this TCP port on this machine; QEMU waits for it.
     Tcp(u16),
+    /// To and from one client of this TCP port after the other, from the start on, whether there is one or not.
+    Served(u16),
 }
 
 /// A running emulator.
@@ -94,6 +96,9 @@ impl Emulator {
             Listener::Tcp(port) => {
                 format!("socket,id=link,host=127.0.0.1,port={port},server=on,wait=on")
             }
+            Listener::Served(port) => {
+                format!("socket,id=link,host=127.0.0.1,port={port},server=on,wait=off,nodelay=on")
+            }
         };
         let mut qemu = Command::new("qemu-system-arm");
         if let Some(plugin) = plugin {
@@ -114,7 +119,7 @@ impl Emulator {
             .map_err(RigError::Start)?;
         let link = match listener {
             Listener::Line => accept(&link).map(Some),
-            Listener::File | Listener::Tcp(_) => Some(None),
+            Listener::File | Listener::Tcp(_) | Listener::Served(_) => Some(None),
         };
         let (Some(link), Some(orders), Some(readings)) =
             (link, child.stdout.take(), child.stdin.take())
@@ -146,7 +151,7 @@ impl Emulator {
     /// # Errors
     /// [`RigError::LockStep`] where the firmware does not answer.
     pub fn order(&mut self) -> Result<Order, RigError> {
-        let mut bytes = [0; 2];
+        let mut bytes = [0; 3];
         let result = self.orders.read_exact(&mut bytes);
         self.step(result)?;
         Ok(Order::from_bytes(bytes))

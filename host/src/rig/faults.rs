@@ -2,7 +2,7 @@
 
 use super::{Listener, Record, RigError, Script, frame, motion, requests, run};
 use crate::stage::{EncoderConfig, StageConfig};
-use preslide_link::{GainSettings, ModelSettings, Report, Request};
+use preslide_link::{GainSettings, ModelSettings, Numbered, Report, Request};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -25,6 +25,16 @@ pub struct Injection {
 
 fn moving(ticks: u64) -> Script<'static> {
     Script::quiet(ticks).send(20, &requests(&motion()))
+}
+
+/// Of a request that is sent as bytes: far from those that scripts give.
+const NUMBER: u16 = 1000;
+
+fn numbered(request: Request) -> Vec<u8> {
+    frame(&Numbered {
+        id: NUMBER,
+        request,
+    })
 }
 
 const GAINS: GainSettings = GainSettings {
@@ -87,7 +97,7 @@ pub fn injections() -> Vec<Injection> {
                 "the count jumps by 4000 in one tick: safe state in that tick; a restart stands where the axis is",
                 || {
                     let mut script =
-                        moving(6000).send(AT + 500, &[Request::Restart, Request::Ping]);
+                        moving(6000).send(AT + 500, &[Request::Acknowledge, Request::Enable]);
                     script.falsify = Box::new(|tick, reading| {
                         if tick >= AT {
                             reading.count = reading.count.wrapping_add(4000);
@@ -138,7 +148,7 @@ pub fn injections() -> Vec<Injection> {
                 "corrupt_parameters",
                 "a parameter block with a flipped bit: refused by its CRC, the running parameters stay",
                 || {
-                    let mut bytes = frame(&Request::Model(MODEL));
+                    let mut bytes = numbered(Request::Model(MODEL));
                     if let Some(byte) = bytes.get_mut(9) {
                         *byte ^= 0x04;
                     }
@@ -218,7 +228,7 @@ pub fn injections() -> Vec<Injection> {
                 "garbage",
                 "noise, a truncated, an oversized and an unknown frame: each refused by kind, the next one is read",
                 || {
-                    let whole = frame(&Request::Gains(GAINS));
+                    let whole = numbered(Request::Gains(GAINS));
                     let truncated = [whole.get(..6).unwrap_or_default(), &[0]].concat();
                     let mut script = moving(6000);
                     let noise: Vec<u8> = (1..=40_u32)
@@ -227,8 +237,8 @@ pub fn injections() -> Vec<Injection> {
                         .collect();
                     let oversized = [vec![0x55; 200], vec![0]].concat();
                     // A well-made frame of a message that does not exist: the tag 99 with its CRC.
-                    let unknown = frame(&99_u8);
-                    let good = frame(&Request::Ping);
+                    let unknown = frame(&(NUMBER, 99_u8));
+                    let good = numbered(Request::Ping);
                     script
                         .bytes
                         .push((AT, [noise, truncated, oversized, unknown, good].concat()));

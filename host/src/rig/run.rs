@@ -5,10 +5,18 @@ use super::{Emulator, Listener, Remains, RigError};
 use crate::stage::concealed::Concealed;
 use crate::stage::{EncoderReading, Stage, StageConfig};
 use crate::tracking::{Step, TrackingError};
-use preslide::Units;
 use preslide::control::Settings;
-use preslide_link::{LARGEST_FRAME, Reading, Request, encode};
+use preslide_link::{LARGEST_FRAME, Name, Numbered, Reading, Request, encode};
 use std::path::Path;
+
+/// The exchange of the initialisation, tick 0, carries no byte.
+const FIRST: u64 = 1;
+
+/// A script is silent for longer than a host may be: the axis is told not to mind, and to be enabled.
+fn enabling() -> Vec<Request> {
+    let silence = Name::new("silence").map(|name| Request::Set(name, 0.0));
+    silence.into_iter().chain([Request::Enable]).collect()
+}
 
 /// Does something to `T` in the tick given.
 pub type ByTick<'a, T> = Box<dyn Fn(u64, &mut T) + 'a>;
@@ -23,6 +31,8 @@ pub struct Script<'a> {
     pub concealed: Option<Concealed>,
     /// Bytes on the command link: from which tick on, and what.
     pub bytes: Vec<(u64, Vec<u8>)>,
+    /// Requests among them, which are numbered from 0.
+    pub requests: u16,
     /// Changes the stage before the tick.
     pub disturb: ByTick<'a, Stage>,
     /// Falsifies what the board reads in the tick.
@@ -34,7 +44,7 @@ pub struct Script<'a> {
 }
 
 impl Script<'_> {
-    /// Nothing but the stage at rest.
+    /// Nothing but the stage at rest, the axis enabled.
     pub fn quiet(ticks: u64) -> Self {
         Self {
             ticks,
@@ -44,17 +54,24 @@ impl Script<'_> {
             },
             concealed: None,
             bytes: Vec::new(),
+            requests: 0,
             disturb: Box::new(|_, _| {}),
             falsify: Box::new(|_, _| {}),
             listening: Box::new(|_| true),
             plugin: None,
         }
+        .send(FIRST, &enabling())
     }
 
     /// Sends requests from `tick` on, one behind the other.
     #[must_use]
     pub fn send(mut self, tick: u64, requests: &[Request]) -> Self {
-        let bytes = requests.iter().flat_map(frame).collect();
+        let mut bytes = Vec::new();
+        for &request in requests {
+            let id = self.requests;
+            bytes.extend(frame(&Numbered { id, request }));
+            self.requests = id.wrapping_add(1);
+        }
         self.bytes.push((tick, bytes));
         self
     }
@@ -67,7 +84,7 @@ impl Script<'_> {
     pub fn follow(mut self, mut tick: u64, steps: &[Step]) -> Result<Self, TrackingError> {
         for step in steps {
             self = self.send(tick, &requests(std::slice::from_ref(step)));
-            let planned = step.plan::<f32>(&Settings::PAPER_AXIS, Units::SI)?;
+            let planned = step.plan(&Settings::PAPER_AXIS)?;
             tick += u64::from(planned.ticks());
         }
         self.ticks = tick + 200;
@@ -108,7 +125,7 @@ pub struct Record {
 /// # Errors
 /// [`RigError`] where QEMU or the stage cannot be started.
 pub fn run(elf: &Path, script: &Script, listener: Listener) -> Result<Record, RigError> {
-    let steps = Settings::PAPER_AXIS.motor.steps;
+    let steps = f64::from(Settings::PAPER_AXIS.hardware.steps);
     let config = script.stage.clone();
     let mut stage = match script.concealed {
         Some(effect) => Stage::concealing(config, effect),

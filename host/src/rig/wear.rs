@@ -69,7 +69,7 @@ pub fn notice<F: Friction>(
             // Every tick until the first move, whose start is to be seen; then few, for speed.
             script = script.send(1000, &[Request::Telemetry { every: 20 }]);
         }
-        let planned = step.plan::<f32>(&settings, Units::SI);
+        let planned = step.plan(&settings);
         let ticks = planned.map_err(TrackingError::from)?.ticks();
         // Each before the one ahead of it ends.
         tick += u64::from(ticks) - if i == 0 { 2000 } else { 0 };

@@ -173,7 +173,7 @@ fn follow<F: Friction>(
         if 2 * index == steps.len() {
             axis.stage_mut().set_friction_level(level)?;
         }
-        axis.follow(&[step.plan(settings, Units::SI)?], |now| {
+        axis.follow(&[step.plan(settings)?], |now| {
             tracking.add(&now, settings.encoder.count);
             fault = fault.or(now.command.fault);
         });

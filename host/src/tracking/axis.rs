@@ -2,7 +2,7 @@
 
 use crate::stage::{Stage, StageConfig, StageError, interpolated_m};
 use preslide::control::{
-    Coefficients, Command, Condition, Controller, Fault, Measurement, Move, Settings,
+    Coefficients, Command, Condition, Controller, Fault, Hardware, Measurement, Move, Settings,
 };
 use preslide::{Friction, ParamError, Units};
 
@@ -50,25 +50,14 @@ impl Step {
     ///
     /// # Errors
     /// [`ParamError`] where the move cannot be planned.
-    pub fn plan<S: preslide::Scalar>(
-        &self,
-        settings: &Settings,
-        units: Units,
-    ) -> Result<Move<S>, ParamError> {
+    pub fn plan(&self, settings: &Settings) -> Result<Move, ParamError> {
         match *self {
             Step::Move {
                 distance_m,
                 speed_m_s,
                 ramp_s,
-            } => Move::plan(
-                distance_m,
-                speed_m_s,
-                speed_m_s / ramp_s,
-                settings.encoder.count,
-                settings.sample_time,
-                units,
-            ),
-            Step::Dwell(time_s) => Move::dwell(time_s, settings.sample_time),
+            } => Move::plan(distance_m, speed_m_s, speed_m_s / ramp_s, settings.grid()),
+            Step::Dwell(time_s) => Move::dwell(time_s, settings.sample_time()),
         }
     }
 }
@@ -93,7 +82,7 @@ pub struct Axis<F: Friction> {
     controller: Controller<F, u32>,
     stage: Stage,
     steps: f64,
-    supply_code: f64,
+    hardware: Hardware,
     /// Encoder position at the controller's zero (m).
     origin_m: f64,
 }
@@ -124,11 +113,13 @@ impl<F: Friction> Axis<F> {
     ) -> Result<Self, TrackingError> {
         let coefficients = Coefficients::try_new(settings, friction, units)?;
         let first = stage.reading().count;
+        let mut controller = Controller::new(coefficients, first.cast_unsigned());
+        controller.enable().map_err(TrackingError::Stopped)?;
         Ok(Self {
-            controller: Controller::new(coefficients, first.cast_unsigned()),
+            controller,
             stage,
-            steps: settings.motor.steps,
-            supply_code: settings.supply_code,
+            steps: settings.hardware.steps.into(),
+            hardware: settings.hardware,
             origin_m: f64::from(first) * settings.encoder.count,
         })
     }
@@ -138,10 +129,13 @@ impl<F: Friction> Axis<F> {
         let reading = self.stage.reading();
         let true_m = self.stage.truth().position_m;
         let encoder_m = interpolated_m(&self.stage.config().encoder, true_m) - self.origin_m;
+        // Who simulates it is not silent.
+        self.controller.heard();
         let command = self.controller.tick(Measurement {
             count: reading.count.cast_unsigned(),
             // Saturating: what an ADC does.
-            supply: (reading.supply_v / self.supply_code).round() as u16,
+            supply: (reading.supply_v / self.hardware.supply_code).round() as u16,
+            current: (reading.current_a / self.hardware.current_code).round() as i16,
             late: false,
         });
         self.stage.tick(f64::from(command.code) / self.steps);
@@ -149,9 +143,9 @@ impl<F: Friction> Axis<F> {
     }
 
     /// Follows the moves one after the other and shows every tick to `observe`; ends early at a fault.
-    pub fn follow(&mut self, moves: &[Move<F::Scalar>], mut observe: impl FnMut(Instant)) {
+    pub fn follow(&mut self, moves: &[Move], mut observe: impl FnMut(Instant)) {
         for (step, &next) in moves.iter().enumerate() {
-            self.controller.start(next);
+            self.start(next);
             while !self.controller.is_idle() {
                 let (command, encoder_m, true_m, current_a) = self.tick();
                 observe(Instant {
@@ -189,8 +183,9 @@ impl<F: Friction> Axis<F> {
     }
 
     /// Starts a move; the next ticks follow it.
-    pub fn start(&mut self, next: Move<F::Scalar>) {
-        self.controller.start(next);
+    pub fn start(&mut self, next: Move) {
+        // What is refused is not made, and shows in the score: studies plan moves within the axis's limits.
+        let _ = self.controller.start(next);
     }
 
     /// The move is done.

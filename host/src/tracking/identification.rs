@@ -39,7 +39,7 @@ impl Experiment {
         let steps = motions::identification();
         let moves = steps
             .iter()
-            .map(|step| step.plan(settings, Units::SI))
+            .map(|step| step.plan(settings))
             .collect::<Result<Vec<_>, _>>()?;
         let slow_steps: Vec<bool> = steps
             .iter()
@@ -79,7 +79,7 @@ impl Experiment {
                 "the uncompensated axis stopped with {fault:?}; the gains do not fit the stage"
             )));
         }
-        let sample_time = settings.sample_time * DECIMATION as f64;
+        let sample_time = settings.sample_time() * DECIMATION as f64;
         let mass = settings.feed_forward.mass;
         let friction_n = (0..force.len())
             .map(|i| {

@@ -147,12 +147,12 @@ fn row<F: Friction + Clone>(
         let mut axis = Axis::try_new(settings, friction.clone(), units, stage)?;
         let moves = steps
             .iter()
-            .map(|step| step.plan(settings, units))
+            .map(|step| step.plan(settings))
             .collect::<Result<Vec<_>, _>>()?;
         axis.follow(&moves, observe);
         Ok::<_, TrackingError>(())
     };
-    let (count, sample_time) = (settings.encoder.count, settings.sample_time);
+    let (count, sample_time) = (settings.encoder.count, settings.sample_time());
     for seed in TRACKING_SEEDS {
         follow(&motions::nested_triangles(), seed, &mut |now| {
             row.nested.add(&now, count)

@@ -114,7 +114,7 @@ pub struct Study {
 }
 
 /// Keeps every block, so that one run serves several settings of the watch.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Recorder;
 
 impl Learn<f32> for Recorder {
@@ -288,7 +288,7 @@ fn run(
             speed_m_s: SPEED_M_S,
             ramp_s: RAMP_S,
         })
-        .map(|step| step.plan(settings, Units::SI));
+        .map(|step| step.plan(settings));
     let wanted_m = f64::from(windows) * learning.watch.window;
     let (mut path_m, mut counted) = (0.0, 0);
     let mut moves = moves.iter().cycle();

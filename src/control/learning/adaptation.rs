@@ -35,7 +35,7 @@ pub struct AdaptationSettings {
 ///
 /// A dead zone keeps what the model does not say (its shape, its Stribeck curve) from being taken for a change of level (B. B.
 /// Peterson and K. S. Narendra, *Bounded error adaptive control*, IEEE Trans. Autom. Control 27, 1982).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Adaptation<S> {
     per_limit: S,
     /// 1/M.

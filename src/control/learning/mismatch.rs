@@ -50,7 +50,7 @@ const SPREAD_PER_DEVIATION: f64 = 1.253_314_137_315_500_3;
 /// Work counts the motion's direction, so a force that does not turn with it (a weight, a cable) cancels and is not watched. A spot
 /// that is narrow against a window and rarely passed shows only if it is strong. The range belongs to the motions of the
 /// commissioning: other speeds are another normal.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct MismatchWatch<S> {
     per_window: S,
     commissioning: u32,

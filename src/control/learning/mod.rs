@@ -115,7 +115,7 @@ impl<S> Condition<S> {
 }
 
 /// Learns from blocks: [`MismatchWatch`], [`Adaptation`], both, or `()`.
-pub trait Learn<S: Scalar>: Sized {
+pub trait Learn<S: Scalar>: PartialEq + Sized {
     /// What was learned.
     type State: Clone;
     /// It changes the level.
@@ -207,10 +207,11 @@ impl<S: Scalar, A: Learn<S>, B: Learn<S>> Learn<S> for (A, B) {
 
 /// The friction model `F` with what `L` learns about it. Effects belong inside: `Learning<With<F, E>, L>`.
 ///
-/// New coefficients ([`super::Controller::swap`]) begin to learn anew; a fault and a restart keep what was learned.
+/// Another model or other settings of the learner ([`super::Controller::swap`]) begin to learn anew; new gains, a fault and
+/// the next enabling keep what was learned.
 ///
 /// **Bound.** `|F| ≤ (1 + r)·limit`, `r` the adaptation's range. Without adaptation the force is the model's, to the bit.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Learning<F: Friction, L> {
     friction: F,
     learner: L,
@@ -223,7 +224,7 @@ pub struct Learning<F: Friction, L> {
 }
 
 /// What a [`Learning`] remembers.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LearningState<M, B, S> {
     friction: M,
     learned: B,
@@ -326,6 +327,16 @@ impl<F: Friction, L: Learn<F::Scalar>> Friction for Learning<F, L> {
         state.force = F::Scalar::ZERO;
         state.displacement = F::Scalar::ZERO;
         state.drop_block();
+    }
+
+    fn take_over(&self, old: &Self, state: &Self::State) -> Self::State {
+        if self == old {
+            return state.clone();
+        }
+        LearningState {
+            friction: self.friction.take_over(&old.friction, &state.friction),
+            ..self.at_rest()
+        }
     }
 
     #[inline]

@@ -12,6 +12,10 @@ pub const NVIC_PRIO_BITS: u8 = 3;
 #[repr(u16)]
 #[allow(non_camel_case_types)]
 pub enum Interrupt {
+    /// UART0 has received.
+    UARTRX0 = 0,
+    /// UART0 has sent.
+    UARTTX0 = 1,
     /// CMSDK Timer0.
     TIMER0 = 8,
 }
@@ -39,6 +43,8 @@ impl Peripherals {
 }
 
 unsafe extern "C" {
+    fn UARTRX0();
+    fn UARTTX0();
     fn TIMER0();
     fn DefaultHandler();
 }
@@ -47,8 +53,8 @@ unsafe extern "C" {
 #[unsafe(link_section = ".vector_table.interrupts")]
 #[unsafe(no_mangle)]
 pub static __INTERRUPTS: [unsafe extern "C" fn(); 9] = [
-    DefaultHandler,
-    DefaultHandler,
+    UARTRX0,
+    UARTTX0,
     DefaultHandler,
     DefaultHandler,
     DefaultHandler,

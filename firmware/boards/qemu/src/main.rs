@@ -4,6 +4,7 @@
 #![no_main]
 
 mod device;
+mod memory;
 mod registers;
 mod stage;
 
@@ -39,19 +40,19 @@ const SOURCE: Source = Learner::new(MODEL);
 
 type Friction = <Source as preslide_app::Model>::Friction;
 
-/// As on the board: 170 MHz at 20 kHz.
-const STEPS: u16 = 8500;
-
 #[rtic::app(device = crate::device)]
 mod app {
-    use super::{Friction, SOURCE, STEPS, Source};
+    use super::{Friction, SOURCE, Source};
+    use crate::device::Interrupt;
+    use crate::memory::{self, Pages};
     use crate::registers::{CLOCK_HZ, Timer, Uart, Watchdog};
-    use crate::stage::{self, Channel};
+    use crate::stage::{self, StageBridge};
     use cortex_m_semihosting::{debug, heprintln};
     use heapless::spsc::{Consumer, Producer, Queue};
-    use preslide::control::Settings;
-    use preslide_app::{Background, Bridge, Control, Inputs, Queues};
-    use preslide_link::{LARGEST_FRAME, Report, encode};
+    use preslide::control::Axis;
+    use preslide_app::{Background, Control, Inputs, Parameters, Queues, RECEIVED, SENT, Start};
+    use preslide_link::ResetCause;
+    use preslide_store::{LONGEST, Slots};
 
     #[shared]
     struct Shared {}
@@ -59,46 +60,68 @@ mod app {
     #[local]
     struct Local {
         control: Control<Friction>,
-        bridge: Bridge<Channel, Channel>,
         background: Background<Source>,
-        received: Consumer<'static, u8>,
-        arrived: Producer<'static, u8>,
+        memory: Option<Slots<&'static mut Pages>>,
+        from_script: Consumer<'static, u8>,
+        to_script: Producer<'static, u8>,
+        from_line: Consumer<'static, u8>,
+        to_line: Producer<'static, u8>,
+        received: Producer<'static, u8>,
+        sent: Consumer<'static, u8>,
         late: bool,
     }
 
-    #[init(local = [queues: Queues<Friction> = Queues::new(), bytes: Queue<u8, 65> = Queue::new()])]
+    #[init(local = [
+        queues: Queues<Friction> = Queues::new(),
+        pages: Pages = Pages::new(),
+        script: Queue<u8, 65> = Queue::new(),
+        arriving: Queue<u8, RECEIVED> = Queue::new(),
+        leaving: Queue<u8, SENT> = Queue::new(),
+    ])]
     fn init(cx: init::Context) -> (Shared, Local) {
-        Uart::LINK.start();
-        let settings = Settings::PAPER_AXIS;
-        let first = stage::exchange().count;
-        let (forward, backward) = Channel::pair(STEPS);
-        let tasks = cx.local.queues.tasks(settings, SOURCE, first, 1);
-        let (Ok((control, background)), Some(bridge)) =
-            (tasks, Bridge::new(forward, backward, STEPS))
-        else {
+        Uart::start();
+        let axis = Axis::PAPER_AXIS;
+        let mut memory = memory::slots(cx.local.pages);
+        let mut record = [0; LONGEST];
+        let length = memory.as_mut().and_then(|slots| slots.load(&mut record));
+        let start = Start {
+            axis,
+            model: SOURCE,
+            saved: length.and_then(|length| Parameters::from_bytes(record.get(..length)?)),
+            count: stage::exchange().count,
+            every: 1,
+            reset: ResetCause::Power,
+        };
+        let Ok((control, background)) = cx.local.queues.tasks(start) else {
             heprintln!("the built-in settings are not usable");
             loop {
                 debug::exit(debug::EXIT_FAILURE);
             }
         };
-        let (arrived, received) = cx.local.bytes.split();
-        let cycles = (f64::from(CLOCK_HZ) * settings.sample_time) as u32;
+        let (to_script, from_script) = cx.local.script.split();
+        let (received, from_line) = cx.local.arriving.split();
+        let (to_line, sent) = cx.local.leaving.split();
+        let cycles = CLOCK_HZ / axis.hardware.rate_hz;
         // Ten ticks without a sign of life.
         Watchdog::start(10 * cycles);
         Timer::start(cycles);
         let local = Local {
             control,
-            bridge,
             background,
+            memory,
+            from_script,
+            to_script,
+            from_line,
+            to_line,
             received,
-            arrived,
+            sent,
             late: false,
         };
         (Shared {}, local)
     }
 
     /// The control task; see [`Control`] for its deadline and what happens when it is missed.
-    #[task(binds = TIMER0, priority = 1, local = [control, bridge, arrived, late])]
+    #[task(binds = TIMER0, priority = 2, local = [control, to_script, late])]
     fn tick(cx: tick::Context) {
         Timer::acknowledge();
         let reading = stage::exchange();
@@ -107,7 +130,7 @@ mod app {
         }
         if let Some(byte) = reading.byte {
             // The background reads faster than one byte a tick; should it not, the frame's CRC tells.
-            let _ = cx.local.arrived.enqueue(byte);
+            let _ = cx.local.to_script.enqueue(byte);
         }
         if reading.hang {
             loop {
@@ -116,11 +139,12 @@ mod app {
         }
         let inputs = Inputs {
             count: reading.count,
+            index: reading.index,
             supply: reading.supply,
             current: reading.current,
             late: *cx.local.late,
         };
-        cx.local.control.tick(inputs, cx.local.bridge);
+        cx.local.control.tick(inputs, &mut StageBridge);
         if reading.dawdle {
             while !Timer::is_due() {}
         }
@@ -128,28 +152,40 @@ mod app {
         Watchdog::feed();
     }
 
-    /// Requests and telemetry. Here, and only here, a slow listener makes the controller wait.
-    #[idle(local = [background, received])]
-    fn idle(cx: idle::Context) -> ! {
-        loop {
-            while let Some(byte) = cx.local.received.dequeue() {
-                if let Some(report) = cx.local.background.receive(byte) {
-                    send(&report);
-                }
-            }
-            match cx.local.background.sample() {
-                Some(report) => send(&report),
-                None => cortex_m::asm::wfi(),
-            }
+    /// Bytes from the host. Its ring holds all that a host may have on its way, so none finds it full.
+    #[task(binds = UARTRX0, priority = 1, local = [received])]
+    fn receive(cx: receive::Context) {
+        while let Some(byte) = Uart::receive() {
+            let _ = cx.local.received.enqueue(byte);
         }
     }
 
-    fn send(report: &Report) {
-        let mut frame = [0; LARGEST_FRAME];
-        // Every report fits a frame (a test of the link crate), and there is no one to tell here.
-        let length = encode(report, &mut frame).unwrap_or(0);
-        for &byte in frame.iter().take(length) {
-            Uart::LINK.send(byte);
+    /// Bytes to the host; pended when there are new ones, and by the UART when it takes another.
+    #[task(binds = UARTTX0, priority = 1, local = [sent])]
+    fn send(cx: send::Context) {
+        while Uart::can_send()
+            && let Some(byte) = cx.local.sent.dequeue()
+        {
+            Uart::send(byte);
+        }
+    }
+
+    /// Requests and telemetry, from the line and, so that a run depends on nothing but ticks, from the lock step.
+    #[idle(local = [background, memory, from_script, from_line, to_line])]
+    fn idle(cx: idle::Context) -> ! {
+        let local = cx.local;
+        loop {
+            let script = local
+                .background
+                .poll(local.from_script, local.to_line, local.memory);
+            let line = local
+                .background
+                .poll(local.from_line, local.to_line, local.memory);
+            if script || line {
+                rtic::pend(Interrupt::UARTTX0);
+            } else {
+                cortex_m::asm::wfi();
+            }
         }
     }
 }

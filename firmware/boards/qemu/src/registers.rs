@@ -125,24 +125,38 @@ static OUTPUT: HostFile = HostFile {
     handle: AtomicUsize::new(0),
 };
 
-/// A UART without interrupts, for sending.
-pub struct Uart(usize);
+/// The UART of the command link.
+pub struct Uart;
 
 impl Uart {
-    /// Reports to the host.
-    pub const LINK: Uart = Uart(0x4000_4000);
+    const DATA: usize = 0x4000_4000;
+    const STATE: usize = 0x4000_4004;
+    const CONTROL: usize = 0x4000_4008;
+    const INTERRUPT: usize = 0x4000_400C;
+    const DIVIDER: usize = 0x4000_4010;
 
-    /// Enables it.
-    pub fn start(&self) {
+    /// Enables it and both its interrupts.
+    pub fn start() {
         // The emulation does not wait for bits; 16 is the smallest divider that it takes.
-        write(self.0 + 0x10, 16);
-        write(self.0 + 0x08, 0b01);
+        write(Self::DIVIDER, 16);
+        write(Self::CONTROL, 0b1111);
     }
 
-    /// Waits until there is room.
-    pub fn send(&self, byte: u8) {
-        while read(self.0 + 4) & 1 != 0 {}
-        write(self.0, byte.into());
+    /// The byte that came, in the interrupt of one; to be called until there is none.
+    pub fn receive() -> Option<u8> {
+        write(Self::INTERRUPT, 0b10);
+        (read(Self::STATE) & 0b10 != 0).then(|| read(Self::DATA) as u8)
+    }
+
+    /// Whether it takes a byte now.
+    pub fn can_send() -> bool {
+        write(Self::INTERRUPT, 0b01);
+        read(Self::STATE) & 0b01 == 0
+    }
+
+    /// Sends a byte; its end is an interrupt.
+    pub fn send(byte: u8) {
+        write(Self::DATA, byte.into());
     }
 }
 

@@ -1,52 +1,81 @@
-//! TIM1: two half bridges, each with its complement and dead time.
+//! TIM1: two half bridges, each with its complement and dead time, opened by software or by the break input.
 
-use crate::clock::{RATE, STEPS};
-use core::convert::Infallible;
+use crate::clock::HARDWARE;
 use embassy_stm32::Peri;
-use embassy_stm32::gpio::OutputType;
+use embassy_stm32::gpio::{AfType, Flex, OutputType, Pull};
 use embassy_stm32::pac;
-use embassy_stm32::peripherals::{PA8, PA9, PB13, PB14, TIM1};
+use embassy_stm32::pac::timer::vals::{Mms, Ocm, Ossi};
+use embassy_stm32::peripherals::{PA8, PA9, PB12, PB13, PB14, TIM1};
+use embassy_stm32::time::Hertz;
 use embassy_stm32::timer::Channel as TimerChannel;
 use embassy_stm32::timer::complementary_pwm::{ComplementaryPwm, ComplementaryPwmPin};
 use embassy_stm32::timer::low_level::CountingMode;
 use embassy_stm32::timer::simple_pwm::PwmPin;
-use embedded_hal::pwm::{ErrorType, SetDutyCycle};
+use preslide_app::Bridge;
 
 /// 100 ns at 170 MHz: assumption, enough for the usual small gate drivers.
 const DEAD_TIME: u16 = 17;
 
-/// A half bridge.
-pub struct Channel(usize);
+/// TIM1_BKIN on PB12 (DS12288, table of alternate functions).
+const BREAK_FUNCTION: u8 = 6;
 
-/// Starts both half bridges at duty 0, which brakes.
-pub fn start(
-    timer: Peri<'static, TIM1>,
-    high_a: Peri<'static, PA8>,
-    low_a: Peri<'static, PB13>,
-    high_b: Peri<'static, PA9>,
-    low_b: Peri<'static, PB14>,
-) -> (Channel, Channel) {
+/// Both half bridges.
+pub struct HalfBridges {
+    /// Driven since it was last opened by software.
+    closed: bool,
+}
+
+/// The pins of the bridge.
+pub struct Pins {
+    /// Half bridge A, high and low side.
+    pub a: (Peri<'static, PA8>, Peri<'static, PB13>),
+    /// Half bridge B, high and low side.
+    pub b: (Peri<'static, PA9>, Peri<'static, PB14>),
+    /// The gate driver's fault output, low in a fault.
+    pub fault: Peri<'static, PB12>,
+}
+
+/// Starts the timer with the bridge open.
+pub fn start(timer: Peri<'static, TIM1>, pins: Pins) -> HalfBridges {
+    let mut fault = Flex::new(pins.fault);
+    fault.set_as_af_unchecked(BREAK_FUNCTION, AfType::input(Pull::Up));
+    core::mem::forget(fault);
     let mut pwm = ComplementaryPwm::new(
         timer,
-        Some(PwmPin::new(high_a, OutputType::PushPull)),
-        Some(ComplementaryPwmPin::new(low_a, OutputType::PushPull)),
-        Some(PwmPin::new(high_b, OutputType::PushPull)),
-        Some(ComplementaryPwmPin::new(low_b, OutputType::PushPull)),
+        Some(PwmPin::new(pins.a.0, OutputType::PushPull)),
+        Some(ComplementaryPwmPin::new(pins.a.1, OutputType::PushPull)),
+        Some(PwmPin::new(pins.b.0, OutputType::PushPull)),
+        Some(ComplementaryPwmPin::new(pins.b.1, OutputType::PushPull)),
         None,
         None,
         None,
         None,
-        RATE,
-        CountingMode::EdgeAlignedUp,
+        Hertz(HARDWARE.rate_hz),
+        CountingMode::CenterAlignedBothInterrupts,
     );
+    off();
     pwm.set_dead_time(DEAD_TIME);
     for channel in [TimerChannel::Ch1, TimerChannel::Ch2] {
         pwm.set_duty(channel, 0);
         pwm.enable(channel);
     }
+    let tim = pac::TIM1;
+    // Outputs that are off are driven to their idle level, low: with all four gates low the bridge is open. A low level at the
+    // break input does the same without software, and lasts until software drives again.
+    tim.bdtr().modify(|w| {
+        w.set_ossi(Ossi::IDLE_LEVEL);
+        w.set_bkp(0, pac::timer::vals::Bkp::ACTIVE_LOW);
+        w.set_bke(0, true);
+        w.set_aoe(false);
+    });
+    tim.arr().write(|w| w.set_arr(HARDWARE.steps));
+    // Channel 4 rises at the counter's peak, the middle of the time in which the low sides conduct: there the current is sampled.
+    tim.ccr(3).write(|w| w.set_ccr(HARDWARE.steps - 1));
+    tim.ccmr_output(1).modify(|w| w.set_ocm(1, Ocm::PWM_MODE2));
+    tim.cr2().modify(|w| w.set_mms(Mms::COMPARE_OC4));
     // It runs from here on; dropping the driver would stop it.
     core::mem::forget(pwm);
-    (Channel(0), Channel(1))
+    HalfBridges { closed: false }
 }
 
 /// All four switches open, from wherever.
@@ -54,17 +83,29 @@ pub fn off() {
     pac::TIM1.bdtr().modify(|w| w.set_moe(false));
 }
 
-impl ErrorType for Channel {
-    type Error = Infallible;
-}
-
-impl SetDutyCycle for Channel {
-    fn max_duty_cycle(&self) -> u16 {
-        STEPS
+impl Bridge for HalfBridges {
+    /// The half bridge that stops is set first, so both never drive at once; the timer takes both at its next update.
+    #[inline]
+    fn drive(&mut self, code: i32) {
+        let duty = u16::try_from(code.unsigned_abs()).unwrap_or(HARDWARE.steps);
+        let (drives, rests) = if code >= 0 { (0, 1) } else { (1, 0) };
+        let tim = pac::TIM1;
+        tim.ccr(rests).write(|w| w.set_ccr(0));
+        tim.ccr(drives).write(|w| w.set_ccr(duty));
+        if !self.closed {
+            self.closed = true;
+            tim.bdtr().modify(|w| w.set_moe(true));
+        }
     }
 
-    fn set_duty_cycle(&mut self, duty: u16) -> Result<(), Infallible> {
-        pac::TIM1.ccr(self.0).write(|w| w.set_ccr(duty));
-        Ok(())
+    #[inline]
+    fn open(&mut self) {
+        self.closed = false;
+        off();
+    }
+
+    #[inline]
+    fn is_broken(&self) -> bool {
+        self.closed && !pac::TIM1.bdtr().read().moe()
     }
 }

@@ -2,13 +2,13 @@
 
 use embassy_stm32::Config;
 use embassy_stm32::rcc::{Pll, PllMul, PllPreDiv, PllRDiv, PllSource, Sysclk, mux};
-use embassy_stm32::time::Hertz;
+use preslide::control::Hardware;
 
-/// The control rate and the PWM's.
-pub const RATE: Hertz = Hertz(20_000);
+/// The core's clock, and that of the timers (Hz).
+const CLOCK_HZ: u32 = 16_000_000 / 4 * 85 / 2;
 
-/// PWM codes at full duty: timer clocks in a PWM period.
-pub const STEPS: u16 = 8500;
+/// Rate and PWM steps: the timer counts up and down once a tick. Nothing else says either.
+pub const HARDWARE: Hardware = Hardware::centre_aligned(CLOCK_HZ, 20_000);
 
 /// 16 MHz / 4 · 85 / 2, with the core's boost, which is needed above 150 MHz (RM0440).
 pub fn config() -> Config {

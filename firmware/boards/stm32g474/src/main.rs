@@ -6,7 +6,11 @@
 mod bridge;
 mod ccm;
 mod clock;
+mod encoder;
+mod line;
 mod log;
+mod memory;
+mod reset;
 mod sense;
 
 use core::panic::PanicInfo;
@@ -18,21 +22,18 @@ type Friction = <Model as preslide_app::Model>::Friction;
 #[rtic::app(device = embassy_stm32, peripherals = false)]
 mod app {
     use super::{Friction, MODEL, Model};
-    use crate::bridge::{self, Channel};
-    use crate::clock;
+    use crate::bridge::{self, HalfBridges};
+    use crate::encoder::Encoder;
     use crate::log::Log;
+    use crate::memory::Pages;
     use crate::sense::Sense;
-    use embassy_stm32::mode::Blocking;
-    use embassy_stm32::pac;
-    use embassy_stm32::peripherals::{IWDG, TIM2, TIM6};
-    use embassy_stm32::timer::low_level::{RoundTo, Timer};
-    use embassy_stm32::timer::qei::{self, Qei};
-    use embassy_stm32::usart::{self, Uart};
+    use crate::{clock, memory, reset};
+    use embassy_stm32::peripherals::IWDG;
     use embassy_stm32::wdg::IndependentWatchdog;
-    use embedded_hal_nb::serial::Read;
-    use preslide::control::Settings;
-    use preslide_app::{Background, Bridge, Control, Inputs, Queues};
-    use preslide_link::{LARGEST_FRAME, Report, encode};
+    use heapless::spsc::{Consumer, Producer, Queue};
+    use preslide::control::Axis;
+    use preslide_app::{Background, Control, Inputs, Parameters, Queues, RECEIVED, SENT, Start};
+    use preslide_store::{LONGEST, Slots};
 
     /// Telemetry of every eighth tick, 2500 frames of some 30 bytes a second, is what 921600 baud carry.
     const EVERY: u16 = 8;
@@ -44,103 +45,119 @@ mod app {
     struct Local {
         control: Control<Friction>,
         background: Background<Model>,
-        bridge: Bridge<Channel, Channel>,
+        bridge: HalfBridges,
         sense: Sense,
-        // Kept, so that its pins stay the timer's.
-        _encoder: Qei<'static, TIM2>,
-        rate: Timer<'static, TIM6>,
+        encoder: Encoder,
         watchdog: IndependentWatchdog<'static, IWDG>,
-        link: Uart<'static, Blocking>,
+        memory: Option<Slots<Pages>>,
+        received: Producer<'static, u8>,
+        sent: Consumer<'static, u8>,
+        from_line: Consumer<'static, u8>,
+        to_line: Producer<'static, u8>,
         late: bool,
     }
 
-    #[init(local = [queues: Queues<Friction> = Queues::new()])]
+    #[init(local = [
+        queues: Queues<Friction> = Queues::new(),
+        arriving: Queue<u8, RECEIVED> = Queue::new(),
+        leaving: Queue<u8, SENT> = Queue::new(),
+    ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         crate::ccm::load();
+        let reset = reset::cause();
         let p = embassy_stm32::init(clock::config());
-        let settings = Settings::PAPER_AXIS;
-
-        let encoder = Qei::new(p.TIM2, p.PA0, p.PA1, qei::Config::default());
-        // The driver counts 16 bits; the timer has 32.
-        pac::TIM2.arr().write_value(u32::MAX);
-        let sense = Sense::new(p.ADC1, p.PA2, p.PA3);
-        let (forward, backward) = bridge::start(p.TIM1, p.PA8, p.PB13, p.PA9, p.PB14);
-        let mut serial = usart::Config::default();
-        serial.baudrate = 921_600;
-        let link = Uart::new_blocking(p.USART3, p.PC11, p.PC10, serial);
-        let first = pac::TIM2.cnt().read();
-        let tasks = cx.local.queues.tasks(settings, MODEL, first, EVERY);
-        let bridge = Bridge::new(forward, backward, clock::STEPS);
-        let (Ok((control, background)), Some(bridge), Ok(link)) = (tasks, bridge, link) else {
+        let encoder = Encoder::start(p.TIM2, p.PA0, p.PA1, p.PB10);
+        let pins = bridge::Pins {
+            a: (p.PA8, p.PB13),
+            b: (p.PA9, p.PB14),
+            fault: p.PB12,
+        };
+        let bridge = bridge::start(p.TIM1, pins);
+        let mut memory = memory::slots();
+        let mut record = [0; LONGEST];
+        let length = memory.as_mut().and_then(|slots| slots.load(&mut record));
+        let start = Start {
+            axis: Axis {
+                hardware: clock::HARDWARE,
+                ..Axis::PAPER_AXIS
+            },
+            model: MODEL,
+            saved: length.and_then(|length| Parameters::from_bytes(record.get(..length)?)),
+            count: encoder.count(),
+            every: EVERY,
+            reset,
+        };
+        let tasks = cx.local.queues.tasks(start);
+        let link = crate::line::start(p.LPUART1, p.PA3, p.PA2);
+        let (Ok((control, background)), Some(())) = (tasks, link) else {
             // Nothing drives yet; the watchdog is not running, so it stays so.
             bridge::off();
             loop {
                 cortex_m::asm::wfi();
             }
         };
-
+        let (received, from_line) = cx.local.arriving.split();
+        let (to_line, sent) = cx.local.leaving.split();
         // Ten ticks without a sign of life are 500 µs; the slow oscillator is good to a few percent.
         let mut watchdog = IndependentWatchdog::new(p.IWDG, 500);
         watchdog.unleash();
-        let rate = Timer::new(p.TIM6);
-        rate.set_frequency(clock::RATE, RoundTo::Slower);
-        rate.enable_update_interrupt(true);
-        rate.start();
         let local = Local {
             control,
             background,
             bridge,
-            sense,
-            _encoder: encoder,
-            rate,
+            sense: Sense::start(p.ADC1, p.PC0, p.PC1),
+            encoder,
             watchdog,
-            link,
+            memory,
+            received,
+            sent,
+            from_line,
+            to_line,
             late: false,
         };
         (Shared {}, local)
     }
 
-    /// The control task; see [`Control`] for its deadline and what happens when it is missed.
-    #[task(binds = TIM6_DAC, priority = 8, local = [control, bridge, sense, rate, watchdog, late])]
+    /// The control task; see [`Control`] for its deadline and what happens when it is missed. Due when the current of a PWM period
+    /// has been converted, so it has no timer of its own.
+    #[task(binds = ADC1_2, priority = 8, local = [control, bridge, sense, encoder, watchdog, late])]
     fn tick(cx: tick::Context) {
-        cx.local.rate.clear_update_interrupt();
-        let count = pac::TIM2.cnt().read();
+        Sense::acknowledge();
         let (supply, current) = cx.local.sense.read();
         let inputs = Inputs {
-            count,
+            count: cx.local.encoder.count(),
+            index: cx.local.encoder.index(),
             supply,
             current,
             late: *cx.local.late,
         };
         cx.local.control.tick(inputs, cx.local.bridge);
-        *cx.local.late = pac::TIM6.sr().read().uif();
+        *cx.local.late = Sense::is_due();
         cx.local.watchdog.pet();
     }
 
-    /// Requests and telemetry.
-    #[idle(local = [background, link])]
-    fn idle(cx: idle::Context) -> ! {
-        let mut log = Log::default();
-        loop {
-            // A receive error costs a byte; the frame's CRC tells.
-            if let Ok(byte) = cx.local.link.read()
-                && let Some(report) = cx.local.background.receive(byte)
-            {
-                log.report(&report);
-                send(cx.local.link, &report);
-            }
-            if let Some(report) = cx.local.background.sample() {
-                log.report(&report);
-                send(cx.local.link, &report);
-            }
-        }
+    /// Bytes in and out. It only moves them.
+    #[task(binds = LPUART1, priority = 4, local = [received, sent])]
+    fn line(cx: line::Context) {
+        crate::line::serve(cx.local.received, cx.local.sent);
     }
 
-    fn send(link: &mut Uart<'static, Blocking>, report: &Report) {
-        let mut frame = [0; LARGEST_FRAME];
-        // Every report fits a frame (a test of the link crate), and there is no one to tell here.
-        let length = encode(report, &mut frame).unwrap_or(0);
-        let _ = link.blocking_write(frame.get(..length).unwrap_or_default());
+    /// Requests and telemetry.
+    #[idle(local = [background, memory, from_line, to_line])]
+    fn idle(cx: idle::Context) -> ! {
+        let local = cx.local;
+        let mut log = Log::default();
+        loop {
+            log.fault(local.background.fault());
+            let done = local
+                .background
+                .poll(local.from_line, local.to_line, local.memory);
+            if done {
+                crate::line::kick();
+            } else {
+                cortex_m::asm::wfi();
+            }
+        }
     }
 }
 

@@ -1,8 +1,10 @@
-//! Supply voltage and winding current.
+//! Supply voltage and winding current, converted at the same phase of every PWM period.
 
 use embassy_stm32::Peri;
-use embassy_stm32::adc::{Adc, AdcConfig, SampleTime};
-use embassy_stm32::peripherals::{ADC1, PA2, PA3};
+use embassy_stm32::adc::{Adc, AdcConfig};
+use embassy_stm32::pac;
+use embassy_stm32::pac::adc::vals::{Exten, SampleTime};
+use embassy_stm32::peripherals::{ADC1, PC0, PC1};
 
 /// ADC codes at the 3.3 V reference.
 const FULL: u32 = 4096;
@@ -13,38 +15,66 @@ const SUPPLY_FULL: u32 = 36_300;
 /// Winding current (0.1 mA) from end to end of the scale, zero in the middle: ±3.2 A. Assumption, as above.
 const CURRENT_SPAN: i32 = 64_000;
 
-/// Two conversions a tick, about 0.5 µs each.
+/// ADC1's channels of PC0 and PC1 (DS12288, pin definitions).
+const SUPPLY: u8 = 6;
+const CURRENT: u8 = 7;
+
+/// The event that starts a conversion: TIM1_TRGO (RM0440, table of injected triggers).
+const TIM1_TRGO: u8 = 0;
+
+/// Current, then supply, converted when TIM1 says; the end of both is the interrupt of the control task.
 pub struct Sense {
-    adc: Adc<'static, ADC1>,
-    supply: Peri<'static, PA2>,
-    current: Peri<'static, PA3>,
+    _supply: Peri<'static, PC0>,
+    _current: Peri<'static, PC1>,
 }
 
 impl Sense {
-    /// Calibrates the converter.
-    pub fn new(
+    /// Calibrates the converter and has it wait for the timer. Pins are analog after a reset.
+    pub fn start(
         adc: Peri<'static, ADC1>,
-        supply: Peri<'static, PA2>,
-        current: Peri<'static, PA3>,
+        supply: Peri<'static, PC0>,
+        current: Peri<'static, PC1>,
     ) -> Self {
+        core::mem::forget(Adc::new(adc, AdcConfig::default()));
+        let adc = pac::ADC1;
+        adc.cr().modify(|w| w.set_aden(true));
+        while !adc.isr().read().adrdy() {}
+        adc.smpr().modify(|w| {
+            w.set_smp(SUPPLY.into(), SampleTime::CYCLES12_5);
+            w.set_smp(CURRENT.into(), SampleTime::CYCLES12_5);
+        });
+        adc.jsqr().modify(|w| {
+            w.set_jl(1);
+            w.set_jsq(0, CURRENT);
+            w.set_jsq(1, SUPPLY);
+            w.set_jextsel(TIM1_TRGO);
+            w.set_jexten(Exten::RISING_EDGE);
+        });
+        adc.ier().modify(|w| w.set_jeosie(true));
+        adc.cr().modify(|w| w.set_jadstart(true));
         Self {
-            adc: Adc::new(adc, AdcConfig::default()),
-            supply,
-            current,
+            _supply: supply,
+            _current: current,
         }
+    }
+
+    /// Takes the interrupt back.
+    #[inline]
+    pub fn acknowledge() {
+        pac::ADC1.isr().write(|w| w.set_jeos(true));
+    }
+
+    /// The next pair has been converted already.
+    #[inline]
+    pub fn is_due() -> bool {
+        pac::ADC1.isr().read().jeos()
     }
 
     /// Supply (mV) and winding current (0.1 mA).
     #[inline]
-    pub fn read(&mut self) -> (u16, i16) {
-        let supply = u32::from(
-            self.adc
-                .blocking_read(&mut self.supply, SampleTime::CYCLES12_5),
-        );
-        let current = i32::from(
-            self.adc
-                .blocking_read(&mut self.current, SampleTime::CYCLES12_5),
-        );
+    pub fn read(&self) -> (u16, i16) {
+        let current = i32::from(pac::ADC1.jdr(0).read().jdata());
+        let supply = u32::from(pac::ADC1.jdr(1).read().jdata());
         let current = (current - FULL as i32 / 2) * CURRENT_SPAN / FULL as i32;
         ((supply * SUPPLY_FULL / FULL) as u16, current as i16)
     }

@@ -1,0 +1,80 @@
+//! Lengths and speeds as people type them.
+
+/// A length in m: `1.5mm`, `20um`, `-300nm`, `0.001`; of a rotary axis in rad: `90deg`, `1mrad`.
+///
+/// # Errors
+/// What would be understood.
+pub fn length(text: &str) -> Result<f64, String> {
+    let units = [
+        ("mrad", 1e-3),
+        ("urad", 1e-6),
+        ("rad", 1.0),
+        ("deg", std::f64::consts::PI / 180.0),
+        ("mm", 1e-3),
+        ("um", 1e-6),
+        ("µm", 1e-6),
+        ("nm", 1e-9),
+        ("m", 1.0),
+        ("", 1.0),
+    ];
+    let text = text.trim();
+    let read = |(unit, scale): (&str, f64)| {
+        let number: f64 = text.strip_suffix(unit)?.trim().parse().ok()?;
+        number.is_finite().then_some(number * scale)
+    };
+    let found = units.into_iter().find_map(read);
+    found.ok_or_else(|| {
+        format!("`{text}` is no length; give 1.5mm, 20um, 300nm, 0.001 (m) or 90deg")
+    })
+}
+
+/// A speed or acceleration: a length per s or s², whose `/s` or `/s2` may be left out.
+///
+/// # Errors
+/// What would be understood.
+pub fn rate(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let bare = ["/s2", "/s²", "/s^2", "/s"]
+        .iter()
+        .find_map(|end| text.strip_suffix(end));
+    length(bare.unwrap_or(text))
+        .map_err(|_| format!("`{text}` is no speed or acceleration; give 5mm/s, 0.1m/s2 or 0.005"))
+}
+
+/// As [`rate`], above zero.
+///
+/// # Errors
+/// What would be understood.
+pub fn positive_rate(text: &str) -> Result<f64, String> {
+    let rate = rate(text)?;
+    if rate > 0.0 {
+        Ok(rate)
+    } else {
+        Err("give a number above zero".to_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_and_rates_are_read_with_their_units() {
+        for (text, value) in [
+            ("1.5mm", 1.5e-3),
+            ("-20um", -20e-6),
+            ("300 nm", 300e-9),
+            ("0.001", 1e-3),
+            ("2m", 2.0),
+        ] {
+            assert!((length(text).expect(text) - value).abs() < 1e-15, "{text}");
+        }
+        assert!((length("90deg").expect("deg") - 1.570_796_326_794_896_6).abs() < 1e-12);
+        assert!((rate("5mm/s").expect("speed") - 5e-3).abs() < 1e-15);
+        assert!((rate("0.1m/s2").expect("acceleration") - 0.1).abs() < 1e-15);
+        for text in ["", "mm", "1.5 furlongs", "nan", "inf"] {
+            assert!(length(text).is_err(), "{text}");
+        }
+        assert!(positive_rate("-1mm/s").is_err());
+    }
+}

@@ -1,0 +1,198 @@
+//! The parameters by name, and the record in which they are saved.
+
+use crate::Model;
+use preslide::control::Axis;
+use preslide_link::{MOST_BLOCKS, ModelSettings, Name, Parameter};
+
+/// When a parameter can be set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum When {
+    /// At any time: the change is faded in.
+    Always,
+    /// It says what the machine is.
+    Disabled,
+}
+
+/// A parameter: its name is its path in `axis.toml`.
+pub(crate) struct Entry {
+    pub(crate) name: &'static str,
+    pub(crate) when: When,
+    pub(crate) of: fn(&mut Axis) -> Option<&mut f64>,
+}
+
+macro_rules! table {
+    ($($when:ident $name:literal $axis:ident => $place:expr;)*) => {
+        /// All of them.
+        pub(crate) const TABLE: &[Entry] = &[$(Entry {
+            name: $name,
+            when: When::$when,
+            of: |$axis| $place,
+        }),*];
+    };
+}
+
+table! {
+    Always "gains.proportional" a => Some(&mut a.gains.proportional);
+    Always "gains.integral" a => Some(&mut a.gains.integral);
+    Always "gains.derivative" a => Some(&mut a.gains.derivative);
+    Always "gains.integral_limit" a => Some(&mut a.gains.integral_limit);
+    Always "gains.deadband" a => Some(&mut a.gains.deadband);
+    Always "feed_forward.share" a => Some(&mut a.feed_forward.share);
+    Always "feed_forward.limit" a => Some(&mut a.feed_forward.limit);
+    Always "feed_forward.mass" a => Some(&mut a.feed_forward.mass);
+    Always "fade_time" a => Some(&mut a.fade_time);
+    Disabled "limits.speed" a => Some(&mut a.limits.speed);
+    Disabled "limits.acceleration" a => Some(&mut a.limits.acceleration);
+    Disabled "limits.jerk" a => Some(&mut a.limits.jerk);
+    Disabled "limits.travel_low" a => a.limits.travel.as_mut().map(|ends| &mut ends.0);
+    Disabled "limits.travel_high" a => a.limits.travel.as_mut().map(|ends| &mut ends.1);
+    Disabled "duty_limit" a => Some(&mut a.duty_limit);
+    Disabled "silence" a => Some(&mut a.silence);
+    Disabled "motor.torque_constant" a => Some(&mut a.motor.torque_constant);
+    Disabled "motor.resistance" a => Some(&mut a.motor.resistance);
+    Disabled "motor.gear_ratio" a => Some(&mut a.motor.gear_ratio);
+    Disabled "motor.screw_lead" a => Some(&mut a.motor.screw_lead);
+    Disabled "motor.efficiency" a => Some(&mut a.motor.efficiency);
+    Disabled "motor.supply" a => Some(&mut a.motor.supply);
+    Disabled "watch.top_speed" a => Some(&mut a.watch.top_speed);
+    Disabled "watch.following_error" a => Some(&mut a.watch.following_error);
+    Disabled "watch.frozen_duty" a => Some(&mut a.watch.frozen_duty);
+    Disabled "watch.frozen_time" a => Some(&mut a.watch.frozen_time);
+    Disabled "watch.supply_min" a => Some(&mut a.watch.supply_min);
+    Disabled "watch.supply_max" a => Some(&mut a.watch.supply_max);
+    Disabled "watch.supply_time" a => Some(&mut a.watch.supply_time);
+    Disabled "watch.current_max" a => Some(&mut a.watch.current_max);
+    Disabled "watch.current_rated" a => Some(&mut a.watch.current_rated);
+    Disabled "watch.thermal_time" a => Some(&mut a.watch.thermal_time);
+    Disabled "watch.current_offset" a => Some(&mut a.watch.current_offset);
+}
+
+const COUNT: usize = TABLE.len();
+
+/// Numbers of a [`ModelSettings`].
+const MODEL: usize = 1 + 2 * MOST_BLOCKS;
+
+/// Bytes of a record: whether it has a model, the parameters, the model.
+const RECORD: usize = 4 + 4 * (COUNT + MODEL);
+
+impl Entry {
+    pub(crate) fn find(name: &Name) -> Option<&'static Entry> {
+        TABLE.iter().find(|entry| entry.name == name.as_str())
+    }
+
+    pub(crate) fn read(&self, axis: &Axis) -> Option<Parameter> {
+        let value = *(self.of)(&mut axis.clone())?;
+        Some(Parameter {
+            name: Name::new(self.name)?,
+            value: value as f32,
+            settable: true,
+        })
+    }
+}
+
+/// Parameters and friction model as they are saved.
+#[derive(Clone, Debug)]
+pub struct Parameters {
+    values: [f32; COUNT],
+    model: Option<ModelSettings>,
+}
+
+impl Parameters {
+    /// Of the record's layout: another table of names makes another version, whose records are not read (FNV-1a).
+    pub const VERSION: u32 = {
+        let mut hash = 0x811C_9DC5_u32;
+        let mut entry = 0;
+        while entry < COUNT {
+            let name = TABLE[entry].name.as_bytes();
+            let mut byte = 0;
+            while byte < name.len() {
+                hash = (hash ^ name[byte] as u32).wrapping_mul(0x0100_0193);
+                byte += 1;
+            }
+            entry += 1;
+        }
+        hash
+    };
+
+    pub(crate) fn of<M: Model>(axis: &Axis, model: &M) -> Self {
+        let mut axis = *axis;
+        let mut values = [0.0; COUNT];
+        for (value, entry) in values.iter_mut().zip(TABLE) {
+            // Travel ends that are not there stay NaN, and are not set.
+            *value = (entry.of)(&mut axis).map_or(f32::NAN, |value| *value as f32);
+        }
+        Self {
+            values,
+            model: model.settings(),
+        }
+    }
+
+    /// What these make of what was compiled in; `None` where the model does not take them.
+    pub(crate) fn over<M: Model>(&self, axis: &Axis, model: &M) -> Option<(Axis, M)> {
+        let mut axis = *axis;
+        for (value, entry) in self.values.iter().zip(TABLE) {
+            if let Some(place) = (entry.of)(&mut axis) {
+                place_value(place, *value);
+            }
+        }
+        let model = match &self.model {
+            Some(settings) => model.set(settings).ok()?,
+            None => model.clone(),
+        };
+        Some((axis, model))
+    }
+
+    /// As bytes.
+    pub fn to_bytes(&self) -> [u8; RECORD] {
+        let mut bytes = [0; RECORD];
+        let (model, has_model) = match &self.model {
+            Some(model) => (model, 1.0),
+            None => (&crate::STARTING_MODEL, 0.0),
+        };
+        let blocks = model.blocks.iter().flat_map(|block| [block.0, block.1]);
+        let numbers = core::iter::once(has_model)
+            .chain(self.values)
+            .chain(core::iter::once(model.breakaway_n))
+            .chain(blocks);
+        for (place, number) in bytes.chunks_exact_mut(4).zip(numbers) {
+            place.copy_from_slice(&number.to_le_bytes());
+        }
+        bytes
+    }
+
+    /// From bytes; `None` where they are fewer or more.
+    pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
+        if bytes.len() != RECORD {
+            return None;
+        }
+        let mut numbers = bytes.chunks_exact(4).map(|chunk| {
+            let bytes = chunk.first_chunk::<4>();
+            bytes.map_or(f32::NAN, |bytes| f32::from_le_bytes(*bytes))
+        });
+        let has_model = numbers.next()? > 0.5;
+        let mut values = [0.0; COUNT];
+        for value in &mut values {
+            *value = numbers.next()?;
+        }
+        let breakaway_n = numbers.next()?;
+        let mut blocks = [(0.0, 0.0); MOST_BLOCKS];
+        for block in &mut blocks {
+            *block = (numbers.next()?, numbers.next()?);
+        }
+        let model = ModelSettings {
+            breakaway_n,
+            blocks,
+        };
+        Some(Self {
+            values,
+            model: has_model.then_some(model),
+        })
+    }
+}
+
+/// Sets it, unless it is the same number in single precision already: what was compiled in has more digits.
+fn place_value(place: &mut f64, value: f32) {
+    if !value.is_nan() && *place as f32 != value {
+        *place = value.into();
+    }
+}

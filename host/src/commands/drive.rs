@@ -1,0 +1,591 @@
+//! `preslide drive`.
+
+use super::{Failure, parse_frequency};
+use clap::{Args, Subcommand, ValueEnum};
+use preslide_drive::{
+    BAUD, Drive as Session, DriveError, Motion, Play, open, quantity, screen, words,
+};
+use preslide_host::capture::{CaptureError, Recorder, Scale};
+use preslide_host::drive::loadable;
+use preslide_host::model::Model;
+use preslide_host::progress::Progress;
+use preslide_host::recording::{self, LoadOptions, MotionKind, Needs};
+use preslide_link::{GainSettings, Homing, Mark, Mode, Name, Request, Sample};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Command a running controller: enable, move, stop, home, play a motion while recording, load a model, save
+///
+/// Without a command it opens a terminal that shows the axis; there the space bar stops it, and so does Ctrl-C everywhere. The axis
+/// is disabled after every reset. A controller that hears nothing for the time in its parameter `silence` stops a moving axis.
+#[derive(Args)]
+#[command(
+    after_help = "Examples:\n  preslide drive /dev/ttyACM0\n  preslide drive /dev/ttyACM0 enable\n  preslide drive /dev/ttyACM0 move --by 1.5mm --speed 5mm/s\n  \
+                  preslide drive tcp:127.0.0.1:7700 play motion.csv -o axis.csv\n\nLengths are m, or end in mm, um, nm; of an axis that turns rad, mrad, deg."
+)]
+pub struct Drive {
+    /// A serial device's path, or tcp:HOST:PORT
+    #[arg(value_name = "PORT")]
+    port: String,
+
+    /// The serial line's speed
+    #[arg(long, value_name = "BAUD", default_value_t = BAUD)]
+    baud: u32,
+
+    /// Try to connect for this many seconds
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    wait: u64,
+
+    /// The axis turns: lengths are angles in rad
+    #[arg(long)]
+    rotary: bool,
+
+    #[command(subcommand)]
+    command: Option<What>,
+}
+
+#[derive(Subcommand)]
+enum What {
+    /// How the controller is, and what it was reset by
+    State,
+    /// Hold the position from here on
+    Enable,
+    /// Stop, then open the bridge
+    Disable,
+    /// Brake within the limits and drop what is queued
+    Stop,
+    /// Acknowledge a fault; the axis stays disabled
+    Acknowledge,
+    /// Move, and wait until the axis stands
+    Move(Move),
+    /// Go on at a speed for a time, then stop
+    Jog(Jog),
+    /// Find the origin
+    Home(Home),
+    /// Say where the axis is, without moving it
+    Zero {
+        /// Its position
+        #[arg(value_name = "POSITION", default_value = "0", value_parser = quantity::length, allow_hyphen_values = true)]
+        position: f64,
+    },
+    /// Show parameters
+    Get {
+        /// Which; all without one
+        #[arg(value_name = "NAME")]
+        names: Vec<String>,
+    },
+    /// Set parameters (SI): set gains.derivative=600 limits.speed=0.01
+    Set {
+        /// What to set
+        #[arg(value_name = "NAME=VALUE", required = true)]
+        pairs: Vec<String>,
+    },
+    /// Set the feedback's gains (SI) without a bump
+    Gains {
+        /// K_p in N/m
+        proportional: f32,
+        /// K_i in N/(m·s)
+        integral: f32,
+        /// K_d in N·s/m
+        derivative: f32,
+    },
+    /// Load a friction model without a bump
+    Load {
+        /// A model that identify or diagnose wrote
+        #[arg(value_name = "MODEL.toml")]
+        model: PathBuf,
+    },
+    /// Play a motion through the controller's buffer while recording
+    Play(PlayArgs),
+    /// Keep parameters and friction model over a reset; the axis must be disabled
+    Save,
+    /// Forget what was saved; from the next reset on what was compiled in rules
+    Forget,
+}
+
+#[derive(Args)]
+struct Move {
+    /// By a distance
+    #[arg(long, value_name = "LENGTH", value_parser = quantity::length, allow_hyphen_values = true, conflicts_with = "to", required_unless_present = "to")]
+    by: Option<f64>,
+
+    /// To a position
+    #[arg(long, value_name = "LENGTH", value_parser = quantity::length, allow_hyphen_values = true)]
+    to: Option<f64>,
+
+    /// Speed [default: a fifth of limits.speed]
+    #[arg(long, value_name = "SPEED", value_parser = quantity::positive_rate)]
+    speed: Option<f64>,
+
+    /// Acceleration [default: a fifth of limits.acceleration]
+    #[arg(long, value_name = "ACCELERATION", value_parser = quantity::positive_rate)]
+    acceleration: Option<f64>,
+}
+
+#[derive(Args)]
+struct Jog {
+    /// Speed, signed
+    #[arg(value_name = "SPEED", value_parser = quantity::rate, allow_hyphen_values = true)]
+    speed: f64,
+
+    /// How long
+    #[arg(long, value_name = "S", default_value_t = 1.0)]
+    seconds: f64,
+}
+
+#[derive(Args)]
+struct Home {
+    /// What marks the origin
+    #[arg(long, value_name = "WHAT", default_value = "index")]
+    mark: MarkArg,
+
+    /// Speed on the way, signed [default: a tenth of limits.speed, backward]
+    #[arg(long, value_name = "SPEED", value_parser = quantity::rate, allow_hyphen_values = true)]
+    speed: Option<f64>,
+
+    /// What the position there is called
+    #[arg(long, value_name = "LENGTH", default_value = "0", value_parser = quantity::length, allow_hyphen_values = true)]
+    position: f64,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum MarkArg {
+    /// The encoder's index pulse
+    Index,
+    /// A mechanical stop, reached slowly
+    Stop,
+}
+
+#[derive(Args)]
+struct PlayArgs {
+    /// Columns t_s and x_m (or q_rad); `preslide plan` writes one
+    #[arg(value_name = "MOTION.csv")]
+    motion: PathBuf,
+
+    /// Write the recording
+    #[arg(short, long, value_name = "REC.csv")]
+    output: PathBuf,
+
+    /// Replace the recording if it exists
+    #[arg(long)]
+    overwrite: bool,
+
+    /// Positions count from the axis's origin; without it from where the axis stands
+    #[arg(long)]
+    absolute: bool,
+
+    /// Rows of the recording per second
+    #[arg(long, value_name = "HZ", default_value = "1kHz", value_parser = parse_frequency)]
+    rate: f64,
+}
+
+/// Samples of telemetry in a row of the recording: together with 1 kHz, what a serial line carries.
+const SAMPLES_PER_ROW: f64 = 2.0;
+
+impl From<DriveError> for Failure {
+    fn from(error: DriveError) -> Self {
+        let text = error.to_string();
+        match error {
+            DriveError::Line(_) | DriveError::Silent { .. } | DriveError::Answer(_) => {
+                Failure::Tool(text)
+            }
+            DriveError::Fault(_)
+            | DriveError::Dry(_)
+            | DriveError::Disabled
+            | DriveError::Stopped => Failure::Data(text),
+            _ => Failure::Input(text),
+        }
+    }
+}
+
+/// Set by Ctrl-C. The axis is stopped before the program ends.
+fn stop_flag() -> Result<Arc<AtomicBool>, Failure> {
+    let flag = Arc::new(AtomicBool::new(false));
+    let set = Arc::clone(&flag);
+    ctrlc::set_handler(move || set.store(true, Ordering::Relaxed))
+        .map_err(|error| Failure::Tool(format!("Ctrl-C cannot be watched for: {error}")))?;
+    Ok(flag)
+}
+
+impl Drive {
+    /// Runs the command.
+    pub fn run(self) -> Result<(), Failure> {
+        let line = open(&self.port, self.baud, Duration::from_secs(self.wait))?;
+        let session = Session::begin(line)?;
+        let unit = if self.rotary { "rad" } else { "m" };
+        let Some(command) = self.command else {
+            return Ok(screen::run(session, unit)?);
+        };
+        let mut axis = Commanded {
+            drive: session,
+            stop: stop_flag()?,
+            unit,
+            rotary: self.rotary,
+            port: self.port,
+        };
+        axis.carry_out(command)
+    }
+}
+
+/// The axis, commanded once.
+struct Commanded {
+    drive: Session,
+    stop: Arc<AtomicBool>,
+    unit: &'static str,
+    rotary: bool,
+    port: String,
+}
+
+impl Commanded {
+    fn carry_out(&mut self, command: What) -> Result<(), Failure> {
+        match command {
+            What::State => self.tell_state(),
+            What::Enable => self.simple(Request::Enable, "enabled: the axis holds its position"),
+            What::Disable => self.disable(),
+            What::Stop => {
+                self.drive.stop()?;
+                self.stands()
+            }
+            What::Acknowledge => {
+                self.simple(Request::Acknowledge, "acknowledged; the axis is disabled")
+            }
+            What::Move(to) => self.go(&to),
+            What::Jog(jog) => self.jog(&jog),
+            What::Home(home) => self.home(&home),
+            What::Zero { position } => {
+                let position_m = position as f32;
+                self.simple(
+                    Request::Zero { position_m },
+                    "the axis is located: its travel has ends",
+                )
+            }
+            What::Get { names } => self.get(&names),
+            What::Set { pairs } => self.set(&pairs),
+            What::Gains {
+                proportional,
+                integral,
+                derivative,
+            } => self.simple(
+                Request::Gains(GainSettings {
+                    proportional,
+                    integral,
+                    derivative,
+                }),
+                "gains taken; `save` keeps them over a reset",
+            ),
+            What::Load { model } => self.load(&model),
+            What::Play(play) => self.play(&play),
+            What::Save => self.simple(Request::Save, "saved"),
+            What::Forget => self.simple(Request::Forget, "forgotten"),
+        }
+    }
+
+    fn simple(&mut self, request: Request, done: &str) -> Result<(), Failure> {
+        self.drive.ask(request)?;
+        say!("{done}");
+        Ok(())
+    }
+
+    fn tell_state(&mut self) -> Result<(), Failure> {
+        let state = self.drive.state()?;
+        let identity = *self.drive.identity();
+        for line in words::state(&state, identity.count, identity.rate_hz, self.unit) {
+            say!("{line}");
+        }
+        let saved = if identity.saved {
+            "saved"
+        } else {
+            "compiled in"
+        };
+        say!("settings  as {saved}; {} Hz", identity.rate_hz);
+        Ok(())
+    }
+
+    /// Waits until the axis stands; Ctrl-C stops it.
+    fn stands(&mut self) -> Result<(), Failure> {
+        let stop = Arc::clone(&self.stop);
+        let state = self.drive.wait(|| stop.load(Ordering::Relaxed))?;
+        let position = state.position as f64 * self.drive.identity().count;
+        say!("stands at {position:+.9} {}", self.unit);
+        Ok(())
+    }
+
+    fn disable(&mut self) -> Result<(), Failure> {
+        self.drive.ask(Request::Disable)?;
+        while self.drive.state()?.mode != Mode::Disabled {
+            self.drive.listen(Duration::from_millis(20))?;
+        }
+        say!("disabled: the bridge is open");
+        Ok(())
+    }
+
+    fn limit(&mut self, name: &str) -> Result<f64, Failure> {
+        let value = self.drive.get(name)?;
+        value.ok_or_else(|| Failure::Tool(format!("the controller does not tell {name}")))
+    }
+
+    fn go(&mut self, to: &Move) -> Result<(), Failure> {
+        let speed = match to.speed {
+            Some(speed) => speed,
+            None => 0.2 * self.limit("limits.speed")?,
+        };
+        let acceleration = match to.acceleration {
+            Some(acceleration) => acceleration,
+            None => 0.2 * self.limit("limits.acceleration")?,
+        };
+        let (speed_m_s, ramp_s) = (speed as f32, (speed / acceleration) as f32);
+        let request = match (to.by, to.to) {
+            (Some(by), _) => Request::Move {
+                distance_m: by as f32,
+                speed_m_s,
+                ramp_s,
+            },
+            (None, to) => Request::MoveTo {
+                position_m: to.unwrap_or_default() as f32,
+                speed_m_s,
+                ramp_s,
+            },
+        };
+        self.drive.insist(request)?;
+        self.stands()
+    }
+
+    fn jog(&mut self, jog: &Jog) -> Result<(), Failure> {
+        let speed_m_s = jog.speed as f32;
+        self.drive.ask(Request::Jog { speed_m_s })?;
+        let start = Instant::now();
+        while start.elapsed().as_secs_f64() < jog.seconds && !self.stop.load(Ordering::Relaxed) {
+            let state = self.drive.state()?;
+            if let Some(fault) = state.fault {
+                return Err(DriveError::Fault(fault).into());
+            }
+            self.drive.listen(Duration::from_millis(20))?;
+        }
+        self.drive.stop()?;
+        self.stands()
+    }
+
+    fn home(&mut self, home: &Home) -> Result<(), Failure> {
+        let speed = match home.speed {
+            Some(speed) => speed,
+            None => -0.1 * self.limit("limits.speed")?,
+        };
+        self.drive.ask(Request::Home(Homing {
+            mark: match home.mark {
+                MarkArg::Index => Mark::Index,
+                MarkArg::Stop => Mark::Stop,
+            },
+            speed_m_s: speed as f32,
+            position_m: home.position as f32,
+        }))?;
+        self.stands()?;
+        if self.drive.state()?.located {
+            say!("homed: positions count from the axis's origin, and its travel has ends");
+            Ok(())
+        } else {
+            Err(Failure::Data(
+                "the origin was not found; check the index's wiring, or home to a --mark stop"
+                    .to_owned(),
+            ))
+        }
+    }
+
+    fn get(&mut self, names: &[String]) -> Result<(), Failure> {
+        if names.is_empty() {
+            for parameter in self.drive.parameters()? {
+                say!("{:<24} {:e}", parameter.name.as_str(), parameter.value);
+            }
+        }
+        for name in names {
+            match self.drive.get(name)? {
+                Some(value) => say!("{name:<24} {value:e}"),
+                None => return Err(Failure::Input(unknown(name))),
+            }
+        }
+        Ok(())
+    }
+
+    fn set(&mut self, pairs: &[String]) -> Result<(), Failure> {
+        // All are read before the first is sent.
+        let read = |pair: &String| {
+            let (name, value) = pair.split_once('=')?;
+            Some((Name::new(name.trim())?, value.trim().parse::<f32>().ok()?))
+        };
+        let mut read_pairs = Vec::new();
+        for pair in pairs {
+            let found = read(pair).ok_or_else(|| {
+                Failure::Input(format!(
+                    "`{pair}`: give NAME=VALUE in SI, such as gains.derivative=600"
+                ))
+            })?;
+            if self.drive.get(found.0.as_str())?.is_none() {
+                return Err(Failure::Input(unknown(found.0.as_str())));
+            }
+            read_pairs.push(found);
+        }
+        for (name, value) in read_pairs {
+            self.drive.ask(Request::Set(name, value))?;
+            say!("{:<24} {value:e}", name.as_str());
+        }
+        Ok(())
+    }
+
+    fn load(&mut self, path: &std::path::Path) -> Result<(), Failure> {
+        let model = Model::load(path)?;
+        let loaded = loadable(&model)
+            .map_err(|reason| Failure::Input(format!("{}: {reason}", path.display())))?;
+        self.drive.ask(Request::Model(loaded.settings))?;
+        say!(
+            "loaded: breakaway {:.4}, blocks (stiffness, weight) {:?}",
+            loaded.settings.breakaway_n,
+            loaded.settings.blocks
+        );
+        if loaded.deviation > 1e-6 {
+            say!(
+                "Note: the link takes four blocks; joining them changes the force by up to {:.1} % of the breakaway force. \
+                 `preslide export` and PRESLIDE_MODEL keep all.",
+                100.0 * loaded.deviation
+            );
+        }
+        if !loaded.left_out.is_empty() {
+            say!(
+                "Note: not sent: {}; `preslide export` and PRESLIDE_MODEL compile them in.",
+                loaded.left_out.join(", ")
+            );
+        }
+        say!(
+            "Next: preslide drive {} play motion.csv -o after.csv; `save` keeps the model over a reset",
+            self.port
+        );
+        Ok(())
+    }
+
+    fn play(&mut self, play: &PlayArgs) -> Result<(), Failure> {
+        let identity = *self.drive.identity();
+        let options = LoadOptions {
+            needs: Needs::Motion,
+            ..LoadOptions::default()
+        };
+        let read = recording::load(&play.motion, &options)?;
+        let motion = Motion::new(&read.t_s, &read.position, identity.rate_hz)
+            .map_err(|reason| Failure::Input(format!("{}: {reason}", play.motion.display())))?;
+        let state = self.drive.state()?;
+        let stands = state.position as f64 * identity.count;
+        let offset = if !play.absolute {
+            stands - motion.start()
+        } else if !state.located {
+            return Err(Failure::Input(
+                "--absolute needs an axis that knows where it is: `home` or `zero` first"
+                    .to_owned(),
+            ));
+        } else if (stands - motion.start()).abs() > 2.0 * identity.count {
+            return Err(Failure::Input(format!(
+                "the motion begins at {:.9} {u} and the axis stands at {stands:.9} {u}: `move --to {:.9}` first",
+                motion.start(),
+                motion.start(),
+                u = self.unit
+            )));
+        } else {
+            0.0
+        };
+        let every = (f64::from(identity.rate_hz) / play.rate / SAMPLES_PER_ROW)
+            .round()
+            .max(1.0);
+        let scale = Scale {
+            motion: if self.rotary {
+                MotionKind::Rotary
+            } else {
+                MotionKind::Linear
+            },
+            sample_time_s: 1.0 / f64::from(identity.rate_hz),
+            count: identity.count,
+            effort_per_a: identity.effort_per_a.into(),
+            every: (every * SAMPLES_PER_ROW) as u32,
+        };
+        let file = super::capture::create(&play.output, play.overwrite)?;
+        let mut recorder = Recorder::begin(file, &scale, None)?;
+        let progress = Progress::new(
+            "play, rows",
+            (motion.seconds(identity.rate_hz) * play.rate) as u64,
+        );
+        let stop = Arc::clone(&self.stop);
+        let mut failed: Option<CaptureError> = None;
+        let mut error = Following::default();
+        let playing = Play {
+            offset,
+            every: every as u16,
+        };
+        let played = playing.play(&mut self.drive, &motion, |samples| {
+            for sample in &samples {
+                error.add(sample);
+                match recorder.take(sample) {
+                    Ok(_) => {}
+                    Err(error) => failed = Some(error),
+                }
+            }
+            progress.inc((samples.len() as f64 / SAMPLES_PER_ROW) as u64);
+            failed.is_some() || stop.load(Ordering::Relaxed)
+        });
+        progress.finish();
+        // What was recorded is kept whatever happened.
+        let recorded = recorder.end(0);
+        if let Some(error) = failed {
+            return Err(error.into());
+        }
+        let path = play.output.display();
+        if let Err(error) = &played
+            && recorded.is_ok()
+        {
+            eprintln!("wrote {path}, up to where it ended: {error}");
+        }
+        let played = played?;
+        let summary = recorded?;
+        eprintln!("wrote {path}");
+        say!(
+            "played {} points in {:.1} s, the buffer never below {}; {} samples in {} rows, {} missing.",
+            played.points,
+            motion.seconds(identity.rate_hz),
+            played.lowest,
+            summary.samples,
+            summary.rows,
+            summary.missing
+        );
+        let (rms, largest) = error.of(identity.count);
+        say!(
+            "following error: RMS {rms:.1} n{u}, largest {largest:.0} n{u}",
+            u = self.unit
+        );
+        say!("Next: preslide identify {path} -o model.toml");
+        Ok(())
+    }
+}
+
+/// Reference less position, by the encoder.
+#[derive(Default)]
+struct Following {
+    squares: f64,
+    samples: u32,
+    largest: f64,
+}
+
+impl Following {
+    fn add(&mut self, sample: &Sample) {
+        let error = sample.reference as f64 / 65_536.0 - f64::from(sample.position);
+        self.squares += error * error;
+        self.samples += 1;
+        self.largest = self.largest.max(error.abs());
+    }
+
+    /// RMS and largest (10⁻⁹ m or rad) for this count.
+    fn of(&self, count: f64) -> (f64, f64) {
+        let rms = (self.squares / f64::from(self.samples.max(1))).sqrt();
+        (rms * count * 1e9, self.largest * count * 1e9)
+    }
+}
+
+/// A name that the controller does not know.
+fn unknown(name: &str) -> String {
+    format!("there is no parameter `{name}`; `preslide drive PORT get` lists them")
+}

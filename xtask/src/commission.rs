@@ -1,0 +1,54 @@
+//! The book's commissioning chapter, run as a user would: its commands, in order, against an emulated drive.
+
+use std::path::Path;
+use std::process::Command;
+use std::time::Duration;
+
+use crate::process::{root, run_for};
+use crate::qemu::free_port;
+
+/// The chapter, and the port that it names.
+const CHAPTER: &str = "docs/src/commissioning.md";
+const PORT: &str = "7700";
+
+/// Twice a motion of 46 s, on an emulator that may run at a third of a real drive's speed.
+const LIMIT: Duration = Duration::from_secs(900);
+
+/// Runs the chapter on the firmware `elf`.
+pub fn run(elf: &Path) -> Result<(), String> {
+    let text =
+        std::fs::read_to_string(root().join(CHAPTER)).map_err(|e| format!("{CHAPTER}: {e}"))?;
+    let port = free_port()?;
+    let commands: Vec<String> = text
+        .lines()
+        .filter(|line| line.starts_with("preslide "))
+        .map(|line| line.replace(PORT, &port))
+        .collect();
+    if commands.len() < 10 {
+        return Err(format!("{CHAPTER}: only {} commands found", commands.len()));
+    }
+    let folder = std::env::temp_dir().join(format!("preslide-commission-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let mut serve = Command::new(root().join("target/release/examples/drive"));
+    let serving = serve.arg("serve").arg(elf).arg(&port).spawn();
+    let mut serving = serving.map_err(|error| format!("the drive did not start: {error}"))?;
+    let script = format!("set -euxo pipefail\n{}\n", commands.join("\n"));
+    let path = format!(
+        "{}:{}",
+        root().join("target/release").display(),
+        std::env::var("PATH").unwrap_or_default()
+    );
+    let mut bash = Command::new("bash");
+    bash.args(["-c", &script])
+        .env("PATH", path)
+        .current_dir(&folder);
+    let commissioned = run_for(&mut bash, LIMIT);
+    // It serves for ever.
+    let _ = serving.kill();
+    let _ = serving.wait();
+    if commissioned.is_ok() {
+        // What stays of a failed run is there to be looked at.
+        let _ = std::fs::remove_dir_all(&folder);
+    }
+    commissioned.map_err(|reason| format!("{CHAPTER}: {reason}"))
+}
