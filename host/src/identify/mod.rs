@@ -12,6 +12,7 @@ pub mod rigid_body;
 pub mod search;
 pub mod split;
 pub mod stop;
+mod told;
 pub mod virgin;
 
 use crate::friction::FrictionModel;
@@ -193,6 +194,9 @@ const THINNED_FROM: usize = 60_000;
 /// Sample rate that is kept, in cut-offs of the filter that the effort goes through anyway.
 const KEPT_RATE: f64 = 10.0;
 
+/// Most samples that are kept, whatever the band: more tell these models nothing more.
+const MOST_KEPT: usize = 100_000;
+
 /// The recording with as many samples as its band needs, where it has many more; `None` where it is best left as it is.
 ///
 /// The band is that of the zero-phase filter through which effort and motion are compared ([`crate::kinematics`]). A recorded
@@ -202,7 +206,8 @@ pub fn thinned(recording: &Recording) -> Option<Recording> {
         return None;
     }
     let cutoff = crate::kinematics::ZeroPhase::choose_cutoff(recording);
-    let factor = (1.0 / (KEPT_RATE * cutoff * recording.sample_time_s())).floor() as usize;
+    let by_band = (1.0 / (KEPT_RATE * cutoff * recording.sample_time_s())).floor() as usize;
+    let factor = by_band.max(recording.len() / MOST_KEPT);
     (factor > 1).then(|| recording.decimated(factor))
 }
 
@@ -220,7 +225,11 @@ pub fn identify(
 ) -> Result<Identification, String> {
     for (code, remedy) in FATAL {
         if let Some(warning) = recording.warnings.iter().find(|w| w.code == code) {
-            return Err(format!("{}: {warning}; {remedy}", recording.name));
+            let told = match code {
+                "one-way-motion" => format!("; {}", told::told(recording)),
+                _ => String::new(),
+            };
+            return Err(format!("{}: {warning}; {remedy}{told}", recording.name));
         }
     }
     split::check_windows(recording, options.train, options.test)?;
@@ -228,10 +237,11 @@ pub fn identify(
     let train = split.train();
     if split.unit == "segment" && split.folds.len() < FEWEST_FOLDS {
         return Err(format!(
-            "{}: {} stroke{} to fit, but at least {FEWEST_FOLDS} are needed, so that any one can be held out and both directions are left; record at least three reversals, or widen --train",
+            "{}: {} stroke{} to fit, but at least {FEWEST_FOLDS} are needed, so that any one can be held out and both directions are left; record at least three reversals, or widen --train; {}",
             recording.name,
             split.folds.len(),
             if split.folds.len() == 1 { "" } else { "s" },
+            told::told(recording),
         ));
     }
 

@@ -16,8 +16,9 @@ const UNUSUAL: f64 = 0.5;
 /// Distance of rounded stamps from the true times, in steps of their resolution: half, and some slack for the fitted line.
 const ROUNDED: f64 = 0.55;
 
-/// Most different lengths of steps that a coarse clock shows, and the share of steps that it makes unequal.
-const COARSE_STEPS: usize = 16;
+/// Most different lengths of steps that a coarse clock shows: two, and two more where single precision becomes coarser on the
+/// way. Jitter shows more. And the share of steps that it makes unequal.
+const COARSE_STEPS: usize = 4;
 const COARSE_SHARE: f64 = 0.05;
 
 /// Most samples that a piece may have on its even grid for each that was recorded.

@@ -198,14 +198,14 @@ fn unwrap(
     let mut turns = 0.0;
     let mut next = jumps.iter().peekable();
     let mut last = x[0];
-    for i in 1..x.len() {
+    for (i, x) in x.iter_mut().enumerate().skip(1) {
         if next.next_if_eq(&&i).is_some() {
-            turns -= ((x[i] - last) / wrap).round();
+            turns -= ((*x - last) / wrap).round();
         } else if starts.binary_search(&i).is_ok() {
             turns = 0.0;
         }
-        last = x[i];
-        x[i] += turns * wrap;
+        last = *x;
+        *x += turns * wrap;
     }
     warnings.push(Warning::new(
         "wrapped",
