@@ -14,6 +14,9 @@ const NOISE_SHARE: f64 = 1e-3;
 /// Bins over which the noise is averaged, more than a recording has repeats.
 const BINS: usize = 64;
 
+/// Samples that the band is chosen from.
+const MOST_SAMPLES: usize = 1 << 20;
+
 /// Half the order of the Butterworth magnitude `1/(1 + (f/f_c)⁸)`: the response of a fourth-order filter run
 /// forward and backward.
 const STEEPNESS: i32 = 8;
@@ -23,7 +26,7 @@ const MARGIN: f64 = 5.0;
 
 /// A zero-phase low-pass and its derivatives, for the pieces of one recording.
 ///
-/// Works in the frequency domain on samples spaced evenly at the piece's median sample time, each piece continued at its
+/// Works in the frequency domain on samples spaced evenly at the piece's mean sample time, each piece continued at its
 /// ends by point reflection, which keeps value and slope. Pieces with uneven time stamps are interpolated
 /// linearly to that spacing and back.
 pub struct ZeroPhase {
@@ -54,9 +57,11 @@ impl Piece {
         cutoff_hz: f64,
     ) -> Self {
         let t = &t_s[rows.clone()];
-        let mut steps: Vec<f64> = t.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        steps.sort_by(f64::total_cmp);
-        let sample_time = steps.get(steps.len() / 2).copied().unwrap_or(usual);
+        // The loader brings uneven samples to even times: their mean step is the step.
+        let sample_time = match t {
+            [first, .., last] if last > first => (last - first) / (t.len() - 1) as f64,
+            _ => usual,
+        };
         let places: Vec<f64> = t.iter().map(|t_i| (t_i - t[0]) / sample_time).collect();
         let even = places
             .iter()
@@ -198,11 +203,19 @@ impl ZeroPhase {
     /// repeats exactly repeats its quantisation error too, and leaves most bins between the harmonics empty. Never above a fifth of the sample rate, nor below ten periods of the longest
     /// piece.
     pub fn choose(recording: &Recording) -> Self {
+        Self::new(recording, Self::choose_cutoff(recording))
+    }
+
+    /// The cut-off (Hz) of [`choose`](Self::choose).
+    pub fn choose_cutoff(recording: &Recording) -> f64 {
         let sample_time = recording.sample_time_s();
         let highest = 0.2 / sample_time;
         let Some(longest) = recording.pieces.iter().max_by_key(|rows| rows.len()) else {
-            return Self::new(recording, highest);
+            return highest;
         };
+        // A million samples tell the band; the middle of the motion, not its rest before and after.
+        let spare = longest.len().saturating_sub(MOST_SAMPLES) / 2;
+        let longest = &(longest.start + spare..longest.end - spare);
         let lowest = (10.0 / (longest.len() as f64 * sample_time)).min(highest);
         let piece = Piece::new(
             &mut RealFftPlanner::new(),
@@ -233,11 +246,10 @@ impl ZeroPhase {
             of_noise / of_all
         };
         let steps = 60;
-        let cutoff = (0..=steps)
+        (0..=steps)
             .map(|i| highest * (lowest / highest).powf(f64::from(i) / f64::from(steps)))
             .find(|&cutoff| noise_share(cutoff) <= NOISE_SHARE)
-            .unwrap_or(lowest);
-        Self::new(recording, cutoff)
+            .unwrap_or(lowest)
     }
 
     /// The cut-off (−6 dB) (Hz).

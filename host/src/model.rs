@@ -150,6 +150,29 @@ fn to_linear_keys(value: &mut toml::Value, path: &str) -> Result<(), String> {
     }
 }
 
+/// Largest model file (bytes); those of this tool have some thousands.
+const MOST_BYTES: u64 = 1 << 20;
+
+/// The text of a model file, which has an end.
+///
+/// # Errors
+/// What the system says, text that is not UTF-8, and more than a megabyte.
+pub fn read(path: &FilePath) -> std::io::Result<String> {
+    use std::io::Read;
+    let mut text = String::new();
+    let file = std::fs::File::open(path)?;
+    let bytes = file.take(MOST_BYTES + 1).read_to_string(&mut text)? as u64;
+    if bytes > MOST_BYTES {
+        return Err(std::io::Error::other(format!(
+            "more than {MOST_BYTES} bytes, which no model file has"
+        )));
+    }
+    Ok(text)
+}
+
+/// Largest magnitude of a parameter, in SI: what is beyond is a broken number, and its products are infinite.
+const ABSURD: f64 = 1e15;
+
 impl Model {
     /// Friction and nothing else.
     pub fn of_friction(motion: MotionKind, friction: FrictionModel) -> Self {
@@ -170,7 +193,7 @@ impl Model {
     /// [`ModelError`] names the file, the key, the reason and the remedy.
     pub fn load(path: &FilePath) -> Result<Self, ModelError> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|source| ModelError::Unreadable {
+        let text = read(path).map_err(|source| ModelError::Unreadable {
             file: file.clone(),
             source,
         })?;
@@ -271,6 +294,43 @@ impl Model {
                 "effects.force_N",
                 format!("{} must be finite", self.constant_force),
             );
+        }
+        let effects = self.effects.iter().enumerate();
+        let of_effects = effects.flat_map(|(i, e)| {
+            let named =
+                move |(key, value): &(String, f64)| (format!("effects[{}].{key}", i + 1), *value);
+            e.values.iter().map(named)
+        });
+        let of_blocks = match &self.friction {
+            FrictionModel::Gms { blocks, .. } | FrictionModel::Leuven { blocks, .. } => {
+                blocks.as_slice()
+            }
+            _ => &[],
+        };
+        let scalars = self.friction.scalars().into_iter();
+        let named = scalars
+            .map(|(key, value)| (format!("friction.{key}"), value))
+            .chain(
+                of_blocks
+                    .iter()
+                    .map(|b| ("friction.blocks.stiffness_N_per_m".to_owned(), b.stiffness)),
+            )
+            .chain(of_effects)
+            .chain([
+                ("inertia.mass_kg".to_owned(), self.inertia),
+                ("friction.viscous_N_s_per_m".to_owned(), self.viscous),
+                ("effects.force_N".to_owned(), self.constant_force),
+            ]);
+        for (key, value) in named {
+            // An attraction without end is a friction model without lag.
+            if value.is_finite() && value.abs() > ABSURD {
+                return fail(
+                    &key,
+                    format!(
+                        "{value:e} is beyond {ABSURD:e}, which no machine has; check the number and its unit"
+                    ),
+                );
+            }
         }
         for (key, value) in &self.mechanics {
             if !(value.is_finite() && *value > 0.0) {

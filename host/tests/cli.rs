@@ -197,7 +197,7 @@ fn motion_that_cannot_answer_exits_with_3_and_says_what_to_record() {
         (
             "one_way.csv",
             table(|i| f64::from(i) * 1e-5, |i| f64::from(i % 7), 900),
-            &["one-way-motion", "both directions"][..],
+            &["one-way-motion", "both directions", "what it does not: "][..],
         ),
         (
             "short.csv",
@@ -226,10 +226,19 @@ fn motion_that_cannot_answer_exits_with_3_and_says_what_to_record() {
 }
 
 #[test]
-fn a_current_is_no_force_and_the_remedy_is_a_map() {
+fn a_current_is_taken_as_it_is_and_what_a_constant_would_add_is_said() {
     let folder = Folder::new();
     let path = folder.file("current.csv", recording("t_s,x_m,current_A"));
-    preslide(&["identify", &path]).fails(3, &["current.csv", "current in A", "--map"]);
+    let run = preslide(&["identify", &path]);
+    let said = &run.succeeds().out;
+    for part in [
+        "the effort is in A",
+        "K in N/A",
+        "--map force_N=K*COLUMN",
+        "A·s²/m",
+    ] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
     preslide(&["identify", &path, "--map", "friction_N=2*current_A"]).succeeds();
 }
 
@@ -413,6 +422,64 @@ fn outputs_that_cannot_be_written_say_so() {
     preslide(&["identify", &path, "--report", &folder.path("r.png")]).fails(2, &["r.png", ".html"]);
     let blocker = folder.file("blocker", "");
     preslide(&["demo", "--out", &format!("{blocker}/inside")]).fails(2, &["--out", "blocker"]);
+}
+
+#[test]
+fn no_output_overwrites_an_input_or_another_output() {
+    let folder = Folder::new();
+    let path = folder.file("good.csv", recording(HEADER));
+    let before = std::fs::read(&path).expect("there");
+    let link = folder.path("link.csv");
+    std::fs::hard_link(&path, &link).expect("linked");
+    let model = folder.path("model.toml");
+    let start = Instant::now();
+    preslide(&["identify", &path, "-o", &path]).fails(2, &["-o", "this is the input"]);
+    preslide(&["identify", &path, "-o", &link]).fails(2, &["link.csv", "this is the input"]);
+    preslide(&["identify", &path, "-o", &model, "--json", &model])
+        .fails(2, &["--json", "goes there already"]);
+    let nowhere = folder.path("no/where.json");
+    preslide(&["identify", &path, "-o", &link, "--json", &nowhere]).fails(
+        2,
+        &["this is the input", "no/where.json", "folder that exists"],
+    );
+    assert!(
+        start.elapsed() < Duration::from_secs(5),
+        "refused before any work"
+    );
+    assert!(std::fs::read(&path).expect("there") == before);
+    let piped = preslide(&["identify", &path, "-o", "-"]);
+    assert!(
+        piped
+            .succeeds()
+            .out
+            .contains("schema = \"preslide.model/1\""),
+        "{}",
+        piped.out
+    );
+    assert!(
+        !piped.out.contains("Use ") && piped.err.contains("Use "),
+        "{}",
+        piped.out
+    );
+    let left: Vec<_> = std::fs::read_dir(folder.path(""))
+        .expect("folder")
+        .flatten()
+        .map(|f| f.file_name())
+        .collect();
+    assert_eq!(left.len(), 2, "{left:?}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_model_without_end_and_absurd_ones_are_refused() {
+    let folder = Folder::new();
+    let path = folder.file("good.csv", recording(HEADER));
+    preslide(&["simulate", "/dev/zero", "--motion", &path])
+        .fails(2, &["/dev/zero", "1048576 bytes"]);
+    let model = "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[friction]\nkind = \"coulomb\"\ncoulomb_N = 1e308\n";
+    let huge = folder.file("huge.toml", model);
+    preslide(&["simulate", &huge, "--motion", &path])
+        .fails(2, &["huge.toml", "friction.coulomb_N", "1e308"]);
 }
 
 #[test]

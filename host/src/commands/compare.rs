@@ -1,6 +1,6 @@
 //! `preslide compare`.
 
-use super::{Failure, OutputArgs, RecordingArgs, SplitArgs, command_line};
+use super::{Failure, OutputArgs, RecordingArgs, SplitArgs, command_line, thin};
 use clap::Args;
 use preslide_host::compare::{compare, steps};
 use preslide_host::progress::Progress;
@@ -26,7 +26,9 @@ impl Compare {
     /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
         let start = Instant::now();
+        self.recordings.check_outputs(None, &self.outputs)?;
         let recording = self.recordings.load()?;
+        let recording = thin(recording);
         let options = self.split.options(&recording)?;
         let progress = Progress::new("compare", steps());
         let found = compare(&recording, &options, &progress).map_err(Failure::Data)?;

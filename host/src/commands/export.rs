@@ -1,9 +1,9 @@
 //! `preslide export`.
 
-use super::{Failure, ReadingArgs, write_text};
+use super::{Failure, ReadingArgs, outputs, write_text};
 use clap::Args;
 use preslide_host::export::{Options, reduced, rust_source, sha256};
-use preslide_host::model::{Model, ModelError};
+use preslide_host::model::{Model, ModelError, read};
 use preslide_host::recording::Needs;
 use preslide_host::simulate::force_of_motion;
 use std::path::{Path, PathBuf};
@@ -41,12 +41,14 @@ pub struct Export {
 impl Export {
     /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
+        let mut inputs = vec![self.model.as_path()];
+        inputs.extend(self.recording.iter().map(PathBuf::as_path));
+        outputs::check(&inputs, self.output.as_deref(), None)?;
         let file = self.model.display().to_string();
-        let text =
-            std::fs::read_to_string(&self.model).map_err(|source| ModelError::Unreadable {
-                file: file.clone(),
-                source,
-            })?;
+        let text = read(&self.model).map_err(|source| ModelError::Unreadable {
+            file: file.clone(),
+            source,
+        })?;
         let in_file = |reason: String| Failure::Input(format!("{file}: {reason}"));
         let whole = Model::parse(&text).map_err(in_file)?;
         let model = reduced(&whole, &self.without).map_err(in_file)?;

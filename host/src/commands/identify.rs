@@ -1,6 +1,6 @@
 //! `preslide identify`.
 
-use super::{Failure, OutputArgs, RecordingArgs, SplitArgs, command_line, write_text};
+use super::{Failure, OutputArgs, RecordingArgs, SplitArgs, command_line, thin, write_text};
 use clap::Args;
 use preslide_host::identify::family::Family;
 use preslide_host::identify::{Identification, STEPS, identify};
@@ -41,7 +41,10 @@ impl Identify {
     /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
         let start = Instant::now();
+        self.recordings
+            .check_outputs(self.output.as_ref(), &self.outputs)?;
         let recording = self.recordings.load()?;
+        let recording = thin(recording);
         let options = self.split.options(&recording)?;
         let more = if self.friction.is_some() { 2 } else { 0 };
         let progress = Progress::new("identify", STEPS + more);
@@ -85,11 +88,13 @@ pub fn print(found: &Identification, recording: &Recording) {
 /// The recommended model's file, with where it comes from at its head.
 pub fn model_text(found: &Identification, recording: &Recording) -> String {
     let best = found.best();
-    best.model.to_toml(&[
+    let mut remarks = vec![
         format!("identified from {}", recording.name),
         format!(
             "NMSE {:.4} % fitted, {:.4} % held out",
             best.nmse_train, best.nmse_test
         ),
-    ])
+    ];
+    remarks.extend(recording.per_unit());
+    best.model.to_toml(&remarks)
 }

@@ -13,19 +13,21 @@ pub mod diagnose;
 pub mod drive;
 pub mod export;
 pub mod identify;
+pub mod outputs;
 pub mod plan;
 pub mod reproduce;
 pub mod simulate;
 pub mod tune;
 
 use clap::Args;
+pub use outputs::write_text;
 use preslide_host::diagnose::Refusal;
 use preslide_host::identify::Options;
 use preslide_host::identify::split::{Window, check_windows, parse_window};
 use preslide_host::model::ModelError;
-use preslide_host::recording::{self, LoadOptions, Needs, Recording, RecordingError};
+use preslide_host::recording::{self, LoadOptions, Needs, Problem, Recording, RecordingError};
 use preslide_host::report::Page;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Why a command ended without its answer; decides the exit code.
 #[derive(Debug)]
@@ -95,6 +97,16 @@ pub struct RecordingArgs {
 }
 
 impl RecordingArgs {
+    /// Sees to it that the outputs can be written and are none of the recordings.
+    pub fn check_outputs(
+        &self,
+        output: Option<&PathBuf>,
+        others: &OutputArgs,
+    ) -> Result<(), Failure> {
+        let inputs: Vec<_> = self.recordings.iter().map(PathBuf::as_path).collect();
+        outputs::check(&inputs, output.map(PathBuf::as_path), Some(others))
+    }
+
     /// Loads every recording and joins them into one.
     pub fn load(&self) -> Result<Recording, Failure> {
         self.reading.load(&self.recordings, Needs::Both)
@@ -127,25 +139,54 @@ impl ReadingArgs {
             ignore: self.ignore.clone(),
             ..LoadOptions::default()
         };
-        let recordings = paths
-            .iter()
-            .map(|path| recording::load(path, &options))
-            .collect::<Result<Vec<_>, _>>()?;
+        let (mut recordings, mut wrong) = (Vec::new(), Vec::new());
+        for path in paths {
+            match recording::load(path, &options) {
+                Ok(recording) => recordings.push(recording),
+                Err(error) => wrong.push(error),
+            }
+        }
+        if !wrong.is_empty() {
+            return Err(Failure::Input(all_wrong(&wrong)));
+        }
         for recording in &recordings {
             for warning in &recording.warnings {
                 eprintln!("{}: warning: {warning}", recording.name);
             }
         }
         let whole = Recording::join(recordings).map_err(Failure::Input)?;
+        let of_joining = [recording::DROPPED, recording::RATES];
         for warning in whole
             .warnings
             .iter()
-            .filter(|w| w.code == recording::DROPPED)
+            .filter(|w| of_joining.contains(&w.code))
         {
             eprintln!("{}: warning: {warning}", whole.name);
         }
         Ok(whole)
     }
+}
+
+/// The recording with as many samples as its band needs, and a line that says so.
+pub fn thin(recording: Recording) -> Recording {
+    let Some(thinned) = preslide_host::identify::thinned(&recording) else {
+        return recording;
+    };
+    if let Some(warning) = thinned.warnings.last() {
+        eprintln!("{}: {}", thinned.name, warning.message);
+    }
+    thinned
+}
+
+/// Every file's error, and the command that would read them where their names let it be guessed.
+fn all_wrong(errors: &[RecordingError]) -> String {
+    let mut lines: Vec<String> = errors.iter().map(ToString::to_string).collect();
+    let maps = errors.iter().find_map(|e| match &e.problem {
+        Problem::Columns { maps, .. } if !maps.is_empty() => Some(maps.join(" ")),
+        _ => None,
+    });
+    lines.extend(maps.map(|maps| format!("Such as: {} {maps}", command_line())));
+    lines.join("\n")
 }
 
 /// What to fit and what to hold out.
@@ -201,12 +242,18 @@ impl OutputArgs {
         self.write_json(json)?;
         if let Some(path) = &self.report {
             let page = page();
-            page.write_html(path)?;
-            eprintln!("wrote {}", path.display());
+            if outputs::is_stdout(path) {
+                return write_text(path, &page.to_html());
+            }
+            outputs::write_with(path, |path| page.write_html(path))?;
             if let Some(figure) = page.sections.iter().flat_map(|s| &s.figures).next() {
                 let picture = path.with_extension("png");
-                figure.write_png(&picture)?;
-                eprintln!("wrote {}", picture.display());
+                // The picture's kind is told by the ending of its name.
+                outputs::write_with(&picture, |path| {
+                    let named = path.with_extension("png");
+                    figure.write_png(&named)?;
+                    Ok(std::fs::rename(&named, path)?)
+                })?;
             }
         }
         Ok(())
@@ -226,6 +273,10 @@ impl OutputArgs {
 /// The work of `say!`.
 pub fn print_line(line: std::fmt::Arguments) {
     use std::io::Write;
+    if outputs::stdout_is_taken() {
+        eprintln!("{line}");
+        return;
+    }
     match writeln!(std::io::stdout(), "{line}") {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             eprintln!("preslide: standard output: {error}");
@@ -233,18 +284,6 @@ pub fn print_line(line: std::fmt::Arguments) {
         }
         _ => {}
     }
-}
-
-/// Writes a text file and says so.
-pub fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
-    std::fs::write(path, text).map_err(|e| {
-        Failure::Tool(format!(
-            "cannot write {}: {e}; name a file in a folder that exists and is writable",
-            path.display()
-        ))
-    })?;
-    eprintln!("wrote {}", path.display());
-    Ok(())
 }
 
 /// `170MHz`, `20kHz`, `8000` in Hz.

@@ -1,15 +1,15 @@
 //! `preslide simulate`.
 
-use super::{Failure, OutputArgs, ReadingArgs, command_line, write_text};
+use super::{Failure, OutputArgs, ReadingArgs, command_line, outputs, write_text};
 use clap::{ArgGroup, Args};
 use preslide_host::model::Model;
 use preslide_host::recording::Needs;
 use preslide_host::simulate::ramp::{Ramp, parse_ramp};
-use preslide_host::simulate::{Simulation, force_of_motion, motion_of_force};
-use std::path::PathBuf;
+use preslide_host::simulate::{Simulation, force_of_motion, motion_of_force, motion_with_inertia};
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// The force that a motion takes, or the motion that a slow force causes
+/// The force that a motion takes, or the motion that a force causes
 #[derive(Args)]
 #[command(
     after_help = "Example: preslide simulate model.toml --motion axis.csv --report simulation.html"
@@ -24,11 +24,16 @@ pub struct Simulate {
     #[arg(long, value_name = "REC")]
     motion: Option<PathBuf>,
 
-    /// Force → motion, quasi-static: t_s and force_N or torque_Nm
+    /// Force → motion: t_s and force_N or torque_Nm; with inertia, friction and every effect, or quasi-static where the model
+    /// has no inertia. A position, where there is one, starts the motion and is compared
     #[arg(long, value_name = "REC")]
     force: Option<PathBuf>,
 
-    /// The same for forces (N or N·m) gone to at a constant rate (per second): "0,0.9,0,0.6,-0.9@0.01"
+    /// Samples of the measured position that --force is given to start from
+    #[arg(long, value_name = "SAMPLES", default_value_t = 20, requires = "force")]
+    given: usize,
+
+    /// Quasi-static for forces (N or N·m) gone to at a constant rate (per second): "0,0.9,0,0.6,-0.9@0.01"
     #[arg(long, value_name = "FORCES@RATE", value_parser = parse_ramp, allow_hyphen_values = true)]
     ramp: Option<Ramp>,
 
@@ -51,6 +56,9 @@ impl Simulate {
     /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
         let start = Instant::now();
+        let inputs = [Some(&self.model), self.motion.as_ref(), self.force.as_ref()];
+        let inputs: Vec<&Path> = inputs.into_iter().flatten().map(PathBuf::as_path).collect();
+        outputs::check(&inputs, self.output.as_deref(), Some(&self.outputs))?;
         let model = Model::load(&self.model)?;
         let (found, name) = self.simulate(&model)?;
 
@@ -91,6 +99,11 @@ impl Simulate {
                     recording.kind.name(),
                     model.motion.name()
                 )));
+            }
+            if model.inertia > 0.0 {
+                let found =
+                    motion_with_inertia(model, &recording, self.given).map_err(Failure::Input)?;
+                return Ok((found, recording.name));
             }
             let found = motion_of_force(
                 model,

@@ -33,11 +33,6 @@ impl Clone for Term {
 
 impl Chosen {
     fn try_new(model: &Model, sample_time: f64) -> Result<Self, String> {
-        if let Some((id, reason)) = refused(model).first() {
-            return Err(format!(
-                "effect {id}: no controller can compensate it: {reason}"
-            ));
-        }
         let said = |effect: &Effect, e: ParamError| format!("effect {}: {e}", effect.id);
         let (mut terms, mut encoders) = (Vec::new(), Vec::new());
         for effect in &model.effects {
@@ -124,6 +119,23 @@ impl Model {
     /// # Errors
     /// An effect that no controller can compensate; a parameter that the library refuses.
     pub fn feed_forward<V: Visitor>(
+        &self,
+        sample_time: f64,
+        visitor: V,
+    ) -> Result<V::Outcome, String> {
+        if let Some((id, reason)) = refused(self).first() {
+            return Err(format!(
+                "effect {id}: no controller can compensate it: {reason}"
+            ));
+        }
+        self.forward_law(sample_time, visitor)
+    }
+
+    /// The same for a simulation, which takes every level and force; the effects on the drive's side are left to it.
+    ///
+    /// # Errors
+    /// A parameter that the library refuses.
+    pub fn forward_law<V: Visitor>(
         &self,
         sample_time: f64,
         visitor: V,

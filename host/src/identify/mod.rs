@@ -12,6 +12,7 @@ pub mod rigid_body;
 pub mod search;
 pub mod split;
 pub mod stop;
+mod told;
 pub mod virgin;
 
 use crate::friction::FrictionModel;
@@ -185,7 +186,30 @@ const FINEST: f64 = 1e-5;
 /// Samples that the breakpoints are fitted to. Of a longer recording every n-th is taken, which bounds the memory
 /// of the search (450 B per sample) at what a small machine has; the models still run along all samples and are
 /// measured on all of them.
-const MOST_SCORED: usize = 250_000;
+const MOST_SCORED: usize = 25_000;
+
+/// Samples from which on a recording is thinned.
+const THINNED_FROM: usize = 60_000;
+
+/// Sample rate that is kept, in cut-offs of the filter that the effort goes through anyway.
+const KEPT_RATE: f64 = 10.0;
+
+/// Most samples that are kept, whatever the band: more tell these models nothing more.
+const MOST_KEPT: usize = 100_000;
+
+/// The recording with as many samples as its band needs, where it has many more; `None` where it is best left as it is.
+///
+/// The band is that of the zero-phase filter through which effort and motion are compared ([`crate::kinematics`]). A recorded
+/// friction goes through no filter and is not thinned.
+pub fn thinned(recording: &Recording) -> Option<Recording> {
+    if recording.len() < THINNED_FROM || !recording.role.contains_inertia() {
+        return None;
+    }
+    let cutoff = crate::kinematics::ZeroPhase::choose_cutoff(recording);
+    let by_band = (1.0 / (KEPT_RATE * cutoff * recording.sample_time_s())).floor() as usize;
+    let factor = by_band.max(recording.len() / MOST_KEPT);
+    (factor > 1).then(|| recording.decimated(factor))
+}
 
 /// Steps of the progress of [`identify`]: the search, its repetitions on held-out data, each number of blocks.
 pub const STEPS: u64 = maxwell_slip::STEPS;
@@ -201,26 +225,23 @@ pub fn identify(
 ) -> Result<Identification, String> {
     for (code, remedy) in FATAL {
         if let Some(warning) = recording.warnings.iter().find(|w| w.code == code) {
-            return Err(format!("{}: {warning}; {remedy}", recording.name));
+            let told = match code {
+                "one-way-motion" => format!("; {}", told::told(recording)),
+                _ => String::new(),
+            };
+            return Err(format!("{}: {warning}; {remedy}{told}", recording.name));
         }
-    }
-    if !matches!(recording.effort_unit(), "N" | "Nm") {
-        return Err(format!(
-            "{}: the effort is a {} in {}, which is no force; map it with the drive's constant, such as --map force_N=35.15*voltage_V or --map torque_Nm=0.0066*current_A",
-            recording.name,
-            recording.role.name(),
-            recording.effort_unit()
-        ));
     }
     split::check_windows(recording, options.train, options.test)?;
     let split = Split::new(recording, options.train, options.test);
     let train = split.train();
     if split.unit == "segment" && split.folds.len() < FEWEST_FOLDS {
         return Err(format!(
-            "{}: {} stroke{} to fit, but at least {FEWEST_FOLDS} are needed, so that any one can be held out and both directions are left; record at least three reversals, or widen --train",
+            "{}: {} stroke{} to fit, but at least {FEWEST_FOLDS} are needed, so that any one can be held out and both directions are left; record at least three reversals, or widen --train; {}",
             recording.name,
             split.folds.len(),
             if split.folds.len() == 1 { "" } else { "s" },
+            told::told(recording),
         ));
     }
 
@@ -231,7 +252,7 @@ pub fn identify(
     } else {
         recording.effort.clone()
     };
-    let mut notes = Vec::new();
+    let mut notes: Vec<String> = recording.per_unit().into_iter().collect();
     if let (Some(train), Some(test)) = (options.train, options.test)
         && train.0.max(test.0) < train.1.min(test.1)
     {

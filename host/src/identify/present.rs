@@ -30,14 +30,14 @@ fn key(kind: MotionKind, name: &str) -> &'static str {
 }
 
 /// Unit of a rigid body parameter, for people.
-fn unit(kind: MotionKind, name: &str) -> &'static str {
-    match (kind, name) {
-        (MotionKind::Linear, "mass") => "kg",
-        (MotionKind::Linear, "viscous") => "N·s/m",
-        (MotionKind::Linear, _) => "N",
-        (MotionKind::Rotary, "mass") => "kg·m²",
-        (MotionKind::Rotary, "viscous") => "N·m·s/rad",
-        (MotionKind::Rotary, _) => "N·m",
+fn unit(recording: &Recording, name: &str) -> String {
+    let (force, position) = (force_unit(recording), recording.position_unit());
+    match (name, recording.kind, force) {
+        ("mass", MotionKind::Linear, "N") => "kg".to_owned(),
+        ("mass", MotionKind::Rotary, "N·m") => "kg·m²".to_owned(),
+        ("mass", ..) => format!("{force}·s²/{position}"),
+        ("viscous", ..) => format!("{force}·s/{position}"),
+        _ => force.to_owned(),
     }
 }
 
@@ -72,6 +72,7 @@ impl Identification {
         json!({
             "schema": "preslide.identification/1",
             "recording": recording.name,
+            "effort_unit": recording.effort_unit(),
             "parameters": parameters,
             "band_hz": self.band_hz,
             "held_out": if self.split.test.is_some() { "test window".to_owned() } else { format!("{}s in turn", self.split.unit) },
@@ -105,7 +106,7 @@ impl Identification {
                         digits(e.value),
                         from,
                         to,
-                        unit(recording.kind, name).to_owned(),
+                        unit(recording, name),
                     ]
                 })
                 .collect(),
@@ -520,9 +521,9 @@ fn breakaway(model: &Model) -> f64 {
 }
 
 fn force_unit(recording: &Recording) -> &'static str {
-    match recording.kind {
-        MotionKind::Linear => "N",
-        MotionKind::Rotary => "N·m",
+    match recording.effort_unit() {
+        "Nm" => "N·m",
+        unit => unit,
     }
 }
 

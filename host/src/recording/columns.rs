@@ -1,6 +1,8 @@
-//! Which column is what: names with SI units, `--map`, and columns that claim the same role.
+//! Which column is what: names with units, `--map`, and columns that claim the same role.
 
 use super::error::Problem;
+use super::propose::{propose, quantity, without_unit};
+use super::units::{self, Dimension, Unit};
 use super::{EffortRole, MotionKind, Needs, Warning};
 
 /// A role that a column can have in a recording.
@@ -19,7 +21,7 @@ pub(super) enum Slot {
 }
 
 impl Slot {
-    fn words(self) -> &'static str {
+    pub(super) fn words(self) -> &'static str {
         match self {
             Slot::Time => "time",
             Slot::Position => "position",
@@ -43,26 +45,26 @@ impl Slot {
 #[derive(Debug)]
 pub(super) struct Known {
     pub(super) name: &'static str,
-    /// The quantity: the name without its unit.
-    stem: &'static str,
     pub(super) slot: Slot,
-    axis: Option<MotionKind>,
-    role: Option<EffortRole>,
+    pub(super) axis: Option<MotionKind>,
+    pub(super) role: Option<EffortRole>,
+    /// None where any number will do.
+    pub(super) dimension: Option<Dimension>,
 }
 
 const fn known(
     name: &'static str,
-    stem: &'static str,
     slot: Slot,
     axis: Option<MotionKind>,
     role: Option<EffortRole>,
+    dimension: Option<Dimension>,
 ) -> Known {
     Known {
         name,
-        stem,
         slot,
         axis,
         role,
+        dimension,
     }
 }
 
@@ -71,93 +73,64 @@ const ROTARY: Option<MotionKind> = Some(MotionKind::Rotary);
 
 /// The format's column names (design, "Recording").
 #[rustfmt::skip]
-const KNOWN: [Known; 18] = [
-    known("t_s", "t", Slot::Time, None, None),
-    known("x_m", "x", Slot::Position, LINEAR, None),
-    known("q_rad", "q", Slot::Position, ROTARY, None),
-    known("x_ref_m", "x_ref", Slot::Reference, LINEAR, None),
-    known("q_ref_rad", "q_ref", Slot::Reference, ROTARY, None),
-    known("v_m_s", "v", Slot::Velocity, LINEAR, None),
-    known("qd_rad_s", "qd", Slot::Velocity, ROTARY, None),
-    known("force_N", "force", Slot::Effort, LINEAR, Some(EffortRole::Force)),
-    known("friction_N", "friction", Slot::Effort, LINEAR, Some(EffortRole::Friction)),
-    known("torque_Nm", "torque", Slot::Effort, ROTARY, Some(EffortRole::Torque)),
-    known("current_A", "current", Slot::Effort, None, Some(EffortRole::Current)),
-    known("voltage_V", "voltage", Slot::Effort, None, Some(EffortRole::Voltage)),
-    known("temperature_C", "temperature", Slot::Temperature, None, None),
-    known("normal_N", "normal", Slot::Load, None, None),
-    known("load_N", "load", Slot::Load, None, None),
-    known("pressure_Pa", "pressure", Slot::Pressure, None, None),
-    known("segment", "segment", Slot::Segment, None, None),
-    known("repeat", "repeat", Slot::Repeat, None, None),
+pub(super) const KNOWN: [Known; 19] = [
+    known("t_s", Slot::Time, None, None, Some(Dimension::Time)),
+    known("x_m", Slot::Position, LINEAR, None, Some(Dimension::Length)),
+    known("q_rad", Slot::Position, ROTARY, None, Some(Dimension::Angle)),
+    known("x_ref_m", Slot::Reference, LINEAR, None, Some(Dimension::Length)),
+    known("q_ref_rad", Slot::Reference, ROTARY, None, Some(Dimension::Angle)),
+    known("v_m_s", Slot::Velocity, LINEAR, None, Some(Dimension::Speed)),
+    known("qd_rad_s", Slot::Velocity, ROTARY, None, Some(Dimension::AngularSpeed)),
+    known("force_N", Slot::Effort, LINEAR, Some(EffortRole::Force), Some(Dimension::Force)),
+    known("friction_N", Slot::Effort, LINEAR, Some(EffortRole::Friction), Some(Dimension::Force)),
+    known("torque_Nm", Slot::Effort, ROTARY, Some(EffortRole::Torque), Some(Dimension::Torque)),
+    known("current_A", Slot::Effort, None, Some(EffortRole::Current), Some(Dimension::Current)),
+    known("voltage_V", Slot::Effort, None, Some(EffortRole::Voltage), Some(Dimension::Voltage)),
+    known("effort_raw", Slot::Effort, None, Some(EffortRole::Raw), None),
+    known("temperature_C", Slot::Temperature, None, None, Some(Dimension::Temperature)),
+    known("normal_N", Slot::Load, None, None, Some(Dimension::Force)),
+    known("load_N", Slot::Load, None, None, Some(Dimension::Force)),
+    known("pressure_Pa", Slot::Pressure, None, None, Some(Dimension::Pressure)),
+    known("segment", Slot::Segment, None, None, None),
+    known("repeat", Slot::Repeat, None, None, None),
 ];
 
-/// Words that units are made of, so that `v_mm_s` is a velocity in a wrong unit, while
-/// `torque_std_Nm` is another quantity.
-const UNIT_WORDS: &[&str] = &[
-    "m", "mm", "um", "nm", "cm", "km", "in", "inch", "ft", "s", "ms", "us", "ns", "min", "h",
-    "sec", "rad", "mrad", "urad", "deg", "rev", "rpm", "hz", "n", "mn", "kn", "lbf", "kgf", "nmm",
-    "mnm", "a", "ma", "v", "mv", "c", "k", "f", "pa", "kpa", "mpa", "bar", "mbar", "psi", "per",
-    "counts", "count",
-];
+/// Largest magnitude that any physical quantity has in SI; what is beyond is a broken number.
+const ABSURD: f64 = 1e15;
 
-const NO_UNIT: &str = "has no unit";
-
-/// What a column's name says.
-enum Reading {
-    Known(&'static Known),
-    /// A known quantity whose unit is missing or unknown.
-    Unit(&'static Known, String),
-    Other,
-}
-
-fn read_name(name: &str) -> Reading {
-    if let Some(k) = KNOWN.iter().find(|k| k.name == name) {
-        return Reading::Known(k);
-    }
-    let lower = name.to_ascii_lowercase();
-    let suffix_of = |k: &Known| -> Option<&str> {
-        let rest = lower.strip_prefix(k.stem)?;
-        if rest.is_empty() {
-            Some("")
-        } else {
-            rest.strip_prefix('_')
-        }
-    };
-    // The longest quantity wins: `x_ref_mm` is a reference, not a position in `ref_mm`.
-    let Some((k, suffix)) = KNOWN
-        .iter()
-        .filter(|k| !k.slot.is_label())
-        .filter_map(|k| suffix_of(k).map(|s| (k, s)))
-        .max_by_key(|(k, _)| k.stem.len())
-    else {
-        return Reading::Other;
-    };
-    if suffix.is_empty() {
-        return Reading::Unit(k, NO_UNIT.into());
-    }
-    let words: Vec<&str> = suffix.split('_').collect();
-    if words.len() > 1 && !words.iter().all(|w| UNIT_WORDS.contains(w)) {
-        return Reading::Other;
-    }
-    let spelt = name.get(k.stem.len() + 1..).unwrap_or(suffix);
-    let reason = if lower == k.name.to_ascii_lowercase() {
-        "is not spelt as expected (case matters in units)".to_string()
+/// The value, where it can be a measured one.
+pub(super) fn plausible(value: f64) -> Result<f64, String> {
+    if value.abs() <= ABSURD {
+        Ok(value)
     } else {
-        format!("has the unknown unit `{spelt}`")
-    };
-    Reading::Unit(k, reason)
+        Err(format!(
+            "{value:e} is beyond {ABSURD:e}, which no sensor gives"
+        ))
+    }
 }
 
-/// A column of the recording: the product of a number and columns of the file.
+/// A column of the recording: the product of a number and columns of the file, and an offset.
 #[derive(Debug)]
 pub(super) struct Source {
     pub(super) known: &'static Known,
     pub(super) factor: f64,
+    pub(super) offset: f64,
     /// Indices of the file's columns; at least one.
     pub(super) columns: Vec<usize>,
     /// Chosen by `--map`; then text labels are accepted for segments and repeats.
     pub(super) mapped: bool,
+}
+
+impl Source {
+    fn new(known: &'static Known, column: usize, unit: Option<Unit>) -> Self {
+        Self {
+            known,
+            factor: unit.map_or(1.0, |u| u.factor),
+            offset: unit.map_or(0.0, |u| u.offset),
+            columns: vec![column],
+            mapped: false,
+        }
+    }
 }
 
 /// What to read from a file and what it means.
@@ -171,235 +144,309 @@ pub(super) struct Plan {
     pub(super) warnings: Vec<Warning>,
 }
 
-/// Reads `35.1507*vir` as a number times columns. A column may itself be called `a*b`.
-fn read_product(map: &str, text: &str, columns: &[String]) -> Result<(f64, Vec<usize>), Problem> {
-    let find = |name: &str| columns.iter().position(|c| c == name);
-    let text = text.trim();
-    if let Some(i) = find(text) {
-        return Ok((1.0, vec![i]));
-    }
-    let (mut factor, mut used) = (1.0, Vec::new());
-    for part in text.split('*').map(str::trim) {
-        if let Some(i) = find(part) {
-            used.push(i);
-        } else if let Some(number) = part.parse::<f64>().ok().filter(|n| n.is_finite()) {
-            factor *= number;
-        } else {
-            return Err(Problem::Map {
-                map: map.into(),
-                reason: format!(
-                    "there is no column `{part}`; the file has {}",
-                    columns.join(", ")
-                ),
-            });
-        }
-    }
-    if used.is_empty() {
-        return Err(Problem::Map {
-            map: map.into(),
-            reason: "names no column; write COLUMN or FACTOR*COLUMN to the right of `=`".into(),
-        });
-    }
-    Ok((factor, used))
+/// A file's columns, and what its reader was told of them.
+pub(super) struct Names<'a> {
+    pub(super) columns: &'a [String],
+    /// What a row of units says, empty where there is none.
+    pub(super) units: &'a [String],
+    /// The columns as messages describe them.
+    pub(super) listing: &'a str,
+    pub(super) map: &'a [(String, String)],
+    pub(super) ignore: &'a [String],
+    pub(super) needs: Needs,
 }
 
-/// Decides what each column is. `listing` describes the file's columns in messages.
-pub(super) fn plan(
-    columns: &[String],
-    listing: &str,
-    map: &[(String, String)],
-    needs: Needs,
-    ignore: &[String],
-) -> Result<Plan, Problem> {
-    if let Some(name) = ignore.iter().find(|name| !columns.contains(name)) {
-        return Err(Problem::Ignore {
-            name: name.clone(),
-            listing: listing.into(),
-        });
+impl Names<'_> {
+    /// Reads `35.1507*vir` or `position[mm]` as a number, an offset and columns. A column may itself be called `a*b`.
+    fn product(&self, known: &'static Known, map: &str, text: &str) -> Result<Source, Problem> {
+        let fail = |reason: String| Problem::Map {
+            map: map.into(),
+            reason,
+        };
+        let find = |name: &str| self.columns.iter().position(|c| c == name);
+        let text = text.trim();
+        let mut source = Source {
+            known,
+            factor: 1.0,
+            offset: 0.0,
+            columns: Vec::new(),
+            mapped: true,
+        };
+        if let Some(i) = find(text) {
+            source.columns.push(i);
+            return Ok(source);
+        }
+        for part in text.split('*').map(str::trim) {
+            let bracket = part.strip_suffix(']').and_then(|p| p.rsplit_once('['));
+            if let Some(i) = find(part) {
+                source.columns.push(i);
+            } else if let Some(number) = part.parse::<f64>().ok().filter(|n| n.is_finite()) {
+                source.factor *= number;
+            } else if let Some((i, unit)) =
+                bracket.and_then(|(name, unit)| Some((find(name.trim())?, unit)))
+            {
+                source.columns.push(i);
+                match units::unit(unit) {
+                    Some(u) if Some(u.dimension) == known.dimension => {
+                        source.factor *= u.factor;
+                        source.offset = u.offset;
+                    }
+                    None if units::is_unscaled(unit) => {}
+                    _ => {
+                        return Err(fail(format!(
+                            "`{unit}` is no unit of `{}`; give the unit that the column is in, or a factor",
+                            known.name
+                        )));
+                    }
+                }
+            } else {
+                return Err(fail(format!(
+                    "there is no column `{part}`; the file has {}",
+                    self.columns.join(", ")
+                )));
+            }
+        }
+        if source.columns.is_empty() {
+            return Err(fail(
+                "names no column; write COLUMN or FACTOR*COLUMN to the right of `=`".into(),
+            ));
+        }
+        if known.slot.is_label() && (source.columns.len() > 1 || source.factor != 1.0) {
+            return Err(fail(
+                "segments and repeats are numbers of parts; map one column without a factor".into(),
+            ));
+        }
+        Ok(source)
     }
-    let mut sources: Vec<Source> = Vec::new();
-    let mut taken = vec![false; columns.len()];
-    for (target, expression) in map {
-        let text = format!("{target}={expression}");
-        let Some(known) = KNOWN.iter().find(|k| k.name == target.trim()) else {
-            return Err(Problem::Map {
-                map: text,
-                reason: format!(
+
+    /// What `--map` asks for.
+    fn mapped(&self) -> Result<Vec<Source>, Problem> {
+        let mut sources: Vec<Source> = Vec::new();
+        for (target, expression) in self.map {
+            let text = format!("{target}={expression}");
+            let fail = |reason: String| Problem::Map {
+                map: text.clone(),
+                reason,
+            };
+            let Some(known) = KNOWN.iter().find(|k| k.name == target.trim()) else {
+                return Err(fail(format!(
                     "`{target}` is no column of a recording; choose one of {}",
                     KNOWN.map(|k| k.name).join(", ")
-                ),
-            });
-        };
-        if let Some(other) = sources.iter().find(|s| s.known.slot == known.slot) {
-            return Err(Problem::Map {
-                map: text,
-                reason: format!(
+                )));
+            };
+            if let Some(other) = sources.iter().find(|s| s.known.slot == known.slot) {
+                return Err(fail(format!(
                     "the {} is already mapped as `{}`; keep one of them",
                     known.slot.words(),
                     other.known.name
-                ),
-            });
-        }
-        let (factor, used) = read_product(&text, expression, columns)?;
-        if known.slot.is_label() && (used.len() > 1 || factor != 1.0) {
-            return Err(Problem::Map {
-                map: text,
-                reason:
-                    "segments and repeats are numbers of parts; map one column without a factor"
-                        .into(),
-            });
-        }
-        for &i in &used {
-            if let Some(t) = taken.get_mut(i) {
-                *t = true;
+                )));
             }
+            sources.push(self.product(known, &text, expression)?);
         }
-        sources.push(Source {
-            known,
-            factor,
-            columns: used,
-            mapped: true,
+        Ok(sources)
+    }
+
+    /// The unit that a column's name or the row of units gives.
+    pub(super) fn unit(&self, column: usize) -> Option<Unit> {
+        let of_row = self.units.get(column).and_then(|u| units::unit(u));
+        of_row.or_else(|| quantity(self.columns.get(column)?).unit)
+    }
+}
+
+/// Decides what each column is.
+///
+/// # Errors
+/// Everything that is missing or ambiguous at once, with the `--map`s that would read the file.
+pub(super) fn plan(names: &Names) -> Result<Plan, Problem> {
+    if let Some(name) = names
+        .ignore
+        .iter()
+        .find(|name| !names.columns.contains(name))
+    {
+        return Err(Problem::Ignore {
+            name: name.clone(),
+            listing: names.listing.into(),
         });
     }
-    let mut unused = Vec::new();
-    for (i, name) in columns.iter().enumerate() {
-        if taken.get(i) == Some(&true) || ignore.contains(name) {
-            continue;
-        }
-        let slot_mapped = |k: &Known| sources.iter().any(|s| s.mapped && s.known.slot == k.slot);
-        match read_name(name) {
-            Reading::Known(k) if !slot_mapped(k) => {
-                if let Some(first) = sources.iter().find(|s| s.known.slot == k.slot) {
-                    return Err(Problem::TwoColumns {
-                        role: k.slot.words(),
-                        first: first.known.name.into(),
-                        second: name.clone(),
-                        target: first.known.name,
-                        other_target: k.name,
-                    });
-                }
-                sources.push(Source {
-                    known: k,
-                    factor: 1.0,
-                    columns: vec![i],
-                    mapped: false,
-                });
-            }
-            Reading::Unit(k, reason) if !slot_mapped(k) => {
-                return Err(Problem::Unit {
-                    column: name.clone(),
-                    accepted: k.name,
-                    example: match reason.as_str() {
-                        NO_UNIT => format!("{}={name}", k.name),
-                        _ => format!("{}=FACTOR*{name}", k.name),
-                    },
-                    reason,
-                });
-            }
-            _ => unused.push(i),
-        }
-    }
+    let mut sources = names.mapped()?;
+    let mut open: Vec<usize> = (0..names.columns.len())
+        .filter(|i| {
+            !names.ignore.contains(&names.columns[*i])
+                && !sources.iter().any(|s| s.columns.contains(i))
+        })
+        .collect();
     let mut warnings = Vec::new();
-    let effort = sources.iter().find(|s| s.known.slot == Slot::Effort);
-    let (kind, position) = match (needs, effort.and_then(|s| s.known.axis)) {
-        (Needs::Effort, Some(axis)) if sources.iter().any(|s| s.known.slot == Slot::Time) => {
-            (axis, axis.name())
+    let mut complaints = Vec::new();
+    open.retain(|&i| {
+        let Some(k) = KNOWN.iter().find(|k| k.name == names.columns[i]) else {
+            return true;
+        };
+        match sources.iter().find(|s| s.known.slot == k.slot) {
+            None => sources.push(Source::new(k, i, None)),
+            Some(first) if first.mapped => return true,
+            Some(first) => complaints.push(format!(
+                "columns `{}` and `{}` both give the {}; choose one with `--map {0}={0}` or `--map {1}={1}`",
+                first.known.name,
+                k.name,
+                k.slot.words()
+            )),
         }
-        (Needs::Effort, _) => return Err(missing(&sources, listing, needs)),
-        _ => axis_of(&sources, listing, needs)?,
-    };
-    if effort.is_none() && needs != Needs::Motion {
-        return Err(missing(&sources, listing, needs));
-    }
-    if let Some(effort) = effort.filter(|s| s.known.axis.is_some_and(|axis| axis != kind)) {
-        return Err(Problem::AxisMismatch {
-            effort: effort.known.name.into(),
-            axis: kind.name(),
-            position: position.into(),
-            target: if kind == MotionKind::Linear {
-                "force_N"
-            } else {
-                "torque_Nm"
-            },
+        false
+    });
+    by_unit(names, &mut sources, &mut open, &mut warnings);
+
+    let (kind, role) = axis_and_role(names, &sources, &mut complaints);
+    if !complaints.is_empty() {
+        let unsaid = without_unit(names, &sources, &open);
+        if !unsaid.is_empty() {
+            complaints.push(format!("no known unit at {}", unsaid.join(", ")));
+        }
+        return Err(Problem::Columns {
+            complaints: complaints.join("; "),
+            listing: names.listing.into(),
+            maps: propose(names, &sources, &open),
         });
+    }
+    other_axis(kind, &mut sources, &mut open, &mut warnings);
+    open.sort_unstable();
+    open.retain(|&i| !names.columns[i].is_empty());
+    Ok(Plan {
+        kind,
+        role,
+        sources,
+        unused: open,
+        warnings,
+    })
+}
+
+/// Takes columns whose name says the quantity and a known unit, where nothing else has the role.
+fn by_unit(
+    names: &Names,
+    sources: &mut Vec<Source>,
+    open: &mut Vec<usize>,
+    warnings: &mut Vec<Warning>,
+) {
+    let mut taken: Vec<(usize, &'static Known, Unit)> = Vec::new();
+    for &i in open.iter() {
+        let Some((slot, unit)) = quantity(&names.columns[i]).slot.zip(names.unit(i)) else {
+            continue;
+        };
+        let fits = |k: &&Known| k.slot == slot && k.dimension == Some(unit.dimension);
+        if let Some(known) = KNOWN.iter().find(fits) {
+            taken.push((i, known, unit));
+        }
+    }
+    let alone = |(_, known, _): &(usize, &'static Known, Unit)| {
+        let rivals = taken.iter().filter(|t| t.1.slot == known.slot).count();
+        rivals == 1 && !sources.iter().any(|s| s.known.slot == known.slot)
+    };
+    let taken: Vec<_> = taken.iter().filter(|t| alone(t)).copied().collect();
+    let said: Vec<String> = taken
+        .iter()
+        .map(|(i, known, unit)| match unit {
+            Unit {
+                factor: 1.0,
+                offset: 0.0,
+                ..
+            } => format!("{}={}", known.name, names.columns[*i]),
+            Unit {
+                factor,
+                offset: 0.0,
+                ..
+            } => format!("{}={factor}*{}", known.name, names.columns[*i]),
+            Unit { offset, .. } => format!("{}={} {offset:+}", known.name, names.columns[*i]),
+        })
+        .collect();
+    if !said.is_empty() {
+        warnings.push(Warning::new(
+            "columns-taken",
+            format!("by their names and units: {}", said.join(", ")),
+        ));
+    }
+    open.retain(|i| !taken.iter().any(|t| t.0 == *i));
+    sources.extend(
+        taken
+            .into_iter()
+            .map(|(i, known, unit)| Source::new(known, i, Some(unit))),
+    );
+}
+
+/// The kind of axis and the effort's role; what is missing or does not fit goes to the complaints.
+fn axis_and_role(
+    names: &Names,
+    sources: &[Source],
+    complaints: &mut Vec<String>,
+) -> (MotionKind, EffortRole) {
+    let of = |slot: Slot| sources.iter().find(|s| s.known.slot == slot);
+    let effort = of(Slot::Effort);
+    let motion = of(Slot::Position).or(of(Slot::Velocity));
+    let needs = names.needs;
+    match (needs, effort.map(|e| e.known.axis)) {
+        (Needs::Both, None) => complaints.push("no effort (`force_N`, `friction_N`, `torque_Nm`, `current_A`, `voltage_V` or `effort_raw`)".into()),
+        (Needs::Effort, None | Some(None)) => complaints.push("no force or torque (`force_N` or `torque_Nm`)".into()),
+        _ => {}
+    }
+    if needs != Needs::Effort && motion.is_none() {
+        complaints
+            .push("no position (`x_m` or `q_rad`, else velocity `v_m_s` or `qd_rad_s`)".into());
+    }
+    if of(Slot::Time).is_none() {
+        complaints.push("no time (`t_s`)".into());
+    }
+    let by_effort = effort.and_then(|e| e.known.axis);
+    let by_motion = motion.and_then(|m| m.known.axis);
+    let kind = match needs {
+        Needs::Effort => by_effort.or(by_motion),
+        _ => by_motion.or(by_effort),
+    };
+    let kind = kind.unwrap_or(MotionKind::Linear);
+    if let (Some(e), Some(m)) = (effort, motion)
+        && needs != Needs::Effort
+        && e.known.axis.is_some_and(|axis| axis != kind)
+    {
+        let target = match kind {
+            MotionKind::Linear => "force_N",
+            MotionKind::Rotary => "torque_Nm",
+        };
+        complaints.push(format!(
+            "`{}` does not belong to the {} position `{}`; convert it, such as `--map {target}=FACTOR*{0}`",
+            e.known.name,
+            kind.name(),
+            m.known.name
+        ));
     }
     let role = effort.and_then(|s| s.known.role).unwrap_or(match kind {
         MotionKind::Linear => EffortRole::Force,
         MotionKind::Rotary => EffortRole::Torque,
     });
-    // A motor's angle beside the stage's displacement: of no use here without a ratio.
-    let mut other_axis = Vec::new();
+    (kind, role)
+}
+
+/// A motor's angle beside the stage's displacement: of no use as a motion without a ratio.
+fn other_axis(
+    kind: MotionKind,
+    sources: &mut Vec<Source>,
+    open: &mut Vec<usize>,
+    warnings: &mut Vec<Warning>,
+) {
+    let mut other = Vec::new();
     sources.retain(|s| {
         let fits = s.known.slot == Slot::Effort || s.known.axis.is_none_or(|axis| axis == kind);
         if !fits {
-            other_axis.push(s.known.name);
-            unused.extend(&s.columns);
+            other.push(s.known.name);
+            open.extend(&s.columns);
         }
         fits
     });
-    if !other_axis.is_empty() {
+    if !other.is_empty() {
         warnings.push(Warning::new(
             "other-axis",
             format!(
-                "{} not taken as the motion: the position `{position}` is {}; give `--map` with a ratio to use it so",
-                other_axis.join(", "),
+                "{} not taken as the motion, which is {}; give `--map` with a ratio to use it so",
+                other.join(", "),
                 kind.name()
             ),
         ));
-    }
-    unused.sort_unstable();
-    Ok(Plan {
-        kind,
-        role,
-        sources,
-        unused,
-        warnings,
-    })
-}
-
-/// The kind of axis and the column that says so: the position, or the velocity where there is none.
-fn axis_of(
-    sources: &[Source],
-    listing: &str,
-    needs: Needs,
-) -> Result<(MotionKind, &'static str), Problem> {
-    let has_time = sources.iter().any(|s| s.known.slot == Slot::Time);
-    [Slot::Position, Slot::Velocity]
-        .iter()
-        .find_map(|slot| sources.iter().find(|s| s.known.slot == *slot))
-        .and_then(|s| s.known.axis.map(|axis| (axis, s.known.name)))
-        .filter(|_| has_time)
-        .ok_or_else(|| missing(sources, listing, needs))
-}
-
-/// Everything that is missing, in one message.
-fn missing(sources: &[Source], listing: &str, needs: Needs) -> Problem {
-    let has = |slot: Slot| sources.iter().any(|s| s.known.slot == slot);
-    let mut missing = Vec::new();
-    let mut example = "t_s";
-    if needs == Needs::Effort {
-        let is_force = |s: &&Source| s.known.slot == Slot::Effort && s.known.axis.is_some();
-        if sources.iter().find(is_force).is_none() {
-            missing.push("force or torque (`force_N` or `torque_Nm`)");
-            example = "force_N";
-        }
-    } else if !has(Slot::Effort) && needs == Needs::Both {
-        missing.push("effort (`force_N`, `friction_N`, `torque_Nm`, `current_A` or `voltage_V`)");
-        let rotary = sources.iter().any(|s| s.known.axis == ROTARY);
-        example = if rotary { "torque_Nm" } else { "force_N" };
-    }
-    if needs != Needs::Effort && !has(Slot::Position) && !has(Slot::Velocity) {
-        missing.push("position (`x_m` or `q_rad`, else velocity `v_m_s` or `qd_rad_s`)");
-        example = "x_m";
-    }
-    if !has(Slot::Time) {
-        missing.push("time (`t_s`)");
-        example = "t_s";
-    }
-    Problem::Missing {
-        missing: missing.join(", no "),
-        listing: listing.into(),
-        example,
     }
 }
 
@@ -415,7 +462,21 @@ mod tests {
             .iter()
             .map(|(a, b)| (a.to_string(), b.to_string()))
             .collect();
-        plan(&names(list), list, &map, Needs::Both, &[])
+        plan(&Names {
+            columns: &names(list),
+            units: &[],
+            listing: list,
+            map: &map,
+            ignore: &[],
+            needs: Needs::Both,
+        })
+    }
+
+    /// The roles that a header gives beside time, position and force, with their factors.
+    fn taken(name: &str) -> Option<(&'static str, f64)> {
+        let plan = plan_of(&format!("t_s,x_m,friction_N,{name}"), &[]).expect(name);
+        let mut more = plan.sources.iter().skip(3);
+        more.next().map(|s| (s.known.name, s.factor))
     }
 
     #[test]
@@ -427,52 +488,75 @@ mod tests {
             "pos_error_rad",
             "qd_ref_rad_s",
             "torque_std_Nm",
-            "torque_mean_Nm",
+            "torque_enabled",
             "current_iq_A",
             "pulse_flag",
             "anticogging_on",
             "time_of_day",
             "x2_m",
             "run",
+            "temp_C",
+            "x",
+            "velocity",
+            "x_furlong",
+            "t_ms",
         ] {
-            assert!(matches!(read_name(name), Reading::Other), "{name}");
+            assert_eq!(taken(name), None, "{name}");
         }
     }
 
     #[test]
-    fn a_known_quantity_with_a_missing_or_unknown_unit_is_an_error_that_names_the_spelling() {
-        for (name, accepted) in [
-            ("x", "x_m"),
-            ("force", "force_N"),
-            ("x_furlong", "x_m"),
-            ("t_ms", "t_s"),
-            ("v_mm_s", "v_m_s"),
-            ("x_ref_mm", "x_ref_m"),
-            ("qd_rpm", "qd_rad_s"),
-            ("qd_rad_per_s", "qd_rad_s"),
-            ("Force_n", "force_N"),
-            ("torque_mNm", "torque_Nm"),
-            ("temperature_K", "temperature_C"),
-            ("pressure_bar", "pressure_Pa"),
+    fn a_name_with_a_known_unit_is_converted_where_the_role_is_free() {
+        for (name, target, factor) in [
+            ("v_mm_s", "v_m_s", 1e-3),
+            ("speed (mm/s)", "v_m_s", 1e-3),
+            ("x_ref_mm", "x_ref_m", 1e-3),
+            ("temperature_K", "temperature_C", 1.0),
+            ("pressure_bar", "pressure_Pa", 1e5),
+            ("Load [kN]", "normal_N", 1e3),
         ] {
-            let error = plan_of(&format!("t_s,x_m,friction_N,{name}"), &[]).expect_err(name);
-            let Problem::Unit {
-                column,
-                accepted: told,
-                ..
-            } = &error
-            else {
-                panic!("{name}: {error}")
-            };
-            assert_eq!((column.as_str(), *told), (name, accepted), "{error}");
-            assert!(error.to_string().contains("--map"), "{error}");
+            assert_eq!(taken(name), Some((target, factor)), "{name}");
+        }
+        let plan = plan_of("Time [ms],Position (deg),torque_mNm", &[]).expect("a scope's names");
+        assert_eq!(
+            (plan.kind, plan.role),
+            (MotionKind::Rotary, EffortRole::Torque)
+        );
+        let said = &plan.warnings[0].message;
+        assert!(
+            said.contains("t_s=0.001*Time [ms]") && said.contains("torque_Nm=0.001*torque_mNm"),
+            "{said}"
+        );
+    }
+
+    #[test]
+    fn what_its_names_do_not_tell_is_proposed_whole() {
+        for (header, maps) in [
+            (
+                "time,position,velocity,torque",
+                "--map t_s=time --map q_rad=position --map torque_Nm=torque",
+            ),
+            (
+                "t_s,motor_q_rad,joint_q_rad,motor_torque_raw",
+                "--map q_rad=motor_q_rad --map effort_raw=motor_torque_raw",
+            ),
+            (
+                "t_s,q_rad,qd_rad_s,current_iq_A,anticogging_on",
+                "--map current_A=current_iq_A",
+            ),
+            ("t_s,x,friction_N", "--map x_m=x"),
+            ("t_s,x_furlong,friction_N", "--map 'x_m=FACTOR*x_furlong'"),
+            ("t_s,x_m,friction_N,force_N", "--map friction_N=friction_N"),
+        ] {
+            let error = plan_of(header, &[]).expect_err(header).to_string();
+            assert!(error.contains(maps) && error.contains(header), "{error}");
         }
     }
 
     #[test]
     fn a_mapping_chooses_between_two_columns_and_scales() {
         let error = plan_of("t_s,x_m,force_N,friction_N", &[]).expect_err("two efforts");
-        assert!(matches!(error, Problem::TwoColumns { .. }), "{error}");
+        assert!(matches!(error, Problem::Columns { .. }), "{error}");
         assert!(
             error.to_string().contains("--map friction_N=friction_N"),
             "{error}"
@@ -545,11 +629,11 @@ mod tests {
         assert_eq!(plan.kind, MotionKind::Linear);
         assert!(matches!(
             plan_of("t_s,x_m,q_rad,force_N", &[]),
-            Err(Problem::TwoColumns { .. })
+            Err(Problem::Columns { .. })
         ));
         assert!(matches!(
             plan_of("t_s,x_m,x_m,force_N", &[]),
-            Err(Problem::TwoColumns { .. })
+            Err(Problem::Columns { .. })
         ));
     }
 }

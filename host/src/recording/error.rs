@@ -100,59 +100,15 @@ pub enum Problem {
         /// What the cell holds.
         what: String,
     },
-    /// A known quantity without its unit, or with another one.
-    #[error("column `{column}` {reason}: name it `{accepted}`, or give `--map {example}`")]
-    Unit {
-        /// Name of the column.
-        column: String,
-        /// What is the matter with its unit.
-        reason: String,
-        /// The spelling that is accepted.
-        accepted: &'static str,
-        /// A `--map` that would bring it in.
-        example: String,
-    },
-    /// Two columns claim one role.
-    #[error(
-        "columns `{first}` and `{second}` both give the {role}; choose one with `--map {target}={first}` or `--map {other_target}={second}`"
-    )]
-    TwoColumns {
-        /// The role.
-        role: &'static str,
-        /// First column.
-        first: String,
-        /// Second column.
-        second: String,
-        /// What the first would be mapped to.
-        target: &'static str,
-        /// What the second would be mapped to.
-        other_target: &'static str,
-    },
-    /// Roles without a column.
-    #[error(
-        "no {missing}; the file has {listing}. Rename the columns, or bring them in with `--map`, such as `--map {example}=COLUMN`"
-    )]
-    Missing {
-        /// The roles, in words with their column names.
-        missing: String,
+    /// Roles without a column, or with two, or with one of another axis: everything at once.
+    #[error("{complaints}; the file has {listing}{}", proposal(maps))]
+    Columns {
+        /// What is missing or ambiguous.
+        complaints: String,
         /// What the file has.
         listing: String,
-        /// A target for `--map`.
-        example: &'static str,
-    },
-    /// Force on a rotary axis, or torque on a linear one.
-    #[error(
-        "`{effort}` does not belong to the {axis} position `{position}`; convert it, such as `--map {target}=FACTOR*{effort}`"
-    )]
-    AxisMismatch {
-        /// The effort's column.
-        effort: String,
-        /// "linear" or "rotary".
-        axis: &'static str,
-        /// The position's column.
-        position: String,
-        /// What to map to.
-        target: &'static str,
+        /// The options that would read the file, as far as its names let them be guessed.
+        maps: Vec<String>,
     },
     /// A `--map` that cannot be followed.
     #[error("--map {map}: {reason}")]
@@ -223,4 +179,14 @@ pub enum Problem {
         /// Last time stamp (s).
         end: f64,
     },
+}
+
+fn proposal(maps: &[String]) -> String {
+    match maps {
+        [] => String::new(),
+        maps => format!(
+            ". Rename the columns with their SI units, or bring them in, if this is what they are, with {}",
+            maps.join(" ")
+        ),
+    }
 }

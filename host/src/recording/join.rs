@@ -1,9 +1,15 @@
 //! Several recordings of one machine as one.
 
-use super::{Recording, Warning, extra};
+use super::{Recording, Warning, extra, timing};
 
 /// Code of the warning that names columns which not all recordings have.
 pub const DROPPED: &str = "columns-dropped";
+
+/// Code of the warning that names recordings of other rates.
+pub const RATES: &str = "rates-differ";
+
+/// Sample times within this ratio are one rate.
+const SAME_RATE: f64 = 1.1;
 
 impl Recording {
     /// Joins recordings of one machine, in order; segments and repeats are numbered on.
@@ -28,10 +34,13 @@ impl Recording {
                 ));
             }
             let ratio = next.sample_time_s / whole.sample_time_s;
-            if !(0.99..1.01).contains(&ratio) {
-                return Err(format!(
-                    "{} is sampled every {} s, {} every {} s: bring them to one rate first",
-                    whole.name, whole.sample_time_s, next.name, next.sample_time_s
+            if !(1.0 / SAME_RATE..SAME_RATE).contains(&ratio) {
+                whole.warnings.push(Warning::new(
+                    RATES,
+                    format!(
+                        "{} is sampled every {:.3e} s, {} every {:.3e} s: each keeps its rate, and counts by its samples",
+                        whole.name, whole.sample_time_s, next.name, next.sample_time_s
+                    ),
                 ));
             }
             let offset = whole.len();
@@ -80,6 +89,7 @@ impl Recording {
             }
             whole.warnings.extend(next.warnings);
         }
+        whole.sample_time_s = timing::sample_time(&whole.t_s, &whole.pieces);
         Ok(whole)
     }
 }

@@ -16,6 +16,21 @@ pub(super) struct Labels {
 /// More parts than this and the column is not one of segments or repeats.
 const MAX_LABELS: usize = 1_000_000;
 
+/// Samples from which on a column of parts is judged …
+const FEWEST_ROWS: usize = 60;
+/// … and what a part has at least of them, on average.
+const PART_ROWS: usize = 4;
+
+/// A whole number from 0, as `3`, `3.0` or `3e0`.
+fn whole(text: &str) -> Option<u32> {
+    let value = || {
+        let value: f64 = text.parse().ok()?;
+        (value.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&value))
+            .then_some(value as u32)
+    };
+    text.parse().ok().or_else(value)
+}
+
 impl Labels {
     /// Takes the next cell; false where there are too many different ones.
     pub(super) fn push(&mut self, text: &str) -> bool {
@@ -38,6 +53,11 @@ impl Labels {
         true
     }
 
+    /// Takes the last cell off again.
+    pub(super) fn pop(&mut self) {
+        self.ids.pop();
+    }
+
     /// The numbers of the parts: as they stand in the file, or, where they are words and the
     /// column was mapped, counted from 0 in order of appearance.
     pub(super) fn finish(
@@ -45,9 +65,24 @@ impl Labels {
         source: &Source,
         warnings: &mut Vec<Warning>,
     ) -> Result<Vec<u32>, (usize, String)> {
+        if self.ids.len() >= FEWEST_ROWS && PART_ROWS * self.texts.len() > self.ids.len() {
+            return Err((
+                0,
+                format!(
+                    "holds {} different parts in {} samples: it counts rows and no parts of the motion; leave it out with `--ignore`, or map the column that numbers the parts",
+                    self.texts.len(),
+                    self.ids.len()
+                ),
+            ));
+        }
         let numbers: Result<Vec<u32>, u32> = (0u32..)
             .zip(&self.texts)
-            .map(|(id, text)| text.parse::<u32>().map_err(|_| id))
+            .map(|(id, text)| match whole(text) {
+                Some(number) => Ok(number),
+                // A row that was taken off again left its text.
+                None if !self.ids.contains(&id) => Ok(0),
+                None => Err(id),
+            })
             .collect();
         match numbers {
             Ok(numbers) => Ok(self

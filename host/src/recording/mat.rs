@@ -71,29 +71,13 @@ pub(super) fn read(bytes: &[u8], options: &LoadOptions) -> Result<Table, Problem
         .collect::<Vec<_>>()
         .join(", ");
     let names: Vec<String> = variables.iter().map(|v| v.name.clone()).collect();
-    let plan = columns::plan(
-        &names,
-        &format!("the variables {listing}"),
-        &options.map,
-        options.needs,
-        &options.ignore,
-    )
-    .map_err(|e| {
-        match e {
-            // A bare `t` in a file of other names: what else there is helps to write the `--map`.
-            Problem::Unit {
-                column,
-                reason,
-                accepted,
-                example,
-            } => Problem::Unit {
-                column,
-                reason: format!("{reason}, in the file with the variables {listing}"),
-                accepted,
-                example,
-            },
-            other => other,
-        }
+    let plan = columns::plan(&columns::Names {
+        columns: &names,
+        units: &[],
+        listing: &format!("the variables {listing}"),
+        map: &options.map,
+        ignore: &options.ignore,
+        needs: options.needs,
     })?;
     let mut data = Vec::new();
     let mut length: Option<(String, usize)> = None;
@@ -118,13 +102,15 @@ pub(super) fn read(bytes: &[u8], options: &LoadOptions) -> Result<Table, Problem
             }
         }
         let (name, mut values) = product.unwrap_or((source.known.name, vec![1.0]));
-        values.iter_mut().for_each(|v| *v = *v * factor + 0.0);
-        if let Some(at) = values.iter().position(|v| !v.is_finite()) {
+        values
+            .iter_mut()
+            .for_each(|v| *v = *v * factor + source.offset + 0.0);
+        if let Some(at) = values.iter().position(|&v| columns::plausible(v).is_err()) {
             return Err(Problem::Cell {
                 at: Place::Elements.of(at),
                 column: name.into(),
                 what: format!(
-                    "`{}` is not finite",
+                    "`{}` is not finite, or beyond what any sensor gives",
                     values.get(at).copied().unwrap_or(f64::NAN)
                 ),
             });

@@ -8,16 +8,23 @@
 mod checks;
 mod columns;
 mod csv;
+mod decimate;
 mod error;
+mod even;
 mod extra;
+mod frame;
 mod join;
 mod labels;
+mod layout;
 mod mat;
+mod propose;
+mod repair;
 mod segments;
 mod table;
 #[cfg(test)]
 mod tests;
 mod timing;
+mod units;
 
 use std::fs::File;
 use std::io::Read;
@@ -27,7 +34,8 @@ use std::path::Path;
 use columns::Slot;
 pub use error::{Problem, RecordingError};
 pub use extra::Extra;
-pub use join::DROPPED;
+use frame::Frame;
+pub use join::{DROPPED, RATES};
 use table::{Data, Table};
 
 /// Motion along a line or about an axis.
@@ -47,6 +55,14 @@ impl MotionKind {
             MotionKind::Rotary => "rotary",
         }
     }
+
+    /// The unit of its position: `m` or `rad`.
+    pub fn unit(self) -> &'static str {
+        match self {
+            MotionKind::Linear => "m",
+            MotionKind::Rotary => "rad",
+        }
+    }
 }
 
 /// What the effort column measures, which decides what the model must contain.
@@ -62,6 +78,8 @@ pub enum EffortRole {
     Current,
     /// `voltage_V`: a voltage proportional to force or torque; contains inertia.
     Voltage,
+    /// `effort_raw`: a number proportional to force or torque, of a unit that nobody said; contains inertia.
+    Raw,
 }
 
 impl EffortRole {
@@ -73,16 +91,18 @@ impl EffortRole {
             EffortRole::Torque => "torque",
             EffortRole::Current => "current",
             EffortRole::Voltage => "voltage",
+            EffortRole::Raw => "raw effort",
         }
     }
 
-    /// The unit: `N`, `Nm`, `A` or `V`.
+    /// The unit: `N`, `Nm`, `A`, `V` or `raw`.
     pub fn unit(self) -> &'static str {
         match self {
             EffortRole::Force | EffortRole::Friction => "N",
             EffortRole::Torque => "Nm",
             EffortRole::Current => "A",
             EffortRole::Voltage => "V",
+            EffortRole::Raw => "raw",
         }
     }
 
@@ -185,15 +205,26 @@ impl Recording {
 
     /// `m` or `rad`.
     pub fn position_unit(&self) -> &'static str {
-        match self.kind {
-            MotionKind::Linear => "m",
-            MotionKind::Rotary => "rad",
-        }
+        self.kind.unit()
     }
 
-    /// `N`, `Nm`, `A` or `V`.
+    /// `N`, `Nm`, `A`, `V` or `raw`.
     pub fn effort_unit(&self) -> &'static str {
         self.role.unit()
+    }
+
+    /// What the results mean where the effort is no force or torque; `None` where it is one.
+    pub fn per_unit(&self) -> Option<String> {
+        let unit = self.effort_unit();
+        let (force, mass, target) = match self.kind {
+            MotionKind::Linear => ("N", "kg", "force_N"),
+            MotionKind::Rotary => ("Nm", "kg_m2", "torque_Nm"),
+        };
+        (!matches!(unit, "N" | "Nm")).then(|| {
+            format!(
+                "the effort is in {unit}: where a key or a unit says {force}, read {unit}, and where it says {mass}, read {mass} per {force}/{unit}; the drive's constant K in {force}/{unit} multiplies them all, and --map {target}=K*COLUMN brings it in"
+            )
+        })
     }
 
     /// The samples with `from ≤ t < to` (s), so that adjoining windows share none. Segments and
@@ -402,84 +433,36 @@ pub fn load_mat(
         })
 }
 
-/// Turns a table into a recording: time, parts of the motion, sign, warnings.
+/// Turns a table into a recording: time, repairs, even samples, parts of the motion, sign, warnings.
 fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recording, Problem> {
     if let Some(sign) = options.sign.filter(|s| s.abs() != 1.0) {
         return Err(Problem::Sign(sign));
     }
     let mut warnings = std::mem::take(&mut table.plan.warnings);
-    let mut columns: Vec<(Slot, Vec<f64>)> = Vec::new();
-    let mut parts: Vec<(Slot, Vec<u32>)> = Vec::new();
-    for (source, data) in table
-        .plan
-        .sources
-        .iter()
-        .zip(std::mem::take(&mut table.data))
-    {
-        match data {
-            Data::Numbers(values) => columns.push((source.known.slot, values)),
-            Data::Labels(labels) => {
-                let numbers =
-                    labels
-                        .finish(source, &mut warnings)
-                        .map_err(|(at, what)| Problem::Cell {
-                            at: table.place.of(at),
-                            column: source.known.name.into(),
-                            what,
-                        })?;
-                parts.push((source.known.slot, numbers));
-            }
-        }
-    }
-    let mut take = |slot| {
-        columns
-            .iter()
-            .position(|c| c.0 == slot)
-            .map(|i| columns.swap_remove(i).1)
-    };
-    let mut take_part = |slot| {
-        parts
-            .iter()
-            .position(|c| c.0 == slot)
-            .map(|i| parts.swap_remove(i).1)
-    };
-    let t_s = take(Slot::Time).unwrap_or_default();
-    let samples = t_s.len();
-    let further = std::mem::take(&mut table.extra);
-    let (extra, constant_extra) = extra::sort(further, samples, &mut warnings);
+    let (mut frame, constant_extra) = frame_of(&mut table, &mut warnings)?;
+    let (kind, role) = (table.plan.kind, table.plan.role);
+    repair::repair(&mut frame, kind, &table, &mut warnings);
+    even::resample(&mut frame, &mut warnings);
+    let samples = frame.t_s.len();
     if samples < 2 {
         return Err(Problem::TooShort { samples, needed: 2 });
     }
-    let (given_segment, given_repeat) = (take_part(Slot::Segment), take_part(Slot::Repeat));
-    let number = |column: &Option<Vec<u32>>, i: usize| {
-        column.as_ref().and_then(|c| c.get(i).copied()).unwrap_or(0)
-    };
-    let part = |i| (number(&given_segment, i), number(&given_repeat, i));
-    let timing = timing::check(&t_s, part, &table, &mut warnings)?;
 
-    let velocity = take(Slot::Velocity);
-    let measured = take(Slot::Position);
+    let velocity = frame.take(Slot::Velocity);
+    let measured = frame.take(Slot::Position);
     let position_integrated = measured.is_none();
     let position = match measured {
         Some(position) => position,
         None if options.needs == Needs::Effort && velocity.is_none() => Vec::new(),
         None => timing::integrate(
-            &t_s,
+            &frame.t_s,
             velocity.as_deref().unwrap_or_default(),
-            &timing.pieces,
+            &frame.pieces,
             &mut warnings,
         ),
     };
-    let mut effort = take(Slot::Effort).unwrap_or_default();
-
-    let kind = table.plan.kind;
-    let role = table.plan.role;
-    let unit = if kind == MotionKind::Linear {
-        "m"
-    } else {
-        "rad"
-    };
-    let runs: Vec<_> = timing
+    let mut effort = frame.take(Slot::Effort).unwrap_or_default();
+    let runs: Vec<_> = frame
         .runs
         .iter()
         .map(|run| segments::strokes(&position, run.clone()))
@@ -488,7 +471,7 @@ fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recor
         let sign = options.sign.unwrap_or(1.0);
         effort.iter_mut().for_each(|f| *f *= sign);
     } else {
-        checks::motion(&runs, samples, unit, &mut warnings);
+        checks::motion(&runs, samples, kind.unit(), &mut warnings);
     }
     if options.needs == Needs::Both || (options.needs == Needs::Motion && !effort.is_empty()) {
         checks::clipping(&effort, role.unit(), &mut warnings);
@@ -502,13 +485,14 @@ fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recor
         );
     }
 
+    let (given_segment, given_repeat) = (frame.part(Slot::Segment), frame.part(Slot::Repeat));
     let segments_found = given_segment.is_none();
     let segment =
-        given_segment.unwrap_or_else(|| segments::segments(&runs, &timing.pieces, samples));
+        given_segment.unwrap_or_else(|| segments::segments(&runs, &frame.pieces, samples));
     let (repeat, repeats_found) = match given_repeat {
         Some(repeat) => (repeat, false),
         None if options.needs == Needs::Effort => (vec![0; samples], false),
-        None => segments::repeats(&position, &t_s, &runs, samples, &mut warnings),
+        None => segments::repeats(&position, &frame.t_s, &runs, samples, &mut warnings),
     };
     let name = Path::new(path)
         .file_name()
@@ -517,23 +501,77 @@ fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recor
         name,
         kind,
         position,
-        reference: take(Slot::Reference),
+        reference: frame.take(Slot::Reference),
         velocity,
         effort,
         role,
-        temperature_c: take(Slot::Temperature),
-        load_n: take(Slot::Load),
-        pressure_pa: take(Slot::Pressure),
-        extra,
-        constant_extra,
+        temperature_c: frame.take(Slot::Temperature),
+        load_n: frame.take(Slot::Load),
+        pressure_pa: frame.take(Slot::Pressure),
         segment,
         repeat,
         segments_found,
         repeats_found,
         position_integrated,
-        pieces: timing.pieces,
         warnings,
-        sample_time_s: timing.sample_time_s,
-        t_s,
+        constant_extra,
+        sample_time_s: timing::sample_time(&frame.t_s, &frame.pieces),
+        extra: frame.extra,
+        pieces: frame.pieces,
+        t_s: frame.t_s,
     })
+}
+
+/// The columns of a table, its times checked; and the further columns that stay at one value.
+#[allow(clippy::type_complexity)]
+fn frame_of(
+    table: &mut Table,
+    warnings: &mut Vec<Warning>,
+) -> Result<(Frame, Vec<(String, f64)>), Problem> {
+    let mut frame = Frame {
+        t_s: Vec::new(),
+        numbers: Vec::new(),
+        parts: Vec::new(),
+        extra: Vec::new(),
+        runs: Vec::new(),
+        pieces: Vec::new(),
+    };
+    for (source, data) in table
+        .plan
+        .sources
+        .iter()
+        .zip(std::mem::take(&mut table.data))
+    {
+        let slot = source.known.slot;
+        match data {
+            Data::Numbers(values) => frame.numbers.push((slot, values)),
+            Data::Labels(labels) => {
+                let numbers =
+                    labels
+                        .finish(source, warnings)
+                        .map_err(|(at, what)| Problem::Cell {
+                            at: table.place.of(at),
+                            column: source.known.name.into(),
+                            what,
+                        })?;
+                frame.parts.push((slot, numbers));
+            }
+        }
+    }
+    let mut t_s = frame.take(Slot::Time).unwrap_or_default();
+    let samples = t_s.len();
+    let further = std::mem::take(&mut table.extra);
+    let (extra, constant) = extra::sort(further, samples, warnings);
+    if samples < 2 {
+        return Err(Problem::TooShort { samples, needed: 2 });
+    }
+    even::regularise(&mut t_s, warnings);
+    let number = |i: usize, slot: Slot| {
+        let column = frame.parts.iter().find(|c| c.0 == slot);
+        column.and_then(|c| c.1.get(i).copied()).unwrap_or(0)
+    };
+    let part = |i| (number(i, Slot::Segment), number(i, Slot::Repeat));
+    (frame.runs, frame.pieces) = timing::check(&t_s, part, table, warnings)?;
+    (frame.t_s, frame.extra) = (t_s, extra);
+    Ok((frame, constant))
 }

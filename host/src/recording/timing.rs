@@ -13,14 +13,19 @@ const GAP_MEDIANS: f64 = 10.0;
 /// Spread (1st to 99th percentile) of the steps, relative to the median, that is worth a warning.
 const JITTER: f64 = 0.02;
 
-/// How the samples hang together in time.
-pub(super) struct Timing {
-    /// Samples between restarts of the clock.
-    pub(super) runs: Vec<Range<usize>>,
-    /// Samples between restarts and gaps.
-    pub(super) pieces: Vec<Range<usize>>,
-    /// Median step within the pieces (s).
-    pub(super) sample_time_s: f64,
+/// Samples between restarts of the clock, and between restarts and gaps.
+pub(super) type Timing = (Vec<Range<usize>>, Vec<Range<usize>>);
+
+/// Median step within the pieces (s), 0 where there is none.
+pub(super) fn sample_time(t: &[f64], pieces: &[Range<usize>]) -> f64 {
+    let steps = |piece: &Range<usize>| {
+        let t = t.get(piece.clone()).unwrap_or_default();
+        t.windows(2)
+            .map(|pair| pair[1] - pair[0])
+            .collect::<Vec<_>>()
+    };
+    let mut all: Vec<f64> = pieces.iter().flat_map(steps).collect();
+    quantile(&mut all, 0.5).unwrap_or(0.0)
 }
 
 /// Checks that time advances, except where a new segment or repeat starts the clock again.
@@ -52,7 +57,6 @@ pub(super) fn check(
         ));
     }
     let mut gaps: Vec<(usize, f64)> = Vec::new();
-    let mut steps_kept = Vec::with_capacity(t.len());
     for run in &runs {
         let stamps = t.get(run.clone()).unwrap_or_default();
         let mut steps: Vec<f64> = stamps
@@ -71,7 +75,6 @@ pub(super) fn check(
         }
         steps.retain(|&step| step <= GAP_MEDIANS * median);
         spread_warning(&steps, median, run, runs.len(), table, warnings);
-        steps_kept.append(&mut steps);
     }
     gap_warning(&gaps, table, warnings);
     let mut cuts: Vec<usize> = starts
@@ -80,11 +83,8 @@ pub(super) fn check(
         .chain(gaps.iter().map(|g| g.0))
         .collect();
     cuts.sort_unstable();
-    Ok(Timing {
-        pieces: ranges(&cuts, t.len()),
-        runs,
-        sample_time_s: quantile(&mut steps_kept, 0.5).unwrap_or(0.0),
-    })
+    let pieces = ranges(&cuts, t.len());
+    Ok((runs, pieces))
 }
 
 /// Ranges from each start to the next.

@@ -64,6 +64,11 @@ pub struct Section {
 }
 
 impl Page {
+    /// The page's HTML.
+    pub fn to_html(&self) -> String {
+        html::render(self)
+    }
+
     /// Writes the page as one self-contained HTML file: scripts, styles and data are inside it, nothing is fetched
     /// (a content security policy in the page forbids it), and it opens from `file://`.
     ///

@@ -1,5 +1,6 @@
 //! A model at work: the force that a motion takes, and the motion that a slow force causes.
 
+mod forward;
 pub mod inverse;
 mod present;
 pub mod ramp;
@@ -11,7 +12,9 @@ use crate::friction::FrictionModel;
 use crate::identify::rigid_body::Kinematics;
 use crate::model::Model;
 use crate::nmse::nmse;
-use crate::recording::{EffortRole, MotionKind, Recording};
+use crate::recording::{MotionKind, Recording};
+
+pub use forward::motion_with_inertia;
 
 /// A simulated recording.
 #[derive(Clone, Debug)]
@@ -26,8 +29,12 @@ pub struct Simulation {
     pub velocity: Option<Vec<f64>>,
     /// Force \[N\] or torque (N·m): inertia, friction, viscous part and constant force.
     pub force: Vec<f64>,
+    /// The force was the input.
+    pub from_force: bool,
     /// How well it meets the measured effort, where there is one.
     pub agreement: Option<Agreement>,
+    /// How far the motion lies from the measured one, where a force was the input and the recording has a position.
+    pub position_error: Option<PositionError>,
     /// Where the body slid away; the columns end before it.
     pub breakaway: Option<Breakaway>,
     /// What the user should know, a sentence without its full stop each.
@@ -45,6 +52,17 @@ pub struct Agreement {
     pub nmse: f64,
     /// Root mean square of their difference (N or N·m).
     pub rms: f64,
+}
+
+/// A simulated motion against the measured one.
+#[derive(Clone, Copy, Debug)]
+pub struct PositionError {
+    /// Root mean square of their difference (m or rad), over the samples that were not given.
+    pub rmse: f64,
+    /// NMSE (13) (%) between the two, over the same samples.
+    pub nmse: f64,
+    /// Samples at the start that were given.
+    pub given: usize,
 }
 
 /// The moment at which friction can no longer hold the force.
@@ -91,18 +109,12 @@ pub fn force_of_motion(model: &Model, recording: &Recording) -> Result<Simulatio
         "Velocity and acceleration by a zero-phase low-pass at {:.3} Hz, chosen from the position's noise",
         filter.cutoff_hz()
     )];
-    let comparable = matches!(
-        recording.role,
-        EffortRole::Force | EffortRole::Friction | EffortRole::Torque
-    );
-    if !recording.effort.is_empty() && !comparable {
-        notes.push(format!(
-            "The {} of the recording is not compared: it is in {}; map it with the drive's constant, such as --map force_N=35.15*voltage_V",
-            recording.role.name(),
-            recording.effort_unit()
-        ));
+    if !recording.effort.is_empty() {
+        notes.extend(recording.per_unit().map(|per| {
+            format!("Compared as it is, which takes a model identified from the same column: {per}")
+        }));
     }
-    let agreement = if comparable && !recording.effort.is_empty() {
+    let agreement = if !recording.effort.is_empty() {
         let (measured, simulated) = if recording.role.contains_inertia() {
             // What comes from velocity and acceleration has been through the filter already.
             let rigid: Vec<f64> = kinematics
@@ -149,7 +161,9 @@ pub fn force_of_motion(model: &Model, recording: &Recording) -> Result<Simulatio
         position: recording.position.clone(),
         force,
         velocity: Some(kinematics.velocity),
+        from_force: false,
         agreement,
+        position_error: None,
         breakaway: None,
         notes,
     })
@@ -183,7 +197,9 @@ pub fn motion_of_force(
         position: Vec::new(),
         velocity: None,
         force: Vec::new(),
+        from_force: true,
         agreement: None,
+        position_error: None,
         breakaway: None,
         notes: time_dependence(model),
     };

@@ -46,10 +46,12 @@ impl Simulation {
             "schema": "preslide.simulation/1",
             "motion": self.kind.name(),
             "kind": model.friction.kind(),
-            "input": if self.velocity.is_some() { "motion" } else { "force" },
+            "input": if self.from_force { "force" } else { "motion" },
             "samples": self.t_s.len(),
             "nmse": self.agreement.as_ref().map(|a| a.nmse),
             "rms": self.agreement.as_ref().map(|a| a.rms),
+            "position_rmse": self.position_error.map(|e| e.rmse),
+            "position_nmse": self.position_error.map(|e| e.nmse),
             "position_range": range(&self.position),
             "force_range": range(&self.force),
             "breakaway": self.breakaway.map(|b| json!({ "time_s": b.time_s, "force": b.force })),
@@ -83,13 +85,19 @@ impl Simulation {
     /// What came out, in one sentence.
     pub fn conclusion(&self) -> String {
         let (x, f) = self.units();
+        if let Some(error) = self.position_error {
+            return format!(
+                "The simulated motion is {:.4e} {x} RMSE from the measured one ({:.4} % of its variance) from {} given samples on.",
+                error.rmse, error.nmse, error.given
+            );
+        }
         match (&self.agreement, self.breakaway) {
             (Some(a), _) => format!(
                 "The model leaves {:.3} % of the measured effort's variance (NMSE), {:.4e} {f} RMS.",
                 a.nmse, a.rms
             ),
             (None, Some(b)) => format!(
-                "breakaway: at {:.4} s and {:.6} {f} friction can no longer hold the force and the body slides away; keep the force below that, or simulate the motion with inertia",
+                "breakaway: at {:.4} s and {:.6} {f} friction can no longer hold the force and the body slides away; keep the force below that, or give the model an inertia, with which --force simulates the slide too",
                 b.time_s, b.force
             ),
             (None, None) => {
@@ -186,7 +194,7 @@ impl Simulation {
     }
 }
 
-fn range(values: &[f64]) -> [f64; 2] {
+pub(super) fn range(values: &[f64]) -> [f64; 2] {
     values
         .iter()
         .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &v| {

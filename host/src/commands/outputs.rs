@@ -1,0 +1,177 @@
+//! The files that a command writes: checked before any work, written beside and renamed, `-` for standard output.
+
+use super::{Failure, OutputArgs};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Standard output belongs to a file that was asked for as `-`; what is said goes to standard error.
+static TAKEN: AtomicBool = AtomicBool::new(false);
+
+/// Whether standard output holds a file.
+pub fn stdout_is_taken() -> bool {
+    TAKEN.load(Ordering::Relaxed)
+}
+
+/// Whether a path stands for standard output.
+pub fn is_stdout(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// One file, whatever it is called: two names of one have the same.
+#[derive(PartialEq)]
+enum Identity {
+    Stdout,
+    /// Device and number of a file that is there.
+    #[cfg(unix)]
+    Inode(u64, u64),
+    Path(PathBuf),
+}
+
+impl Identity {
+    fn of(path: &Path) -> Self {
+        if is_stdout(path) {
+            return Self::Stdout;
+        }
+        #[cfg(unix)]
+        if let Ok(found) = std::fs::metadata(path) {
+            use std::os::unix::fs::MetadataExt;
+            return Self::Inode(found.dev(), found.ino());
+        }
+        let whole = path.canonicalize().ok();
+        let beside = || Some(folder(path).canonicalize().ok()?.join(path.file_name()?));
+        Self::Path(whole.or_else(beside).unwrap_or_else(|| path.to_owned()))
+    }
+}
+
+fn folder(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+impl OutputArgs {
+    /// The outputs with their options, the report's picture among them.
+    fn listed(&self) -> Vec<(&'static str, PathBuf)> {
+        let json = self.json.iter().map(|p| ("--json", p.clone()));
+        let report = self.report.iter().map(|p| ("--report", p.clone()));
+        let picture = self
+            .report
+            .iter()
+            .map(|p| ("the picture of --report", p.with_extension("png")));
+        json.chain(report).chain(picture).collect()
+    }
+}
+
+/// Sees to it that every output can be written and is no input and no other output. All that is wrong is said at once.
+///
+/// # Errors
+/// Each option with its path, the reason and the remedy.
+pub fn check(
+    inputs: &[&Path],
+    output: Option<&Path>,
+    others: Option<&OutputArgs>,
+) -> Result<(), Failure> {
+    let mut outputs: Vec<(&str, PathBuf)> =
+        output.iter().map(|p| ("-o", p.to_path_buf())).collect();
+    outputs.extend(others.map(OutputArgs::listed).unwrap_or_default());
+    let (mut wrong, mut unwritable) = (Vec::new(), Vec::new());
+    for (i, (option, path)) in outputs.iter().enumerate() {
+        let named = format!("{option} {}", path.display());
+        let own = Identity::of(path);
+        let same = |other: &Path| Identity::of(other) == own;
+        if let Some(input) = inputs.iter().find(|input| same(input)) {
+            wrong.push(format!(
+                "{named}: this is the input {}, which would be lost; name another file",
+                input.display()
+            ));
+        } else if let Some((other, _)) = outputs[..i].iter().find(|(_, other)| same(other)) {
+            wrong.push(format!(
+                "{named}: {other} goes there already; name another file, a page .html"
+            ));
+        } else if let Err(reason) = writable(path) {
+            unwritable.push(format!(
+                "cannot write {}: {reason}; name a file in a folder that exists and is writable ({option})",
+                path.display()
+            ));
+        }
+    }
+    if !wrong.is_empty() {
+        wrong.extend(unwritable);
+        return Err(Failure::Input(wrong.join("\n")));
+    }
+    if !unwritable.is_empty() {
+        return Err(Failure::Tool(unwritable.join("\n")));
+    }
+    TAKEN.store(
+        outputs.iter().any(|(_, path)| is_stdout(path)),
+        Ordering::Relaxed,
+    );
+    Ok(())
+}
+
+fn writable(path: &Path) -> Result<(), String> {
+    if is_stdout(path) {
+        return Ok(());
+    }
+    if path.is_dir() {
+        return Err("it is a folder".to_owned());
+    }
+    if path.exists() && !path.is_file() {
+        return Ok(());
+    }
+    let trial = beside(path);
+    std::fs::write(&trial, "").map_err(|e| e.to_string())?;
+    std::fs::remove_file(&trial).map_err(|e| e.to_string())
+}
+
+/// A name in the same folder that no one else has.
+fn beside(path: &Path) -> PathBuf {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!(".{name}.{}.part", std::process::id()))
+}
+
+/// Has `write` write a file, which appears under its name when it is whole; and says so.
+///
+/// # Errors
+/// The reason, with the path.
+pub fn write_with(
+    path: &Path,
+    write: impl FnOnce(&Path) -> anyhow::Result<()>,
+) -> Result<(), Failure> {
+    // A link stays a link, and what is no plain file (`/dev/null`) cannot be replaced.
+    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let failed = |e: String| {
+        Failure::Tool(format!(
+            "cannot write {}: {e}; name a file in a folder that exists and is writable",
+            path.display()
+        ))
+    };
+    if target.exists() && !target.is_file() {
+        write(&target).map_err(|e| failed(format!("{e:#}")))?;
+    } else {
+        let part = beside(&target);
+        let written = write(&part).map_err(|e| failed(format!("{e:#}")));
+        let renamed = written
+            .and_then(|()| std::fs::rename(&part, &target).map_err(|e| failed(e.to_string())));
+        if renamed.is_err() {
+            let _ = std::fs::remove_file(&part);
+        }
+        renamed?;
+    }
+    eprintln!("wrote {}", path.display());
+    Ok(())
+}
+
+/// Writes a text file and says so; `-` is standard output.
+///
+/// # Errors
+/// The reason, with the path.
+pub fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
+    if is_stdout(path) {
+        use std::io::Write;
+        let written = std::io::stdout().write_all(text.as_bytes());
+        return written.map_err(|e| Failure::Tool(format!("standard output: {e}")));
+    }
+    write_with(path, |path| Ok(std::fs::write(path, text)?))
+}

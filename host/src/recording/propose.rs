@@ -1,0 +1,210 @@
+//! What a column's name says of it, and which `--map`s would read a file whose names say too little.
+
+use super::columns::{KNOWN, Known, Names, Slot, Source};
+use super::units::{self, Dimension, Unit};
+use super::{EffortRole, MotionKind, Needs};
+
+/// Words of quantities: as they stand alone or before a unit.
+#[rustfmt::skip]
+const WORDS: [(&str, Slot); 49] = [
+    ("t", Slot::Time), ("time", Slot::Time), ("timestamp", Slot::Time), ("zeit", Slot::Time),
+    ("x", Slot::Position), ("q", Slot::Position), ("pos", Slot::Position), ("position", Slot::Position), ("angle", Slot::Position),
+    ("theta", Slot::Position), ("displacement", Slot::Position), ("weg", Slot::Position), ("lage", Slot::Position), ("winkel", Slot::Position),
+    ("actual_position", Slot::Position), ("position_actual", Slot::Position),
+    ("v", Slot::Velocity), ("qd", Slot::Velocity), ("dq", Slot::Velocity), ("vel", Slot::Velocity), ("velocity", Slot::Velocity), ("speed", Slot::Velocity),
+    ("omega", Slot::Velocity), ("actual_velocity", Slot::Velocity), ("geschwindigkeit", Slot::Velocity), ("drehzahl", Slot::Velocity),
+    ("x_ref", Slot::Reference), ("q_ref", Slot::Reference), ("position_ref", Slot::Reference), ("pos_ref", Slot::Reference), ("target_position", Slot::Reference),
+    ("setpoint", Slot::Reference),
+    ("force", Slot::Effort), ("torque", Slot::Effort), ("friction", Slot::Effort), ("current", Slot::Effort), ("voltage", Slot::Effort),
+    ("tau", Slot::Effort), ("iq", Slot::Effort), ("moment", Slot::Effort), ("kraft", Slot::Effort), ("drehmoment", Slot::Effort),
+    ("strom", Slot::Effort), ("actual_torque", Slot::Effort), ("actual_current", Slot::Effort),
+    ("temperature", Slot::Temperature), ("normal", Slot::Load), ("load", Slot::Load), ("pressure", Slot::Pressure),
+];
+
+/// What a name says.
+pub(super) struct Quantity {
+    /// Where the whole of it but the unit is a quantity's word.
+    pub(super) slot: Option<Slot>,
+    pub(super) unit: Option<Unit>,
+}
+
+/// Reads `x_mm`, `Position [mm]`, `speed (rpm)`, `torque`.
+pub(super) fn quantity(name: &str) -> Quantity {
+    let (stem, unit) = split(name);
+    let stem = stem.trim().to_lowercase().replace([' ', '-', '.'], "_");
+    Quantity {
+        slot: WORDS.iter().find(|w| w.0 == stem).map(|w| w.1),
+        unit: unit.and_then(units::unit),
+    }
+}
+
+/// A name without its unit, and the unit.
+fn split(name: &str) -> (&str, Option<&str>) {
+    for (open, close) in [('[', ']'), ('(', ')')] {
+        let inside = name.trim_end().strip_suffix(close);
+        if let Some((stem, unit)) = inside.and_then(|i| i.rsplit_once(open)) {
+            return (stem, Some(unit));
+        }
+    }
+    // The longest unit at the end: `v_mm_s` is in mm/s, not in s.
+    let ends = name
+        .char_indices()
+        .filter(|(_, c)| *c == '_')
+        .map(|(i, _)| i);
+    for i in ends {
+        if units::is_unit(&name[i + 1..]) {
+            return (&name[..i], Some(&name[i + 1..]));
+        }
+    }
+    (name, None)
+}
+
+/// How well a column would do for a role: 3 where its name is the quantity, 1 where it holds the word.
+fn likely(name: &str, slot: Slot) -> u32 {
+    if quantity(name).slot == Some(slot) {
+        return 3;
+    }
+    let lower = name.to_lowercase();
+    // Of two positions or efforts the measured one.
+    let asked = [
+        "ref", "cmd", "target", "set", "std", "error", "enable", "limit",
+    ];
+    if slot != Slot::Reference && asked.iter().any(|word| lower.contains(word)) {
+        return 0;
+    }
+    let parts: Vec<&str> = lower.split(|c: char| !c.is_ascii_alphabetic()).collect();
+    let word = |w: &&(&str, Slot)| w.1 == slot && parts.contains(&w.0);
+    u32::from(WORDS.iter().any(|w| word(&w)))
+}
+
+/// The roles that a file must give.
+fn wanted(needs: Needs) -> &'static [Slot] {
+    match needs {
+        Needs::Both => &[Slot::Time, Slot::Position, Slot::Effort],
+        Needs::Motion => &[Slot::Time, Slot::Position],
+        Needs::Effort => &[Slot::Time, Slot::Effort],
+    }
+}
+
+/// The columns that might be what is missing, did their names say the unit.
+pub(super) fn without_unit(names: &Names, sources: &[Source], open: &[usize]) -> Vec<String> {
+    let missing = |slot: &&Slot| !sources.iter().any(|s| s.known.slot == **slot);
+    let slots: Vec<Slot> = wanted(names.needs)
+        .iter()
+        .filter(missing)
+        .copied()
+        .collect();
+    let could = |i: &&usize| {
+        let name = &names.columns[**i];
+        names.unit(**i).is_none() && slots.iter().any(|&slot| likely(name, slot) > 0)
+    };
+    let columns = open.iter().filter(could);
+    columns
+        .map(|&i| format!("`{}`", names.columns[i]))
+        .collect()
+}
+
+/// The `--map`s that would read the file, as far as its names let them be guessed.
+pub(super) fn propose(names: &Names, sources: &[Source], open: &[usize]) -> Vec<String> {
+    let best = |slot: Slot| {
+        let scored = open.iter().map(|&i| (likely(&names.columns[i], slot), i));
+        // Of equals the first.
+        scored
+            .rev()
+            .max_by_key(|s| s.0)
+            .filter(|s| s.0 > 0)
+            .map(|s| s.1)
+    };
+    let rotary = is_rotary(names, sources);
+    let mut maps = Vec::new();
+    for &slot in wanted(names.needs) {
+        let has = |slot: Slot| sources.iter().any(|s| s.known.slot == slot);
+        if has(slot) || (slot == Slot::Position && has(Slot::Velocity)) {
+            continue;
+        }
+        let found = best(slot);
+        let target = target(names, slot, found, rotary);
+        let scale = found.map_or("", |i| scale(names, target, i));
+        let column = found.map_or("COLUMN", |i| names.columns[i].as_str());
+        maps.push(format!(
+            "--map {}",
+            quoted(&format!("{}={scale}{column}", target.name))
+        ));
+    }
+    maps
+}
+
+/// What is in a unit of the target needs no factor, nor does a bare name, whose unit its reader knows.
+fn scale(names: &Names, target: &Known, column: usize) -> &'static str {
+    let name = &names.columns[column];
+    let bare = quantity(name).slot.is_some() && split(name).1.is_none();
+    match names.unit(column) {
+        _ if target.dimension.is_none() => "",
+        Some(u) if Some(u.dimension) == target.dimension && u.factor == 1.0 => "",
+        None if bare => "",
+        _ => "FACTOR*",
+    }
+}
+
+fn quoted(map: &str) -> String {
+    match map.contains([' ', '(', ')', '[', ']', '*', ';', '&', '|']) {
+        true => format!("'{map}'"),
+        false => map.to_owned(),
+    }
+}
+
+fn is_rotary(names: &Names, sources: &[Source]) -> bool {
+    if let Some(axis) = sources.iter().find_map(|s| s.known.axis) {
+        return axis == MotionKind::Rotary;
+    }
+    let angular = |d| {
+        matches!(
+            d,
+            Dimension::Angle | Dimension::AngularSpeed | Dimension::Torque
+        )
+    };
+    let by_unit = (0..names.columns.len())
+        .filter_map(|i| names.unit(i))
+        .map(|u| u.dimension);
+    let by_word = |name: &String| {
+        let lower = name.to_lowercase();
+        ["torque", "angle", "theta", "moment", "motor", "rad", "deg"]
+            .iter()
+            .any(|w| lower.contains(w))
+    };
+    by_unit.into_iter().any(angular) || names.columns.iter().any(by_word)
+}
+
+/// The column of the format that a role would be mapped to.
+fn target(names: &Names, slot: Slot, column: Option<usize>, rotary: bool) -> &'static Known {
+    let unit = column.and_then(|i| names.unit(i)).map(|u| u.dimension);
+    let axis = match rotary {
+        true => MotionKind::Rotary,
+        false => MotionKind::Linear,
+    };
+    let name = column.map_or("", |i| &names.columns[i]).to_lowercase();
+    let told = unit.is_some() || quantity(&name).slot.is_some();
+    let role = if !told && column.is_some() {
+        EffortRole::Raw
+    } else if ["current", "iq", "strom"].iter().any(|w| name.contains(w)) {
+        EffortRole::Current
+    } else if name.contains("voltage") {
+        EffortRole::Voltage
+    } else if rotary {
+        EffortRole::Torque
+    } else {
+        EffortRole::Force
+    };
+    let mut of_slot = KNOWN.iter().filter(|k| k.slot == slot);
+    let by_unit = of_slot
+        .clone()
+        .find(|k| unit.is_some() && k.dimension == unit);
+    let by_axis = of_slot.clone().find(|k| match slot {
+        Slot::Effort => k.role == Some(role),
+        _ => k.axis.is_none_or(|a| a == axis),
+    });
+    by_unit
+        .or(by_axis)
+        .or_else(|| of_slot.next())
+        .unwrap_or(&KNOWN[0])
+}

@@ -1,0 +1,389 @@
+//! From force to motion with inertia: the whole model file in time.
+//!
+//! `M·(v₁ − v₀)/dt = F − R(x₀ + dt·v₁, v₁)`, `x₁ = x₀ + dt·v₁`: the velocity at the end of the step is the root, so a stiff
+//! contact and standstill need no small steps. First order in `dt`; the step is halved until the motion no longer changes.
+
+use super::{PositionError, Simulation};
+use crate::effects::Effect;
+use crate::friction::Visitor;
+use crate::model::Model;
+use crate::nmse::nmse;
+use crate::recording::Recording;
+use preslide::{Friction, Motion};
+
+/// Steps within a sample that are tried first, and most of them.
+const FIRST: u32 = 4;
+const MOST: u32 = 256;
+
+/// Change of the position on halving the step, relative to the travel, that is small enough.
+const SETTLED: f64 = 1e-3;
+
+/// The velocity is found to this share of the largest that the step could reach.
+const ROOT: f64 = 1e-10;
+
+/// Effects whose forward simulation would take a second body.
+const TWO_BODIES: [&str; 3] = ["drive_compliance", "backlash", "creep"];
+
+/// The motion that a recorded force causes. Where the recording has a position too, its first `given` samples are taken as they
+/// are, start the motion and load the friction; the rest is compared and never looked at.
+///
+/// # Errors
+/// A model without inertia or of the other kind of axis, effects that need what one moving body does not have, a parameter that
+/// the library refuses.
+pub fn motion_with_inertia(
+    model: &Model,
+    recording: &Recording,
+    given: usize,
+) -> Result<Simulation, String> {
+    super::same_axis(model, recording.kind, &recording.name)?;
+    if model.inertia <= 0.0 {
+        return Err("the model has no inertia; identify it from a motion that accelerates, or give it by hand in [inertia]".to_owned());
+    }
+    let two: Vec<&str> = model
+        .effects
+        .iter()
+        .map(|e| e.id)
+        .filter(|id| TWO_BODIES.contains(id))
+        .collect();
+    if !two.is_empty() {
+        return Err(format!(
+            "{} is between two moving bodies, and this simulation has one; remove it from the model",
+            two.join(", ")
+        ));
+    }
+    let piece = recording.pieces[0].clone();
+    let mut notes = Vec::new();
+    if recording.pieces.len() > 1 {
+        notes.push(format!(
+            "Only the first {} of {} samples are simulated: then some are missing",
+            piece.len(),
+            recording.len()
+        ));
+    }
+    let t_s = &recording.t_s[piece.clone()];
+    let sample_time = recording.sample_time_s();
+    let force = applied(model, &recording.effort[piece.clone()], sample_time);
+    let measured = recording.position.get(piece).unwrap_or_default();
+    let given = given.clamp(1, t_s.len()).min(measured.len().max(1));
+    let (head, velocity) = match measured.get(..given) {
+        Some(head) => (head.to_vec(), end_slope(head, sample_time)),
+        None => (vec![0.0], 0.0),
+    };
+    let run = |steps: u32| {
+        let run = Run {
+            inertia: model.inertia,
+            force: &force,
+            head: &head,
+            velocity,
+            sample_time,
+            steps,
+        };
+        model.forward_law(sample_time / f64::from(steps), run)
+    };
+    let mut steps = FIRST;
+    let mut found = run(steps)?;
+    let mut change = f64::INFINITY;
+    while steps < MOST {
+        steps *= 2;
+        let finer = run(steps)?;
+        let apart = found.0.iter().zip(&finer.0).map(|(a, b)| (a - b).abs());
+        let [low, high] = super::present::range(&finer.0);
+        change = apart.fold(0.0, f64::max) / (high - low);
+        found = finer;
+        if change <= SETTLED || change.is_nan() {
+            break;
+        }
+    }
+    let x = recording.position_unit();
+    notes.push(format!(
+        "Forward dynamics with {steps} steps a sample; half as many move the position by {:.1e} of its travel",
+        if change.is_nan() { 0.0 } else { change }
+    ));
+    let position_error = (measured.len() > given).then(|| {
+        let rows: Vec<usize> = (given..measured.len()).collect();
+        let squares = rows.iter().map(|&i| (found.0[i] - measured[i]).powi(2));
+        PositionError {
+            rmse: (squares.sum::<f64>() / rows.len() as f64).sqrt(),
+            nmse: nmse(measured, &found.0, &rows),
+            given,
+        }
+    });
+    if let Some(error) = &position_error {
+        notes.push(format!(
+            "Started from the first {given} measured positions; the rest is simulated without looking at them: {:.4e} {x} RMSE",
+            error.rmse
+        ));
+    }
+    Ok(Simulation {
+        kind: recording.kind,
+        t_s: t_s.to_vec(),
+        position: found.0,
+        velocity: Some(found.1),
+        force: recording.effort[..t_s.len()].to_vec(),
+        from_force: true,
+        agreement: None,
+        position_error,
+        breakaway: None,
+        notes,
+    })
+}
+
+/// The force that reaches the body from the recorded command.
+fn applied(model: &Model, recorded: &[f64], sample_time: f64) -> Vec<f64> {
+    let of = |id: &'static str| model.effects.iter().filter(move |e: &&Effect| e.id == id);
+    let mut force = recorded.to_vec();
+    for effect in of("channel_delay") {
+        // What is recorded now acted that much earlier.
+        let ticks = effect.get("delay_s") / sample_time;
+        let late = force.clone();
+        for (i, f) in force.iter_mut().enumerate() {
+            let at = (i as f64 + ticks).clamp(0.0, (late.len() - 1) as f64);
+            let low = at.floor() as usize;
+            let high = (low + 1).min(late.len() - 1);
+            *f = late[low] + (at - low as f64) * (late[high] - late[low]);
+        }
+    }
+    for effect in of("actuator_saturation") {
+        let limit = effect.get("limit_N");
+        force.iter_mut().for_each(|f| *f = f.clamp(-limit, limit));
+    }
+    for effect in of("actuator_dead_zone") {
+        let half = 0.5 * effect.get("width_N");
+        force
+            .iter_mut()
+            .for_each(|f| *f = f.signum() * (f.abs() - half).max(0.0));
+    }
+    force
+}
+
+/// The slope at the end of the parabola through the samples (least squares).
+fn end_slope(head: &[f64], sample_time: f64) -> f64 {
+    if head.len() < 3 {
+        return match head {
+            [a, b] => (b - a) / sample_time,
+            _ => 0.0,
+        };
+    }
+    let n = head.len();
+    let t = |i: usize| (i as f64 - (n - 1) as f64) * sample_time;
+    let rows = nalgebra::DMatrix::from_fn(n, 3, |i, j| t(i).powi(j as i32));
+    let fit = rows
+        .svd(true, true)
+        .solve(&nalgebra::DVector::from_column_slice(head), 1e-12);
+    fit.map_or(0.0, |c| c[1])
+}
+
+struct Run<'a> {
+    inertia: f64,
+    force: &'a [f64],
+    head: &'a [f64],
+    velocity: f64,
+    sample_time: f64,
+    steps: u32,
+}
+
+impl Visitor for Run<'_> {
+    /// Position and velocity at every sample.
+    type Outcome = (Vec<f64>, Vec<f64>);
+
+    fn visit<L: Friction<Scalar = f64>>(self, law: L) -> Self::Outcome {
+        let dt = self.sample_time / f64::from(self.steps);
+        let mut state = law.at_rest();
+        law.place(&mut state, self.head[0]);
+        let mut positions = vec![self.head[0]];
+        let mut velocities = vec![self.velocity];
+        for pair in self.head.windows(2) {
+            let velocity = (pair[1] - pair[0]) / self.sample_time;
+            for step in 1..=self.steps {
+                let part = f64::from(step) / f64::from(self.steps);
+                law.place(&mut state, pair[0] + part * (pair[1] - pair[0]));
+                let displacement = velocity * dt;
+                law.step(
+                    &mut state,
+                    Motion {
+                        displacement,
+                        velocity,
+                    },
+                );
+            }
+            positions.push(pair[1]);
+            velocities.push(velocity);
+        }
+        let (mut x, mut v) = (self.head[self.head.len() - 1], self.velocity);
+        let mut resistance = 0.0;
+        for pair in self.force[self.head.len() - 1..].windows(2) {
+            for step in 0..self.steps {
+                let part = (f64::from(step) + 0.5) / f64::from(self.steps);
+                let force = pair[0] + part * (pair[1] - pair[0]);
+                let take = |state: &mut L::State, v: f64| {
+                    law.place(state, x + dt * v);
+                    law.step(
+                        state,
+                        Motion {
+                            displacement: dt * v,
+                            velocity: v,
+                        },
+                    )
+                };
+                let excess =
+                    |v1: f64| self.inertia * (v1 - v) / dt - force + take(&mut state.clone(), v1);
+                let guess = v + dt / self.inertia * (force - resistance);
+                v = root(excess, guess, dt / self.inertia);
+                resistance = take(&mut state, v);
+                x += dt * v;
+            }
+            positions.push(x);
+            velocities.push(v);
+        }
+        (positions, velocities)
+    }
+}
+
+/// The velocity at which `excess`, which grows with it by at least `1/mobility`, is zero.
+fn root(excess: impl Fn(f64) -> f64, guess: f64, mobility: f64) -> f64 {
+    let first = excess(guess);
+    if first == 0.0 || !first.is_finite() {
+        return guess;
+    }
+    // Growing at least so fast it is zero within this distance.
+    let mut other = guess - mobility * first;
+    let mut at_other = excess(other);
+    let (mut low, mut high) = ((guess, first), (other, at_other));
+    let mut width = (other - guess).abs();
+    // Friction that falls with speed may grow more slowly: look further.
+    for _ in 0..60 {
+        if low.1 * at_other <= 0.0 || !at_other.is_finite() {
+            break;
+        }
+        width *= 2.0;
+        other = guess - width.copysign(first);
+        at_other = excess(other);
+        high = (other, at_other);
+    }
+    if low.0 > high.0 {
+        std::mem::swap(&mut low, &mut high);
+    }
+    let close = ROOT * (width + guess.abs());
+    // Illinois: the secant, with the end that stays halved.
+    let mut side = 0;
+    for _ in 0..100 {
+        if high.0 - low.0 <= close {
+            break;
+        }
+        let middle = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
+        let middle = if middle.is_finite() {
+            middle.clamp(low.0, high.0)
+        } else {
+            0.5 * (low.0 + high.0)
+        };
+        let value = excess(middle);
+        if value == 0.0 || (middle - low.0).min(high.0 - middle) <= 0.01 * close {
+            return middle;
+        }
+        if value > 0.0 {
+            high = (middle, value);
+            low.1 *= if side == 1 { 0.5 } else { 1.0 };
+            side = 1;
+        } else {
+            low = (middle, value);
+            high.1 *= if side == -1 { 0.5 } else { 1.0 };
+            side = -1;
+        }
+    }
+    0.5 * (low.0 + high.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::friction::FrictionModel;
+    use crate::recording::{LoadOptions, MotionKind, Needs, load_csv};
+
+    fn recording(force: impl Fn(f64) -> f64, seconds: f64) -> Recording {
+        let rows: String = (0..(seconds * 1e3) as usize)
+            .map(|i| format!("{},{:e}\n", i as f64 * 1e-3, force(i as f64 * 1e-3)))
+            .collect();
+        let options = LoadOptions {
+            needs: Needs::Effort,
+            ..LoadOptions::default()
+        };
+        load_csv(
+            format!("t_s,force_N\n{rows}").as_bytes(),
+            "force.csv",
+            &options,
+        )
+        .expect("valid")
+    }
+
+    fn body(friction: FrictionModel) -> Model {
+        Model {
+            inertia: 2.0,
+            ..Model::of_friction(MotionKind::Linear, friction)
+        }
+    }
+
+    /// `M·dv/dt = F − F_c − b·v` from rest, and standstill below the breakaway force.
+    #[test]
+    fn a_sliding_body_follows_its_exponential_and_a_held_one_stays() {
+        let model = Model {
+            viscous: 4.0,
+            ..body(FrictionModel::Coulomb { coulomb: 3.0 })
+        };
+        let found = motion_with_inertia(&model, &recording(|_| 5.0, 2.0), 1).expect("valid");
+        for (t, x) in found.t_s.iter().zip(&found.position) {
+            let exact = 0.5 * (t - 0.5 * (1.0 - (-2.0 * t).exp()));
+            assert!((x - exact).abs() < 1e-3, "{t} s: {x} for {exact}");
+        }
+        let held = motion_with_inertia(&model, &recording(|t| 2.9 * (20.0 * t).sin(), 2.0), 1)
+            .expect("valid");
+        assert!(
+            held.position.iter().all(|x| x.abs() < 1e-9),
+            "{:?}",
+            held.position.last()
+        );
+    }
+
+    /// A contact of 1e8 N/m under 2 kg rings at 1.1 kHz: no explicit step of 0.25 ms survives it.
+    #[test]
+    fn a_stiff_contact_stays_at_its_static_displacement() {
+        let friction = FrictionModel::maxwell_slip(&[1e8, 1e6], &[1e-8, 2e-6]);
+        let found = motion_with_inertia(
+            &body(friction),
+            &recording(|t| 1.5 * (t / 0.5).min(1.0), 1.5),
+            1,
+        )
+        .expect("valid");
+        let last = found.position[found.position.len() - 1];
+        // 1 N of the stiff block has yielded, the soft one carries the rest.
+        assert!((last / 5e-7 - 1.0).abs() < 0.02, "{last:e}");
+    }
+
+    /// Started from some samples of a motion, the simulation goes on with it.
+    #[test]
+    fn a_recorded_start_is_taken_up_and_the_rest_compared() {
+        let model = body(FrictionModel::Coulomb { coulomb: 1.0 });
+        let rows: String = (0..3000)
+            .map(|i| {
+                let t = f64::from(i) * 1e-3;
+                let (x, v, a) = (
+                    0.1 * (4.0 * t).sin(),
+                    0.4 * (4.0 * t).cos(),
+                    -1.6 * (4.0 * t).sin(),
+                );
+                format!("{t},{x:e},{:e}\n", 2.0 * a + f64::signum(v))
+            })
+            .collect();
+        let text = format!("t_s,x_m,force_N\n{rows}");
+        let recording =
+            load_csv(text.as_bytes(), "swing.csv", &LoadOptions::default()).expect("valid");
+        let found = motion_with_inertia(&model, &recording, 20).expect("valid");
+        let error = found.position_error.expect("compared");
+        assert!(error.rmse < 1e-3, "{error:?}");
+        let two = Model {
+            effects: vec![Effect::new("backlash", &[("gap_m", 1e-6)]).expect("valid")],
+            ..model
+        };
+        let refused = motion_with_inertia(&two, &recording, 20).expect_err("two bodies");
+        assert!(refused.contains("backlash"), "{refused}");
+    }
+}
