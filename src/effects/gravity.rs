@@ -9,7 +9,7 @@ use core::f64::consts::{FRAC_PI_2, TAU};
 /// `gravity`: the torque that holds an unbalanced rotary axis, `A·sin(q − q0)` with `A = m·g·r`.
 ///
 /// Computed as [`PeriodicForce`](super::PeriodicForce) of one turn, at its cost.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Gravity<S = f32> {
     wave: Wave<S>,
     torque: S,
