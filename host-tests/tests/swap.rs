@@ -7,7 +7,7 @@ use preslide::control::{Learning, LearningSettings, NoFriction};
 use preslide::effects::{ConstantForce, With};
 use preslide::{
     Block, BoucWen, Coulomb, Dahl, ElastoPlastic, Friction, Gms, Hsieh, HsiehParams, Leuven,
-    LeuvenForm, LuGre, QuasiStaticGms, Scalar, Sliding, TwoState, Units,
+    LeuvenForm, LuGre, QuasiStaticGms, Sliding, TwoState, Units,
 };
 use preslide_host::stage::{Stage, StageConfig};
 use proptest::prelude::*;

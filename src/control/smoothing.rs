@@ -72,7 +72,7 @@ impl Smoothing {
         self.rest = whole as u32 & mask;
         // Word by word: a shift of both by any number of bits takes twice the instructions.
         let (low, high) = (whole as u32, (whole >> 32) as i32);
-        let low = low >> bits | high.cast_unsigned() << (32 - bits & 31);
-        (i64::from(high >> bits) << 32 | i64::from(low), change)
+        let low = (low >> bits) | (high.cast_unsigned() << ((32 - bits) & 31));
+        ((i64::from(high >> bits) << 32) | i64::from(low), change)
     }
 }
