@@ -69,7 +69,7 @@ mod tests {
         ] {
             assert!((length(text).expect(text) - value).abs() < 1e-15, "{text}");
         }
-        assert!((length("90deg").expect("deg") - 1.570_796_326_794_896_6).abs() < 1e-12);
+        assert!((length("90deg").expect("deg") - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
         assert!((rate("5mm/s").expect("speed") - 5e-3).abs() < 1e-15);
         assert!((rate("0.1m/s2").expect("acceleration") - 0.1).abs() < 1e-15);
         for text in ["", "mm", "1.5 furlongs", "nan", "inf"] {

@@ -12,19 +12,24 @@ use std::cell::Cell;
 const AT: u32 = 6000;
 const END: u32 = 20_000;
 
+/// Changes what the drive reads in a tick.
+type Reading<'a> = Box<dyn Fn(u32, &mut Measurement<u32>) + 'a>;
+/// What the host does in a tick.
+type Host = fn(u32, &mut Controller<Model, u32>, &Axis);
+
 /// What a fault does to what passes between controller and stage.
 #[derive(Default)]
 struct Injection<'a> {
     /// To the settings: how the axis was wired or described.
     axis: Option<fn(&mut Axis)>,
     /// To what the board reads, by tick.
-    read: Option<Box<dyn Fn(u32, &mut Measurement<u32>) + 'a>>,
+    read: Option<Reading<'a>>,
     /// To what the bridge gets.
     bridge: Option<Box<dyn Fn(u32, i32) -> i32 + 'a>>,
     /// To the stage.
     stage: Option<fn(u32, &mut Stage)>,
     /// What the host does: by default it sends a move and keeps talking.
-    host: Option<fn(u32, &mut Controller<Model, u32>, &Axis)>,
+    host: Option<Host>,
     /// It is wrong from the start: counted from the first tick, and no move is asked for before it.
     from_start: bool,
     /// It changes nothing: the run is compared with an undisturbed one.
@@ -243,7 +248,7 @@ fn every_fault_keeps_its_bound_on_travel_and_command() {
             0.2,
             Injection {
                 rides_out: true,
-                ..read(|tick, m| m.count = m.count.wrapping_add(tick * 7919 / 3 & 1))
+                ..read(|tick, m| m.count = m.count.wrapping_add((tick * 7919 / 3) & 1))
             },
         ),
         row(

@@ -164,11 +164,7 @@ pub fn capture(
         for &byte in buffer.iter().take(length) {
             let before = recorder.summary.rows;
             match deframer.push::<Report>(byte) {
-                Some(Ok(Report::Sample(sample))) => {
-                    if recorder.take(&sample)? {
-                        break 'reading;
-                    }
-                }
+                Some(Ok(Report::Sample(sample))) if recorder.take(&sample)? => break 'reading,
                 // The first frame is usually cut: the line was there before the listener.
                 Some(Err(_)) => recorder.summary.damaged += 1,
                 _ => {}

@@ -167,9 +167,7 @@ fn simulate<F: Friction>(
     let coefficients = Coefficients::try_new(&settings, friction, units).map_err(parameter)?;
     let first = registers(stage.tick(0.0)).count;
     let mut controller = Controller::new(coefficients, first);
-    controller
-        .enable()
-        .map_err(|fault| TrackingError::Stopped(fault))?;
+    controller.enable().map_err(TrackingError::Stopped)?;
     let moves = steps
         .iter()
         .map(|step| step.plan(&settings))
