@@ -16,7 +16,7 @@ const YIELD: f64 = 3e-3;
 pub struct Motion {
     /// Time (s).
     pub t: Vec<f64>,
-    /// Position (m or rad), smoothed over [`REACH_S`].
+    /// Position (m or rad), smoothed over `REACH_S`.
     pub x: Vec<f64>,
     /// Velocity.
     pub v: Vec<f64>,

@@ -1,6 +1,6 @@
 //! What a model left out of a recording: located, named, modelled and shown on stretches that no fit saw.
 //!
-//! The stages, each immutable once made: [`rows`] (which instants can tell) → [`core`] and [`noise`] in [`ground`] (what every
+//! The stages, each immutable once made: [`rows`] (which instants can tell) → [`mod@core`] and noise in [`ground`] (what every
 //! hypothesis stands on) → [`offer`] (every candidate on top of one) → [`search`] (which of them the recording asks for) →
 //! [`naming`] and [`confidence`] (what each may be called) → [`verdict`]. The catalogue is [`effect`], one file each.
 
