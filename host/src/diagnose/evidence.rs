@@ -8,6 +8,9 @@
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use std::ops::Range;
 
+/// Blocks below which a force proves nothing, however well it fits them.
+const FEWEST: f64 = 2.0;
+
 /// What a candidate is worth.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Evidence {
@@ -45,7 +48,11 @@ pub fn evidence(force: &[f64], residual: &[f64], blocks: &[Range<usize>]) -> Evi
     let t = product / (variance * n / (n - 1.0).max(1.0)).sqrt().max(1e-300);
     Evidence {
         share: (2.0 * product - square) / loss,
-        z: as_normal(t, (count - 1.0).max(0.5)),
+        z: if count < FEWEST {
+            0.0
+        } else {
+            as_normal(t, count - 1.0)
+        },
         blocks: count,
         slope,
     }

@@ -4,17 +4,20 @@ use super::axis::Axis;
 use super::change::{Change, late_yields};
 use super::core::Core;
 use super::curve::Curve;
-use super::effect::{Baseline, Scene};
+use super::effect::{self, Baseline, Scene};
 use super::noise::{Course, Noise};
 use super::normal::{Bound, Normal};
 use super::rows::Rows;
 use super::signals::quantile;
+use super::spectra;
 use super::term::{Subject, Term};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::{Arc, Mutex};
 
+/// Lines in time that stand beside the core while the noise is found.
+const LINES: usize = 2;
 /// Rounds of core, plain effects and noise in turns.
 const ROUNDS: usize = 2;
 
@@ -76,7 +79,11 @@ impl Ground {
         let mut ground: Option<Self> = None;
         for _ in 0..ROUNDS {
             let from = ground.as_ref().unwrap_or(self);
-            let fitted = from.fit(&all)?;
+            let mut fitted = from.fit(&all)?;
+            let lines = from.strongest_lines(&fitted);
+            if !lines.is_empty() {
+                fitted = from.fit(&[all.as_slice(), &lines].concat())?;
+            }
             let mut next = from.with_baseline(&fitted);
             let places = Places::of(&next.rows, &next.baseline);
             next.noise = Noise::estimate(
@@ -87,6 +94,20 @@ impl Ground {
             ground = Some(next);
         }
         ground
+    }
+
+    /// The strongest lines in time of what a hypothesis leaves: an autoregression would take them for its own.
+    fn strongest_lines(&self, fitted: &Hypothesis) -> Vec<Term> {
+        let weak = &self.rows.weak;
+        let time = weak.at_centres(&self.rows.s.t);
+        let (slowest, fastest) = spectra::in_time(&self.rows);
+        let found = spectra::lines(&time, &fitted.residual(&self.rows.force), slowest, fastest);
+        let vibration = Subject::Effect(effect::VIBRATION);
+        found
+            .into_iter()
+            .take(LINES)
+            .map(|f| Term::new(vibration, &[f]))
+            .collect()
     }
 
     fn with_baseline(&self, fitted: &Hypothesis) -> Self {

@@ -16,8 +16,6 @@ use std::sync::Arc;
 const SLOW: f64 = 0.2;
 /// Fewest periods of a line within the travel.
 const PERIODS: f64 = 1.5;
-/// Fewest periods of a vibration within the recording: slower is drift, or the motion itself.
-const CYCLES: f64 = 20.0;
 
 /// A candidate, judged.
 #[derive(Clone)]
@@ -185,7 +183,7 @@ impl Lines {
         let row_s = weak.half_width_s;
         let (lowest, finest) = (PERIODS / travel, 0.5 / (row_s * slow));
         let duration = (s.duration()).max(1e-300);
-        let (slowest, fastest) = (CYCLES / duration, 0.45 / row_s);
+        let (slowest, fastest) = spectra::in_time(&ground.rows);
         let in_position = (finest * travel).max(1.0);
         let in_time = (fastest * duration).max(1.0);
         let invert = |lines: Vec<f64>| lines.into_iter().map(|nu| 1.0 / nu).collect();

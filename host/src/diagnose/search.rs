@@ -20,6 +20,8 @@ const MATCH: f64 = 0.9;
 /// The same over the name's own coordinate, where two effects may share one curve, and for changes of the core, which bend to
 /// whatever is there.
 const OWN: f64 = 0.5;
+/// Share of the leader's explanation from which a simpler effect is taken in its place.
+const TIE: f64 = 0.93;
 /// Share of a term's entry that it must keep beside later ones.
 const KEEP: f64 = 0.5;
 /// Standard deviations that a term must keep beside later ones.
@@ -135,8 +137,23 @@ fn pick(list: &[Offer], families: usize) -> Option<&Offer> {
     let first = fit.iter().find(|o| named(o) && plain(o));
     first
         .or_else(|| fit.iter().find(|o| named(o) && good(o)))
-        .copied()
+        .map(|o| simplest(o, &fit))
         .or(Some(best))
+}
+
+/// The simplest effect, in the catalogue's order, that explains nearly as much as `leader`.
+fn simplest<'a>(leader: &'a Offer, fit: &[&'a Offer]) -> &'a Offer {
+    let rank = |o: &Offer| {
+        let own = o.term.effect().map(|e| e.id());
+        effect::ALL.iter().position(|e| Some(e.id()) == own)
+    };
+    let near =
+        |o: &&Offer| o.term.effect().is_some() && o.evidence.share >= TIE * leader.evidence.share;
+    fit.iter()
+        .copied()
+        .filter(near)
+        .min_by_key(|o| rank(o))
+        .unwrap_or(leader)
 }
 
 /// The first term that explains too little beside the others, or has a sign that its physics has not.

@@ -1,5 +1,6 @@
 //! Periods in position and in time that stand out of the mismatch.
 
+use super::rows::Rows;
 use super::signals::{bounds, quantile};
 use realfft::RealFftPlanner;
 
@@ -7,6 +8,17 @@ use realfft::RealFftPlanner;
 const PEAKS: usize = 4;
 /// Most bins.
 const MOST: usize = 1 << 18;
+
+/// Fewest periods of a vibration within the recording: slower is drift, or the motion itself.
+const CYCLES: f64 = 20.0;
+
+/// The band (Hz) in which vibrations are looked for.
+pub fn in_time(rows: &Rows) -> (f64, f64) {
+    (
+        CYCLES / rows.s.duration().max(1e-300),
+        0.45 / rows.weak.half_width_s,
+    )
+}
 
 /// Frequencies at which `weights` (the mismatch, at the places or times `at`) has lines: those whose power stands highest
 /// above its neighbourhood. `from..to` in periods per unit of `at`.

@@ -76,6 +76,9 @@ pub static ALL: [&dyn Effect; 26] = [
 /// What every recording may have to a small extent: it stands in every hypothesis, and is named where it is more.
 pub static ALWAYS_FREE: &dyn Effect = &channel_delay::ChannelDelay;
 
+/// A line in time, which would be taken for noise where it is not looked for.
+pub static VIBRATION: &dyn Effect = &external_vibration::ExternalVibration;
+
 /// The effect of an id.
 pub fn by_id(id: &str) -> Option<&'static dyn Effect> {
     ALL.into_iter().find(|effect| effect.id() == id)

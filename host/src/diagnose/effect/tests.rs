@@ -296,7 +296,7 @@ fn model_files_take_the_parameters_and_give_the_shape_back() {
 }
 
 #[test]
-fn gravity_is_a_wave_of_one_turn_in_a_model_file() {
+fn gravity_enters_a_model_file_as_it_was_fitted() {
     let stage = Stage::new(MotionKind::Rotary, 1.0);
     let scene = stage.scene();
     let gravity = by_id("gravity").unwrap();
@@ -319,9 +319,8 @@ fn gravity_is_a_wave_of_one_turn_in_a_model_file() {
     let wave = &model.effects[0];
     for q in [-2.0f64, 0.1, 0.7, 3.0] {
         let force = 0.6 * q.sin() - 0.8 * q.cos();
-        let named = of("amplitude_N") * (q - of("angle_rad")).sin();
-        let phase = std::f64::consts::TAU * q / wave.get("period_m") + wave.get("phase_rad");
-        let kept = wave.get("force_N") * phase.cos();
+        let named = of("force_N") * (q - of("angle_rad")).sin();
+        let kept = wave.get("force_N") * (q - wave.get("angle_rad")).sin();
         assert!(
             (named - force).abs() < 1e-12 && (kept - force).abs() < 1e-12,
             "{q}: {force} {named} {kept}"
