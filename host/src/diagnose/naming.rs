@@ -10,7 +10,7 @@ use super::effect::Effect;
 use super::evidence::{Evidence, evidence};
 use super::ground::{Ground, Hypothesis};
 use super::offer::{Offer, offer_of, offers, refined};
-use super::search::{Found, MATERIAL};
+use super::search::{Found, MATERIAL, beside};
 use super::term::{Subject, Term};
 
 /// Share of a term's explanation that a rival must reach by itself to be looked at.
@@ -58,16 +58,10 @@ pub fn standings(found: &Found, given: usize, periods: &[f64]) -> Vec<Standing> 
         .collect()
 }
 
-fn without(ground: &Ground, hypothesis: &Hypothesis, index: usize) -> Option<Hypothesis> {
-    let mut terms = hypothesis.terms.clone();
-    terms.remove(index);
-    ground.fit(&terms)
-}
-
 fn standing(found: &Found, index: usize, periods: &[f64]) -> Option<Standing> {
     let ground = &found.ground;
     let term = found.hypothesis.terms[index].clone();
-    let rest = without(ground, &found.hypothesis, index)?;
+    let rest = ground.fit(&beside(&found.hypothesis.terms, index))?;
     let own = offer_of(ground, &rest, std::slice::from_ref(&term), 1.0)?;
     let (mut list, _) = offers(ground, &rest, periods);
     list.retain(|o| !o.term.is_like(&term) && o.evidence.share > NEAR * own.evidence.share * 0.8);
@@ -102,7 +96,7 @@ impl Standing {
         if ratio < NEAR {
             return;
         }
-        let beside = |first: &Term, second: &Term| {
+        let left = |first: &Term, second: &Term| {
             let mut terms = rest.terms.clone();
             terms.push(first.clone());
             let with = ground.fit(&terms)?;
@@ -113,7 +107,7 @@ impl Standing {
         };
         // Shares of what is left beside a rival are larger than those of the whole.
         let kept =
-            beside(&rival.term, &self.term).unwrap_or(0.0) * (1.0 - rival.evidence.share).max(0.0);
+            left(&rival.term, &self.term).unwrap_or(0.0) * (1.0 - rival.evidence.share).max(0.0);
         if kept > NEEDLESS * own.evidence.share {
             return;
         }

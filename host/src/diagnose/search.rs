@@ -13,8 +13,9 @@ pub const ALPHA: f64 = 0.05;
 pub const MATERIAL: f64 = 0.01;
 /// Least deviation of a candidate's force, of the measured effort's: below it nothing is to be gained on a machine, however repeatable the recording.
 const WORTH: f64 = 0.002;
-/// Share of the best candidate's explanation that plain physics needs to be taken first.
-const PLAIN: f64 = 0.5;
+/// Share of the best candidate's explanation that plain physics needs to be taken first: every machine may have it, and a free
+/// curve that bends to two effects at once would hide both.
+const PLAIN: f64 = 0.15;
 /// Share of a free curve's explanation that a name must reach.
 const MATCH: f64 = 0.9;
 /// The same over the name's own coordinate, where two effects may share one curve, and for changes of the core, which bend to
@@ -80,14 +81,8 @@ pub fn search(
             ground = ground.referred_to(&terms)?;
         }
         hypothesis = ground.fit(&terms)?;
-        // A term that the later ones make needless leaves, and does not come back: the search ends. What has no name does not
-        // drive out a name that was good enough in its place.
-        while let Some(mut index) = needless(&ground, &hypothesis, first.len()) {
-            let last = hypothesis.terms.len() - 1;
-            let named = hypothesis.terms[index].effect().is_some() && hypothesis.admits(index);
-            if named && next.term.effect().is_none() && hypothesis.terms[last].is_like(&next.term) {
-                index = last;
-            }
+        // A term that the later ones make needless leaves, and does not come back: the search ends.
+        while let Some(index) = needless(&ground, &hypothesis, first.len()) {
             barred.push(hypothesis.terms[index].subject.key());
             let mut terms = hypothesis.terms.clone();
             terms.remove(index);
@@ -159,12 +154,20 @@ fn simplest<'a>(leader: &'a Offer, fit: &[&'a Offer]) -> &'a Offer {
 /// The first term that explains too little beside the others, or has a sign that its physics has not.
 fn needless(ground: &Ground, hypothesis: &Hypothesis, given: usize) -> Option<usize> {
     (given..hypothesis.terms.len()).find(|&i| {
-        let mut terms = hypothesis.terms.clone();
-        let own = terms.remove(i);
         let kept = ground
-            .fit(&terms)
-            .and_then(|without| offer_of(ground, &without, &[own], 1.0))
+            .fit(&beside(&hypothesis.terms, i))
+            .and_then(|without| offer_of(ground, &without, &hypothesis.terms[i..=i], 1.0))
             .is_some_and(|o| o.evidence.share >= KEEP * MATERIAL && o.evidence.z >= SURE);
-        !kept || !hypothesis.admits(i)
+        !kept
     })
+}
+
+/// What term `index` is judged beside: all others, but for what has no name and came after it. A free curve holds the names over its
+/// own coordinate, and would take their coefficients from them.
+pub fn beside(terms: &[Term], index: usize) -> Vec<Term> {
+    let others = terms.iter().enumerate().filter(|(j, other)| {
+        let named = other.given || other.effect().is_some();
+        *j != index && (named || *j < index)
+    });
+    others.map(|(_, other)| other.clone()).collect()
 }

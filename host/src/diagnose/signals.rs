@@ -91,6 +91,10 @@ impl Signals {
             extra: recording
                 .extra
                 .iter()
+                .filter(|e| {
+                    !is_copy(&e.values, &recording.effort)
+                        && !is_copy(&e.values, &recording.position)
+                })
                 .map(|e| (e.name.clone(), e.values.clone()))
                 .collect(),
             rotary: recording.kind == MotionKind::Rotary,
@@ -274,6 +278,21 @@ fn running_time(recording: &Recording) -> Vec<f64> {
         t.push(now);
     }
     t
+}
+
+/// Correlation from which a column is what it is compared with, in other units.
+const COPY: f64 = 0.999;
+
+/// Whether a further column is the effort or the position once more: the command that a force was computed from explains all of it.
+fn is_copy(values: &[f64], of: &[f64]) -> bool {
+    let (a, b) = (mean(values), mean(of));
+    let (mut square, mut other, mut product) = (0.0, 0.0, 0.0);
+    for (x, y) in values.iter().zip(of) {
+        square += (x - a).powi(2);
+        other += (y - b).powi(2);
+        product += (x - a) * (y - b);
+    }
+    product * product > COPY * COPY * square * other
 }
 
 /// Lowest and highest of some values.

@@ -193,7 +193,7 @@ pub fn conclude(
     let first = found.ground.fit(&kept)?;
     let extended = extend(&found, &kept, &effects)?;
     for effect in &mut effects {
-        effect.nmse_test = with_and_without(&found, &kept, &extended, effect)?;
+        measure(&found, &kept, &extended, effect)?;
     }
     let mut baseline = nmse(&found.ground.rows, &first);
     let shape = friction.and_then(|f| Shape::of(&found.ground, &extended, f));
@@ -268,20 +268,20 @@ fn named(found: &Found, standing: &Standing, mechanics: &[(String, f64)]) -> Opt
             ambiguous.push(*equivalent);
         }
     }
-    let force = hypothesis.force_of(standing.index);
     Some(Named {
         name: Name::Entry(effect),
         term: Some(standing.term.clone()),
         confident: confidence >= LIKELY
             && is_material(effect, &standing.evidence)
-            && standing.form.is_none(),
+            && standing.form.is_none()
+            && effect.lacks(&found.ground.rows.s).is_none(),
         confidence,
         evidence: standing.evidence,
         standing: Some(standing.clone()),
         nmse_test: [f64::NAN; 2],
-        places: Place::all(&found.ground.rows, effect.axis(), &force),
-        force,
-        parameters: parameters(&found.ground, hypothesis, standing.index),
+        places: Vec::new(),
+        force: Vec::new(),
+        parameters: Vec::new(),
         source: source(effect, &standing.term, mechanics),
         ambiguous,
     })
@@ -312,29 +312,27 @@ fn extend(found: &Found, kept: &[Term], effects: &[Named]) -> Option<Hypothesis>
     found.ground.fit(&terms)
 }
 
-/// Held-out NMSE (%) without and with an effect, all confident ones beside it.
-fn with_and_without(
-    found: &Found,
-    kept: &[Term],
-    extended: &Hypothesis,
-    effect: &Named,
-) -> Option<[f64; 2]> {
-    let own = effect.term.as_ref()?;
-    let is_own = |t: &Term| t.is_like(own) && t.shape == own.shape;
+/// Parameters, force, places and held-out NMSE of an effect, all confident ones beside it and nothing without a name: a free curve
+/// would share its coefficients.
+fn measure(found: &Found, kept: &[Term], extended: &Hypothesis, effect: &mut Named) -> Option<()> {
+    let Name::Entry(entry) = effect.name else {
+        return Some(());
+    };
+    let (ground, own) = (&found.ground, effect.term.clone()?);
+    let is_own = |t: &Term| t.is_like(&own) && t.shape == own.shape;
     let mut terms: Vec<Term> = extended.terms.clone();
-    let at = terms
-        .iter()
-        .skip(kept.len())
-        .position(is_own)
-        .map(|i| i + kept.len());
-    if let Some(at) = at {
-        terms.remove(at);
+    if let Some(at) = terms.iter().skip(kept.len()).position(is_own) {
+        terms.remove(at + kept.len());
     }
-    let without = found.ground.fit(&terms)?;
-    terms.push(own.clone());
-    let with = found.ground.fit(&terms)?;
-    let of = |h: &Hypothesis| nmse(&found.ground.rows, h).test;
-    Some([of(&without), of(&with)])
+    let without = ground.fit(&terms)?;
+    terms.push(own);
+    let with = ground.fit(&terms)?;
+    let index = terms.len() - 1;
+    effect.nmse_test = [&without, &with].map(|h| nmse(&ground.rows, h).test);
+    effect.force = with.force_of(index);
+    effect.places = Place::all(&ground.rows, entry.axis(), &effect.force);
+    effect.parameters = parameters(ground, &with, index);
+    Some(())
 }
 
 fn hysteresis(found: &Found, shape: Shape) -> Named {
