@@ -35,7 +35,8 @@ impl Sense {
         supply: Peri<'static, PC0>,
         current: Peri<'static, PC1>,
     ) -> Self {
-        core::mem::forget(Adc::new(adc, AdcConfig::default()));
+        // It only calibrates here; the converter stays on when the driver goes, which has no `Drop`.
+        let _calibrated = Adc::new(adc, AdcConfig::default());
         let adc = pac::ADC1;
         adc.cr().modify(|w| w.set_aden(true));
         while !adc.isr().read().adrdy() {}
