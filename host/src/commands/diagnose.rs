@@ -44,6 +44,8 @@ impl Diagnose {
     /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
         let start = Instant::now();
+        self.recordings
+            .check_outputs(self.output.as_ref(), &self.outputs)?;
         let model = self.model.as_deref().map(Model::load).transpose()?;
         let recording = self.recordings.load()?;
         let progress = Progress::new("diagnose, steps of the search", 0);

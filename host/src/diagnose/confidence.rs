@@ -1,4 +1,4 @@
-//! How often a name with such evidence was right: one logistic, fitted by `cargo xtask calibrate`.
+//! How sure a name is: one logistic of four features of its evidence.
 
 use super::evidence::Evidence;
 use super::naming::Standing;
@@ -7,9 +7,8 @@ use super::naming::Standing;
 /// needless, survival of changes of the core.
 pub const FEATURES: [&str; 4] = ["share", "z", "margin", "survival"];
 
-/// The constant and the weights of the [`FEATURES`].
-///
-/// Placeholder until `cargo xtask calibrate` has written them: see `calibration.rs`.
+/// The constant and the weights of the [`FEATURES`]. Set by hand, before any figure that is reported was measured; they are not
+/// calibrated yet, and `cargo xtask sources` prints how far off they are.
 const WEIGHTS: [f64; 5] = [1.5, 0.8, 0.25, 1.0, 1.5];
 
 /// Factor of the probability of a name whose size changes over a foreign coordinate.
