@@ -111,11 +111,16 @@ pub(super) fn compare<F: Friction>(
     units: Units,
     observe: impl FnMut(u64, &Controller<F, u32>),
 ) -> Result<Agreement, RigError> {
-    // Single moves are planned below the interrupt, so the tick of the first one is the firmware's to tell.
+    // Requests are read below the interrupt, so the ticks of enabling, from which what learns counts its looks, and of the
+    // first move are the firmware's to tell.
+    let enabled = record
+        .enabled
+        .ok_or(RigError::Answer("never enabled the axis"))?;
     let begin = samples(record)
         .find(|sample| sample.reference != 0)
         .map_or(u64::MAX, |sample| u64::from(sample.tick));
-    let host = simulate(script, &narrowed(steps), friction, units, begin, observe)?;
+    let ticks = [enabled, begin];
+    let host = simulate(script, &narrowed(steps), friction, units, ticks, observe)?;
     let pairs = record.codes.iter().zip(&host);
     let differences = pairs
         .clone()
@@ -158,7 +163,7 @@ fn simulate<F: Friction>(
     steps: &[Step],
     friction: F,
     units: Units,
-    begin: u64,
+    [enabled, begin]: [u64; 2],
     mut observe: impl FnMut(u64, &Controller<F, u32>),
 ) -> Result<Vec<i32>, RigError> {
     let settings = Settings::PAPER_AXIS;
@@ -167,7 +172,6 @@ fn simulate<F: Friction>(
     let coefficients = Coefficients::try_new(&settings, friction, units).map_err(parameter)?;
     let first = registers(stage.tick(0.0)).count;
     let mut controller = Controller::new(coefficients, first);
-    controller.enable().map_err(TrackingError::Stopped)?;
     let moves = steps
         .iter()
         .map(|step| step.plan(&settings))
@@ -180,6 +184,9 @@ fn simulate<F: Friction>(
         codes.push(code);
         (script.disturb)(tick, &mut stage);
         let reading = registers(stage.tick(f64::from(code) / f64::from(settings.hardware.steps)));
+        if tick == enabled {
+            controller.enable().map_err(TrackingError::Stopped)?;
+        }
         if tick >= begin
             && controller.is_idle()
             && let Some(next) = moves.next()

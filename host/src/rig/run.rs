@@ -114,6 +114,8 @@ pub fn registers(reading: EncoderReading) -> Reading {
 pub struct Record {
     /// The code of every exchange; the first is the one before the first tick.
     pub codes: Vec<i16>,
+    /// The first tick in which the bridge was driven: that in which the axis was enabled. `None` where it never was.
+    pub enabled: Option<u64>,
     /// Telemetry and log.
     pub remains: Remains,
     /// The firmware broke the lock step before the script's end, as a watchdog does.
@@ -134,6 +136,7 @@ pub fn run(elf: &Path, script: &Script, listener: Listener) -> Result<Record, Ri
     .map_err(TrackingError::from)?;
     let mut emulator = Emulator::start(elf, listener, script.plugin.as_deref())?;
     let mut codes = Vec::new();
+    let mut enabled = None;
     let mut broke_off = false;
     let mut line = script
         .bytes
@@ -147,6 +150,10 @@ pub fn run(elf: &Path, script: &Script, listener: Listener) -> Result<Record, Ri
             break;
         };
         codes.push(order.code);
+        if order.driven {
+            // What a tick orders comes with the next exchange.
+            enabled = enabled.or(Some(tick.saturating_sub(1)));
+        }
         (script.disturb)(tick, &mut stage);
         let mut reading = registers(stage.tick(f64::from(order.code) / steps));
         if let Some((_, byte)) = waiting.filter(|(from, _)| *from <= tick) {
@@ -162,6 +169,7 @@ pub fn run(elf: &Path, script: &Script, listener: Listener) -> Result<Record, Ri
     }
     Ok(Record {
         codes,
+        enabled,
         remains: emulator.finish(),
         broke_off,
     })

@@ -12,6 +12,8 @@ use std::path::Path;
 const STROKE_M: f64 = 1e-3;
 const SPEED_M_S: f64 = 4e-3;
 const RAMP_S: f64 = 0.02;
+/// Tick from which the first is sent.
+const FIRST_MOVE: u64 = 2000;
 
 /// What happens to the stage.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,12 +64,13 @@ pub fn notice<F: Friction>(
         })
         .collect();
     let mut script = Script::quiet(0);
-    let mut tick = 20;
+    // Enabling keeps the background busy for longer than the telemetry's queue lasts; the first move's start must not be lost.
+    let mut tick = FIRST_MOVE;
     for (i, step) in steps.iter().enumerate() {
         script = script.send(tick, &requests(std::slice::from_ref(step)));
         if i == 0 {
             // Every tick until the first move, whose start is to be seen; then few, for speed.
-            script = script.send(1000, &[Request::Telemetry { every: 20 }]);
+            script = script.send(FIRST_MOVE + 1000, &[Request::Telemetry { every: 20 }]);
         }
         let planned = step.plan(&settings);
         let ticks = planned.map_err(TrackingError::from)?.ticks();
