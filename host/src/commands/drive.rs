@@ -22,7 +22,7 @@ use std::time::{Duration, Instant};
 /// is disabled after every reset. A controller that hears nothing for the time in its parameter `silence` stops a moving axis.
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  preslide drive /dev/ttyACM0\n  preslide drive /dev/ttyACM0 enable\n  preslide drive /dev/ttyACM0 move --by 1.5mm --speed 5mm/s\n  \
+    after_help = "Example: preslide drive /dev/ttyACM0\n  preslide drive /dev/ttyACM0 enable\n  preslide drive /dev/ttyACM0 move --by 1.5mm --speed 5mm/s\n  \
                   preslide drive tcp:127.0.0.1:7700 play motion.csv -o axis.csv\n\nLengths are m, or end in mm, um, nm; of an axis that turns rad, mrad, deg."
 )]
 pub struct Drive {

@@ -18,6 +18,9 @@ const SHARES: [f64; 2] = [0.3, 0.7];
 /// Key of the resonance.
 const FREQUENCY: &str = "frequency_Hz";
 
+/// Times the band of the motion up to which a resonance can be seen.
+const SEEN_FROM: f64 = 3.0;
+
 /// `drive_compliance`.
 pub struct DriveCompliance;
 
@@ -79,6 +82,15 @@ impl Effect for DriveCompliance {
 
     fn acts_on_effort(&self) -> bool {
         true
+    }
+
+    /// An effect in proportion to the fourth derivative is seen from a third of its resonance on: below that the recording has nothing of it,
+    /// and what is fitted there is the hysteresis' own error.
+    fn is_harmless(&self, scene: &Scene, coefficients: &[f64]) -> bool {
+        let reduced = scene.core.mass * MOTOR_SHARE * (1.0 - MOTOR_SHARE);
+        let compliance = coefficients.first().map_or(0.0, |c| c.abs());
+        let frequency = (compliance * reduced).sqrt().recip() / TAU;
+        frequency > SEEN_FROM * scene.s.band_hz
     }
 
     fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
