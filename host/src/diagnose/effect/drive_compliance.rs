@@ -18,6 +18,8 @@ const SHARES: [f64; 2] = [0.3, 0.7];
 /// Key of the resonance.
 const FREQUENCY: &str = "frequency_Hz";
 
+/// Band of the rows (Hz): what a kernel of ±12.5 ms passes by half.
+const ROWS_HZ: f64 = 0.62 / 12.5e-3;
 /// Times the band of the motion up to which a resonance can be seen.
 const SEEN_FROM: f64 = 3.0;
 
@@ -90,7 +92,7 @@ impl Effect for DriveCompliance {
         let reduced = scene.core.mass * MOTOR_SHARE * (1.0 - MOTOR_SHARE);
         let compliance = coefficients.first().map_or(0.0, |c| c.abs());
         let frequency = (compliance * reduced).sqrt().recip() / TAU;
-        frequency > SEEN_FROM * scene.s.band_hz
+        frequency > SEEN_FROM * scene.s.band_hz.min(ROWS_HZ)
     }
 
     fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
