@@ -192,7 +192,10 @@ pub fn conclude(
     let kept: Vec<Term> = found.hypothesis.terms[..given].to_vec();
     let first = found.ground.fit(&kept)?;
     let extended = extend(&found, &kept, &effects)?;
+    // Where even all names together leave most of the effort, none of them is sure.
+    let explained = nmse(&found.ground.rows, &extended).test <= EXPLAINS_LITTLE;
     for effect in &mut effects {
+        effect.confident &= explained;
         measure(&found, &kept, &extended, effect)?;
     }
     let mut baseline = nmse(&found.ground.rows, &first);

@@ -67,6 +67,11 @@ impl Effect for PeriodicFriction {
             .to_vec()
     }
 
+    /// Friction does not push: its level stays above zero.
+    fn admits(&self, _: &[f64], coefficients: &[f64]) -> bool {
+        coefficients.iter().map(|c| c * c).sum::<f64>() < 1.0
+    }
+
     fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
         let mut values = amplitude_and_phase("level", PHASE, fitted);
         values.extend(fitted.shape_of(self));

@@ -10,6 +10,10 @@ use crate::diagnose::weak::Column;
 use crate::effects::Effect as Entry;
 use crate::identify::estimate::Estimate;
 use crate::model::Model;
+use std::f64::consts::PI;
+
+/// Places at which the level is looked at.
+const PLACES: i32 = 64;
 
 /// `position_friction`.
 pub struct PositionFriction;
@@ -61,6 +65,17 @@ impl Effect for PositionFriction {
         };
         let columns = cosines(scene.s, count);
         columns.iter().map(|c| scene.friction(|i| c[i])).collect()
+    }
+
+    /// Friction does not push: its level stays above zero along the travel.
+    fn admits(&self, _: &[f64], coefficients: &[f64]) -> bool {
+        let level = |u: f64| -> f64 {
+            let cosines = coefficients.iter().zip(1..);
+            1.0 + cosines
+                .map(|(c, j)| c * (PI * f64::from(j) * u).cos())
+                .sum::<f64>()
+        };
+        (0..=PLACES).all(|i| level(f64::from(i) / f64::from(PLACES)) > 0.0)
     }
 
     fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
