@@ -8,6 +8,7 @@ use super::signals::quantile;
 use super::term::Term;
 use super::weak::Column;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Share of a block's yield beyond which it is said to slip.
 const SLIPS: f64 = 0.999;
@@ -17,7 +18,7 @@ pub struct Core {
     /// Yield displacements (m or rad).
     pub yields: Vec<f64>,
     /// Inertia where the effort contains it, then the blocks, at the rows.
-    pub rows: Vec<Vec<f64>>,
+    pub rows: Arc<Vec<Vec<f64>>>,
     /// Deflections of the blocks at the samples.
     deflections: Vec<Vec<f64>>,
 }
@@ -47,7 +48,7 @@ impl Core {
         }
         Self {
             yields,
-            rows: columns,
+            rows: Arc::new(columns),
             deflections,
         }
     }

@@ -224,7 +224,7 @@ impl Ground {
             &bounds,
             &self.rows.force,
         )?;
-        let core = Arc::new(self.core.rows.clone());
+        let core = Arc::clone(&self.core.rows);
         Some(Hypothesis {
             terms: terms.to_vec(),
             places,

@@ -12,7 +12,7 @@ use super::offer::{Offer, offers};
 use super::parameters::parameters;
 use super::place::Place;
 use super::rows::Rows;
-use super::search::{ALPHA, Found};
+use super::search::Found;
 use super::signals::Signals;
 use super::term::{Subject, Term};
 use crate::friction::FrictionModel;
@@ -32,7 +32,7 @@ const UNNAMED: f64 = 0.05;
 const LIKELY: f64 = 0.6;
 /// NMSE (%) on folds held out from which a model explains too little to be called consistent with anything.
 const EXPLAINS_LITTLE: f64 = 25.0;
-/// Share of [`ALPHA`]'s significance from which a candidate that did not enter is at least suspected.
+/// Chance below which a candidate that did not enter is at least suspected.
 const SUSPECT: f64 = 0.3;
 /// Most suspicions beside what entered.
 const HINTS: usize = 3;
@@ -358,9 +358,10 @@ fn hysteresis(found: &Found, shape: Shape) -> Named {
 
 /// Adds effects that nearly entered, as suspicions.
 fn hint(found: &Found, effects: &mut Vec<Named>) {
-    let near = found.rest.iter().filter(|o| {
-        o.evidence.share >= 0.5 * NAMED && o.chance(found.families) < SUSPECT.max(ALPHA)
-    });
+    let near = found
+        .rest
+        .iter()
+        .filter(|o| o.evidence.share >= 0.5 * NAMED && o.chance(found.families) < SUSPECT);
     for offer in near.take(HINTS) {
         let Some(effect) = offer.term.effect() else {
             continue;
