@@ -1,4 +1,4 @@
-//! `cargo xtask properties`, `inject`, `sources`, `real`: judges of `preslide diagnose` that know it by its command line and its JSON only.
+//! `cargo xtask properties`, `inject`, `sources`, `calibrate`, `real`: judges of `preslide diagnose` that know it by its command line and its JSON only.
 
 use crate::process::{cargo, run};
 
@@ -31,6 +31,11 @@ pub fn inject(arguments: &[String]) -> Result<(), String> {
 /// Every source of recordings with a known truth, in one table.
 pub fn sources(arguments: &[String]) -> Result<(), String> {
     judge("sources", arguments)
+}
+
+/// The confidence of names, fitted to judged ones.
+pub fn calibrate(arguments: &[String]) -> Result<(), String> {
+    judge("calibrate", arguments)
 }
 
 /// What is said of each file of `../shared/recordings`.

@@ -74,6 +74,11 @@ const COMMANDS: &[Command] = &[
         run: judge::sources,
     },
     Command {
+        name: "calibrate",
+        help: "the confidence of names, fitted to judged ones (JSON of `sources` and `inject`); each source left out in turn; --bless",
+        run: judge::calibrate,
+    },
+    Command {
         name: "real",
         help: "what the diagnosis says of each real recording: a table; a NAME chooses",
         run: judge::real,

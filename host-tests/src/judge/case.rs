@@ -316,7 +316,7 @@ impl Case {
         let names: Vec<Value> = self
             .names()
             .iter()
-            .map(|n| json!({ "id": n.id, "confident": n.confident, "confidence": n.confidence, "right": self.judges(n), "ambiguous_with": n.ambiguous_with }))
+            .map(|n| json!({ "id": n.id, "confident": n.confident, "confidence": n.confidence, "right": self.judges(n), "ambiguous_with": n.ambiguous_with, "features": n.features }))
             .collect();
         json!({
             "source": self.source, "name": self.name, "sort": self.sort.name(), "strength": self.strength,

@@ -4,6 +4,7 @@
 //! recordings; `sources` puts every source of recordings with a known truth into one table.
 
 pub mod baseline;
+pub mod calibrate;
 pub mod case;
 pub mod inject;
 pub mod motion;

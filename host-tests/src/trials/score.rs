@@ -32,6 +32,8 @@ pub struct Named {
     pub places: Vec<(String, f64, f64)>,
     /// Name, value, 95 % interval.
     pub parameters: Vec<Stated>,
+    /// What its confidence is computed from.
+    pub features: Value,
 }
 
 /// An answer of the diagnosis.
@@ -133,6 +135,7 @@ fn named(effect: &Value) -> Result<Named, String> {
             .collect(),
         places,
         parameters,
+        features: effect["features"].clone(),
         id,
     })
 }

@@ -1,47 +1,65 @@
-//! How sure a name is: one logistic of four features of its evidence.
+//! How sure a name is: one logistic of features of its evidence, calibrated on judged names of every source that there is.
 
+use super::effect::Class;
 use super::evidence::Evidence;
 use super::naming::Standing;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
 
-/// Features: logarithm of the share of the mismatch, standard deviations (saturating), margin over the best rival that makes it
-/// needless, survival of changes of the core.
-pub const FEATURES: [&str; 4] = ["share", "z", "margin", "survival"];
-
-/// The constant and the weights of the [`FEATURES`]. Set by hand, before any figure that is reported was measured; they are not
-/// calibrated yet, and `cargo xtask sources` prints how far off they are.
-const WEIGHTS: [f64; 5] = [1.5, 0.8, 0.25, 1.0, 1.5];
-
-/// Factor of the probability of a name whose size changes over a foreign coordinate.
-const MALFORMED: f64 = 0.4;
+/// Weights that `cargo xtask calibrate --bless` writes, with what they were fitted to.
+const CALIBRATION: &str = include_str!("calibration.toml");
 /// Standard deviations beyond which more say nothing more.
 const SATURATED: f64 = 10.0;
+/// The least share of the mismatch, or of the effort, that is told from none.
+const LEAST: f64 = 1e-4;
 
-/// The features of a name.
-pub fn features(standing: &Standing) -> [f64; 4] {
-    // A curve without a name that does as well as its own effect says nothing against it; one that does better does.
-    let rival = standing.rival.max(standing.nameless - 0.2).clamp(0.0, 1.5);
-    [
-        (standing.evidence.share.max(1e-4) / 0.03).ln(),
-        standing.evidence.z.min(SATURATED) - 3.0,
-        1.0 - rival,
-        standing.survival.clamp(0.0, 1.0) - 0.5,
-    ]
+#[derive(Deserialize)]
+struct Calibration {
+    weights: BTreeMap<String, f64>,
+}
+
+static WEIGHTS: LazyLock<BTreeMap<String, f64>> = LazyLock::new(|| {
+    toml::from_str::<Calibration>(CALIBRATION)
+        .expect("the committed calibration is TOML")
+        .weights
+});
+
+/// What tells a right name from a false one, by name; about zero for a name at the edge.
+pub fn features(standing: &Standing) -> BTreeMap<&'static str, f64> {
+    let Standing { evidence, term, .. } = standing;
+    let flag = f64::from;
+    let class = term.effect().map(|e| e.class());
+    BTreeMap::from([
+        ("share", (evidence.share.max(LEAST) / 0.03).ln()),
+        ("deviations", evidence.z.min(SATURATED) - 3.0),
+        ("rival", standing.rival.clamp(0.0, 1.5)),
+        ("nameless", standing.nameless.clamp(0.0, 2.0)),
+        ("survival", standing.survival.clamp(0.0, 1.0) - 0.5),
+        ("gain", standing.gain.clamp(-1.0, 1.0)),
+        ("agreement", evidence.agree - 0.5),
+        ("malformed", standing.form.map_or(0.0, |f| f.1.min(2.0))),
+        ("terms", (standing.terms.max(1) as f64).ln()),
+        ("blocks", (evidence.blocks.max(1.0) / 12.0).ln()),
+        ("size", (standing.relative.max(LEAST) / 0.05).ln()),
+        (
+            "transient",
+            flag(term.effect().is_some_and(|e| e.is_transient())),
+        ),
+        ("place", flag(class == Some(Class::Place))),
+        ("drift", flag(class == Some(Class::Drift))),
+    ])
 }
 
 /// Probability that the effect is there and so named.
 pub fn confidence(standing: &Standing) -> f64 {
-    let sum: f64 = features(standing)
-        .iter()
-        .zip(&WEIGHTS[1..])
-        .map(|(f, w)| f * w)
-        .sum();
-    let probability = 1.0 / (1.0 + (-(WEIGHTS[0] + sum)).exp());
-    // What changes its size where the catalogue's effect does not is something else.
-    if standing.form.is_some() {
-        MALFORMED * probability
-    } else {
-        probability
-    }
+    let weight = |key: &str| WEIGHTS.get(key).copied().unwrap_or(0.0);
+    let own = features(standing).into_iter();
+    logistic(weight("constant") + own.map(|(key, f)| f * weight(key)).sum::<f64>())
+}
+
+fn logistic(x: f64) -> f64 {
+    1.0 / (1.0 + (-x).exp())
 }
 
 /// The same for the user's hysteresis, from the held-out NMSE (%) with it and with the core.
@@ -51,9 +69,9 @@ pub fn of_hysteresis(own: f64, core: f64, wrong: bool) -> f64 {
     if wrong { sure } else { 0.5 * sure }
 }
 
-/// The same for a candidate that did not enter: half of what its evidence alone would give.
+/// The same for a candidate that did not enter.
 pub fn of_a_hint(evidence: &Evidence) -> f64 {
-    let share = (evidence.share.max(1e-4) / 0.03).ln();
-    let sum = WEIGHTS[0] + WEIGHTS[1] * share + WEIGHTS[2] * (evidence.z.min(SATURATED) - 3.0);
-    0.5 / (1.0 + (-sum).exp())
+    0.5 * logistic(
+        (evidence.share.max(LEAST) / 0.03).ln() + 0.25 * (evidence.z.min(SATURATED) - 3.0),
+    )
 }

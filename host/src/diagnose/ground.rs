@@ -21,6 +21,12 @@ const LINES: usize = 2;
 /// Rounds of core, plain effects and noise in turns.
 const ROUNDS: usize = 2;
 
+/// Squares that a weighted fit may leave, all rows alike, over the least. Where the model is wrong a noise model may give whole
+/// frequencies no weight, and the fit may then do there what it likes.
+const SLACK: f64 = 1.5;
+/// Floors of white noise, in deviations of what the least squares leave.
+const FLOORS: [f64; 4] = [0.1, 0.3, 1.0, 3.0];
+
 /// A column cache's key: the subject and the bits of its shape.
 type Key = (String, Vec<u64>);
 
@@ -91,9 +97,28 @@ impl Ground {
                 &course(&next.rows, &places),
                 None,
             );
-            ground = Some(next);
+            ground = Some(next.with_a_hold(&all)?);
         }
         ground
+    }
+
+    /// The same with the mildest floor of white noise under which the weights leave no more, all rows alike, than they may.
+    fn with_a_hold(mut self, terms: &[Term]) -> Option<Self> {
+        let square = |h: &Hypothesis| {
+            let left = h.residual(&self.rows.force);
+            left.iter().map(|r| r * r).sum::<f64>()
+        };
+        let least = square(&self.fit_unweighted(terms)?);
+        let deviation = (least / self.rows.force.len() as f64).sqrt();
+        let places = Places::of(&self.rows, &self.baseline);
+        let estimated = self.noise.clone();
+        for floor in FLOORS {
+            if square(&self.fit(terms)?) <= SLACK * least {
+                break;
+            }
+            self.noise = estimated.with_floor(floor * deviation, &course(&self.rows, &places));
+        }
+        Some(self)
     }
 
     /// The strongest lines in time of what a hypothesis leaves: an autoregression would take them for its own.

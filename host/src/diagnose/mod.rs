@@ -30,6 +30,8 @@ pub mod search;
 pub mod signals;
 mod spectra;
 pub mod term;
+#[cfg(test)]
+mod tests;
 pub mod verdict;
 pub mod weak;
 pub mod words;

@@ -12,6 +12,7 @@ use super::ground::{Ground, Hypothesis};
 use super::offer::{Offer, offer_of, offers, refined};
 use super::search::{Found, MATERIAL, beside};
 use super::term::{Subject, Term};
+use super::verdict::nmse;
 
 /// Share of a term's explanation that a rival must reach by itself to be looked at.
 const NEAR: f64 = 0.6;
@@ -47,14 +48,25 @@ pub struct Standing {
     pub survival: f64,
     /// The coordinate over which its size changes though the catalogue's does not, and what that change explains over its own.
     pub form: Option<(Axis, f64)>,
+    /// Share of the mismatch, all rows alike, that it takes on stretches held out.
+    pub gain: f64,
+    /// Deviation of its force over the measured effort's.
+    pub relative: f64,
+    /// Terms of the hypothesis that are not given.
+    pub terms: usize,
+    /// Share of the effort's variation that the whole hypothesis leaves on stretches held out.
+    pub left: f64,
     /// What else was tried in its place, with its explanation over the term's own.
     pub tried: Vec<(String, f64)>,
 }
 
 /// Judges every term that is not given.
 pub fn standings(found: &Found, given: usize, periods: &[f64]) -> Vec<Standing> {
+    let terms = found.hypothesis.terms.len() - given;
+    let left = nmse(&found.ground.rows, &found.hypothesis).test / 100.0;
     (given..found.hypothesis.terms.len())
         .filter_map(|index| standing(found, index, periods))
+        .map(|s| Standing { terms, left, ..s })
         .collect()
 }
 
@@ -76,6 +88,10 @@ fn standing(found: &Found, index: usize, periods: &[f64]) -> Option<Standing> {
         survival: survival(ground, &rest, &term, &own),
         form: form(found, index, &own),
         tried: Vec::new(),
+        gain: gain(ground, &rest, &term).unwrap_or(0.0),
+        relative: own.relative,
+        terms: 0,
+        left: 0.0,
         term,
     };
     for rival in &list {
@@ -126,6 +142,13 @@ impl Standing {
             _ => {}
         }
     }
+}
+
+/// The share of the held-out mismatch, all rows alike, that a term takes.
+fn gain(ground: &Ground, rest: &Hypothesis, term: &Term) -> Option<f64> {
+    let with = ground.fit(&[rest.terms.as_slice(), std::slice::from_ref(term)].concat())?;
+    let left = |h: &Hypothesis| nmse(&ground.rows, h).test;
+    Some(1.0 - left(&with) / left(rest).max(1e-300))
 }
 
 /// Standard deviations, over blocks, by which `own` leaves less than `rival`.

@@ -1,6 +1,6 @@
 //! A diagnosis for machines, and its table.
 
-use super::confidence::{FEATURES, features};
+use super::confidence::features;
 use super::offer::Offer;
 use super::place::Place;
 use super::verdict::{Diagnosis, Named, Unknown};
@@ -63,12 +63,7 @@ impl Diagnosis {
             .flat_map(|s| &s.tried)
             .map(|(key, ratio)| json!({"id": key, "of_its_own": ratio}))
             .collect();
-        let features: Option<Map<String, Value>> = e.standing.as_ref().map(|s| {
-            let named = FEATURES.iter().zip(features(s));
-            named
-                .map(|(name, value)| ((*name).to_owned(), json!(value)))
-                .collect()
-        });
+        let features = e.standing.as_ref().map(features);
         json!({
             "id": e.id(), "name": e.name.name(), "rank": index + 1, "level": e.level(), "confidence": e.confidence,
             "share_of_mismatch": e.evidence.share, "standard_errors": e.evidence.z, "blocks": e.evidence.blocks,

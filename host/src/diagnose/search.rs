@@ -65,7 +65,7 @@ pub fn search(
         let (mut list, families) = offers(&ground, &hypothesis, periods);
         progress.inc(1);
         lead(&ground, &hypothesis, &mut list);
-        list.retain(|o| !barred.contains(&o.term.subject.key()));
+        list.retain(|o| !barred.contains(&o.term.subject.key()) && !is_harmless(&ground, o));
         let full = hypothesis.terms.len() >= first.len() + MOST;
         let Some(next) = pick(&list, families).filter(|_| !full).cloned() else {
             return Some(Found {
@@ -89,6 +89,12 @@ pub fn search(
             hypothesis = ground.fit(&terms)?;
         }
     }
+}
+
+/// Whether an offer is no larger than what every recording has.
+fn is_harmless(ground: &Ground, offer: &Offer) -> bool {
+    let effect = offer.term.effect();
+    effect.is_some_and(|e| e.is_harmless(&ground.scene(), &offer.trial.coefficients))
 }
 
 /// Refines the shapes of those that explain most: the grids of two effects are not equally fine.

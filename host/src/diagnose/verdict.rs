@@ -275,8 +275,7 @@ fn named(found: &Found, standing: &Standing, mechanics: &[(String, f64)]) -> Opt
         name: Name::Entry(effect),
         term: Some(standing.term.clone()),
         confident: confidence >= LIKELY
-            && is_material(effect, &standing.evidence)
-            && standing.form.is_none()
+            && is_material(effect, standing)
             && effect.lacks(&found.ground.rows.s).is_none(),
         confidence,
         evidence: standing.evidence,
@@ -291,7 +290,8 @@ fn named(found: &Found, standing: &Standing, mechanics: &[(String, f64)]) -> Opt
 }
 
 /// Whether an effect takes enough of the mismatch to be named.
-fn is_material(effect: &dyn Effect, evidence: &Evidence) -> bool {
+fn is_material(effect: &dyn Effect, standing: &Standing) -> bool {
+    let evidence = &standing.evidence;
     let least = if effect.is_transient() {
         NAMED_TRANSIENT
     } else if evidence.z >= BEYOND_DOUBT {
@@ -299,7 +299,7 @@ fn is_material(effect: &dyn Effect, evidence: &Evidence) -> bool {
     } else {
         NAMED
     };
-    evidence.share >= least
+    evidence.share.max(standing.gain) >= least
 }
 
 /// The given terms, what widens the core, and the confident effects.
@@ -395,7 +395,7 @@ fn unknown(found: &Found, standings: &[Standing], effects: &[Named]) -> Option<U
                 .any(|n| !n.confident && matches!(n.name, Name::Entry(own) if own.id() == e.id()))
         });
         let wider = matches!(s.term.subject, Subject::Change(Change::LateYields));
-        (s.term.effect().is_none() || doubtful) && !wider && s.evidence.share >= UNNAMED
+        (s.term.effect().is_none() || doubtful) && !wider && s.evidence.share.max(s.gain) >= UNNAMED
     });
     let standing = nameless.max_by(|a, b| a.evidence.share.total_cmp(&b.evidence.share))?;
     let (axis, odd, change) = match standing.term.subject {
@@ -443,7 +443,7 @@ fn source(effect: &dyn Effect, term: &Term, mechanics: &[(String, f64)]) -> Opti
 fn lacks(s: &Signals) -> Vec<Lack> {
     let mut lacks: Vec<Lack> = Vec::new();
     for effect in effect::ALL {
-        let Some(missing) = effect.lacks(s) else {
+        let Some(missing) = effect.lacks(s).or_else(|| effect.blurred(s)) else {
             continue;
         };
         match lacks.iter_mut().find(|l| l.missing == missing) {

@@ -9,13 +9,10 @@ use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
 use crate::identify::estimate::Estimate;
-use crate::identify::stop::Deflection;
 use crate::model::Model;
 
 /// Key of the coefficient: how much of the difference that the gap makes is there.
 const SHARE: &str = "share";
-/// Share of the friction level over which the transmitted effort changes sides.
-const SMALL: f64 = 0.05;
 
 /// `backlash`.
 pub struct Backlash;
@@ -68,24 +65,15 @@ impl Effect for Backlash {
             return Vec::new();
         };
         let (s, core) = (scene.s, scene.core);
-        // The gap is crossed where the transmitted effort changes sign.
-        let side = scene.sampled(|i| {
-            let transmitted = core.fitted[i] - MOTOR_SHARE * core.mass * s.a[i];
-            0.5 * gap * (transmitted / (SMALL * core.level)).tanh()
-        });
-        // A gap is not small beside the yields: the blocks follow the load's path itself.
-        let load = scene.sampled(|i| s.x[i] - side[i]);
-        let mut value: Vec<f64> = core.friction.iter().map(|f| -f).collect();
-        for &(k, d) in &core.blocks {
-            let z = Deflection::along(&load, &s.pieces, d).z;
-            value.iter_mut().zip(&z).for_each(|(c, z)| *c += k * z);
-        }
         let mass = (1.0 - MOTOR_SHARE) * core.mass;
-        vec![Column {
-            value,
-            sloped: Vec::new(),
-            curved: side.iter().map(|e| -mass * e).collect(),
-        }]
+        let mut value: Vec<f64> = core.friction.iter().map(|f| -f).collect();
+        for piece in &s.pieces {
+            let mut load = Load::new(&core.blocks, s.x[piece.start], gap);
+            for i in piece.clone() {
+                value[i] += load.effort(s.x[i], mass * s.a[i]);
+            }
+        }
+        vec![Column::of(value)]
     }
 
     fn admits(&self, _: &[f64], coefficients: &[f64]) -> bool {
@@ -114,4 +102,50 @@ fn shortest_yield(scene: &Scene) -> f64 {
         .iter()
         .filter(|(k, d)| k * d > 0.01 * core.level);
     carrying.map(|b| b.1).fold(1.0, f64::min)
+}
+
+/// The load behind a gap, which pushes and never pulls.
+struct Load<'a> {
+    /// Stiffness and yield of the blocks that hold the load.
+    blocks: &'a [(f64, f64)],
+    deflection: Vec<f64>,
+    /// Where it is (m or rad), and which flank touches; 0 where none does.
+    x: f64,
+    flank: f64,
+    half: f64,
+}
+
+impl<'a> Load<'a> {
+    fn new(blocks: &'a [(f64, f64)], motor: f64, gap: f64) -> Self {
+        Self {
+            blocks,
+            deflection: vec![0.0; blocks.len()],
+            x: motor,
+            flank: 0.0,
+            half: 0.5 * gap,
+        }
+    }
+
+    /// What the motor, at `motor`, feels of the load's friction, and of its `inertia` in the gap, where it feels none.
+    fn effort(&mut self, motor: f64, inertia: f64) -> f64 {
+        if self.flank == 0.0 && (motor - self.x).abs() >= self.half {
+            self.flank = (motor - self.x).signum();
+        }
+        if self.flank == 0.0 {
+            return -inertia;
+        }
+        let by = motor - self.flank * self.half - self.x;
+        let moved = |z: f64, d: f64| (z + by).clamp(-d, d);
+        let blocks = self.blocks.iter().zip(&self.deflection);
+        let friction: f64 = blocks.map(|(&(k, d), z)| k * moved(*z, d)).sum();
+        if (friction + inertia) * self.flank < 0.0 {
+            self.flank = 0.0;
+            return -inertia;
+        }
+        self.x += by;
+        for (z, &(_, d)) in self.deflection.iter_mut().zip(self.blocks) {
+            *z = moved(*z, d);
+        }
+        friction
+    }
 }

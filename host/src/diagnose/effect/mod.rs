@@ -246,6 +246,12 @@ pub trait Effect: Sync {
         None
     }
 
+    /// What the recording lacks to tell it well from hysteresis, though it can be named where the data do.
+    fn blurred(&self, s: &Signals) -> Option<&'static str> {
+        let _ = s;
+        None
+    }
+
     /// Shape parameters: key in the units of a linear axis, and scale.
     fn shape(&self) -> &'static [(&'static str, Scale)] {
         &[]

@@ -42,7 +42,7 @@ impl Effect for PositionForce {
         "slow passes over the whole travel in both directions"
     }
 
-    fn lacks(&self, s: &Signals) -> Option<&'static str> {
+    fn blurred(&self, s: &Signals) -> Option<&'static str> {
         different_ends(s)
     }
 

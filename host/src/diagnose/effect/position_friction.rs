@@ -44,7 +44,11 @@ impl Effect for PositionFriction {
     }
 
     fn lacks(&self, s: &Signals) -> Option<&'static str> {
-        both_directions(s).or_else(|| different_ends(s))
+        both_directions(s)
+    }
+
+    fn blurred(&self, s: &Signals) -> Option<&'static str> {
+        different_ends(s)
     }
 
     fn shape(&self) -> &'static [(&'static str, Scale)] {

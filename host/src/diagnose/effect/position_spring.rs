@@ -42,7 +42,7 @@ impl Effect for PositionSpring {
         "the same strokes about two distant positions"
     }
 
-    fn lacks(&self, s: &Signals) -> Option<&'static str> {
+    fn blurred(&self, s: &Signals) -> Option<&'static str> {
         different_ends(s)
     }
 

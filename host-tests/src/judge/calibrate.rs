@@ -1,0 +1,219 @@
+//! The logistic behind a stated confidence, fitted to judged names, and how far off it is on what it was fitted without.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use nalgebra::{DMatrix, DVector};
+use serde_json::Value;
+
+use super::summary::calibration_error;
+
+/// Squares of all weights but the constant are added to the loss with this weight: a feature that hardly varies gets none.
+const RIDGE: f64 = 1.0;
+/// Steps of Newton's method; it ends in about eight.
+const STEPS: usize = 50;
+
+/// A name that was stated, with its truth.
+pub struct Stated {
+    /// Where the recording is from; the machine, for real ones.
+    pub source: String,
+    /// The effect that was named.
+    pub id: String,
+    /// What its confidence is computed from, in the order of [`Names::features`].
+    pub features: Vec<f64>,
+    /// What the program stated.
+    pub confidence: f64,
+    /// Whether it is there.
+    pub right: bool,
+}
+
+/// Judged names of some cases.
+pub struct Names {
+    /// Names of the features.
+    pub features: Vec<String>,
+    /// The names whose truth is known.
+    pub stated: Vec<Stated>,
+}
+
+impl Names {
+    /// From files that `sources --json` and `inject --json` write.
+    ///
+    /// # Errors
+    /// What is missing in which file.
+    pub fn read(files: &[std::path::PathBuf]) -> Result<Self, String> {
+        let mut names = Self {
+            features: Vec::new(),
+            stated: Vec::new(),
+        };
+        for file in files {
+            let wrong = |reason: String| format!("{}: {reason}", file.display());
+            let text = std::fs::read_to_string(file).map_err(|e| wrong(e.to_string()))?;
+            let cases: Value = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
+            let cases = cases.as_array().ok_or_else(|| wrong("no list".into()))?;
+            for case in cases {
+                names.add(case).map_err(wrong)?;
+            }
+        }
+        Ok(names)
+    }
+
+    fn add(&mut self, case: &Value) -> Result<(), String> {
+        let word = |key: &str| case[key].as_str().unwrap_or_default().to_owned();
+        let mut source = word("source");
+        if source == "injection" {
+            source = format!("{source}: {}", word("name"));
+        }
+        for name in case["names"].as_array().ok_or("a case without names")? {
+            let (Some(features), Some(right)) =
+                (name["features"].as_object(), name["right"].as_bool())
+            else {
+                continue;
+            };
+            let keys: Vec<String> = features.keys().cloned().collect();
+            if self.features.is_empty() {
+                self.features = keys;
+            } else if self.features != keys {
+                return Err(format!(
+                    "features {keys:?} instead of {:?}: written by another version of the program",
+                    self.features
+                ));
+            }
+            self.stated.push(Stated {
+                source: source.clone(),
+                id: name["id"].as_str().unwrap_or_default().to_owned(),
+                features: features
+                    .values()
+                    .map(|v| v.as_f64().ok_or("a feature that is no number"))
+                    .collect::<Result<_, _>>()?,
+                confidence: name["confidence"].as_f64().ok_or("no confidence")?,
+                right,
+            });
+        }
+        Ok(())
+    }
+}
+
+/// The constant, then a weight for each feature: the maximum of the likelihood less the ridge.
+pub fn fit<'a>(names: impl Iterator<Item = &'a Stated>) -> Option<Vec<f64>> {
+    let names: Vec<&Stated> = names.collect();
+    let count = names.first()?.features.len() + 1;
+    let rows = DMatrix::from_fn(names.len(), count, |i, j| {
+        if j == 0 {
+            1.0
+        } else {
+            names[i].features[j - 1]
+        }
+    });
+    let ridge = DMatrix::from_diagonal(&DVector::from_fn(
+        count,
+        |j, _| {
+            if j == 0 { 1e-6 } else { RIDGE }
+        },
+    ));
+    let mut weights = DVector::zeros(count);
+    for _ in 0..STEPS {
+        let p = (&rows * &weights).map(logistic);
+        let error = DVector::from_fn(names.len(), |i, _| f64::from(names[i].right) - p[i]);
+        let slope = rows.transpose() * error - &ridge * &weights;
+        let bent = DMatrix::from_fn(names.len(), count, |i, j| {
+            rows[(i, j)] * p[i] * (1.0 - p[i])
+        });
+        let step = (rows.transpose() * bent + &ridge).lu().solve(&slope)?;
+        weights += &step;
+        if step.norm() < 1e-9 {
+            break;
+        }
+    }
+    Some(weights.iter().copied().collect())
+}
+
+/// Probability under some weights.
+pub fn probability(weights: &[f64], features: &[f64]) -> f64 {
+    let sum: f64 = weights[1..].iter().zip(features).map(|(w, f)| w * f).sum();
+    logistic(weights[0] + sum)
+}
+
+fn logistic(x: f64) -> f64 {
+    1.0 / (1.0 + (-x).exp())
+}
+
+/// For each group (a source, a machine, an effect): names, how many are right, calibration error as stated and under weights
+/// fitted without the group, precision of those that then are at least 0.6 and 0.9.
+pub fn left_out(names: &Names, group: impl Fn(&Stated) -> String) -> String {
+    let mut groups = BTreeMap::<String, Vec<&Stated>>::new();
+    for stated in &names.stated {
+        groups.entry(group(stated)).or_default().push(stated);
+    }
+    let mut text = format!(
+        "{:<28} {:>9} {:>8} {:>8} {:>11} {:>11}\n",
+        "left out", "right", "stated", "fitted", "at ≥ 0.6", "at ≥ 0.9"
+    );
+    let mut all: Vec<(f64, bool)> = Vec::new();
+    for (name, own) in &groups {
+        let others = names.stated.iter().filter(|s| group(s) != *name);
+        let Some(weights) = fit(others) else {
+            continue;
+        };
+        let stated: Vec<(f64, bool)> = own.iter().map(|s| (s.confidence, s.right)).collect();
+        let fitted: Vec<(f64, bool)> = own
+            .iter()
+            .map(|s| (probability(&weights, &s.features), s.right))
+            .collect();
+        text += &row(name, &stated, &fitted);
+        all.extend(fitted);
+    }
+    let stated: Vec<(f64, bool)> = names
+        .stated
+        .iter()
+        .map(|s| (s.confidence, s.right))
+        .collect();
+    text + &row("all", &stated, &all)
+}
+
+fn row(name: &str, stated: &[(f64, bool)], fitted: &[(f64, bool)]) -> String {
+    let above = |least: f64| {
+        let own = fitted.iter().filter(|f| f.0 >= least);
+        let (count, right) = own.fold((0, 0), |(n, r), f| (n + 1, r + usize::from(f.1)));
+        format!("{right}/{count}")
+    };
+    let right = stated.iter().filter(|s| s.1).count();
+    let mut text = String::new();
+    let _ = writeln!(
+        text,
+        "{name:<28} {:>9} {:>8.3} {:>8.3} {:>11} {:>11}",
+        format!("{right}/{}", stated.len()),
+        calibration_error(stated),
+        calibration_error(fitted),
+        above(0.6),
+        above(0.9)
+    );
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 40 of 50 at 1 and 10 of 50 at 0: the odds are 4 and 1/4, but for the ridge.
+    #[test]
+    fn odds_of_two_groups_come_back() {
+        let stated: Vec<Stated> = (0..100)
+            .map(|i| Stated {
+                source: String::new(),
+                id: String::new(),
+                features: vec![f64::from(i % 2)],
+                confidence: 0.5,
+                right: (i / 2) % 5 == 0 || i % 2 == 1 && (i / 2) % 5 != 1,
+            })
+            .collect();
+        let weights = fit(stated.iter()).expect("solvable");
+        assert!(
+            (probability(&weights, &[1.0]) - 0.8).abs() < 0.03,
+            "{weights:?}"
+        );
+        assert!(
+            (probability(&weights, &[0.0]) - 0.2).abs() < 0.03,
+            "{weights:?}"
+        );
+    }
+}

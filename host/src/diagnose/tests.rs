@@ -1,0 +1,192 @@
+//! The stages, on a small made machine: 2 kg on three Maxwell-slip blocks, what is added to it, and noise.
+
+use super::curve::Curve;
+use super::effect;
+use super::naming::standings;
+use super::offer::{offer_of, offers, refined};
+use super::search::{Found, search};
+use super::term::Subject;
+use super::verdict::Verdict;
+use super::*;
+use crate::identify::stop::Deflection;
+use crate::recording::{LoadOptions, load_csv};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::fmt::Write as _;
+
+/// Sample time (s), samples, inertia (kg).
+const STEP_S: f64 = 2e-3;
+const SAMPLES: usize = 15_000;
+const MASS_KG: f64 = 2.0;
+/// Stiffness (N/m) and yield (m): 3 N of friction.
+const BLOCKS: [(f64, f64); 3] = [(20_000.0, 5e-5), (5_000.0, 2e-4), (1_000.0, 1e-3)];
+/// Deviation of the white noise (N).
+const NOISE_N: f64 = 0.03;
+const SEED: u64 = 20_261;
+
+/// Frequencies (rad/s) and amplitudes (m) of the motion; no two strokes end at one place.
+const MOTION: [(f64, f64); 3] = [(1.9, 0.03), (4.3, 0.008), (0.31, 0.012)];
+
+/// A recording of the machine with `more` (N) added, from time, position and velocity.
+fn made(more: impl Fn(f64, f64, f64) -> f64) -> Recording {
+    let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+    let mut noise = || {
+        let uniform = |bits: u64| (bits >> 11) as f64 / (1u64 << 53) as f64 - 0.5;
+        // The sum of twelve uniform deviates has the variance one.
+        NOISE_N * (0..12).map(|_| uniform(rng.next_u64())).sum::<f64>()
+    };
+    let of = |i: usize, k: i32| -> f64 {
+        let t = i as f64 * STEP_S;
+        let wave = |(w, a): &(f64, f64)| match k {
+            0 => a * (w * t).sin(),
+            1 => a * w * (w * t).cos(),
+            _ => -a * w * w * (w * t).sin(),
+        };
+        MOTION.iter().map(wave).sum()
+    };
+    let x: Vec<f64> = (0..SAMPLES).map(|i| of(i, 0)).collect();
+    let pieces = std::slice::from_ref(&(0..SAMPLES)).to_vec();
+    let mut force: Vec<f64> = (0..SAMPLES).map(|i| MASS_KG * of(i, 2)).collect();
+    for (k, d) in BLOCKS {
+        let z = Deflection::along(&x, &pieces, d).z;
+        force.iter_mut().zip(z).for_each(|(f, z)| *f += k * z);
+    }
+    let mut text = String::from("t_s,x_m,force_N\n");
+    for i in 0..SAMPLES {
+        let t = i as f64 * STEP_S;
+        let f = force[i] + more(t, x[i], of(i, 1)) + noise();
+        writeln!(text, "{t:.6},{:.12},{f:.9}", x[i]).expect("a string");
+    }
+    load_csv(text.as_bytes(), "made.csv", &LoadOptions::default()).expect("a recording")
+}
+
+fn ground(recording: &Recording) -> Ground {
+    Ground::new(Rows::new(recording).expect("rows"), &[]).expect("a fit")
+}
+
+fn found(recording: &Recording) -> Found {
+    search(ground(recording), &[], &[], &Progress::new("", 0)).expect("a hypothesis")
+}
+
+fn by_id(id: &str) -> Term {
+    Term::new(
+        Subject::Effect(effect::by_id(id).expect("in the catalogue")),
+        &[],
+    )
+}
+
+fn names(found: &Found) -> Vec<&'static str> {
+    let named = found.hypothesis.terms.iter().filter_map(Term::effect);
+    named.map(effect::Effect::id).collect()
+}
+
+#[test]
+fn blocks_have_equal_shares_and_a_second_copy_has_no_rows() {
+    let recording = made(|_, _, _| 0.0);
+    let rows = Rows::new(&recording).expect("rows");
+    let sizes: Vec<f64> = rows.blocks.iter().map(|b| b.len() as f64).collect();
+    let mean = sizes.iter().sum::<f64>() / sizes.len() as f64;
+    // Time and path share a block: a slow stretch has up to twice the rows of the mean.
+    assert!(sizes.iter().all(|n| *n < 2.0 * mean), "{sizes:?}");
+    assert!(rows.blocks.windows(2).all(|b| b[0].end == b[1].start));
+
+    let copies = vec![made(|_, _, _| 0.0), recording];
+    let doubled = Rows::new(&Recording::join(copies).expect("joined")).expect("rows");
+    assert_eq!(doubled.force.len(), rows.force.len());
+}
+
+#[test]
+fn nothing_enters_where_nothing_is_missing() {
+    let found = found(&made(|_, _, _| 0.0));
+    assert_eq!(names(&found), ["channel_delay"]);
+}
+
+#[test]
+fn what_is_there_enters_first_and_with_its_value() {
+    let found = found(&made(|_, _, v| 8.0 * v));
+    assert_eq!(names(&found), ["channel_delay", "viscous"]);
+    let c = found.hypothesis.coefficients(1)[0];
+    assert!((c / 8.0 - 1.0).abs() < 0.03, "{c} N·s/m");
+}
+
+#[test]
+fn a_period_off_the_grid_is_refined() {
+    let period = 0.0031;
+    let recording = made(|_, x, _| 0.4 * (std::f64::consts::TAU * x / period).sin());
+    let ground = ground(&recording);
+    let plain = ground.fit(&[by_id("channel_delay")]).expect("a fit");
+    let coarse = Term::new(by_id("periodic_force").subject, &[1.01 * period]);
+    let sharp = refined(&ground, &plain, &coarse);
+    assert!(
+        (sharp.shape[0] / period - 1.0).abs() < 1e-3,
+        "{}",
+        sharp.shape[0]
+    );
+    let (list, families) = offers(&ground, &plain, &[]);
+    assert_eq!(
+        list[0].term.effect().map(effect::Effect::id),
+        Some("periodic_force")
+    );
+    assert!(
+        list[0].chance(families) < 1e-6,
+        "{}",
+        list[0].chance(families)
+    );
+}
+
+#[test]
+fn the_effect_itself_is_no_rival_and_a_curve_that_holds_it_makes_it_needless() {
+    let recording = made(|_, _, v| 8.0 * v);
+    let found = found(&recording);
+    let standings = standings(&found, 1, &[]);
+    assert_eq!(standings.len(), 1);
+    let own = &standings[0];
+    assert!(
+        own.ambiguous.is_empty() && own.survival > 0.5,
+        "{} {}",
+        own.ambiguous.len(),
+        own.survival
+    );
+    assert!(
+        own.gain > 0.5 && own.evidence.agree > 0.9,
+        "{} {:?}",
+        own.gain,
+        own.evidence
+    );
+
+    let curve = Curve {
+        axis: axis::Axis::Velocity,
+        odd: false,
+    };
+    let wide = found
+        .ground
+        // The hats of a curve hold a line but for its mean.
+        .fit(&[
+            by_id("channel_delay"),
+            by_id("constant_force"),
+            Term::new(Subject::Curve(curve), &[]),
+        ])
+        .expect("a fit");
+    let beside = offer_of(&found.ground, &wide, &[by_id("viscous")], 1.0);
+    assert!(beside.is_none_or(|o| o.evidence.share < 0.05));
+}
+
+#[test]
+fn verdicts_say_what_the_recording_says() {
+    let of = |more: &dyn Fn(f64, f64, f64) -> f64| {
+        let recording = made(more);
+        diagnose(&recording, None, &Progress::new("", 0)).expect("a diagnosis")
+    };
+    assert_eq!(of(&|_, _, _| 0.0).verdict, Verdict::Consistent);
+    let viscous = of(&|_, _, v| 8.0 * v);
+    assert_eq!(viscous.verdict, Verdict::MissingPhysics);
+    assert!(viscous.extended.test < 0.2 * viscous.baseline.test);
+    // A force of nobody's making, three times the friction: no name, and nothing to say.
+    let shaken = of(&|t, _, _| 9.0 * (3.0 * (2.3 * t).sin() + 5.0 * (0.7 * t).cos()).sin());
+    assert!(
+        shaken.confident().next().is_none(),
+        "{:?}",
+        shaken.confident().map(|e| e.id()).collect::<Vec<_>>()
+    );
+    assert_ne!(shaken.verdict, Verdict::Consistent);
+}
