@@ -60,13 +60,30 @@ pub fn parameters(
         terms[index] = Term::new(term.subject, shape);
         Some(ground.fit(&terms)?.coefficients(index)[0])
     };
-    effect.values(&Fitted {
-        shape: &term.shape,
-        coefficients: hypothesis.coefficients(index),
-        shape_errors: &shape_errors,
-        errors: &place.map(error).collect::<Vec<_>>(),
-        folds: ground.rows.weak.folds.len(),
-        at_shape: &at_shape,
-        scene: ground.scene(),
-    })
+    let errors = place.map(error).collect::<Vec<_>>();
+    let values = |coefficients: &[f64]| {
+        effect.values(&Fitted {
+            shape: &term.shape,
+            coefficients,
+            shape_errors: &shape_errors,
+            errors: &errors,
+            folds: ground.rows.weak.folds.len(),
+            at_shape: &at_shape,
+            scene: ground.scene(),
+        })
+    };
+    let mut own = values(hypothesis.coefficients(index));
+    if let Some(alike) = ground.fit_unweighted(&hypothesis.terms) {
+        hold(&mut own, values(alike.coefficients(index)));
+    }
+    own
+}
+
+/// Widens intervals to what a fit says that weights all rows alike: the noise model is not known better than that.
+fn hold(own: &mut [(String, Estimate)], alike: Vec<(String, Estimate)>) {
+    for ((_, own), (_, alike)) in own.iter_mut().zip(alike) {
+        if let Some([low, high]) = &mut own.ci95 {
+            (*low, *high) = (low.min(alike.value), high.max(alike.value));
+        }
+    }
 }

@@ -289,12 +289,14 @@ fn named(found: &Found, standing: &Standing, mechanics: &[(String, f64)]) -> Opt
     })
 }
 
-/// Whether an effect takes enough of the mismatch to be named.
+/// Whether an effect takes enough of the mismatch to be named: weighted, or all rows alike, which is what slow effects are seen in. What
+/// the hysteresis misses after a stop is large there, too: transients count weighted only.
 fn is_material(effect: &dyn Effect, standing: &Standing) -> bool {
     let evidence = &standing.evidence;
-    let least = if effect.is_transient() {
-        NAMED_TRANSIENT
-    } else if evidence.z >= BEYOND_DOUBT {
+    if effect.is_transient() {
+        return evidence.share >= NAMED_TRANSIENT;
+    }
+    let least = if evidence.z >= BEYOND_DOUBT {
         NAMED_SURELY
     } else {
         NAMED

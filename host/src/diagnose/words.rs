@@ -214,12 +214,9 @@ impl Diagnosis {
                 _ => "Recommendation: keep the model; what is left is noise and friction's own variability.".to_owned(),
             };
         };
-        let (name, words) = (first.name.name(), first.name.words());
+        let words = first.name.words();
         match (first.confident, first.ambiguous.first()) {
-            (true, None) => format!(
-                "Recommendation: add {} to the model ({name}: {words}).",
-                first.id()
-            ),
+            (true, None) => format!("Recommendation: add {} to the model: {words}.", first.id()),
             (true, Some(rival)) => format!(
                 "Recommendation: {} or {}, this recording cannot tell. To tell them apart: {}.",
                 first.id(),

@@ -49,6 +49,11 @@ impl Effect for ConstantForce {
         &[&CoulombAsymmetry]
     }
 
+    /// Two names of one force to every fit: together each would have a part of it.
+    fn excludes(&self) -> &'static [&'static dyn Effect] {
+        &[&CoulombAsymmetry]
+    }
+
     fn columns(&self, _: &[f64], scene: &Scene) -> Vec<Column> {
         vec![scene.force(|_| 1.0)]
     }

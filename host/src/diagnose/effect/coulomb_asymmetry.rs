@@ -49,6 +49,11 @@ impl Effect for CoulombAsymmetry {
         &[&ConstantForce]
     }
 
+    /// Two names of one force to every fit: together each would have a part of it.
+    fn excludes(&self) -> &'static [&'static dyn Effect] {
+        &[&ConstantForce]
+    }
+
     fn columns(&self, _: &[f64], scene: &Scene) -> Vec<Column> {
         let (friction, level) = (&scene.core.friction, scene.core.level);
         vec![scene.friction(|i| (friction[i] / (SMALL * level)).tanh())]

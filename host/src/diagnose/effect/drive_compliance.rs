@@ -1,7 +1,7 @@
-//! The load on a spring behind the motor; the encoder is on either.
+//! The load on a spring behind the motor, which has the encoder.
 
 use super::displaced::displaced;
-use super::readout::{enter, value_of};
+use super::readout::enter;
 use super::{Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
@@ -15,8 +15,6 @@ pub(super) const MOTOR_SHARE: f64 = 0.5;
 /// Between which values it lies: drives are chosen so that neither side has much more than twice the other's inertia. The intervals hold
 /// what follows from both.
 const SHARES: [f64; 2] = [0.3, 0.7];
-/// Key of 1 where the encoder is at the load, 0 where it is at the motor.
-const AT_LOAD: &str = "encoder_at_load";
 /// Key of the resonance.
 const FREQUENCY: &str = "frequency_Hz";
 
@@ -58,33 +56,25 @@ impl Effect for DriveCompliance {
     }
 
     fn shape(&self) -> &'static [(&'static str, Scale)] {
-        &[("motor_share", Scale::Chosen), (AT_LOAD, Scale::Chosen)]
+        &[("motor_share", Scale::Chosen)]
     }
 
     fn shape_in(&self, _: &Entry, _: &Model) -> Vec<f64> {
-        // The model file's drive has as much inertia on both sides, and its encoder at the motor.
-        vec![MOTOR_SHARE, 0.0]
+        // The model file's drive has as much inertia on both sides.
+        vec![MOTOR_SHARE]
     }
 
     fn grid(&self, _: &Scene) -> Vec<Vec<f64>> {
-        vec![vec![MOTOR_SHARE, 0.0], vec![MOTOR_SHARE, 1.0]]
+        vec![vec![MOTOR_SHARE]]
     }
 
     fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column> {
-        let &[share, at_load] = shape else {
+        let &[share] = shape else {
             return Vec::new();
         };
+        // Behind a spring the load is displaced by the transmitted effort.
         let (core, a) = (scene.core, &scene.s.a);
         let transmitted = scene.sampled(|i| core.fitted[i] - share * core.mass * a[i]);
-        if at_load > 0.5 {
-            // The motor is ahead of the load by the transmitted effort over the stiffness: its inertia feels it, friction does not.
-            let curved = transmitted.iter().map(|t| share * core.mass * t).collect();
-            return vec![Column {
-                curved,
-                ..Column::default()
-            }];
-        }
-        // Behind a spring the load is displaced by the transmitted effort.
         vec![displaced(&transmitted, (1.0 - share) * core.mass, scene)]
     }
 
@@ -125,12 +115,6 @@ impl Effect for DriveCompliance {
     }
 
     fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
-        if value_of(values, AT_LOAD) > 0.5 {
-            return Err(format!(
-                "{}: the model file's elastic drive has its encoder at the motor; this one has it at the load",
-                self.id()
-            ));
-        }
         let frequency: Vec<_> = values
             .iter()
             .filter(|(key, _)| key == FREQUENCY)
@@ -148,10 +132,9 @@ fn over_shares(
 ) -> (String, Estimate) {
     let error = fitted.error(0);
     let share = fitted.shape.first().copied().unwrap_or(MOTOR_SHARE);
-    let at_load = fitted.shape.get(1).copied().unwrap_or(0.0);
     let mut own = of(share, fitted.coefficient(0), error);
     for share in SHARES {
-        if let (Some([low, high]), Some(c)) = (&mut own.ci95, (fitted.at_shape)(&[share, at_load]))
+        if let (Some([low, high]), Some(c)) = (&mut own.ci95, (fitted.at_shape)(&[share]))
             && let Some(ends) = of(share, c, error).ci95
         {
             (*low, *high) = (low.min(ends[0]), high.max(ends[1]));

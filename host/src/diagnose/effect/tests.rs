@@ -277,8 +277,6 @@ fn model_files_take_the_parameters_and_give_the_shape_back() {
             let entered = effect.extend(&values, &mut model);
             match effect.id() {
                 "axis_coupling" => assert!(entered.is_err()),
-                // The model file's elastic drive has its encoder at the motor.
-                "drive_compliance" if shape[1] > 0.5 => assert!(entered.is_err()),
                 "viscous" => assert_eq!(model.viscous, 0.01),
                 "constant_force" => assert_eq!(model.constant_force, 0.01),
                 id => {
