@@ -80,7 +80,8 @@ const ANCHORS: u32 = 32;
 #[derive(Clone, Debug)]
 pub struct EncoderScale<S = f32> {
     length: S,
-    velocity_per_tick: f32,
+    /// Of one count per tick.
+    velocity: S,
     window: u32,
     spacing: u32,
     timeout: u32,
@@ -88,7 +89,7 @@ pub struct EncoderScale<S = f32> {
 
 /// What [`EncoderScale`] remembers.
 #[derive(Clone, Debug, PartialEq)]
-pub struct EdgeTiming {
+pub struct EdgeTiming<S = f32> {
     /// Ticks, and counts of the last edge; both wrap.
     now: u32,
     count: i32,
@@ -99,11 +100,10 @@ pub struct EdgeTiming {
     anchors: [(u32, i32); ANCHORS as usize],
     oldest: u32,
     newest: u32,
-    /// Counts per tick.
-    estimate: f32,
+    velocity: S,
 }
 
-impl EdgeTiming {
+impl<S: Scalar> EdgeTiming<S> {
     #[inline]
     fn anchor(&self, place: u32) -> (u32, i32) {
         self.anchors[(place % ANCHORS) as usize]
@@ -121,29 +121,29 @@ impl EdgeTiming {
 
     /// An edge after `counts`: the estimate, by the latest window that is long enough.
     #[inline]
-    fn edge(&mut self, counts: i32, window: u32, spacing: u32) {
+    fn edge(&mut self, counts: i32, scale: &EncoderScale<S>) {
         self.count = self.count.wrapping_add(counts);
         self.last_edge = self.now;
         if counts.signum() != self.direction {
             self.direction = counts.signum();
-            self.estimate = 0.0;
+            self.velocity = S::ZERO;
             self.remember();
             self.oldest = self.newest;
             return;
         }
-        if self.age(self.newest) < spacing {
+        if self.age(self.newest) < scale.spacing {
             return;
         }
         // Twice: edges that come in every tick need one step a spacing.
         for _ in 0..2 {
-            if self.oldest != self.newest && self.age(self.oldest.wrapping_add(1)) >= window {
+            if self.oldest != self.newest && self.age(self.oldest.wrapping_add(1)) >= scale.window {
                 self.oldest = self.oldest.wrapping_add(1);
             }
         }
         let (tick, count) = self.anchor(self.oldest);
         let ticks = self.now.wrapping_sub(tick);
-        if ticks >= window {
-            self.estimate = self.count.wrapping_sub(count) as f32 / ticks as f32;
+        if ticks >= scale.window {
+            self.velocity = scale.velocity.rate(self.count.wrapping_sub(count), ticks);
         }
         if self.newest.wrapping_sub(self.oldest) == ANCHORS - 1 {
             self.oldest = self.oldest.wrapping_add(1);
@@ -177,7 +177,7 @@ impl<S: Scalar> EncoderScale<S> {
         let ticks = |time: f64| (libm::ceil(time / sample_time - 1e-9) as u32).max(1);
         Ok(Self {
             length: to_positive("length of a count", count / units.length)?,
-            velocity_per_tick: to_positive("count per tick", count / sample_time / units.velocity)?,
+            velocity: to_positive("count per tick", count / sample_time / units.velocity)?,
             window: ticks(window),
             spacing: ticks(window).div_ceil(ANCHORS - 2).max(2),
             timeout: ticks(timeout),
@@ -185,7 +185,7 @@ impl<S: Scalar> EncoderScale<S> {
     }
 
     /// The state of a motion that stands still.
-    pub fn at_rest(&self) -> EdgeTiming {
+    pub fn at_rest(&self) -> EdgeTiming<S> {
         EdgeTiming {
             now: 0,
             count: 0,
@@ -194,29 +194,40 @@ impl<S: Scalar> EncoderScale<S> {
             anchors: [(0, 0); ANCHORS as usize],
             oldest: 0,
             newest: 0,
-            estimate: 0.0,
+            velocity: S::ZERO,
         }
     }
 
-    /// The motion of a tick in which the encoder travelled `counts`. Divides by a measured time, once.
+    /// The motion of a tick in which the encoder travelled `counts`. Divides by a measured time, at most once.
     #[inline]
-    pub fn step(&self, state: &mut EdgeTiming, counts: i32) -> Motion<S> {
+    pub fn step(&self, state: &mut EdgeTiming<S>, counts: i32) -> Motion<S> {
+        Motion {
+            velocity: self.velocity(state, counts),
+            displacement: self.displacement(counts),
+        }
+    }
+
+    /// The displacement of [`EncoderScale::step`].
+    #[inline]
+    pub(crate) fn displacement(&self, counts: i32) -> S {
+        self.length.mul_input(S::from_int(counts))
+    }
+
+    /// The velocity of [`EncoderScale::step`], which is to be asked for in every tick.
+    #[inline]
+    pub(crate) fn velocity(&self, state: &mut EdgeTiming<S>, counts: i32) -> S {
         state.now = state.now.wrapping_add(1);
         if counts != 0 {
-            state.edge(counts, self.window, self.spacing);
-        } else {
+            state.edge(counts, self);
+        } else if state.direction != 0 {
             let quiet = state.now.wrapping_sub(state.last_edge);
             if quiet >= self.timeout {
-                state.estimate = 0.0;
+                state.velocity = S::ZERO;
                 state.direction = 0;
             } else {
-                let fastest = 1.0 / quiet as f32;
-                state.estimate = state.estimate.limited(fastest);
+                state.velocity = state.velocity.decayed(self.velocity, quiet);
             }
         }
-        Motion {
-            displacement: self.length.mul_input(S::from_int(counts)),
-            velocity: S::from_f32(state.estimate * self.velocity_per_tick),
-        }
+        state.velocity
     }
 }

@@ -1,8 +1,8 @@
 //! From an axis in SI units to the coefficients of a tick, once, outside the interrupt.
 
-use super::{Axis, Compensator, Encoder, Fade, Limiter, Monitor, MotorDrive, Pace, Pid};
+use super::{Axis, Compensator, Drive, Encoder, Fade, Limiter, Monitor, MotorDrive, Pace, Pid};
 use crate::param::{ParamError, to_scalar};
-use crate::{EncoderScale, Friction, Units};
+use crate::{EncoderScale, Friction, Motion, Scalar, Units};
 
 /// What a tick computes with: validated, scaled, no division left.
 ///
@@ -17,7 +17,9 @@ pub struct Coefficients<F: Friction> {
     pub(crate) pid: Pid<F::Scalar>,
     pub(crate) compensator: Compensator<F>,
     pub(crate) motor: MotorDrive<F::Scalar>,
-    pub(crate) supply_nominal: f32,
+    /// The nominal supply in whole codes, and what it is of that.
+    pub(crate) supply_nominal: i32,
+    pub(crate) supply_part: F::Scalar,
     pub(crate) limiter: Limiter,
     pub(crate) monitor: Monitor<F::Scalar>,
     pub(crate) fade: Fade<F::Scalar>,
@@ -49,6 +51,8 @@ impl<F: Friction> Coefficients<F> {
         let hardware = &axis.hardware;
         let pace = Pace::try_new(&axis.limits, axis.grid())?;
         let smoothing = f64::from(pace.smoothing());
+        let codes = axis.motor.supply / hardware.supply_code;
+        let nominal = libm::ceil(codes);
         let sign = |reversed| if reversed { -1 } else { 1 };
         Ok(Self {
             scale: EncoderScale::try_new(count, sample_time, window, timeout, units)?,
@@ -64,7 +68,8 @@ impl<F: Friction> Coefficients<F> {
             pid: Pid::try_new(&axis.gains, sample_time, units)?,
             compensator: Compensator::try_new(friction, &axis.feed_forward, units)?,
             motor: MotorDrive::try_new(&axis.motor, hardware.steps, units)?,
-            supply_nominal: (axis.motor.supply / hardware.supply_code) as f32,
+            supply_nominal: nominal as i32,
+            supply_part: to_scalar("supply voltage in codes", codes / nominal)?,
             limiter: Limiter::try_new(axis.duty_limit, hardware.steps.into())?,
             monitor: Monitor::try_new(axis, units)?,
             fade: Fade::try_new(axis.fade_time, sample_time)?,
@@ -77,4 +82,50 @@ impl<F: Friction> Coefficients<F> {
             silence: libm::ceil(axis.silence / sample_time) as u32,
         })
     }
+
+    /// The force to add to the feedback; the model advances by a tick.
+    #[inline]
+    pub(super) fn feed_forward(&self, state: &mut F::State, now: &Moment<F::Scalar>) -> F::Scalar {
+        let [reference, measured] = now.places;
+        let (place, motion) = match self.compensator.drive() {
+            Drive::Reference => (reference, now.wanted),
+            Drive::Measured => {
+                let displacement = self.scale.displacement(now.counts);
+                let velocity = now.velocity;
+                (
+                    measured,
+                    Motion {
+                        displacement,
+                        velocity,
+                    },
+                )
+            }
+        };
+        // Whole counts do for maps and ripples, and are exact in `f32` up to 2²⁴ of them.
+        let place = F::Scalar::from_int(place).mul_input(self.length_per_count);
+        self.compensator.friction().place(state, place);
+        self.compensator.step(state, motion, now.acceleration)
+    }
+
+    /// Nominal over measured supply voltage, the latter held within what is healthy.
+    #[inline]
+    pub(super) fn boost(&self, supply: u16) -> F::Scalar {
+        let supply = self.monitor.usable(supply);
+        self.supply_part.rate(self.supply_nominal, supply.into())
+    }
+}
+
+/// What a tick knows before it computes a force.
+pub(super) struct Moment<S> {
+    pub(super) error: S,
+    pub(super) velocity_error: S,
+    /// The reference's motion.
+    pub(super) wanted: Motion<S>,
+    /// What was measured.
+    pub(super) counts: i32,
+    pub(super) velocity: S,
+    /// The reference's, in velocity units per second.
+    pub(super) acceleration: S,
+    /// The reference's and the measured one (counts).
+    pub(super) places: [i32; 2],
 }

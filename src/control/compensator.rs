@@ -86,30 +86,20 @@ impl<F: Friction> Compensator<F> {
         &self.friction
     }
 
-    /// Tells the model where the axis is, by the motion that drives it; before [`Compensator::step`].
-    #[inline]
-    pub fn place(&self, state: &mut F::State, reference: F::Scalar, measured: F::Scalar) {
-        let position = match self.drive {
-            Drive::Reference => reference,
-            Drive::Measured => measured,
-        };
-        self.friction.place(state, position);
+    /// Which motion drives the model.
+    pub fn drive(&self) -> Drive {
+        self.drive
     }
 
-    /// Advances the model by one tick; the force to add to the feedback. `acceleration` is the reference's, in
-    /// velocity units per second.
+    /// Advances the model by one tick of the motion that drives it; the force to add to the feedback. `acceleration` is the
+    /// reference's, in velocity units per second.
     #[inline]
     pub fn step(
         &self,
         state: &mut F::State,
-        reference: Motion<F::Scalar>,
-        measured: Motion<F::Scalar>,
+        motion: Motion<F::Scalar>,
         acceleration: F::Scalar,
     ) -> F::Scalar {
-        let motion = match self.drive {
-            Drive::Reference => reference,
-            Drive::Measured => measured,
-        };
         let force = self.friction.step(state, motion);
         // Not `limited`: what is not a number stays none, for the motor drive to find.
         let force = if force > self.limit {

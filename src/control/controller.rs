@@ -1,5 +1,6 @@
 //! The tick.
 
+use super::coefficients::Moment;
 use super::fade::Leaving;
 use super::faults::Readings;
 use super::reference::saturate;
@@ -42,7 +43,7 @@ pub struct Command {
 ///
 /// `count → displacement → reference → PID + feed-forward → limiter → code`, with the friction model `F` and its
 /// number type. Nothing here divides by a parameter, allocates or panics; the one division is by a measured time
-/// ([`crate::EncoderScale`]), another by the measured supply, both single-precision and held above zero.
+/// ([`crate::EncoderScale`]), another by the measured supply, both held above zero ([`Scalar::rate`]).
 ///
 /// It begins *disabled*, and so it is again after every fault: PWM off until [`Controller::enable`]. Disabled, it follows the
 /// count and learns what the current sense reads at rest.
@@ -70,7 +71,7 @@ pub struct Controller<F: Friction, C> {
     suspicion: Suspicion,
     friction: F::State,
     coefficients: Coefficients<F>,
-    timing: EdgeTiming,
+    timing: EdgeTiming<F::Scalar>,
     reference: Reference,
     leaving: Option<Leaving<F>>,
 }
@@ -288,7 +289,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
         self.last = measured.count;
         self.position = self.position.wrapping_add(counts.into());
         self.place = within(self.place.wrapping_add(counts), c.turn);
-        let motion = c.scale.step(&mut self.timing, counts);
+        let velocity = c.scale.velocity(&mut self.timing, counts);
         if !self.enabled {
             self.suspicion.calibrate(measured.current);
             return self.off();
@@ -323,36 +324,31 @@ impl<F: Friction, C: Count> Controller<F, C> {
             displacement,
             velocity: displacement.mul_input(c.velocity_per_length),
         };
-        // Whole counts do for maps and ripples, and are exact in `f32` up to 2²⁴ of them.
-        let place = |counts: i32| F::Scalar::from_int(counts).mul_input(c.length_per_count);
         let acceleration = F::Scalar::from_q16((reference.change >> 16) as i32)
             .mul_input(c.acceleration_per_change);
-        let places = [
-            place(self.place.wrapping_add((error_q16 >> 16) as i32)),
-            place(self.place),
-        ];
-        let velocity_error = wanted.velocity.sub_input(motion.velocity);
-        let feedback = c.pid.step(&mut self.pid, error, velocity_error, self.cut);
-        let [wanted_place, measured_place] = places;
-        let model = &mut self.friction;
-        c.compensator.place(model, wanted_place, measured_place);
-        let feed_forward = c.compensator.step(model, wanted, motion, acceleration);
+        let now = Moment {
+            error,
+            velocity_error: wanted.velocity.sub_input(velocity),
+            wanted,
+            counts,
+            velocity,
+            acceleration,
+            places: [
+                self.place.wrapping_add((error_q16 >> 16) as i32),
+                self.place,
+            ],
+        };
+        let feedback = c
+            .pid
+            .step(&mut self.pid, error, now.velocity_error, self.cut);
+        let feed_forward = c.feed_forward(&mut self.friction, &now);
         let mut force = feedback.add_input(feed_forward);
         if self.fades {
-            let now = Moment {
-                error,
-                velocity_error,
-                wanted,
-                motion,
-                acceleration,
-                places,
-            };
             force = force.add_input(self.fade(&now, feed_forward));
         }
         let c = &self.coefficients;
 
-        let supply = f32::from(c.monitor.usable(measured.supply));
-        let boost = F::Scalar::from_f32(c.supply_nominal / supply);
+        let boost = c.boost(measured.supply);
         let Some(code) = c
             .motor
             .code(&mut self.rounding, force, wanted.velocity, boost)
@@ -388,10 +384,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
         let immediate = |c: &Coefficients<F>| c.pid.immediate(now.error, now.velocity_error);
         let mut difference = immediate(&leaving.old).sub_input(immediate(&self.coefficients));
         if let Some(state) = &mut leaving.friction {
-            let old = &leaving.old.compensator;
-            let [wanted, measured] = now.places;
-            old.place(state, wanted, measured);
-            let left = old.step(state, now.wanted, now.motion, now.acceleration);
+            let left = leaving.old.feed_forward(state, now);
             difference = difference.add_input(left.sub_input(feed_forward));
         }
         let added = leaving.step(difference);
@@ -440,16 +433,4 @@ fn within(place: i32, turn: i32) -> i32 {
     } else {
         place
     }
-}
-
-/// What a tick knows before it computes a force.
-struct Moment<S> {
-    error: S,
-    velocity_error: S,
-    wanted: Motion<S>,
-    motion: Motion<S>,
-    /// The reference's, in velocity units per second.
-    acceleration: S,
-    /// The reference's and the measured one.
-    places: [S; 2],
 }

@@ -10,9 +10,11 @@ mod instruction;
 mod m7;
 mod price;
 mod recorder;
+mod stages;
 mod table;
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
 use std::process::Command;
 
 use crate::process::{cargo, output, root, run};
@@ -30,7 +32,12 @@ const PREFIX: &str = "cycles__";
 const TABLE: &str = "firmware/cycles/cortex-m4.csv";
 
 pub fn run_command(arguments: &[String]) -> Result<(), String> {
-    let check = crate::is_given("cycles", "--check", arguments)?;
+    if arguments == ["--tick"] {
+        Need::ArmGcc.ensure()?;
+        Need::Qemu.ensure()?;
+        return control_task::print_stages(&Recorder::build(recordings())?);
+    }
+    let check = crate::is_given("cycles", "--check, --tick", arguments)?;
     let (header, rows) = measure()?;
     println!();
     for line in &header {
@@ -62,6 +69,11 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     ))
 }
 
+/// Where the recorder works.
+fn recordings() -> PathBuf {
+    root().join("firmware/target/recorder")
+}
+
 /// Builds the harness, runs it under the recorder, and prices what was recorded.
 fn measure() -> Result<(Vec<String>, Vec<Row>), String> {
     Need::ArmGcc.ensure()?;
@@ -85,7 +97,7 @@ fn measure() -> Result<(Vec<String>, Vec<Row>), String> {
         .functions_named(PREFIX)
         .map(|(address, _)| address)
         .collect();
-    let recorder = Recorder::build(firmware.join("target/recorder"))?;
+    let recorder = Recorder::build(recordings())?;
     let watched = Watched {
         entries: &entries,
         skipped: &[],
@@ -207,16 +219,9 @@ fn price_paths(
     let (mut calls, mut instructions, mut longest, mut worst) = (0, 0, 0, 0);
     let (mut cycles, mut low, mut high) = (0, 0, 0);
     for path in paths {
-        let mut steps: Vec<(u32, Instruction)> = Vec::new();
-        for &(first, last) in &path.stretches {
-            let mut address = first;
-            while address <= last {
-                let instruction = disassembly.instruction(address)?;
-                steps.push((address, *instruction));
-                address += instruction.size;
-            }
-            functions.extend(disassembly.function_at(first));
-        }
+        let steps = disassembly.steps(path)?;
+        let starts = path.stretches.iter();
+        functions.extend(starts.filter_map(|(first, _)| disassembly.function_at(*first)));
         let price = price_of(&steps);
         let weight = u64::from(path.calls);
         calls += path.calls;

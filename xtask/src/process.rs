@@ -1,5 +1,6 @@
 //! Running other programs: shown before they start, never without an end.
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -114,5 +115,26 @@ pub fn output(command: &mut Command) -> Result<String, String> {
             output.status,
             reason.trim()
         ))
+    }
+}
+
+/// Standard output of a command that reads `input` and must succeed.
+pub fn output_of(command: &mut Command, input: &str) -> Result<String, String> {
+    let line = shown(command);
+    let told = |error: std::io::Error| format!("`{line}`: {error}");
+    let piped = command.stdin(Stdio::piped()).stdout(Stdio::piped());
+    let mut child = piped.spawn().map_err(told)?;
+    let output = std::thread::scope(|scope| {
+        // It may answer before it has read everything.
+        if let Some(mut stdin) = child.stdin.take() {
+            scope.spawn(move || stdin.write_all(input.as_bytes()));
+        }
+        child.wait_with_output()
+    });
+    let output = output.map_err(told)?;
+    if output.status.success() {
+        Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+    } else {
+        Err(format!("`{line}` failed ({})", output.status))
     }
 }

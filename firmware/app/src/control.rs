@@ -111,11 +111,9 @@ impl<F: Friction> Control<F> {
             self.broken = true;
             self.controller.disable();
         }
-        let order = self.orders.dequeue();
-        let ordered = order.is_some();
-        if let Some(order) = order {
-            self.status.outcome = self.carry_out(order);
-            self.status.orders = self.status.orders.wrapping_add(1);
+        let ordered = self.orders.ready();
+        if ordered {
+            self.obey();
         }
         if self.shared.heard.load(Ordering::Relaxed) {
             self.shared.heard.store(false, Ordering::Relaxed);
@@ -139,6 +137,15 @@ impl<F: Friction> Control<F> {
         }
         self.reference = command.reference;
         self.tell(&inputs, &command, ordered);
+    }
+
+    /// The next order. Not in the tick, which would then set aside room for it on the stack.
+    #[inline(never)]
+    fn obey(&mut self) {
+        if let Some(order) = self.orders.dequeue() {
+            self.status.outcome = self.carry_out(order);
+            self.status.orders = self.status.orders.wrapping_add(1);
+        }
     }
 
     fn carry_out(&mut self, order: Order<F>) -> Result<(), Refusal> {
@@ -224,15 +231,28 @@ impl<F: Friction> Control<F> {
     /// The next move, when the one before it is done.
     #[inline]
     fn feed(&mut self) {
+        let Some((epoch, _)) = self.moves.peek() else {
+            return;
+        };
+        if *epoch != self.status.epoch || self.controller.is_idle() {
+            self.take();
+        }
+    }
+
+    /// Starts it; moves before it that were planned in another epoch are dropped.
+    #[inline(never)]
+    fn take(&mut self) {
         for _ in 0..DROPS {
-            let Some((epoch, next)) = self.moves.peek().copied() else {
-                return;
+            let stale = match self.moves.peek() {
+                Some((epoch, _)) => *epoch != self.status.epoch,
+                None => return,
             };
-            let stale = epoch != self.status.epoch;
             if !stale && !self.controller.is_idle() {
                 return;
             }
-            let _ = self.moves.dequeue();
+            let Some((_, next)) = self.moves.dequeue() else {
+                return;
+            };
             self.status.taken = self.status.taken.wrapping_add(1);
             if !stale {
                 if self.controller.start(next).is_err() {

@@ -5,20 +5,23 @@
 //! with the stage, which stands for reading a counter and two ADC channels. Peripherals answer without wait states.
 
 use super::disassembly::Disassembly;
-use super::recorder::{Recorder, Watched};
+use super::recorder::{Recorder, TakenPath, Watched};
 use super::table::Row;
-use super::{price, price_paths};
+use super::{price, price_paths, stages};
 use crate::qemu::{self, LEARNING_FEATURES, LEARNING_FOLDER};
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// RTIC gives the task the name of the interrupt that it is bound to.
 const HANDLER: &str = "TIMER0";
 
 /// Part of the mangled name of the function that stands for the sensors.
-const EXCHANGE: &str = "preslide_qemu5stage8exchange";
+const EXCHANGE: &str = "preslide_qemu7reading";
 
 /// Kernel, and the build of the firmware with it: folder and features.
-const BUILDS: [(&str, &str, &[&str]); 6] = [
+type Build = (&'static str, &'static str, &'static [&'static str]);
+
+const BUILDS: [Build; 6] = [
     ("quasi_static_i16f16", "qemu-fixed", &[]),
     ("quasi_static_f32", "qemu-float", &["--features", "float"]),
     (
@@ -48,8 +51,44 @@ const BLOCKS: u32 = 4;
 
 pub fn measure(recorder: &Recorder) -> Result<Vec<Row>, String> {
     let rig = qemu::build_rig()?;
-    let mut rows = Vec::new();
-    for (kernel, folder, features) in BUILDS {
+    let row = |build| {
+        let tick = Tick::record(recorder, &rig, build)?;
+        let mut row = price_paths(&tick.disassembly, &tick.paths, price::of_interrupt)?;
+        row.kernel = format!("rtic_tick_{}", tick.kernel);
+        row.blocks = BLOCKS;
+        Ok(row)
+    };
+    BUILDS.iter().map(row).collect()
+}
+
+/// Prints where the cycles of the tick go, with and without float; the instructions stand in a file each.
+pub fn print_stages(recorder: &Recorder) -> Result<(), String> {
+    let rig = qemu::build_rig()?;
+    let mut ticks = Vec::new();
+    for build in &BUILDS[..2] {
+        let tick = Tick::record(recorder, &rig, build)?;
+        let breakdown = stages::of(&tick.program, &tick.disassembly, &tick.paths)?;
+        let file = tick.program.with_extension("cycles");
+        std::fs::write(&file, &breakdown.listing)
+            .map_err(|error| format!("cannot write {}: {error}", file.display()))?;
+        println!("each instruction of {}: {}", tick.kernel, file.display());
+        ticks.push((tick.kernel.to_string(), breakdown));
+    }
+    stages::print(&ticks);
+    Ok(())
+}
+
+/// The recorded interrupts of a build.
+struct Tick {
+    kernel: &'static str,
+    program: PathBuf,
+    disassembly: Disassembly,
+    paths: Vec<TakenPath>,
+}
+
+impl Tick {
+    fn record(recorder: &Recorder, rig: &Path, build: &Build) -> Result<Self, String> {
+        let &(kernel, folder, features) = build;
         let program = qemu::build("preslide-qemu", folder, features)?;
         let disassembly = Disassembly::of(&program)?;
         let address_of = |part: &str| {
@@ -65,18 +104,19 @@ pub fn measure(recorder: &Recorder) -> Result<Vec<Row>, String> {
             skipped: &[address_of(EXCHANGE)?],
             ends_inside: true,
         };
-        let mut run = Command::new(&rig);
+        let mut run = Command::new(rig);
         run.arg("record")
             .arg(&program)
             .arg(recorder.plugin(&watched));
-        let recording = recorder.watch(&mut run, &watched)?;
+        let mut recording = recorder.watch(&mut run, &watched)?;
         let paths = recording
-            .get(&handler)
+            .remove(&handler)
             .ok_or_else(|| format!("{kernel}: no control tick was recorded"))?;
-        let mut row = price_paths(&disassembly, paths, price::of_interrupt)?;
-        row.kernel = format!("rtic_tick_{kernel}");
-        row.blocks = BLOCKS;
-        rows.push(row);
+        Ok(Self {
+            kernel,
+            program,
+            disassembly,
+            paths,
+        })
     }
-    Ok(rows)
 }

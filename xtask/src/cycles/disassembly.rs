@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 use super::instruction::Instruction;
+use super::recorder::TakenPath;
 use crate::process::output;
 
 #[derive(Default)]
@@ -67,6 +68,20 @@ impl Disassembly {
                 "the path runs over {address:#x}, which objdump shows no instruction for"
             )),
         }
+    }
+
+    /// The instructions of a path, with their addresses.
+    pub fn steps(&self, path: &TakenPath) -> Result<Vec<(u32, Instruction)>, String> {
+        let mut steps = Vec::new();
+        for &(first, last) in &path.stretches {
+            let mut address = first;
+            while address <= last {
+                let instruction = self.instruction(address)?;
+                steps.push((address, *instruction));
+                address += instruction.size;
+            }
+        }
+        Ok(steps)
     }
 
     pub fn text(&self, address: u32) -> Option<&str> {

@@ -62,7 +62,12 @@ const FLOAT_FRAME: u32 = 17;
 /// The price of an interrupt handler's path, from the interrupted instruction back to it. Tail-chained handlers share an
 /// entry and a return and cost less.
 pub fn of_interrupt(path: &[(u32, Instruction)]) -> Price {
-    let mut price = of_path(path) + Price::exactly(2 * EXCEPTION);
+    of_path(path) + of_exception(path)
+}
+
+/// What entry and return add to such a path.
+pub fn of_exception(path: &[(u32, Instruction)]) -> Price {
+    let mut price = Price::exactly(2 * EXCEPTION);
     if path.last().is_some_and(|(_, last)| last.loads_pc()) {
         price.low -= POP_TO_PC;
     }
@@ -79,11 +84,16 @@ const POP_TO_PC: u32 = 3;
 
 /// The price of a path from its first instruction to its return.
 pub fn of_path(path: &[(u32, Instruction)]) -> Price {
+    of_steps(path).sum()
+}
+
+/// The price of each instruction on a path.
+pub fn of_steps(path: &[(u32, Instruction)]) -> impl Iterator<Item = Price> {
     let step = |index: usize| {
         let before = index.checked_sub(1).map(|before| &path[before].1);
         of_step(before, path[index], path.get(index + 1))
     };
-    (0..path.len()).map(step).sum()
+    (0..path.len()).map(step)
 }
 
 fn of_step(

@@ -11,12 +11,14 @@ mod stage;
 use core::panic::PanicInfo;
 use cortex_m_rt::exception;
 use cortex_m_semihosting::{debug, heprintln};
+use heapless::spsc::Producer;
 #[cfg(feature = "adaptation")]
 use preslide::control::learning::Adaptation;
 #[cfg(feature = "watch")]
 use preslide::control::learning::MismatchWatch;
 #[cfg(feature = "watch")]
 use preslide_app::Learner;
+use preslide_link::Reading;
 
 #[cfg(feature = "float")]
 preslide_app::model!(f32);
@@ -124,19 +126,7 @@ mod app {
     #[task(binds = TIMER0, priority = 2, local = [control, to_script, late])]
     fn tick(cx: tick::Context) {
         Timer::acknowledge();
-        let reading = stage::exchange();
-        if reading.quit {
-            crate::quit();
-        }
-        if let Some(byte) = reading.byte {
-            // The background reads faster than one byte a tick; should it not, the frame's CRC tells.
-            let _ = cx.local.to_script.enqueue(byte);
-        }
-        if reading.hang {
-            loop {
-                cortex_m::asm::nop();
-            }
-        }
+        let reading = crate::reading(cx.local.to_script);
         let inputs = Inputs {
             count: reading.count,
             index: reading.index,
@@ -188,6 +178,25 @@ mod app {
             }
         }
     }
+}
+
+/// What the registers show, which on a board is a few loads; what only an emulator is told, it does. Not part of the tick's figures.
+#[inline(never)]
+fn reading(to_script: &mut Producer<'static, u8>) -> Reading {
+    let reading = stage::exchange();
+    if reading.quit {
+        quit();
+    }
+    if let Some(byte) = reading.byte {
+        // The background reads faster than one byte a tick; should it not, the frame's CRC tells.
+        let _ = to_script.enqueue(byte);
+    }
+    if reading.hang {
+        loop {
+            cortex_m::asm::nop();
+        }
+    }
+    reading
 }
 
 /// The run is over. A function of its own, which `cargo xtask qemu` leaves out where it looks for panics: no controller

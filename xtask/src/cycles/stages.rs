@@ -1,0 +1,187 @@
+//! Where the cycles of a control tick go: each instruction belongs to the source file that it was written in.
+//!
+//! The compiler inlines nearly all of a tick into one function. `addr2line` tells through which functions each instruction came
+//! there; the innermost of them that a stage claims has it. What none claims (arithmetic, queues' insides, copies) belongs to the
+//! stage of the instruction before it.
+
+use std::collections::{BTreeMap, HashMap};
+use std::fmt::Write as _;
+use std::path::Path;
+use std::process::Command;
+
+use super::disassembly::Disassembly;
+use super::price;
+use super::recorder::TakenPath;
+use crate::process::output_of;
+
+/// Exception entry and return, float registers, and registers that a function saves.
+const FRAME: &str = "interrupt, saved registers";
+
+/// Stages in the order of a tick, and whose code they are: a part of the source file's path, and one of the function's name. Of several that
+/// claim a function, the last one has it.
+const STAGES: &[(&str, &[(&str, &str)])] = &[
+    (FRAME, &[]),
+    (
+        "timer, sensors, watchdog",
+        &[("boards/qemu/src/", ""), ("link/src/", "")],
+    ),
+    ("orders, moves, bridge", &[("app/src/", "")]),
+    ("sensing, scaling", &[("control/controller.rs", "")]),
+    ("velocity tracker", &[("src/encoder.rs", "")]),
+    ("monitors", &[("control/faults.rs", "")]),
+    (
+        "reference",
+        &[
+            ("control/reference.rs", ""),
+            ("control/smoothing.rs", ""),
+            ("control/moves.rs", ""),
+        ],
+    ),
+    ("PID", &[("control/pid.rs", "")]),
+    ("feed-forward", &[("control/compensator.rs", "")]),
+    (
+        "friction",
+        &[("src/gms.rs", ""), ("src/quasi_static.rs", "")],
+    ),
+    ("watch, adaptation", &[("control/learning/", "")]),
+    ("cross-fade", &[("control/fade.rs", "")]),
+    ("motor map", &[("control/motor.rs", "")]),
+    ("limiter", &[("control/limiter.rs", "")]),
+    (
+        "telemetry",
+        &[("app/src/", "tell"), ("app/src/", "on_the_wire")],
+    ),
+];
+
+/// What the stages of a tick cost in the mean: instructions and cycles, in the order of the table above.
+pub struct Breakdown {
+    pub stages: Vec<(&'static str, f64, f64)>,
+    /// Every instruction with how often it ran a tick, its cycles a tick, and its stage.
+    pub listing: String,
+}
+
+/// The stages of an interrupt's recorded calls.
+pub fn of(
+    program: &Path,
+    disassembly: &Disassembly,
+    paths: &[TakenPath],
+) -> Result<Breakdown, String> {
+    let calls: f64 = paths.iter().map(|path| f64::from(path.calls)).sum();
+    let mut taken = Vec::new();
+    // By address: how often, cycles, and the last stage. Both a tick.
+    let mut spent: BTreeMap<u32, (f64, f64, usize)> = BTreeMap::new();
+    for path in paths {
+        let steps = disassembly.steps(path)?;
+        spent.extend(steps.iter().map(|(address, _)| (*address, (0.0, 0.0, 0))));
+        taken.push((f64::from(path.calls) / calls, steps));
+    }
+    let claims = claims(program, disassembly, spent.keys().copied())?;
+    let mut stages: Vec<_> = STAGES.iter().map(|(name, _)| (*name, 0.0, 0.0)).collect();
+    for (share, steps) in &taken {
+        let mut stage = 0;
+        for ((address, _), price) in steps.iter().zip(price::of_steps(steps)) {
+            let here = *claims.get(address).unwrap_or(&stage);
+            if here != 0 {
+                stage = here;
+            }
+            let cycles = share * f64::from(price.cycles);
+            stages[here].1 += share;
+            stages[here].2 += cycles;
+            if let Some(at) = spent.get_mut(address) {
+                *at = (at.0 + share, at.1 + cycles, here);
+            }
+        }
+        stages[0].2 += share * f64::from(price::of_exception(steps).cycles);
+    }
+    Ok(Breakdown {
+        stages,
+        listing: listing(disassembly, &spent),
+    })
+}
+
+/// The stage of every address that one claims.
+fn claims(
+    program: &Path,
+    disassembly: &Disassembly,
+    addresses: impl Iterator<Item = u32>,
+) -> Result<HashMap<u32, usize>, String> {
+    let asked: String = addresses.map(|address| format!("{address:#x}\n")).collect();
+    let mut command = Command::new("arm-none-eabi-addr2line");
+    command
+        .args([
+            "--addresses",
+            "--inlines",
+            "--functions",
+            "--demangle",
+            "-e",
+        ])
+        .arg(program);
+    let told = output_of(&mut command, &asked)?;
+    let mut claims = HashMap::new();
+    let mut address = 0;
+    let mut lines = told.lines();
+    while let Some(line) = lines.next() {
+        if let Some(digits) = line.strip_prefix("0x") {
+            address =
+                u32::from_str_radix(digits, 16).map_err(|error| format!("`{line}`: {error}"))?;
+            let text = disassembly.text(address).unwrap_or_default();
+            if ["push", "pop", "vpush", "vpop"]
+                .iter()
+                .any(|name| text.starts_with(name))
+            {
+                claims.insert(address, 0);
+            }
+            continue;
+        }
+        // Innermost first: the first claim stays.
+        let file = lines.next().unwrap_or_default();
+        let is_whose =
+            |&(path, function): &(&str, &str)| file.contains(path) && line.contains(function);
+        if let Some(stage) = STAGES
+            .iter()
+            .rposition(|(_, whose)| whose.iter().any(is_whose))
+        {
+            claims.entry(address).or_insert(stage);
+        }
+    }
+    Ok(claims)
+}
+
+fn listing(disassembly: &Disassembly, spent: &BTreeMap<u32, (f64, f64, usize)>) -> String {
+    let mut text = String::new();
+    for (address, (times, cycles, stage)) in spent {
+        let instruction = disassembly.text(*address).unwrap_or_default();
+        let _ = writeln!(
+            text,
+            "{address:8x} {times:7.3} {cycles:7.2}  {:<26} {instruction}",
+            STAGES[*stage].0
+        );
+    }
+    text
+}
+
+/// One column for each tick.
+pub fn print(ticks: &[(String, Breakdown)]) {
+    print!("{:<28}", "instructions and cycles");
+    for (kernel, _) in ticks {
+        print!(" {kernel:>22}");
+    }
+    println!();
+    let mut line = |name: &str, of: &dyn Fn(&Breakdown) -> (f64, f64)| {
+        print!("{name:<28}");
+        for (_, breakdown) in ticks {
+            let (instructions, cycles) = of(breakdown);
+            print!(" {instructions:>14.1} {cycles:>7.1}");
+        }
+        println!();
+    };
+    for (index, (name, _)) in STAGES.iter().enumerate() {
+        line(name, &|tick| (tick.stages[index].1, tick.stages[index].2));
+    }
+    line("the whole tick", &|tick| {
+        let all = tick.stages.iter();
+        all.fold((0.0, 0.0), |sum, (_, instructions, cycles)| {
+            (sum.0 + instructions, sum.1 + cycles)
+        })
+    });
+}
