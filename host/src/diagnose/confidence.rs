@@ -53,7 +53,12 @@ pub fn of_hysteresis(own: f64, core: f64, wrong: bool) -> f64 {
 
 /// The same for a candidate that did not enter: half of what its evidence alone would give.
 pub fn of_a_hint(evidence: &Evidence) -> f64 {
+    0.5 * of_evidence(evidence)
+}
+
+/// The same from share and deviations alone.
+pub fn of_evidence(evidence: &Evidence) -> f64 {
     let share = (evidence.share.max(1e-4) / 0.03).ln();
     let sum = WEIGHTS[0] + WEIGHTS[1] * share + WEIGHTS[2] * (evidence.z.min(SATURATED) - 3.0);
-    0.5 / (1.0 + (-sum).exp())
+    1.0 / (1.0 + (-sum).exp())
 }
