@@ -1,21 +1,25 @@
-//! Time and memory of `identify` by the size of the recording: `cargo run --release -p preslide-cli --example size [ROWS…]`.
+//! Time and memory of `identify`, `diagnose` and `compare` by the size of the recording: `cargo run --release -p preslide-cli --example size [ROWS…]`.
 //!
 //! The recording is made here, at 10 kHz with an encoder of 10 nm and noise of 10 mN, read from its CSV text as a file would
-//! be, thinned as the command does, and identified.
+//! be, and thinned as the commands do. Every tenth of its rows must give the same answer.
 
-use preslide_host::identify::{Options, STEPS, identify, thinned};
+use preslide_host::compare::{compare, shortened};
+use preslide_host::diagnose::diagnose;
+use preslide_host::identify::{Options, identify, thinned};
 use preslide_host::progress::Progress;
-use preslide_host::recording::{LoadOptions, load_csv};
+use preslide_host::recording::{LoadOptions, Recording, load_csv};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::time::Instant;
 
 const SEED: u64 = 14;
 
-fn recording(rows: usize) -> String {
+/// Every `every`-th row of a recording: three sines, a block of friction, viscous friction and cogging.
+fn recording(rows: usize, every: usize) -> String {
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
-    let mut text = String::with_capacity(30 * rows);
+    let mut text = String::with_capacity(30 * rows / every);
     text.push_str("t_s,x_m,force_N\n");
     let (mut z, mut last) = (0.0_f64, 0.0);
     for i in 0..rows {
@@ -28,7 +32,11 @@ fn recording(rows: usize) -> String {
         z = (z + x - last).clamp(-1e-4, 1e-4);
         last = x;
         let noise = 0.01 * (rng.random::<f64>() + rng.random::<f64>() - 1.0);
-        let force = 3.0 * a + 8.0 * v + 2e4 * z + noise;
+        let cogging = 0.15 * (TAU * x / 8e-3).cos();
+        let force = 3.0 * a + 8.0 * v + 2e4 * z + cogging + noise;
+        if i % every != 0 {
+            continue;
+        }
         let _ = writeln!(text, "{t:.4},{:.8},{force:.4}", (x / 1e-8).round() * 1e-8);
     }
     text
@@ -42,40 +50,88 @@ fn peak_mb() -> f64 {
     kb.unwrap_or(f64::NAN) / 1024.0
 }
 
+/// Time that all cores have spent on the process so far (s), where the system says it: on a busy machine the clock tells little.
+fn cpu_s() -> f64 {
+    /// Linux counts in these, on every architecture.
+    const TICKS_HZ: f64 = 100.0;
+    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let fields = stat.rsplit(')').next().map(str::split_whitespace);
+    let ticks: Option<f64> = fields.map(|f| f.skip(11).take(2).flat_map(str::parse::<f64>).sum());
+    ticks.unwrap_or(f64::NAN) / TICKS_HZ
+}
+
+/// Reads a recording as the commands do, with as many samples as its band needs.
+fn read(text: &str) -> Result<Recording, String> {
+    let whole = load_csv(text.as_bytes(), "made.csv", &LoadOptions::default())
+        .map_err(|e| e.to_string())?;
+    Ok(thinned(&whole).unwrap_or(whole))
+}
+
+/// What is done with a recording, with the duration and CPU time of each step (s).
+struct Answer {
+    kept: usize,
+    seconds: [[f64; 2]; 4],
+    mass: f64,
+    names: Vec<&'static str>,
+}
+
+fn answer(text: String, all: bool) -> Result<Answer, String> {
+    let mut last = (Instant::now(), cpu_s());
+    let mut lap = || {
+        let now = (Instant::now(), cpu_s());
+        let (clock, cpu) = std::mem::replace(&mut last, now);
+        [(now.0 - clock).as_secs_f64(), now.1 - cpu]
+    };
+    let recording = read(&text)?;
+    drop(text);
+    let reading = lap();
+    let quiet = |name: &'static str| Progress::new(name, 0);
+    let found = identify(&recording, &Options::default(), &quiet("identify"))?;
+    let identifying = lap();
+    let mass = found.best().rigid_body.iter().find(|p| p.0 == "mass");
+    let mass = mass.map_or(f64::NAN, |m| m.1.value);
+    let found = diagnose(&recording, None, &quiet("diagnose")).map_err(|e| e.to_string())?;
+    let diagnosing = lap();
+    let names = found.confident().map(|e| e.id()).collect();
+    if all {
+        let few = shortened(&recording);
+        let few = few.as_ref().unwrap_or(&recording);
+        compare(few, &Options::default(), &quiet("compare"))?;
+    }
+    Ok(Answer {
+        kept: recording.len(),
+        seconds: [reading, identifying, diagnosing, lap()],
+        mass,
+        names,
+    })
+}
+
 fn main() -> Result<(), String> {
     let asked: Result<Vec<usize>, _> = std::env::args().skip(1).map(|a| a.parse()).collect();
     let mut sizes = asked.map_err(|e| format!("rows are whole numbers: {e}"))?;
     if sizes.is_empty() {
         sizes = vec![100_000, 1_000_000, 10_000_000];
     }
-    println!("seed {SEED}; the peak holds the CSV's text too");
     println!(
-        "{:>9} {:>8} {:>8} {:>10} {:>8} {:>9} {:>9}",
-        "rows", "read s", "thin s", "identify s", "peak MB", "kept rows", "mass kg"
+        "seed {SEED}; seconds by the clock and (of all cores); every command reads first; the peak holds the CSV's text too"
+    );
+    let [a, b, c, d] = ["read", "identify", "diagnose", "compare"];
+    println!(
+        "{:>9} {a:>15} {b:>15} {c:>15} {d:>15} {:>8} {:>7}  mass kg, names (of every tenth row)",
+        "rows", "peak MB", "kept"
     );
     for rows in sizes {
-        let text = recording(rows);
-        let start = Instant::now();
-        let whole = load_csv(text.as_bytes(), "made.csv", &LoadOptions::default())
-            .map_err(|e| e.to_string())?;
-        let read = start.elapsed().as_secs_f64();
-        drop(text);
-        let start = Instant::now();
-        let kept = thinned(&whole).unwrap_or(whole);
-        let thin = start.elapsed().as_secs_f64();
-        let start = Instant::now();
-        let found = identify(
-            &kept,
-            &Options::default(),
-            &Progress::new("identify", STEPS),
-        )?;
-        let seconds = start.elapsed().as_secs_f64();
-        let mass = found.best().rigid_body.iter().find(|p| p.0 == "mass");
-        let mass = mass.map_or(f64::NAN, |m| m.1.value);
+        let whole = answer(recording(rows, 1), true)?;
+        let peak = peak_mb();
+        let tenth = answer(recording(rows, 10), false)?;
+        let [a, b, c, d] = whole.seconds.map(|[s, cpu]| format!("{s:.2} ({cpu:.2})"));
         println!(
-            "{rows:>9} {read:>8.2} {thin:>8.2} {seconds:>10.2} {:>8.0} {:>9} {mass:>9.4}",
-            peak_mb(),
-            kept.len()
+            "{rows:>9} {a:>15} {b:>15} {c:>15} {d:>15} {peak:>8.0} {:>7}  {:.4} {} ({:.4} {})",
+            whole.kept,
+            whole.mass,
+            whole.names.join(" "),
+            tenth.mass,
+            tenth.names.join(" ")
         );
     }
     Ok(())

@@ -2,8 +2,9 @@
 
 use super::{Failure, OutputArgs, RecordingArgs, SplitArgs, command_line, thin};
 use clap::Args;
-use preslide_host::compare::{compare, steps};
+use preslide_host::compare::{compare, shortened, steps};
 use preslide_host::progress::Progress;
+use preslide_host::recording::Recording;
 use std::time::Instant;
 
 /// Every friction model on the same recording: error in and out of sample, memory, cost
@@ -28,7 +29,7 @@ impl Compare {
         let start = Instant::now();
         self.recordings.check_outputs(None, &self.outputs)?;
         let recording = self.recordings.load()?;
-        let recording = thin(recording);
+        let recording = self.shorten(thin(recording));
         let options = self.split.options(&recording)?;
         let progress = Progress::new("compare", steps());
         let found = compare(&recording, &options, &progress).map_err(Failure::Data)?;
@@ -47,5 +48,16 @@ impl Compare {
         self.outputs.write(&found.to_json(&recording, seconds), || {
             found.page(&recording, command_line())
         })
+    }
+
+    /// Stretches of a long recording, and a line that says so; all of it where windows of it are asked for.
+    fn shorten(&self, recording: Recording) -> Recording {
+        let Some(kept) = shortened(&recording).filter(|_| !self.split.has_windows()) else {
+            return recording;
+        };
+        if let Some(warning) = kept.warnings.last() {
+            eprintln!("{}: {}", kept.name, warning.message);
+        }
+        kept
     }
 }

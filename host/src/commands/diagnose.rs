@@ -1,11 +1,12 @@
 //! `preslide diagnose`.
 
-use super::{Failure, OutputArgs, RecordingArgs, command_line, write_text};
+use super::{Failure, OutputArgs, RecordingArgs, command_line, thin, write_text};
 use clap::Args;
 use preslide_host::diagnose::verdict::Verdict;
-use preslide_host::diagnose::{Refusal, diagnose, effect, experiment};
+use preslide_host::diagnose::{Refusal, diagnose, diagnose_simulation, effect, experiment};
 use preslide_host::model::Model;
 use preslide_host::progress::Progress;
+use preslide_host::recording::Recording;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -19,6 +20,10 @@ pub struct Diagnose {
     /// The model to check; without it rigid body and Maxwell-slip friction alone
     #[arg(long, value_name = "MODEL.toml")]
     model: Option<PathBuf>,
+
+    /// Judge a simulation of your own: the column with the force or torque that it needs for the recorded motion
+    #[arg(long, value_name = "COLUMN", conflicts_with = "model")]
+    simulated: Option<String>,
 
     /// Write a motion that would show what this recording cannot (a reference position, CSV)
     #[arg(long, value_name = "MOTION.csv")]
@@ -35,7 +40,7 @@ pub struct Diagnose {
 fn not_tested() -> String {
     let tested: Vec<&str> = effect::ALL.iter().map(|e| e.id()).collect();
     format!(
-        "Example: preslide diagnose recording.csv --model model.toml -o extended.toml --report diagnosis.html\n\nTested: {}, presliding_shape.\n\nNot tested: lead_error (a second measurement of position).",
+        "Example: preslide diagnose recording.csv --model model.toml -o extended.toml --report diagnosis.html\n         preslide diagnose recording.csv --simulated force_sim_N\n\nTested: {}, presliding_shape.\n\nNot tested: lead_error (a second measurement of position).",
         tested.join(", ")
     )
 }
@@ -47,9 +52,14 @@ impl Diagnose {
         self.recordings
             .check_outputs(self.output.as_ref(), &self.outputs)?;
         let model = self.model.as_deref().map(Model::load).transpose()?;
-        let recording = self.recordings.load()?;
+        let mut recording = thin(self.recordings.load()?);
+        let simulated = self.take_simulated(&mut recording)?;
         let progress = Progress::new("diagnose, steps of the search", 0);
-        let found = match diagnose(&recording, model.as_ref(), &progress) {
+        let found = match simulated {
+            Some(simulated) => diagnose_simulation(&recording, simulated, &progress),
+            None => diagnose(&recording, model.as_ref(), &progress),
+        };
+        let found = match found {
             Ok(found) => found,
             Err(Refusal::Data(message)) => {
                 let answer = serde_json::json!({
@@ -75,13 +85,12 @@ impl Diagnose {
             for reason in refused {
                 say!("Not in {}: {reason}.", path.display());
             }
-            write_text(
-                path,
-                &extended.to_toml(&[
-                    format!("diagnosed from {}", recording.name),
-                    found.verdict_words(&recording),
-                ]),
-            )?;
+            let mut remarks = vec![
+                format!("diagnosed from {}", recording.name),
+                found.verdict_words(&recording),
+            ];
+            remarks.extend(self.simulated.as_ref().map(|column| format!("the effects are what {column} lacks; inertia and friction are the recording's own, which their levels refer to")));
+            write_text(path, &extended.to_toml(&remarks))?;
         }
         if let Some(path) = &self.experiment {
             let (motion, words) = experiment::profile(&recording, &found);
@@ -97,5 +106,18 @@ impl Diagnose {
             return Err(Failure::Data(found.verdict_words(&recording)));
         }
         Ok(())
+    }
+
+    /// The simulation's column, with what is to be said of it.
+    fn take_simulated(&self, recording: &mut Recording) -> Result<Option<Vec<f64>>, Failure> {
+        let Some(name) = &self.simulated else {
+            return Ok(None);
+        };
+        let known = recording.warnings.len();
+        let values = recording.take_simulated(name).map_err(Failure::Input)?;
+        for warning in &recording.warnings[known..] {
+            eprintln!("{}: warning: {warning}", recording.name);
+        }
+        Ok(Some(values))
     }
 }

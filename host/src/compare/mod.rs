@@ -51,6 +51,16 @@ pub struct Comparison {
     pub notes: Vec<String>,
 }
 
+/// Samples that the models are compared on: each of ten families runs along all of them several hundred times.
+const MOST: usize = 25_000;
+/// Stretches that these are in, over the whole of the recording.
+const STRETCHES: usize = 6;
+
+/// Stretches of a long recording, enough to tell the models apart; `None` where it is best left as it is.
+pub fn shortened(recording: &Recording) -> Option<Recording> {
+    (recording.len() > MOST).then(|| recording.stretches(STRETCHES, MOST))
+}
+
 /// Steps that [`compare`] reports to its progress, those of `identify` included.
 pub fn steps() -> u64 {
     STEPS + 2 * Family::ALL.len() as u64

@@ -71,7 +71,11 @@ pub fn of_hysteresis(own: f64, core: f64, wrong: bool) -> f64 {
 
 /// The same for a candidate that did not enter.
 pub fn of_a_hint(evidence: &Evidence) -> f64 {
-    0.5 * logistic(
-        (evidence.share.max(LEAST) / 0.03).ln() + 0.25 * (evidence.z.min(SATURATED) - 3.0),
-    )
+    0.5 * of_evidence(evidence)
+}
+
+/// The same from share and deviations alone; set by hand, not calibrated.
+pub fn of_evidence(evidence: &Evidence) -> f64 {
+    let share = (evidence.share.max(LEAST) / 0.03).ln();
+    logistic(share + 0.25 * (evidence.z.min(SATURATED) - 3.0))
 }

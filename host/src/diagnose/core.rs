@@ -19,6 +19,8 @@ pub struct Core {
     pub yields: Vec<f64>,
     /// Inertia where the effort contains it, then the blocks, at the rows.
     pub rows: Arc<Vec<Vec<f64>>>,
+    /// It stands for what a simulation's inertia and friction lack, which may be less than nothing.
+    pub corrects: bool,
     /// Deflections of the blocks at the samples.
     deflections: Vec<Vec<f64>>,
 }
@@ -49,13 +51,19 @@ impl Core {
         Self {
             yields,
             rows: Arc::new(columns),
+            corrects: false,
             deflections,
         }
     }
 
-    /// Inertia and stiffness are not negative.
+    /// Inertia and stiffness are not negative; their errors may be.
     pub fn bounds(&self) -> Vec<Bound> {
-        vec![Bound::NonNegative; self.rows.len()]
+        let bound = if self.corrects {
+            Bound::Free
+        } else {
+            Bound::NonNegative
+        };
+        vec![bound; self.rows.len()]
     }
 
     /// Blocks that take part, from the coefficients of the core's columns: stiffness and yield displacement.

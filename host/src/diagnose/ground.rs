@@ -4,13 +4,14 @@ use super::axis::Axis;
 use super::change::{Change, late_yields};
 use super::core::Core;
 use super::curve::Curve;
-use super::effect::{self, Baseline, Scene};
+use super::effect::{self, Baseline, Scene, viscous};
 use super::noise::{Course, Noise};
 use super::normal::{Bound, Normal};
 use super::rows::Rows;
 use super::signals::quantile;
 use super::spectra;
 use super::term::{Subject, Term};
+use super::weak::Column;
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -64,7 +65,7 @@ impl Ground {
         let core = Core::new(&rows);
         let course_less = Baseline::default();
         let noise = Noise::white(
-            &rows.force,
+            &rows.target,
             &course(&rows, &Places::of(&rows, &course_less)),
         );
         let mut ground = Self {
@@ -93,7 +94,7 @@ impl Ground {
             let mut next = from.with_baseline(&fitted);
             let places = Places::of(&next.rows, &next.baseline);
             next.noise = Noise::estimate(
-                &fitted.residual(&next.rows.force),
+                &fitted.residual(&next.rows.target),
                 &course(&next.rows, &places),
                 None,
             );
@@ -126,7 +127,7 @@ impl Ground {
         let weak = &self.rows.weak;
         let time = weak.at_centres(&self.rows.s.t);
         let (slowest, fastest) = spectra::in_time(&self.rows);
-        let found = spectra::lines(&time, &fitted.residual(&self.rows.force), slowest, fastest);
+        let found = spectra::lines(&time, &fitted.residual(&self.rows.target), slowest, fastest);
         let vibration = Subject::Effect(effect::VIBRATION);
         found
             .into_iter()
@@ -136,18 +137,55 @@ impl Ground {
     }
 
     fn with_baseline(&self, fitted: &Hypothesis) -> Self {
+        let baseline = if self.core.corrects {
+            self.baseline.clone()
+        } else {
+            let coefficients = &fitted.normal.coefficients;
+            self.core
+                .baseline(&self.rows, coefficients, &fitted.terms, &self.baseline)
+        };
         Self {
-            baseline: self.core.baseline(
-                &self.rows,
-                &fitted.normal.coefficients,
-                &fitted.terms,
-                &self.baseline,
-            ),
+            baseline,
             rows: self.rows.clone(),
             core: self.core.clone(),
             noise: self.noise.clone(),
             cache: Mutex::default(),
         }
+    }
+
+    /// The recording against a simulation's effort at its samples: core and terms, of either sign, stand for what lies between the
+    /// two, and effects act through the friction that was found in the recording itself.
+    pub fn against(self, simulated: Vec<f64>) -> Option<Self> {
+        // What a hysteresis would otherwise be bent to: it is not fitted again once the simulation is taken off.
+        let map = Curve {
+            axis: Axis::Position,
+            odd: false,
+        };
+        let beside = [Subject::Effect(&viscous::Viscous), Subject::Curve(map)];
+        let own = self.fit(&beside.map(|subject| Term::new(subject, &[])))?;
+        let found = self.with_baseline(&own);
+        drop((self, own));
+        let mut rows = Arc::into_inner(found.rows)?;
+        let simulated = rows.weak.rows(&Column::of(simulated));
+        rows.target
+            .iter_mut()
+            .zip(simulated)
+            .for_each(|(t, s)| *t -= s);
+        let mut core = Arc::into_inner(found.core)?;
+        core.corrects = true;
+        let against = Self {
+            rows: Arc::new(rows),
+            core: Arc::new(core),
+            cache: Mutex::default(),
+            ..found
+        };
+        against.referred_to(&[])
+    }
+
+    /// Whether coefficients of a term are what the physics admits; a simulation may have too much of it.
+    pub fn admits(&self, term: &Term, coefficients: &[f64]) -> bool {
+        let opposite = || coefficients.iter().map(|c| -c).collect::<Vec<_>>();
+        term.admits(coefficients) || self.core.corrects && term.admits(&opposite())
     }
 
     /// What columns are made of.
@@ -205,7 +243,7 @@ impl Ground {
     /// A noise model that weights all rows alike.
     pub fn unweighted(&self) -> Noise {
         let places = Places::of(&self.rows, &Baseline::default());
-        Noise::white(&self.rows.force, &course(&self.rows, &places))
+        Noise::white(&self.rows.target, &course(&self.rows, &places))
     }
 
     /// Fits core and terms, all rows alike.
@@ -247,7 +285,7 @@ impl Ground {
             &self.rows.weak.folds,
             &columns,
             &bounds,
-            &self.rows.force,
+            &self.rows.target,
         )?;
         let core = Arc::clone(&self.core.rows);
         Some(Hypothesis {
@@ -274,7 +312,7 @@ impl Hypothesis {
         for (s, range) in rows.weak.folds.iter().enumerate() {
             fold[range.clone()].fill(s);
         }
-        self.less(&rows.force, |i| &own[fold[i]])
+        self.less(&rows.target, |i| &own[fold[i]])
     }
 
     fn less<'a>(&'a self, force: &[f64], of: impl Fn(usize) -> &'a Vec<f64>) -> Vec<f64> {
@@ -304,11 +342,6 @@ impl Hypothesis {
     pub fn coefficients(&self, index: usize) -> &[f64] {
         &self.normal.coefficients[self.places[index].clone()]
     }
-
-    /// Whether the coefficients of term `index` are what the physics admits.
-    pub fn admits(&self, index: usize) -> bool {
-        self.terms[index].admits(self.coefficients(index))
-    }
 }
 
 /// The rows in time and along the path, and what the noise acts through there.
@@ -327,7 +360,7 @@ impl Places {
             if column.is_empty() {
                 none()
             } else {
-                rows.weak.rows(&super::weak::Column::of(column.to_vec()))
+                rows.weak.rows(&Column::of(column.to_vec()))
             }
         };
         Self {

@@ -67,7 +67,7 @@ impl Shape {
         columns.extend(terms.iter().flat_map(|c| c.iter()).map(Vec::as_slice));
         let bounds = vec![Bound::Free; columns.len()];
         let white = ground.unweighted();
-        let fit = Normal::new(&white, &rows.weak.folds, &columns, &bounds, &rows.force)?;
+        let fit = Normal::new(&white, &rows.weak.folds, &columns, &bounds, &rows.target)?;
         let residual = held_out(&fit, &columns, rows);
         let with_core = ground
             .fit_unweighted(&hypothesis.terms)?
@@ -110,8 +110,9 @@ fn own_friction(ground: &Ground, friction: &FrictionModel) -> Option<Vec<f64>> {
     Some(ground.rows.weak.rows(&Column::of(at_samples)))
 }
 
-fn held_out(fit: &Normal, columns: &[&[f64]], rows: &super::rows::Rows) -> Vec<f64> {
-    let mut residual = rows.force.clone();
+/// What a fit leaves at the rows, each fold with the coefficients of the others.
+pub(super) fn held_out(fit: &Normal, columns: &[&[f64]], rows: &super::rows::Rows) -> Vec<f64> {
+    let mut residual = rows.target.clone();
     for (s, fold) in rows.weak.folds.iter().enumerate() {
         let c = fit.without_fold(s);
         for i in fold.clone() {

@@ -28,6 +28,7 @@ mod present;
 pub mod rows;
 pub mod search;
 pub mod signals;
+pub mod simulation;
 mod spectra;
 pub mod term;
 #[cfg(test)]
@@ -75,6 +76,28 @@ pub fn diagnose(
     model: Option<&Model>,
     progress: &Progress,
 ) -> Result<Diagnosis, Refusal> {
+    judge(recording, model, None, progress)
+}
+
+/// Diagnoses a recording against the effort that a simulation of the user's own needs for the same motion, at the samples in the
+/// effort's unit: what lies between the two is inertia, friction and effects, each of either sign.
+///
+/// # Errors
+/// [`Refusal`], with what to do.
+pub fn diagnose_simulation(
+    recording: &Recording,
+    simulated: Vec<f64>,
+    progress: &Progress,
+) -> Result<Diagnosis, Refusal> {
+    judge(recording, None, Some(simulated), progress)
+}
+
+fn judge(
+    recording: &Recording,
+    model: Option<&Model>,
+    simulated: Option<Vec<f64>>,
+    progress: &Progress,
+) -> Result<Diagnosis, Refusal> {
     check(recording, model)?;
     let rows = Rows::new(recording).map_err(Refusal::Data)?;
     progress.inc(1);
@@ -91,7 +114,10 @@ pub fn diagnose(
             recording.name
         ))
     };
-    let ground = Ground::new(rows, &given).ok_or_else(unable)?;
+    let mut ground = Ground::new(rows, &given).ok_or_else(unable)?;
+    if let Some(simulated) = simulated {
+        ground = ground.against(simulated).ok_or_else(unable)?;
+    }
     progress.inc(1);
     let found = search::search(ground, &given, &lengths, progress).ok_or_else(unable)?;
     verdict::conclude(found, given.len(), &periods, model.map(|m| &m.friction)).ok_or_else(unable)

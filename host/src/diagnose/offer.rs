@@ -137,7 +137,7 @@ pub fn offer_of(
         .filter(|i| !columns[*i].is_empty())
         .collect();
     let shapes: Vec<&[Vec<f64>]> = some.iter().map(|&i| columns[i].as_slice()).collect();
-    let admits = |i: usize, c: &[f64]| terms[some[i]].admits(c);
+    let admits = |i: usize, c: &[f64]| ground.admits(&terms[some[i]], c);
     let trial = hypothesis.normal.trial(&shapes, admits)?;
     let force = combined(shapes[trial.best], &trial.coefficients);
     Some(Offer {
@@ -177,7 +177,7 @@ impl Lines {
         let friction = weak.at_centres(&ground.baseline.friction);
         let weights = ground
             .noise
-            .inverse(&hypothesis.residual(&ground.rows.force));
+            .inverse(&hypothesis.residual(&ground.rows.target));
         let by_friction: Vec<f64> = weights.iter().zip(&friction).map(|(w, f)| w * f).collect();
         let (travel, slow) = (s.travel(), s.moving_speed(SLOW).max(1e-300));
         let row_s = weak.half_width_s;
@@ -228,7 +228,7 @@ pub fn refined(ground: &Ground, without: &Hypothesis, term: &Term) -> Term {
     let value_of = |term: &Term| {
         let columns = ground.columns(term);
         let (reduction, c) = without.normal.reduction(&columns)?;
-        term.admits(&c).then_some(reduction)
+        ground.admits(term, &c).then_some(reduction)
     };
     let Some(mut value) = value_of(&best) else {
         return best;

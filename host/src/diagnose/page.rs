@@ -162,7 +162,11 @@ impl Diagnosis {
     }
 
     fn residuals(&self) -> [Vec<f64>; 2] {
-        [0, 1].map(|i| self.states[i].residual(&self.ground.rows.force))
+        let mut residuals = [0, 1].map(|i| self.states[i].residual(&self.ground.rows.target));
+        if self.ground.core.corrects {
+            residuals[0].clone_from(&self.ground.rows.target);
+        }
+        residuals
     }
 
     /// The ranked names with how sure and why not the others.

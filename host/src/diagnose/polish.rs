@@ -106,7 +106,8 @@ pub fn polished(ground: &Ground, mut hypothesis: Hypothesis, given: usize) -> Hy
             break;
         };
         let gained = 1.0 - next.normal.loss() / hypothesis.normal.loss();
-        let sound = (given..terms.len()).all(|i| next.admits(i) || !hypothesis.admits(i));
+        let admits = |h: &Hypothesis, i: usize| ground.admits(&h.terms[i], h.coefficients(i));
+        let sound = (given..terms.len()).all(|i| admits(&next, i) || !admits(&hypothesis, i));
         if gained > 0.0 && sound {
             hypothesis = next;
             length = (2.0 * length).min(1.0);

@@ -29,6 +29,8 @@ pub struct Rows {
     pub weak: Weak,
     /// Measured effort at the rows.
     pub force: Vec<f64>,
+    /// What core and terms are fitted to: the measured effort, less a simulation's where the recording is judged against one.
+    pub target: Vec<f64>,
     /// Measured effort at the samples.
     pub effort: Vec<f64>,
     /// Whether the effort contains inertia.
@@ -78,8 +80,10 @@ impl Rows {
             ));
         }
         let kinds = s.kinds_of_strokes(KINDS);
+        let force = weak.rows(&Column::of(recording.effort.clone()));
         Ok(Self {
-            force: weak.rows(&Column::of(recording.effort.clone())),
+            target: force.clone(),
+            force,
             effort: recording.effort.clone(),
             kinds: weak.centres.iter().map(|&c| kinds[c]).collect(),
             at_rest: still.iter().filter(|r| **r).count() as f64 / s.x.len().max(1) as f64,

@@ -14,12 +14,13 @@ use super::place::Place;
 use super::rows::Rows;
 use super::search::Found;
 use super::signals::Signals;
+use super::simulation::{self, Correction};
 use super::term::{Subject, Term};
 use crate::friction::FrictionModel;
 use crate::identify::estimate::Estimate;
 
 /// Share of the mismatch from which an effect is named.
-const NAMED: f64 = 0.03;
+pub(super) const NAMED: f64 = 0.03;
 /// The same where it is beyond doubt that something is there.
 const NAMED_SURELY: f64 = 0.015;
 /// Standard deviations from which it is.
@@ -69,6 +70,8 @@ pub enum Name {
     Entry(&'static dyn Effect),
     /// The user's hysteresis is wrong.
     Hysteresis,
+    /// Inertia or friction of the user's simulation is.
+    Correction(Correction),
 }
 
 /// An effect that is stated.
@@ -171,8 +174,18 @@ pub fn nmse(rows: &Rows, hypothesis: &Hypothesis) -> Nmse {
     let variation = rows.variation().max(1e-300);
     let square = |r: &[f64]| r.iter().map(|r| r * r).sum::<f64>();
     Nmse {
-        train: 100.0 * square(&hypothesis.residual(&rows.force)) / variation,
+        train: 100.0 * square(&hypothesis.residual(&rows.target)) / variation,
         test: 100.0 * square(&hypothesis.held_out_residual(rows)) / variation,
+    }
+}
+
+/// NMSE of a simulation as it is: nothing of it is fitted.
+fn as_given(rows: &Rows) -> Nmse {
+    let square: f64 = rows.target.iter().map(|t| t * t).sum();
+    let nmse = 100.0 * square / rows.variation().max(1e-300);
+    Nmse {
+        train: nmse,
+        test: nmse,
     }
 }
 
@@ -199,6 +212,10 @@ pub fn conclude(
         measure(&found, &kept, &extended, effect)?;
     }
     let mut baseline = nmse(&found.ground.rows, &first);
+    if found.ground.core.corrects {
+        baseline = as_given(&found.ground.rows);
+        effects.extend(simulation::corrections(&found.ground, &extended));
+    }
     let shape = friction.and_then(|f| Shape::of(&found.ground, &extended, f));
     if let Some(shape) = shape.filter(Shape::is_suspect) {
         let [own, core] = shape.nmse;
@@ -215,7 +232,11 @@ pub fn conclude(
     });
     hint(&found, &mut effects);
     let unknown = unknown(&found, &standings, &effects);
-    let after = nmse(&found.ground.rows, &extended);
+    let after = if found.ground.core.corrects && !effects.iter().any(|e| e.confident) {
+        baseline
+    } else {
+        nmse(&found.ground.rows, &extended)
+    };
     let verdict = verdict(&effects, unknown.as_ref(), after);
     let organised = {
         let (mut list, _) = offers(&found.ground, &first, &[]);

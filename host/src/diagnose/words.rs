@@ -50,6 +50,7 @@ impl Name {
         match self {
             Name::Entry(effect) => effect.id(),
             Name::Hysteresis => hysteresis::ID,
+            Name::Correction(what) => what.id(),
         }
     }
 
@@ -58,6 +59,7 @@ impl Name {
         match self {
             Name::Entry(effect) => effect.name(),
             Name::Hysteresis => hysteresis::NAME,
+            Name::Correction(what) => what.id(),
         }
     }
 
@@ -66,6 +68,7 @@ impl Name {
         match self {
             Name::Entry(effect) => effect.words(),
             Name::Hysteresis => hysteresis::WORDS,
+            Name::Correction(what) => what.words(),
         }
     }
 
@@ -74,6 +77,7 @@ impl Name {
         match self {
             Name::Entry(effect) => effect.experiment(),
             Name::Hysteresis => hysteresis::EXPERIMENT,
+            Name::Correction(what) => what.experiment(),
         }
     }
 }
@@ -211,12 +215,24 @@ impl Diagnosis {
             return match (&self.unknown, self.verdict) {
                 (_, Verdict::InsufficientData) => "Recommendation: record strokes over the whole travel at several speeds, in both directions, with the effort of the motor (`preslide diagnose … --experiment motion.csv` writes such a motion).".to_owned(),
                 (Some(_), _) => "Recommendation: look at the residual maps of the report; something acts that no catalogue entry describes.".to_owned(),
+                _ if self.ground.core.corrects => "Recommendation: keep the simulation; what is left is noise and friction's own variability.".to_owned(),
                 _ => "Recommendation: keep the model; what is left is noise and friction's own variability.".to_owned(),
             };
         };
-        let words = first.name.words();
+        let (name, words) = (first.name.name(), first.name.words());
+        if first.confident && matches!(first.name, Name::Correction(_)) {
+            return format!("Recommendation: correct the {name} of the simulation ({words}).");
+        }
+        let model = if self.ground.core.corrects {
+            "simulation"
+        } else {
+            "model"
+        };
         match (first.confident, first.ambiguous.first()) {
-            (true, None) => format!("Recommendation: add {} to the model: {words}.", first.id()),
+            (true, None) => format!(
+                "Recommendation: add {} to the {model}: {words}.",
+                first.id()
+            ),
             (true, Some(rival)) => format!(
                 "Recommendation: {} or {}, this recording cannot tell. To tell them apart: {}.",
                 first.id(),

@@ -200,13 +200,17 @@ const MOST_KEPT: usize = 100_000;
 /// The recording with as many samples as its band needs, where it has many more; `None` where it is best left as it is.
 ///
 /// The band is that of the zero-phase filter through which effort and motion are compared ([`crate::kinematics`]). A recorded
-/// friction goes through no filter and is not thinned.
+/// friction goes through no filter: only what is more than anything could use is taken off it.
 pub fn thinned(recording: &Recording) -> Option<Recording> {
-    if recording.len() < THINNED_FROM || !recording.role.contains_inertia() {
+    if recording.len() < THINNED_FROM {
         return None;
     }
-    let cutoff = crate::kinematics::ZeroPhase::choose_cutoff(recording);
-    let by_band = (1.0 / (KEPT_RATE * cutoff * recording.sample_time_s())).floor() as usize;
+    let by_band = if recording.role.contains_inertia() {
+        let cutoff = crate::kinematics::ZeroPhase::choose_cutoff(recording);
+        (1.0 / (KEPT_RATE * cutoff * recording.sample_time_s())).floor() as usize
+    } else {
+        1
+    };
     let factor = by_band.max(recording.len() / MOST_KEPT);
     (factor > 1).then(|| recording.decimated(factor))
 }

@@ -234,8 +234,7 @@ impl Recording {
     /// [`Problem::Window`] where fewer than two samples lie in the window.
     pub fn slice_time(&self, from: f64, to: f64) -> Result<Recording, RecordingError> {
         let inside: Vec<bool> = self.t_s.iter().map(|&t| from <= t && t < to).collect();
-        let kept = inside.iter().filter(|&&i| i).count();
-        if kept < 2 {
+        if inside.iter().filter(|&&i| i).count() < 2 {
             let bound =
                 |pick: fn(f64, f64) -> f64| self.t_s.iter().copied().reduce(pick).unwrap_or(0.0);
             return Err(RecordingError {
@@ -248,6 +247,32 @@ impl Recording {
                 },
             });
         }
+        Ok(self.masked(&inside))
+    }
+
+    /// Stretches of equal length spread evenly over the recording, `total` samples of it; the whole where it has no more.
+    pub fn stretches(&self, count: usize, total: usize) -> Recording {
+        if self.len() <= total {
+            return self.clone();
+        }
+        let (period, length) = (self.len() / count, total / count);
+        let inside: Vec<bool> = (0..self.len())
+            .map(|i| i / period < count && i % period < length)
+            .collect();
+        let mut kept = self.masked(&inside);
+        kept.warnings.push(Warning::new(
+            "stretches",
+            format!(
+                "{count} stretches of {:.3} s each are used, spread evenly over {} samples",
+                length as f64 * self.sample_time_s,
+                self.len()
+            ),
+        ));
+        kept
+    }
+
+    /// The samples that are `inside`, in pieces of neighbours.
+    fn masked(&self, inside: &[bool]) -> Recording {
         fn keep<T: Copy>(values: &[T], inside: &[bool]) -> Vec<T> {
             values
                 .iter()
@@ -256,25 +281,24 @@ impl Recording {
                 .map(|(v, _)| *v)
                 .collect()
         }
-        let some = |column: &Option<Vec<f64>>| column.as_ref().map(|c| keep(c, &inside));
+        let some = |column: &Option<Vec<f64>>| column.as_ref().map(|c| keep(c, inside));
         let mut start = 0;
         let mut pieces = Vec::new();
         for piece in &self.pieces {
-            let n = inside
-                .get(piece.clone())
-                .map_or(0, |part| part.iter().filter(|&&i| i).count());
-            if n > 0 {
-                pieces.push(start..start + n);
-                start += n;
+            for run in inside[piece.clone()].split(|inside| !inside) {
+                if !run.is_empty() {
+                    pieces.push(start..start + run.len());
+                    start += run.len();
+                }
             }
         }
-        Ok(Recording {
+        Recording {
             name: self.name.clone(),
-            t_s: keep(&self.t_s, &inside),
-            position: keep(&self.position, &inside),
+            t_s: keep(&self.t_s, inside),
+            position: keep(&self.position, inside),
             reference: some(&self.reference),
             velocity: some(&self.velocity),
-            effort: keep(&self.effort, &inside),
+            effort: keep(&self.effort, inside),
             temperature_c: some(&self.temperature_c),
             load_n: some(&self.load_n),
             pressure_pa: some(&self.pressure_pa),
@@ -283,16 +307,16 @@ impl Recording {
                 .iter()
                 .map(|extra| Extra {
                     name: extra.name.clone(),
-                    values: keep(&extra.values, &inside),
+                    values: keep(&extra.values, inside),
                 })
                 .collect(),
             constant_extra: self.constant_extra.clone(),
-            segment: keep(&self.segment, &inside),
-            repeat: keep(&self.repeat, &inside),
+            segment: keep(&self.segment, inside),
+            repeat: keep(&self.repeat, inside),
             pieces,
             warnings: self.warnings.clone(),
             ..*self
-        })
+        }
     }
 }
 

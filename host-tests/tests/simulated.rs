@@ -1,0 +1,186 @@
+//! `diagnose --simulated`: what lies between a recording and a simulation that is a column of it. The machine moves as prescribed, its
+//! friction is a bristle of the machines' own laws, and the simulation is the same machine with something else in it.
+
+use preslide_host::model::Model;
+use preslide_host_tests::judge::table::{Recording, Table};
+use preslide_host_tests::judge::tool::Tool;
+use preslide_host_tests::machines::Dice;
+use preslide_host_tests::machines::law::Law;
+use preslide_host_tests::trials::score::Diagnosis;
+use std::f64::consts::TAU;
+
+const SEED: u64 = 14;
+const RATE_HZ: f64 = 1000.0;
+/// Steps of the friction law between two samples.
+const FINER: usize = 20;
+const SECONDS: f64 = 40.0;
+const PRESLIDING_M: f64 = 60e-6;
+const ENCODER_M: f64 = 10e-9;
+const COGGING_PERIOD_M: f64 = 8e-3;
+
+/// A machine or its simulation.
+#[derive(Clone, Copy)]
+struct Physics {
+    mass_kg: f64,
+    friction_n: f64,
+    viscous: f64,
+    cogging_n: f64,
+    /// Standard deviation of its friction level's wandering.
+    wander: f64,
+}
+
+const PLAIN: Physics = Physics {
+    mass_kg: 3.0,
+    friction_n: 2.0,
+    viscous: 4.0,
+    cogging_n: 0.0,
+    wander: 0.0,
+};
+
+/// Position, velocity and acceleration.
+fn motion(t: f64) -> [f64; 3] {
+    let waves = [(0.02, 2.1), (0.007, 7.3), (0.0025, 17.9)];
+    let part = |(a, w): (f64, f64)| {
+        let (sin, cos) = (w * t).sin_cos();
+        [a * sin, a * w * cos, -a * w * w * sin]
+    };
+    let parts = waves.map(part);
+    [0, 1, 2].map(|j| parts.iter().map(|p| p[j]).sum())
+}
+
+impl Physics {
+    /// The force that the motion takes, at the samples.
+    fn force(&self, dice: &mut Dice) -> Vec<f64> {
+        let mut bristle = Law::LuGre.start();
+        let step = 1.0 / (RATE_HZ * FINER as f64);
+        let (mut level, mut last) = (1.0, motion(0.0)[0]);
+        let sample = |i: usize| {
+            // Friction forgets its level within a tenth of a second.
+            level += (1.0 - level) * 0.01 + self.wander * (2.0 * 0.01_f64).sqrt() * dice.normal();
+            let mut held = 0.0;
+            for k in 0..FINER {
+                let x = motion((i * FINER + k) as f64 * step)[0];
+                held = bristle.step((x - last) / PRESLIDING_M, level);
+                last = x;
+            }
+            let [x, v, a] = motion(((i + 1) * FINER - 1) as f64 * step);
+            self.mass_kg * a
+                + self.friction_n * held
+                + self.viscous * v
+                + self.cogging_n * (TAU * x / COGGING_PERIOD_M).cos()
+        };
+        (0..(SECONDS * RATE_HZ) as usize).map(sample).collect()
+    }
+}
+
+/// The recording of a machine with a simulation of it, diagnosed; and the model file.
+fn between(machine: Physics, simulation: Physics) -> (Diagnosis, Model) {
+    let mut dice = Dice::new(SEED);
+    let mut force = machine.force(&mut dice);
+    force.iter_mut().for_each(|f| *f += 0.01 * dice.normal());
+    let simulated = simulation.force(&mut dice);
+    let times: Vec<f64> = (0..force.len())
+        .map(|i| (((i + 1) * FINER - 1) as f64) / (RATE_HZ * FINER as f64))
+        .collect();
+    let position = times
+        .iter()
+        .map(|&t| (motion(t)[0] / ENCODER_M).round() * ENCODER_M);
+    let table = Table {
+        names: ["t_s", "x_m", "force_N", "force_sim_mN"]
+            .map(String::from)
+            .to_vec(),
+        columns: vec![
+            times.clone(),
+            position.collect(),
+            force,
+            simulated.iter().map(|f| 1e3 * f).collect(),
+        ],
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("between.toml");
+    let mut recording = Recording::new("simulated", table, None);
+    recording.arguments = ["--simulated", "force_sim_mN", "-o"]
+        .map(String::from)
+        .to_vec();
+    recording.arguments.push(file.display().to_string());
+    let tool = Tool::of_workspace().unwrap_or_else(|e| panic!("{e}"));
+    let found = tool.diagnose(&recording).0;
+    let found = found.unwrap_or_else(|e| panic!("seed {SEED}: {e}"));
+    println!("seed {SEED}: {found:?}");
+    let model = Model::load(&file).expect("what lies between is a model file");
+    (found, model)
+}
+
+fn confident(found: &Diagnosis) -> Vec<&str> {
+    let confident = found.effects.iter().filter(|e| e.confident);
+    let mut ids: Vec<&str> = confident.map(|e| e.id.as_str()).collect();
+    ids.sort_unstable();
+    ids
+}
+
+fn value(found: &Diagnosis, id: &str, key: &str) -> f64 {
+    let effect = found.effects.iter().find(|e| e.id == id);
+    let all = effect.map_or(&[][..], |e| &e.parameters);
+    let parameter = all.iter().find(|p| p.0 == key);
+    parameter.unwrap_or_else(|| panic!("{id} has no {key}")).1
+}
+
+/// The machine, whose friction wanders by 2 % where its simulation's does not.
+fn machine(of: Physics) -> Physics {
+    Physics { wander: 0.02, ..of }
+}
+
+#[test]
+fn an_exact_simulation_is_consistent() {
+    let (found, model) = between(machine(PLAIN), PLAIN);
+    assert_eq!(found.verdict, "consistent", "{:?}", confident(&found));
+    let (before, after) = found.nmse_test.expect("NMSE");
+    assert!(before < 0.2 && after == before, "{before} {after}");
+    assert!(model.effects.is_empty());
+}
+
+#[test]
+fn an_effect_that_a_simulation_lacks_is_named_and_the_improvement_shown() {
+    let cogged = Physics {
+        cogging_n: 0.2,
+        ..PLAIN
+    };
+    let (found, model) = between(machine(cogged), PLAIN);
+    assert_eq!(confident(&found), ["periodic_force"]);
+    let (before, after) = found.nmse_test.expect("NMSE");
+    assert!(after < 0.2 * before, "{before} {after}");
+    let amplitude = value(&found, "periodic_force", "force_N");
+    let period = value(&found, "periodic_force", "period_m");
+    assert!((amplitude / 0.2 - 1.0).abs() < 0.05, "{amplitude}");
+    assert!((period / COGGING_PERIOD_M - 1.0).abs() < 0.01, "{period}");
+    assert_eq!(model.effects.len(), 1);
+}
+
+#[test]
+fn wrong_inertia_and_friction_of_a_simulation_are_told_with_their_errors() {
+    let off = Physics {
+        mass_kg: 0.85 * PLAIN.mass_kg,
+        friction_n: 1.2 * PLAIN.friction_n,
+        ..PLAIN
+    };
+    let (found, _) = between(machine(PLAIN), off);
+    assert_eq!(confident(&found), ["friction", "inertia"]);
+    let (before, after) = found.nmse_test.expect("NMSE");
+    assert!(after < 0.2 * before, "{before} {after}");
+    let mass = value(&found, "inertia", "mass_kg");
+    let friction = value(&found, "friction", "force_N");
+    assert!((mass / 0.45 - 1.0).abs() < 0.05, "{mass}");
+    assert!((friction / -0.4 - 1.0).abs() < 0.05, "{friction}");
+}
+
+#[test]
+fn a_simulation_with_too_much_of_an_effect_is_told_so() {
+    let stiff = Physics {
+        viscous: 2.0 * PLAIN.viscous,
+        ..PLAIN
+    };
+    let (found, _) = between(machine(PLAIN), stiff);
+    assert_eq!(confident(&found), ["viscous"]);
+    let viscous = value(&found, "viscous", "viscous_N_s_per_m");
+    assert!((viscous / -PLAIN.viscous - 1.0).abs() < 0.05, "{viscous}");
+}

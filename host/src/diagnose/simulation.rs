@@ -1,0 +1,164 @@
+//! What a simulation of the user's own gets wrong in inertia and friction: the core stands for it, and is judged as every candidate is.
+
+use super::axis::Axis;
+use super::confidence;
+use super::effect::ALWAYS_FREE;
+use super::evidence::{Evidence, chance, evidence};
+use super::ground::{Ground, Hypothesis};
+use super::hysteresis::held_out;
+use super::normal::{Bound, Normal};
+use super::place::Place;
+use super::search::ALPHA;
+use super::term::{Subject, Term};
+use super::verdict::{NAMED, Name, Named};
+use crate::identify::estimate::Estimate;
+use std::ops::Range;
+
+/// A part of the core.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Correction {
+    /// Mass or moment of inertia.
+    Inertia,
+    /// Level and shape of the hysteresis.
+    Friction,
+}
+
+impl Correction {
+    /// Both.
+    const ALL: [Self; 2] = [Self::Inertia, Self::Friction];
+
+    /// Id in JSON.
+    pub fn id(self) -> &'static str {
+        match self {
+            Self::Inertia => "inertia",
+            Self::Friction => "friction",
+        }
+    }
+
+    /// What it is.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Inertia => {
+                "the recording's inertia less the simulation's, at the recording's scale of the effort"
+            }
+            Self::Friction => {
+                "the recording's friction less the simulation's: its level, and its shape after reversals"
+            }
+        }
+    }
+
+    /// The experiment that tells it from its rivals.
+    pub fn experiment(self) -> &'static str {
+        match self {
+            Self::Inertia => {
+                "strokes at several accelerations, and once more with a known mass added"
+            }
+            Self::Friction => "slow passes in both directions, and reversals of several sizes",
+        }
+    }
+
+    fn axis(self) -> Axis {
+        match self {
+            Self::Inertia => Axis::Acceleration,
+            Self::Friction => Axis::SinceReversal,
+        }
+    }
+
+    /// Its columns among the core's.
+    fn columns(self, ground: &Ground) -> Range<usize> {
+        let first = ground.core.rows.len() - ground.core.yields.len();
+        match self {
+            Self::Inertia => 0..first,
+            Self::Friction => first..ground.core.rows.len(),
+        }
+    }
+
+    /// What the coefficients of the core add: inertia, or force in sliding.
+    fn value(self, ground: &Ground, core: &[f64]) -> f64 {
+        let own = &core[self.columns(ground)];
+        match self {
+            Self::Inertia => own[0],
+            Self::Friction => {
+                let blocks = own.iter().zip(&ground.core.yields);
+                blocks.map(|(k, d)| k * d).sum()
+            }
+        }
+    }
+
+    /// Judges it beside all else; `None` where the effort does not contain it or the rest does not determine its coefficients.
+    fn judged(self, ground: &Ground, extended: &Hypothesis) -> Option<Named> {
+        let (rows, core) = (&ground.rows, &ground.core.rows);
+        let own = self.columns(ground);
+        let delay = Term::new(Subject::Effect(ALWAYS_FREE), &[]);
+        // A sample of delay between the two columns is no error of the simulation's.
+        let delay = Some(&delay).filter(|d| !extended.terms.iter().any(|t| t.is_like(d)));
+        let terms = extended.terms.iter().chain(delay);
+        let others: Vec<_> = terms.map(|t| ground.columns(t)).collect();
+        let mut rest: Vec<&[f64]> = (0..core.len())
+            .filter(|j| !own.contains(j))
+            .map(|j| core[j].as_slice())
+            .collect();
+        rest.extend(others.iter().flat_map(|c| c.iter()).map(Vec::as_slice));
+        let bounds = vec![Bound::Free; rest.len()];
+        let folds = &rows.weak.folds;
+        let without = Normal::new(&ground.noise, folds, &rest, &bounds, &rows.target)?;
+        let trial = without.trial(&[&core[own.clone()]], |_, _| true)?;
+        let found = evidence(&trial.force, &without.held_out, &rows.blocks);
+        let (coefficients, mut force) =
+            (&extended.normal.coefficients, vec![0.0; rows.force.len()]);
+        for j in own {
+            let added = force.iter_mut().zip(&core[j]);
+            added.for_each(|(f, v)| *f += coefficients[j] * v);
+        }
+        let squares = |r: &[f64]| 100.0 * r.iter().map(|r| r * r).sum::<f64>() / rows.variation();
+        Some(Named {
+            name: Name::Correction(self),
+            term: None,
+            confident: is_sure(&found),
+            confidence: confidence::of_evidence(&found),
+            evidence: found,
+            standing: None,
+            nmse_test: [
+                squares(&held_out(&without, &rest, rows)),
+                squares(&extended.held_out_residual(rows)),
+            ],
+            places: Place::all(rows, self.axis(), &force),
+            force,
+            parameters: vec![self.parameter(ground, extended)],
+            source: None,
+            ambiguous: Vec::new(),
+        })
+    }
+
+    /// Its value, with an interval from the scatter over folds left out in turn.
+    fn parameter(self, ground: &Ground, extended: &Hypothesis) -> (String, Estimate) {
+        let key = match self {
+            Self::Inertia => "mass_kg",
+            Self::Friction => "force_N",
+        };
+        let folds = ground.rows.weak.folds.len();
+        let n = folds as f64;
+        let left_out: Vec<f64> = (0..folds)
+            .map(|s| self.value(ground, &extended.normal.without_fold(s)))
+            .collect();
+        let mean = left_out.iter().sum::<f64>() / n;
+        let spread: f64 = left_out.iter().map(|v| (v - mean).powi(2)).sum();
+        let error = (spread * (n - 1.0) / n).sqrt();
+        let value = self.value(ground, &extended.normal.coefficients);
+        (key.to_owned(), Estimate::new(value, Some(error), folds))
+    }
+}
+
+/// Whether a correction is stated.
+fn is_sure(found: &Evidence) -> bool {
+    found.share >= NAMED && chance(found.z, Correction::ALL.len() as f64) < ALPHA
+}
+
+/// What inertia and friction of the simulation lack or have too much of, where that is material.
+pub fn corrections(ground: &Ground, extended: &Hypothesis) -> Vec<Named> {
+    let judged = Correction::ALL
+        .into_iter()
+        .filter(|c| !c.columns(ground).is_empty())
+        .filter_map(|c| c.judged(ground, extended));
+    judged.filter(|c| c.confident).collect()
+}
