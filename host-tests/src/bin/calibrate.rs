@@ -28,6 +28,7 @@ fn run(o: &Options) -> Result<(), String> {
     println!(
         "calibration error as stated and as fitted without the group; right of those at least so sure\n"
     );
+    println!("{}", left_out(&names, |s| s.kind().to_owned()));
     println!("{}", left_out(&names, |s| s.source.clone()));
     println!("{}", left_out(&names, |s| s.id.clone()));
     let text = file(&names, &weights);

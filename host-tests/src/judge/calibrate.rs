@@ -10,6 +10,8 @@ use super::summary::calibration_error;
 
 /// Squares of all weights but the constant are added to the loss with this weight: a feature that hardly varies gets none.
 const RIDGE: f64 = 1.0;
+/// What all recordings of real machines are called: they are one source, whatever was added to them.
+const REAL: &str = "real";
 /// Steps of Newton's method; it ends in about eight.
 const STEPS: usize = 50;
 
@@ -60,8 +62,8 @@ impl Names {
     fn add(&mut self, case: &Value) -> Result<(), String> {
         let word = |key: &str| case[key].as_str().unwrap_or_default().to_owned();
         let mut source = word("source");
-        if source == "injection" {
-            source = format!("{source}: {}", word("name"));
+        if ["injection", "benches", "controls"].contains(&source.as_str()) {
+            source = format!("{REAL}: {}", word("name"));
         }
         for name in case["names"].as_array().ok_or("a case without names")? {
             let (Some(features), Some(right)) =
@@ -93,10 +95,31 @@ impl Names {
     }
 }
 
+impl Stated {
+    /// Its source, one for all real machines.
+    pub fn kind(&self) -> &str {
+        self.source.split(": ").next().unwrap_or_default()
+    }
+}
+
+/// How much each name counts: sources count alike, however many names they have.
+fn shares(names: &[&Stated]) -> Vec<f64> {
+    let mut counts = BTreeMap::<&str, usize>::new();
+    for name in names {
+        *counts.entry(name.kind()).or_default() += 1;
+    }
+    let fair = names.len() as f64 / counts.len() as f64;
+    names
+        .iter()
+        .map(|n| fair / counts[n.kind()] as f64)
+        .collect()
+}
+
 /// The constant, then a weight for each feature: the maximum of the likelihood less the ridge.
 pub fn fit<'a>(names: impl Iterator<Item = &'a Stated>) -> Option<Vec<f64>> {
     let names: Vec<&Stated> = names.collect();
     let count = names.first()?.features.len() + 1;
+    let shares = shares(&names);
     let rows = DMatrix::from_fn(names.len(), count, |i, j| {
         if j == 0 {
             1.0
@@ -113,7 +136,9 @@ pub fn fit<'a>(names: impl Iterator<Item = &'a Stated>) -> Option<Vec<f64>> {
     let mut weights = DVector::zeros(count);
     for _ in 0..STEPS {
         let p = (&rows * &weights).map(logistic);
-        let error = DVector::from_fn(names.len(), |i, _| f64::from(names[i].right) - p[i]);
+        let error = DVector::from_fn(names.len(), |i, _| {
+            shares[i] * (f64::from(names[i].right) - p[i])
+        });
         let slope = rows.transpose() * error - &ridge * &weights;
         let bent = DMatrix::from_fn(names.len(), count, |i, j| {
             rows[(i, j)] * p[i] * (1.0 - p[i])
@@ -138,7 +163,7 @@ fn logistic(x: f64) -> f64 {
 }
 
 /// For each group (a source, a machine, an effect): names, how many are right, calibration error as stated and under weights
-/// fitted without the group, precision of those that then are at least 0.6 and 0.9.
+/// fitted without the group, precision of those that then are at least 0.65 and 0.9.
 pub fn left_out(names: &Names, group: impl Fn(&Stated) -> String) -> String {
     let mut groups = BTreeMap::<String, Vec<&Stated>>::new();
     for stated in &names.stated {
@@ -146,7 +171,7 @@ pub fn left_out(names: &Names, group: impl Fn(&Stated) -> String) -> String {
     }
     let mut text = format!(
         "{:<28} {:>9} {:>8} {:>8} {:>11} {:>11}\n",
-        "left out", "right", "stated", "fitted", "at ≥ 0.6", "at ≥ 0.9"
+        "left out", "right", "stated", "fitted", "at ≥ 0.65", "at ≥ 0.9"
     );
     let mut all: Vec<(f64, bool)> = Vec::new();
     for (name, own) in &groups {
@@ -184,7 +209,7 @@ fn row(name: &str, stated: &[(f64, bool)], fitted: &[(f64, bool)]) -> String {
         format!("{right}/{}", stated.len()),
         calibration_error(stated),
         calibration_error(fitted),
-        above(0.6),
+        above(0.65),
         above(0.9)
     );
     text

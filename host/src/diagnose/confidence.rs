@@ -9,8 +9,12 @@ use std::sync::LazyLock;
 
 /// Weights that `cargo xtask calibrate --bless` writes, with what they were fitted to.
 const CALIBRATION: &str = include_str!("calibration.toml");
-/// Standard deviations beyond which more say nothing more.
-const SATURATED: f64 = 10.0;
+/// Standard deviations beyond which more say nothing more: on a machine that repeats, whatever is wrong with the model is sure.
+const SATURATED: f64 = 4.5;
+/// The least share of the plain mismatch that is told from none.
+const NO_GAIN: f64 = 3e-3;
+/// The usual size of an effect, of the effort: what is much smaller is a trifle, what is much larger is cancelled by another term.
+const USUAL: f64 = 0.05;
 /// The least share of the mismatch, or of the effort, that is told from none.
 const LEAST: f64 = 1e-4;
 
@@ -30,23 +34,19 @@ pub fn features(standing: &Standing) -> BTreeMap<&'static str, f64> {
     let Standing { evidence, term, .. } = standing;
     let flag = f64::from;
     let class = term.effect().map(|e| e.class());
+    let size = (standing.relative.max(LEAST) / USUAL).ln().abs();
     BTreeMap::from([
-        ("share", (evidence.share.max(LEAST) / 0.03).ln()),
+        ("gain", (standing.gain.max(NO_GAIN) / 0.03).ln()),
         ("deviations", evidence.z.min(SATURATED) - 3.0),
         ("rival", standing.rival.clamp(0.0, 1.5)),
-        ("nameless", standing.nameless.clamp(0.0, 2.0)),
-        ("survival", standing.survival.clamp(0.0, 1.0) - 0.5),
-        ("gain", standing.gain.clamp(-1.0, 1.0)),
         ("agreement", evidence.agree - 0.5),
         ("malformed", standing.form.map_or(0.0, |f| f.1.min(2.0))),
+        ("unusual_size", size.min(3.0)),
         ("terms", (standing.terms.max(1) as f64).ln()),
-        ("blocks", (evidence.blocks.max(1.0) / 12.0).ln()),
-        ("size", (standing.relative.max(LEAST) / 0.05).ln()),
         (
             "transient",
             flag(term.effect().is_some_and(|e| e.is_transient())),
         ),
-        ("place", flag(class == Some(Class::Place))),
         ("drift", flag(class == Some(Class::Drift))),
     ])
 }
