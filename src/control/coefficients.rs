@@ -63,7 +63,7 @@ impl<F: Friction> Coefficients<F> {
             )?,
             pid: Pid::try_new(&axis.gains, sample_time, units)?,
             compensator: Compensator::try_new(friction, &axis.feed_forward, units)?,
-            motor: MotorDrive::try_new(&axis.motor, hardware.steps, units)?,
+            motor: MotorDrive::try_new(&axis.motor, hardware, units)?,
             supply_nominal: (axis.motor.supply / hardware.supply_code) as f32,
             limiter: Limiter::try_new(axis.duty_limit, hardware.steps.into())?,
             monitor: Monitor::try_new(axis, units)?,

@@ -239,6 +239,12 @@ impl<F: Friction, C: Count> Controller<F, C> {
         self.located
     }
 
+    /// What the current sense read while the axis was disabled (codes): what it adds to every reading.
+    #[inline]
+    pub fn current_at_rest(&self) -> i16 {
+        self.suspicion.at_rest()
+    }
+
     /// What a friction model that learns has to say ([`super::Learning`]).
     #[inline]
     pub fn condition(&self) -> Condition<F::Scalar> {
@@ -335,7 +341,10 @@ impl<F: Friction, C: Count> Controller<F, C> {
         let feedback = c.pid.step(&mut self.pid, error, velocity_error, self.cut);
         let [wanted_place, measured_place] = places;
         let model = &mut self.friction;
-        c.compensator.place(model, wanted_place, measured_place);
+        // What belongs to a place waits until the place is known.
+        if self.located {
+            c.compensator.place(model, wanted_place, measured_place);
+        }
         let feed_forward = c.compensator.step(model, wanted, motion, acceleration);
         let mut force = feedback.add_input(feed_forward);
         if self.fades {
@@ -390,7 +399,9 @@ impl<F: Friction, C: Count> Controller<F, C> {
         if let Some(state) = &mut leaving.friction {
             let old = &leaving.old.compensator;
             let [wanted, measured] = now.places;
-            old.place(state, wanted, measured);
+            if self.located {
+                old.place(state, wanted, measured);
+            }
             let left = old.step(state, now.wanted, now.motion, now.acceleration);
             difference = difference.add_input(left.sub_input(feed_forward));
         }
