@@ -40,7 +40,8 @@ pub trait Friction: PartialEq {
 
     /// Tells the model where the axis is, in the model's units; call it before [`Friction::step`].
     ///
-    /// Only models with effects of position ([`crate::effects::With`]) keep it; for the others it is no code.
+    /// Only models with effects of position ([`crate::effects::With`]) keep it; for the others it is no code. Those effects are off
+    /// until it has been told once.
     #[inline]
     fn place(&self, _state: &mut Self::State, _position: Self::Scalar) {}
 

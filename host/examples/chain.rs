@@ -4,7 +4,8 @@
 //! `chain list SEED COUNT` prints the effects; `chain serve SEED INDEX ELF PORT` records: the telemetry goes to `preslide
 //! capture tcp:127.0.0.1:PORT`; `chain known SEED INDEX MODEL.toml` writes the truth as a model file; `chain track SEED INDEX
 //! NONE.elf FOLDER` follows the judged motion with it and with the other images in the folder; `chain table SEED FOLDER…` prints what came of it, from `diagnosis.json` and `errors.json` in each folder, and fails where the aim is missed. `chain
-//! rehearse SEED COUNT` does it all in one process, with the same control code on the host instead of the firmware.
+//! rehearse SEED COUNT` does it all in one process, with the same control code on the host instead of the firmware. `--electrical` at the
+//! end puts all of it on the electrical stage.
 
 use anyhow::{Context, bail};
 use preslide_host::chain::{Errors, Row, Trial, known, rehearse, serve, table, track};
@@ -14,10 +15,26 @@ use std::path::Path;
 
 fn main() -> anyhow::Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let mut words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let electrical = words.pop_if(|word| *word == "--electrical").is_some();
+    let draw = |seed: &str, count: usize| -> anyhow::Result<Vec<Trial>> {
+        let trials = Trial::draw(seed.parse()?, count).into_iter();
+        let on = |trial: Trial| {
+            if electrical {
+                trial.electrical()
+            } else {
+                trial
+            }
+        };
+        Ok(trials.map(on).collect())
+    };
+    let trial = |seed: &str, index: &str| {
+        let trial = draw(seed, index.parse::<usize>()? + 1)?.pop();
+        trial.context("there is always one")
+    };
     match words[..] {
         ["list", seed, count] => {
-            for trial in Trial::draw(seed.parse()?, count.parse()?) {
+            for trial in draw(seed, count.parse()?)? {
                 println!("{:?}", trial.effect);
             }
         }
@@ -45,7 +62,7 @@ fn main() -> anyhow::Result<()> {
             std::fs::write(folder.join("errors.json"), text)?;
         }
         ["table", seed, ref folders @ ..] => {
-            let trials = Trial::draw(seed.parse()?, folders.len());
+            let trials = draw(seed, folders.len())?;
             let rows = trials.iter().zip(folders).map(|(trial, folder)| {
                 let folder = Path::new(folder);
                 anyhow::Ok(Row {
@@ -57,7 +74,7 @@ fn main() -> anyhow::Result<()> {
             tell(&rows.collect::<anyhow::Result<Vec<_>>>()?)?;
         }
         ["rehearse", seed, count] => {
-            let trials = Trial::draw(seed.parse()?, count.parse()?);
+            let trials = draw(seed, count.parse()?)?;
             let rows = trials.par_iter().map(rehearse);
             tell(&rows.collect::<anyhow::Result<Vec<_>>>()?)?;
         }
@@ -73,12 +90,6 @@ fn tell(rows: &[Row]) -> anyhow::Result<()> {
         bail!("the aim is missed");
     }
     Ok(())
-}
-
-fn trial(seed: &str, index: &str) -> anyhow::Result<Trial> {
-    let index: usize = index.parse()?;
-    let trial = Trial::draw(seed.parse()?, index + 1).pop();
-    trial.context("there is always one")
 }
 
 fn read<T: DeserializeOwned>(file: &Path) -> anyhow::Result<T> {

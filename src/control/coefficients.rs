@@ -67,7 +67,7 @@ impl<F: Friction> Coefficients<F> {
             )?,
             pid: Pid::try_new(&axis.gains, sample_time, units)?,
             compensator: Compensator::try_new(friction, &axis.feed_forward, units)?,
-            motor: MotorDrive::try_new(&axis.motor, hardware.steps, units)?,
+            motor: MotorDrive::try_new(&axis.motor, hardware, units)?,
             supply_nominal: nominal as i32,
             supply_part: to_scalar("supply voltage in codes", codes / nominal)?,
             limiter: Limiter::try_new(axis.duty_limit, hardware.steps.into())?,
@@ -101,9 +101,12 @@ impl<F: Friction> Coefficients<F> {
                 )
             }
         };
-        // Whole counts do for maps and ripples, and are exact in `f32` up to 2²⁴ of them.
-        let place = F::Scalar::from_int(place).mul_input(self.length_per_count);
-        self.compensator.friction().place(state, place);
+        // What belongs to a place waits until the place is known.
+        if now.located {
+            // Whole counts do for maps and ripples, and are exact in `f32` up to 2²⁴ of them.
+            let place = F::Scalar::from_int(place).mul_input(self.length_per_count);
+            self.compensator.friction().place(state, place);
+        }
         self.compensator.step(state, motion, now.acceleration)
     }
 
@@ -128,4 +131,6 @@ pub(super) struct Moment<S> {
     pub(super) acceleration: S,
     /// The reference's and the measured one (counts).
     pub(super) places: [i32; 2],
+    /// Whether they count from the axis's own origin.
+    pub(super) located: bool,
 }

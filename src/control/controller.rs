@@ -240,6 +240,12 @@ impl<F: Friction, C: Count> Controller<F, C> {
         self.located
     }
 
+    /// What the current sense read while the axis was disabled (codes): what it adds to every reading.
+    #[inline]
+    pub fn current_at_rest(&self) -> i16 {
+        self.suspicion.at_rest()
+    }
+
     /// What a friction model that learns has to say ([`super::Learning`]).
     #[inline]
     pub fn condition(&self) -> Condition<F::Scalar> {
@@ -337,6 +343,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
                 self.place.wrapping_add((error_q16 >> 16) as i32),
                 self.place,
             ],
+            located: self.located,
         };
         let feedback = c
             .pid

@@ -113,6 +113,12 @@ impl Suspicion {
         self.offset += i32::from(current) - (self.offset >> 8);
     }
 
+    /// The current's code with the bridge off.
+    pub(super) fn at_rest(&self) -> i16 {
+        // A mean of such codes.
+        (self.offset >> 8) as i16
+    }
+
     /// Nothing is wrong yet; what the current sense reads at rest stays.
     pub(super) fn clear(&mut self) {
         *self = Self {

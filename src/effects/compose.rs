@@ -30,7 +30,7 @@ macro_rules! tuple {
             #[inline]
             fn level(&self, state: &mut Self::State, at: &Situation<S>) -> S {
                 let mut sum = S::ZERO;
-                $(if $name::LEVEL {
+                $(if $name::LEVEL && (at.located || !$name::PLACED) {
                     sum = sum.add_input(self.$at.level(&mut state.$at, at));
                 })+
                 sum
@@ -39,7 +39,7 @@ macro_rules! tuple {
             #[inline]
             fn force(&self, state: &mut Self::State, at: &Situation<S>) -> S {
                 let mut sum = S::ZERO;
-                $(if $name::FORCE {
+                $(if $name::FORCE && (at.located || !$name::PLACED) {
                     sum = sum.add_input(self.$at.force(&mut state.$at, at));
                 })+
                 sum

@@ -45,6 +45,7 @@ impl<S: Scalar> EncoderError<S> {
 impl<S: Scalar> Effect<S> for EncoderError<S> {
     type State = ();
     const SHIFT: bool = true;
+    const PLACED: bool = true;
 
     fn at_rest(&self) {}
 

@@ -152,6 +152,7 @@ impl<S: Scalar> PositionSpring<S> {
 impl<S: Scalar> Effect<S> for PositionSpring<S> {
     type State = ();
     const FORCE: bool = true;
+    const PLACED: bool = true;
 
     fn at_rest(&self) {}
 

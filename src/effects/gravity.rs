@@ -32,6 +32,7 @@ impl<S: Scalar> Gravity<S> {
 impl<S: Scalar> Effect<S> for Gravity<S> {
     type State = ();
     const FORCE: bool = true;
+    const PLACED: bool = true;
 
     fn at_rest(&self) {}
 

@@ -94,6 +94,7 @@ macro_rules! map {
         impl<const J: usize, S: Scalar> Effect<S> for $name<J, S> {
             type State = ();
             const $acts: bool = true;
+            const PLACED: bool = true;
 
             fn at_rest(&self) {}
 

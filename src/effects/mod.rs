@@ -99,6 +99,8 @@ use crate::param::{ParamError, at_most, to_scalar};
 pub struct Situation<S> {
     /// Where the axis is.
     pub position: S,
+    /// That is known: without it, effects that belong to a place ([`Effect::PLACED`]) are off.
+    pub located: bool,
     /// How fast it moves.
     pub velocity: S,
     /// The friction model's force in this tick, before any effect.
@@ -158,6 +160,9 @@ pub trait Effect<S: Scalar>: PartialEq {
     const FORCE: bool = false;
     /// [`Effect::shift`] is not always 0.
     const SHIFT: bool = false;
+    /// It belongs to places: it acts once the model has been told where the axis is ([`crate::Friction::place`]), which a controller
+    /// does once it is homed or zeroed. Whoever composes effects asks.
+    const PLACED: bool = false;
 
     /// The state of an axis that has stood since it was switched on.
     fn at_rest(&self) -> Self::State;

@@ -29,6 +29,7 @@ impl<S: Scalar> PeriodicForce<S> {
 impl<S: Scalar> Effect<S> for PeriodicForce<S> {
     type State = ();
     const FORCE: bool = true;
+    const PLACED: bool = true;
 
     fn at_rest(&self) {}
 
@@ -66,6 +67,7 @@ impl<S: Scalar> PeriodicFriction<S> {
 impl<S: Scalar> Effect<S> for PeriodicFriction<S> {
     type State = ();
     const LEVEL: bool = true;
+    const PLACED: bool = true;
 
     fn at_rest(&self) {}
 

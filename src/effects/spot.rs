@@ -40,6 +40,7 @@ impl<S: Scalar> LocalFrictionSpot<S> {
 impl<S: Scalar> Effect<S> for LocalFrictionSpot<S> {
     type State = ();
     const LEVEL: bool = true;
+    const PLACED: bool = true;
 
     fn at_rest(&self) {}
 

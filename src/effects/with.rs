@@ -9,7 +9,7 @@ use crate::{Friction, Motion, Scalar};
 /// `F = max(0, 1 + Σ level_i)·F_model + Σ force_i`; the displacement that the model sees has the change of `Σ shift_i`
 /// added. Levels are summed and not multiplied, so that several small ones stay what each was fitted as.
 ///
-/// **Cost.** That of the effects in the tuple, their number known at compile time; with `()` one store (the position)
+/// **Cost.** That of the effects in the tuple, their number known at compile time; with `()` two stores (the position, and that it is known)
 /// beside the friction model's own instructions, on a Cortex-M4F.
 ///
 /// **Bound.** `|F| ≤ (1 + Σ bound of level_i)·limit of the model + Σ bound of force_i` ([`Friction::limit`]), for any
@@ -31,6 +31,8 @@ pub struct WithState<M, E, S = f32> {
     /// Load in force units, for [`LoadDependentFriction`](super::LoadDependentFriction): to be told as it is measured.
     pub load: Option<S>,
     position: S,
+    /// The position has been told.
+    located: bool,
     /// The shift of the last tick, none before the first.
     shift: Option<S>,
     friction: M,
@@ -77,6 +79,7 @@ impl<F: Friction, E: Effect<F::Scalar>> Friction for With<F, E> {
             temperature: None,
             load: None,
             position: F::Scalar::ZERO,
+            located: false,
             shift: None,
             friction: self.friction.at_rest(),
             effects: self.effects.at_rest(),
@@ -98,13 +101,15 @@ impl<F: Friction, E: Effect<F::Scalar>> Friction for With<F, E> {
     #[inline]
     fn place(&self, state: &mut Self::State, position: F::Scalar) {
         state.position = position;
+        state.located = true;
         self.friction.place(&mut state.friction, position);
     }
 
     #[inline(always)]
     fn step(&self, state: &mut Self::State, mut motion: Motion<F::Scalar>) -> F::Scalar {
         let mut position = state.position;
-        if E::SHIFT {
+        // What shifts, shifts by place.
+        if E::SHIFT && state.located {
             let shift = self.effects.shift(position);
             if let Some(last) = state.shift {
                 motion.displacement = motion.displacement.add_input(shift.sub_input(last));
@@ -115,13 +120,15 @@ impl<F: Friction, E: Effect<F::Scalar>> Friction for With<F, E> {
         let friction = self.friction.step(&mut state.friction, motion);
         let at = Situation {
             position,
+            located: state.located,
             velocity: motion.velocity,
             friction,
             temperature: state.temperature,
             load: state.load,
         };
         let mut force = friction;
-        if E::LEVEL {
+        let acts = state.located || !E::PLACED;
+        if E::LEVEL && acts {
             let level = F::Scalar::ONE.add_input(self.effects.level(&mut state.effects, &at));
             force = if level > F::Scalar::ZERO {
                 force.mul_input(level)
@@ -129,7 +136,7 @@ impl<F: Friction, E: Effect<F::Scalar>> Friction for With<F, E> {
                 F::Scalar::ZERO
             };
         }
-        if E::FORCE {
+        if E::FORCE && acts {
             force = force.add_input(self.effects.force(&mut state.effects, &at));
         }
         force

@@ -26,9 +26,13 @@ const ROW: &str = "40";
 const WORKERS: usize = 2;
 
 pub fn run_command(arguments: &[String]) -> Result<(), String> {
-    let (mut seed, mut count) = (1_u64, 6_usize);
+    let (mut seed, mut count, mut electrical) = (1_u64, 6_usize, false);
     let mut words = arguments.iter();
     while let Some(word) = words.next() {
+        if word == "--electrical" {
+            electrical = true;
+            continue;
+        }
         let value = words.next().map(String::as_str).unwrap_or_default();
         let known = match word.as_str() {
             "--seed" => value.parse().map(|value| seed = value).is_ok(),
@@ -37,20 +41,20 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
         };
         if !known {
             return Err(format!(
-                "`chain` takes --seed N and --count K, got `{}`",
+                "`chain` takes --seed N, --count K and --electrical, got `{}`",
                 arguments.join(" ")
             ));
         }
     }
-    chain(seed, count)
+    chain(seed, count, electrical)
 }
 
 /// A short chain that gates CI: two effects, both named and both tracked close to what is possible.
 pub fn gate() -> Result<(), String> {
-    chain(1, 2)
+    chain(1, 2, false)
 }
 
-fn chain(seed: u64, count: usize) -> Result<(), String> {
+fn chain(seed: u64, count: usize, electrical: bool) -> Result<(), String> {
     Need::Qemu.ensure()?;
     let what = ["build", "--release", "--package", "preslide-cli", "--bins"];
     run(cargo(&what).args(["--example", "chain"]))?;
@@ -58,6 +62,7 @@ fn chain(seed: u64, count: usize) -> Result<(), String> {
     let folder = std::env::temp_dir().join(format!("preslide-chain-{}", std::process::id()));
     let chain = Chain {
         seed: seed.to_string(),
+        electrical,
         shipped,
         folder,
         building: Mutex::new(()),
@@ -69,7 +74,7 @@ fn chain(seed: u64, count: usize) -> Result<(), String> {
         start.elapsed().as_secs_f64()
     );
     let mut table = chain.steps(&["table"]);
-    table.args(&folders);
+    table.args(&folders).args(chain.stage());
     let met = run_shown(&mut table);
     if met.is_ok() {
         // What stays of a chain that missed its aim is there to be looked at.
@@ -82,6 +87,8 @@ fn chain(seed: u64, count: usize) -> Result<(), String> {
 
 struct Chain {
     seed: String,
+    /// On the electrical stage.
+    electrical: bool,
     /// The firmware as it comes, which is recorded.
     shipped: PathBuf,
     folder: PathBuf,
@@ -133,7 +140,11 @@ impl Chain {
         let index = index.to_string();
         let port = free_port()?;
         let mut serve = self.steps(&["serve"]);
-        serve.arg(&index).arg(&self.shipped).arg(&port);
+        serve
+            .arg(&index)
+            .arg(&self.shipped)
+            .arg(&port)
+            .args(self.stage());
         serve.stdout(Stdio::null()).stderr(Stdio::null());
         let recording = file("recording.csv");
         capture(&mut serve, &port, |tool| {
@@ -160,7 +171,8 @@ impl Chain {
         let refit = file("refit.toml");
         std::fs::write(&refit, &after).map_err(|e| format!("{}: {e}", refit.display()))?;
         self.image(folder, "refit", &ids)?;
-        quiet(self.steps(&["track"]).arg(&index).arg(none).arg(folder))
+        let mut track = self.steps(&["track"]);
+        quiet(track.arg(&index).arg(none).arg(folder).args(self.stage()))
     }
 
     /// Exports the model of that name `without` some effects, and builds the firmware with it; the image.
@@ -187,6 +199,11 @@ impl Chain {
         std::fs::copy(&image, &copy).map_err(|e| format!("{}: {e}", image.display()))?;
         drop(building);
         Ok(copy)
+    }
+
+    /// What a step is told of the stage, behind everything else.
+    fn stage(&self) -> Option<&'static str> {
+        self.electrical.then_some("--electrical")
     }
 
     /// A step that knows the truth.

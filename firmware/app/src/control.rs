@@ -316,12 +316,20 @@ impl<F: Friction> Control<F> {
         // To the nearest count.
         self.status.reference = command.reference.wrapping_add(1 << 15) >> 16;
         self.status.supply = inputs.supply;
-        self.status.current = inputs.current;
+        self.status.current = self.current(inputs);
         // See `tell_sample`. One that finds no room is followed by another; the answer to an order waits for it.
         let is_queue = self.statuses.capacity().checked_add(1).is_some();
         if !is_queue || self.statuses.enqueue(self.status).is_err() {
             self.since_status = STATUS_TICKS;
         }
+    }
+
+    /// The winding's current, less what its sense reads at rest.
+    #[inline]
+    fn current(&self, inputs: &Inputs) -> i16 {
+        inputs
+            .current
+            .saturating_sub(self.controller.current_at_rest())
     }
 
     #[inline]
@@ -335,7 +343,7 @@ impl<F: Friction> Control<F> {
             reference: command.reference,
             // Within ± the limiter's, which is at most 32000.
             code: command.code as i16,
-            current: inputs.current,
+            current: self.current(inputs),
             supply: inputs.supply,
             fault: match command.fault {
                 Some(fault) => Some(on_the_wire(fault)),

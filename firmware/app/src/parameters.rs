@@ -50,10 +50,13 @@ table! {
     Disabled "silence" a => Some(&mut a.silence);
     Disabled "motor.torque_constant" a => Some(&mut a.motor.torque_constant);
     Disabled "motor.resistance" a => Some(&mut a.motor.resistance);
+    Disabled "motor.inductance" a => Some(&mut a.motor.inductance);
     Disabled "motor.gear_ratio" a => Some(&mut a.motor.gear_ratio);
     Disabled "motor.screw_lead" a => Some(&mut a.motor.screw_lead);
     Disabled "motor.efficiency" a => Some(&mut a.motor.efficiency);
     Disabled "motor.supply" a => Some(&mut a.motor.supply);
+    Disabled "hardware.dead_time" a => Some(&mut a.hardware.dead_time);
+    Disabled "hardware.diode_drop" a => Some(&mut a.hardware.diode_drop);
     Disabled "watch.top_speed" a => Some(&mut a.watch.top_speed);
     Disabled "watch.following_error" a => Some(&mut a.watch.following_error);
     Disabled "watch.frozen_duty" a => Some(&mut a.watch.frozen_duty);

@@ -28,7 +28,7 @@ pub fn known(trial: &Trial) -> Result<Model, String> {
         viscous_n_s_per_m,
         ..
     } = config.friction;
-    let stage = trial.stage().map_err(|e| e.to_string())?;
+    let stage = trial.stage(0).map_err(|e| e.to_string())?;
     let mut gain = stage.friction().repeat_gain();
     let mut model = Model {
         inertia: config.mass_kg,
@@ -148,7 +148,7 @@ mod tests {
     fn the_stage_and_the_catalogue_mean_the_same() {
         for trial in Trial::draw(5, 2 * KINDS) {
             let model = known(&trial).expect("the catalogue has it");
-            let gain = trial.stage().expect("valid").friction().repeat_gain();
+            let gain = trial.stage(0).expect("valid").friction().repeat_gain();
             for direction in [1.0, -1.0] {
                 let (speed, pace) = (direction * 0.2e-3, direction * 1e-6);
                 let position: Vec<f64> = (-1800..1800).map(|i| f64::from(i) * pace).collect();

@@ -17,6 +17,17 @@ pub use table::{Errors, Row, Told, table};
 
 use crate::stage::concealed::Concealed;
 use crate::stage::{EncoderConfig, FrictionConfig, Stage, StageConfig, StageError};
+use crate::tracking::{Step, electrical};
+use preslide::control::Settings;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Times that a machine is switched on: to be recorded, and to be judged.
+const RECORDED: u64 = 0;
+const JUDGED: u64 = 1;
+
+/// Keeps where it is switched on apart from what else a seed makes.
+const SWITCHED_ON: u64 = 0x0a;
 
 /// One concealed effect, and the machine that hides it: recorded, switched off, and followed on the same day.
 #[derive(Clone, Debug)]
@@ -38,12 +49,59 @@ impl Trial {
         effects.enumerate().map(of).collect()
     }
 
-    /// The stage, at rest.
+    /// The same on the electrical stage, its dead time told to the controller.
+    #[must_use]
+    pub fn electrical(self) -> Self {
+        let config = electrical(&mut Settings::PAPER_AXIS.clone(), self.config);
+        Self { config, ..self }
+    }
+
+    /// What the controller is told: the paper's axis, with the stage's dead time.
+    pub fn settings(&self) -> Settings {
+        let mut settings = Settings::PAPER_AXIS;
+        if let Some(electrical) = &self.config.electrical {
+            settings.hardware = settings
+                .hardware
+                .with_dead_time(electrical.dead_time_s, electrical.diode_v);
+        }
+        settings
+    }
+
+    /// The machine as it is switched on for the `run`-th time: somewhere within the middle millimetre, with any count. Only homing
+    /// tells it where it is, so what is recorded in one run and compensated in another is bound to places, not to counts.
+    #[must_use]
+    pub fn switched_on(&self, run: u64) -> StageConfig {
+        let mut draw = ChaCha8Rng::seed_from_u64(self.config.seed);
+        draw.set_stream(SWITCHED_ON + run);
+        let count_m = self.config.encoder.count_m;
+        StageConfig {
+            // Whole counts: a host tells the place as a number of them.
+            start_m: (draw.random_range(-0.5e-3..0.5e-3) / count_m).round() * count_m,
+            encoder: EncoderConfig {
+                origin_count: draw.random(),
+                ..self.config.encoder.clone()
+            },
+            ..self.config.clone()
+        }
+    }
+
+    /// The stage as it is switched on for the `run`-th time, at rest.
     ///
     /// # Errors
     /// [`StageError`] where the effect is out of the stage's range.
-    pub fn stage(&self) -> Result<Stage, StageError> {
-        Stage::concealing(self.config.clone(), self.effect)
+    pub fn stage(&self, run: u64) -> Result<Stage, StageError> {
+        Stage::concealing(self.switched_on(run), self.effect)
+    }
+
+    /// A motion from where the machine is switched on for the `run`-th time: to the origin first.
+    #[must_use]
+    pub fn from_start(&self, run: u64, steps: Vec<Step>) -> Vec<Step> {
+        let home = Step::Move {
+            distance_m: -self.switched_on(run).start_m,
+            speed_m_s: 2e-3,
+            ramp_s: 0.02,
+        };
+        std::iter::once(home).chain(steps).collect()
     }
 }
 

@@ -1,7 +1,7 @@
 //! The chain with the firmware in QEMU.
 
-use super::{Trial, judged, recorded};
-use crate::rig::{Listener, RigError, Script, run, samples};
+use super::{JUDGED, RECORDED, Trial, judged, recorded};
+use crate::rig::{CALIBRATED, Listener, RigError, Script, run, samples};
 use crate::tracking::{Step, TrackingError};
 use preslide::control::Settings;
 use preslide_link::{MOST_BLOCKS, ModelSettings, Refusal, Reply, Report, Request};
@@ -11,16 +11,31 @@ use std::path::Path;
 /// Ticks from one sample of telemetry to the next: 1 kHz, as a slow serial line carries.
 const EVERY: u16 = 20;
 
-/// When the first move is sent: the request before it has been read by then.
-const FIRST: u64 = 40;
+/// When the first move is sent, in ticks after the axis is enabled: the request before it has been read by then.
+const FIRST: u64 = 80;
 
-fn script<'a>(trial: &Trial, steps: &[Step]) -> Result<Script<'a>, TrackingError> {
-    let mut script = Script::quiet(0);
-    script.stage = trial.config.clone();
+fn first(trial: &Trial) -> u64 {
+    match trial.config.electrical {
+        Some(_) => CALIBRATED + FIRST,
+        None => FIRST,
+    }
+}
+
+fn script<'a>(trial: &Trial, run: u64, steps: Vec<Step>) -> Result<Script<'a>, TrackingError> {
+    let mut script = match &trial.config.electrical {
+        Some(electrical) => Script::electrical(electrical),
+        None => Script::quiet(0),
+    };
+    script.stage = trial.switched_on(run);
+    // In single precision, which is nearer than half a count.
+    let zero = Request::Zero {
+        position_m: script.stage.start_m as f32,
+    };
     script.concealed = Some(trial.effect);
     // The exchange of the initialisation, tick 0, carries no byte.
     let telemetry = Request::Telemetry { every: EVERY };
-    script.send(1, &[telemetry]).follow(FIRST, steps)
+    let script = script.send(1, &[zero, telemetry]);
+    script.follow(first(trial), &trial.from_start(run, steps))
 }
 
 /// Moves the stage through the recorded motion and hands the firmware's telemetry to the first client of the port; what the
@@ -29,7 +44,7 @@ fn script<'a>(trial: &Trial, steps: &[Step]) -> Result<Script<'a>, TrackingError
 /// # Errors
 /// [`RigError`] where the run cannot be made.
 pub fn serve(trial: &Trial, elf: &Path, port: u16) -> Result<String, RigError> {
-    let script = script(trial, &recorded())?;
+    let script = script(trial, RECORDED, recorded())?;
     Ok(run(elf, &script, Listener::Tcp(port))?.remains.log)
 }
 
@@ -41,7 +56,7 @@ pub fn serve(trial: &Trial, elf: &Path, port: u16) -> Result<String, RigError> {
 pub fn track(trial: &Trial, elf: &Path) -> Result<Option<f64>, RigError> {
     // Before each tick: where the stage was at the end of the one before it.
     let positions = RefCell::new(Vec::new());
-    let mut script = script(trial, &judged())?;
+    let mut script = script(trial, JUDGED, judged())?;
     script.disturb = Box::new(|_, stage| positions.borrow_mut().push(stage.truth().position_m));
     let set = Request::Model(ModelSettings {
         breakaway_n: 0.9,
@@ -60,7 +75,7 @@ pub fn track(trial: &Trial, elf: &Path) -> Result<Option<f64>, RigError> {
     let positions = positions.borrow();
     let count = Settings::PAPER_AXIS.encoder.count;
     let (mut squares, mut number) = (0.0, 0);
-    for sample in samples(&record).filter(|sample| u64::from(sample.tick) > FIRST) {
+    for sample in samples(&record).filter(|sample| u64::from(sample.tick) > first(trial)) {
         if sample.fault.is_some() {
             return Ok(None);
         }

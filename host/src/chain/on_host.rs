@@ -1,6 +1,6 @@
 //! The chain without an emulator: the same control code on the host.
 
-use super::{Errors, Row, Trial, judged, known, recorded};
+use super::{Errors, JUDGED, RECORDED, Row, Trial, judged, known, recorded};
 use crate::capture::{Scale, capture};
 use crate::diagnose::diagnose;
 use crate::friction::Visitor;
@@ -8,13 +8,12 @@ use crate::identify::{Options, STEPS, identify};
 use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::{LoadOptions, load_csv};
-use crate::rig::frame;
+use crate::rig::telemetry;
 use crate::stage::Stage;
 use crate::tracking::{Axis, Step, Tracking, TrackingError};
 use anyhow::Context;
 use preslide::control::{Move, NoFriction, Settings};
 use preslide::{Friction, Units};
-use preslide_link::{Report, Sample};
 
 /// Ticks from one sample of telemetry to the next, as a serial line carries them.
 const EVERY: u32 = 20;
@@ -26,33 +25,11 @@ const ROW: u32 = 40;
 /// # Errors
 /// Where the stage or the motion is refused, or the controller gave up.
 pub fn record(trial: &Trial) -> anyhow::Result<String> {
-    let settings = Settings::PAPER_AXIS;
+    let settings = trial.settings();
     let friction = NoFriction::<f64>::new();
-    let mut axis = Axis::on(&settings, friction, Units::SI, trial.stage()?)?;
-    let mut telemetry = Vec::new();
-    let (mut tick, mut fault) = (0, None);
-    axis.follow(&plan(&recorded(), &settings)?, |now| {
-        tick += 1;
-        fault = now.command.fault;
-        if tick % EVERY == 0 {
-            telemetry.extend(frame(&Report::Sample(Sample {
-                sequence: tick / EVERY,
-                dropped: 0,
-                tick,
-                position: now.command.position as i32,
-                reference: now.command.reference,
-                code: now.command.code as i16,
-                current: (now.current_a * 1e4).round() as i16,
-                supply: (settings.motor.supply / settings.hardware.supply_code) as u16,
-                fault: None,
-                range: None,
-                level: 0,
-            })));
-        }
-    });
-    if let Some(fault) = fault {
-        anyhow::bail!("the axis stopped with {fault:?}: the gains do not fit the stage");
-    }
+    let mut axis = Axis::on(&settings, friction, Units::SI, trial.stage(RECORDED)?)?;
+    let steps = trial.from_start(RECORDED, recorded());
+    let telemetry = telemetry(&mut axis, &settings, &steps, EVERY, |_, _| {})?;
     let mut csv = Vec::new();
     capture(
         &telemetry[..],
@@ -86,29 +63,35 @@ pub struct Followed {
 ///
 /// # Errors
 /// [`TrackingError`] where the model cannot be used. A fault of the controller is no error: the answer says so.
-pub fn follow(stage: Stage, model: Option<&Model>) -> Result<Followed, TrackingError> {
-    let closed = Closed { stage };
+pub fn follow(trial: &Trial, model: Option<&Model>) -> Result<Followed, TrackingError> {
+    let closed = Closed {
+        stage: trial.stage(JUDGED)?,
+        settings: trial.settings(),
+        steps: trial.from_start(JUDGED, judged()),
+    };
     match model {
         None => closed.visit(NoFriction::<f64>::new()),
         Some(model) => model
-            .feed_forward(Settings::PAPER_AXIS.sample_time(), closed)
+            .feed_forward(closed.settings.sample_time(), closed)
             .map_err(TrackingError::Identification)?,
     }
 }
 
 struct Closed {
     stage: Stage,
+    settings: Settings,
+    steps: Vec<Step>,
 }
 
 impl Visitor for Closed {
     type Outcome = Result<Followed, TrackingError>;
 
     fn visit<M: Friction<Scalar = f64>>(self, model: M) -> Self::Outcome {
-        let settings = Settings::PAPER_AXIS;
+        let settings = self.settings;
         let mut axis = Axis::on(&settings, model, Units::SI, self.stage)?;
         let mut followed = Followed::default();
         let mut tick = 0;
-        axis.follow(&plan(&judged(), &settings)?, |now| {
+        axis.follow(&plan(&self.steps, &settings)?, |now| {
             tick += 1;
             followed.error.add_true(&now, settings.encoder.count);
             if tick % EVERY == 0 {
@@ -137,7 +120,7 @@ pub fn rehearse(trial: &Trial) -> anyhow::Result<Row> {
     let mut refit = after.clone();
     refit.effects.clear();
     let known = known(trial).map_err(anyhow::Error::msg)?;
-    let error = |model| anyhow::Ok(follow(trial.stage()?, model)?.error.rms_m());
+    let error = |model| anyhow::Ok(follow(trial, model)?.error.rms_m());
     Ok(Row {
         concealed: trial.effect.id(),
         told: serde_json::from_value(diagnosis.to_json(&recording, 0.0))

@@ -78,7 +78,7 @@ impl Demo {
 
         say!("\n4. How much better it tracks: another motion, the same gains, the same stage\n");
         let truth = known(trial).map_err(|reason| anyhow!(reason))?;
-        let run = |model| anyhow::Ok(follow(trial.stage()?, model)?);
+        let run = |model| anyhow::Ok(follow(trial, model)?);
         let story = Story {
             trial,
             recording: &recording,

@@ -138,6 +138,7 @@ impl Model {
             for i in piece.clone() {
                 let at = Situation {
                     position: motion.position[i],
+                    located: true,
                     velocity: motion.velocity[i],
                     friction: force[i],
                     temperature: measured.temperature_c.map(|column| column[i]),

@@ -3,7 +3,7 @@
 use super::requests;
 use super::{Emulator, Listener, Remains, RigError};
 use crate::stage::concealed::Concealed;
-use crate::stage::{EncoderReading, Stage, StageConfig};
+use crate::stage::{ElectricalConfig, EncoderReading, Stage, StageConfig};
 use crate::tracking::{Step, TrackingError};
 use preslide::control::Settings;
 use preslide_link::{LARGEST_FRAME, Name, Numbered, Reading, Request, encode};
@@ -11,6 +11,9 @@ use std::path::Path;
 
 /// The exchange of the initialisation, tick 0, carries no byte.
 const FIRST: u64 = 1;
+
+/// Tick in which an axis has learned its current sense's offset: eight times the time constant of its mean.
+pub const CALIBRATED: u64 = 2048;
 
 /// A script is silent for longer than a host may be: the axis is told not to mind, and to be enabled.
 fn enabling() -> Vec<Request> {
@@ -61,6 +64,23 @@ impl Script<'_> {
             plugin: None,
         }
         .send(FIRST, &enabling())
+    }
+
+    /// As [`Script::quiet`], with nothing to run: an axis that is told the dead time of its bridge, and enabled once it has learned what
+    /// its current sense reads at rest. The stage is the caller's.
+    pub fn electrical(electrical: &ElectricalConfig) -> Self {
+        let settings = [
+            ("hardware.dead_time", electrical.dead_time_s),
+            ("hardware.diode_drop", electrical.diode_v),
+        ];
+        let set = settings
+            .iter()
+            .filter_map(|(name, value)| Some(Request::Set(Name::new(name)?, *value as f32)));
+        let mut script = Self::quiet(0);
+        (script.bytes, script.requests) = (Vec::new(), 0);
+        script
+            .send(FIRST, &set.collect::<Vec<_>>())
+            .send(CALIBRATED, &enabling())
     }
 
     /// Sends requests from `tick` on, one behind the other.

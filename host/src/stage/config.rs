@@ -3,6 +3,7 @@
 //! Looked for and not found in public text: the data sheets of the motor, the coupling and the screw's stiffness, and the
 //! gearhead's ratio. Where a value is an assumption, it is one that a user is expected to replace.
 
+use super::electrical::ElectricalConfig;
 use crate::reproduce::paper;
 use serde::{Deserialize, Serialize};
 
@@ -51,6 +52,10 @@ pub struct StageConfig {
     pub supply: SupplyConfig,
     /// The friction truth.
     pub friction: FrictionConfig,
+    /// Switching, dead time, temperature and sampling; `None`: duty acts as its mean voltage.
+    pub electrical: Option<ElectricalConfig>,
+    /// Where it stands when it is switched on \[m\]. 0.
+    pub start_m: f64,
     /// Seed of everything random. Equal configurations give equal bits.
     pub seed: u64,
 }
@@ -109,7 +114,7 @@ pub struct EncoderConfig {
     pub origin_count: i32,
 }
 
-/// The supply of the bridge. The bridge is averaged over a PWM period: its switching ripple is not simulated.
+/// The supply of the bridge.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SupplyConfig {
@@ -185,6 +190,8 @@ impl Default for StageConfig {
             encoder: EncoderConfig::default(),
             supply: SupplyConfig::default(),
             friction: FrictionConfig::default(),
+            electrical: None,
+            start_m: 0.0,
             seed: 0,
         }
     }
@@ -271,7 +278,7 @@ impl Default for VariabilityConfig {
 }
 
 /// The ranges a key may lie in.
-fn check(
+pub(super) fn check(
     key: &'static str,
     value: f64,
     valid: bool,
@@ -289,7 +296,7 @@ fn check(
     })
 }
 
-fn positive(key: &'static str, value: f64) -> Result<(), StageError> {
+pub(super) fn positive(key: &'static str, value: f64) -> Result<(), StageError> {
     check(
         key,
         value,
@@ -299,7 +306,7 @@ fn positive(key: &'static str, value: f64) -> Result<(), StageError> {
     )
 }
 
-fn not_negative(key: &'static str, value: f64) -> Result<(), StageError> {
+pub(super) fn not_negative(key: &'static str, value: f64) -> Result<(), StageError> {
     check(
         key,
         value,
@@ -365,6 +372,16 @@ impl StageConfig {
             "within 0..supply.voltage_v",
         )?;
         not_negative("supply.ripple_hz", self.supply.ripple_hz)?;
+        check(
+            "start_m",
+            self.start_m,
+            true,
+            "it must be finite",
+            "to a number of metres",
+        )?;
+        if let Some(electrical) = &self.electrical {
+            electrical.validate(1.0 / self.control_rate_hz)?;
+        }
         self.friction.validate()
     }
 }

@@ -46,7 +46,8 @@ impl Coefficients {
     }
 }
 
-/// The flow of the linear part over one step.
+/// The flow of the linear part over one step. Where the electrical stage solves the winding, the current is held instead: its
+/// mean over the step acts.
 #[derive(Debug, Clone)]
 pub(super) struct Flow {
     /// Rows: the four states and dx; columns: the four states and the voltage.
@@ -60,9 +61,11 @@ impl Flow {
         let (l, m) = (motor.inductance_h, config.mass_kg);
         // States i, q, v_r, v, x and the held voltage.
         let mut a = SMatrix::<f64, 6, 6>::zeros();
-        a[(0, 0)] = -motor.resistance_ohm / l;
-        a[(0, 2)] = -k.force_constant / l;
-        a[(0, 5)] = 1.0 / l;
+        if config.electrical.is_none() {
+            a[(0, 0)] = -motor.resistance_ohm / l;
+            a[(0, 2)] = -k.force_constant / l;
+            a[(0, 5)] = 1.0 / l;
+        }
         a[(1, 2)] = 1.0;
         a[(1, 3)] = -1.0;
         a[(2, 0)] = k.force_constant / k.rotor_kg;

@@ -24,12 +24,13 @@
 //! loop through a quantised encoder is not so tame: one count decided otherwise moves the paths apart by a count.
 //!
 //! # Left out
-//! Switching ripple of the PWM (its mean acts), commutation, the dependence of gear losses on load (losses are in the
-//! friction truth, at the mass), backlash, temperature. What matters of them can be added as a [`Disturbance`].
+//! Commutation, the dependence of gear losses on load (losses are in the
+//! friction truth, at the mass), backlash, temperature of the mechanics. What matters of them can be added as a [`Disturbance`].
 
 pub mod concealed;
 mod config;
 mod dynamics;
+pub mod electrical;
 mod encoder;
 mod energy;
 pub mod friction;
@@ -46,6 +47,8 @@ pub use config::{
     VariabilityConfig, VirginBlock,
 };
 use dynamics::{Coefficients, Flow, LinearState};
+use electrical::Electrical;
+pub use electrical::{ElectricalConfig, Sampling, SenseConfig};
 pub use encoder::{count as encoder_count, interpolated_m};
 pub use energy::Energy;
 use friction::FrictionTruth;
@@ -69,7 +72,7 @@ pub trait Disturbance: Send {
 pub struct EncoderReading {
     /// Encoder count, wrapping.
     pub count: i32,
-    /// Winding current \[A\].
+    /// Winding current as it is measured \[A\].
     pub current_a: f64,
     /// Supply voltage with its ripple \[V\].
     pub supply_v: f64,
@@ -103,6 +106,7 @@ pub struct Stage {
     friction: FrictionTruth,
     disturbances: Vec<Box<dyn Disturbance>>,
     concealed: Option<Concealed>,
+    electrical: Option<Electrical>,
     state: LinearState,
     position_m: f64,
     external_n: f64,
@@ -112,7 +116,7 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// A stage at rest at the origin, its contacts without memory.
+    /// A stage at rest, its contacts without memory.
     ///
     /// # Errors
     /// [`StageError`] naming the first key of `config` that is out of range.
@@ -127,8 +131,12 @@ impl Stage {
             friction: FrictionTruth::try_new(&config.friction, config.seed)?,
             disturbances: Vec::new(),
             concealed: None,
+            electrical: config.electrical.as_ref().map(|electrical| {
+                let period_s = 1.0 / config.control_rate_hz;
+                Electrical::new(electrical, &config.motor, period_s, config.seed)
+            }),
             state: LinearState::default(),
-            position_m: 0.0,
+            position_m: config.start_m,
             external_n: 0.0,
             supply_v: config.supply.voltage_v,
             ticks: 0,
@@ -148,9 +156,9 @@ impl Stage {
         };
         for step in 0..self.config.substeps {
             let t = self.time_s() + f64::from(step) * self.step_s;
-            let voltage = duty * self.supply_at(t + 0.5 * self.step_s);
+            let supply_v = self.supply_at(t + 0.5 * self.step_s);
             self.kick(t);
-            self.drift(voltage);
+            self.drift(step, duty, supply_v);
             self.kick(t + self.step_s);
             for disturbance in &mut self.disturbances {
                 disturbance.advance(
@@ -161,6 +169,9 @@ impl Stage {
                 );
             }
         }
+        if let Some(electrical) = &mut self.electrical {
+            electrical.finish();
+        }
         self.ticks += 1;
         self.reading()
     }
@@ -169,7 +180,10 @@ impl Stage {
     pub fn reading(&self) -> EncoderReading {
         EncoderReading {
             count: encoder::count(&self.config.encoder, self.position_m),
-            current_a: self.state.current_a,
+            current_a: match &self.electrical {
+                Some(electrical) => electrical.read_a(),
+                None => self.state.current_a,
+            },
             supply_v: self.supply_at(self.time_s()),
         }
     }
@@ -328,23 +342,51 @@ impl Stage {
         self.state.velocity_m_s = after;
     }
 
-    /// A step of the linear part and of the contacts.
-    fn drift(&mut self, voltage_v: f64) {
+    /// Step number `step` of a tick: the linear part and the contacts.
+    fn drift(&mut self, step: u32, duty: f64, supply_v: f64) {
         let before = self.state;
-        let (after, dx) = self.flow.step(before, voltage_v);
+        let (after, dx, winding) = match &mut self.electrical {
+            None => {
+                let voltage_v = duty * supply_v;
+                let (after, dx) = self.flow.step(before, voltage_v);
+                let mean = 0.5 * (before.current_a + after.current_a);
+                let winding = [
+                    self.step_s * voltage_v * mean,
+                    self.config.motor.resistance_ohm
+                        * self.square(before.current_a, after.current_a),
+                ];
+                (after, dx, winding)
+            }
+            Some(electrical) => {
+                let back_emf_v = self.coefficients.force_constant * before.rotor_m_s;
+                let bridge = electrical.bridge(duty, supply_v);
+                let from_s = f64::from(step) * self.step_s;
+                let passed = electrical.step(from_s, from_s + self.step_s, bridge, back_emf_v);
+                let mean = LinearState {
+                    current_a: passed.charge / self.step_s,
+                    ..before
+                };
+                let (mut after, dx) = self.flow.step(mean, 0.0);
+                after.current_a = electrical.current_a();
+                let heat = electrical.resistance_ohm() * passed.square;
+                (after, dx, [passed.work_j, heat])
+            }
+        };
         self.state = after;
         self.position_m += dx;
         self.friction.advance(dx);
-        // ∫ab dt where both are straight lines over the step.
-        let square = |a: f64, b: f64| self.step_s * (a * a + a * b + b * b) / 3.0;
         let slip = |s: LinearState| s.rotor_m_s - s.velocity_m_s;
-        self.energy.supplied_j +=
-            0.5 * self.step_s * voltage_v * (before.current_a + after.current_a);
-        self.energy.winding_j +=
-            self.config.motor.resistance_ohm * square(before.current_a, after.current_a);
+        let [supplied_j, winding_j] = winding;
+        self.energy.supplied_j += supplied_j;
+        self.energy.winding_j += winding_j;
         self.energy.viscous_j += self.config.friction.viscous_n_s_per_m
-            * square(before.velocity_m_s, after.velocity_m_s)
-            + self.coefficients.rotor_damping * square(before.rotor_m_s, after.rotor_m_s)
-            + self.config.drive.damping_n_s_per_m * square(slip(before), slip(after));
+            * self.square(before.velocity_m_s, after.velocity_m_s)
+            + self.coefficients.rotor_damping * self.square(before.rotor_m_s, after.rotor_m_s)
+            + self.config.drive.damping_n_s_per_m * self.square(slip(before), slip(after));
+    }
+
+    /// ∫a² dt over a step in which a goes straight from one value to the other.
+    fn square(&self, from: f64, to: f64) -> f64 {
+        self.step_s * (from * from + from * to + to * to) / 3.0
     }
 }

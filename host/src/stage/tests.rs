@@ -342,3 +342,125 @@ fn it_runs_faster_than_real_time() {
     // A fifth of what is aimed at, because the machine that runs the tests is shared.
     assert!(speed > 1.0, "{speed}");
 }
+
+fn switched(change: impl FnOnce(&mut ElectricalConfig)) -> Stage {
+    let mut electrical = ElectricalConfig {
+        sense: SenseConfig {
+            offset_a: 0.0,
+            noise_a: 0.0,
+            bits: 24,
+            ..SenseConfig::default()
+        },
+        ..ElectricalConfig::default()
+    };
+    change(&mut electrical);
+    stage(|c| c.electrical = Some(electrical))
+}
+
+/// Without dead time the switching bridge does what its mean does, but for ripple: the motion of both stages.
+#[test]
+fn a_switching_bridge_without_dead_time_moves_as_its_mean() {
+    let mut ideal = stage(|_| {});
+    let mut switching = switched(|e| e.dead_time_s = 0.0);
+    let (mut worst, mut travel) = (0.0_f64, 0.0_f64);
+    for _ in 0..20_000 {
+        let duty = exciting_duty(ideal.time_s());
+        ideal.tick(duty);
+        switching.tick(duty);
+        let (a, b) = (ideal.truth().position_m, switching.truth().position_m);
+        worst = worst.max((a - b).abs());
+        travel = travel.max(a.abs());
+    }
+    let energy = switching.energy();
+    let share = energy.residual_j() / energy.supplied_j;
+    eprintln!("travel {travel:.2e} m, apart by {worst:.2e} m, energy left over {share:.2e}");
+    assert!(travel > 100e-6 && worst < 1e-3 * travel);
+    assert!(share.abs() < 1e-3, "{energy:?}");
+}
+
+/// Half the step gives the same motion with dead time as well, and energy adds up.
+#[test]
+fn the_electrical_stage_converges() {
+    let run = |substeps| {
+        let mut stage = stage(|c| {
+            c.substeps = substeps;
+            c.electrical = Some(ElectricalConfig::default());
+        });
+        let mut path = Vec::new();
+        for _ in 0..20_000 {
+            let duty = exciting_duty(stage.time_s());
+            stage.tick(duty);
+            path.push(stage.truth().position_m);
+        }
+        let energy = stage.energy();
+        (path, energy.residual_j() / energy.supplied_j)
+    };
+    let ((full, share), (half, _)) = (run(8), run(16));
+    let gap = full.iter().zip(&half).map(|(a, b)| (a - b).abs());
+    let gap = gap.fold(0.0, f64::max);
+    eprintln!("8 to 16 steps a tick: {gap:.2e} m; energy left over {share:.2e}");
+    assert!(gap < 1e-9 && share.abs() < 1e-3);
+}
+
+/// What one sample a period reads of a short pulse, over the mean, by its place: 2.5 at the pulse to 0.3 before the next, and the mean
+/// where the controller says.
+#[test]
+fn a_sample_reads_its_place_in_the_period() {
+    let ratio = |sampling| {
+        let mut stage = switched(|e| {
+            e.dead_time_s = 0.0;
+            e.sense.sampling = sampling;
+        });
+        // Too weak to move it far.
+        let duty = 0.02;
+        (0..200).for_each(|_| {
+            stage.tick(duty);
+        });
+        let (mut sum, mut low, mut high) = (0.0, f64::INFINITY, 0.0_f64);
+        for _ in 0..2000 {
+            let read = stage.tick(duty).current_a;
+            (sum, low, high) = (sum + read, low.min(read), high.max(read));
+        }
+        let mean = duty * stage.config().supply.voltage_v / stage.config().motor.resistance_ohm;
+        [sum / 2000.0, low, high].map(|a| a / mean)
+    };
+    let phase = preslide::control::Axis::PAPER_AXIS.sampling_phase();
+    for (name, sampling, expected) in [
+        ("centre of the low side", Sampling::Synchronous(0.5), 0.82),
+        (
+            "where the current is its mean",
+            Sampling::Synchronous(phase),
+            1.0,
+        ),
+        ("16 samples", Sampling::Oversampled(16), 1.0),
+    ] {
+        let [mean, ..] = ratio(sampling);
+        eprintln!("{name}: {mean:.3} of the mean");
+        assert!((mean - expected).abs() < 0.02, "{name}: {mean}");
+    }
+    let [mean, low, high] = ratio(Sampling::Unsynchronised);
+    eprintln!("anywhere: {mean:.3} of the mean, {low:.2} to {high:.2}");
+    assert!(low < 0.35 && high > 2.3, "{low} {high}");
+}
+
+/// A hot winding takes more voltage for the same current, by copper's coefficient, and warms itself.
+#[test]
+fn a_hot_winding_resists() {
+    let held = |ambient_c, seconds: u32| {
+        let mut stage = switched(|e| {
+            e.ambient_c = ambient_c;
+            e.sense.sampling = Sampling::Oversampled(64);
+        });
+        stage.set_friction_level(1000.0).expect("in range");
+        let duty = 0.3;
+        let mut read = 0.0;
+        for _ in 0..seconds * 20_000 {
+            read = stage.tick(duty).current_a;
+        }
+        read
+    };
+    let (cold, hot, warmed) = (held(20.0, 1), held(80.0, 1), held(20.0, 20));
+    eprintln!("at 20 °C {cold:.4} A, at 80 °C {hot:.4} A, at 20 °C after 20 s {warmed:.4} A");
+    assert!((cold / hot / (1.0 + 0.00393 * 60.0) - 1.0).abs() < 0.01);
+    assert!(warmed < 0.95 * cold);
+}

@@ -1,10 +1,15 @@
 //! The production controller on the simulated stage, tick by tick.
 
-use crate::stage::{Stage, StageConfig, StageError, interpolated_m};
+use crate::stage::{
+    ElectricalConfig, Sampling, SenseConfig, Stage, StageConfig, StageError, interpolated_m,
+};
 use preslide::control::{
     Coefficients, Command, Condition, Controller, Fault, Hardware, Measurement, Move, Settings,
 };
 use preslide::{Friction, ParamError, Units};
+
+/// Ticks at rest in which the controller learns the current sense's offset: eight times the time constant of its mean.
+const CALIBRATION_TICKS: u32 = 2048;
 
 /// Why a run could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -73,7 +78,7 @@ pub struct Instant {
     pub encoder_m: f64,
     /// True position of the mass (m), for scoring.
     pub true_m: f64,
-    /// Winding current (A), which a drive with current sense measures.
+    /// Winding current (A) as a drive measures it, less its reading at rest.
     pub current_a: f64,
 }
 
@@ -83,12 +88,30 @@ pub struct Axis<F: Friction> {
     stage: Stage,
     steps: f64,
     hardware: Hardware,
-    /// Encoder position at the controller's zero (m).
+    /// Encoder position at the controller's zero (m), which its quantisation and interpolation leave.
     origin_m: f64,
 }
 
+/// The stage with the default electrical model, its current sampled where the firmware does; `settings` are told its dead time.
+pub fn electrical(settings: &mut Settings, stage: StageConfig) -> StageConfig {
+    let electrical = ElectricalConfig {
+        sense: SenseConfig {
+            sampling: Sampling::Synchronous(settings.sampling_phase()),
+            ..SenseConfig::default()
+        },
+        ..ElectricalConfig::default()
+    };
+    settings.hardware = settings
+        .hardware
+        .with_dead_time(electrical.dead_time_s, electrical.diode_v);
+    StageConfig {
+        electrical: Some(electrical),
+        ..stage
+    }
+}
+
 impl<F: Friction> Axis<F> {
-    /// Both at rest at the origin.
+    /// Both at rest, and homed.
     ///
     /// # Errors
     /// [`TrackingError`] where the settings or the stage's configuration are not usable.
@@ -114,14 +137,25 @@ impl<F: Friction> Axis<F> {
         let coefficients = Coefficients::try_new(settings, friction, units)?;
         let first = stage.reading().count;
         let mut controller = Controller::new(coefficients, first.cast_unsigned());
-        controller.enable().map_err(TrackingError::Stopped)?;
-        Ok(Self {
+        // Homed: it is told where the stage stands, to the nearest count.
+        let here = (stage.truth().position_m / settings.encoder.count).round() as i32;
+        controller.set_position(0, here.into());
+        let origin = first.wrapping_sub(stage.config().encoder.origin_count);
+        let mut axis = Self {
             controller,
             stage,
             steps: settings.hardware.steps.into(),
             hardware: settings.hardware,
-            origin_m: f64::from(first) * settings.encoder.count,
-        })
+            origin_m: f64::from(origin - here) * settings.encoder.count,
+        };
+        // A current sense with an offset is read at rest first, as on a board.
+        if axis.stage.config().electrical.is_some() {
+            for _ in 0..CALIBRATION_TICKS {
+                axis.tick();
+            }
+        }
+        axis.controller.enable().map_err(TrackingError::Stopped)?;
+        Ok(axis)
     }
 
     /// One tick: reads, decides, acts.
@@ -139,7 +173,8 @@ impl<F: Friction> Axis<F> {
             late: false,
         });
         self.stage.tick(f64::from(command.code) / self.steps);
-        (command, encoder_m, true_m, reading.current_a)
+        let offset_a = f64::from(self.controller.current_at_rest()) * self.hardware.current_code;
+        (command, encoder_m, true_m, reading.current_a - offset_a)
     }
 
     /// Follows the moves one after the other and shows every tick to `observe`; ends early at a fault.

@@ -5,19 +5,26 @@
 
 pub mod adaptation;
 mod axis;
+mod circle;
+pub mod dead_time;
 mod identification;
 pub mod motions;
+mod perfect;
+mod rivals;
 mod score;
 mod simplex;
 pub mod watch;
 
-pub use axis::{Axis, Instant, Step, TrackingError};
+pub use axis::{Axis, Instant, Step, TrackingError, electrical};
+pub use circle::Circle;
 pub use identification::Experiment;
+pub use perfect::Perfect;
+pub use rivals::{LookAhead, LookAheadSettings, SmoothedCoulomb};
 pub use score::{Rest, Row, Steps, Tracking, print};
 
 use crate::stage::StageConfig;
 use fixed::types::I16F16;
-use preslide::control::{NoFriction, Settings};
+use preslide::control::{Move, NoFriction, Settings};
 use preslide::{Coulomb, Friction, QuasiStaticGms, Units};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -35,9 +42,11 @@ pub const IDENTIFICATION_SEED: u64 = 1;
 /// Seeds of the stages that are then followed on.
 pub const TRACKING_SEEDS: [u64; 3] = [101, 102, 103];
 
-type Task<'a> = Box<dyn Fn() -> Result<Row, TrackingError> + Send + Sync + 'a>;
+/// Makes a row of that name.
+type Run<'a> = Box<dyn Fn(&str) -> Result<Row, TrackingError> + Send + Sync + 'a>;
+type Task<'a> = (String, Run<'a>);
 
-/// Runs every compensator over every motion. `progress` is told (rows done, rows in all).
+/// Runs every compensator, or those whose names contain one of `only`, over every motion. `progress` is told (rows done, rows in all).
 ///
 /// # Errors
 /// [`TrackingError`] where a controller cannot be built or the identification fails. A run that ends in a fault is
@@ -45,6 +54,7 @@ type Task<'a> = Box<dyn Fn() -> Result<Row, TrackingError> + Send + Sync + 'a>;
 pub fn table(
     settings: &Settings,
     stage: &StageConfig,
+    only: &[String],
     progress: impl Fn(usize, usize) + Sync,
 ) -> Result<Vec<Row>, TrackingError> {
     let experiment = Experiment::run(
@@ -55,118 +65,157 @@ pub fn table(
         },
     )?;
     let e = &experiment;
-    let mut tasks: Vec<Task> = vec![
-        Box::new(move || {
-            row(
-                "none",
-                "f32",
-                settings,
-                stage,
-                NoFriction::<f32>::new(),
-                Units::SI,
-            )
-        }),
-        Box::new(move || {
+    let identified = StageConfig {
+        seed: IDENTIFICATION_SEED,
+        ..stage.clone()
+    };
+    let identified = &identified;
+    let study = Study { settings, stage };
+    let mut tasks: Vec<Task> = Vec::new();
+    fn add<'a>(tasks: &mut Vec<Task<'a>>, name: &str, run: Run<'a>) {
+        tasks.push((name.to_owned(), run));
+    }
+    add(
+        &mut tasks,
+        "none",
+        Box::new(move |name| study.row(name, "f32", NoFriction::<f32>::new(), Units::SI)),
+    );
+    add(
+        &mut tasks,
+        "sgn(v)·F_c",
+        Box::new(move |name| {
             let sign = Coulomb::<f32>::try_new(e.coulomb(), 0.0, Units::SI)?;
-            row("sgn(v)·F_c", "f32", settings, stage, sign, Units::SI)
+            study.row(name, "f32", sign, Units::SI)
         }),
-        Box::new(move || row("Dahl", "f32", settings, stage, e.dahl::<f32>()?, Units::SI)),
-        Box::new(move || {
-            row(
-                "LuGre",
-                "f32",
-                settings,
-                stage,
-                e.lugre::<f32>(true)?,
-                Units::SI,
-            )
+    );
+    add(
+        &mut tasks,
+        "tanh(v/v_s)",
+        Box::new(move |name| {
+            let smoothed = SmoothedCoulomb::tuned(e, settings, identified)?;
+            study.row(name, "f32", smoothed, Units::SI)
         }),
-        Box::new(move || {
-            row(
-                "LuGre σp=0",
-                "f32",
-                settings,
-                stage,
-                e.lugre::<f32>(false)?,
-                Units::SI,
-            )
+    );
+    add(
+        &mut tasks,
+        "F(v) ahead",
+        Box::new(move |name| {
+            let table = LookAheadSettings::tuned(e, settings, identified)?;
+            study.row_with(name, "f32", Units::SI, |moves| table.on(settings, moves))
         }),
-    ];
-    fn gms<'a, const N: usize>(
-        tasks: &mut Vec<Task<'a>>,
-        e: &'a Experiment,
-        settings: &'a Settings,
-        stage: &'a StageConfig,
-    ) {
-        let name = format!("GMS N={N}");
-        let fixed_name = name.clone();
-        tasks.push(Box::new(move || {
+    );
+    add(
+        &mut tasks,
+        "Dahl",
+        Box::new(move |name| study.row(name, "f32", e.dahl::<f32>()?, Units::SI)),
+    );
+    add(
+        &mut tasks,
+        "LuGre",
+        Box::new(move |name| study.row(name, "f32", e.lugre::<f32>(true)?, Units::SI)),
+    );
+    add(
+        &mut tasks,
+        "LuGre σp=0",
+        Box::new(move |name| study.row(name, "f32", e.lugre::<f32>(false)?, Units::SI)),
+    );
+    fn gms<'a, const N: usize>(tasks: &mut Vec<Task<'a>>, e: &'a Experiment, study: Study<'a>) {
+        let float: Run = Box::new(move |name| {
             let (blocks, breakaway) = e.blocks::<N>()?;
             let model = QuasiStaticGms::<N, f32>::try_new(&blocks, breakaway, Units::SI)?;
-            row(&name, "f32", settings, stage, model, Units::SI)
-        }));
-        tasks.push(Box::new(move || {
+            study.row(name, "f32", model, Units::SI)
+        });
+        let fixed: Run = Box::new(move |name| {
             let (blocks, breakaway) = e.blocks::<N>()?;
             let model = QuasiStaticGms::<N, I16F16>::try_new(&blocks, breakaway, FIXED_UNITS)?;
-            row(&fixed_name, "fixed", settings, stage, model, FIXED_UNITS)
-        }));
+            study.row(name, "fixed", model, FIXED_UNITS)
+        });
+        tasks.extend([float, fixed].map(|run| (format!("GMS N={N}"), run)));
     }
-    gms::<2>(&mut tasks, e, settings, stage);
-    gms::<3>(&mut tasks, e, settings, stage);
-    gms::<4>(&mut tasks, e, settings, stage);
-    gms::<6>(&mut tasks, e, settings, stage);
-    gms::<10>(&mut tasks, e, settings, stage);
+    gms::<2>(&mut tasks, e, study);
+    gms::<3>(&mut tasks, e, study);
+    gms::<4>(&mut tasks, e, study);
+    gms::<6>(&mut tasks, e, study);
+    gms::<10>(&mut tasks, e, study);
 
+    tasks.retain(|(name, _)| only.is_empty() || only.iter().any(|part| name.contains(part)));
     let (done, all) = (AtomicUsize::new(0), tasks.len());
     progress(0, all);
     tasks
         .par_iter()
-        .map(|task| {
-            let row = task();
+        .map(|(name, run)| {
+            let row = run(name);
             progress(done.fetch_add(1, Ordering::Relaxed) + 1, all);
             row
         })
         .collect()
 }
 
-/// One compensator over all motions.
-fn row<F: Friction + Clone>(
-    compensator: &str,
-    arithmetic: &'static str,
-    settings: &Settings,
-    stage: &StageConfig,
-    friction: F,
-    units: Units,
-) -> Result<Row, TrackingError> {
-    let mut row = Row::new(compensator, arithmetic);
-    let follow = |steps: &[Step], seed: u64, observe: &mut dyn FnMut(Instant)| {
-        let stage = StageConfig {
-            seed,
-            ..stage.clone()
-        };
-        let mut axis = Axis::try_new(settings, friction.clone(), units, stage)?;
-        let moves = steps
-            .iter()
-            .map(|step| step.plan(settings))
-            .collect::<Result<Vec<_>, _>>()?;
-        axis.follow(&moves, observe);
-        Ok::<_, TrackingError>(())
-    };
-    let (count, sample_time) = (settings.encoder.count, settings.sample_time());
-    for seed in TRACKING_SEEDS {
-        follow(&motions::nested_triangles(), seed, &mut |now| {
-            row.nested.add(&now, count)
-        })?;
-        follow(&motions::slide(), seed, &mut |now| {
-            row.slide.add(&now, count)
-        })?;
-        follow(&motions::steps(), seed, &mut |now| {
-            row.steps.add(&now, sample_time)
-        })?;
-        row.steps.finish();
+/// What every compensator is judged on.
+#[derive(Clone, Copy)]
+struct Study<'a> {
+    settings: &'a Settings,
+    stage: &'a StageConfig,
+}
+
+impl Study<'_> {
+    /// One compensator over all motions.
+    fn row<F: Friction + Clone>(
+        &self,
+        compensator: &str,
+        arithmetic: &'static str,
+        friction: F,
+        units: Units,
+    ) -> Result<Row, TrackingError> {
+        self.row_with(compensator, arithmetic, units, |_| Ok(friction.clone()))
     }
-    follow(&motions::rest(), TRACKING_SEEDS[0], &mut |now| {
-        row.rest.add(&now, sample_time)
-    })?;
-    Ok(row)
+
+    /// One that is told each motion beforehand.
+    fn row_with<F: Friction>(
+        &self,
+        compensator: &str,
+        arithmetic: &'static str,
+        units: Units,
+        friction: impl Fn(&[Move]) -> Result<F, TrackingError>,
+    ) -> Result<Row, TrackingError> {
+        let settings = self.settings;
+        let mut row = Row::new(compensator, arithmetic);
+        let follow = |moves: &[Move], seed: u64, observe: &mut dyn FnMut(Instant)| {
+            let stage = StageConfig {
+                seed,
+                ..self.stage.clone()
+            };
+            let mut axis = Axis::try_new(settings, friction(moves)?, units, stage)?;
+            axis.follow(moves, observe);
+            Ok::<_, TrackingError>(())
+        };
+        let plan = |steps: Vec<Step>| {
+            let plan = |step: &Step| step.plan(settings);
+            steps.iter().map(plan).collect::<Result<Vec<_>, _>>()
+        };
+        let (count, sample_time) = (settings.encoder.count, settings.sample_time());
+        for seed in TRACKING_SEEDS {
+            follow(&plan(motions::nested_triangles())?, seed, &mut |now| {
+                row.nested.add(&now, count)
+            })?;
+            follow(&plan(motions::slide())?, seed, &mut |now| {
+                row.slide.add(&now, count)
+            })?;
+            follow(&plan(motions::steps())?, seed, &mut |now| {
+                row.steps.add(&now, sample_time)
+            })?;
+            row.steps.finish();
+        }
+        follow(&plan(motions::rest())?, TRACKING_SEEDS[0], &mut |now| {
+            row.rest.add(&now, sample_time)
+        })?;
+        let [mut x, mut y] = [circle::Path::default(), circle::Path::default()];
+        let [first, second, _] = TRACKING_SEEDS;
+        for (path, cosine, seed) in [(&mut x, true, first), (&mut y, false, second)] {
+            let moves = circle::moves(settings, cosine)?;
+            follow(&moves, seed, &mut |now| path.add(&now, count))?;
+        }
+        row.circle = Circle::judge(&x, &y);
+        Ok(row)
+    }
 }

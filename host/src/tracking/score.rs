@@ -1,6 +1,6 @@
 //! What is kept of a run.
 
-use super::Instant;
+use super::{Circle, Instant};
 use preslide::control::Fault;
 
 /// Following error over a motion, as the encoder sees it before quantisation.
@@ -139,6 +139,8 @@ pub struct Row {
     pub steps: Steps,
     /// The 60 s at rest.
     pub rest: Rest,
+    /// A circle by two such axes; `None` where one ended in a fault.
+    pub circle: Option<Circle>,
 }
 
 impl Row {
@@ -150,6 +152,7 @@ impl Row {
             slide: Tracking::default(),
             steps: Steps::default(),
             rest: Rest::default(),
+            circle: None,
         }
     }
 }
@@ -157,7 +160,7 @@ impl Row {
 /// The rows as a table for people.
 pub fn print(rows: &[Row]) -> String {
     let mut text = format!(
-        "{:<12} {:<6} {:>22} {:>22} {:>9} {:>10} {:>12}\n{:<19} {:>22} {:>22} {:>9} {:>10} {:>12}\n",
+        "{:<12} {:<6} {:>22} {:>22} {:>9} {:>10} {:>12} {:>22}\n{:<19} {:>22} {:>22} {:>9} {:>10} {:>12} {:>22}\n",
         "compensator",
         "",
         "nested triangles",
@@ -165,12 +168,14 @@ pub fn print(rows: &[Row]) -> String {
         "steps",
         "slowest",
         "rest 60 s",
+        "circle, 2 axes",
         "",
         "RMS / peak (nm)",
         "RMS / peak (nm)",
         "settled",
         "(ms)",
         "(counts)",
+        "spike / quadrant (nm)",
     );
     let nm = |t: &Tracking| match t.rms_m() {
         Some(rms) => format!("{:.0} / {:.0}", rms * 1e9, t.peak_m() * 1e9),
@@ -178,8 +183,15 @@ pub fn print(rows: &[Row]) -> String {
     };
     for row in rows {
         let rest = row.rest.counts().map_or("fault".into(), |c| c.to_string());
+        let circle = row.circle.map_or("fault".into(), |circle| {
+            format!(
+                "{:.0} / {:.0}",
+                circle.spike_m * 1e9,
+                circle.quadrant_m * 1e9
+            )
+        });
         text += &format!(
-            "{:<12} {:<6} {:>22} {:>22} {:>9} {:>10.0} {:>12}\n",
+            "{:<12} {:<6} {:>22} {:>22} {:>9} {:>10.0} {:>12} {:>22}\n",
             row.compensator,
             row.arithmetic,
             nm(&row.nested),
@@ -187,6 +199,7 @@ pub fn print(rows: &[Row]) -> String {
             format!("{}/{}", row.steps.settled, row.steps.made),
             row.steps.slowest_s * 1e3,
             rest,
+            circle,
         );
     }
     text

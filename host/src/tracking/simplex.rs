@@ -4,10 +4,6 @@ use argmin::core::{CostFunction, Error, Executor};
 use argmin::solver::neldermead::NelderMead;
 use nalgebra::SVector;
 
-/// Steps of the simplex per start, of one or two evaluations each. Twice as many lower the best cost of LuGre's five
-/// parameters by a part in a million.
-const STEPS: u64 = 250;
-
 struct Cost<C, const P: usize>(C);
 
 impl<C: Fn(&[f64; P]) -> f64, const P: usize> CostFunction for Cost<C, P> {
@@ -19,17 +15,18 @@ impl<C: Fn(&[f64; P]) -> f64, const P: usize> CostFunction for Cost<C, P> {
     }
 }
 
-/// The smallest cost found from `start`, the simplex reaching 0.5 along every axis, and where it is. `None` where no
-/// finite cost was met.
+/// The smallest cost found from `start` in so many steps of one or two evaluations each, the simplex reaching 0.5 along every axis,
+/// and where it is. `None` where no finite cost was met.
 pub fn minimise<const P: usize>(
     cost: impl Fn(&[f64; P]) -> f64,
     start: [f64; P],
+    steps: u64,
 ) -> Option<([f64; P], f64)> {
     let corner = |axis| SVector::from_fn(|i, _| start[i] + if Some(i) == axis { 0.5 } else { 0.0 });
     let simplex = std::iter::once(None).chain((0..P).map(Some));
     let simplex = simplex.map(corner).collect();
     let search = Executor::new(Cost(cost), NelderMead::new(simplex))
-        .configure(|state| state.max_iters(STEPS))
+        .configure(|state| state.max_iters(steps))
         .timer(false);
     let found = search.run().ok()?.state;
     let best = found.best_param.filter(|_| found.best_cost.is_finite())?;
@@ -44,13 +41,13 @@ mod tests {
     fn finds_the_bottom_of_a_curved_valley() {
         let rosenbrock =
             |p: &[f64; 2]| (1.0 - p[0]).powi(2) + 100.0 * (p[1] - p[0].powi(2)).powi(2);
-        let (p, cost) = minimise(rosenbrock, [-1.2, 1.0]).unwrap();
+        let (p, cost) = minimise(rosenbrock, [-1.2, 1.0], 250).unwrap();
         assert!(cost < 1e-10, "{p:?} {cost}");
     }
 
     #[test]
     fn a_start_without_any_finite_cost_leads_nowhere() {
-        assert_eq!(minimise(|_| f64::INFINITY, [0.0; 3]), None);
-        assert_eq!(minimise(|_| f64::NAN, [0.0; 3]), None);
+        assert_eq!(minimise(|_| f64::INFINITY, [0.0; 3], 250), None);
+        assert_eq!(minimise(|_| f64::NAN, [0.0; 3], 250), None);
     }
 }

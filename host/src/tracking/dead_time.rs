@@ -1,0 +1,162 @@
+//! What the bridge's dead time costs, and what making up for it wins back.
+//!
+//! The friction fed forward is the stage's own ([`Perfect`]), so that nothing else hides the bridge's part.
+
+use super::{Axis, FIXED_UNITS, Perfect, Step, TRACKING_SEEDS, Tracking, TrackingError, motions};
+use crate::stage::{ElectricalConfig, StageConfig};
+use fixed::types::I16F16;
+use preslide::control::{Hardware, Settings};
+use preslide::{Scalar, Units};
+use rayon::prelude::*;
+
+/// A bridge, and whether the controller knows of its dead time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bridge {
+    /// Duty acts as its mean voltage.
+    Ideal,
+    /// It switches, without dead time.
+    Switching,
+    /// With dead time, of which the controller does not know.
+    Dead,
+    /// With dead time, which the controller makes up for.
+    MadeUp,
+}
+
+/// RMS errors (m) over the nested triangles and the slide, all seeds; NaN where a run ended in a fault.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Errors {
+    /// Nested triangles.
+    pub nested_m: f64,
+    /// Slide at 1 mm/s.
+    pub slide_m: f64,
+}
+
+/// A row of the study: both arithmetics.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// The bridge.
+    pub bridge: Bridge,
+    /// In `f32`, and in fixed point.
+    pub errors: [Errors; 2],
+}
+
+/// All bridges, with the dead time and the diodes of `electrical`.
+///
+/// # Errors
+/// [`TrackingError`] where a controller or a stage cannot be built.
+pub fn study(
+    settings: &Settings,
+    electrical: &ElectricalConfig,
+) -> Result<Vec<Row>, TrackingError> {
+    let bridges = [
+        Bridge::Ideal,
+        Bridge::Switching,
+        Bridge::Dead,
+        Bridge::MadeUp,
+    ];
+    let row = |&bridge: &Bridge| {
+        Ok(Row {
+            bridge,
+            errors: [
+                errors::<f32>(settings, electrical, bridge, Units::SI)?,
+                errors::<I16F16>(settings, electrical, bridge, FIXED_UNITS)?,
+            ],
+        })
+    };
+    bridges.par_iter().map(row).collect()
+}
+
+/// Of what the dead time added to an error, the share that making up for it wins back (-).
+pub fn share(rows: &[Row], error: impl Fn(&Row) -> f64) -> f64 {
+    let of = |bridge| {
+        let row = rows.iter().find(|row| row.bridge == bridge);
+        row.map_or(f64::NAN, &error)
+    };
+    (of(Bridge::Dead) - of(Bridge::MadeUp)) / (of(Bridge::Dead) - of(Bridge::Switching))
+}
+
+fn errors<S: Scalar + Send + Sync>(
+    settings: &Settings,
+    electrical: &ElectricalConfig,
+    bridge: Bridge,
+    units: Units,
+) -> Result<Errors, TrackingError> {
+    let hardware = match bridge {
+        Bridge::MadeUp => settings
+            .hardware
+            .with_dead_time(electrical.dead_time_s, electrical.diode_v),
+        _ => Hardware {
+            dead_time: 0.0,
+            ..settings.hardware
+        },
+    };
+    let settings = &Settings {
+        hardware,
+        ..*settings
+    };
+    let electrical = match bridge {
+        Bridge::Ideal => None,
+        Bridge::Switching => Some(ElectricalConfig {
+            dead_time_s: 0.0,
+            ..electrical.clone()
+        }),
+        Bridge::Dead | Bridge::MadeUp => Some(electrical.clone()),
+    };
+    let stage = StageConfig {
+        electrical,
+        ..StageConfig::default()
+    };
+    let rms = |steps: Vec<Step>| {
+        let plan = |step: &Step| step.plan(settings);
+        let moves = steps.iter().map(plan).collect::<Result<Vec<_>, _>>()?;
+        let mut tracking = Tracking::default();
+        for seed in TRACKING_SEEDS {
+            let stage = StageConfig {
+                seed,
+                ..stage.clone()
+            };
+            let friction = Perfect::<S>::try_new(&stage, units)?;
+            let mut axis = Axis::try_new(settings, friction, units, stage)?;
+            axis.follow(&moves, |now| tracking.add(&now, settings.encoder.count));
+        }
+        Ok::<_, TrackingError>(tracking.rms_m().unwrap_or(f64::NAN))
+    };
+    Ok(Errors {
+        nested_m: rms(motions::nested_triangles())?,
+        slide_m: rms(motions::slide())?,
+    })
+}
+
+/// The rows for people.
+pub fn print(rows: &[Row]) -> String {
+    let mut text = format!(
+        "RMS error (nm) with the stage's own friction fed forward\n{:<34} {:>17} {:>17} {:>13} {:>13}\n",
+        "bridge", "nested, f32", "nested, fixed", "slide, f32", "slide, fixed"
+    );
+    for row in rows {
+        let name = match row.bridge {
+            Bridge::Ideal => "ideal",
+            Bridge::Switching => "switching, no dead time",
+            Bridge::Dead => "dead time, not told",
+            Bridge::MadeUp => "dead time, made up for",
+        };
+        let [float, fixed] = row.errors;
+        text += &format!(
+            "{name:<34} {:>17.1} {:>17.1} {:>13.1} {:>13.1}\n",
+            float.nested_m * 1e9,
+            fixed.nested_m * 1e9,
+            float.slide_m * 1e9,
+            fixed.slide_m * 1e9
+        );
+    }
+    let percent = |error: fn(&Row) -> f64| 100.0 * share(rows, error);
+    text += &format!(
+        "{:<34} {:>15.1} % {:>15.1} % {:>11.1} % {:>11.1} %\n",
+        "won back of the dead time's loss",
+        percent(|row| row.errors[0].nested_m),
+        percent(|row| row.errors[1].nested_m),
+        percent(|row| row.errors[0].slide_m),
+        percent(|row| row.errors[1].slide_m),
+    );
+    text
+}
