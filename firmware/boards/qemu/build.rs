@@ -1,5 +1,6 @@
-//! Linker arguments, and the exported model.
+//! Linker arguments, the axis, and the exported model.
 
+include!("../axis.rs");
 include!("../exported_model.rs");
 
 fn main() {
@@ -10,5 +11,6 @@ fn main() {
     println!("cargo:rustc-link-arg=-Tlink.x");
     println!("cargo:rerun-if-changed=memory.x");
     println!("cargo:rerun-if-changed=device.x");
+    axis(None);
     exported_model();
 }

@@ -1,5 +1,6 @@
-//! Linker arguments, the exported model, and whether the pins are what the chip has.
+//! Linker arguments, the axis, the exported model, and whether the pins are what the chip has.
 
+include!("../axis.rs");
 include!("../exported_model.rs");
 include!("pins.rs");
 
@@ -17,6 +18,7 @@ fn main() {
     for file in ["memory.x", "ccm.x", "build.rs"] {
         println!("cargo:rerun-if-changed={file}");
     }
+    axis(Some("stm32g474"));
     exported_model();
     let read = |file: &str| std::fs::read_to_string(file).unwrap_or_default();
     for wrong in check_pins(&read("README.md"), &read("src/main.rs")) {

@@ -82,7 +82,8 @@ mod app {
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         Uart::start();
-        let axis = Axis::PAPER_AXIS;
+        // What axis.toml says (build.rs).
+        let axis: Axis = include!(concat!(env!("OUT_DIR"), "/axis.rs"));
         let mut memory = memory::slots(cx.local.pages);
         let mut record = [0; LONGEST];
         let length = memory.as_mut().and_then(|slots| slots.load(&mut record));

@@ -1,6 +1,6 @@
 //! TIM1: two half bridges, each with its complement and dead time, opened by software or by the break input.
 
-use crate::clock::HARDWARE;
+use crate::clock::{DEAD_TIME, HARDWARE};
 use embassy_stm32::Peri;
 use embassy_stm32::gpio::{AfType, Flex, OutputType, Pull};
 use embassy_stm32::pac;
@@ -12,9 +12,6 @@ use embassy_stm32::timer::complementary_pwm::{ComplementaryPwm, ComplementaryPwm
 use embassy_stm32::timer::low_level::CountingMode;
 use embassy_stm32::timer::simple_pwm::PwmPin;
 use preslide_app::Bridge;
-
-/// 100 ns at 170 MHz: assumption, enough for the usual small gate drivers.
-const DEAD_TIME: u16 = 17;
 
 /// TIM1_BKIN on PB12 (DS12288, table of alternate functions).
 const BREAK_FUNCTION: u8 = 6;
@@ -35,8 +32,8 @@ pub struct Pins {
     pub fault: Peri<'static, PB12>,
 }
 
-/// Starts the timer with the bridge open.
-pub fn start(timer: Peri<'static, TIM1>, pins: Pins) -> HalfBridges {
+/// Starts the timer with the bridge open. The current is sampled at `phase` of a period (¼…½) after the middle of the pulse.
+pub fn start(timer: Peri<'static, TIM1>, pins: Pins, phase: f64) -> HalfBridges {
     let mut fault = Flex::new(pins.fault);
     fault.set_as_af_unchecked(BREAK_FUNCTION, AfType::input(Pull::Up));
     core::mem::forget(fault);
@@ -69,8 +66,9 @@ pub fn start(timer: Peri<'static, TIM1>, pins: Pins) -> HalfBridges {
         w.set_aoe(false);
     });
     tim.arr().write(|w| w.set_arr(HARDWARE.steps));
-    // Channel 4 rises at the counter's peak, the middle of the time in which the low sides conduct: there the current is sampled.
-    tim.ccr(3).write(|w| w.set_ccr(HARDWARE.steps - 1));
+    // Channel 4 rises on the counter's way up, which takes half a period from the middle of the pulse: there the current is sampled.
+    let sampled = (2.0 * phase * f64::from(HARDWARE.steps)) as u16;
+    tim.ccr(3).write(|w| w.set_ccr(sampled.min(HARDWARE.steps - 1)));
     tim.ccmr_output(1).modify(|w| w.set_ocm(1, Ocm::PWM_MODE2));
     tim.cr2().modify(|w| w.set_mms(Mms::COMPARE_OC4));
     // It runs from here on; dropping the driver would stop it.

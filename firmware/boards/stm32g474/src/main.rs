@@ -72,15 +72,17 @@ mod app {
             b: (p.PA9, p.PB14),
             fault: p.PB12,
         };
-        let bridge = bridge::start(p.TIM1, pins);
+        // What axis.toml says (build.rs), on this board's clock.
+        let axis = Axis {
+            hardware: clock::HARDWARE,
+            ..include!(concat!(env!("OUT_DIR"), "/axis.rs"))
+        };
+        let bridge = bridge::start(p.TIM1, pins, axis.sampling_phase());
         let mut memory = memory::slots();
         let mut record = [0; LONGEST];
         let length = memory.as_mut().and_then(|slots| slots.load(&mut record));
         let start = Start {
-            axis: Axis {
-                hardware: clock::HARDWARE,
-                ..Axis::PAPER_AXIS
-            },
+            axis,
             model: MODEL,
             saved: length.and_then(|length| Parameters::from_bytes(record.get(..length)?)),
             count: encoder.count(),

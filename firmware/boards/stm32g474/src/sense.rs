@@ -1,5 +1,6 @@
 //! Supply voltage and winding current, converted at the same phase of every PWM period.
 
+use crate::clock::BOARD;
 use embassy_stm32::Peri;
 use embassy_stm32::adc::{Adc, AdcConfig};
 use embassy_stm32::pac;
@@ -9,11 +10,11 @@ use embassy_stm32::peripherals::{ADC1, PC0, PC1};
 /// ADC codes at the 3.3 V reference.
 const FULL: u32 = 4096;
 
-/// Supply (mV) at full scale: 3.3 V behind a divider by 11. Assumption: replace with the bridge's own.
-const SUPPLY_FULL: u32 = 36_300;
+/// Supply (mV) at full scale.
+const SUPPLY_FULL: u32 = (BOARD.supply_full * 1e3 + 0.5) as u32;
 
-/// Winding current (0.1 mA) from end to end of the scale, zero in the middle: ±3.2 A. Assumption, as above.
-const CURRENT_SPAN: i32 = 64_000;
+/// Winding current (0.1 mA) from end to end of the scale, zero in the middle.
+const CURRENT_SPAN: i32 = (BOARD.current_span * 1e4 + 0.5) as i32;
 
 /// ADC1's channels of PC0 and PC1 (DS12288, pin definitions).
 const SUPPLY: u8 = 6;

@@ -1,0 +1,318 @@
+//! The file's tables.
+
+use super::{AxisError, SCHEMA, usable};
+use preslide::control::{
+    Axis, Drive, Encoder, FeedForward, Hardware, Limits, Motor, PidGains, Watch,
+};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+macro_rules! table {
+    ($(#[$doc:meta])* $name:ident { $($field:ident: $kind:ty),* $(,)? }) => {
+        $(#[$doc])*
+        #[derive(Clone, Debug, PartialEq, Deserialize)]
+        #[serde(deny_unknown_fields)]
+        struct $name { $($field: $kind),* }
+    };
+}
+
+table!(EncoderTable {
+    count: f64,
+    window: f64,
+    timeout: f64,
+    reversed: bool,
+    turn: u32
+});
+table!(MotorTable {
+    torque_constant: f64,
+    resistance: f64,
+    inductance: f64,
+    gear_ratio: f64,
+    screw_lead: f64,
+    efficiency: f64,
+    supply: f64,
+    reversed: bool,
+});
+table!(GainsTable {
+    proportional: f64,
+    integral: f64,
+    derivative: f64,
+    integral_limit: f64,
+    deadband: f64,
+});
+table!(FeedForwardTable {
+    drive: DriveName,
+    share: f64,
+    limit: f64,
+    mass: f64
+});
+table!(LimitsTable {
+    speed: f64,
+    acceleration: f64,
+    jerk: f64,
+    travel_low: Option<f64>,
+    travel_high: Option<f64>,
+});
+table!(WatchTable {
+    top_speed: f64,
+    following_error: f64,
+    frozen_duty: f64,
+    frozen_time: f64,
+    supply_min: f64,
+    supply_max: f64,
+    supply_time: f64,
+    overruns: u32,
+    current_max: f64,
+    current_rated: f64,
+    thermal_time: f64,
+    current_offset: f64,
+});
+table!(HardwareTable {
+    rate_hz: u32,
+    steps: u16,
+    supply_code: f64,
+    current_code: f64,
+    dead_time: f64,
+    diode_drop: f64,
+});
+
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum DriveName {
+    Reference,
+    Measured,
+}
+
+/// What a board has between the processor and the axis: of the bridge and the converters that someone soldered to it.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Board {
+    /// Both gates of a half bridge are off for so long after an edge (s).
+    pub dead_time: f64,
+    /// Forward voltage of its diodes (V).
+    pub diode_drop: f64,
+    /// Supply at the converter's full scale (V).
+    pub supply_full: f64,
+    /// Current from end to end of the converter's scale, zero in the middle (A).
+    pub current_span: f64,
+}
+
+impl Board {
+    fn wrong(&self, name: &str) -> Vec<String> {
+        let mut wrong = Vec::new();
+        let mut expect = |key: &str, value: f64, valid: bool, bound: &str| {
+            if !(valid && value.is_finite()) {
+                wrong.push(format!(
+                    "boards.{name}.{key} is {value}; it must be {bound}"
+                ));
+            }
+        };
+        expect(
+            "dead_time",
+            self.dead_time,
+            (0.0..=5e-6).contains(&self.dead_time),
+            "within 0..5e-6 s",
+        );
+        expect(
+            "diode_drop",
+            self.diode_drop,
+            (0.0..=3.0).contains(&self.diode_drop),
+            "within 0..3 V",
+        );
+        expect(
+            "supply_full",
+            self.supply_full,
+            self.supply_full > 0.0,
+            "positive",
+        );
+        expect(
+            "current_span",
+            self.current_span,
+            self.current_span > 0.0,
+            "positive",
+        );
+        wrong
+    }
+}
+
+/// An axis.toml.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxisFile {
+    schema: String,
+    duty_limit: f64,
+    fade_time: f64,
+    silence: f64,
+    hardware: HardwareTable,
+    encoder: EncoderTable,
+    motor: MotorTable,
+    gains: GainsTable,
+    feed_forward: FeedForwardTable,
+    limits: LimitsTable,
+    watch: WatchTable,
+    /// By name.
+    #[serde(default)]
+    boards: BTreeMap<String, Board>,
+    #[serde(skip)]
+    name: String,
+}
+
+impl AxisFile {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`AxisError`]: what is wrong with it, and where.
+    pub fn read(path: &Path) -> Result<Self, AxisError> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|error| AxisError::Read {
+            file: file.clone(),
+            error,
+        })?;
+        Self::parse(&file, &text)
+    }
+
+    /// Takes the text of the file called `name`.
+    ///
+    /// # Errors
+    /// [`AxisError`]: what is wrong with it, and where.
+    pub fn parse(name: &str, text: &str) -> Result<Self, AxisError> {
+        let parsed: Result<Self, _> = toml::from_str(text);
+        let mut file = parsed.map_err(|error| AxisError::Toml {
+            file: name.to_owned(),
+            error: Box::new(error),
+        })?;
+        name.clone_into(&mut file.name);
+        if file.schema != SCHEMA {
+            return Err(AxisError::Schema {
+                file: file.name,
+                found: file.schema,
+            });
+        }
+        let mut errors: Vec<String> = file
+            .boards
+            .iter()
+            .flat_map(|(name, board)| board.wrong(name))
+            .collect();
+        let limits = &file.limits;
+        if limits.travel_low.is_some() != limits.travel_high.is_some() {
+            errors.push(
+                "limits.travel_low and limits.travel_high go together: give both, or neither for an axis without end".to_owned(),
+            );
+        }
+        if let Err(error) = usable(&file.axis()) {
+            errors.push(error.to_string());
+        }
+        if errors.is_empty() {
+            Ok(file)
+        } else {
+            Err(AxisError::Values {
+                file: file.name,
+                errors,
+            })
+        }
+    }
+
+    /// What the file says of a board.
+    ///
+    /// # Errors
+    /// [`AxisError::Values`] where it says nothing.
+    pub fn board(&self, name: &str) -> Result<&Board, AxisError> {
+        self.boards.get(name).ok_or_else(|| AxisError::Values {
+            file: self.name.clone(),
+            errors: vec![format!(
+                "there is no [boards.{name}]; it needs dead_time, diode_drop, supply_full and current_span"
+            )],
+        })
+    }
+
+    /// The axis, on the hardware that the file names: the emulator's and the simulation's.
+    pub fn axis(&self) -> Axis {
+        let HardwareTable {
+            rate_hz,
+            steps,
+            supply_code,
+            current_code,
+            dead_time,
+            diode_drop,
+        } = self.hardware;
+        let EncoderTable {
+            count,
+            window,
+            timeout,
+            reversed,
+            turn,
+        } = self.encoder;
+        let m = &self.motor;
+        let g = &self.gains;
+        let f = &self.feed_forward;
+        let l = &self.limits;
+        let w = &self.watch;
+        Axis {
+            hardware: Hardware {
+                rate_hz,
+                steps,
+                supply_code,
+                current_code,
+                dead_time,
+                diode_drop,
+            },
+            encoder: Encoder {
+                count,
+                window,
+                timeout,
+                reversed,
+                turn,
+            },
+            motor: Motor {
+                torque_constant: m.torque_constant,
+                resistance: m.resistance,
+                inductance: m.inductance,
+                gear_ratio: m.gear_ratio,
+                screw_lead: m.screw_lead,
+                efficiency: m.efficiency,
+                supply: m.supply,
+                reversed: m.reversed,
+            },
+            gains: PidGains {
+                proportional: g.proportional,
+                integral: g.integral,
+                derivative: g.derivative,
+                integral_limit: g.integral_limit,
+                deadband: g.deadband,
+            },
+            feed_forward: FeedForward {
+                drive: match f.drive {
+                    DriveName::Reference => Drive::Reference,
+                    DriveName::Measured => Drive::Measured,
+                },
+                share: f.share,
+                limit: f.limit,
+                mass: f.mass,
+            },
+            limits: Limits {
+                speed: l.speed,
+                acceleration: l.acceleration,
+                jerk: l.jerk,
+                travel: l.travel_low.zip(l.travel_high),
+            },
+            duty_limit: self.duty_limit,
+            watch: Watch {
+                top_speed: w.top_speed,
+                following_error: w.following_error,
+                frozen_duty: w.frozen_duty,
+                frozen_time: w.frozen_time,
+                supply_min: w.supply_min,
+                supply_max: w.supply_max,
+                supply_time: w.supply_time,
+                overruns: w.overruns,
+                current_max: w.current_max,
+                current_rated: w.current_rated,
+                thermal_time: w.thermal_time,
+                current_offset: w.current_offset,
+            },
+            fade_time: self.fade_time,
+            silence: self.silence,
+        }
+    }
+}
