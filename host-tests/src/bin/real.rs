@@ -1,11 +1,12 @@
-//! What `preslide diagnose` says of each file of `../shared/recordings`, read by the tool as the files' page says: a table as Markdown.
+//! What `preslide diagnose` says of each recording below `../shared`, read by the tool as a user would, beside what is known of it: a table as
+//! Markdown.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
+use preslide_host_tests::judge::real::shared;
 use preslide_host_tests::judge::tool::Tool;
-use preslide_host_tests::recordings;
 use preslide_host_tests::trials::score::{Diagnosis, Named};
 
 /// What the diagnosis says of each real recording, without a model
@@ -19,18 +20,41 @@ struct Options {
     preslide: Option<PathBuf>,
 }
 
-/// Folders, and how their files are read. Torque per current of the gimbal motor is not published: 1 A is read as 1 N·m.
-const FOLDERS: [(&str, &[&str]); 5] = [
-    ("emps", &[]),
-    // The friction is negative while x increases.
-    ("tribometer_reciprocating", &["--sign", "-1"]),
-    ("laas_cogging", &["--map", "torque_Nm=1*current_iq_A"]),
-    ("pneumatic_seal", &[]),
-    ("screw_drives", &[]),
-];
-/// Original MATLAB files; the clock of a steady-state file starts again at each run.
-const ENDINGS: [(&str, &[&str]); 2] = [
-    (
+/// Files below `../shared` whose path contains `part`: how they are read, and what is known of them. The first that fits counts.
+struct Source {
+    part: &'static str,
+    arguments: &'static [&'static str],
+    /// All of them together are one recording.
+    joined: bool,
+    known: &'static str,
+}
+
+const fn each(
+    part: &'static str,
+    arguments: &'static [&'static str],
+    known: &'static str,
+) -> Source {
+    Source {
+        part,
+        arguments,
+        joined: false,
+        known,
+    }
+}
+
+const EMPS: &str = "offset −3.16 N, 203.5 N·s/m, 20.4 N, 95.1 kg (published)";
+const SCREWS: &str = "nothing published but mean torques by speed";
+/// The damper's own load cells are parts of its force.
+const BANDS: &[&str] = &["--ignore", "band_force1_N", "--ignore", "band_force2_N"];
+
+/// Amperes under a name that does not say so alone.
+const AMPERES: &[&str] = &["--map", "current_A=current_iq_A"];
+/// The same beside the position in counts.
+const COUNTS: &[&str] = &["--map", "current_A=current_iq_A", "--ignore", "pos_counts"];
+
+/// Torque per current of the gimbal motor, the outrunner and the robot is not published: results are per ampere, or per unit.
+static SOURCES: [Source; 20] = [
+    each(
         ".mat",
         &[
             "--map",
@@ -40,35 +64,185 @@ const ENDINGS: [(&str, &[&str]); 2] = [
             "--map",
             "force_N=gtau*vir",
         ],
+        EMPS,
     ),
-    ("steady_state.csv", &["--map", "segment=run"]),
+    // The force is a constant times this voltage.
+    each("recordings/emps/", &["--ignore", "voltage_cmd_V"], EMPS),
+    // The friction is negative while x increases.
+    each(
+        "tribometer",
+        &["--sign", "-1"],
+        "strokes of 230 µm between the same ends: place and displacement are one",
+    ),
+    each("laas_cogging/hold_map", AMPERES, "settled holds, no motion"),
+    each("laas_cogging", AMPERES, "cogging of 72 periods a turn"),
+    each("pneumatic_seal", &[], "constant force: pressure times area"),
+    // The clock starts again at each run.
+    each("steady_state", &["--map", "segment=run"], SCREWS),
+    each("screw_drives", &[], SCREWS),
+    each(
+        "staubli_tx40/all_joints",
+        &[
+            "--map",
+            "t_s=t_s",
+            "--map",
+            "q_rad=0.03125*qm6_motor_rad",
+            "--map",
+            "effort_raw=torque_or_current6",
+        ],
+        "joint 6: coupled to joint 5",
+    ),
+    each(
+        "staubli_tx40/joint4",
+        &[
+            "--map",
+            "q_rad=joint_q_rad",
+            "--map",
+            "effort_raw=motor_torque_raw",
+            "--ignore",
+            "motor_q_rad",
+        ],
+        "periodic force of 0.2046 rad; viscous",
+    ),
+    each(
+        "staubli_tx40",
+        &[
+            "--map",
+            "q_rad=joint_q_rad",
+            "--map",
+            "effort_raw=motor_torque_raw",
+            "--ignore",
+            "motor_q_rad",
+        ],
+        "viscous; joint 6 coupled to joint 5, which is not in this file",
+    ),
+    each(
+        "brfd_damper",
+        BANDS,
+        "backlash of 2.5 to 3.7 mm; a level for each tension",
+    ),
+    Source {
+        joined: true,
+        ..each(
+            "bam_xl330",
+            &["--ignore", "duty", "--ignore", "torque_enabled"],
+            "gravity, viscous, friction that follows the load",
+        )
+    },
+    each(
+        "dfki_pendulum/gravcomp",
+        &[
+            "--map",
+            "t_s=time",
+            "--map",
+            "q_rad=position",
+            "--map",
+            "torque_Nm=torque",
+            "--map",
+            "qd_rad_s=velocity",
+        ],
+        "gravity explains all",
+    ),
+    each(
+        "dfki_pendulum",
+        &[
+            "--map",
+            "t_s=time",
+            "--map",
+            "q_rad=position",
+            "--map",
+            "torque_Nm=torque",
+            "--map",
+            "qd_rad_s=velocity",
+        ],
+        "little: the best rigid body leaves 64 to 83 %",
+    ),
+    Source {
+        joined: true,
+        ..each(
+            "odrive_cogging/slow_goodgains",
+            COUNTS,
+            "cogging, orders 7, 12, 14, 28, 36 of a turn",
+        )
+    },
+    each(
+        "odrive_cogging/static_hold",
+        &[],
+        "holding currents by position, no clock",
+    ),
+    each(
+        "odrive_cogging",
+        COUNTS,
+        "cogging, orders 7, 12, 14, 28, 36 of a turn",
+    ),
+    each(
+        "silverbox",
+        &[],
+        "an electronic oscillator, no friction; the file has no clock",
+    ),
+    each(
+        "cascaded_tanks",
+        &[],
+        "two tanks, no motion; the file has no clock",
+    ),
 ];
 
-/// Every recording with its arguments.
-fn all(root: &Path) -> Result<Vec<(String, Vec<String>)>, String> {
-    let mut all = Vec::new();
-    for (folder, arguments) in FOLDERS {
-        let path = root.join(folder);
-        for file in std::fs::read_dir(&path).map_err(|e| format!("{}: {e}", path.display()))? {
-            let file = file.map_err(|e| e.to_string())?.file_name();
-            let name = format!("{folder}/{}", file.to_string_lossy());
-            // A mean torque for each speed is no recording.
-            if name.ends_with("stribeck_map.csv") {
-                continue;
-            }
-            let own = ENDINGS
-                .iter()
-                .filter(|e| name.ends_with(e.0))
-                .flat_map(|e| e.1);
-            let arguments = arguments
-                .iter()
-                .chain(own)
-                .map(|a| (*a).to_owned())
-                .collect();
-            all.push((name, arguments));
+/// A recording: its name, its files, how they are read and what is known.
+struct Case {
+    name: String,
+    files: Vec<PathBuf>,
+    source: &'static Source,
+}
+
+/// Every recording below `../shared`.
+fn all(root: &Path) -> Result<Vec<Case>, String> {
+    let mut cases: Vec<Case> = Vec::new();
+    for name in files(root, &["recordings", "benches"])? {
+        // A mean torque for each speed is no recording.
+        if name.ends_with("stribeck_map.csv") {
+            continue;
+        }
+        let source = SOURCES.iter().find(|s| name.contains(s.part));
+        let source = source.ok_or(format!("{name}: how is it read? It is new in ../shared"))?;
+        let file = root.join(&name);
+        match cases.last_mut() {
+            Some(last) if source.joined && last.source.part == source.part => last.files.push(file),
+            _ => cases.push(Case {
+                name,
+                files: vec![file],
+                source,
+            }),
         }
     }
-    all.sort();
+    Ok(cases)
+}
+
+/// Recordings two folders below, by name.
+fn files(root: &Path, folders: &[&str]) -> Result<Vec<String>, String> {
+    let inside = |path: &Path| -> Result<Vec<String>, String> {
+        let entries = std::fs::read_dir(path).map_err(|e| format!("{}: {e}", path.display()))?;
+        let mut names = entries
+            .map(|e| e.map(|e| e.file_name().to_string_lossy().into_owned()))
+            .collect::<Result<Vec<_>, _>>()
+            .map_err(|e| e.to_string())?;
+        names.sort();
+        Ok(names)
+    };
+    let mut all = Vec::new();
+    for folder in folders {
+        for machine in inside(&root.join(folder))? {
+            let path = root.join(folder).join(&machine);
+            if path.is_dir() {
+                let recordings = inside(&path)?.into_iter();
+                let read = |n: &String| n.ends_with(".csv") || n.ends_with(".mat");
+                all.extend(
+                    recordings
+                        .filter(read)
+                        .map(|n| format!("{folder}/{machine}/{n}")),
+                );
+            }
+        }
+    }
     Ok(all)
 }
 
@@ -103,14 +277,18 @@ fn figure(value: Option<f64>) -> String {
     })
 }
 
-fn row(name: &str, answer: &Result<Diagnosis, String>, seconds: f64) -> String {
+fn row(case: &Case, answer: &Result<Diagnosis, String>, seconds: f64) -> String {
+    let (name, known) = (&case.name, case.source.known);
     let d = match answer {
-        Err(reason) => return format!("| {name} | none | {} | | | | |", reason.replace('|', "/")),
+        Err(reason) => {
+            let reason = reason.replace('|', "/");
+            return format!("| {name} | none | {reason} | | | | {seconds:.1} | {known} |");
+        }
         Ok(d) => d,
     };
     let effects: Vec<String> = d.effects.iter().map(words).collect();
     format!(
-        "| {name} | {} | {} | {} | {} → {} | {} | {seconds:.1} |",
+        "| {name} | {} | {} | {} | {} → {} | {} | {seconds:.1} | {known} |",
         d.verdict,
         effects.join("; "),
         d.unknown_axis.as_deref().unwrap_or("–"),
@@ -121,22 +299,31 @@ fn row(name: &str, answer: &Result<Diagnosis, String>, seconds: f64) -> String {
 }
 
 fn run(o: &Options) -> Result<(), String> {
-    let Some(root) = recordings() else {
+    let Some(root) = shared() else {
         return Ok(());
     };
     let tool = Tool::new(o.preslide.as_deref())?;
     println!(
-        "| recording | verdict | effects | unknown follows | NMSE % before → after | noise % | s |\n|---|---|---|---|---|---|---|"
+        "| recording | verdict | effects | unknown follows | NMSE % before → after | noise % | s | known |\n|---|---|---|---|---|---|---|---|"
     );
     let folder = std::env::temp_dir().join(format!("preslide-real-{}", std::process::id()));
-    for (name, arguments) in all(&root)? {
-        if o.name.as_ref().is_some_and(|part| !name.contains(part)) {
+    for case in all(&root)? {
+        if o.name
+            .as_ref()
+            .is_some_and(|part| !case.name.contains(part))
+        {
             continue;
         }
         std::fs::create_dir_all(&folder).map_err(|e| e.to_string())?;
         let begun = std::time::Instant::now();
-        let answer = tool.ask(&folder, &[root.join(&name)], None, &arguments);
-        println!("{}", row(&name, &answer, begun.elapsed().as_secs_f64()));
+        let arguments: Vec<String> = case
+            .source
+            .arguments
+            .iter()
+            .map(|a| (*a).to_owned())
+            .collect();
+        let answer = tool.ask(&folder, &case.files, None, &arguments);
+        println!("{}", row(&case, &answer, begun.elapsed().as_secs_f64()));
         // The next answer must not be this one.
         let _ = std::fs::remove_dir_all(&folder);
     }
