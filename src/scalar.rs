@@ -350,20 +350,32 @@ macro_rules! fixed_scalar {
             }
             #[inline]
             fn rate(self, counts: i32, ticks: u32) -> Self {
+                #[inline(never)]
+                fn large(product: $wide, ticks: $unsigned) -> $bits {
+                    let size = product.unsigned_abs();
+                    // What the narrow type has no room for is left out and comes back as zeros.
+                    let excess = (size >> (<$bits>::BITS - 1)) as $unsigned;
+                    let shift = <$bits>::BITS - excess.leading_zeros();
+                    let whole =
+                        <$wide>::from(nearest((size >> shift) as $unsigned, ticks)) << shift;
+                    saturated!(if product < 0 { -whole } else { whole }, $wide, $bits)
+                }
+                // Below the type's upper half, as is half of any number of ticks.
+                fn nearest(size: $unsigned, ticks: $unsigned) -> $unsigned {
+                    (size + ticks / 2).checked_div(ticks).unwrap_or(size)
+                }
                 let product = <$wide>::from(self.to_bits()) * <$wide>::from(counts);
-                let size = product.unsigned_abs();
-                // What the narrow type has no room for is left out and comes back as zeros.
-                let excess = (size >> (<$bits>::BITS - 1)) as $unsigned;
-                let shift = <$bits>::BITS - excess.leading_zeros();
-                let size = (size >> shift) as $unsigned;
-                let ticks = ticks as $unsigned;
-                let whole =
-                    <$wide>::from((size + ticks / 2).checked_div(ticks).unwrap_or(size)) << shift;
-                $t::from_bits(saturated!(
-                    if product < 0 { -whole } else { whole },
-                    $wide,
-                    $bits
-                ))
+                let (narrow, ticks) = (product as $bits, ticks as $unsigned);
+                $t::from_bits(if <$wide>::from(narrow) != product {
+                    large(product, ticks)
+                } else {
+                    let size = nearest(narrow.unsigned_abs(), ticks) as $bits;
+                    if narrow < 0 {
+                        size.wrapping_neg()
+                    } else {
+                        size
+                    }
+                })
             }
             #[inline]
             fn decayed(self, per_tick: Self, ticks: u32) -> Self {

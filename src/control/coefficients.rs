@@ -84,7 +84,7 @@ impl<F: Friction> Coefficients<F> {
     }
 
     /// The force to add to the feedback; the model advances by a tick.
-    #[inline]
+    #[inline(always)]
     pub(super) fn feed_forward(&self, state: &mut F::State, now: &Moment<F::Scalar>) -> F::Scalar {
         let [reference, measured] = now.places;
         let (place, motion) = match self.compensator.drive() {

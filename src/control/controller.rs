@@ -300,9 +300,10 @@ impl<F: Friction, C: Count> Controller<F, C> {
             self.suspicion.calibrate(measured.current);
             return self.off();
         }
-        let read = Readings {
+        let code = self.code;
+        let read = || Readings {
             counts,
-            code: self.code,
+            code,
             supply: measured.supply,
             current: measured.current,
             late: measured.late,
@@ -332,26 +333,24 @@ impl<F: Friction, C: Count> Controller<F, C> {
         };
         let acceleration = F::Scalar::from_q16((reference.change >> 16) as i32)
             .mul_input(c.acceleration_per_change);
-        let now = Moment {
+        let velocity_error = wanted.velocity.sub_input(velocity);
+        let (place, located) = (self.place, self.located);
+        // Asked for twice, so that the ordinary tick has it in registers.
+        let now = || Moment {
             error,
-            velocity_error: wanted.velocity.sub_input(velocity),
+            velocity_error,
             wanted,
             counts,
             velocity,
             acceleration,
-            places: [
-                self.place.wrapping_add((error_q16 >> 16) as i32),
-                self.place,
-            ],
-            located: self.located,
+            places: [place.wrapping_add((error_q16 >> 16) as i32), place],
+            located,
         };
-        let feedback = c
-            .pid
-            .step(&mut self.pid, error, now.velocity_error, self.cut);
-        let feed_forward = c.feed_forward(&mut self.friction, &now);
+        let feedback = c.pid.step(&mut self.pid, error, velocity_error, self.cut);
+        let feed_forward = c.feed_forward(&mut self.friction, &now());
         let mut force = feedback.add_input(feed_forward);
         if self.fades {
-            force = force.add_input(self.fade(&now, feed_forward));
+            force = force.add_input(self.fade(&now(), feed_forward));
         }
         let c = &self.coefficients;
 
@@ -400,7 +399,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
     }
 
     /// Into the safe state.
-    #[inline(never)]
+    #[inline]
     fn trip(&mut self, fault: Fault) -> Command {
         self.fault = Some(fault);
         self.enabled = false;
@@ -408,8 +407,20 @@ impl<F: Friction, C: Count> Controller<F, C> {
     }
 
     /// PWM off; every memory but the position is emptied, so that enabling begins at rest.
-    #[inline(never)]
+    #[inline]
     fn off(&mut self) -> Command {
+        self.forget();
+        Command {
+            code: 0,
+            position: self.position,
+            reference: self.position << 16,
+            fault: self.fault,
+            enabled: false,
+        }
+    }
+
+    #[inline(never)]
+    fn forget(&mut self) {
         self.code = 0;
         self.cut = Saturation::None;
         self.pid = PidState::new();
@@ -418,13 +429,6 @@ impl<F: Friction, C: Count> Controller<F, C> {
         self.reference.stop();
         let friction = self.coefficients.compensator.friction();
         friction.release(&mut self.friction);
-        Command {
-            code: 0,
-            position: self.position,
-            reference: self.position << 16,
-            fault: self.fault,
-            enabled: false,
-        }
     }
 }
 

@@ -182,7 +182,13 @@ impl<S: Scalar> Monitor<S> {
     ///
     /// The ordinary tick takes a few comparisons; only one in which something is unusual, or was, counts.
     #[inline]
-    pub(super) fn measured(&self, suspicion: &mut Suspicion, read: Readings) -> Option<Fault> {
+    pub(super) fn measured(
+        &self,
+        suspicion: &mut Suspicion,
+        readings: impl Fn() -> Readings,
+    ) -> Option<Fault> {
+        // Asked for twice, so that the ordinary tick has them in registers.
+        let read = readings();
         let current = i32::from(read.current) - (suspicion.offset >> 8);
         let usual = read.counts.unsigned_abs() <= self.jump
             && read.code.unsigned_abs() <= self.frozen_code.unsigned_abs()
@@ -193,7 +199,7 @@ impl<S: Scalar> Monitor<S> {
         if usual && !suspicion.any {
             return None;
         }
-        self.suspect(suspicion, &read)
+        self.suspect(suspicion, &readings())
     }
 
     #[inline(never)]

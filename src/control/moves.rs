@@ -179,4 +179,30 @@ impl Move {
             last.wrapping_sub(self.acceleration)
         }
     }
+
+    /// After `tick` at `speed`: how many ticks differ each by the same from the one before and do not stand, and by how much.
+    pub(super) fn evenly(&self, tick: u32, speed: i64) -> (u32, i64) {
+        let (until, gain) = if tick <= self.ramp_end {
+            (self.ramp_end, self.acceleration)
+        } else if tick <= self.cruise_end {
+            let slower = self.ramp_end + self.faster;
+            (
+                if tick <= slower {
+                    slower
+                } else {
+                    self.cruise_end
+                },
+                0,
+            )
+        } else {
+            // The last one stands.
+            (self.end - 1, -self.acceleration)
+        };
+        let ticks = if speed == 0 {
+            0
+        } else {
+            until.saturating_sub(tick)
+        };
+        (ticks, gain)
+    }
 }

@@ -124,7 +124,11 @@ pub struct Reference {
     speed: i64,
     mode: Mode,
     plan: Move,
+    /// Ticks of the plan that are done, or follow from the tick before by `gain`.
     tick: u32,
+    /// So many ticks from here on are each faster by `gain` than the one before, and none stands.
+    even: u32,
+    gain: i64,
     position: i64,
     /// The ends of travel are known.
     located: bool,
@@ -141,6 +145,8 @@ impl Reference {
             mode: Mode::Planned,
             plan: Move::NONE,
             tick: 0,
+            even: 0,
+            gain: 0,
             position,
             located: false,
             smoothing: Smoothing::at_rest(pace.bits),
@@ -160,7 +166,7 @@ impl Reference {
     /// The next move may start: the one before it is done, but for what the smoothing still has to let out.
     #[inline]
     pub fn is_idle(&self) -> bool {
-        self.mode == Mode::Planned && self.tick >= self.plan.end
+        self.mode == Mode::Planned && self.even == 0 && self.tick >= self.plan.end
     }
 
     /// It stands still.
@@ -203,6 +209,7 @@ impl Reference {
         }
         self.plan = next;
         self.tick = 0;
+        self.even = 0;
         if !(stands || next.joins) {
             self.mode = Mode::Brake;
         }
@@ -225,6 +232,7 @@ impl Reference {
     fn drop_plan(&mut self) {
         self.plan = Move::NONE;
         self.tick = 0;
+        self.even = 0;
     }
 
     /// The move would end beyond the ends of travel.
@@ -238,7 +246,12 @@ impl Reference {
     #[inline]
     pub fn step(&mut self, pace: &Pace) -> Sample {
         let before = (self.position >> 16) as i32;
-        self.speed = self.next_speed(pace);
+        if self.even > 0 {
+            self.even -= 1;
+            self.speed = self.speed.wrapping_add(self.gain);
+        } else {
+            self.turn(pace);
+        }
         self.planned = self.planned.wrapping_add(self.speed);
         let (speed, change) = self.smoothing.step(self.speed);
         self.position = self.position.wrapping_add(speed);
@@ -250,13 +263,21 @@ impl Reference {
         }
     }
 
-    #[inline]
+    /// A tick that does not follow evenly from the one before.
+    #[inline(never)]
+    fn turn(&mut self, pace: &Pace) {
+        self.speed = self.next_speed(pace);
+        self.smoothing.note(self.speed);
+    }
+
     fn next_speed(&mut self, pace: &Pace) -> i64 {
         let speed = match self.mode {
             Mode::Planned if self.tick < self.plan.end => {
                 self.tick += 1;
                 let speed = self.plan.speed(self.tick, self.speed);
                 if !self.plan.joins {
+                    (self.even, self.gain) = self.plan.evenly(self.tick, speed);
+                    self.tick += self.even;
                     return speed;
                 }
                 bounded(speed, pace.speed)

@@ -14,14 +14,16 @@ pub const MOST_SMOOTHED: u32 = 256;
 #[derive(Clone, Debug, PartialEq)]
 #[repr(C)]
 pub(super) struct Smoothing {
+    /// Place in the ring, which has `mask + 1` of them.
     at: u32,
+    mask: u32,
+    /// `2ⁿ = mask + 1`, and `2³²⁻ⁿ`.
     bits: u32,
-    /// Ticks of the ring that are filled; the rest stood still.
-    filled: u32,
+    part: u32,
     /// Ticks until the output stands.
     pub(super) left: u32,
-    sum: i64,
     rest: u32,
+    sum: i64,
     /// Speeds of the last ticks, a ring.
     speeds: [i64; MOST_SMOOTHED as usize],
 }
@@ -29,50 +31,49 @@ pub(super) struct Smoothing {
 impl Smoothing {
     /// Over `2^bits` ticks, 2 to [`MOST_SMOOTHED`].
     pub(super) fn at_rest(bits: u32) -> Self {
+        let bits = bits & 31;
         Self {
             at: 0,
+            mask: (1 << bits) - 1,
             bits,
-            filled: 0,
+            part: 1 << ((32 - bits) & 31),
             left: 0,
-            sum: 0,
             rest: 0,
+            sum: 0,
             speeds: [0; MOST_SMOOTHED as usize],
         }
     }
 
-    /// As [`Smoothing::at_rest`], in place: what the ring holds counts no more.
+    /// As [`Smoothing::at_rest`], in place.
     pub(super) fn rest(&mut self, bits: u32) {
-        self.bits = bits;
-        self.filled = 0;
-        self.left = 0;
-        self.sum = 0;
-        self.rest = 0;
+        *self = Self::at_rest(bits);
+    }
+
+    /// Counts the ticks until the output stands; to be told of every tick at speed 0, and of the first at another.
+    #[inline]
+    pub(super) fn note(&mut self, speed: i64) {
+        if speed != 0 {
+            self.left = self.mask + 1;
+        } else if self.left > 0 {
+            self.left -= 1;
+        }
     }
 
     /// Takes the speed of a tick; the smoothed one, and its change times `2^bits`.
     #[inline]
     pub(super) fn step(&mut self, speed: i64) -> (i64, i64) {
-        let bits = self.bits & 31;
-        let mask = (1_u32 << bits) - 1;
-        let place = (self.at & mask & (MOST_SMOOTHED - 1)) as usize;
-        self.at = self.at.wrapping_add(1);
-        let mut oldest = core::mem::replace(&mut self.speeds[place], speed);
-        if self.filled <= mask {
-            self.filled += 1;
-            oldest = 0;
-        }
+        let place = (self.at & (MOST_SMOOTHED - 1)) as usize;
+        self.at = (self.at + 1) & self.mask;
+        let oldest = core::mem::replace(&mut self.speeds[place], speed);
         let change = speed.wrapping_sub(oldest);
         self.sum = self.sum.wrapping_add(change);
-        if speed != 0 {
-            self.left = mask + 1;
-        } else if self.left > 0 {
-            self.left -= 1;
-        }
         let whole = self.sum.wrapping_add(self.rest.into());
-        self.rest = whole as u32 & mask;
-        // Word by word: a shift of both by any number of bits takes twice the instructions.
+        // Word by word, and the lower one by products: a shift of both by any number of bits takes three times the instructions.
         let (low, high) = (whole as u32, (whole >> 32) as i32);
-        let low = (low >> bits) | (high.cast_unsigned() << ((32 - bits) & 31));
-        ((i64::from(high >> bits) << 32) | i64::from(low), change)
+        self.rest = low & self.mask;
+        let below = (u64::from(low) * u64::from(self.part)) >> 32;
+        let below = (below as u32).wrapping_add(high.cast_unsigned().wrapping_mul(self.part));
+        let above = high >> (self.bits & 31);
+        ((i64::from(above) << 32) | i64::from(below), change)
     }
 }

@@ -120,7 +120,7 @@ impl<F: Friction> Control<F> {
             self.controller.heard();
         }
         if self.seek.is_some() {
-            self.seek(&inputs);
+            self.seek(inputs.index);
         }
         self.feed();
         let measurement = Measurement {
@@ -199,14 +199,14 @@ impl<F: Friction> Control<F> {
 
     /// Looks whether the origin is reached.
     #[inline(never)]
-    fn seek(&mut self, inputs: &Inputs) {
+    fn seek(&mut self, index: Option<u32>) {
         let Some(seek) = self.seek else {
             return;
         };
         let position = self.controller.position();
         match seek.mark {
             Mark::Index => {
-                let Some(reading) = inputs.index else {
+                let Some(reading) = index else {
                     return;
                 };
                 let there = self.controller.position_at(reading);
@@ -273,7 +273,8 @@ impl<F: Friction> Control<F> {
         self.since_status += 1;
         if ordered || self.since_status >= STATUS_TICKS {
             self.since_status = 0;
-            self.tell_status(inputs, command);
+            let current = self.current(inputs);
+            self.tell_status(inputs.supply, current);
         }
         self.since = self.since.saturating_add(1);
         let every = self.shared.every.load(Ordering::Relaxed);
@@ -284,14 +285,16 @@ impl<F: Friction> Control<F> {
     }
 
     #[inline(never)]
-    fn tell_status(&mut self, inputs: &Inputs, command: &Command) {
+    fn tell_status(&mut self, supply: u16, current: i16) {
+        // Asked, not told: a command in memory would cost every tick.
+        let enabled = self.controller.is_enabled();
         let standing = self.controller.is_standing();
         if self.leaving && standing {
             self.leaving = false;
             self.controller.disable();
         }
-        let silent = command.enabled && self.controller.is_silent();
-        let mode = match (command.enabled, self.seek.is_some()) {
+        let silent = enabled && self.controller.is_silent();
+        let mode = match (enabled, self.seek.is_some()) {
             (false, _) => Mode::Disabled,
             // The end of travel, the host's silence.
             (true, true) if standing => Mode::Standing,
@@ -306,17 +309,17 @@ impl<F: Friction> Control<F> {
             self.new_epoch();
         }
         self.status.mode = mode;
-        self.status.fault = match command.fault {
+        self.status.fault = match self.controller.fault() {
             Some(fault) => Some(on_the_wire(fault)),
             None => self.broken.then_some(FaultCode::Bridge),
         };
         self.status.located = self.controller.is_located();
         self.status.silent = silent;
-        self.status.position = command.position;
+        self.status.position = self.controller.position();
         // To the nearest count.
-        self.status.reference = command.reference.wrapping_add(1 << 15) >> 16;
-        self.status.supply = inputs.supply;
-        self.status.current = self.current(inputs);
+        self.status.reference = self.reference.wrapping_add(1 << 15) >> 16;
+        self.status.supply = supply;
+        self.status.current = current;
         // See `tell_sample`. One that finds no room is followed by another; the answer to an order waits for it.
         let is_queue = self.statuses.capacity().checked_add(1).is_some();
         if !is_queue || self.statuses.enqueue(self.status).is_err() {

@@ -167,7 +167,7 @@ pub fn print(ticks: &[(String, Breakdown)]) {
         print!(" {kernel:>22}");
     }
     println!();
-    let mut line = |name: &str, of: &dyn Fn(&Breakdown) -> (f64, f64)| {
+    let line = |name: &str, of: &dyn Fn(&Breakdown) -> (f64, f64)| {
         print!("{name:<28}");
         for (_, breakdown) in ticks {
             let (instructions, cycles) = of(breakdown);
