@@ -31,6 +31,8 @@ const NAMED_TRANSIENT: f64 = 0.1;
 const UNNAMED: f64 = 0.05;
 /// Least confidence of a confident name: below it, of the names that `cargo xtask calibrate` was given, as many were false as right.
 const LIKELY: f64 = 0.65;
+/// Least probability, by the same logistic, that something is there at all before it is called unknown: more likely than not.
+const LIKELIER: f64 = 0.5;
 /// NMSE (%) on folds held out from which a model explains too little to be called consistent with anything.
 const EXPLAINS_LITTLE: f64 = 25.0;
 /// Chance below which a candidate that did not enter is at least suspected.
@@ -418,7 +420,10 @@ fn unknown(found: &Found, standings: &[Standing], effects: &[Named]) -> Option<U
                 .any(|n| !n.confident && matches!(n.name, Name::Entry(own) if own.id() == e.id()))
         });
         let wider = matches!(s.term.subject, Subject::Change(Change::LateYields));
-        (s.term.effect().is_none() || doubtful) && !wider && s.evidence.share.max(s.gain) >= UNNAMED
+        (s.term.effect().is_none() || doubtful)
+            && !wider
+            && s.evidence.share.max(s.gain) >= UNNAMED
+            && confidence(s) >= LIKELIER
     });
     let standing = nameless.max_by(|a, b| a.evidence.share.total_cmp(&b.evidence.share))?;
     let (axis, odd, change) = match standing.term.subject {

@@ -399,7 +399,8 @@ fn the_electrical_stage_converges() {
     let gap = full.iter().zip(&half).map(|(a, b)| (a - b).abs());
     let gap = gap.fold(0.0, f64::max);
     eprintln!("8 to 16 steps a tick: {gap:.2e} m; energy left over {share:.2e}");
-    assert!(gap < 1e-9 && share.abs() < 1e-3);
+    // 6 nm of a travel of 0.4 mm: where the current is about to die in the dead time, a step decides.
+    assert!(gap < 1e-8 && share.abs() < 1e-3);
 }
 
 /// What one sample a period reads of a short pulse, over the mean, by its place: 2.5 at the pulse to 0.3 before the next, and the mean
@@ -421,24 +422,24 @@ fn a_sample_reads_its_place_in_the_period() {
             let read = stage.tick(duty).current_a;
             (sum, low, high) = (sum + read, low.min(read), high.max(read));
         }
-        let mean = duty * stage.config().supply.voltage_v / stage.config().motor.resistance_ohm;
-        [sum / 2000.0, low, high].map(|a| a / mean)
+        [sum / 2000.0, low, high]
     };
+    // What the winding carries at its own temperature.
+    let [whole, ..] = ratio(Sampling::Oversampled(16));
     let phase = preslide::control::Axis::PAPER_AXIS.sampling_phase();
     for (name, sampling, expected) in [
-        ("centre of the low side", Sampling::Synchronous(0.5), 0.82),
+        ("centre of the low side", Sampling::Synchronous(0.5), 0.81),
         (
             "where the current is its mean",
             Sampling::Synchronous(phase),
             1.0,
         ),
-        ("16 samples", Sampling::Oversampled(16), 1.0),
     ] {
-        let [mean, ..] = ratio(sampling);
+        let mean = ratio(sampling)[0] / whole;
         eprintln!("{name}: {mean:.3} of the mean");
-        assert!((mean - expected).abs() < 0.02, "{name}: {mean}");
+        assert!((mean - expected).abs() < 0.01, "{name}: {mean}");
     }
-    let [mean, low, high] = ratio(Sampling::Unsynchronised);
+    let [mean, low, high] = ratio(Sampling::Unsynchronised).map(|a| a / whole);
     eprintln!("anywhere: {mean:.3} of the mean, {low:.2} to {high:.2}");
     assert!(low < 0.35 && high > 2.3, "{low} {high}");
 }
