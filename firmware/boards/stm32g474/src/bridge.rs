@@ -68,7 +68,8 @@ pub fn start(timer: Peri<'static, TIM1>, pins: Pins, phase: f64) -> HalfBridges 
     tim.arr().write(|w| w.set_arr(HARDWARE.steps));
     // Channel 4 rises on the counter's way up, which takes half a period from the middle of the pulse: there the current is sampled.
     let sampled = (2.0 * phase * f64::from(HARDWARE.steps)) as u16;
-    tim.ccr(3).write(|w| w.set_ccr(sampled.min(HARDWARE.steps - 1)));
+    tim.ccr(3)
+        .write(|w| w.set_ccr(sampled.min(HARDWARE.steps - 1)));
     tim.ccmr_output(1).modify(|w| w.set_ocm(1, Ocm::PWM_MODE2));
     tim.cr2().modify(|w| w.set_mms(Mms::COMPARE_OC4));
     // It runs from here on; dropping the driver would stop it.

@@ -23,7 +23,10 @@ pub struct Board {
 /// Clocks in which neither gate of a half bridge is on, after each edge: to the nearest. Up to 127 the register takes them as they are.
 pub const DEAD_TIME: u16 = {
     let clocks = BOARD.dead_time * CLOCK_HZ as f64 + 0.5;
-    assert!(clocks < 128.0, "boards.stm32g474.dead_time: at most 0.75 µs");
+    assert!(
+        clocks < 128.0,
+        "boards.stm32g474.dead_time: at most 0.75 µs"
+    );
     clocks as u16
 };
 
