@@ -219,10 +219,10 @@ fn row(name: &str, stated: &[(f64, bool)], fitted: &[(f64, bool)]) -> String {
 mod tests {
     use super::*;
 
-    /// 40 of 50 at 1 and 10 of 50 at 0: the odds are 4 and 1/4, but for the ridge.
+    /// 800 of 1000 at 1 and 200 of 1000 at 0: the odds are 4 and 1/4, but for the ridge.
     #[test]
     fn odds_of_two_groups_come_back() {
-        let stated: Vec<Stated> = (0..100)
+        let stated: Vec<Stated> = (0..2000)
             .map(|i| Stated {
                 source: String::new(),
                 id: String::new(),
