@@ -12,7 +12,7 @@ use preslide::control::{Coefficients, Controller, Move, NoFriction, Reference, S
 use preslide::{Friction, Motion, Units};
 use std::sync::Arc;
 
-/// Steps of the simplex, of one or two runs each; the cost has moved by less than 1 % over the last ten.
+/// Steps of the simplex, of one or two runs each: what a study can afford; whether more would gain was not measured.
 const STEPS: u64 = 30;
 /// Integration steps in a tick while tuning: a quarter of the stage's, for four times as many runs.
 const SUBSTEPS: u32 = 2;
