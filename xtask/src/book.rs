@@ -31,7 +31,7 @@ const LIMIT: Duration = Duration::from_secs(300);
 
 /// `--bless` writes what the commands print now into the book.
 pub fn run_command(arguments: &[String]) -> Result<(), String> {
-    let bless = crate::is_given("book", "--bless", arguments)?;
+    let bless = crate::given("book", &["--bless"], arguments)?.is_some();
     let pages = page::all(&root().join("docs/src"))?;
     links::check(&pages)?;
     build()?;

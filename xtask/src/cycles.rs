@@ -32,12 +32,10 @@ const PREFIX: &str = "cycles__";
 const TABLE: &str = "firmware/cycles/cortex-m4.csv";
 
 pub fn run_command(arguments: &[String]) -> Result<(), String> {
-    if arguments == ["--tick"] {
-        Need::ArmGcc.ensure()?;
-        Need::Qemu.ensure()?;
-        return control_task::print_stages(&Recorder::build(recordings())?);
-    }
-    let check = crate::is_given("cycles", "--check, --tick", arguments)?;
+    let check = match crate::given("cycles", &["--check", "--tick"], arguments)? {
+        Some("--tick") => return tick(),
+        flag => flag.is_some(),
+    };
     let (header, rows) = measure()?;
     println!();
     for line in &header {
@@ -67,6 +65,13 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
          xtask cycles` and commit the table",
         regressions.join("\n  ")
     ))
+}
+
+/// Prints where the cycles of the control tick go.
+fn tick() -> Result<(), String> {
+    Need::ArmGcc.ensure()?;
+    Need::Qemu.ensure()?;
+    control_task::print_stages(&Recorder::build(recordings())?)
 }
 
 /// Where the recorder works.

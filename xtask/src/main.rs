@@ -108,21 +108,55 @@ fn main() -> ExitCode {
     }
 }
 
-/// Whether the one flag that a command takes was given.
-fn is_given(command: &str, flag: &str, arguments: &[String]) -> Result<bool, String> {
-    match arguments {
-        [] => Ok(false),
-        [given] if given == flag => Ok(true),
-        _ => Err(format!(
-            "`{command}` takes {flag} or nothing, got `{}`",
+/// Which of the flags that a command takes was given, if one was.
+fn given<'a>(
+    command: &str,
+    flags: &[&'a str],
+    arguments: &[String],
+) -> Result<Option<&'a str>, String> {
+    let known = match arguments {
+        [] => return Ok(None),
+        [one] => flags.iter().find(|flag| one == *flag),
+        _ => None,
+    };
+    known.copied().map(Some).ok_or_else(|| {
+        format!(
+            "`{command}` takes {} or nothing, got `{}`",
+            flags.join(" or "),
             arguments.join(" ")
-        )),
-    }
+        )
+    })
 }
 
 fn print_help() {
     println!("cargo xtask COMMAND\n");
     for command in COMMANDS {
         println!("  {:<8} {}", command.name, command.help);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::given;
+
+    #[test]
+    fn every_flag_of_a_command_is_known_and_no_other() {
+        let flags = ["--check", "--tick"];
+        let of = |words: &[&str]| {
+            let words: Vec<String> = words.iter().map(|w| (*w).to_owned()).collect();
+            given("cycles", &flags, &words)
+        };
+        assert_eq!(of(&[]), Ok(None));
+        for flag in flags {
+            assert_eq!(of(&[flag]), Ok(Some(flag)));
+        }
+        for wrong in [
+            &["--check, --tick"][..],
+            &["--bless"],
+            &["--check", "--tick"],
+        ] {
+            let error = of(wrong).expect_err("no flag of it");
+            assert!(error.contains("--check or --tick"), "{error}");
+        }
     }
 }

@@ -34,7 +34,7 @@ const GOLDEN: &str = "firmware/boards/qemu/expected";
 const LIMIT: Duration = Duration::from_secs(600);
 
 pub fn run_command(arguments: &[String]) -> Result<(), String> {
-    let bless = crate::is_given("qemu", "--bless", arguments)?;
+    let bless = crate::given("qemu", &["--bless"], arguments)?.is_some();
     Need::Qemu.ensure()?;
     Need::ArmGcc.ensure()?;
     let rig = build_rig()?;
