@@ -110,11 +110,11 @@ pub struct Noise {
     pub row_variance: f64,
 }
 
-/// Every so many rows for a first look.
 /// Most that the level of friction wanders about itself: 5 to 20 % is common on guideways and screws. What is more is a model
 /// that is wrong, and noise that took it would leave the fit without a hold.
 const VARIABLE: f64 = 0.3;
 
+/// Every so many rows for a first look.
 const THIN: usize = 4;
 
 /// A part of the rows.
@@ -445,7 +445,8 @@ fn filter(p: &Parameters, course: &Course) -> Vec<Step> {
 }
 
 fn likelihood(p: &Parameters, residual: &[f64], course: &Course) -> f64 {
-    course
+    // Added up in one order: the threads' would differ from run to run, and a fit without a hold shows it.
+    let parts: Vec<f64> = course
         .folds
         .par_iter()
         .map(|rows| {
@@ -458,7 +459,8 @@ fn likelihood(p: &Parameters, residual: &[f64], course: &Course) -> f64 {
             });
             sum
         })
-        .sum()
+        .collect();
+    parts.iter().sum()
 }
 
 /// Climbs along one parameter at a time (Hooke and Jeeves 1961), with smaller and smaller steps.
