@@ -35,7 +35,7 @@ const COMMANDS: &[Command] = &[
     },
     Command {
         name: "cycles",
-        help: "what an update of each kernel costs on a Cortex-M4F; --check compares with the committed table",
+        help: "what an update of each kernel costs on a Cortex-M4F; --check compares with the committed table, --tick lists where a control tick spends its own",
         run: cycles::run_command,
     },
     Command {

@@ -1,7 +1,7 @@
 //! How sure a name is: one logistic of features of its evidence, calibrated on judged names of every source that there is.
 
 use super::effect::Class;
-use super::evidence::Evidence;
+use super::evidence::{Evidence, NAMED};
 use super::naming::Standing;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -11,11 +11,13 @@ use std::sync::LazyLock;
 const CALIBRATION: &str = include_str!("calibration.toml");
 /// Standard deviations beyond which more say nothing more: on a machine that repeats, whatever is wrong with the model is sure.
 const SATURATED: f64 = 4.5;
+/// Standard deviations of a name at the edge.
+const EDGE: f64 = 3.0;
 /// The least share of the plain mismatch that is told from none.
 const NO_GAIN: f64 = 3e-3;
 /// The usual size of an effect, of the effort: what is much smaller is a trifle, what is much larger is cancelled by another term.
 const USUAL: f64 = 0.05;
-/// The least share of the mismatch, or of the effort, that is told from none.
+/// The least share of the weighted mismatch, or of the effort, that is told from none.
 const LEAST: f64 = 1e-4;
 
 #[derive(Deserialize)]
@@ -23,7 +25,8 @@ struct Calibration {
     weights: BTreeMap<String, f64>,
 }
 
-static WEIGHTS: LazyLock<BTreeMap<String, f64>> = LazyLock::new(|| {
+/// By feature, and the constant; a test holds them against [`features`].
+pub(super) static WEIGHTS: LazyLock<BTreeMap<String, f64>> = LazyLock::new(|| {
     toml::from_str::<Calibration>(CALIBRATION)
         .expect("the committed calibration is TOML")
         .weights
@@ -36,8 +39,8 @@ pub fn features(standing: &Standing) -> BTreeMap<&'static str, f64> {
     let class = term.effect().map(|e| e.class());
     let size = (standing.relative.max(LEAST) / USUAL).ln().abs();
     BTreeMap::from([
-        ("gain", (standing.gain.max(NO_GAIN) / 0.03).ln()),
-        ("deviations", evidence.z.min(SATURATED) - 3.0),
+        ("gain", (standing.gain.max(NO_GAIN) / NAMED).ln()),
+        ("deviations", evidence.z.min(SATURATED) - EDGE),
         ("rival", standing.rival.clamp(0.0, 1.5)),
         ("agreement", evidence.agree - 0.5),
         ("malformed", standing.form.map_or(0.0, |f| f.1.min(2.0))),
@@ -76,6 +79,6 @@ pub fn of_a_hint(evidence: &Evidence) -> f64 {
 
 /// The same from share and deviations alone; set by hand, not calibrated.
 pub fn of_evidence(evidence: &Evidence) -> f64 {
-    let share = (evidence.share.max(LEAST) / 0.03).ln();
-    logistic(share + 0.25 * (evidence.z.min(SATURATED) - 3.0))
+    let share = (evidence.share.max(LEAST) / NAMED).ln();
+    logistic(share + 0.25 * (evidence.z.min(SATURATED) - EDGE))
 }

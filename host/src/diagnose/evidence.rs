@@ -8,6 +8,8 @@
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use std::ops::Range;
 
+/// Share of the mismatch from which an effect is named.
+pub const NAMED: f64 = 0.03;
 /// Blocks below which a force proves nothing, however well it fits them.
 const FEWEST: f64 = 2.0;
 

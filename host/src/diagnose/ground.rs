@@ -56,6 +56,15 @@ pub struct Hypothesis {
     columns: Vec<Arc<Vec<Vec<f64>>>>,
 }
 
+/// NMSE (%) fitted and held out.
+#[derive(Clone, Copy, Debug)]
+pub struct Nmse {
+    /// On the rows fitted.
+    pub train: f64,
+    /// On folds held out in turn.
+    pub test: f64,
+}
+
 impl Ground {
     /// Finds friction and noise of a recording, with the terms of a model that is given.
     ///
@@ -94,7 +103,7 @@ impl Ground {
             let mut next = from.with_baseline(&fitted);
             let places = Places::of(&next.rows, &next.baseline);
             next.noise = Noise::estimate(
-                &fitted.residual(&next.rows.target),
+                &fitted.residual(&next.rows),
                 &course(&next.rows, &places),
                 None,
             );
@@ -106,11 +115,11 @@ impl Ground {
     /// The same with the mildest floor of white noise under which the weights leave no more, all rows alike, than they may.
     fn with_a_hold(mut self, terms: &[Term]) -> Option<Self> {
         let square = |h: &Hypothesis| {
-            let left = h.residual(&self.rows.force);
+            let left = h.residual(&self.rows);
             left.iter().map(|r| r * r).sum::<f64>()
         };
         let least = square(&self.fit_unweighted(terms)?);
-        let deviation = (least / self.rows.force.len() as f64).sqrt();
+        let deviation = (least / self.rows.target.len() as f64).sqrt();
         let places = Places::of(&self.rows, &self.baseline);
         let estimated = self.noise.clone();
         for floor in FLOORS {
@@ -127,7 +136,7 @@ impl Ground {
         let weak = &self.rows.weak;
         let time = weak.at_centres(&self.rows.s.t);
         let (slowest, fastest) = spectra::in_time(&self.rows);
-        let found = spectra::lines(&time, &fitted.residual(&self.rows.target), slowest, fastest);
+        let found = spectra::lines(&time, &fitted.residual(&self.rows), slowest, fastest);
         let vibration = Subject::Effect(effect::VIBRATION);
         found
             .into_iter()
@@ -236,8 +245,17 @@ impl Ground {
 
     /// Fits core and terms.
     pub fn fit(&self, terms: &[Term]) -> Option<Hypothesis> {
-        let own: Vec<Arc<Vec<Vec<f64>>>> = terms.par_iter().map(|t| self.columns(t)).collect();
-        self.fit_columns(terms, own, &[])
+        self.fit_columns(&self.noise, terms, &[])
+    }
+
+    /// Fits core and terms, all rows alike.
+    pub fn fit_unweighted(&self, terms: &[Term]) -> Option<Hypothesis> {
+        self.fit_columns(&self.unweighted(), terms, &[])
+    }
+
+    /// Fits core, terms and further free columns behind them.
+    pub fn fit_beside(&self, terms: &[Term], more: &[Vec<f64>]) -> Option<Normal> {
+        Some(self.fit_columns(&self.noise, terms, more)?.normal)
     }
 
     /// A noise model that weights all rows alike.
@@ -246,30 +264,8 @@ impl Ground {
         Noise::white(&self.rows.target, &course(&self.rows, &places))
     }
 
-    /// Fits core and terms, all rows alike.
-    pub fn fit_unweighted(&self, terms: &[Term]) -> Option<Hypothesis> {
-        let ground = Self {
-            rows: self.rows.clone(),
-            core: self.core.clone(),
-            baseline: self.baseline.clone(),
-            noise: self.unweighted(),
-            cache: Mutex::default(),
-        };
-        ground.fit(terms)
-    }
-
-    /// Fits core, terms and further free columns behind them.
-    pub fn fit_beside(&self, terms: &[Term], more: &[Vec<f64>]) -> Option<Normal> {
+    fn fit_columns(&self, noise: &Noise, terms: &[Term], more: &[Vec<f64>]) -> Option<Hypothesis> {
         let own: Vec<Arc<Vec<Vec<f64>>>> = terms.par_iter().map(|t| self.columns(t)).collect();
-        Some(self.fit_columns(terms, own, more)?.normal)
-    }
-
-    fn fit_columns(
-        &self,
-        terms: &[Term],
-        own: Vec<Arc<Vec<Vec<f64>>>>,
-        more: &[Vec<f64>],
-    ) -> Option<Hypothesis> {
         let mut columns: Vec<&[f64]> = self.core.rows.iter().map(Vec::as_slice).collect();
         let mut bounds = self.core.bounds();
         let mut places = Vec::new();
@@ -281,7 +277,7 @@ impl Ground {
         columns.extend(more.iter().map(Vec::as_slice));
         bounds.extend(more.iter().map(|_| Bound::Free));
         let normal = Normal::new(
-            &self.noise,
+            noise,
             &self.rows.weak.folds,
             &columns,
             &bounds,
@@ -299,32 +295,29 @@ impl Ground {
 
 impl Hypothesis {
     /// Measured less modelled effort at the rows.
-    pub fn residual(&self, force: &[f64]) -> Vec<f64> {
-        self.less(force, |_| &self.normal.coefficients)
+    pub fn residual(&self, rows: &Rows) -> Vec<f64> {
+        self.normal.residual(&self.columns(), &rows.target)
     }
 
     /// The same with the coefficients of the other folds.
     pub fn held_out_residual(&self, rows: &Rows) -> Vec<f64> {
-        let own: Vec<Vec<f64>> = (0..rows.weak.folds.len())
-            .map(|s| self.normal.without_fold(s))
-            .collect();
-        let mut fold = vec![0; rows.force.len()];
-        for (s, range) in rows.weak.folds.iter().enumerate() {
-            fold[range.clone()].fill(s);
-        }
-        self.less(&rows.target, |i| &own[fold[i]])
+        self.normal.held_out_residual(&self.columns(), &rows.target)
     }
 
-    fn less<'a>(&'a self, force: &[f64], of: impl Fn(usize) -> &'a Vec<f64>) -> Vec<f64> {
-        let columns: Vec<&Vec<f64>> = self.columns.iter().flat_map(|c| c.iter()).collect();
-        let mut residual = force.to_vec();
-        for (i, r) in residual.iter_mut().enumerate() {
-            let c = of(i);
-            for &j in &self.normal.active {
-                *r -= c[j] * columns[j][i];
-            }
+    fn columns(&self) -> Vec<&[f64]> {
+        self.columns
+            .iter()
+            .flat_map(|c| c.iter())
+            .map(Vec::as_slice)
+            .collect()
+    }
+
+    /// Its NMSE.
+    pub fn nmse(&self, rows: &Rows) -> Nmse {
+        Nmse {
+            train: rows.nmse(&self.residual(rows)),
+            test: rows.nmse(&self.held_out_residual(rows)),
         }
-        residual
     }
 
     /// Force of term `index` at the rows.

@@ -68,7 +68,7 @@ impl Shape {
         let bounds = vec![Bound::Free; columns.len()];
         let white = ground.unweighted();
         let fit = Normal::new(&white, &rows.weak.folds, &columns, &bounds, &rows.target)?;
-        let residual = held_out(&fit, &columns, rows);
+        let residual = fit.held_out_residual(&columns, &rows.target);
         let with_core = ground
             .fit_unweighted(&hypothesis.terms)?
             .held_out_residual(rows);
@@ -77,9 +77,8 @@ impl Shape {
             .zip(&with_core)
             .map(|(a, b)| a - b)
             .collect();
-        let nmse = |r: &[f64]| 100.0 * r.iter().map(|r| r * r).sum::<f64>() / rows.variation();
         Some(Self {
-            nmse: [nmse(&residual), nmse(&with_core)],
+            nmse: [rows.nmse(&residual), rows.nmse(&with_core)],
             evidence: evidence(&force, &residual, &rows.blocks),
             force,
         })
@@ -108,18 +107,4 @@ fn own_friction(ground: &Ground, friction: &FrictionModel) -> Option<Vec<f64>> {
     let force = friction.force(path).ok()?;
     let at_samples = force.into_iter().step_by(FINER).collect();
     Some(ground.rows.weak.rows(&Column::of(at_samples)))
-}
-
-/// What a fit leaves at the rows, each fold with the coefficients of the others.
-pub(super) fn held_out(fit: &Normal, columns: &[&[f64]], rows: &super::rows::Rows) -> Vec<f64> {
-    let mut residual = rows.target.clone();
-    for (s, fold) in rows.weak.folds.iter().enumerate() {
-        let c = fit.without_fold(s);
-        for i in fold.clone() {
-            for &j in &fit.active {
-                residual[i] -= c[j] * columns[j][i];
-            }
-        }
-    }
-    residual
 }

@@ -10,9 +10,9 @@ use super::effect::Effect;
 use super::evidence::{Evidence, evidence};
 use super::ground::{Ground, Hypothesis};
 use super::offer::{Offer, offer_of, offers, refined};
+use super::rows::Rows;
 use super::search::{Found, MATERIAL, beside};
 use super::term::{Subject, Term};
-use super::verdict::nmse;
 
 /// Share of a term's explanation that a rival must reach by itself to be looked at.
 const NEAR: f64 = 0.6;
@@ -40,10 +40,6 @@ pub struct Standing {
     pub ambiguous: Vec<&'static dyn Effect>,
     /// Explanation of the best rival that makes it needless, over its own; 0 where there is none.
     pub rival: f64,
-    /// The same for the best free curve or change of the core.
-    pub nameless: f64,
-    /// Standard deviations by which it explains more than that rival.
-    pub margin: f64,
     /// Least share of its explanation that it keeps beside a change of the core.
     pub survival: f64,
     /// The coordinate over which its size changes though the catalogue's does not, and what that change explains over its own.
@@ -54,27 +50,23 @@ pub struct Standing {
     pub relative: f64,
     /// Terms of the hypothesis that are not given.
     pub terms: usize,
-    /// Share of the effort's variation that the whole hypothesis leaves on stretches held out.
-    pub left: f64,
     /// What else was tried in its place, with its explanation over the term's own.
     pub tried: Vec<(String, f64)>,
 }
 
 /// Judges every term that is not given.
 pub fn standings(found: &Found, given: usize, periods: &[f64]) -> Vec<Standing> {
-    let terms = found.hypothesis.terms.len() - given;
-    let left = nmse(&found.ground.rows, &found.hypothesis).test / 100.0;
     (given..found.hypothesis.terms.len())
-        .filter_map(|index| standing(found, index, periods))
-        .map(|s| Standing { terms, left, ..s })
+        .filter_map(|index| standing(found, given, index, periods))
         .collect()
 }
 
-fn standing(found: &Found, index: usize, periods: &[f64]) -> Option<Standing> {
+fn standing(found: &Found, given: usize, index: usize, periods: &[f64]) -> Option<Standing> {
     let ground = &found.ground;
     let term = found.hypothesis.terms[index].clone();
     let rest = ground.fit(&beside(&found.hypothesis.terms, index))?;
     let own = offer_of(ground, &rest, std::slice::from_ref(&term), 1.0)?;
+    let with = ground.fit(&joined(&rest, &term))?;
     let (mut list, _) = offers(ground, &rest, periods);
     list.retain(|o| !o.term.is_like(&term) && o.evidence.share > NEAR * own.evidence.share * 0.8);
     list.truncate(RIVALS);
@@ -83,15 +75,12 @@ fn standing(found: &Found, index: usize, periods: &[f64]) -> Option<Standing> {
         evidence: own.evidence,
         ambiguous: Vec::new(),
         rival: 0.0,
-        nameless: 0.0,
-        margin: f64::INFINITY,
-        survival: survival(ground, &rest, &term, &own),
+        survival: survival(ground, [&rest, &with], &term, &own),
         form: form(found, index, &own),
         tried: Vec::new(),
-        gain: gain(ground, &rest, &term).unwrap_or(0.0),
+        gain: gain(&ground.rows, &rest, &with),
         relative: own.relative,
-        terms: 0,
-        left: 0.0,
+        terms: found.hypothesis.terms.len() - given,
         term,
     };
     for rival in &list {
@@ -105,50 +94,40 @@ fn standing(found: &Found, index: usize, periods: &[f64]) -> Option<Standing> {
 }
 
 impl Standing {
-    /// Compares with one rival in the same place.
+    /// Compares with one rival in the same place. What has no name is only told: a curve that contains the effect's own does as well.
     fn meet(&mut self, ground: &Ground, rest: &Hypothesis, own: &Offer, rival: &Offer) {
         let ratio = rival.evidence.share / own.evidence.share.max(1e-300);
         self.tried.push((rival.term.subject.key(), ratio));
+        let Subject::Effect(effect) = rival.term.subject else {
+            return;
+        };
         if ratio < NEAR {
             return;
         }
-        let left = |first: &Term, second: &Term| {
-            let mut terms = rest.terms.clone();
-            terms.push(first.clone());
-            let with = ground.fit(&terms)?;
-            Some(
-                offer_of(ground, &with, std::slice::from_ref(second), 1.0)
-                    .map_or(0.0, |o| o.evidence.share),
-            )
-        };
+        let left = ground
+            .fit(&joined(rest, &rival.term))
+            .and_then(|with| offer_of(ground, &with, std::slice::from_ref(&self.term), 1.0))
+            .map_or(0.0, |o| o.evidence.share);
         // Shares of what is left beside a rival are larger than those of the whole.
-        let kept =
-            left(&rival.term, &self.term).unwrap_or(0.0) * (1.0 - rival.evidence.share).max(0.0);
+        let kept = left * (1.0 - rival.evidence.share).max(0.0);
         if kept > NEEDLESS * own.evidence.share {
             return;
         }
-        let better = margin(ground, rest, own, rival);
-        match rival.term.subject {
-            Subject::Effect(effect) => {
-                if ratio > self.rival {
-                    (self.rival, self.margin) = (ratio, better);
-                }
-                if better < WORSE {
-                    self.ambiguous.push(effect);
-                }
-            }
-            // A curve that contains the effect's own does as well; only one that does clearly better tells against the name.
-            _ if better < -WORSE => self.nameless = self.nameless.max(ratio),
-            _ => {}
+        self.rival = self.rival.max(ratio);
+        if margin(ground, rest, own, rival) < WORSE {
+            self.ambiguous.push(effect);
         }
     }
 }
 
-/// The share of the held-out mismatch, all rows alike, that a term takes.
-fn gain(ground: &Ground, rest: &Hypothesis, term: &Term) -> Option<f64> {
-    let with = ground.fit(&[rest.terms.as_slice(), std::slice::from_ref(term)].concat())?;
-    let left = |h: &Hypothesis| nmse(&ground.rows, h).test;
-    Some(1.0 - left(&with) / left(rest).max(1e-300))
+/// The terms of a hypothesis and one more.
+fn joined(rest: &Hypothesis, term: &Term) -> Vec<Term> {
+    [rest.terms.as_slice(), std::slice::from_ref(term)].concat()
+}
+
+/// The share of the held-out mismatch, all rows alike, that is gone in `with`.
+fn gain(rows: &Rows, rest: &Hypothesis, with: &Hypothesis) -> f64 {
+    1.0 - with.nmse(rows).test / rest.nmse(rows).test.max(1e-300)
 }
 
 /// Standard deviations, over blocks, by which `own` leaves less than `rival`.
@@ -199,7 +178,7 @@ fn form(found: &Found, index: usize, own: &Offer) -> Option<(Axis, f64)> {
 }
 
 /// The least share of its explanation that a term keeps beside a change of the core.
-fn survival(ground: &Ground, rest: &Hypothesis, term: &Term, own: &Offer) -> f64 {
+fn survival(ground: &Ground, [rest, with]: [&Hypothesis; 2], term: &Term, own: &Offer) -> f64 {
     Change::ALL
         .into_iter()
         .map(Subject::Change)
@@ -208,11 +187,10 @@ fn survival(ground: &Ground, rest: &Hypothesis, term: &Term, own: &Offer) -> f64
         })
         .filter_map(|change| {
             let change = Term::new(change, &[]);
-            let with = ground.fit(&[rest.terms.as_slice(), std::slice::from_ref(term)].concat())?;
             // A change that adds nothing beside the term is no other explanation of the rest.
-            offer_of(ground, &with, std::slice::from_ref(&change), 1.0)
+            offer_of(ground, with, std::slice::from_ref(&change), 1.0)
                 .filter(|o| o.evidence.share >= MATERIAL && o.evidence.z >= WORSE)?;
-            let changed = ground.fit(&[rest.terms.as_slice(), &[change]].concat())?;
+            let changed = ground.fit(&joined(rest, &change))?;
             let loss = changed.normal.loss() / rest.normal.loss();
             let kept = offer_of(ground, &changed, std::slice::from_ref(term), 1.0)
                 .map_or(0.0, |o| o.evidence.share);

@@ -180,6 +180,30 @@ impl Normal {
         })
     }
 
+    /// What is left of `target` at the rows; `columns` are those that were fitted, not whitened.
+    pub fn residual(&self, columns: &[&[f64]], target: &[f64]) -> Vec<f64> {
+        let mut left = target.to_vec();
+        self.take_off(&mut left, 0..target.len(), &self.coefficients, columns);
+        left
+    }
+
+    /// The same, each fold with the coefficients of the others.
+    pub fn held_out_residual(&self, columns: &[&[f64]], target: &[f64]) -> Vec<f64> {
+        let mut left = target.to_vec();
+        for (s, fold) in self.folds.iter().enumerate() {
+            self.take_off(&mut left, fold.clone(), &self.without_fold(s), columns);
+        }
+        left
+    }
+
+    fn take_off(&self, left: &mut [f64], rows: Range<usize>, c: &[f64], columns: &[&[f64]]) {
+        for i in rows {
+            for &j in &self.active {
+                left[i] -= c[j] * columns[j][i];
+            }
+        }
+    }
+
     /// Sum of squares of the residual held out.
     pub fn loss(&self) -> f64 {
         dot(&self.held_out, &self.held_out)

@@ -175,9 +175,7 @@ impl Lines {
         let x = weak.at_centres(&s.x);
         let t = weak.at_centres(&s.t);
         let friction = weak.at_centres(&ground.baseline.friction);
-        let weights = ground
-            .noise
-            .inverse(&hypothesis.residual(&ground.rows.target));
+        let weights = ground.noise.inverse(&hypothesis.residual(&ground.rows));
         let by_friction: Vec<f64> = weights.iter().zip(&friction).map(|(w, f)| w * f).collect();
         let (travel, slow) = (s.travel(), s.moving_speed(SLOW).max(1e-300));
         let row_s = weak.half_width_s;

@@ -162,7 +162,7 @@ impl Diagnosis {
     }
 
     fn residuals(&self) -> [Vec<f64>; 2] {
-        let mut residuals = [0, 1].map(|i| self.states[i].residual(&self.ground.rows.target));
+        let mut residuals = [0, 1].map(|i| self.states[i].residual(&self.ground.rows));
         if self.ground.core.corrects {
             residuals[0].clone_from(&self.ground.rows.target);
         }

@@ -29,12 +29,7 @@ pub fn parameters(
         let (by_block, by_kind) = (fit.errors(&block_of), fit.errors(&ground.rows.kinds));
         let folds = ground.rows.weak.folds.len();
         let held: Vec<Vec<f64>> = (0..folds).map(|s| fit.without_fold(s)).collect();
-        let by_fold = |j: usize| {
-            let n = held.len() as f64;
-            let mean = held.iter().map(|c| c[j]).sum::<f64>() / n;
-            let spread: f64 = held.iter().map(|c| (c[j] - mean).powi(2)).sum();
-            (spread * (n - 1.0) / n).sqrt()
-        };
+        let by_fold = |j: usize| jackknife(&held.iter().map(|c| c[j]).collect::<Vec<_>>());
         by_block
             .iter()
             .zip(&by_kind)
@@ -77,6 +72,14 @@ pub fn parameters(
         hold(&mut own, values(alike.coefficients(index)));
     }
     own
+}
+
+/// Standard error of a value from what it is with each fold left out in turn (Tukey 1958).
+pub(super) fn jackknife(left_out: &[f64]) -> f64 {
+    let n = left_out.len() as f64;
+    let mean = left_out.iter().sum::<f64>() / n;
+    let spread: f64 = left_out.iter().map(|v| (v - mean).powi(2)).sum();
+    (spread * (n - 1.0) / n).sqrt()
 }
 
 /// Widens intervals to what a fit says that weights all rows alike: the noise model is not known better than that.

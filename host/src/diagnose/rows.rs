@@ -94,6 +94,12 @@ impl Rows {
         })
     }
 
+    /// NMSE (%, eq. 13) of what is left at the rows.
+    pub fn nmse(&self, left: &[f64]) -> f64 {
+        let square: f64 = left.iter().map(|r| r * r).sum();
+        100.0 * square / self.variation().max(1e-300)
+    }
+
     /// Sum of squares of the measured effort about its mean.
     pub fn variation(&self) -> f64 {
         let mean = self.force.iter().sum::<f64>() / self.force.len().max(1) as f64;

@@ -1,16 +1,13 @@
 //! What a simulation of the user's own gets wrong in inertia and friction: the core stands for it, and is judged as every candidate is.
 
 use super::axis::Axis;
-use super::confidence;
 use super::effect::ALWAYS_FREE;
-use super::evidence::{Evidence, chance, evidence};
+use super::evidence::{Evidence, NAMED, chance, evidence};
 use super::ground::{Ground, Hypothesis};
-use super::hysteresis::held_out;
 use super::normal::{Bound, Normal};
-use super::place::Place;
+use super::parameters::jackknife;
 use super::search::ALPHA;
 use super::term::{Subject, Term};
-use super::verdict::{NAMED, Name, Named};
 use crate::identify::estimate::Estimate;
 use std::ops::Range;
 
@@ -21,6 +18,20 @@ pub enum Correction {
     Inertia,
     /// Level and shape of the hysteresis.
     Friction,
+}
+
+/// A correction that is stated.
+pub struct Corrected {
+    /// Which part of the core.
+    pub what: Correction,
+    /// What it explains, everything else given.
+    pub evidence: Evidence,
+    /// Held-out NMSE (%) without and with it.
+    pub nmse: [f64; 2],
+    /// Its force at the rows (N or N·m).
+    pub force: Vec<f64>,
+    /// Key, value and interval.
+    pub parameter: (String, Estimate),
 }
 
 impl Correction {
@@ -57,7 +68,8 @@ impl Correction {
         }
     }
 
-    fn axis(self) -> Axis {
+    /// The coordinate over which it acts.
+    pub fn axis(self) -> Axis {
         match self {
             Self::Inertia => Axis::Acceleration,
             Self::Friction => Axis::SinceReversal,
@@ -86,7 +98,7 @@ impl Correction {
     }
 
     /// Judges it beside all else; `None` where the effort does not contain it or the rest does not determine its coefficients.
-    fn judged(self, ground: &Ground, extended: &Hypothesis) -> Option<Named> {
+    fn judged(self, ground: &Ground, extended: &Hypothesis) -> Option<Corrected> {
         let (rows, core) = (&ground.rows, &ground.core.rows);
         let own = self.columns(ground);
         let delay = Term::new(Subject::Effect(ALWAYS_FREE), &[]);
@@ -110,23 +122,15 @@ impl Correction {
             let added = force.iter_mut().zip(&core[j]);
             added.for_each(|(f, v)| *f += coefficients[j] * v);
         }
-        let squares = |r: &[f64]| 100.0 * r.iter().map(|r| r * r).sum::<f64>() / rows.variation();
-        Some(Named {
-            name: Name::Correction(self),
-            term: None,
-            confident: is_sure(&found),
-            confidence: confidence::of_evidence(&found),
+        Some(Corrected {
+            what: self,
             evidence: found,
-            standing: None,
-            nmse_test: [
-                squares(&held_out(&without, &rest, rows)),
-                squares(&extended.held_out_residual(rows)),
+            nmse: [
+                rows.nmse(&without.held_out_residual(&rest, &rows.target)),
+                extended.nmse(rows).test,
             ],
-            places: Place::all(rows, self.axis(), &force),
             force,
-            parameters: vec![self.parameter(ground, extended)],
-            source: None,
-            ambiguous: Vec::new(),
+            parameter: self.parameter(ground, extended),
         })
     }
 
@@ -137,15 +141,12 @@ impl Correction {
             Self::Friction => "force_N",
         };
         let folds = ground.rows.weak.folds.len();
-        let n = folds as f64;
         let left_out: Vec<f64> = (0..folds)
             .map(|s| self.value(ground, &extended.normal.without_fold(s)))
             .collect();
-        let mean = left_out.iter().sum::<f64>() / n;
-        let spread: f64 = left_out.iter().map(|v| (v - mean).powi(2)).sum();
-        let error = (spread * (n - 1.0) / n).sqrt();
         let value = self.value(ground, &extended.normal.coefficients);
-        (key.to_owned(), Estimate::new(value, Some(error), folds))
+        let estimate = Estimate::new(value, Some(jackknife(&left_out)), folds);
+        (key.to_owned(), estimate)
     }
 }
 
@@ -155,10 +156,10 @@ fn is_sure(found: &Evidence) -> bool {
 }
 
 /// What inertia and friction of the simulation lack or have too much of, where that is material.
-pub fn corrections(ground: &Ground, extended: &Hypothesis) -> Vec<Named> {
+pub fn corrections(ground: &Ground, extended: &Hypothesis) -> Vec<Corrected> {
     let judged = Correction::ALL
         .into_iter()
         .filter(|c| !c.columns(ground).is_empty())
         .filter_map(|c| c.judged(ground, extended));
-    judged.filter(|c| c.confident).collect()
+    judged.filter(|c| is_sure(&c.evidence)).collect()
 }

@@ -154,6 +154,9 @@ fn the_effect_itself_is_no_rival_and_a_curve_that_holds_it_makes_it_needless() {
         own.evidence
     );
 
+    let weighted = confidence::WEIGHTS.keys().filter(|k| *k != "constant");
+    assert!(weighted.eq(confidence::features(own).keys()));
+
     let curve = Curve {
         axis: axis::Axis::Velocity,
         odd: false,

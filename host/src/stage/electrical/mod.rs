@@ -13,8 +13,8 @@
 //! integration step (6.25 µs). `R` is copper's: `R_20·(1 + 0.00393·(θ − 20 °C))`, and the winding warms with its own `R·i²`.
 //!
 //! **Converter.** The current at one place in the period or the mean of several ([`Sampling`]), with offset, noise, quantisation and a
-//! range. On the paper's axis (75 µH, 3.41 Ω: 22 µs in a period of 50 µs) the current falls from 2.5 to 0.3 times its mean within a
-//! period, so the place matters: in the middle of the low side's time it is 0.82 of the mean.
+//! range. On the paper's axis (75 µH, 3.41 Ω: 22 µs in a period of 50 µs) the current falls from 2.5 to 0.1 times its mean within a
+//! period at a duty of 0.02, so the place matters: in the middle of the low side's time it is 0.81 of the mean.
 //!
 //! Left out: the switches' own resistance (it is in `R`), their rise times and delays, ringing, the supply's source impedance, commutation
 //! between the segments of the collector, the fall of the torque constant with temperature, and the time that the processor takes
