@@ -8,23 +8,32 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-macro_rules! table {
-    ($(#[$doc:meta])* $name:ident { $($field:ident: $kind:ty),* $(,)? }) => {
-        $(#[$doc])*
-        #[derive(Clone, Debug, PartialEq, Deserialize)]
-        #[serde(deny_unknown_fields)]
-        struct $name { $($field: $kind),* }
-    };
+// How the tables are read into the structs of the library, which knows no serde: the compiler holds each pair together.
+
+#[derive(Deserialize)]
+#[serde(remote = "Hardware", deny_unknown_fields)]
+struct HardwareTable {
+    rate_hz: u32,
+    steps: u16,
+    supply_code: f64,
+    current_code: f64,
+    dead_time: f64,
+    diode_drop: f64,
 }
 
-table!(EncoderTable {
+#[derive(Deserialize)]
+#[serde(remote = "Encoder", deny_unknown_fields)]
+struct EncoderTable {
     count: f64,
     window: f64,
     timeout: f64,
     reversed: bool,
-    turn: u32
-});
-table!(MotorTable {
+    turn: u32,
+}
+
+#[derive(Deserialize)]
+#[serde(remote = "Motor", deny_unknown_fields)]
+struct MotorTable {
     torque_constant: f64,
     resistance: f64,
     inductance: f64,
@@ -33,28 +42,31 @@ table!(MotorTable {
     efficiency: f64,
     supply: f64,
     reversed: bool,
-});
-table!(GainsTable {
+}
+
+#[derive(Deserialize)]
+#[serde(remote = "PidGains", deny_unknown_fields)]
+struct GainsTable {
     proportional: f64,
     integral: f64,
     derivative: f64,
     integral_limit: f64,
     deadband: f64,
-});
-table!(FeedForwardTable {
-    drive: DriveName,
+}
+
+#[derive(Deserialize)]
+#[serde(remote = "FeedForward", deny_unknown_fields)]
+struct FeedForwardTable {
+    #[serde(with = "DriveName")]
+    drive: Drive,
     share: f64,
     limit: f64,
-    mass: f64
-});
-table!(LimitsTable {
-    speed: f64,
-    acceleration: f64,
-    jerk: f64,
-    travel_low: Option<f64>,
-    travel_high: Option<f64>,
-});
-table!(WatchTable {
+    mass: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(remote = "Watch", deny_unknown_fields)]
+struct WatchTable {
     top_speed: f64,
     following_error: f64,
     frozen_duty: f64,
@@ -67,21 +79,24 @@ table!(WatchTable {
     current_rated: f64,
     thermal_time: f64,
     current_offset: f64,
-});
-table!(HardwareTable {
-    rate_hz: u32,
-    steps: u16,
-    supply_code: f64,
-    current_code: f64,
-    dead_time: f64,
-    diode_drop: f64,
-});
+}
 
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Deserialize)]
+#[serde(remote = "Drive", rename_all = "snake_case")]
 enum DriveName {
     Reference,
     Measured,
+}
+
+/// Two keys for the two ends of the travel.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LimitsTable {
+    speed: f64,
+    acceleration: f64,
+    jerk: f64,
+    travel_low: Option<f64>,
+    travel_high: Option<f64>,
 }
 
 /// What a board has between the processor and the axis: of the bridge and the converters that someone soldered to it.
@@ -144,13 +159,19 @@ pub struct AxisFile {
     duty_limit: f64,
     fade_time: f64,
     silence: f64,
-    hardware: HardwareTable,
-    encoder: EncoderTable,
-    motor: MotorTable,
-    gains: GainsTable,
-    feed_forward: FeedForwardTable,
+    #[serde(with = "HardwareTable")]
+    hardware: Hardware,
+    #[serde(with = "EncoderTable")]
+    encoder: Encoder,
+    #[serde(with = "MotorTable")]
+    motor: Motor,
+    #[serde(with = "GainsTable")]
+    gains: PidGains,
+    #[serde(with = "FeedForwardTable")]
+    feed_forward: FeedForward,
     limits: LimitsTable,
-    watch: WatchTable,
+    #[serde(with = "WatchTable")]
+    watch: Watch,
     /// By name.
     #[serde(default)]
     boards: BTreeMap<String, Board>,
@@ -228,89 +249,27 @@ impl AxisFile {
 
     /// The axis, on the hardware that the file names: the emulator's and the simulation's.
     pub fn axis(&self) -> Axis {
-        let HardwareTable {
-            rate_hz,
-            steps,
-            supply_code,
-            current_code,
-            dead_time,
-            diode_drop,
-        } = self.hardware;
-        let EncoderTable {
-            count,
-            window,
-            timeout,
-            reversed,
-            turn,
-        } = self.encoder;
-        let m = &self.motor;
-        let g = &self.gains;
-        let f = &self.feed_forward;
-        let l = &self.limits;
-        let w = &self.watch;
+        let LimitsTable {
+            speed,
+            acceleration,
+            jerk,
+            travel_low,
+            travel_high,
+        } = self.limits;
         Axis {
-            hardware: Hardware {
-                rate_hz,
-                steps,
-                supply_code,
-                current_code,
-                dead_time,
-                diode_drop,
-            },
-            encoder: Encoder {
-                count,
-                window,
-                timeout,
-                reversed,
-                turn,
-            },
-            motor: Motor {
-                torque_constant: m.torque_constant,
-                resistance: m.resistance,
-                inductance: m.inductance,
-                gear_ratio: m.gear_ratio,
-                screw_lead: m.screw_lead,
-                efficiency: m.efficiency,
-                supply: m.supply,
-                reversed: m.reversed,
-            },
-            gains: PidGains {
-                proportional: g.proportional,
-                integral: g.integral,
-                derivative: g.derivative,
-                integral_limit: g.integral_limit,
-                deadband: g.deadband,
-            },
-            feed_forward: FeedForward {
-                drive: match f.drive {
-                    DriveName::Reference => Drive::Reference,
-                    DriveName::Measured => Drive::Measured,
-                },
-                share: f.share,
-                limit: f.limit,
-                mass: f.mass,
-            },
+            hardware: self.hardware,
+            encoder: self.encoder,
+            motor: self.motor,
+            gains: self.gains,
+            feed_forward: self.feed_forward,
             limits: Limits {
-                speed: l.speed,
-                acceleration: l.acceleration,
-                jerk: l.jerk,
-                travel: l.travel_low.zip(l.travel_high),
+                speed,
+                acceleration,
+                jerk,
+                travel: travel_low.zip(travel_high),
             },
             duty_limit: self.duty_limit,
-            watch: Watch {
-                top_speed: w.top_speed,
-                following_error: w.following_error,
-                frozen_duty: w.frozen_duty,
-                frozen_time: w.frozen_time,
-                supply_min: w.supply_min,
-                supply_max: w.supply_max,
-                supply_time: w.supply_time,
-                overruns: w.overruns,
-                current_max: w.current_max,
-                current_rated: w.current_rated,
-                thermal_time: w.thermal_time,
-                current_offset: w.current_offset,
-            },
+            watch: self.watch,
             fade_time: self.fade_time,
             silence: self.silence,
         }
