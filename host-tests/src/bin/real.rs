@@ -52,6 +52,27 @@ const AMPERES: &[&str] = &["--map", "current_A=current_iq_A"];
 /// The same beside the position in counts.
 const COUNTS: &[&str] = &["--map", "current_A=current_iq_A", "--ignore", "pos_counts"];
 
+/// A joint of the robot, without its motor's own angle.
+const JOINT: &[&str] = &[
+    "--map",
+    "q_rad=joint_q_rad",
+    "--map",
+    "effort_raw=motor_torque_raw",
+    "--ignore",
+    "motor_q_rad",
+];
+/// The pendulum's bare names.
+const PENDULUM: &[&str] = &[
+    "--map",
+    "t_s=time",
+    "--map",
+    "q_rad=position",
+    "--map",
+    "torque_Nm=torque",
+    "--map",
+    "qd_rad_s=velocity",
+];
+
 /// Torque per current of the gimbal motor, the outrunner and the robot is not published: results are per ampere, or per unit.
 static SOURCES: [Source; 20] = [
     each(
@@ -94,26 +115,12 @@ static SOURCES: [Source; 20] = [
     ),
     each(
         "staubli_tx40/joint4",
-        &[
-            "--map",
-            "q_rad=joint_q_rad",
-            "--map",
-            "effort_raw=motor_torque_raw",
-            "--ignore",
-            "motor_q_rad",
-        ],
+        JOINT,
         "periodic force of 0.2046 rad; viscous",
     ),
     each(
         "staubli_tx40",
-        &[
-            "--map",
-            "q_rad=joint_q_rad",
-            "--map",
-            "effort_raw=motor_torque_raw",
-            "--ignore",
-            "motor_q_rad",
-        ],
+        JOINT,
         "viscous; joint 6 coupled to joint 5, which is not in this file",
     ),
     each(
@@ -129,32 +136,10 @@ static SOURCES: [Source; 20] = [
             "gravity, viscous, friction that follows the load",
         )
     },
-    each(
-        "dfki_pendulum/gravcomp",
-        &[
-            "--map",
-            "t_s=time",
-            "--map",
-            "q_rad=position",
-            "--map",
-            "torque_Nm=torque",
-            "--map",
-            "qd_rad_s=velocity",
-        ],
-        "gravity explains all",
-    ),
+    each("dfki_pendulum/gravcomp", PENDULUM, "gravity explains all"),
     each(
         "dfki_pendulum",
-        &[
-            "--map",
-            "t_s=time",
-            "--map",
-            "q_rad=position",
-            "--map",
-            "torque_Nm=torque",
-            "--map",
-            "qd_rad_s=velocity",
-        ],
+        PENDULUM,
         "little: the best rigid body leaves 64 to 83 %",
     ),
     Source {
