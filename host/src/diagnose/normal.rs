@@ -136,21 +136,20 @@ impl Normal {
         let right = rights.iter().fold(DVector::zeros(p), |sum, r| sum + r);
         let active = non_negative(&gram, &right, bounds)?;
         let pick = |m: &DMatrix<f64>| m.select_rows(&active).select_columns(&active);
-        let systems = std::iter::once(None)
-            .chain((0..folds.len()).map(Some))
-            .map(|out| {
-                let (g, r) = match out {
-                    None => (pick(&gram), right.select_rows(&active)),
-                    Some(s) => (
-                        pick(&(&gram - &grams[s])),
-                        (&right - &rights[s]).select_rows(&active),
-                    ),
-                };
-                let factor = g.cholesky()?;
-                let beta = factor.solve(&r);
-                Some(System { factor, beta })
-            })
-            .collect::<Option<Vec<System>>>()?;
+        let solve = |g: DMatrix<f64>, r: DVector<f64>| {
+            let factor = g.cholesky()?;
+            let beta = factor.solve(&r);
+            Some(System { factor, beta })
+        };
+        let whole = solve(pick(&gram), right.select_rows(&active))?;
+        let prior = DMatrix::from_diagonal(&whole.beta.map(expected));
+        let mut systems = vec![whole];
+        for (own, r) in grams.iter().zip(&rights) {
+            systems.push(solve(
+                pick(&(&gram - own)) + &prior,
+                (&right - r).select_rows(&active),
+            )?);
+        }
         let mut coefficients = vec![0.0; p];
         for (i, &j) in active.iter().enumerate() {
             coefficients[j] = systems[0].beta[i] * scale[j];
@@ -326,9 +325,20 @@ impl Normal {
         let (cross, own, right) = parts[1..].iter().fold(first, |(a, b, c), part| {
             (a + &part.0, b + &part.1, c + &part.2)
         });
-        let mut solved = vec![self.systems[0].schur(&cross, &own, &right)];
+        let whole = self.systems[0].schur(&cross, &own, &right);
+        let held = |j: usize| {
+            let c = whole.as_ref().map_or(0.0, |w| w.c[j]);
+            own[(j, j)] * (1.0 + expected(c * own[(j, j)].sqrt()))
+        };
+        let mut prior = own.clone();
+        prior.set_diagonal(&DVector::from_fn(own.nrows(), |j, _| held(j)));
+        let mut solved = vec![whole];
         for (system, part) in self.systems[1..].iter().zip(&parts) {
-            solved.push(system.schur(&(&cross - &part.0), &(&own - &part.1), &(&right - &part.2)));
+            solved.push(system.schur(
+                &(&cross - &part.0),
+                &(&prior - &part.1),
+                &(&right - &part.2),
+            ));
         }
         Shape { solved }
     }
@@ -354,6 +364,12 @@ impl System {
             c,
         })
     }
+}
+
+/// Precision that a fold's fit expects of the coefficient `beta` of a unit column on all rows: no fold knows more of its size. A column
+/// that only the rows held out excite would have any coefficient, and tell of nothing but that.
+fn expected(beta: f64) -> f64 {
+    1.0 / (beta * beta).max(1.0)
 }
 
 fn subtract(out: &mut [f64], column: &[f64], factor: f64) {
@@ -422,7 +438,57 @@ fn non_negative(a: &DMatrix<f64>, b: &DVector<f64>, bounds: &[Bound]) -> Option<
 
 #[cfg(test)]
 mod tests {
+    use super::super::noise::Course;
     use super::*;
+
+    /// A column that all but acts in the third of three folds only, beside one that acts in all: the first two folds know its
+    /// coefficient to ± 37, and a fit of theirs must not tell the third fold so.
+    #[test]
+    fn a_column_that_only_the_fold_held_out_excites_predicts_nothing() {
+        let folds = [0..40, 40..80, 80..120];
+        let wave: Vec<f64> = (0..120).map(|i| (f64::from(i) * 0.7).sin()).collect();
+        let late: Vec<f64> = (0..120)
+            .map(|i| {
+                3e-4 + if i < 80 {
+                    0.0
+                } else {
+                    (f64::from(i) * 0.31).cos()
+                }
+            })
+            .collect();
+        let noise = |i: usize| 0.1 * ((i * i) as f64 * 1.7).sin();
+        let target: Vec<f64> = (0..120)
+            .map(|i| 2.0 * wave[i] + 3.0 * late[i] + noise(i))
+            .collect();
+        let flat = vec![0.0; 120];
+        let course = Course {
+            folds: &folds,
+            time: &(0..120).map(f64::from).collect::<Vec<_>>(),
+            path: &flat,
+            friction: &flat,
+            stiffness: &flat,
+            stroke: 1.0,
+        };
+        let white = Noise::white(&(0..120).map(noise).collect::<Vec<_>>(), &course);
+        let columns = [wave.as_slice(), late.as_slice()];
+        let fit = Normal::new(&white, &folds, &columns, &[Bound::Free; 2], &target)
+            .expect("two columns determine their coefficients");
+        assert!(
+            (fit.coefficients[1] - 3.0).abs() < 0.1,
+            "{:?}",
+            fit.coefficients
+        );
+        let left = fit.held_out_residual(&columns, &target);
+        let rms = |v: &[f64]| (v.iter().map(|x| x * x).sum::<f64>() / v.len() as f64).sqrt();
+        let untold: Vec<f64> = (80..120).map(|i| 3.0 * late[i] + noise(i)).collect();
+        assert!(
+            rms(&left[80..]) < 1.3 * rms(&untold),
+            "{} {}",
+            rms(&left[80..]),
+            rms(&untold)
+        );
+        assert!(rms(&left[..80]) < 0.09, "{}", rms(&left[..80]));
+    }
 
     #[test]
     fn a_negative_coefficient_takes_no_part() {
