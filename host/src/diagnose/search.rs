@@ -1,5 +1,6 @@
 //! Which terms a recording asks for: forward and backward, by what they explain of rows that their fit has not seen.
 
+use super::change::Change;
 use super::effect::{self, Class};
 use super::ground::{Ground, Hypothesis};
 use super::offer::{Offer, offer_of, offers, refined};
@@ -11,6 +12,9 @@ use crate::progress::Progress;
 pub const ALPHA: f64 = 0.05;
 /// Least share of the mismatch that a term must explain to enter: what has nothing to gain is no finding.
 pub const MATERIAL: f64 = 0.01;
+/// The same share of the mismatch that the recording began with, but not more than this (% of the effort's variance): what is left of a
+/// large mismatch is as small to the machine's user as it is sure.
+const SEEN: f64 = 0.05;
 /// Least deviation of a candidate's force, of the measured effort's: below it nothing is to be gained on a machine, however repeatable the recording.
 const WORTH: f64 = 0.002;
 /// Share of the best candidate's explanation that plain physics needs to be taken first: every machine may have it, and a free
@@ -60,14 +64,19 @@ pub fn search(
         [given, &[delay]].concat()
     };
     let mut hypothesis = ground.fit(&first)?;
+    let visible = SEEN.min(MATERIAL * hypothesis.nmse(&ground.rows).test);
     let mut barred: Vec<String> = Vec::new();
     loop {
         let (mut list, families) = offers(&ground, &hypothesis, periods);
         progress.inc(1);
         lead(&ground, &hypothesis, &mut list);
+        let left = hypothesis.nmse(&ground.rows).test;
         list.retain(|o| !barred.contains(&o.term.subject.key()) && !is_harmless(&ground, o));
         let full = hypothesis.terms.len() >= first.len() + MOST;
-        let Some(next) = pick(&list, families).filter(|_| !full).cloned() else {
+        let Some(next) = pick(&list, families, visible / left)
+            .filter(|_| !full)
+            .cloned()
+        else {
             return Some(Found {
                 hypothesis: polished(&ground, hypothesis, first.len()),
                 ground,
@@ -115,11 +124,13 @@ fn lead(ground: &Ground, hypothesis: &Hypothesis, list: &mut [Offer]) {
 }
 
 /// The candidate that enters.
-fn pick(list: &[Offer], families: usize) -> Option<&Offer> {
+fn pick(list: &[Offer], families: usize, material: f64) -> Option<&Offer> {
     let fit: Vec<&Offer> = list
         .iter()
         .filter(|o| {
-            o.evidence.share >= MATERIAL && o.relative >= WORTH && o.chance(families) < ALPHA
+            o.evidence.share >= material.max(MATERIAL)
+                && o.relative >= WORTH
+                && o.chance(families) < ALPHA
         })
         .collect();
     let best = *fit.first()?;
@@ -127,13 +138,19 @@ fn pick(list: &[Offer], families: usize) -> Option<&Offer> {
     let least = |o: &Offer| match (best.term.subject, o.term.effect()) {
         (Subject::Curve(curve), Some(effect)) if effect.axis() == curve.axis => OWN,
         (Subject::Curve(_), _) => MATCH,
+        (Subject::Change(Change::LateYields), _) => MATCH,
         (Subject::Change(_), _) => OWN,
         _ => 0.0,
     };
     let good = |o: &&&Offer| o.evidence.share >= least(o) * best.evidence.share;
+    // Hysteresis of long displacements is plain, too.
+    let first = match best.term.subject {
+        Subject::Change(Change::LateYields) => MATCH,
+        _ => PLAIN,
+    };
     let plain = |o: &&&Offer| {
         o.term.effect().is_some_and(|e| e.class() == Class::Plain)
-            && o.evidence.share >= PLAIN * best.evidence.share
+            && o.evidence.share >= first * best.evidence.share
     };
     let first = fit.iter().find(|o| named(o) && plain(o));
     first
