@@ -96,7 +96,6 @@ fn a_constant_force_is_named_with_its_interval_and_its_double() {
 }
 
 #[test]
-#[ignore = "missed: the engine gives this stranger a name of the catalogue; docs/src/limits.md"]
 fn a_memory_of_time_is_unknown_physics() {
     let (found, _) = answer(56, Kind::Outside(Id::RelaxingMemory));
     assert_eq!(found.verdict, "unknown-physics", "{:?}", confident(&found));

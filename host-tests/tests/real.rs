@@ -41,7 +41,6 @@ fn the_offset_that_the_model_lacks_is_named_confidently() {
 }
 
 #[test]
-#[ignore = "missed: −3.76 N (−3.91…−3.60) beside maps over position that share it; docs/src/limits.md"]
 fn the_offset_that_the_model_lacks_is_measured() {
     let Some(recording) = emps() else { return };
     let found = answer(&recording);
