@@ -97,7 +97,8 @@ impl Standing {
     /// Compares with one rival in the same place. What has no name is only told: a curve that contains the effect's own does as well.
     fn meet(&mut self, ground: &Ground, rest: &Hypothesis, own: &Offer, rival: &Offer) {
         let ratio = rival.evidence.share / own.evidence.share.max(1e-300);
-        self.tried.push((rival.term.subject.key(), ratio));
+        self.tried
+            .push((rival.term.subject.name(&ground.rows.s), ratio));
         let Subject::Effect(effect) = rival.term.subject else {
             return;
         };

@@ -175,7 +175,7 @@ impl Diagnosis {
         let evidence = self.effects.iter().map(|e| {
             let Some(standing) = &e.standing else {
                 return format!(
-                    "{} ({}): {}. It would explain {:.1} % of the mismatch, at {:.1} standard errors.",
+                    "{} ({}): {}. It would explain {:.1} % of what is left, at {:.1} standard errors.",
                     e.id(), e.level(), e.name.words(), 100.0 * e.evidence.share, e.evidence.z
                 );
             };
@@ -185,14 +185,14 @@ impl Diagnosis {
                 .map(|(key, ratio)| format!("{key} {:.0} %", 100.0 * ratio))
                 .collect();
             format!(
-                "{} ({}): {}. It explains {:.1} % of the mismatch on stretches that its fit has not seen, at {:.1} standard errors over {:.0} stretches. In its place others explain, of what it does: {}. Beside changes of the hysteresis it keeps {:.0} %. To tell it apart: {}.",
+                "{} ({}): {}. It explains {:.1} % of what is left without it, on stretches that its fit has not seen, at {:.1} standard errors over {:.0} stretches. In its place others explain, of what it does: {}. Beside changes of the hysteresis it keeps {:.0} %. To tell it apart: {}.",
                 e.id(), e.level(), e.name.words(), 100.0 * e.evidence.share, e.evidence.z, e.evidence.blocks,
                 if tried.is_empty() { "nothing comparable".to_owned() } else { tried.join(", ") },
                 100.0 * standing.survival, e.name.experiment()
             )
         });
         let intro = format!(
-            "NMSE (eq. 13) is the squared error over the variance of the whole measured effort after averaging with a kernel of ±{:.1} ms; test figures come from {} stretches of the recording held out in turn. What is decided is decided between {} stretches with equal shares of the moving time and of the path. Rest ({:.0} % of the samples) and the begin of each recording, until friction's state is known, are left out.",
+            "NMSE (eq. 13) is the squared error over the variance of the whole measured effort after averaging with a kernel of ±{:.1} ms; test figures come from {} stretches of the recording held out in turn. What is decided is decided between {} stretches with equal shares of the moving time and of the path. Rest ({:.0} % of the samples) and the beginning of each recording, until friction's state is known, are left out.",
             1e3 * rows.weak.half_width_s,
             rows.weak.folds.len(),
             rows.blocks.len(),

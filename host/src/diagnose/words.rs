@@ -110,7 +110,7 @@ impl Unknown {
             None => format!("something that follows {}", self.axis.name(s)),
         };
         format!(
-            "{what}, {}{place}: {} RMS, {} of the mismatch",
+            "{what}, {}{place}: {} RMS, {} of what is left",
             if self.odd {
                 "flipping with the direction"
             } else {
@@ -168,7 +168,7 @@ impl Diagnosis {
             (effect.force.iter().map(|f| f * f).sum::<f64>() / n).sqrt()
         };
         let text = format!(
-            "{place}{}: {}. It explains {} of the mismatch; compensated, {} RMS of disturbance are gone",
+            "{place}{}: {}. It explains {} of what is left without it; compensated, {} RMS of disturbance are gone",
             size(self, &effect.force, recording),
             effect.name.name(),
             percent(effect.evidence.share),
