@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
-use preslide_host_tests::judge::calibrate::{Names, fit, left_out};
+use preslide_host_tests::judge::calibrate::{Names, fit, held_without, left_out, widths};
 
-/// Fits the confidence of names: weights of their features, each source, machine and effect left out in turn
+/// Fits the confidence of names and the width of intervals, each source, machine and effect left out in turn
 ///
 /// The names come from files that `cargo xtask sources --json FILE` and `cargo xtask inject --json FILE` write.
 #[derive(Parser)]
@@ -31,6 +31,10 @@ fn run(o: &Options) -> Result<(), String> {
     println!("{}", left_out(&names, |s| s.kind().to_owned()));
     println!("{}", left_out(&names, |s| s.source.clone()));
     println!("{}", left_out(&names, |s| s.id.clone()));
+    println!(
+        "95 % intervals: true values held as stated, and widened as fitted without the source\n"
+    );
+    println!("{}", held_without(&names));
     let text = file(&names, &weights);
     println!("{text}");
     if o.bless {
@@ -49,11 +53,15 @@ fn file(names: &Names, weights: &[f64]) -> String {
         own[1] += 1;
     }
     let mut text = String::from(
-        "# Written by `cargo xtask calibrate --bless`: weights of the logistic behind a stated confidence.\n\n[weights]\n",
+        "# Written by `cargo xtask calibrate --bless`: weights of the logistic behind a stated confidence, and widths of intervals.\n\n[weights]\n",
     );
     let keys = std::iter::once("constant").chain(names.features.iter().map(String::as_str));
     for (key, weight) in keys.zip(weights) {
         let _ = writeln!(text, "{key} = {weight:.3}");
+    }
+    text += "\n# Times that an interval of an effect is widened.\n[widths]\n";
+    for (effect, width) in widths(names.distances.iter()) {
+        let _ = writeln!(text, "{effect} = {width:.2}");
     }
     text += "\n# Names that it was fitted to: right, all.\n[names]\n";
     for (source, [right, all]) in sources {

@@ -14,6 +14,12 @@ const RIDGE: f64 = 1.0;
 const REAL: &str = "real";
 /// Steps of Newton's method; it ends in about eight.
 const STEPS: usize = 50;
+/// Share of true values that an interval is to hold.
+const HELD: f64 = 0.95;
+/// True values from which an effect's intervals have a width of their own.
+const ENOUGH: usize = 10;
+/// The key of all other effects' intervals.
+const OTHERS: &str = "others";
 
 /// A name that was stated, with its truth.
 pub struct Stated {
@@ -35,6 +41,8 @@ pub struct Names {
     pub features: Vec<String>,
     /// The names whose truth is known.
     pub stated: Vec<Stated>,
+    /// By source and effect: how far a true value is from the middle of its interval, in half widths.
+    pub distances: Vec<(String, String, f64)>,
 }
 
 impl Names {
@@ -46,6 +54,7 @@ impl Names {
         let mut names = Self {
             features: Vec::new(),
             stated: Vec::new(),
+            distances: Vec::new(),
         };
         for file in files {
             let wrong = |reason: String| format!("{}: {reason}", file.display());
@@ -64,6 +73,15 @@ impl Names {
         let mut source = word("source");
         if ["injection", "benches", "controls"].contains(&source.as_str()) {
             source = format!("{REAL}: {}", word("name"));
+        }
+        for distance in case["distances"].as_array().into_iter().flatten() {
+            let key = distance[0].as_str().ok_or("a distance without a key")?;
+            let effect = key.split('.').next().unwrap_or_default();
+            self.distances.push((
+                source.clone(),
+                effect.to_owned(),
+                distance[1].as_f64().ok_or("a distance that is no number")?,
+            ));
         }
         for name in case["names"].as_array().ok_or("a case without names")? {
             let (Some(features), Some(right)) =
@@ -152,6 +170,63 @@ pub fn fit<'a>(names: impl Iterator<Item = &'a Stated>) -> Option<Vec<f64>> {
     Some(weights.iter().copied().collect())
 }
 
+/// How many times as wide an interval must be to hold [`HELD`] of the true values, by effect where there are [`ENOUGH`], else over
+/// all others; sources count alike.
+pub fn widths<'a>(
+    distances: impl Iterator<Item = &'a (String, String, f64)>,
+) -> BTreeMap<String, f64> {
+    let all: Vec<_> = distances.collect();
+    let mut groups = BTreeMap::<&str, Vec<(&str, f64)>>::new();
+    for (source, effect, distance) in &all {
+        let own = all.iter().filter(|d| d.1 == *effect).count();
+        let key = if own >= ENOUGH { effect } else { OTHERS };
+        groups.entry(key).or_default().push((source, *distance));
+    }
+    groups
+        .into_iter()
+        .map(|(key, own)| (key.to_owned(), quantile(own).max(1.0)))
+        .collect()
+}
+
+/// The distance that [`HELD`] of them do not exceed, each weighted by its source's share.
+fn quantile(mut distances: Vec<(&str, f64)>) -> f64 {
+    distances.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let mut counts = BTreeMap::<&str, f64>::new();
+    for (source, _) in &distances {
+        *counts.entry(source).or_default() += 1.0;
+    }
+    let whole = counts.len() as f64;
+    let mut below = 0.0;
+    let held = distances.iter().find(|(source, _)| {
+        below += 1.0 / counts[source];
+        below >= HELD * whole - 1e-9
+    });
+    held.map_or(1.0, |d| d.1)
+}
+
+/// For each source: true values, how many the intervals as stated hold, and how many those widened without it.
+pub fn held_without(names: &Names) -> String {
+    let sources: std::collections::BTreeSet<&str> =
+        names.distances.iter().map(|d| d.0.as_str()).collect();
+    let mut text = format!(
+        "{:<28} {:>9} {:>8} {:>8}\n",
+        "left out", "values", "held", "widened"
+    );
+    for source in sources {
+        let widths = widths(names.distances.iter().filter(|d| d.0 != source));
+        let of = |effect: &str| widths.get(effect).or(widths.get(OTHERS)).copied();
+        let own = || names.distances.iter().filter(|d| d.0 == source);
+        let held = own().filter(|d| d.2 <= 1.0).count();
+        let widened = own().filter(|d| d.2 <= of(&d.1).unwrap_or(1.0)).count();
+        let _ = writeln!(
+            text,
+            "{source:<28} {:>9} {held:>8} {widened:>8}",
+            own().count()
+        );
+    }
+    text
+}
+
 /// Probability under some weights.
 pub fn probability(weights: &[f64], features: &[f64]) -> f64 {
     let sum: f64 = weights[1..].iter().zip(features).map(|(w, f)| w * f).sum();
@@ -218,6 +293,18 @@ fn row(name: &str, stated: &[(f64, bool)], fitted: &[(f64, bool)]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// 20 distances of one effect, 0.1 to 2.0, and three of another: 95 % of the former are up to 1.9, and all of the latter.
+    #[test]
+    fn intervals_are_widened_to_hold_nineteen_of_twenty() {
+        let many = (1..=20).map(|i| ("a".to_owned(), "stribeck".to_owned(), 0.1 * f64::from(i)));
+        let few = [0.5, 2.5, 3.0].map(|d| ("a".to_owned(), "viscous".to_owned(), d));
+        let distances: Vec<_> = many.chain(few).collect();
+        let widths = widths(distances.iter());
+        assert_eq!(widths.keys().collect::<Vec<_>>(), [OTHERS, "stribeck"]);
+        assert!((widths["stribeck"] - 1.9).abs() < 1e-12, "{widths:?}");
+        assert!((widths[OTHERS] - 3.0).abs() < 1e-12, "{widths:?}");
+    }
 
     /// 800 of 1000 at 1 and 200 of 1000 at 0: the odds are 4 and 1/4, but for the ridge.
     #[test]

@@ -253,23 +253,25 @@ impl Case {
         found
     }
 
-    /// For each stated 95 % interval of a rightly named effect's parameter: whether it holds the true value.
-    pub fn covered(&self) -> Vec<(String, bool)> {
-        let mut covered = Vec::new();
+    /// For each stated 95 % interval of a rightly named effect's parameter: how far from its middle the true value is, in half widths;
+    /// it is held up to 1.
+    pub fn distances(&self) -> Vec<(String, f64)> {
+        let mut distances = Vec::new();
         for truth in &self.truth {
             for named in self.confident().filter(|n| n.id == truth.id && truth.is(n)) {
                 for (name, value) in &truth.parameters {
                     let stated = named.parameters.iter().find(|p| p.0 == *name);
                     if let Some((_, _, Some((low, high)))) = stated {
-                        covered.push((
+                        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+                        distances.push((
                             format!("{}.{name}", truth.id),
-                            (low..=high).contains(&value),
+                            (value - middle).abs() / half.max(f64::MIN_POSITIVE),
                         ));
                     }
                 }
             }
         }
-        covered
+        distances
     }
 
     /// One line: what was there, what was said.
@@ -321,7 +323,7 @@ impl Case {
         json!({
             "source": self.source, "name": self.name, "sort": self.sort.name(), "strength": self.strength,
             "truth": self.truth.iter().map(|t| &t.id).collect::<Vec<_>>(), "there": self.there,
-            "verdict": self.verdict(), "error": self.answer.as_ref().err(), "names": names, "seconds": self.seconds,
+            "verdict": self.verdict(), "error": self.answer.as_ref().err(), "names": names, "distances": self.distances(), "seconds": self.seconds,
         })
     }
 }

@@ -216,13 +216,13 @@ pub fn rows(cases: &[&Case]) -> Vec<(String, String)> {
         "named effects with a place: overlaps by half",
         Share::of(&places, |p| p.1),
     );
-    let covered: Vec<(String, bool)> = cases.iter().flat_map(|c| c.covered()).collect();
+    let distances: Vec<(String, f64)> = cases.iter().flat_map(|c| c.distances()).collect();
     row(
         "95 % intervals that hold the truth",
-        Share::of(&covered, |c| c.1),
+        Share::of(&distances, |d| d.1 <= 1.0),
     );
-    let level = covered.iter().filter(|c| c.0 == "stribeck.level");
-    row("  Stribeck's level", Share::of(level, |c| c.1));
+    let level = distances.iter().filter(|d| d.0 == "stribeck.level");
+    row("  Stribeck's level", Share::of(level, |d| d.1 <= 1.0));
     let stated = stated(cases.iter().copied());
     if !stated.is_empty() {
         let error = format!("{:.3} of {}", calibration_error(&stated), stated.len());

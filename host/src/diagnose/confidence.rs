@@ -21,16 +21,15 @@ const USUAL: f64 = 0.05;
 const LEAST: f64 = 1e-4;
 
 #[derive(Deserialize)]
-struct Calibration {
-    weights: BTreeMap<String, f64>,
+pub(super) struct Calibration {
+    /// By feature, and the constant; a test holds them against [`features`].
+    pub(super) weights: BTreeMap<String, f64>,
+    /// By effect, and `others`.
+    widths: BTreeMap<String, f64>,
 }
 
-/// By feature, and the constant; a test holds them against [`features`].
-pub(super) static WEIGHTS: LazyLock<BTreeMap<String, f64>> = LazyLock::new(|| {
-    toml::from_str::<Calibration>(CALIBRATION)
-        .expect("the committed calibration is TOML")
-        .weights
-});
+pub(super) static FITTED: LazyLock<Calibration> =
+    LazyLock::new(|| toml::from_str(CALIBRATION).expect("the committed calibration is TOML"));
 
 /// What tells a right name from a false one, by name; about zero for a name at the edge.
 pub fn features(standing: &Standing) -> BTreeMap<&'static str, f64> {
@@ -56,9 +55,16 @@ pub fn features(standing: &Standing) -> BTreeMap<&'static str, f64> {
 
 /// Probability that the effect is there and so named.
 pub fn confidence(standing: &Standing) -> f64 {
-    let weight = |key: &str| WEIGHTS.get(key).copied().unwrap_or(0.0);
+    let weight = |key: &str| FITTED.weights.get(key).copied().unwrap_or(0.0);
     let own = features(standing).into_iter();
     logistic(weight("constant") + own.map(|(key, f)| f * weight(key)).sum::<f64>())
+}
+
+/// How many times as wide as its fit says an interval of an effect must be to hold the truth as often as it claims: the fit does not
+/// know how wrong its form is.
+pub fn width(effect: &str) -> f64 {
+    let widths = &FITTED.widths;
+    *widths.get(effect).or(widths.get("others")).unwrap_or(&1.0)
 }
 
 fn logistic(x: f64) -> f64 {

@@ -1,5 +1,6 @@
 //! Values of an effect's parameters, with what the recording leaves open.
 
+use super::confidence;
 use super::effect::Fitted;
 use super::ground::{Ground, Hypothesis};
 use super::polish::slopes;
@@ -71,6 +72,9 @@ pub fn parameters(
     if let Some(alike) = ground.fit_unweighted(&hypothesis.terms) {
         hold(&mut own, values(alike.coefficients(index)));
     }
+    for (_, estimate) in &mut own {
+        widen(estimate, confidence::width(effect.id()));
+    }
     own
 }
 
@@ -80,6 +84,18 @@ pub(super) fn jackknife(left_out: &[f64]) -> f64 {
     let mean = left_out.iter().sum::<f64>() / n;
     let spread: f64 = left_out.iter().map(|v| (v - mean).powi(2)).sum();
     (spread * (n - 1.0) / n).sqrt()
+}
+
+/// Widens an interval `times`, by a factor where it is of one sign: it stays so.
+fn widen(estimate: &mut Estimate, times: f64) {
+    let value = estimate.value;
+    for bound in estimate.ci95.iter_mut().flatten() {
+        *bound = if *bound * value > 0.0 {
+            value * (*bound / value).powf(times)
+        } else {
+            value + times * (*bound - value)
+        };
+    }
 }
 
 /// Widens intervals to what a fit says that weights all rows alike: the noise model is not known better than that.

@@ -154,7 +154,10 @@ fn the_effect_itself_is_no_rival_and_a_curve_that_holds_it_makes_it_needless() {
         own.evidence
     );
 
-    let weighted = confidence::WEIGHTS.keys().filter(|k| *k != "constant");
+    let weighted = confidence::FITTED
+        .weights
+        .keys()
+        .filter(|k| *k != "constant");
     assert!(weighted.eq(confidence::features(own).keys()));
 
     let curve = Curve {
