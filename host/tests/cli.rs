@@ -1,73 +1,13 @@
 //! The `preslide` binary from outside: bad input, outputs, exit codes, help.
 
+mod binary;
+
+use binary::{Folder, HEADER, Run, preslide, recording};
+use preslide_host::model::Model;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Command;
 use std::time::{Duration, Instant};
-
-use preslide_host::model::Model;
-use tempfile::TempDir;
-
-/// What a run of the binary left behind.
-struct Run {
-    code: Option<i32>,
-    out: String,
-    err: String,
-}
-
-impl From<Output> for Run {
-    fn from(output: Output) -> Self {
-        let run = Run {
-            code: output.status.code(),
-            out: String::from_utf8_lossy(&output.stdout).into_owned(),
-            err: String::from_utf8_lossy(&output.stderr).into_owned(),
-        };
-        assert!(!run.err.contains("panicked"), "panic:\n{}", run.err);
-        run
-    }
-}
-
-impl Run {
-    /// The exit code, and every one of `parts` on stderr.
-    fn fails(&self, code: i32, parts: &[&str]) {
-        assert_eq!(self.code, Some(code), "{}", self.err);
-        for part in parts {
-            assert!(self.err.contains(part), "`{part}` is not in:\n{}", self.err);
-        }
-    }
-
-    fn succeeds(&self) -> &Self {
-        assert_eq!(self.code, Some(0), "{}", self.err);
-        self
-    }
-}
-
-fn preslide(arguments: &[&str]) -> Run {
-    Command::new(env!("CARGO_BIN_EXE_preslide"))
-        .args(arguments)
-        .output()
-        .expect("the binary runs")
-        .into()
-}
-
-/// Files of one test.
-struct Folder(TempDir);
-
-impl Folder {
-    fn new() -> Self {
-        Self(tempfile::tempdir().expect("temporary folder"))
-    }
-
-    fn path(&self, name: &str) -> String {
-        self.0.path().join(name).display().to_string()
-    }
-
-    fn file(&self, name: &str, bytes: impl AsRef<[u8]>) -> String {
-        let path = self.path(name);
-        std::fs::write(&path, bytes).expect("written");
-        path
-    }
-}
 
 /// A folder of the real recordings, where it exists.
 fn real(name: &str) -> Option<String> {
@@ -81,25 +21,6 @@ fn real(name: &str) -> Option<String> {
     }
     Some(root.join(name).display().to_string())
 }
-
-/// Six cycles of two nested loops of a single Maxwell-slip block, 4000 N/m and 1 N, with a little viscous friction
-/// and a ripple; header and samples.
-fn recording(header: &str) -> String {
-    let mut text = format!("{header}\n");
-    let (mut z, mut last) = (0.0_f64, 0.0);
-    for i in 0..2400 {
-        let time = f64::from(i) * 0.01;
-        let turn = std::f64::consts::TAU * f64::from(i % 400) / 400.0;
-        let x = 1e-3 * (turn.sin() + 0.4 * (3.0 * turn).sin());
-        z = (z + x - last).clamp(-2.5e-4, 2.5e-4);
-        last = x;
-        let ripple = 0.01 * f64::from((i * 7919) % 101 - 50) / 50.0;
-        writeln!(text, "{time:.3},{x:.9},{:.6}", 4000.0 * z + ripple).expect("memory");
-    }
-    text
-}
-
-const HEADER: &str = "t_s,x_m,friction_N";
 
 /// A recording with one line (counted from 1, the header) replaced.
 fn with_line(line: usize, text: &str) -> String {
@@ -570,4 +491,40 @@ fn capture_leaves_nothing_behind_where_nothing_comes() {
     let nowhere = folder.path("none/new.csv");
     preslide(&["capture", &noise, "-o", &nowhere]).fails(1, &["none", "folder"]);
     preslide(&["capture", &noise, "-o", &new, "--every", "0"]).fails(2, &["--every"]);
+}
+
+#[test]
+fn a_reference_is_followed_in_closed_loop() {
+    let folder = Folder::new();
+    let model = folder.file("model.toml", format!("{MODEL}[inertia]\nmass_kg = 2.0\n"));
+    let plan = folder.file("plan.csv", recording(HEADER));
+    let gains = "schema = \"preslide.controller/1\"\nrate_Hz = 8000\nproportional_N_per_m = 2e5\nintegral_N_per_m_s = 1e6\nderivative_N_s_per_m = 900\nlimit_N = 50\n";
+    let good = folder.file("gains.toml", gains);
+    let json = folder.path("out.json");
+    let run = |gains: &str, more: &[&str]| {
+        let first = [
+            "simulate",
+            &model,
+            "--reference",
+            &plan,
+            "--controller",
+            gains,
+        ];
+        preslide(&[&first[..], more].concat())
+    };
+    let found = run(&good, &["--json", &json]);
+    assert!(
+        found.succeeds().out.contains("follows its reference"),
+        "{}",
+        found.out
+    );
+    let text = std::fs::read_to_string(&json).expect("written");
+    let value: serde_json::Value = serde_json::from_str(&text).expect("valid JSON");
+    assert_eq!(value["input"], "reference");
+    let largest = value["following_max"].as_f64().expect("a number");
+    // Breakaway force over proportional gain, 4.5 µm, and the start: from rest to 3.5 mm/s in a loop of 316 rad/s, 5 µm.
+    assert!(largest > 0.0 && largest < 1e-5, "{largest:e}");
+    let bad = folder.file("bad.toml", gains.replace("rate_Hz", "rate"));
+    run(&bad, &[]).fails(2, &["bad.toml", "rate_Hz"]);
+    preslide(&["simulate", &model, "--reference", &plan]).fails(2, &["--controller"]);
 }

@@ -50,7 +50,7 @@ impl Diagnose {
     pub fn run(self) -> Result<(), Failure> {
         let start = Instant::now();
         self.recordings
-            .check_outputs(self.output.as_ref(), &self.outputs)?;
+            .check_outputs(self.model.as_ref(), self.output.as_ref(), &self.outputs)?;
         let model = self.model.as_deref().map(Model::load).transpose()?;
         let mut recording = thin(self.recordings.load()?);
         let simulated = self.take_simulated(&mut recording)?;

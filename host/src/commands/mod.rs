@@ -88,7 +88,8 @@ impl From<anyhow::Error> for Failure {
 /// Recordings and how to read them.
 #[derive(Args, Clone, Debug)]
 pub struct RecordingArgs {
-    /// Recordings: CSV or MATLAB v5 .mat; columns t_s, x_m or q_rad, and an effort such as force_N
+    /// Recordings: CSV, MATLAB .mat, NumPy .npz, and what this build reads besides (Parquet, HDF5, MCAP, .db3); columns t_s, x_m or
+    /// q_rad, and an effort such as force_N
     #[arg(required = true, value_name = "REC")]
     recordings: Vec<PathBuf>,
 
@@ -97,13 +98,15 @@ pub struct RecordingArgs {
 }
 
 impl RecordingArgs {
-    /// Sees to it that the outputs can be written and are none of the recordings.
+    /// Sees to it that the outputs can be written and are none of the recordings, nor the model.
     pub fn check_outputs(
         &self,
+        model: Option<&PathBuf>,
         output: Option<&PathBuf>,
         others: &OutputArgs,
     ) -> Result<(), Failure> {
-        let inputs: Vec<_> = self.recordings.iter().map(PathBuf::as_path).collect();
+        let inputs = self.recordings.iter().chain(model);
+        let inputs: Vec<_> = inputs.map(PathBuf::as_path).collect();
         outputs::check(&inputs, output.map(PathBuf::as_path), Some(others))
     }
 

@@ -4,17 +4,18 @@ use super::{Failure, OutputArgs, ReadingArgs, command_line, outputs, write_text}
 use clap::{ArgGroup, Args};
 use preslide_host::model::Model;
 use preslide_host::recording::Needs;
+use preslide_host::simulate::closed::{Controller, motion_in_loop};
 use preslide_host::simulate::ramp::{Ramp, parse_ramp};
 use preslide_host::simulate::{Simulation, force_of_motion, motion_of_force, motion_with_inertia};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// The force that a motion takes, or the motion that a force causes
+/// The force that a motion takes, or the motion that a force or a controller causes
 #[derive(Args)]
 #[command(
-    after_help = "Example: preslide simulate model.toml --motion axis.csv --report simulation.html"
+    after_help = "Example: preslide simulate model.toml --motion axis.csv --report simulation.html\n         preslide simulate model.toml --reference plan.csv --controller gains.toml"
 )]
-#[command(group = ArgGroup::new("input").required(true).args(["motion", "force", "ramp"]))]
+#[command(group = ArgGroup::new("input").required(true).args(["motion", "force", "reference", "ramp"]))]
 pub struct Simulate {
     /// Model file, as `identify` writes it
     #[arg(value_name = "MODEL.toml")]
@@ -33,12 +34,22 @@ pub struct Simulate {
     #[arg(long, value_name = "SAMPLES", default_value_t = 20, requires = "force")]
     given: usize,
 
+    /// Reference → motion in closed loop, with --controller: t_s and x_ref_m or q_ref_rad beside a measured position, which is
+    /// compared; without them x_m or q_rad is the reference
+    #[arg(long, value_name = "REC", requires = "controller")]
+    reference: Option<PathBuf>,
+
+    /// Gains of the controller for --reference: schema = "preslide.controller/1", rate_Hz, proportional_N_per_m, limit_N, and
+    /// integral_N_per_m_s, derivative_N_s_per_m, deadband_m if need be
+    #[arg(long, value_name = "GAINS.toml", requires = "reference")]
+    controller: Option<PathBuf>,
+
     /// Quasi-static for forces (N or N·m) gone to at a constant rate (per second): "0,0.9,0,0.6,-0.9@0.01"
     #[arg(long, value_name = "FORCES@RATE", value_parser = parse_ramp, allow_hyphen_values = true)]
     ramp: Option<Ramp>,
 
     /// Samples per second of --ramp (Hz)
-    #[arg(long, value_name = "HZ", default_value_t = 10.0, conflicts_with_all = ["motion", "force"])]
+    #[arg(long, value_name = "HZ", default_value_t = 10.0, conflicts_with_all = ["motion", "force", "reference"])]
     rate: f64,
 
     #[command(flatten)]
@@ -56,7 +67,13 @@ impl Simulate {
     /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
         let start = Instant::now();
-        let inputs = [Some(&self.model), self.motion.as_ref(), self.force.as_ref()];
+        let inputs = [
+            Some(&self.model),
+            self.motion.as_ref(),
+            self.force.as_ref(),
+            self.reference.as_ref(),
+            self.controller.as_ref(),
+        ];
         let inputs: Vec<&Path> = inputs.into_iter().flatten().map(PathBuf::as_path).collect();
         outputs::check(&inputs, self.output.as_deref(), Some(&self.outputs))?;
         let model = Model::load(&self.model)?;
@@ -86,6 +103,14 @@ impl Simulate {
                 .reading
                 .load(std::slice::from_ref(path), Needs::Motion)?;
             let found = force_of_motion(model, &recording).map_err(Failure::Input)?;
+            return Ok((found, recording.name));
+        }
+        if let (Some(path), Some(gains)) = (&self.reference, &self.controller) {
+            let controller = Controller::load(gains).map_err(Failure::Input)?;
+            let recording = self
+                .reading
+                .load(std::slice::from_ref(path), Needs::Motion)?;
+            let found = motion_in_loop(model, &recording, &controller).map_err(Failure::Input)?;
             return Ok((found, recording.name));
         }
         if let Some(path) = &self.force {

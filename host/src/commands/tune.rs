@@ -1,14 +1,17 @@
 //! `preslide tune`.
 
-use super::{Failure, OutputArgs, ReadingArgs, SplitArgs, command_line, parse_frequency};
+use super::{
+    Failure, OutputArgs, ReadingArgs, SplitArgs, command_line, outputs, parse_frequency, thin,
+};
 use clap::Args;
 use preslide_host::cost::CostTable;
 use preslide_host::identify::identify;
 use preslide_host::model::Model;
 use preslide_host::progress::Progress;
 use preslide_host::recording::Needs;
+use preslide_host::simulate::same_axis;
 use preslide_host::tune::{Budget, of_model, of_recording};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// How many blocks in which arithmetic fit a cycle budget, and which to take
@@ -78,6 +81,9 @@ impl Tune {
     /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
         let start = Instant::now();
+        let inputs = std::iter::once(&self.model).chain(&self.recording);
+        let inputs: Vec<&Path> = inputs.map(PathBuf::as_path).collect();
+        outputs::check(&inputs, None, Some(&self.outputs))?;
         let model = Model::load(&self.model)?;
         let costs = CostTable::of_cpu_or_file(&self.cpu).map_err(Failure::Input)?;
         let budget = Budget {
@@ -103,7 +109,8 @@ impl Tune {
         let tuning = if self.recording.is_empty() {
             of_model(&model, count, &costs, budget).map_err(Failure::Input)?
         } else {
-            let recording = self.reading.load(&self.recording, Needs::Both)?;
+            let recording = thin(self.reading.load(&self.recording, Needs::Both)?);
+            same_axis(&model, recording.kind, &recording.name).map_err(Failure::Input)?;
             let options = self.split.options(&recording)?;
             let progress = Progress::new("tune", 20);
             let found = identify(&recording, &options, &progress).map_err(Failure::Data)?;

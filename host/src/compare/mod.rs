@@ -52,7 +52,7 @@ pub struct Comparison {
 }
 
 /// Samples that the models are compared on: each of ten families runs along all of them several hundred times.
-const MOST: usize = 25_000;
+const MOST: usize = 12_000;
 /// Stretches that these are in, over the whole of the recording.
 const STRETCHES: usize = 6;
 

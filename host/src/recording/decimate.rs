@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-use super::{Extra, Recording, Warning};
+use super::{Extra, Recording, Warning, ranges};
 
 /// Half of the filter's length, in samples that are kept.
 const HALF: usize = 6;
@@ -27,13 +27,11 @@ impl Recording {
         };
         let kept = || self.pieces.iter().flat_map(|p| p.clone().step_by(factor));
         let some = |column: &Option<Vec<f64>>| column.as_deref().map(numbers);
-        let mut pieces = Vec::with_capacity(self.pieces.len());
-        let mut start = 0;
-        for piece in &self.pieces {
-            let end = start + piece.len().div_ceil(factor);
-            pieces.push(start..end);
-            start = end;
-        }
+        let pieces = ranges(&self.pieces, |piece| piece.len().div_ceil(factor));
+        let joined = ranges(&self.joined, |run| {
+            let of_run = self.pieces.iter().filter(|p| run.contains(&p.start));
+            of_run.map(|p| p.len().div_ceil(factor)).sum()
+        });
         let mut warnings = self.warnings.clone();
         warnings.push(Warning::new(
             "decimated",
@@ -70,6 +68,7 @@ impl Recording {
             segment: kept().map(|i| self.segment[i]).collect(),
             repeat: kept().map(|i| self.repeat[i]).collect(),
             pieces,
+            joined,
             warnings,
             sample_time_s: self.sample_time_s * factor as f64,
             ..*self

@@ -153,6 +153,20 @@ pub enum Problem {
         /// What is wrong and what to do.
         reason: String,
     },
+    /// A file of a kind that this build does not read.
+    #[error("is {what}; to read it, {remedy}")]
+    Format {
+        /// What it is.
+        what: &'static str,
+        /// What would read it.
+        remedy: String,
+    },
+    /// A file of columns by name that is damaged, or holds none.
+    #[error("is {reason}")]
+    Container {
+        /// What it is and what to do.
+        reason: String,
+    },
     /// Variables of one recording with different lengths.
     #[error(
         "`{first}` has {first_len} samples, `{second}` {second_len}; map variables of equal length"

@@ -38,7 +38,7 @@ impl Recording {
                 whole.warnings.push(Warning::new(
                     RATES,
                     format!(
-                        "{} is sampled every {:.3e} s, {} every {:.3e} s: each keeps its rate, and counts by its samples",
+                        "{} is sampled every {:.3e} s, {} every {:.3e} s: each keeps its rate, and a second of it counts as one of the other",
                         whole.name, whole.sample_time_s, next.name, next.sample_time_s
                     ),
                 ));
@@ -87,6 +87,10 @@ impl Recording {
                     column
                 });
             }
+            let joined = next.joined.iter();
+            whole
+                .joined
+                .extend(joined.map(|r| r.start + offset..r.end + offset));
             whole.warnings.extend(next.warnings);
         }
         whole.sample_time_s = timing::sample_time(&whole.t_s, &whole.pieces);

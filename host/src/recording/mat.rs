@@ -10,21 +10,14 @@ use std::io::Read;
 use flate2::read::ZlibDecoder;
 
 use super::LoadOptions;
-use super::columns;
 use super::error::Problem;
-use super::extra::Reading;
-use super::labels::Labels;
-use super::table::{Data, Place, Table};
-
-/// Bytes that [`is_mat`] looks at.
-pub(super) const MAGIC_BYTES: u64 = 10;
+use super::variables::Variable;
 
 /// Whether the file says that it is a MATLAB file, of any version.
 pub(super) fn is_mat(start: &[u8]) -> bool {
-    start.starts_with(b"MATLAB ") || start.starts_with(HDF5)
+    start.starts_with(b"MATLAB ")
 }
 
-const HDF5: &[u8] = b"\x89HDF";
 const HEADER_BYTES: usize = 128;
 /// Array classes `mxDOUBLE_CLASS` to `mxUINT64_CLASS`.
 const NUMERIC: std::ops::RangeInclusive<u32> = 6..=15;
@@ -32,159 +25,6 @@ const CLASSES: [&str; 6] = ["unknown", "cell", "struct", "object", "char", "spar
 const MI_INT32: u32 = 5;
 const MI_MATRIX: u32 = 14;
 const MI_COMPRESSED: u32 = 15;
-
-/// A variable of the file.
-#[derive(Debug)]
-struct Variable {
-    name: String,
-    dimensions: Vec<usize>,
-    /// Real numbers in column-major order, or why there are none.
-    values: Result<Vec<f64>, &'static str>,
-}
-
-impl Variable {
-    /// "qm 24841×1", for messages.
-    fn describe(&self) -> String {
-        let size: Vec<String> = self.dimensions.iter().map(usize::to_string).collect();
-        let class = self
-            .values
-            .as_ref()
-            .err()
-            .map(|c| format!(" {c}"))
-            .unwrap_or_default();
-        format!("{} {}{class}", self.name, size.join("×"))
-    }
-
-    /// The numbers of a row or column vector.
-    fn vector(&self) -> Option<&[f64]> {
-        let long = self.dimensions.iter().filter(|&&d| d != 1).count();
-        self.values.as_deref().ok().filter(|_| long <= 1)
-    }
-}
-
-/// Reads the variables that `--map` and the column names ask for.
-pub(super) fn read(bytes: &[u8], options: &LoadOptions) -> Result<Table, Problem> {
-    let variables = variables(bytes, options)?;
-    let listing = variables
-        .iter()
-        .map(Variable::describe)
-        .collect::<Vec<_>>()
-        .join(", ");
-    let names: Vec<String> = variables.iter().map(|v| v.name.clone()).collect();
-    let plan = columns::plan(&columns::Names {
-        columns: &names,
-        units: &[],
-        listing: &format!("the variables {listing}"),
-        map: &options.map,
-        ignore: &options.ignore,
-        needs: options.needs,
-    })?;
-    let mut data = Vec::new();
-    let mut length: Option<(String, usize)> = None;
-    for source in &plan.sources {
-        let mut product: Option<(&str, Vec<f64>)> = None;
-        let mut factor = source.factor;
-        for variable in source.columns.iter().filter_map(|&i| variables.get(i)) {
-            let values = variable.vector().ok_or_else(|| Problem::Map {
-                map: format!("{}={}", source.known.name, variable.name),
-                reason: format!(
-                    "`{}` is no vector of real numbers; the file has {listing}",
-                    variable.describe()
-                ),
-            })?;
-            match (&mut product, values) {
-                (_, [scalar]) => factor *= scalar,
-                (None, values) => product = Some((&variable.name, values.to_vec())),
-                (Some((first, product)), values) => {
-                    same_length(first, product.len(), &variable.name, values.len())?;
-                    product.iter_mut().zip(values).for_each(|(p, v)| *p *= v);
-                }
-            }
-        }
-        let (name, mut values) = product.unwrap_or((source.known.name, vec![1.0]));
-        values
-            .iter_mut()
-            .for_each(|v| *v = *v * factor + source.offset + 0.0);
-        if let Some(at) = values.iter().position(|&v| columns::plausible(v).is_err()) {
-            return Err(Problem::Cell {
-                at: Place::Elements.of(at),
-                column: name.into(),
-                what: format!(
-                    "`{}` is not finite, or beyond what any sensor gives",
-                    values.get(at).copied().unwrap_or(f64::NAN)
-                ),
-            });
-        }
-        match &length {
-            None => length = Some((name.into(), values.len())),
-            Some((first, n)) => same_length(first, *n, name, values.len())?,
-        }
-        if values.len() > options.max_samples {
-            return Err(Problem::TooManySamples {
-                at: format!("variable `{name}`"),
-                limit: options.max_samples,
-            });
-        }
-        data.push(if source.known.slot.is_label() {
-            let mut labels = Labels::default();
-            if !values.iter().all(|v| labels.push(&v.to_string())) {
-                return Err(Problem::Cell {
-                    at: "its elements".into(),
-                    column: name.into(),
-                    what: "over a million different parts".into(),
-                });
-            }
-            Data::Labels(labels)
-        } else {
-            Data::Numbers(values)
-        });
-    }
-    let extra = further(&variables, &plan.unused);
-    Ok(Table {
-        plan,
-        data,
-        extra,
-        place: Place::Elements,
-        first_change: Vec::new(),
-    })
-}
-
-/// The variables that have no role.
-fn further(variables: &[Variable], unused: &[usize]) -> Vec<Reading> {
-    let reading = |variable: &Variable| {
-        let mut reading = Reading::new(&variable.name);
-        match variable.vector() {
-            Some(values) if values.iter().all(|v| v.is_finite()) => {
-                reading.values = values.to_vec()
-            }
-            Some(_) => reading.refuse("holds numbers that are not finite".to_owned()),
-            None => reading.refuse("no vector of real numbers".to_owned()),
-        }
-        reading
-    };
-    unused
-        .iter()
-        .filter_map(|&i| variables.get(i))
-        .map(reading)
-        .collect()
-}
-
-fn same_length(
-    first: &str,
-    first_len: usize,
-    second: &str,
-    second_len: usize,
-) -> Result<(), Problem> {
-    if first_len == second_len {
-        return Ok(());
-    }
-    Err(Problem::Lengths {
-        first: first.into(),
-        first_len,
-        second: second.into(),
-        second_len,
-    })
-}
 
 /// Bytes yet to be read, and where they stand in the file.
 struct Cursor<'a> {
@@ -271,7 +111,8 @@ impl<'a> Cursor<'a> {
     }
 }
 
-fn variables(bytes: &[u8], options: &LoadOptions) -> Result<Vec<Variable>, Problem> {
+/// Every variable of the file.
+pub(super) fn variables(bytes: &[u8], options: &LoadOptions) -> Result<Vec<Variable>, Problem> {
     if bytes.is_empty() {
         return Err(Problem::Empty);
     }
@@ -281,11 +122,6 @@ fn variables(bytes: &[u8], options: &LoadOptions) -> Result<Vec<Variable>, Probl
         big_endian: false,
         fixed: false,
     };
-    if bytes.starts_with(HDF5) || bytes.starts_with(b"MATLAB 7.3") {
-        return Err(
-            cursor.error("a MATLAB v7.3 (HDF5) file; save it again with `save(..., '-v7')`")
-        );
-    }
     let header = cursor.take(HEADER_BYTES)?;
     cursor.big_endian = match header.get(126..) {
         Some(b"IM") => false,
@@ -359,6 +195,7 @@ fn variable(matrix: &mut Cursor<'_>, budget: &mut u64) -> Result<Variable, Probl
         // Opaque objects and function handles have neither size nor name in the usual places.
         return Ok(Variable {
             name: String::new(),
+            unit: None,
             dimensions: Vec::new(),
             values: Err("object"),
         });
@@ -393,6 +230,7 @@ fn variable(matrix: &mut Cursor<'_>, budget: &mut u64) -> Result<Variable, Probl
     };
     Ok(Variable {
         name,
+        unit: None,
         dimensions,
         values,
     })

@@ -1,7 +1,6 @@
 //! Recordings: a measured motion and the effort it took, checked and in SI units.
 //!
-//! [`load`] reads CSV and MATLAB v5 `.mat` files in the project's format, or other people's files
-//! with a column mapping. What cannot be used is a [`RecordingError`] that names file, place,
+//! [`load`] reads CSV, MATLAB and other files in the project's format, or other people's with a column mapping. What cannot be used is a [`RecordingError`] that names file, place,
 //! reason and remedy; what can be used with care is a [`Warning`] with a fixed code. Nothing is
 //! dropped or repaired without one of the two.
 
@@ -12,6 +11,7 @@ mod decimate;
 mod error;
 mod even;
 mod extra;
+mod formats;
 mod frame;
 mod join;
 mod labels;
@@ -25,9 +25,10 @@ mod table;
 mod tests;
 mod timing;
 mod units;
+mod variables;
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{Read, Seek};
 use std::ops::Range;
 use std::path::Path;
 
@@ -180,6 +181,8 @@ pub struct Recording {
     /// Contiguous samples, split at gaps and where the clock starts again: no filter and no model
     /// may run from one into the next. They cover all samples, in order; one may be a single sample.
     pub pieces: Vec<Range<usize>>,
+    /// The samples of each recording that was joined, in order; one range where only one was loaded.
+    pub joined: Vec<Range<usize>>,
     /// What the user should know.
     pub warnings: Vec<Warning>,
     /// Further columns that stay at one value, by name: in a joined recording they may be part of one that varies.
@@ -314,10 +317,23 @@ impl Recording {
             segment: keep(&self.segment, inside),
             repeat: keep(&self.repeat, inside),
             pieces,
+            joined: ranges(&self.joined, |run| {
+                inside[run.clone()].iter().filter(|i| **i).count()
+            }),
             warnings: self.warnings.clone(),
             ..*self
         }
     }
+}
+
+/// Neighbouring ranges, as long as `length` says of each of `old`.
+fn ranges(old: &[Range<usize>], length: impl Fn(&Range<usize>) -> usize) -> Vec<Range<usize>> {
+    let mut start = 0;
+    let next = |range: &Range<usize>| {
+        let end = start + length(range);
+        std::mem::replace(&mut start, end)..end
+    };
+    old.iter().map(next).collect()
 }
 
 /// What a file must hold to be of use.
@@ -344,7 +360,7 @@ pub struct LoadOptions {
     pub sign: Option<f64>,
     /// `--ignore`: columns that are taken as if they were not there.
     pub ignore: Vec<String>,
-    /// Largest file that is opened (bytes); `.mat` files, which are held in memory, half of it.
+    /// Largest file that is opened (bytes); all but text, which is a stream, half of it.
     pub max_bytes: u64,
     /// Most samples that are kept: with 8 columns of 8 bytes, 640 MB.
     pub max_samples: usize,
@@ -378,8 +394,8 @@ pub fn parse_map(argument: &str) -> Result<(String, String), String> {
     }
 }
 
-/// Loads a recording. MATLAB files are known by their extension or their first bytes, everything
-/// else is read as CSV.
+/// Loads a recording: CSV and other separated text, MATLAB, NPZ, Parquet, HDF5, and joint states of ROS 2 in MCAP and `.db3`, known
+/// by their first bytes; `.mat` by its extension too. Cargo features decide which of them this build reads.
 ///
 /// # Errors
 /// [`RecordingError`] names the file as given, the place, the reason and the remedy.
@@ -391,16 +407,17 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Recording, RecordingEr
     };
     let mut file = File::open(path).map_err(|e| fail(e.into()))?;
     let bytes = file.metadata().map_err(|e| fail(e.into()))?.len();
-    let mut magic = Vec::new();
+    let mut start = Vec::new();
     file.by_ref()
-        .take(mat::MAGIC_BYTES)
-        .read_to_end(&mut magic)
+        .take(formats::MAGIC_BYTES)
+        .read_to_end(&mut start)
         .map_err(|e| fail(e.into()))?;
-    let is_mat = mat::is_mat(&magic)
+    let format = formats::of(&start);
+    let is_mat = mat::is_mat(&start)
         || path
             .extension()
             .is_some_and(|e| e.eq_ignore_ascii_case("mat"));
-    let limit = if is_mat {
+    let limit = if is_mat || format.is_some() {
         options.max_bytes / 2
     } else {
         options.max_bytes
@@ -408,7 +425,20 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Recording, RecordingEr
     if bytes > limit {
         return Err(fail(Problem::TooLarge { bytes, limit }));
     }
-    let input = magic.as_slice().chain(file);
+    if let Some(format) = format {
+        file.rewind().map_err(|e| fail(e.into()))?;
+        let input = formats::Input {
+            path,
+            file,
+            start: &start,
+            budget: options.max_bytes,
+        };
+        return formats::variables(format, input)
+            .and_then(|found| variables::table(&found, options))
+            .and_then(|table| assemble(table, &name, options))
+            .map_err(fail);
+    }
+    let input = start.as_slice().chain(file);
     if is_mat {
         load_mat(input, &name, options)
     } else {
@@ -448,8 +478,9 @@ pub fn load_mat(
     read.map_err(Problem::Io)
         .and_then(|n| match n as u64 {
             n if n > limit => Err(Problem::TooLarge { bytes: n, limit }),
-            _ => mat::read(&bytes, options),
+            _ => mat::variables(&bytes, options),
         })
+        .and_then(|found| variables::table(&found, options))
         .and_then(|table| assemble(table, name, options))
         .map_err(|problem| RecordingError {
             file: name.into(),
@@ -537,6 +568,7 @@ fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recor
         segments_found,
         repeats_found,
         position_integrated,
+        joined: vec![0..samples],
         warnings,
         constant_extra,
         sample_time_s: timing::sample_time(&frame.t_s, &frame.pieces),

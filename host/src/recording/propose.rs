@@ -6,7 +6,7 @@ use super::{EffortRole, MotionKind, Needs};
 
 /// Words of quantities: as they stand alone or before a unit.
 #[rustfmt::skip]
-const WORDS: [(&str, Slot); 50] = [
+const WORDS: [(&str, Slot); 51] = [
     ("t", Slot::Time), ("time", Slot::Time), ("timestamp", Slot::Time), ("zeit", Slot::Time),
     ("x", Slot::Position), ("q", Slot::Position), ("pos", Slot::Position), ("position", Slot::Position), ("angle", Slot::Position),
     ("theta", Slot::Position), ("displacement", Slot::Position), ("weg", Slot::Position), ("lage", Slot::Position), ("winkel", Slot::Position),
@@ -15,7 +15,7 @@ const WORDS: [(&str, Slot); 50] = [
     ("omega", Slot::Velocity), ("actual_velocity", Slot::Velocity), ("geschwindigkeit", Slot::Velocity), ("drehzahl", Slot::Velocity),
     ("x_ref", Slot::Reference), ("q_ref", Slot::Reference), ("position_ref", Slot::Reference), ("pos_ref", Slot::Reference), ("target_position", Slot::Reference),
     ("setpoint", Slot::Reference),
-    ("f", Slot::Effort), ("force", Slot::Effort), ("torque", Slot::Effort), ("friction", Slot::Effort), ("current", Slot::Effort), ("voltage", Slot::Effort),
+    ("f", Slot::Effort), ("effort", Slot::Effort), ("force", Slot::Effort), ("torque", Slot::Effort), ("friction", Slot::Effort), ("current", Slot::Effort), ("voltage", Slot::Effort),
     ("tau", Slot::Effort), ("iq", Slot::Effort), ("moment", Slot::Effort), ("kraft", Slot::Effort), ("drehmoment", Slot::Effort),
     ("strom", Slot::Effort), ("actual_torque", Slot::Effort), ("actual_current", Slot::Effort),
     ("temperature", Slot::Temperature), ("normal", Slot::Load), ("load", Slot::Load), ("pressure", Slot::Pressure),

@@ -36,21 +36,7 @@ pub fn motion_with_inertia(
     given: usize,
 ) -> Result<Simulation, String> {
     super::same_axis(model, recording.kind, &recording.name)?;
-    if model.inertia <= 0.0 {
-        return Err("the model has no inertia; identify it from a motion that accelerates, or give it by hand in [inertia]".to_owned());
-    }
-    let two: Vec<&str> = model
-        .effects
-        .iter()
-        .map(|e| e.id)
-        .filter(|id| TWO_BODIES.contains(id))
-        .collect();
-    if !two.is_empty() {
-        return Err(format!(
-            "{} is between two moving bodies, and this simulation has one; remove it from the model",
-            two.join(", ")
-        ));
-    }
+    one_body(model)?;
     let piece = recording.pieces[0].clone();
     let mut notes = Vec::new();
     if recording.pieces.len() > 1 {
@@ -123,9 +109,30 @@ pub fn motion_with_inertia(
         from_force: true,
         agreement: None,
         position_error,
+        following: None,
         breakaway: None,
         notes,
     })
+}
+
+/// Refuses a model that is not one body that can move.
+pub(super) fn one_body(model: &Model) -> Result<(), String> {
+    if model.inertia <= 0.0 {
+        return Err("the model has no inertia; identify it from a motion that accelerates, or give it by hand in [inertia]".to_owned());
+    }
+    let two: Vec<&str> = model
+        .effects
+        .iter()
+        .map(|e| e.id)
+        .filter(|id| TWO_BODIES.contains(id))
+        .collect();
+    if !two.is_empty() {
+        return Err(format!(
+            "{} is between two moving bodies, and this simulation has one; remove it from the model",
+            two.join(", ")
+        ));
+    }
+    Ok(())
 }
 
 /// The force that reaches the body from the recorded command.
@@ -143,15 +150,20 @@ fn applied(model: &Model, recorded: &[f64], sample_time: f64) -> Vec<f64> {
             *f = late[low] + (at - low as f64) * (late[high] - late[low]);
         }
     }
+    force.iter_mut().for_each(|f| *f = acting(model, *f));
+    force
+}
+
+/// The force that acts on the body where `force` is commanded: what the drive's limits leave of it.
+pub(super) fn acting(model: &Model, mut force: f64) -> f64 {
+    let of = |id: &'static str| model.effects.iter().filter(move |e: &&Effect| e.id == id);
     for effect in of("actuator_saturation") {
         let limit = effect.get("limit_N");
-        force.iter_mut().for_each(|f| *f = f.clamp(-limit, limit));
+        force = force.clamp(-limit, limit);
     }
     for effect in of("actuator_dead_zone") {
         let half = 0.5 * effect.get("width_N");
-        force
-            .iter_mut()
-            .for_each(|f| *f = f.signum() * (f.abs() - half).max(0.0));
+        force = force.signum() * (force.abs() - half).max(0.0);
     }
     force
 }
@@ -171,6 +183,51 @@ fn end_slope(head: &[f64], sample_time: f64) -> f64 {
         .svd(true, true)
         .solve(&nalgebra::DVector::from_column_slice(head), 1e-12);
     fit.map_or(0.0, |c| c[1])
+}
+
+/// A moving body with what its friction remembers.
+pub(super) struct Body<L: Friction<Scalar = f64>> {
+    /// Position (m or rad).
+    pub(super) x: f64,
+    /// Velocity (m/s or rad/s).
+    pub(super) v: f64,
+    resistance: f64,
+    state: L::State,
+}
+
+impl<L: Friction<Scalar = f64>> Body<L> {
+    /// At a place that nothing has moved it to.
+    pub(super) fn at(law: &L, x: f64, v: f64) -> Self {
+        let mut state = law.at_rest();
+        law.place(&mut state, x);
+        Self {
+            x,
+            v,
+            resistance: 0.0,
+            state,
+        }
+    }
+
+    /// Goes on by one implicit step of `dt` (s) under `force` (N or N·m).
+    pub(super) fn advance(&mut self, law: &L, inertia: f64, force: f64, dt: f64) {
+        let (x, v) = (self.x, self.v);
+        let take = |state: &mut L::State, v: f64| {
+            law.place(state, x + dt * v);
+            law.step(
+                state,
+                Motion {
+                    displacement: dt * v,
+                    velocity: v,
+                },
+            )
+        };
+        let start = &self.state;
+        let excess = |v1: f64| inertia * (v1 - v) / dt - force + take(&mut start.clone(), v1);
+        let guess = v + dt / inertia * (force - self.resistance);
+        self.v = root(excess, guess, dt / inertia);
+        self.resistance = take(&mut self.state, self.v);
+        self.x += dt * self.v;
+    }
 }
 
 struct Run<'a> {
@@ -209,31 +266,20 @@ impl Visitor for Run<'_> {
             positions.push(pair[1]);
             velocities.push(velocity);
         }
-        let (mut x, mut v) = (self.head[self.head.len() - 1], self.velocity);
-        let mut resistance = 0.0;
+        let mut body = Body::<L> {
+            x: self.head[self.head.len() - 1],
+            v: self.velocity,
+            resistance: 0.0,
+            state,
+        };
         for pair in self.force[self.head.len() - 1..].windows(2) {
             for step in 0..self.steps {
                 let part = (f64::from(step) + 0.5) / f64::from(self.steps);
                 let force = pair[0] + part * (pair[1] - pair[0]);
-                let take = |state: &mut L::State, v: f64| {
-                    law.place(state, x + dt * v);
-                    law.step(
-                        state,
-                        Motion {
-                            displacement: dt * v,
-                            velocity: v,
-                        },
-                    )
-                };
-                let excess =
-                    |v1: f64| self.inertia * (v1 - v) / dt - force + take(&mut state.clone(), v1);
-                let guess = v + dt / self.inertia * (force - resistance);
-                v = root(excess, guess, dt / self.inertia);
-                resistance = take(&mut state, v);
-                x += dt * v;
+                body.advance(&law, self.inertia, force, dt);
             }
-            positions.push(x);
-            velocities.push(v);
+            positions.push(body.x);
+            velocities.push(body.v);
         }
         (positions, velocities)
     }

@@ -1,5 +1,6 @@
-//! A model at work: the force that a motion takes, and the motion that a slow force causes.
+//! A model at work: the force that a motion takes, the motion that a force causes, and a reference followed in closed loop.
 
+pub mod closed;
 mod forward;
 pub mod inverse;
 mod present;
@@ -35,6 +36,8 @@ pub struct Simulation {
     pub agreement: Option<Agreement>,
     /// How far the motion lies from the measured one, where a force was the input and the recording has a position.
     pub position_error: Option<PositionError>,
+    /// How far the axis is from its reference, where it follows one in closed loop.
+    pub following: Option<Following>,
     /// Where the body slid away; the columns end before it.
     pub breakaway: Option<Breakaway>,
     /// What the user should know, a sentence without its full stop each.
@@ -65,6 +68,15 @@ pub struct PositionError {
     pub given: usize,
 }
 
+/// A simulated motion against its reference, at the controller's ticks.
+#[derive(Clone, Copy, Debug)]
+pub struct Following {
+    /// Root mean square of their difference (m or rad).
+    pub rms: f64,
+    /// Its largest magnitude (m or rad).
+    pub max: f64,
+}
+
 /// The moment at which friction can no longer hold the force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Breakaway {
@@ -74,7 +86,11 @@ pub struct Breakaway {
     pub force: f64,
 }
 
-fn same_axis(model: &Model, kind: MotionKind, name: &str) -> Result<(), String> {
+/// Refuses a motion of another kind of axis than the model's.
+///
+/// # Errors
+/// Both kinds, and what to do.
+pub fn same_axis(model: &Model, kind: MotionKind, name: &str) -> Result<(), String> {
     if model.motion == kind {
         Ok(())
     } else {
@@ -164,6 +180,7 @@ pub fn force_of_motion(model: &Model, recording: &Recording) -> Result<Simulatio
         from_force: false,
         agreement,
         position_error: None,
+        following: None,
         breakaway: None,
         notes,
     })
@@ -200,6 +217,7 @@ pub fn motion_of_force(
         from_force: true,
         agreement: None,
         position_error: None,
+        following: None,
         breakaway: None,
         notes: time_dependence(model),
     };

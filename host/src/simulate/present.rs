@@ -46,10 +46,16 @@ impl Simulation {
             "schema": "preslide.simulation/1",
             "motion": self.kind.name(),
             "kind": model.friction.kind(),
-            "input": if self.from_force { "force" } else { "motion" },
+            "input": match (self.following, self.from_force) {
+                (Some(_), _) => "reference",
+                (None, true) => "force",
+                (None, false) => "motion",
+            },
             "samples": self.t_s.len(),
             "nmse": self.agreement.as_ref().map(|a| a.nmse),
             "rms": self.agreement.as_ref().map(|a| a.rms),
+            "following_rms": self.following.map(|f| f.rms),
+            "following_max": self.following.map(|f| f.max),
             "position_rmse": self.position_error.map(|e| e.rmse),
             "position_nmse": self.position_error.map(|e| e.nmse),
             "position_range": range(&self.position),
@@ -85,6 +91,18 @@ impl Simulation {
     /// What came out, in one sentence.
     pub fn conclusion(&self) -> String {
         let (x, f) = self.units();
+        if let Some(following) = self.following {
+            let measured = self.position_error.map_or(String::new(), |e| {
+                format!(
+                    "; the simulated motion is {:.4e} {x} RMSE from the measured one",
+                    e.rmse
+                )
+            });
+            return format!(
+                "The axis follows its reference to {:.4e} {x} RMS, {:.4e} {x} at most{measured}.",
+                following.rms, following.max
+            );
+        }
         if let Some(error) = self.position_error {
             return format!(
                 "The simulated motion is {:.4e} {x} RMSE from the measured one ({:.4} % of its variance) from {} given samples on.",

@@ -171,21 +171,10 @@ fn truncation_at_every_byte_is_an_error() {
 
 #[test]
 fn other_versions_say_how_to_save() {
-    for head in [
-        &b"\x89HDF\r\n\x1a\n"[..],
-        b"MATLAB 7.3 MAT-file, Platform",
-        b"MATLAB 5.0",
-        &[0; 200],
-    ] {
+    for head in [&b"MATLAB 5.0"[..], &[0; 200]] {
         let e = load(head, &[]).expect_err("not v5");
         assert!(matches!(e.problem, Problem::Mat { .. }), "{e}");
     }
-    assert!(
-        load(b"\x89HDF", &[])
-            .expect_err("hdf5")
-            .to_string()
-            .contains("-v7")
-    );
     assert!(matches!(
         load(b"", &[]).expect_err("empty").problem,
         Problem::Empty

@@ -1,0 +1,203 @@
+//! The same fault has the same exit code in every command that can meet it.
+
+mod binary;
+
+use binary::{Folder, HEADER, preslide, recording};
+
+const MODEL: &str = "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[friction]\nkind = \"gms\"\nbreakaway_N = 0.9\nblocks = [\n{ stiffness_N_per_m = 270313.0, weight = 0.25 },\n{ stiffness_N_per_m = 20000.0, weight = 0.75 },\n]\n";
+
+/// Commands that read a recording `REC`, those that fit it first; `MODEL` is a model file.
+const FITTING: [&str; 5] = [
+    "identify REC",
+    "compare REC",
+    "diagnose REC",
+    "diagnose REC --model MODEL",
+    "tune MODEL --count 25e-9 --recording REC",
+];
+const RUNNING: [&str; 2] = [
+    "simulate MODEL --motion REC",
+    "export MODEL --recording REC",
+];
+
+/// Commands that read a model.
+const WITH_MODEL: [&str; 4] = [
+    "simulate MODEL --motion REC",
+    "export MODEL --recording REC",
+    "tune MODEL --count 25e-9 --recording REC",
+    "diagnose REC --model MODEL",
+];
+
+/// Runs a command of the tables.
+#[track_caller]
+fn code(command: &str, model: &str, rec: &str, more: &[&str], expected: i32, parts: &[&str]) {
+    let words = command.split(' ').map(|word| match word {
+        "MODEL" => model,
+        "REC" => rec,
+        other => other,
+    });
+    let arguments: Vec<&str> = words.chain(more.iter().copied()).collect();
+    let run = preslide(&arguments);
+    assert_eq!(
+        run.code,
+        Some(expected),
+        "{arguments:?}\n{}\n{}",
+        run.out,
+        run.err
+    );
+    run.fails(expected, parts);
+}
+
+fn table(x: impl Fn(u32) -> f64, force: impl Fn(u32) -> f64, rows: u32) -> String {
+    let row = |i| format!("{:.3},{:.9},{:.6}\n", f64::from(i) * 0.01, x(i), force(i));
+    format!("{HEADER}\n{}", (0..rows).map(row).collect::<String>())
+}
+
+#[test]
+fn what_is_wrong_with_a_file_or_an_option_is_2_everywhere() {
+    let folder = Folder::new();
+    let model = folder.file("model.toml", MODEL);
+    let good = recording(HEADER);
+    let line = |number: usize, text: &str| {
+        let mut lines: Vec<&str> = good.lines().collect();
+        lines[number - 1] = text;
+        lines.join("\n")
+    };
+    let of_file = [
+        ("empty.csv", String::new(), "empty"),
+        ("names.csv", recording("t_s,pos,out"), "--map"),
+        ("nan.csv", line(100, "0.98,NaN,0"), "line 100"),
+        ("back.csv", line(100, "0.001,0,0"), "line 100"),
+        ("ragged.csv", line(100, "0.98,0"), "line 100"),
+        ("absurd.csv", line(100, "0.98,0,1e200"), "line 100"),
+        ("broken.mat", "MATLAB 5.0 MAT-file".to_owned(), "at byte"),
+        ("a.tdms", "TDSm and more".to_owned(), "TDMS"),
+    ];
+    for (name, text, part) in of_file {
+        let path = folder.file(name, text);
+        for command in FITTING.iter().chain(&RUNNING) {
+            code(command, &model, &path, &[], 2, &[name, part]);
+        }
+    }
+    let path = folder.file("good.csv", &good);
+    let of_options: [(&[&str], &str); 4] = [
+        (&["--map", "x_m=nowhere"], "nowhere"),
+        (&["--map", "nonsense"], "NAME=COLUMN"),
+        (&["--sign", "2"], "--sign 2"),
+        (&["--ignore", "nowhere"], "nowhere"),
+    ];
+    for command in FITTING.iter().chain(&RUNNING) {
+        code(
+            command,
+            &model,
+            &folder.path("absent.csv"),
+            &[],
+            2,
+            &["absent.csv"],
+        );
+        for (more, part) in of_options {
+            code(command, &model, &path, more, 2, &[part]);
+        }
+    }
+}
+
+#[test]
+fn a_model_that_is_wrong_or_of_another_axis_is_2_everywhere() {
+    let folder = Folder::new();
+    let path = folder.file("good.csv", recording(HEADER));
+    let rotary = folder.file("rotary.csv", recording("t_s,q_rad,torque_Nm"));
+    let good = folder.file("good.toml", MODEL);
+    let models = [
+        (
+            "key.toml",
+            MODEL.replace("breakaway_N", "colour = 3\nbreakaway_N"),
+            "colour",
+        ),
+        (
+            "value.toml",
+            MODEL.replace("= 20000.0", "= -20000.0"),
+            "stiffness",
+        ),
+        ("empty.toml", String::new(), "motion"),
+    ];
+    for command in WITH_MODEL {
+        for (name, text, part) in &models {
+            let model = folder.file(name, text);
+            code(command, &model, &path, &[], 2, &[name, part]);
+        }
+        code(
+            command,
+            &folder.path("absent.toml"),
+            &path,
+            &[],
+            2,
+            &["absent.toml"],
+        );
+        code(command, &good, &rotary, &[], 2, &["rotary", "linear"]);
+    }
+}
+
+#[test]
+fn a_recording_that_cannot_answer_is_3_where_something_is_fitted() {
+    let folder = Folder::new();
+    let model = folder.file("model.toml", MODEL);
+    let wave = |i: u32| 1e-3 * (f64::from(i) * 0.02).sin();
+    let force = |i: u32| (f64::from(i) * 0.02).cos().signum();
+    for (name, text) in [
+        ("standstill.csv", table(|_| 0.5, |i| f64::from(i % 7), 900)),
+        ("no_effort.csv", table(wave, |_| 0.0, 3000)),
+        ("short.csv", table(wave, force, 90)),
+    ] {
+        let path = folder.file(name, text);
+        for command in FITTING {
+            code(command, &model, &path, &[], 3, &[name]);
+        }
+        // What is only run along a motion has nothing to tell apart.
+        preslide(&["simulate", &model, "--motion", &path]).succeeds();
+    }
+}
+
+#[test]
+fn outputs_are_refused_alike_before_any_work() {
+    let folder = Folder::new();
+    let model = folder.file("model.toml", MODEL);
+    let path = folder.file("good.csv", recording(HEADER));
+    let nowhere = folder.path("absent/out.json");
+    let to_file = ["simulate MODEL --motion REC"].iter().chain(&FITTING);
+    for command in to_file {
+        code(
+            command,
+            &model,
+            &path,
+            &["--json", &path],
+            2,
+            &["this is the input"],
+        );
+        code(
+            command,
+            &model,
+            &path,
+            &["--json", &nowhere],
+            1,
+            &["folder that exists"],
+        );
+    }
+    for command in WITH_MODEL.iter().filter(|c| !c.starts_with("export")) {
+        code(
+            command,
+            &model,
+            &path,
+            &["--json", &model],
+            2,
+            &["this is the input"],
+        );
+    }
+    code(
+        "export MODEL",
+        &model,
+        "",
+        &["-o", &model],
+        2,
+        &["this is the input"],
+    );
+    assert_eq!(std::fs::read_to_string(&model).expect("there"), MODEL);
+}
