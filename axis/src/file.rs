@@ -1,6 +1,6 @@
 //! The file's tables.
 
-use super::{AxisError, SCHEMA, usable};
+use super::{AxisError, OWN, SCHEMA, VARIABLE, usable};
 use preslide::control::{
     Axis, Drive, Encoder, FeedForward, Hardware, Limits, Motor, PidGains, Watch,
 };
@@ -177,6 +177,8 @@ pub struct AxisFile {
     boards: BTreeMap<String, Board>,
     #[serde(skip)]
     name: String,
+    #[serde(skip)]
+    values: toml::Table,
 }
 
 impl AxisFile {
@@ -193,17 +195,43 @@ impl AxisFile {
         Self::parse(&file, &text)
     }
 
+    /// The file that is named, or else that of the variable [`VARIABLE`], or else the project's [`OWN`].
+    ///
+    /// # Errors
+    /// [`AxisError`]: what is wrong with it, and where.
+    pub fn chosen(named: Option<&Path>) -> Result<Self, AxisError> {
+        match (named, std::env::var_os(VARIABLE)) {
+            (Some(path), _) => Self::read(path),
+            (None, Some(path)) => Self::read(Path::new(&path)),
+            (None, None) => Self::parse("axis.toml", OWN),
+        }
+    }
+
+    /// The number that the file has under a parameter's name, such as `gains.derivative`.
+    pub fn value(&self, name: &str) -> Option<f64> {
+        let (tables, key) = name.rsplit_once('.').unwrap_or(("", name));
+        let mut table = &self.values;
+        for part in tables.split('.').filter(|part| !part.is_empty()) {
+            table = table.get(part)?.as_table()?;
+        }
+        let value = table.get(key)?;
+        value
+            .as_float()
+            .or(value.as_integer().map(|whole| whole as f64))
+    }
+
     /// Takes the text of the file called `name`.
     ///
     /// # Errors
     /// [`AxisError`]: what is wrong with it, and where.
     pub fn parse(name: &str, text: &str) -> Result<Self, AxisError> {
-        let parsed: Result<Self, _> = toml::from_str(text);
-        let mut file = parsed.map_err(|error| AxisError::Toml {
+        let told = |error| AxisError::Toml {
             file: name.to_owned(),
             error: Box::new(error),
-        })?;
+        };
+        let mut file: Self = toml::from_str(text).map_err(told)?;
         name.clone_into(&mut file.name);
+        file.values = toml::from_str(text).map_err(told)?;
         if file.schema != SCHEMA {
             return Err(AxisError::Schema {
                 file: file.name,

@@ -1,8 +1,7 @@
-//! `axis.toml`: one description of an axis, which a board's build compiles in.
+//! `axis.toml`: one description of an axis, which a board's build compiles in and the tool reads.
 //!
 //! ```
-//! let text = include_str!("../../axis.toml");
-//! let file = preslide_axis::AxisFile::parse("axis.toml", text)?;
+//! let file = preslide_axis::AxisFile::parse("axis.toml", preslide_axis::OWN)?;
 //! assert_eq!(file.axis(), preslide::control::Axis::PAPER_AXIS);
 //! # Ok::<(), preslide_axis::AxisError>(())
 //! ```
@@ -17,6 +16,12 @@ use preslide::{ParamError, Units};
 mod file;
 
 pub use file::{AxisFile, Board};
+
+/// The project's own file, which a build and the tool take where no other is named.
+pub const OWN: &str = include_str!("../../axis.toml");
+
+/// The variable that names the file to take.
+pub const VARIABLE: &str = "PRESLIDE_AXIS";
 
 /// What a file must say of itself.
 pub const SCHEMA: &str = "preslide.axis/1";

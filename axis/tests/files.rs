@@ -3,7 +3,7 @@
 use preslide::control::Axis;
 use preslide_axis::{AxisFile, rust};
 
-const PAPER: &str = include_str!("../../axis.toml");
+const PAPER: &str = preslide_axis::OWN;
 
 fn refusal(text: &str) -> String {
     AxisFile::parse("mine.toml", text)
@@ -17,6 +17,17 @@ fn the_paper_axis_is_what_the_file_says() {
     let file = AxisFile::parse("axis.toml", PAPER).expect("the project's own");
     assert_eq!(file.axis(), Axis::PAPER_AXIS);
     assert!(file.board("stm32g474").is_ok());
+}
+
+#[test]
+fn a_value_is_found_by_its_parameter_s_name() {
+    let file = AxisFile::parse("axis.toml", PAPER).expect("the project's own");
+    assert_eq!(file.value("gains.proportional"), Some(1e5));
+    assert_eq!(file.value("watch.overruns"), Some(2.0));
+    assert_eq!(file.value("duty_limit"), Some(0.38));
+    for unknown in ["gains", "gains.", "gains.nothing", "nothing.at_all", ""] {
+        assert_eq!(file.value(unknown), None, "{unknown}");
+    }
 }
 
 #[test]

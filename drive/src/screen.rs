@@ -186,6 +186,7 @@ impl Screen {
                     mark: Mark::Index,
                     speed_m_s: (-GENTLY * self.speed) as f32,
                     position_m: 0.0,
+                    back_off_m: 0.0,
                 }),
             ),
             KeyCode::Right => ("jog forward", jog(1.0)),

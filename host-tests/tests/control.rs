@@ -443,3 +443,55 @@ fn settings_that_cannot_be_are_refused_by_name() {
         .expect_err("too large");
     assert_eq!(error.parameter, "proportional gain");
 }
+
+/// An axis enabled again begins as one that never moved does: its reference is the same to the last bit, however soon after it was
+/// disabled in motion, with a smoothing longer or shorter than before, and whatever is asked first.
+#[test]
+fn an_axis_enabled_again_begins_as_a_new_one() {
+    let mut rng = ChaCha8Rng::seed_from_u64(15);
+    let friction = preslide::control::NoFriction::<f32>::new;
+    let mut used = controller(&Axis::PAPER_AXIS, friction(), Units::SI);
+    let (mut count, mut ticks) = (0_u32, 0);
+    for round in 0..2000 {
+        // Smoothing of 256, 64 and 8 ticks.
+        let mut axis = Axis::PAPER_AXIS;
+        // Without friction braking takes more than it would stand.
+        axis.watch.frozen_duty = 1.0;
+        axis.limits.jerk = [160.0, 625.0, 5000.0][rng.random_range(0..3)];
+        let coefficients = Coefficients::try_new(&axis, friction(), Units::SI).expect("valid");
+        used.disable();
+        used.swap(coefficients);
+        for _ in 0..rng.random_range(0..5) {
+            used.tick(Measurement { count, ..HEALTHY });
+        }
+        assert_eq!(used.enable(), Ok(()));
+        let start = used.position();
+        used.set_position(start, start);
+        let mut new = controller(&axis, friction(), Units::SI);
+        new.set_position(0, start);
+        let planner = Planner::try_new(&axis).expect("valid");
+        let (origin, rest) = (count, rng.random_range(0..40));
+        for tick in 0..rest + rng.random_range(1..600) {
+            if tick == rest || rng.random_range(0..200) == 0 {
+                let speed = rng.random_range(-4e-3..4e-3);
+                let next = plan(&axis, rng.random_range(-1e-4..1e-4), f64::abs(speed));
+                let jogs = rng.random_range(0..3) == 0;
+                let asked = [&mut used, &mut new].map(|one| {
+                    if jogs {
+                        one.jog(planner.jog(speed).expect("within the limits"))
+                    } else {
+                        one.start(next)
+                    }
+                });
+                assert_eq!(asked[0], asked[1]);
+            }
+            let [kept, fresh] = [(&mut used, count), (&mut new, count.wrapping_sub(origin))]
+                .map(|(one, count)| one.tick(Measurement { count, ..HEALTHY }).reference);
+            assert_eq!(kept, fresh, "round {round}, tick {tick}");
+            // The axis follows to the count.
+            count = origin.wrapping_add(((kept >> 16) - start) as u32);
+            ticks += 1;
+        }
+    }
+    println!("{ticks} ticks, none apart");
+}

@@ -8,6 +8,7 @@
 //! end puts all of it on the electrical stage.
 
 use anyhow::{Context, bail};
+use preslide_axis::AxisFile;
 use preslide_host::chain::{Errors, Row, Trial, known, rehearse, serve, table, track};
 use rayon::prelude::*;
 use serde::de::DeserializeOwned;
@@ -17,9 +18,11 @@ fn main() -> anyhow::Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let mut words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let electrical = words.pop_if(|word| *word == "--electrical").is_some();
+    let axis = AxisFile::chosen(None)?.axis();
     let draw = |seed: &str, count: usize| -> anyhow::Result<Vec<Trial>> {
         let trials = Trial::draw(seed.parse()?, count).into_iter();
         let on = |trial: Trial| {
+            let trial = trial.on(&axis);
             if electrical {
                 trial.electrical()
             } else {

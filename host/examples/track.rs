@@ -7,14 +7,15 @@
 
 use anyhow::bail;
 use preslide::control::{LearningSettings, Settings};
+use preslide_axis::AxisFile;
 use preslide_host::rig::sensed;
 use preslide_host::stage::{ElectricalConfig, Sampling, SenseConfig, StageConfig};
 use preslide_host::tracking::{adaptation, dead_time, electrical, print, table, watch};
 
 fn main() -> anyhow::Result<()> {
-    let mut settings = Settings::PAPER_AXIS;
+    let mut settings = AxisFile::chosen(None)?.axis();
     let learning = LearningSettings::PAPER_AXIS;
-    let mut stage = StageConfig::default();
+    let mut stage = StageConfig::default().on(&settings);
     let progress = |done, all| eprintln!("{done}/{all}");
     let mut words: Vec<String> = std::env::args().skip(1).collect();
     let only = match words.iter().position(|word| word == "only") {

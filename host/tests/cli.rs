@@ -528,3 +528,26 @@ fn a_reference_is_followed_in_closed_loop() {
     run(&bad, &[]).fails(2, &["bad.toml", "rate_Hz"]);
     preslide(&["simulate", &model, "--reference", &plan]).fails(2, &["--controller"]);
 }
+
+/// A motion is planned for the axis that is described: its limits where nothing is said, and not beyond them.
+#[test]
+fn a_plan_keeps_to_the_axis_that_is_named() {
+    let folder = Folder::new();
+    let own = include_str!("../../axis.toml");
+    let edited = own.replace("speed = 15e-3", "speed = 3e-3");
+    assert_ne!(own, edited, "axis.toml has another speed");
+    let (axis, motion) = (folder.file("axis.toml", edited), folder.path("motion.csv"));
+    let plan = |more: &[&str]| {
+        let all = [&["plan", "--axis", &axis, "-o", &motion], more].concat();
+        preslide(&all)
+    };
+    plan(&["--travel", "30mm", "--speed", "4mm/s"]).fails(
+        2,
+        &[
+            "--travel 3e-2 is beyond",
+            "--speed 4e-3 is beyond limits.speed, 3e-3",
+        ],
+    );
+    plan(&["--travel", "2mm"]).succeeds();
+    preslide(&["plan", "--axis", "none.toml", "-o", &motion]).fails(2, &["none.toml", "axis.toml"]);
+}

@@ -10,7 +10,7 @@ pub const MOST_BLOCKS: usize = 4;
 pub const POINTS: usize = 8;
 
 /// What both ends must speak; the controller tells it in [`Identity`].
-pub const PROTOCOL: u16 = 2;
+pub const PROTOCOL: u16 = 3;
 
 /// A request with the number that its answer carries.
 ///
@@ -108,6 +108,8 @@ pub struct Homing {
     pub speed_m_s: f32,
     /// What the position there is called (m).
     pub position_m: f32,
+    /// How far to move back from a stop (m), at the same speed; 0 stays there.
+    pub back_off_m: f32,
 }
 
 /// What marks the origin.
@@ -115,7 +117,8 @@ pub struct Homing {
 pub enum Mark {
     /// The encoder's index pulse.
     Index,
-    /// A mechanical stop: the axis lags by half of the following error that is a fault.
+    /// A mechanical stop: the axis lags by half of the following error that is a fault, or does not come on for half of the time that
+    /// is a fault, at a current that moves it whatever the friction.
     Stop,
 }
 

@@ -47,6 +47,7 @@ fn messages_survive_the_line() {
             mark: Mark::Index,
             speed_m_s: 1.0,
             position_m: 1.0,
+            back_off_m: 1.0,
         }),
         Request::Points(Points {
             ticks: u16::MAX,

@@ -117,6 +117,8 @@ impl<F: Friction, C: Count> Controller<F, C> {
         if let Some(fault) = self.fault {
             return Err(fault);
         }
+        // It may have been disabled in this very tick.
+        self.forget();
         self.reference.stand(self.position, &self.coefficients.pace);
         self.reference.locate(self.located);
         self.suspicion.clear();

@@ -266,17 +266,20 @@ impl Reference {
     /// A tick that does not follow evenly from the one before.
     #[inline(never)]
     fn turn(&mut self, pace: &Pace) {
-        self.speed = self.next_speed(pace);
+        let most = self.smoothing.clear_ahead().unwrap_or(u32::MAX);
+        self.speed = self.next_speed(pace, most - 1);
         self.smoothing.note(self.speed);
     }
 
-    fn next_speed(&mut self, pace: &Pace) -> i64 {
+    /// The speed of this tick; at most `even` ticks follow evenly from it.
+    fn next_speed(&mut self, pace: &Pace, even: u32) -> i64 {
         let speed = match self.mode {
             Mode::Planned if self.tick < self.plan.end => {
                 self.tick += 1;
                 let speed = self.plan.speed(self.tick, self.speed);
                 if !self.plan.joins {
                     (self.even, self.gain) = self.plan.evenly(self.tick, speed);
+                    self.even = self.even.min(even);
                     self.tick += self.even;
                     return speed;
                 }

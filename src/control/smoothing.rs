@@ -3,6 +3,9 @@
 /// Longest smoothing (ticks).
 pub const MOST_SMOOTHED: u32 = 256;
 
+/// Places of the ring that are cleared at a time: all of it at once would be the longest tick by far.
+pub(super) const CLEARED: u32 = 16;
+
 /// The mean of the last `2ⁿ` positions.
 ///
 /// Averaging keeps every bound: positions stay between the outermost ones, speed and acceleration are means of speeds and
@@ -24,6 +27,8 @@ pub(super) struct Smoothing {
     pub(super) left: u32,
     rest: u32,
     sum: i64,
+    /// Places of the ring, from its first on, that hold nothing from before the last rest.
+    clear: u32,
     /// Speeds of the last ticks, a ring.
     speeds: [i64; MOST_SMOOTHED as usize],
 }
@@ -40,13 +45,38 @@ impl Smoothing {
             left: 0,
             rest: 0,
             sum: 0,
+            clear: MOST_SMOOTHED,
             speeds: [0; MOST_SMOOTHED as usize],
         }
     }
 
-    /// As [`Smoothing::at_rest`], in place.
+    /// As [`Smoothing::at_rest`], in place; the ring is left to [`Smoothing::clear_ahead`].
     pub(super) fn rest(&mut self, bits: u32) {
-        *self = Self::at_rest(bits);
+        let bits = bits & 31;
+        self.at = 0;
+        self.mask = (1 << bits) - 1;
+        self.bits = bits;
+        self.part = 1 << ((32 - bits) & 31);
+        self.left = 0;
+        self.rest = 0;
+        self.sum = 0;
+        self.clear = 0;
+    }
+
+    /// Clears the next places of the ring; for how many ticks that is enough, this one included, where some are left.
+    ///
+    /// Called again no later than that, it stays ahead of the ticks that read them.
+    #[inline]
+    pub(super) fn clear_ahead(&mut self) -> Option<u32> {
+        if self.clear > self.mask {
+            return None;
+        }
+        let from = (self.clear & (MOST_SMOOTHED - CLEARED)) as usize;
+        for speed in self.speeds.iter_mut().skip(from).take(CLEARED as usize) {
+            *speed = 0;
+        }
+        self.clear += CLEARED;
+        Some(CLEARED)
     }
 
     /// Counts the ticks until the output stands; to be told of every tick at speed 0, and of the first at another.

@@ -22,6 +22,10 @@ const NONE: &str = "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[frictio
 /// Ticks of a row of the recording: 2 ms, two samples of the telemetry.
 const ROW: &str = "40";
 
+/// Before that the firmware has not been told where it was switched on (`FIRST` in host/src/chain/on_emulator.rs): positions jump then,
+/// and to an identification a jump is a motion.
+const LOCATED: &str = "0.004";
+
 /// Trials at a time; a trial keeps one core busy.
 const WORKERS: usize = 2;
 
@@ -148,7 +152,11 @@ impl Chain {
         serve.stdout(Stdio::null()).stderr(Stdio::null());
         let recording = file("recording.csv");
         capture(&mut serve, &port, |tool| {
-            quiet(tool.args(["--every", ROW]).arg("-o").arg(&recording))
+            quiet(
+                tool.args(["--every", ROW, "--after", LOCATED])
+                    .arg("-o")
+                    .arg(&recording),
+            )
         })?;
 
         let model = file("before.toml");
@@ -193,7 +201,7 @@ impl Chain {
             export(&without).map_err(|_| refusal.clone())?;
         }
         let building = self.building.lock().map_err(|e| e.to_string())?;
-        let (mut build, image) = build_command("preslide-qemu", "chain")?;
+        let (mut build, image) = build_command("preslide-qemu")?;
         quiet(build.env("PRESLIDE_MODEL", file("rs")))?;
         let copy = file("elf");
         std::fs::copy(&image, &copy).map_err(|e| format!("{}: {e}", image.display()))?;

@@ -19,7 +19,7 @@ const TIMER0: &str = "TIMER0";
 const ADC1_2: &str = "ADC1_2";
 
 /// The firmware that learns what the drive spends: it watches that and adapts the friction level.
-pub const LEARNING_FOLDER: &str = "qemu-fixed-adaptation";
+pub const LEARNING: &str = "qemu-fixed-adaptation";
 pub const LEARNING_FEATURES: &[&str] = &["--features", "adaptation"];
 
 /// The end of a run, which only the emulator's control task has.
@@ -62,7 +62,7 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     check_image("stm32g474", &board, ADC1_2, &[])?;
     check_ccm(&board)?;
     // With a model compiled in that has every effect.
-    let (mut exported, board) = build_command("preslide-stm32g474", "stm32g474")?;
+    let (mut exported, board) = build_command("preslide-stm32g474")?;
     run(exported.env("PRESLIDE_MODEL", root().join(EXPORTED)))?;
     check_image("stm32g474 with an exported model", &board, ADC1_2, &[])?;
     check_ccm(&board)?;
@@ -73,7 +73,7 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
         faults.arg("--bless");
     }
     run_for(&mut faults, LIMIT)?;
-    let learning = build("preslide-qemu", LEARNING_FOLDER, LEARNING_FEATURES)?;
+    let learning = build("preslide-qemu", LEARNING, LEARNING_FEATURES)?;
     check_image(
         "fixed with watch and adaptation",
         &learning,
@@ -209,20 +209,26 @@ pub fn capture(
     }
 }
 
-/// Builds a firmware package; where the image is. A folder of its own for each variant keeps all of them.
-pub fn build(package: &str, folder: &str, more: &[&str]) -> Result<PathBuf, String> {
-    let (mut command, image) = build_command(package, folder)?;
+/// Builds a variant of a firmware package; where its image is kept. Cargo has one folder for all of them, so that what they have in
+/// common is built once, and the image is copied out of it.
+pub fn build(package: &str, name: &str, more: &[&str]) -> Result<PathBuf, String> {
+    let (mut command, built) = build_command(package)?;
     run(command.args(more))?;
+    let images = built.with_file_name("images");
+    let image = images.join(name);
+    std::fs::create_dir_all(&images)
+        .and_then(|()| std::fs::copy(&built, &image))
+        .map_err(|error| format!("{}: {error}", image.display()))?;
     Ok(image)
 }
 
-/// The command that builds a firmware package, and where the image will be.
-pub fn build_command(package: &str, folder: &str) -> Result<(Command, PathBuf), String> {
-    let target = root().join("firmware/target").join(folder);
+/// The command that builds a firmware package, and where the image will be until the next variant is built.
+pub fn build_command(package: &str) -> Result<(Command, PathBuf), String> {
+    let firmware = root().join("firmware");
     let arguments = ["build", "--release", "--locked", "--package", package];
-    let mut command = Toolchain::ensure()?.cargo(&root().join("firmware"), &arguments);
-    command.arg("--target-dir").arg(&target);
-    Ok((command, target.join(TARGET).join("release").join(package)))
+    let command = Toolchain::ensure()?.cargo(&firmware, &arguments);
+    let release = firmware.join("target").join(TARGET).join("release");
+    Ok((command, release.join(package)))
 }
 
 /// CCM SRAM of the STM32G474.

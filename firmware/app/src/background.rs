@@ -2,7 +2,7 @@
 
 use crate::control::refusal;
 use crate::parameters::{Entry, When};
-use crate::queues::{Order, Planned, Seek, Shared, Status};
+use crate::queues::{Order, Planned, Seek, Shared, Stall, Status};
 use crate::{Model, Parameters, ROOM};
 use core::sync::atomic::Ordering;
 use embedded_storage::nor_flash::NorFlash;
@@ -299,13 +299,37 @@ impl<M: Model> Background<M> {
         if self.status.mode != Mode::Standing {
             return Err(Refusal::NotStanding);
         }
+        let Axis {
+            watch,
+            motor,
+            hardware,
+            limits,
+            ..
+        } = &self.axis;
         let jog = self.planner.jog(homing.speed_m_s.into());
-        let lag = 0.5 * self.axis.watch.following_error / self.axis.encoder.count;
+        let (speed, back) = (f64::from(homing.speed_m_s), f64::from(homing.back_off_m));
+        let back = match back {
+            0.0 => None,
+            back if back > 0.0 => {
+                let (distance, steep) = (-back.copysign(speed), limits.acceleration);
+                let planned = Move::plan(distance, speed.abs(), steep, self.axis.grid());
+                Some(planned.map_err(|_| Refusal::OutOfRange)?)
+            }
+            _ => return Err(Refusal::OutOfRange),
+        };
+        // Half of what would be a fault.
+        let lag = 0.5 * watch.following_error / self.axis.encoder.count;
+        let patience = 0.5 * watch.frozen_time / self.axis.sample_time();
+        let push = watch.frozen_duty * motor.supply / motor.resistance;
         let seek = Seek {
             mark: homing.mark,
             jog: jog.map_err(|_| Refusal::TooFast)?,
             to: self.counts(homing.position_m)?,
             lag: (lag as i64).max(1),
+            push: ((push / hardware.current_code) as u16).max(1),
+            patience: patience as u16,
+            stall: Stall::default(),
+            back,
         };
         self.order(Order::Seek(seek))
     }

@@ -120,7 +120,7 @@ impl<F: Friction> Control<F> {
             self.controller.heard();
         }
         if self.seek.is_some() {
-            self.seek(inputs.index);
+            self.seek(&inputs);
         }
         self.feed();
         let measurement = Measurement {
@@ -199,14 +199,15 @@ impl<F: Friction> Control<F> {
 
     /// Looks whether the origin is reached.
     #[inline(never)]
-    fn seek(&mut self, index: Option<u32>) {
-        let Some(seek) = self.seek else {
+    fn seek(&mut self, inputs: &Inputs) {
+        let (position, current) = (self.controller.position(), self.current(inputs));
+        let lag = ((self.reference >> 16) - position).abs();
+        let Some(seek) = &mut self.seek else {
             return;
         };
-        let position = self.controller.position();
         match seek.mark {
             Mark::Index => {
-                let Some(reading) = index else {
+                let Some(reading) = inputs.index else {
                     return;
                 };
                 let there = self.controller.position_at(reading);
@@ -214,14 +215,17 @@ impl<F: Friction> Control<F> {
                 self.controller.stop();
             }
             Mark::Stop => {
-                if ((self.reference >> 16) - position).abs() < seek.lag {
+                if !seek.is_met(lag, position, current) {
                     return;
                 }
                 self.controller.set_position(position, seek.to);
                 // Enabled anew it holds where it is, instead of where the reference has gone.
                 self.controller.disable();
-                // The fault that this may find shows in the status.
+                // The fault that this may find shows in the status, and where it stands afterwards that it could not move back.
                 let _ = self.controller.enable();
+                if let Some(back) = seek.back {
+                    let _ = self.controller.start(back);
+                }
             }
         }
         self.seek = None;

@@ -35,6 +35,14 @@ pub(crate) enum Order<F: Friction> {
     Seek(Seek),
 }
 
+/// How long an axis has not come on.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Stall {
+    /// Where the axis came to, and for how many ticks it has been pushed there.
+    place: i64,
+    ticks: u16,
+}
+
 /// How the origin is found.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Seek {
@@ -46,6 +54,27 @@ pub(crate) struct Seek {
     pub to: i64,
     /// How far the axis lags at a stop (counts).
     pub lag: i64,
+    /// Current that moves it whatever the friction (codes), and for how many ticks it does not at a stop.
+    pub push: u16,
+    pub patience: u16,
+    pub stall: Stall,
+    /// The move away from a stop.
+    pub back: Option<Move>,
+}
+
+impl Seek {
+    /// Whether the axis has met a stop: it lags far behind, or is pushed and does not come on by two counts.
+    pub(crate) fn is_met(&mut self, lag: i64, position: i64, current: i16) -> bool {
+        let stall = &mut self.stall;
+        if position.abs_diff(stall.place) > 1 || current.unsigned_abs() < self.push {
+            *stall = Stall {
+                place: position,
+                ticks: 0,
+            };
+        }
+        stall.ticks = stall.ticks.saturating_add(1);
+        lag >= self.lag || stall.ticks > self.patience
+    }
 }
 
 /// What the control task tells the background, every few ticks and after every order.

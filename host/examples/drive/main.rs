@@ -7,8 +7,8 @@
 mod typed;
 
 use anyhow::{Context, bail, ensure};
-use preslide::control::Axis;
-use preslide_host::rig::{Emulator, Listener, RigError, registers};
+use preslide_axis::AxisFile;
+use preslide_host::rig::{Emulator, Listener, registers};
 use preslide_host::stage::{Stage, StageConfig};
 use preslide_link::{
     Deframer, GainSettings, LARGEST_FRAME, MOST_BLOCKS, ModelSettings, Name, Numbered, Refusal,
@@ -77,20 +77,22 @@ fn beside(
 }
 
 /// Steps firmware and stage until told that it is over, or the firmware ends.
-fn serve(elf: &Path, port: u16, over: &AtomicBool) -> Result<(), RigError> {
-    let axis = Axis::PAPER_AXIS;
-    let stage = Stage::try_new(StageConfig {
+fn serve(elf: &Path, port: u16, over: &AtomicBool) -> anyhow::Result<()> {
+    // What the firmware was built for, if it was built under the same name.
+    let axis = AxisFile::chosen(None)?.axis();
+    let config = StageConfig {
         seed: 7,
         ..StageConfig::default()
-    });
-    let mut stage = stage.map_err(preslide_host::tracking::TrackingError::from)?;
+    };
+    let mut stage = Stage::try_new(config.on(&axis))?;
     let mut emulator = Emulator::start(elf, Listener::Served(port), None)?;
     let tick = Duration::from_secs_f64(axis.sample_time());
     let (start, mut now, mut last) = (Instant::now(), Duration::ZERO, 0);
     loop {
         let order = emulator.order()?;
         let code = if order.driven { order.code } else { 0 };
-        let mut reading = registers(stage.tick(f64::from(code) / f64::from(axis.hardware.steps)));
+        let reading = stage.tick(f64::from(code) / f64::from(axis.hardware.steps));
+        let mut reading = registers(reading, &axis.hardware);
         let count = reading.count.cast_signed();
         reading.index = passed(last, count);
         last = count;

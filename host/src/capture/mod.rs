@@ -24,6 +24,8 @@ pub struct Scale {
     pub effort_per_a: f64,
     /// Ticks averaged into one row; of a controller that sends fewer, the samples among them.
     pub every: u32,
+    /// What comes before this time of the controller's (s) is left out.
+    pub after_s: f64,
 }
 
 impl Scale {
@@ -35,6 +37,7 @@ impl Scale {
             count: settings.encoder.count,
             effort_per_a: settings.motor.torque_constant * settings.motor.transmission(),
             every: every.max(1),
+            after_s: 0.0,
         }
     }
 
@@ -215,6 +218,10 @@ impl<W: Write> Recorder<W> {
     /// [`CaptureError::Write`].
     pub fn take(&mut self, sample: &Sample) -> Result<bool, CaptureError> {
         let (scale, summary) = (&self.scale, &mut self.summary);
+        let time = f64::from(sample.tick) * scale.sample_time_s;
+        if time < scale.after_s {
+            return Ok(false);
+        }
         // A slow line carries every n-th tick only; what is missing shows in the numbers of the samples.
         let mut missing = 0;
         if let Some((tick, sequence, dropped)) = self.last {
@@ -231,7 +238,6 @@ impl<W: Write> Recorder<W> {
         self.last = Some((sample.tick, sample.sequence, sample.dropped));
         summary.samples += 1;
         summary.dropped = sample.dropped.into();
-        let time = f64::from(sample.tick) * scale.sample_time_s;
         summary.fault = summary.fault.or(sample.fault.map(|fault| (fault, time)));
         let left = sample
             .range

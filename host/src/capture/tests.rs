@@ -56,6 +56,26 @@ fn telemetry_becomes_a_recording_in_si() {
 }
 
 #[test]
+fn what_comes_before_is_left_out_and_is_no_gap() {
+    let mut csv = Vec::new();
+    let later = Scale {
+        after_s: 5.0 * 50e-6,
+        ..scale(1)
+    };
+    let line = telemetry(0..11);
+    let summary = capture(&line[..], &mut csv, &later, None, || {}).expect("telemetry");
+    let text = String::from_utf8(csv).expect("text");
+    // Rows are counted from behind tick 5.
+    assert!(
+        text.lines()
+            .nth(1)
+            .is_some_and(|row| row.starts_with("0.0003000,")),
+        "{text}"
+    );
+    assert_eq!((summary.samples, summary.rows, summary.gaps), (6, 5, 0));
+}
+
+#[test]
 fn a_rotary_axis_has_its_own_columns_and_rows_can_be_limited() {
     let mut csv = Vec::new();
     let rotary = Scale {

@@ -36,6 +36,8 @@ pub struct Trial {
     pub effect: Concealed,
     /// The machine.
     pub config: StageConfig,
+    /// What its controller is told.
+    pub axis: Settings,
 }
 
 impl Trial {
@@ -44,27 +46,27 @@ impl Trial {
         let of = |(index, effect)| Self {
             effect,
             config: config(seed.wrapping_mul(1000).wrapping_add(index as u64)),
+            axis: Settings::PAPER_AXIS,
         };
         let effects = Concealed::draw(seed, count).into_iter();
         effects.enumerate().map(of).collect()
     }
 
-    /// The same on the electrical stage, its dead time told to the controller.
+    /// The same on another axis than the paper's.
     #[must_use]
-    pub fn electrical(self) -> Self {
-        let config = electrical(&mut Settings::PAPER_AXIS.clone(), self.config);
-        Self { config, ..self }
+    pub fn on(self, axis: &Settings) -> Self {
+        Self {
+            config: self.config.on(axis),
+            axis: *axis,
+            ..self
+        }
     }
 
-    /// What the controller is told: the paper's axis, with the stage's dead time.
-    pub fn settings(&self) -> Settings {
-        let mut settings = Settings::PAPER_AXIS;
-        if let Some(electrical) = &self.config.electrical {
-            settings.hardware = settings
-                .hardware
-                .with_dead_time(electrical.dead_time_s, electrical.diode_v);
-        }
-        settings
+    /// The same on the electrical stage, its dead time told to the controller.
+    #[must_use]
+    pub fn electrical(mut self) -> Self {
+        self.config = electrical(&mut self.axis, self.config);
+        self
     }
 
     /// The machine as it is switched on for the `run`-th time: somewhere within the middle millimetre, with any count. Only homing

@@ -3,7 +3,6 @@
 use super::{JUDGED, RECORDED, Trial, judged, recorded};
 use crate::rig::{CALIBRATED, Listener, RigError, Script, run, samples};
 use crate::tracking::{Step, TrackingError};
-use preslide::control::Settings;
 use preslide_link::{MOST_BLOCKS, ModelSettings, Refusal, Reply, Report, Request};
 use std::cell::RefCell;
 use std::path::Path;
@@ -26,6 +25,7 @@ fn script<'a>(trial: &Trial, run: u64, steps: Vec<Step>) -> Result<Script<'a>, T
         Some(electrical) => Script::electrical(electrical),
         None => Script::quiet(0),
     };
+    script.axis = trial.axis;
     script.stage = trial.switched_on(run);
     // In single precision, which is nearer than half a count.
     let zero = Request::Zero {
@@ -73,7 +73,7 @@ pub fn track(trial: &Trial, elf: &Path) -> Result<Option<f64>, RigError> {
         ));
     }
     let positions = positions.borrow();
-    let count = Settings::PAPER_AXIS.encoder.count;
+    let count = trial.axis.encoder.count;
     let (mut squares, mut number) = (0.0, 0);
     for sample in samples(&record).filter(|sample| u64::from(sample.tick) > first(trial)) {
         if sample.fault.is_some() {

@@ -25,7 +25,7 @@ const ROW: u32 = 40;
 /// # Errors
 /// Where the stage or the motion is refused, or the controller gave up.
 pub fn record(trial: &Trial) -> anyhow::Result<String> {
-    let settings = trial.settings();
+    let settings = trial.axis;
     let friction = NoFriction::<f64>::new();
     let mut axis = Axis::on(&settings, friction, Units::SI, trial.stage(RECORDED)?)?;
     let steps = trial.from_start(RECORDED, recorded());
@@ -66,7 +66,7 @@ pub struct Followed {
 pub fn follow(trial: &Trial, model: Option<&Model>) -> Result<Followed, TrackingError> {
     let closed = Closed {
         stage: trial.stage(JUDGED)?,
-        settings: trial.settings(),
+        settings: trial.axis,
         steps: trial.from_start(JUDGED, judged()),
     };
     match model {

@@ -1,8 +1,7 @@
 //! `preslide capture`.
 
-use super::{Failure, parse_frequency, write_text};
+use super::{AxisArgs, Failure, parse_frequency, write_text};
 use clap::Args;
-use preslide::control::Settings;
 use preslide_host::capture::{CaptureError, End, Scale, Summary, capture, open};
 use preslide_host::progress::Progress;
 use preslide_host::recording::MotionKind;
@@ -12,15 +11,12 @@ use std::fs::{File, OpenOptions};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Scales that the project's own firmware starts with.
-const FIRMWARE: Settings = Settings::PAPER_AXIS;
-
 /// Telemetry of a running controller, by TCP or serial line, into a recording
 ///
 /// It ends with --seconds, with the line, or after 10 s of silence on TCP; then the rows so far are kept.
 #[derive(Args)]
 #[command(
-    after_help = "Example: preslide capture tcp:127.0.0.1:7700 -o axis.csv --seconds 20\n\nScales default to those of the project's firmware; a serial device's speed is set with stty before."
+    after_help = "Example: preslide capture tcp:127.0.0.1:7700 -o axis.csv --seconds 20\n\nScales are those of the axis; give the --axis that the firmware was built with. A serial device's speed is set with stty before."
 )]
 pub struct Capture {
     /// tcp:HOST:PORT, or the path of a serial device, pipe or file
@@ -39,6 +35,10 @@ pub struct Capture {
     #[arg(long, value_name = "S", value_parser = parse_positive)]
     seconds: Option<f64>,
 
+    /// Leave out what comes before this time of the controller's, such as its homing: positions count from another place then
+    #[arg(long, value_name = "S", default_value_t = 0.0)]
+    after: f64,
+
     /// Try to connect for this many seconds
     #[arg(long, value_name = "S", default_value = "0", value_parser = parse_wait)]
     wait: Duration,
@@ -47,15 +47,18 @@ pub struct Capture {
     #[arg(long, value_name = "TICKS", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..))]
     every: u32,
 
-    /// The controller's rate
-    #[arg(long, value_name = "HZ", default_value = "20kHz", value_parser = parse_frequency)]
-    rate: f64,
+    #[command(flatten)]
+    axis: AxisArgs,
 
-    /// Length of an encoder count in m or rad
-    #[arg(long, value_name = "LENGTH", default_value_t = FIRMWARE.encoder.count, value_parser = parse_positive)]
-    count: f64,
+    /// The controller's rate [default: the axis's]
+    #[arg(long, value_name = "HZ", value_parser = parse_frequency)]
+    rate: Option<f64>,
 
-    /// Force of the motor at the stage per ampere in N/A or N·m/A [default: torque constant × transmission, 20.70 N/A]
+    /// Length of an encoder count in m or rad [default: the axis's]
+    #[arg(long, value_name = "LENGTH", value_parser = parse_positive)]
+    count: Option<f64>,
+
+    /// Force of the motor at the stage per ampere in N/A or N·m/A [default: the axis's torque constant × transmission]
     #[arg(long, value_name = "N_PER_A", value_parser = parse_positive)]
     effort_per_ampere: Option<f64>,
 
@@ -125,18 +128,17 @@ impl Capture {
     pub fn run(self) -> Result<(), Failure> {
         let path = self.output.display();
         refuse_existing(&self.output, self.overwrite)?;
+        let scale = Scale::of(&self.axis.read()?.axis(), self.every);
         let scale = Scale {
-            sample_time_s: 1.0 / self.rate,
-            count: self.count,
+            sample_time_s: self.rate.map_or(scale.sample_time_s, |rate| 1.0 / rate),
+            count: self.count.unwrap_or(scale.count),
             motion: if self.rotary {
                 MotionKind::Rotary
             } else {
                 MotionKind::Linear
             },
-            ..Scale::of(&FIRMWARE, self.every)
-        };
-        let scale = Scale {
             effort_per_a: self.effort_per_ampere.unwrap_or(scale.effort_per_a),
+            after_s: self.after,
             ..scale
         };
         let row_s = f64::from(scale.every) * scale.sample_time_s;

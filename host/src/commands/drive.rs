@@ -1,7 +1,10 @@
 //! `preslide drive`.
 
-use super::{Failure, parse_frequency};
-use clap::{Args, Subcommand, ValueEnum};
+mod asked;
+
+use super::{AxisArgs, Failure};
+use asked::{Home, Jog, MarkArg, Move, PlayArgs};
+use clap::{Args, Subcommand};
 use preslide_drive::{
     BAUD, Drive as Session, DriveError, Motion, Play, open, quantity, screen, words,
 };
@@ -76,6 +79,11 @@ enum What {
         #[arg(value_name = "NAME")]
         names: Vec<String>,
     },
+    /// Compare the controller's parameters with an axis.toml: what differs, and the command that sets it
+    Compare {
+        #[command(flatten)]
+        axis: AxisArgs,
+    },
     /// Set parameters (SI): set gains.derivative=600 limits.speed=0.01
     Set {
         /// What to set
@@ -103,82 +111,6 @@ enum What {
     Save,
     /// Forget what was saved; from the next reset on what was compiled in rules
     Forget,
-}
-
-#[derive(Args)]
-struct Move {
-    /// By a distance
-    #[arg(long, value_name = "LENGTH", value_parser = quantity::length, allow_hyphen_values = true, conflicts_with = "to", required_unless_present = "to")]
-    by: Option<f64>,
-
-    /// To a position
-    #[arg(long, value_name = "LENGTH", value_parser = quantity::length, allow_hyphen_values = true)]
-    to: Option<f64>,
-
-    /// Speed [default: a fifth of limits.speed]
-    #[arg(long, value_name = "SPEED", value_parser = quantity::positive_rate)]
-    speed: Option<f64>,
-
-    /// Acceleration [default: a fifth of limits.acceleration]
-    #[arg(long, value_name = "ACCELERATION", value_parser = quantity::positive_rate)]
-    acceleration: Option<f64>,
-}
-
-#[derive(Args)]
-struct Jog {
-    /// Speed, signed
-    #[arg(value_name = "SPEED", value_parser = quantity::rate, allow_hyphen_values = true)]
-    speed: f64,
-
-    /// How long
-    #[arg(long, value_name = "S", default_value_t = 1.0)]
-    seconds: f64,
-}
-
-#[derive(Args)]
-struct Home {
-    /// What marks the origin
-    #[arg(long, value_name = "WHAT", default_value = "index")]
-    mark: MarkArg,
-
-    /// Speed on the way, signed [default: a tenth of limits.speed, backward]
-    #[arg(long, value_name = "SPEED", value_parser = quantity::rate, allow_hyphen_values = true)]
-    speed: Option<f64>,
-
-    /// What the position there is called
-    #[arg(long, value_name = "LENGTH", default_value = "0", value_parser = quantity::length, allow_hyphen_values = true)]
-    position: f64,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum MarkArg {
-    /// The encoder's index pulse
-    Index,
-    /// A mechanical stop, reached slowly
-    Stop,
-}
-
-#[derive(Args)]
-struct PlayArgs {
-    /// Columns t_s and x_m (or q_rad); `preslide plan` writes one
-    #[arg(value_name = "MOTION.csv")]
-    motion: PathBuf,
-
-    /// Write the recording
-    #[arg(short, long, value_name = "REC.csv")]
-    output: PathBuf,
-
-    /// Replace the recording if it exists
-    #[arg(long)]
-    overwrite: bool,
-
-    /// Positions count from the axis's origin; without it from where the axis stands
-    #[arg(long)]
-    absolute: bool,
-
-    /// Rows of the recording per second
-    #[arg(long, value_name = "HZ", default_value = "1kHz", value_parser = parse_frequency)]
-    rate: f64,
 }
 
 /// Samples of telemetry in a row of the recording: together with 1 kHz, what a serial line carries.
@@ -262,6 +194,7 @@ impl Commanded {
                 )
             }
             What::Get { names } => self.get(&names),
+            What::Compare { axis } => self.compare(&axis),
             What::Set { pairs } => self.set(&pairs),
             What::Gains {
                 proportional,
@@ -372,6 +305,11 @@ impl Commanded {
             Some(speed) => speed,
             None => -0.1 * self.limit("limits.speed")?,
         };
+        let back_off = match (home.mark, home.back_off) {
+            (MarkArg::Index, _) => 0.0,
+            (MarkArg::Stop, Some(length)) => length,
+            (MarkArg::Stop, None) => 10.0 * self.limit("watch.following_error")?,
+        };
         self.drive.ask(Request::Home(Homing {
             mark: match home.mark {
                 MarkArg::Index => Mark::Index,
@@ -379,6 +317,7 @@ impl Commanded {
             },
             speed_m_s: speed as f32,
             position_m: home.position as f32,
+            back_off_m: back_off as f32,
         }))?;
         self.stands()?;
         if self.drive.state()?.located {
@@ -386,7 +325,7 @@ impl Commanded {
             Ok(())
         } else {
             Err(Failure::Data(
-                "the origin was not found; check the index's wiring, or home to a --mark stop"
+                "the origin was not found; check the index's wiring, or home to a --mark stop (where travel has one on that side)"
                     .to_owned(),
             ))
         }
@@ -403,6 +342,43 @@ impl Commanded {
                 Some(value) => say!("{name:<24} {value:e}"),
                 None => return Err(Failure::Input(unknown(name))),
             }
+        }
+        Ok(())
+    }
+
+    fn compare(&mut self, axis: &AxisArgs) -> Result<(), Failure> {
+        let file = axis.read()?;
+        let mut different = Vec::new();
+        for parameter in self.drive.parameters()? {
+            let name = parameter.name.as_str();
+            let Some(wanted) = file.value(name) else {
+                continue;
+            };
+            // In the precision of the link.
+            if parameter.value != wanted as f32 {
+                say!("{name:<24} {:e}, in the file {wanted:e}", parameter.value);
+                different.push(format!("{name}={wanted:e}"));
+            }
+        }
+        let identity = self.drive.identity();
+        let described = file.axis();
+        if identity.count != described.encoder.count
+            || identity.rate_hz != described.hardware.rate_hz
+        {
+            return Err(Failure::Data(format!(
+                "the controller has {:e} {} a count and {} Hz, the file {:e} and {} Hz: these are compiled in; build the firmware with it",
+                identity.count,
+                self.unit,
+                identity.rate_hz,
+                described.encoder.count,
+                described.hardware.rate_hz
+            )));
+        }
+        if different.is_empty() {
+            say!("every parameter is as in the file");
+        } else {
+            let (port, pairs) = (&self.port, different.join(" "));
+            say!("Next, disabled: preslide drive {port} set {pairs}");
         }
         Ok(())
     }
@@ -503,6 +479,7 @@ impl Commanded {
             count: identity.count,
             effort_per_a: identity.effort_per_a.into(),
             every: (every * SAMPLES_PER_ROW) as u32,
+            after_s: 0.0,
         };
         let file = super::capture::create(&play.output, play.overwrite)?;
         let mut recorder = Recorder::begin(file, &scale, None)?;

@@ -21,6 +21,7 @@ pub mod tune;
 
 use clap::Args;
 pub use outputs::write_text;
+use preslide_axis::AxisFile;
 use preslide_host::diagnose::Refusal;
 use preslide_host::identify::Options;
 use preslide_host::identify::split::{Window, check_windows, parse_window};
@@ -82,6 +83,26 @@ impl From<Refusal> for Failure {
 impl From<anyhow::Error> for Failure {
     fn from(error: anyhow::Error) -> Self {
         Failure::Tool(format!("{error:#}"))
+    }
+}
+
+/// Which axis.
+#[derive(Args, Clone, Debug)]
+pub struct AxisArgs {
+    /// The description of the axis [default: what PRESLIDE_AXIS names, or else the project's own axis.toml]
+    #[arg(long, value_name = "AXIS.toml")]
+    axis: Option<PathBuf>,
+}
+
+impl AxisArgs {
+    /// Reads it.
+    pub fn read(&self) -> Result<AxisFile, Failure> {
+        AxisFile::chosen(self.axis.as_deref()).map_err(|error| Failure::Input(error.to_string()))
+    }
+
+    /// Somebody chose it.
+    pub fn is_chosen(&self) -> bool {
+        self.axis.is_some() || std::env::var_os(preslide_axis::VARIABLE).is_some()
     }
 }
 

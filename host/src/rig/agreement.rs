@@ -170,7 +170,7 @@ fn simulate<F: Friction>(
     let parameter = |error: ParamError| RigError::Tracking(TrackingError::Parameter(error));
     let mut stage = Stage::try_new(script.stage.clone()).map_err(TrackingError::from)?;
     let coefficients = Coefficients::try_new(&settings, friction, units).map_err(parameter)?;
-    let first = registers(stage.tick(0.0)).count;
+    let first = registers(stage.tick(0.0), &settings.hardware).count;
     let mut controller = Controller::new(coefficients, first);
     let moves = steps
         .iter()
@@ -183,7 +183,8 @@ fn simulate<F: Friction>(
     for tick in 1..=script.ticks {
         codes.push(code);
         (script.disturb)(tick, &mut stage);
-        let reading = registers(stage.tick(f64::from(code) / f64::from(settings.hardware.steps)));
+        let reading = stage.tick(f64::from(code) / f64::from(settings.hardware.steps));
+        let reading = registers(reading, &settings.hardware);
         if tick == enabled {
             controller.enable().map_err(TrackingError::Stopped)?;
         }

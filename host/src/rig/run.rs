@@ -5,7 +5,7 @@ use super::{Emulator, Listener, Remains, RigError};
 use crate::stage::concealed::Concealed;
 use crate::stage::{ElectricalConfig, EncoderReading, Stage, StageConfig};
 use crate::tracking::{Step, TrackingError};
-use preslide::control::Settings;
+use preslide::control::{Axis, Hardware};
 use preslide_link::{LARGEST_FRAME, Name, Numbered, Reading, Request, encode};
 use std::path::Path;
 
@@ -28,6 +28,8 @@ pub type ByTick<'a, T> = Box<dyn Fn(u64, &mut T) + 'a>;
 pub struct Script<'a> {
     /// Ticks before the quit.
     pub ticks: u64,
+    /// What the firmware was built for.
+    pub axis: Axis,
     /// The stage.
     pub stage: StageConfig,
     /// What it hides.
@@ -51,6 +53,7 @@ impl Script<'_> {
     pub fn quiet(ticks: u64) -> Self {
         Self {
             ticks,
+            axis: Axis::PAPER_AXIS,
             stage: StageConfig {
                 seed: 7,
                 ..StageConfig::default()
@@ -104,7 +107,7 @@ impl Script<'_> {
     pub fn follow(mut self, mut tick: u64, steps: &[Step]) -> Result<Self, TrackingError> {
         for step in steps {
             self = self.send(tick, &requests(std::slice::from_ref(step)));
-            let planned = step.plan(&Settings::PAPER_AXIS)?;
+            let planned = step.plan(&self.axis)?;
             tick += u64::from(planned.ticks());
         }
         self.ticks = tick + 200;
@@ -120,12 +123,12 @@ pub fn frame<T: serde::Serialize>(message: &T) -> Vec<u8> {
 }
 
 /// What the board's registers show for a reading of the stage.
-pub fn registers(reading: EncoderReading) -> Reading {
+pub fn registers(reading: EncoderReading, hardware: &Hardware) -> Reading {
     Reading {
         count: reading.count.cast_unsigned(),
         // Saturating casts: what an ADC does.
-        supply: (reading.supply_v * 1e3).round() as u16,
-        current: (reading.current_a * 1e4).round() as i16,
+        supply: (reading.supply_v / hardware.supply_code).round() as u16,
+        current: (reading.current_a / hardware.current_code).round() as i16,
         ..Reading::default()
     }
 }
@@ -147,7 +150,7 @@ pub struct Record {
 /// # Errors
 /// [`RigError`] where QEMU or the stage cannot be started.
 pub fn run(elf: &Path, script: &Script, listener: Listener) -> Result<Record, RigError> {
-    let steps = f64::from(Settings::PAPER_AXIS.hardware.steps);
+    let steps = f64::from(script.axis.hardware.steps);
     let config = script.stage.clone();
     let mut stage = match script.concealed {
         Some(effect) => Stage::concealing(config, effect),
@@ -175,7 +178,8 @@ pub fn run(elf: &Path, script: &Script, listener: Listener) -> Result<Record, Ri
             enabled = enabled.or(Some(tick.saturating_sub(1)));
         }
         (script.disturb)(tick, &mut stage);
-        let mut reading = registers(stage.tick(f64::from(order.code) / steps));
+        let reading = stage.tick(f64::from(order.code) / steps);
+        let mut reading = registers(reading, &script.axis.hardware);
         if let Some((_, byte)) = waiting.filter(|(from, _)| *from <= tick) {
             reading.byte = Some(byte);
             waiting = line.next();

@@ -5,6 +5,7 @@
 
 use super::electrical::ElectricalConfig;
 use crate::reproduce::paper;
+use preslide::control::Axis;
 use serde::{Deserialize, Serialize};
 
 /// Why a stage could not be built.
@@ -327,6 +328,39 @@ fn share(key: &'static str, value: f64) -> Result<(), StageError> {
 }
 
 impl StageConfig {
+    /// The same stage with what an axis is described by: its rate, motor, transmission, count and supply. What no description has
+    /// stays: friction, compliance, the encoder's errors.
+    #[must_use]
+    pub fn on(self, axis: &Axis) -> Self {
+        let motor = &axis.motor;
+        // The paper's is rounded, and holds the rotor's share: what another differs from it by is added.
+        let heavier = axis.feed_forward.mass - Axis::PAPER_AXIS.feed_forward.mass;
+        Self {
+            control_rate_hz: axis.hardware.rate_hz.into(),
+            mass_kg: self.mass_kg + heavier,
+            motor: MotorConfig {
+                resistance_ohm: motor.resistance,
+                inductance_h: motor.inductance,
+                torque_constant_nm_per_a: motor.torque_constant,
+                ..self.motor
+            },
+            drive: DriveConfig {
+                gear_ratio: motor.gear_ratio,
+                screw_lead_m: motor.screw_lead,
+                ..self.drive
+            },
+            encoder: EncoderConfig {
+                count_m: axis.encoder.count,
+                ..self.encoder
+            },
+            supply: SupplyConfig {
+                voltage_v: motor.supply,
+                ..self.supply
+            },
+            ..self
+        }
+    }
+
     /// Checks every value.
     ///
     /// # Errors

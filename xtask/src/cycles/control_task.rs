@@ -8,7 +8,7 @@ use super::disassembly::Disassembly;
 use super::recorder::{Recorder, TakenPath, Watched};
 use super::table::Row;
 use super::{price, price_paths, stages};
-use crate::qemu::{self, LEARNING_FEATURES, LEARNING_FOLDER};
+use crate::qemu::{self, LEARNING, LEARNING_FEATURES};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -18,7 +18,7 @@ const HANDLER: &str = "TIMER0";
 /// Part of the mangled name of the function that stands for the sensors.
 const EXCHANGE: &str = "preslide_qemu7reading";
 
-/// Kernel, and the build of the firmware with it: folder and features.
+/// Kernel, and the build of the firmware with it: name and features.
 type Build = (&'static str, &'static str, &'static [&'static str]);
 
 const BUILDS: [Build; 6] = [
@@ -36,7 +36,7 @@ const BUILDS: [Build; 6] = [
     ),
     (
         "quasi_static_i16f16_adaptation",
-        LEARNING_FOLDER,
+        LEARNING,
         LEARNING_FEATURES,
     ),
     (
@@ -88,8 +88,8 @@ struct Tick {
 
 impl Tick {
     fn record(recorder: &Recorder, rig: &Path, build: &Build) -> Result<Self, String> {
-        let &(kernel, folder, features) = build;
-        let program = qemu::build("preslide-qemu", folder, features)?;
+        let &(kernel, name, features) = build;
+        let program = qemu::build("preslide-qemu", name, features)?;
         let disassembly = Disassembly::of(&program)?;
         let address_of = |part: &str| {
             let mut functions = disassembly.functions_named("");

@@ -25,7 +25,7 @@ pub const DEAD_TIME: u16 = {
     let clocks = BOARD.dead_time * CLOCK_HZ as f64 + 0.5;
     assert!(
         clocks < 128.0,
-        "boards.stm32g474.dead_time: at most 0.75 µs"
+        "dead_time of the board in axis.toml: at most 0.75 µs"
     );
     clocks as u16
 };

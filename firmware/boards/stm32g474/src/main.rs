@@ -7,6 +7,7 @@ mod bridge;
 mod ccm;
 mod clock;
 mod encoder;
+mod half_bridges;
 mod line;
 mod log;
 mod memory;
@@ -22,8 +23,10 @@ type Friction = <Model as preslide_app::Model>::Friction;
 #[rtic::app(device = embassy_stm32, peripherals = false)]
 mod app {
     use super::{Friction, MODEL, Model};
-    use crate::bridge::{self, HalfBridges};
+    use crate::bridge;
     use crate::encoder::Encoder;
+    use crate::half_bridges::{self, HalfBridges};
+    use crate::line::{CHUNK, Sender};
     use crate::log::Log;
     use crate::memory::Pages;
     use crate::sense::Sense;
@@ -51,7 +54,7 @@ mod app {
         watchdog: IndependentWatchdog<'static, IWDG>,
         memory: Option<Slots<Pages>>,
         received: Producer<'static, u8>,
-        sent: Consumer<'static, u8>,
+        sender: Sender,
         from_line: Consumer<'static, u8>,
         to_line: Producer<'static, u8>,
         late: bool,
@@ -61,6 +64,7 @@ mod app {
         queues: Queues<Friction> = Queues::new(),
         arriving: Queue<u8, RECEIVED> = Queue::new(),
         leaving: Queue<u8, SENT> = Queue::new(),
+        chunk: [u8; CHUNK] = [0; CHUNK],
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         crate::ccm::load();
@@ -90,16 +94,17 @@ mod app {
             reset,
         };
         let tasks = cx.local.queues.tasks(start);
-        let link = crate::line::start(p.LPUART1, p.PA3, p.PA2);
-        let (Ok((control, background)), Some(())) = (tasks, link) else {
+        let (received, from_line) = cx.local.arriving.split();
+        let (to_line, sent) = cx.local.leaving.split();
+        let chunk = cx.local.chunk;
+        let link = crate::line::start(p.LPUART1, p.PA3, p.PA2, p.DMA1_CH1, chunk, sent);
+        let (Ok((control, background)), Some(sender)) = (tasks, link) else {
             // Nothing drives yet; the watchdog is not running, so it stays so.
-            bridge::off();
+            half_bridges::off();
             loop {
                 cortex_m::asm::wfi();
             }
         };
-        let (received, from_line) = cx.local.arriving.split();
-        let (to_line, sent) = cx.local.leaving.split();
         // Ten ticks without a sign of life are 500 µs; the slow oscillator is good to a few percent.
         let mut watchdog = IndependentWatchdog::new(p.IWDG, 500);
         watchdog.unleash();
@@ -112,7 +117,7 @@ mod app {
             watchdog,
             memory,
             received,
-            sent,
+            sender,
             from_line,
             to_line,
             late: false,
@@ -138,14 +143,14 @@ mod app {
         cx.local.watchdog.pet();
     }
 
-    /// Bytes in and out. It only moves them.
-    #[task(binds = LPUART1, priority = 4, local = [received, sent])]
+    /// Bytes that come. It only moves them.
+    #[task(binds = LPUART1, priority = 4, local = [received])]
     fn line(cx: line::Context) {
-        crate::line::serve(cx.local.received, cx.local.sent);
+        crate::line::receive(cx.local.received);
     }
 
     /// Requests and telemetry.
-    #[idle(local = [background, memory, from_line, to_line])]
+    #[idle(local = [background, memory, sender, from_line, to_line])]
     fn idle(cx: idle::Context) -> ! {
         let local = cx.local;
         let mut log = Log::default();
@@ -154,9 +159,8 @@ mod app {
             let done = local
                 .background
                 .poll(local.from_line, local.to_line, local.memory);
-            if done {
-                crate::line::kick();
-            } else {
+            local.sender.poll();
+            if !done {
                 cortex_m::asm::wfi();
             }
         }
@@ -165,7 +169,7 @@ mod app {
 
 #[panic_handler]
 fn panic(_: &PanicInfo) -> ! {
-    bridge::off();
+    half_bridges::off();
     // The watchdog resets.
     loop {
         cortex_m::asm::nop();

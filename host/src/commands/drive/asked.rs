@@ -1,0 +1,86 @@
+//! What the commands of `preslide drive` are asked.
+
+use super::super::parse_frequency;
+use clap::{Args, ValueEnum};
+use preslide_drive::quantity;
+use std::path::PathBuf;
+
+#[derive(Args)]
+pub struct Move {
+    /// By a distance
+    #[arg(long, value_name = "LENGTH", value_parser = quantity::length, allow_hyphen_values = true, conflicts_with = "to", required_unless_present = "to")]
+    pub by: Option<f64>,
+
+    /// To a position
+    #[arg(long, value_name = "LENGTH", value_parser = quantity::length, allow_hyphen_values = true)]
+    pub to: Option<f64>,
+
+    /// Speed [default: a fifth of limits.speed]
+    #[arg(long, value_name = "SPEED", value_parser = quantity::positive_rate)]
+    pub speed: Option<f64>,
+
+    /// Acceleration [default: a fifth of limits.acceleration]
+    #[arg(long, value_name = "ACCELERATION", value_parser = quantity::positive_rate)]
+    pub acceleration: Option<f64>,
+}
+
+#[derive(Args)]
+pub struct Jog {
+    /// Speed, signed
+    #[arg(value_name = "SPEED", value_parser = quantity::rate, allow_hyphen_values = true)]
+    pub speed: f64,
+
+    /// How long
+    #[arg(long, value_name = "S", default_value_t = 1.0)]
+    pub seconds: f64,
+}
+
+#[derive(Args)]
+pub struct Home {
+    /// What marks the origin
+    #[arg(long, value_name = "WHAT", default_value = "index")]
+    pub mark: MarkArg,
+
+    /// Speed on the way, signed [default: a tenth of limits.speed, backward]
+    #[arg(long, value_name = "SPEED", value_parser = quantity::rate, allow_hyphen_values = true)]
+    pub speed: Option<f64>,
+
+    /// What the position there is called
+    #[arg(long, value_name = "LENGTH", default_value = "0", value_parser = quantity::length, allow_hyphen_values = true)]
+    pub position: f64,
+
+    /// How far to move back from a stop [default: ten times watch.following_error]
+    #[arg(long, value_name = "LENGTH", value_parser = quantity::length)]
+    pub back_off: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum MarkArg {
+    /// The encoder's index pulse
+    Index,
+    /// A mechanical stop, reached slowly
+    Stop,
+}
+
+#[derive(Args)]
+pub struct PlayArgs {
+    /// Columns t_s and x_m (or q_rad); `preslide plan` writes one
+    #[arg(value_name = "MOTION.csv")]
+    pub motion: PathBuf,
+
+    /// Write the recording
+    #[arg(short, long, value_name = "REC.csv")]
+    pub output: PathBuf,
+
+    /// Replace the recording if it exists
+    #[arg(long)]
+    pub overwrite: bool,
+
+    /// Positions count from the axis's origin; without it from where the axis stands
+    #[arg(long)]
+    pub absolute: bool,
+
+    /// Rows of the recording per second
+    #[arg(long, value_name = "HZ", default_value = "1kHz", value_parser = parse_frequency)]
+    pub rate: f64,
+}
