@@ -16,8 +16,8 @@ const REAL: &str = "real";
 const STEPS: usize = 50;
 /// Share of true values that an interval is to hold.
 const HELD: f64 = 0.95;
-/// True values from which an effect's intervals have a width of their own.
-const ENOUGH: usize = 10;
+/// True values from which an effect's intervals have a width of their own: one in twenty may be outside.
+const ENOUGH: usize = 20;
 /// The key of all other effects' intervals.
 const OTHERS: &str = "others";
 
