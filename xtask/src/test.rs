@@ -185,7 +185,8 @@ fn say_if_recordings_are_absent() {
 }
 
 fn format() -> Result<(), String> {
-    for folder in [root().to_path_buf(), root().join("firmware")] {
+    let folders = FIRMWARE.map(|folder| root().join(folder));
+    for folder in [root().to_path_buf()].into_iter().chain(folders) {
         run(cargo(&["fmt", "--all", "--check"]).current_dir(folder))?;
     }
     Ok(())
@@ -210,22 +211,22 @@ fn thumb_build() -> Result<(), String> {
     ))
 }
 
+/// The workspaces of the firmware: a chip's drivers cannot be built beside another's.
+const FIRMWARE: [&str; 2] = ["firmware", "firmware/boards/b_g431b_esc1"];
+
 /// Debian's compiler comes without clippy for the target: it builds, which warns of less.
 fn firmware() -> Result<(), String> {
     let toolchain = Toolchain::ensure()?;
-    let folder = root().join("firmware");
-    let common = ["--release", "--locked", "--workspace"];
-    match toolchain {
-        Toolchain::Installed => {
-            let clippy = [&["clippy"], &common[..]].concat();
-            run(toolchain
-                .cargo(&folder, &clippy)
-                .args(["--", "-D", "warnings"]))
-        }
-        Toolchain::Debian => {
-            run(&mut toolchain.cargo(&folder, &[&["build"], &common[..]].concat()))
-        }
+    let (what, denied): (_, &[&str]) = match toolchain {
+        Toolchain::Installed => ("clippy", &["--", "-D", "warnings"]),
+        Toolchain::Debian => ("build", &[]),
+    };
+    for folder in FIRMWARE {
+        let arguments = [what, "--release", "--locked", "--workspace"];
+        let mut command = toolchain.cargo(&root().join(folder), &arguments);
+        run(command.args(denied))?;
     }
+    Ok(())
 }
 
 fn package_list() -> Result<(), String> {
