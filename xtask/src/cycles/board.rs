@@ -8,14 +8,15 @@ use std::process::Command;
 
 use super::recorder::QEMU_LIMIT;
 use super::table::{COLUMNS, Row};
-use crate::process::{root, run_for};
+use crate::process::{run, run_for};
 use crate::qemu;
 
 /// Builds the image, runs it and compares its lines with `rows`, which it must cover.
 pub fn check(rows: &[Row]) -> Result<(), String> {
-    let image = qemu::build("preslide-cycles", "board", &["--features", "board"])?;
-    let image = image.with_file_name("cycles");
-    let printed = root().join("firmware/target/board/printed");
+    let (mut build, built) = qemu::build_command("preslide-cycles")?;
+    run(build.args(["--features", "board"]))?;
+    let image = built.with_file_name("cycles");
+    let printed = built.with_file_name("printed");
     let output = File::create(&printed)
         .map_err(|error| format!("cannot create {}: {error}", printed.display()))?;
     let mut qemu = Command::new("qemu-system-arm");
