@@ -1,5 +1,6 @@
 //! The book's commissioning chapter, run as a user would: its commands, in order, against an emulated drive.
 
+use std::os::unix::process::CommandExt as _;
 use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
@@ -30,7 +31,13 @@ pub fn run(elf: &Path) -> Result<(), String> {
     let folder = std::env::temp_dir().join(format!("preslide-commission-{}", std::process::id()));
     std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let mut serve = Command::new(root().join("target/release/examples/drive"));
-    let serving = serve.arg("serve").arg(elf).arg(&port).spawn();
+    // In a group of its own, with the emulator that it starts: one signal ends both.
+    let serving = serve
+        .arg("serve")
+        .arg(elf)
+        .arg(&port)
+        .process_group(0)
+        .spawn();
     let mut serving = serving.map_err(|error| format!("the drive did not start: {error}"))?;
     let script = format!("set -euxo pipefail\n{}\n", commands.join("\n"));
     let path = format!(
@@ -44,7 +51,8 @@ pub fn run(elf: &Path) -> Result<(), String> {
         .current_dir(&folder);
     let commissioned = run_for(&mut bash, LIMIT);
     // It serves for ever.
-    let _ = serving.kill();
+    let group = format!("-{}", serving.id());
+    let _ = Command::new("kill").args(["-KILL", "--", &group]).status();
     let _ = serving.wait();
     if commissioned.is_ok() {
         // What stays of a failed run is there to be looked at.
