@@ -170,8 +170,8 @@ pub fn fit<'a>(names: impl Iterator<Item = &'a Stated>) -> Option<Vec<f64>> {
     Some(weights.iter().copied().collect())
 }
 
-/// How many times as wide an interval must be to hold [`HELD`] of the true values, by effect where there are [`ENOUGH`], else over
-/// all others; sources count alike.
+/// How many times as wide an interval must be to hold 95 % of the true values, by effect where there are 20 of them, else over all
+/// others; sources count alike.
 pub fn widths<'a>(
     distances: impl Iterator<Item = &'a (String, String, f64)>,
 ) -> BTreeMap<String, f64> {
