@@ -351,7 +351,7 @@ fn a_long_dull_run_does_not_swamp_a_short_rich_one() {
     let dull = two_blocks(200.0, 300.0, &[(0.01, 0.4)], 0.6, seed + 1);
     let joined = Recording::join(vec![rich.clone(), dull]).expect("one machine");
     let mut alike = joined.clone();
-    alike.joined = vec![0..alike.len()];
+    alike.joined = std::iter::once(0..alike.len()).collect();
     let mut answers = Vec::new();
     for (what, recording) in [
         ("rich alone", &rich),
