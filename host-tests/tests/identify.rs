@@ -7,6 +7,7 @@ use preslide_host::identify::{Identification, Options, STEPS, identify};
 use preslide_host::model::Model;
 use preslide_host::progress::Progress;
 use preslide_host::recording::{self, LoadOptions, Recording};
+use preslide_host::simulate;
 use preslide_host_tests::recordings;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -297,6 +298,100 @@ fn recordings_of_one_machine_are_one_and_of_different_machines_an_error() {
 }
 
 /// Degenerate recordings: an answer or a reason, never a panic.
+/// 3 kg, 8 N·s/m and two blocks, 1 N and 2 N, along the sines `(amplitude, angular frequency)`; `wander` is the deviation (N) of a
+/// disturbance with a memory of two seconds.
+fn two_blocks(rate: f64, seconds: f64, sines: &[(f64, f64)], wander: f64, seed: u64) -> Recording {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut csv = "t_s,x_m,force_N\n".to_owned();
+    let (mut z, mut last, mut slow) = ([0.0_f64; 2], 0.0, 0.0);
+    let memory = (-0.5 / rate).exp();
+    for i in 0..(rate * seconds) as usize {
+        let t = i as f64 / rate;
+        let sum =
+            |part: &dyn Fn(f64, f64) -> f64| sines.iter().map(|s| part(s.0, s.1)).sum::<f64>();
+        let x = sum(&|a, w| a * (w * t).sin());
+        let v = sum(&|a, w| a * w * (w * t).cos());
+        let acceleration = sum(&|a, w| -a * w * w * (w * t).sin());
+        z[0] = (z[0] + x - last).clamp(-5e-5, 5e-5);
+        z[1] = (z[1] + x - last).clamp(-5e-4, 5e-4);
+        last = x;
+        slow = memory * slow + (1.0 - memory * memory).sqrt() * wander * gaussian(&mut rng);
+        let friction = 2e4 * z[0] + 4e3 * z[1];
+        let force = 3.0 * acceleration + 8.0 * v + friction + slow + 0.005 * gaussian(&mut rng);
+        let _ = writeln!(csv, "{t:.4},{x:.9},{force:.6}");
+    }
+    parsed(&csv)
+}
+
+/// Largest, RMS and mean error (N) of a model's force along a motion on which it was not fitted.
+fn errors_along_fresh_motion(model: &Model) -> [f64; 3] {
+    let fresh = two_blocks(1000.0, 6.0, &[(0.015, 5.3), (3e-4, 17.0)], 0.0, 99);
+    let found = simulate::force_of_motion(model, &fresh).expect("same axis");
+    let agreement = found.agreement.expect("has a force");
+    let pairs = agreement.measured.iter().zip(&agreement.simulated);
+    let errors: Vec<f64> = pairs.map(|(m, s)| m - s).collect();
+    let n = errors.len() as f64;
+    [
+        errors.iter().fold(0.0, |most: f64, e| most.max(e.abs())),
+        (errors.iter().map(|e| e * e).sum::<f64>() / n).sqrt(),
+        errors.iter().sum::<f64>() / n,
+    ]
+}
+
+#[test]
+fn a_long_dull_run_does_not_swamp_a_short_rich_one() {
+    let seed = 14;
+    let rich = two_blocks(
+        1000.0,
+        20.0,
+        &[(0.02, 4.0), (0.006, 11.0), (2e-4, 29.0)],
+        0.0,
+        seed,
+    );
+    let dull = two_blocks(200.0, 300.0, &[(0.01, 0.4)], 0.6, seed + 1);
+    let joined = Recording::join(vec![rich.clone(), dull]).expect("one machine");
+    let mut alike = joined.clone();
+    alike.joined = std::iter::once(0..alike.len()).collect();
+    let mut answers = Vec::new();
+    for (what, recording) in [
+        ("rich alone", &rich),
+        ("joined", &joined),
+        ("all samples alike", &alike),
+    ] {
+        let found = run(recording, &Options::default());
+        let model = &found.best().model;
+        let [most, root, bias] = errors_along_fresh_motion(model);
+        println!(
+            "seed {seed}, {what}: {:.4} kg, {:.4} N·s/m; max {most:.4}, RMS {root:.4}, bias {bias:.4} N",
+            model.inertia, model.viscous
+        );
+        let rigid = [model.inertia - 3.0, model.viscous - 8.0];
+        let told = found
+            .notes(recording)
+            .join("; ")
+            .contains("count by their seconds");
+        answers.push((rigid, [most, root, bias], told));
+    }
+    let [
+        (alone, [..], _),
+        (rigid, [most, root, bias], told),
+        (alike, [_, swamped, _], _),
+    ] = answers[..]
+    else {
+        panic!("three answers");
+    };
+    println!("rich alone {alone:?}, joined {rigid:?}, alike {alike:?}");
+    assert!(told, "the shares are said");
+    // One pass of weights: the rich run's variance still holds what the dull one did to the first fit.
+    assert!(rigid[0].abs() < 0.01 && rigid[1].abs() < 0.2, "{rigid:?}");
+    // The largest error is that of the first sample, before which nobody knows how the blocks were loaded.
+    assert!(
+        most < 1.0 && root < 0.02 && bias.abs() < 0.005,
+        "{most} {root} {bias}"
+    );
+    assert!(root < 0.5 * swamped, "{root} against {swamped}");
+}
+
 #[test]
 fn degenerate_recordings_never_panic() {
     let csv = made(&MACHINE, 3, "x_m,force_N");

@@ -8,6 +8,7 @@ use preslide_host::identify::refine::refine;
 use preslide_host::identify::regression::{Column, Gram, Regression, solve_normal};
 use preslide_host::identify::search::best_choices;
 use preslide_host::identify::stop::Deflection;
+use preslide_host::identify::weights::Weights;
 use preslide_host::kinematics::ZeroPhase;
 use preslide_host::recording::{LoadOptions, Recording, load_csv};
 use rand::{RngExt, SeedableRng};
@@ -63,6 +64,7 @@ fn regression<'a>(
         folds: (0..10)
             .map(|fold| (fold * SAMPLES / 10..(fold + 1) * SAMPLES / 10).collect())
             .collect(),
+        weights: Weights::default(),
     }
 }
 

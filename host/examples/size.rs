@@ -73,9 +73,10 @@ struct Answer {
     seconds: [[f64; 2]; 4],
     mass: f64,
     names: Vec<&'static str>,
+    best: String,
 }
 
-fn answer(text: String, all: bool) -> Result<Answer, String> {
+fn answer(text: String) -> Result<Answer, String> {
     let mut last = (Instant::now(), cpu_s());
     let mut lap = || {
         let now = (Instant::now(), cpu_s());
@@ -93,16 +94,16 @@ fn answer(text: String, all: bool) -> Result<Answer, String> {
     let found = diagnose(&recording, None, &quiet("diagnose")).map_err(|e| e.to_string())?;
     let diagnosing = lap();
     let names = found.confident().map(|e| e.id()).collect();
-    if all {
-        let few = shortened(&recording);
-        let few = few.as_ref().unwrap_or(&recording);
-        compare(few, &Options::default(), &quiet("compare"))?;
-    }
+    let few = shortened(&recording);
+    let few = few.as_ref().unwrap_or(&recording);
+    let compared = compare(few, &Options::default(), &quiet("compare"))?;
+    let best = compared.models[compared.recommended].name();
     Ok(Answer {
         kept: recording.len(),
         seconds: [reading, identifying, diagnosing, lap()],
         mass,
         names,
+        best,
     })
 }
 
@@ -117,21 +118,23 @@ fn main() -> Result<(), String> {
     );
     let [a, b, c, d] = ["read", "identify", "diagnose", "compare"];
     println!(
-        "{:>9} {a:>15} {b:>15} {c:>15} {d:>15} {:>8} {:>7}  mass kg, names (of every tenth row)",
+        "{:>9} {a:>15} {b:>15} {c:>15} {d:>15} {:>8} {:>7}  mass kg, names, best model (of every tenth row)",
         "rows", "peak MB", "kept"
     );
     for rows in sizes {
-        let whole = answer(recording(rows, 1), true)?;
+        let whole = answer(recording(rows, 1))?;
         let peak = peak_mb();
-        let tenth = answer(recording(rows, 10), false)?;
+        let tenth = answer(recording(rows, 10))?;
         let [a, b, c, d] = whole.seconds.map(|[s, cpu]| format!("{s:.2} ({cpu:.2})"));
         println!(
-            "{rows:>9} {a:>15} {b:>15} {c:>15} {d:>15} {peak:>8.0} {:>7}  {:.4} {} ({:.4} {})",
+            "{rows:>9} {a:>15} {b:>15} {c:>15} {d:>15} {peak:>8.0} {:>7}  {:.4} {}, {} ({:.4} {}, {})",
             whole.kept,
             whole.mass,
             whole.names.join(" "),
+            whole.best,
             tenth.mass,
-            tenth.names.join(" ")
+            tenth.names.join(" "),
+            tenth.best
         );
     }
     Ok(())

@@ -7,10 +7,10 @@ use super::regression::Regression;
 use super::rigid_body::{self, Kinematics, RigidBody, Terms};
 use super::split::Split;
 use super::virgin::VirginCurve;
+use super::weights::Weights;
 use super::{Candidate, Method};
 use crate::friction::FrictionModel;
 use crate::model::Model;
-use crate::nmse::nmse;
 use crate::recording::Recording;
 use std::collections::BTreeMap;
 
@@ -20,6 +20,7 @@ pub(super) struct Judge<'a> {
     pub(super) kinematics: &'a Kinematics,
     pub(super) effort: &'a [f64],
     pub(super) split: &'a Split,
+    pub(super) weights: &'a Weights,
     pub(super) train: &'a [usize],
     /// The effort contains inertia, so that it went through the filter.
     pub(super) inertial: bool,
@@ -69,11 +70,11 @@ impl Judge<'_> {
         fitted: Vec<f64>,
     ) -> Candidate {
         let nmse_test = match &self.split.test {
-            Some(rows) => nmse(self.effort, &fitted, rows),
+            Some(rows) => self.weights.nmse(self.effort, &fitted, rows),
             None => nmse_cross,
         };
         Candidate {
-            nmse_train: nmse(self.effort, &fitted, self.train),
+            nmse_train: self.weights.nmse(self.effort, &fitted, self.train),
             nmse_test,
             method,
             fitted,
@@ -106,6 +107,7 @@ impl Judge<'_> {
                 self.kinematics,
                 self.effort,
                 folds,
+                self.weights,
                 self.terms,
             )?;
             Ok(rigid.fitted)
@@ -134,7 +136,7 @@ impl Judge<'_> {
                 predicted[i] = fitted[i];
             }
         }
-        Ok(nmse(self.effort, &predicted, self.train))
+        Ok(self.weights.nmse(self.effort, &predicted, self.train))
     }
 
     fn linear_of(&self, linear: &[f64]) -> Vec<(&'static str, f64)> {

@@ -14,6 +14,7 @@ pub mod split;
 pub mod stop;
 mod told;
 pub mod virgin;
+pub mod weights;
 
 use crate::friction::FrictionModel;
 use crate::model::Model;
@@ -23,9 +24,10 @@ use estimate::Estimate;
 use family::Family;
 use nalgebra::{DMatrix, DVector};
 use regression::{Column, Regression};
-use rigid_body::{Kinematics, Terms};
+use rigid_body::{Kinematics, RigidBody, Terms};
 use split::{Split, Window};
 use virgin::VirginCurve;
+use weights::Weights;
 
 use judge::Judge;
 
@@ -266,22 +268,36 @@ pub fn identify(
             train.1.min(test.1)
         ));
     }
-    let mut terms = Terms {
-        mass: inertial,
-        viscous: true,
+    let rigid_of = |weights: &Weights| -> Result<(RigidBody, Terms), String> {
+        let fit = |terms| {
+            rigid_body::fit(
+                recording,
+                &kinematics,
+                &effort,
+                &split.folds,
+                weights,
+                terms,
+            )
+        };
+        let mut terms = Terms {
+            mass: inertial,
+            viscous: true,
+        };
+        let mut rigid = fit(terms)?;
+        if rigid.value("mass") < 0.0 {
+            // In pre-sliding the spring that Coulomb friction lacks looks like a negative inertia.
+            terms.mass = false;
+            rigid = fit(terms)?;
+        }
+        if rigid.value("coulomb") < 0.0 {
+            // Viscous friction that imitates the rounded reversals of pre-sliding.
+            terms.viscous = false;
+            rigid = fit(terms)?;
+        }
+        Ok((rigid, terms))
     };
-    let fit = |terms| rigid_body::fit(recording, &kinematics, &effort, &split.folds, terms);
-    let mut rigid = fit(terms)?;
-    if rigid.value("mass") < 0.0 {
-        // In pre-sliding the spring that Coulomb friction lacks looks like a negative inertia.
-        terms.mass = false;
-        rigid = fit(terms)?;
-    }
-    if rigid.value("coulomb") < 0.0 {
-        // Viscous friction that imitates the rounded reversals of pre-sliding.
-        terms.viscous = false;
-        rigid = fit(terms)?;
-    }
+    let mut weights = Weights::by_time(recording);
+    let (mut rigid, mut terms) = rigid_of(&weights)?;
 
     let filter = |values: &[f64]| {
         if inertial {
@@ -291,7 +307,7 @@ pub fn identify(
         }
     };
     let stride = train.len().div_ceil(MOST_SCORED).max(1);
-    let regression_with = |mass: bool| Regression {
+    let regression_with = |mass: bool, weights: &Weights| Regression {
         position: &recording.position,
         pieces: &recording.pieces,
         force: effort.clone(),
@@ -310,11 +326,20 @@ pub fn identify(
             .iter()
             .map(|fold| fold.iter().step_by(stride).copied().collect())
             .collect(),
+        weights: weights.clone(),
     };
     let range = yield_range(recording, &train)?;
     let mut with_mass = inertial;
-    let mut regression = regression_with(with_mass);
+    let mut regression = regression_with(with_mass, &weights);
     let mut selection = maxwell_slip::select(&regression, range, progress)?;
+    if weights.differ() {
+        let residual = regression.residual(&selection.optimal[selection.knee].fit);
+        weights = Weights::by_residual(recording, &residual);
+        (rigid, terms) = rigid_of(&weights)?;
+        regression = regression_with(with_mass, &weights);
+        selection = maxwell_slip::select(&regression, range, &Progress::new("weighted", STEPS))?;
+        notes.extend(weights.in_words(recording));
+    }
     let mass = selection.optimal[selection.knee].fit.linear[0];
     if with_mass && mass < 0.0 {
         notes.push(format!(
@@ -325,7 +350,7 @@ pub fn identify(
             }
         ));
         with_mass = false;
-        regression = regression_with(with_mass);
+        regression = regression_with(with_mass, &weights);
         selection =
             maxwell_slip::select(&regression, range, &Progress::new("without inertia", STEPS))?;
     }
@@ -335,6 +360,7 @@ pub fn identify(
         kinematics: &kinematics,
         effort: &effort,
         split: &split,
+        weights: &weights,
         train: &train,
         inertial,
         with_mass,

@@ -34,7 +34,7 @@ struct Design {
 
 impl Design {
     fn new(regression: &Regression, rows: &[usize], yields: &[f64]) -> Self {
-        let of_rows = |values: &[f64]| rows.iter().map(|&i| values[i]).collect::<Vec<f64>>();
+        let of_rows = |values: &[f64]| regression.weights.rows(values, rows);
         let (deflections, slopes): (Vec<_>, Vec<_>) = yields
             .par_iter()
             .map(|&d| {

@@ -1,6 +1,8 @@
 //! The regression behind an identification: a force that is linear in everything but the yields.
 
+use super::refine::Fit;
 use super::stop::Deflection;
+use super::weights::Weights;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -31,6 +33,8 @@ pub struct Regression<'a> {
     pub filter: Filter<'a>,
     /// Samples used for fitting, in folds: a fold is the unit that is held out, or resampled for confidence.
     pub folds: Vec<Vec<usize>>,
+    /// How much each sample counts.
+    pub weights: Weights,
 }
 
 /// Sums of products `Σ aᵢaⱼ` of columns over some samples, the last column being the force.
@@ -131,12 +135,30 @@ impl Regression<'_> {
         }
     }
 
+    /// What `fit` leaves of the force at every sample.
+    pub fn residual(&self, fit: &Fit) -> Vec<f64> {
+        let mut left = self.force.clone();
+        let mut take = |values: &[f64], factor: f64| {
+            left.iter_mut()
+                .zip(values)
+                .for_each(|(l, v)| *l -= factor * v);
+        };
+        for (column, coefficient) in self.columns.iter().zip(&fit.linear) {
+            take(&column.values, *coefficient);
+        }
+        for (yields, stiffness) in fit.yields.iter().zip(&fit.stiffness) {
+            let raw = Deflection::along(self.position, self.pieces, *yields);
+            take(&(self.filter)(&raw.z), *stiffness);
+        }
+        left
+    }
+
     /// One [`Gram`] per fold over the linear columns, the deflections for `yields`, and the force.
     ///
     /// Of each deflection only the folds' samples are kept, so that thinned folds bound the memory.
     pub fn grams(&self, yields: &[f64]) -> Vec<Gram> {
         let rows = self.folds.concat();
-        let of_rows = |values: &[f64]| rows.iter().map(|&i| values[i]).collect::<Vec<f64>>();
+        let of_rows = |values: &[f64]| self.weights.rows(values, &rows);
         let deflections: Vec<Vec<f64>> = yields
             .par_iter()
             .map(|&d| {

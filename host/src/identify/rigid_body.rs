@@ -2,6 +2,7 @@
 
 use super::estimate::Estimate;
 use super::regression::{Column, Gram, solve_normal};
+use super::weights::Weights;
 use crate::friction::Path;
 use crate::kinematics::ZeroPhase;
 use crate::recording::Recording;
@@ -90,6 +91,7 @@ pub fn fit(
     kinematics: &Kinematics,
     effort: &[f64],
     folds: &[Vec<usize>],
+    weights: &Weights,
     terms: Terms,
 ) -> Result<RigidBody, String> {
     let inertial = recording.role.contains_inertia();
@@ -125,7 +127,10 @@ pub fn fit(
         .map(|c| c.values.as_slice())
         .chain([effort])
         .collect();
-    let grams: Vec<Gram> = folds.iter().map(|rows| Gram::of(&every, rows)).collect();
+    let grams: Vec<Gram> = folds
+        .iter()
+        .map(|rows| gram(&every, rows, weights))
+        .collect();
     let total = Gram::sum(&grams).ok_or("there are no samples to fit")?;
     let chosen: Vec<usize> = (0..p).collect();
     let (matrix, right) = total.normal(&chosen);
@@ -151,6 +156,15 @@ pub fn fit(
         })
         .collect();
     Ok(RigidBody { parameters, fitted })
+}
+
+fn gram(columns: &[&[f64]], rows: &[usize], weights: &Weights) -> Gram {
+    if !weights.differ() {
+        return Gram::of(columns, rows);
+    }
+    let weighted: Vec<Vec<f64>> = columns.iter().map(|c| weights.rows(c, rows)).collect();
+    let weighted: Vec<&[f64]> = weighted.iter().map(Vec::as_slice).collect();
+    Gram::of(&weighted, &(0..rows.len()).collect::<Vec<_>>())
 }
 
 /// Standard errors clustered by fold, as in [`super::refine::covariance`].

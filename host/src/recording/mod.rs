@@ -568,7 +568,7 @@ fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recor
         segments_found,
         repeats_found,
         position_integrated,
-        joined: vec![0..samples],
+        joined: std::iter::once(0..samples).collect(),
         warnings,
         constant_extra,
         sample_time_s: timing::sample_time(&frame.t_s, &frame.pieces),

@@ -4,6 +4,7 @@ use super::{SIZES, paper};
 use crate::identify::refine::{self, Fit};
 use crate::identify::regression::Regression;
 use crate::identify::search::{Choice, best_choices};
+use crate::identify::weights::Weights;
 use std::ops::Range;
 
 /// Yields in the grid of the global search, logarithmic …
@@ -38,6 +39,7 @@ impl<'a> Search<'a> {
             columns: Vec::new(),
             filter: Box::new(<[f64]>::to_vec),
             folds: vec![rows.clone()],
+            weights: Weights::default(),
         };
         let grid: Vec<f64> = (0..GRID)
             .map(|j| SHORTEST * (paper::RANGE / SHORTEST).powf(j as f64 / (GRID - 1) as f64))

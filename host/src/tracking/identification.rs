@@ -5,6 +5,7 @@ use super::{Axis, Step, TrackingError, motions};
 use crate::identify::refine::refine;
 use crate::identify::regression::{Gram, Regression};
 use crate::identify::search::best_choices;
+use crate::identify::weights::Weights;
 use crate::stage::StageConfig;
 use preslide::control::{NoFriction, Settings};
 use preslide::{Block, Dahl, Friction, LuGre, Motion, ParamError, Scalar, Sliding, Units};
@@ -111,6 +112,7 @@ impl Experiment {
             columns: Vec::new(),
             filter: Box::new(<[f64]>::to_vec),
             folds: vec![self.slow.clone()],
+            weights: Weights::default(),
         };
         // From one count to the largest amplitude of the experiment's pre-sliding part.
         let (shortest, longest) = (50e-9_f64, 60e-6_f64);
