@@ -1,7 +1,7 @@
 //! A reference followed in closed loop: the library's feedback ([`Pid`]) around the whole model file.
 //!
 //! The controller ticks at its own rate and holds its force between ticks; it sees position and velocity as they are, without
-//! encoder and without delay. Between ticks the body moves by the implicit steps of [`super::forward`], halved until the
+//! encoder and without delay. Between ticks the body moves by the implicit steps of `forward`, halved until the
 //! following error no longer changes.
 
 use super::forward::{Body, acting, one_body};
