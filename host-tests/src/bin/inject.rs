@@ -32,6 +32,9 @@ struct Options {
     /// Every Nth pair of recording and effect
     #[arg(long, default_value_t = 1, value_name = "N")]
     every: usize,
+    /// Begin with the pair of this number: those that another run left out
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    from: usize,
     /// Diagnoses at a time
     #[arg(long, default_value_t = 1, value_name = "N")]
     jobs: usize,
@@ -48,7 +51,7 @@ fn run(o: &Options) -> Result<(), String> {
         let hit = |word: &String| machine.contains(word.as_str()) || effect.contains(word.as_str());
         o.only.is_empty() || o.only.iter().any(hit)
     };
-    let pairs = injection::pairs(wanted, o.every);
+    let pairs = injection::pairs(wanted, o.from, o.every);
     if o.oracle {
         return injection::oracles(&pairs, &o.strengths);
     }

@@ -109,7 +109,7 @@ fn ask(o: &Options, tool: &Tool) -> Result<Vec<Case>, String> {
         }
     }
     if wants("injection") && shared {
-        let pairs = injection::pairs(|_, _| true, o.every);
+        let pairs = injection::pairs(|_, _| true, 0, o.every);
         cases.extend(injection::cases(tool, &pairs, &o.strengths, o.jobs)?);
     }
     if wants("benches") && shared {

@@ -46,7 +46,11 @@ pub fn cases(tool: &Tool, jobs: usize) -> Result<Vec<Case>, String> {
     let seeds: Vec<u64> = (0..MACHINES).map(|i| i + 1_000_000 * SEED).collect();
     cases.extend(machines::cases(tool, &seeds, jobs));
     if super::real::shared().is_some() {
-        let pairs = injection::pairs(|machine, effect| INJECTED.contains(&(machine, effect)), 1);
+        let pairs = injection::pairs(
+            |machine, effect| INJECTED.contains(&(machine, effect)),
+            0,
+            1,
+        );
         cases.extend(injection::cases(tool, &pairs, &[20.0], jobs)?);
         cases.extend(bench::cases(tool, |name| BENCHES.contains(&name), jobs)?);
         // Generated in some minutes where it is not kept: only where someone did so before.

@@ -73,10 +73,8 @@ pub fn search(
         let left = hypothesis.nmse(&ground.rows).test;
         list.retain(|o| !barred.contains(&o.term.subject.key()) && !is_harmless(&ground, o));
         let full = hypothesis.terms.len() >= first.len() + MOST;
-        let Some(next) = pick(&list, families, visible / left)
-            .filter(|_| !full)
-            .cloned()
-        else {
+        let least = MATERIAL.max(visible / left);
+        let Some(next) = pick(&list, families, least).filter(|_| !full).cloned() else {
             return Some(Found {
                 hypothesis: polished(&ground, hypothesis, first.len()),
                 ground,
@@ -123,34 +121,30 @@ fn lead(ground: &Ground, hypothesis: &Hypothesis, list: &mut [Offer]) {
     list.sort_by(|a, b| b.evidence.share.total_cmp(&a.evidence.share));
 }
 
-/// The candidate that enters.
-fn pick(list: &[Offer], families: usize, material: f64) -> Option<&Offer> {
+/// The candidate that enters, of those that take at least a share `least` of the mismatch.
+fn pick(list: &[Offer], families: usize, least: f64) -> Option<&Offer> {
     let fit: Vec<&Offer> = list
         .iter()
-        .filter(|o| {
-            o.evidence.share >= material.max(MATERIAL)
-                && o.relative >= WORTH
-                && o.chance(families) < ALPHA
-        })
+        .filter(|o| o.evidence.share >= least && o.relative >= WORTH && o.chance(families) < ALPHA)
         .collect();
     let best = *fit.first()?;
     let named = |o: &&&Offer| o.term.effect().is_some();
-    let least = |o: &Offer| match (best.term.subject, o.term.effect()) {
+    let matching = |o: &Offer| match (best.term.subject, o.term.effect()) {
         (Subject::Curve(curve), Some(effect)) if effect.axis() == curve.axis => OWN,
         (Subject::Curve(_), _) => MATCH,
         (Subject::Change(Change::LateYields), _) => MATCH,
         (Subject::Change(_), _) => OWN,
         _ => 0.0,
     };
-    let good = |o: &&&Offer| o.evidence.share >= least(o) * best.evidence.share;
+    let good = |o: &&&Offer| o.evidence.share >= matching(o) * best.evidence.share;
     // Hysteresis of long displacements is plain, too.
-    let first = match best.term.subject {
+    let ahead = match best.term.subject {
         Subject::Change(Change::LateYields) => MATCH,
         _ => PLAIN,
     };
     let plain = |o: &&&Offer| {
         o.term.effect().is_some_and(|e| e.class() == Class::Plain)
-            && o.evidence.share >= first * best.evidence.share
+            && o.evidence.share >= ahead * best.evidence.share
     };
     let first = fit.iter().find(|o| named(o) && plain(o));
     first

@@ -11,14 +11,15 @@ pub type Pair = (&'static Machine, &'static str);
 /// The controls have no friction to carry an effect, and a turn one way only is refused as it is.
 const CARRIES_NONE: [&str; 3] = ["silverbox", "tanks", "outrunner"];
 
-/// Every `every`th wanted pair of recording and effect.
-pub fn pairs(wanted: impl Fn(&str, &str) -> bool, every: usize) -> Vec<Pair> {
+/// Every `every`th wanted pair of recording and effect, `from` one of them on.
+pub fn pairs(wanted: impl Fn(&str, &str) -> bool, from: usize, every: usize) -> Vec<Pair> {
     let machines = MACHINES
         .iter()
         .filter(|m| m.model.is_none() && !CARRIES_NONE.contains(&m.name));
     machines
         .flat_map(|machine| EFFECTS.map(|effect| (machine, effect)))
         .filter(|(machine, effect)| wanted(machine.name, effect))
+        .skip(from)
         .step_by(every)
         .collect()
 }

@@ -1,7 +1,5 @@
 //! HDF5, which MATLAB v7.3 files are too: the numeric vectors of all groups.
 
-use std::io::Read;
-
 use hdf5_reader::error::Error;
 use hdf5_reader::group::Group;
 use hdf5_reader::{Dataset, Datatype, Hdf5File, OpenOptions};
@@ -12,11 +10,7 @@ use super::{Input, Variable, spend};
 const DEEPEST: usize = 8;
 
 pub(super) fn variables(mut input: Input) -> Result<Vec<Variable>, String> {
-    let mut bytes = Vec::new();
-    input
-        .file
-        .read_to_end(&mut bytes)
-        .map_err(|e| e.to_string())?;
+    let bytes = input.bytes()?;
     let limit = usize::try_from(input.budget).unwrap_or(usize::MAX);
     let options = OpenOptions::default().with_max_read_bytes(limit);
     let file = Hdf5File::from_vec_with_options(bytes, options).map_err(broken)?;

@@ -1,16 +1,10 @@
 //! MCAP: the joint states of ROS 2 in it.
 
-use std::io::Read;
-
 use super::ros::{Bag, JOINT_STATE};
 use super::{Input, Variable};
 
 pub(super) fn variables(mut input: Input) -> Result<Vec<Variable>, String> {
-    let mut bytes = Vec::new();
-    input
-        .file
-        .read_to_end(&mut bytes)
-        .map_err(|e| e.to_string())?;
+    let bytes = input.bytes()?;
     let broken = |e: ::mcap::McapError| {
         format!("an MCAP file that cannot be read ({e}); copy it again, or `mcap recover` it")
     };

@@ -76,6 +76,16 @@ pub(super) struct Input<'a> {
     pub(super) budget: u64,
 }
 
+#[cfg(any(feature = "hdf5", feature = "mcap"))]
+impl Input<'_> {
+    /// All bytes of the file.
+    fn bytes(&mut self) -> Result<Vec<u8>, String> {
+        let mut bytes = Vec::new();
+        std::io::Read::read_to_end(&mut self.file, &mut bytes).map_err(|e| e.to_string())?;
+        Ok(bytes)
+    }
+}
+
 /// Every column or variable of the file.
 ///
 /// # Errors
