@@ -4,10 +4,13 @@
 //! recordings; `sources` puts every source of recordings with a known truth into one table.
 
 pub mod baseline;
+pub mod beside;
 pub mod calibrate;
 pub mod case;
 pub mod inject;
 pub mod motion;
+pub mod naive;
+pub mod naive_columns;
 pub mod oracle;
 pub mod properties;
 pub mod real;

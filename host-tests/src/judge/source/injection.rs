@@ -81,7 +81,10 @@ pub fn cases(
                 continue;
             }
         };
-        let own: Vec<String> = plain.effects.iter().map(|e| e.id.clone()).collect();
+        // A naive recipe suspects nothing: behind the names at its standard point follows the rest of its path.
+        let said = plain.effects.iter();
+        let own = said.filter(|e| e.confident || tool.recipe.is_none());
+        let own: Vec<String> = own.map(|e| e.id.clone()).collect();
         eprintln!(
             "{} as it is: {} [{}] {seconds:.1} s",
             machine.name,
