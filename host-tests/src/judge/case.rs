@@ -162,7 +162,8 @@ pub struct Case {
     pub strength: f64,
     /// What is there.
     pub truth: Vec<Truth>,
-    /// Names that count neither for nor against: those of the machine before anything was added, and what a truth implies.
+    /// Names that count neither for nor against, declared or stated: those of the machine before anything was added or known of it, and what
+    /// a truth implies.
     pub neutral: Vec<String>,
     /// Names known to be absent, where not every other one is.
     pub absent: Option<Vec<String>>,
@@ -214,7 +215,9 @@ impl Case {
             .absent
             .as_ref()
             .is_none_or(|absent| absent.contains(&named.id));
-        (known && !self.neutral.contains(&named.id)).then_some(false)
+        let neutral = |id: &String| self.neutral.contains(id);
+        let counts = !neutral(&named.id) && !named.ambiguous_with.iter().any(neutral);
+        (known && counts).then_some(false)
     }
 
     /// Confident names that are false.

@@ -84,7 +84,11 @@ pub fn cases(
         // A naive recipe suspects nothing: behind the names at its standard point follows the rest of its path.
         let said = plain.effects.iter();
         let own = said.filter(|e| e.confident || tool.recipe.is_none());
-        let own: Vec<String> = own.map(|e| e.id.clone()).collect();
+        let known = machine.known.iter().copied().flatten();
+        let own: Vec<String> = own
+            .map(|e| e.id.clone())
+            .chain(known.map(|id| (*id).to_owned()))
+            .collect();
         eprintln!(
             "{} as it is: {} [{}] {seconds:.1} s",
             machine.name,
