@@ -26,7 +26,7 @@ pub const LEARNING_FEATURES: &[&str] = &["--features", "adaptation"];
 const QUIT: &str = "preslide_qemu::quit";
 
 /// What `preslide export` writes of a model with all effects that a controller can use; the tests of the tool keep it.
-const EXPORTED: &str = "host/tests/exported/linear.rs";
+const EXPORTED: &str = "cli/tests/exported/linear.rs";
 
 const GOLDEN: &str = "firmware/boards/qemu/expected";
 
