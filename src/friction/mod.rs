@@ -1,7 +1,33 @@
-//! What every friction model is: motion in, force out.
+//! What every friction model is: motion in, force out; and the models, one a file.
+
+mod bouc_wen;
+mod condition;
+mod coulomb;
+mod dahl;
+mod elasto_plastic;
+mod flow;
+mod gms;
+mod hsieh;
+mod leuven;
+mod lugre;
+mod quasi_static;
+mod stribeck;
+mod two_state;
 
 use crate::Scalar;
-use crate::control::Condition;
+
+pub use bouc_wen::{BoucWen, BoucWenState};
+pub use condition::{Condition, NormalRange};
+pub use coulomb::Coulomb;
+pub use dahl::{Dahl, DahlState};
+pub use elasto_plastic::{ElastoPlastic, ElastoPlasticState};
+pub use gms::{Gms, GmsState};
+pub use hsieh::{Hsieh, HsiehParams, HsiehState, REVERSALS};
+pub use leuven::{Leuven, LeuvenForm, LeuvenState};
+pub use lugre::{LuGre, LuGreState};
+pub use quasi_static::{QuasiStaticGms, QuasiStaticState};
+pub use stribeck::Sliding;
+pub use two_state::{TwoState, TwoStateState};
 
 /// The motion of one control tick, in the model's [`Units`](crate::Units).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,9 +1,9 @@
 //! The Generalized Maxwell-Slip model: N spring-slider blocks in parallel, with sliding dynamics.
 
+use super::stribeck::{Sliding, SpeedTable};
 use crate::param::{
     Block, ParamError, Units, at_most, check_blocks, fits, positive, to_positive, unsaturated,
 };
-use crate::stribeck::{Sliding, SpeedTable};
 use crate::{Friction, Motion, Scalar};
 use core::sync::atomic::{Ordering, compiler_fence};
 

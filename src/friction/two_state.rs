@@ -1,7 +1,7 @@
 //! The two-state elasto-plastic model: a branch from the last reversal, and a level that lags.
 
+use super::stribeck::{Sliding, SpeedTable};
 use crate::param::{ParamError, Units, at_most, fits, positive, to_positive, unsaturated};
-use crate::stribeck::{Sliding, SpeedTable};
 use crate::{Friction, Motion, Scalar};
 
 /// `F = F_r + (sgn(v)·w − F_r)·f0(ζ)`, `f0 = ζ·(1 − ln ζ)` for `ζ = |x − x_r|/s < 1`, else 1: two states, `ζ` and the

@@ -1,6 +1,6 @@
 //! The Maxwell-slip model without sliding dynamics: `F_s = F_c`, exact for any displacement step.
 
-use crate::gms::Blocks;
+use super::gms::Blocks;
 use crate::param::{Block, ParamError, Units};
 use crate::{Friction, Motion, Scalar};
 

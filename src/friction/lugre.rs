@@ -1,9 +1,9 @@
 //! The LuGre model (eqs. 2–3): bristles with an average deflection.
 
+use super::stribeck::{Sliding, SpeedTable};
 use crate::param::{
     ParamError, Units, fits, not_negative, positive, to_positive, to_scalar, unsaturated,
 };
-use crate::stribeck::{Sliding, SpeedTable};
 use crate::{Friction, Motion, Scalar};
 
 /// `dz/dt = v − z·(σ0/s(v))·|v|` (eq. 2), `F = σ0·z + σp·dz/dt` (eq. 3).

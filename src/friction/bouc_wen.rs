@@ -1,6 +1,6 @@
 //! The Bouc-Wen model: one state, with a shape of its own on loading and on unloading.
 
-use crate::flow::Flow;
+use super::flow::Flow;
 use crate::param::{ParamError, Units, at_least, at_most, fits, positive, to_positive, to_scalar};
 use crate::{Friction, Motion, Scalar};
 

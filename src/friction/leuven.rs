@@ -1,10 +1,10 @@
 //! The Leuven model: a hysteresis with non-local memory, driven by a state that slips like LuGre's.
 
-use crate::flow::{Flow, MOST_SUBSTEPS};
-use crate::gms::Blocks;
-use crate::hsieh::REVERSALS;
+use super::flow::{Flow, MOST_SUBSTEPS};
+use super::gms::Blocks;
+use super::hsieh::REVERSALS;
+use super::stribeck::{Sliding, SpeedTable};
 use crate::param::{Block, ParamError, Units, at_least, at_most, fits, not_negative, to_scalar};
-use crate::stribeck::{Sliding, SpeedTable};
 use crate::{Friction, Motion, Scalar};
 
 /// Which state equation a [`Leuven`] has.

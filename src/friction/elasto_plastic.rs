@@ -1,8 +1,8 @@
 //! The single-state elasto-plastic model: LuGre with a range in which nothing yields.
 
-use crate::flow::Flow;
+use super::flow::Flow;
+use super::stribeck::Sliding;
 use crate::param::{ParamError, Units, at_most, fits, not_negative, to_positive, to_scalar};
-use crate::stribeck::Sliding;
 use crate::{Friction, LuGre, Motion, Scalar};
 use core::f64::consts::FRAC_PI_2;
 
