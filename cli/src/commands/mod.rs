@@ -24,10 +24,10 @@ pub use outputs::write_text;
 use preslide_axis::AxisFile;
 use preslide_host::diagnose::Refusal;
 use preslide_host::identify::Options;
-use preslide_host::identify::split::{Window, check_windows, parse_window};
 use preslide_host::model::ModelError;
 use preslide_host::recording::{self, LoadOptions, Needs, Problem, Recording, RecordingError};
 use preslide_host::report::Page;
+use preslide_host::signal::{Window, check_windows, parse_window};
 use std::path::PathBuf;
 
 /// Why a command ended without its answer; decides the exit code.

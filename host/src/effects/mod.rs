@@ -36,15 +36,10 @@
 //! `[friction]`; `lead_error` and `presliding_shape` have no parameters here: the one is a calibration of the
 //! encoder, the other is more blocks.
 
-pub mod along;
 mod catalogue;
-mod feed_forward;
-mod terms;
+pub(crate) mod terms;
 #[cfg(test)]
 mod tests;
-
-pub use along::Measured;
-pub use feed_forward::Chosen;
 
 /// Most cosines of a map.
 pub const MOST_TERMS: usize = 16;

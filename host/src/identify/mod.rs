@@ -1,6 +1,5 @@
 //! From a recording to parameters: the rigid body, and friction models of every size.
 
-pub mod estimate;
 pub mod family;
 mod judge;
 pub mod maxwell_slip;
@@ -10,8 +9,6 @@ pub mod refine;
 pub mod regression;
 pub mod rigid_body;
 pub mod search;
-pub mod split;
-pub mod stop;
 mod told;
 pub mod virgin;
 pub mod weights;
@@ -20,12 +17,12 @@ use crate::friction::FrictionModel;
 use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::{MotionKind, Recording};
-use estimate::Estimate;
+use crate::signal::{Kinematics, Split, Window, check_windows};
+use crate::statistics::Estimate;
 use family::Family;
 use nalgebra::{DMatrix, DVector};
 use regression::{Column, Regression};
-use rigid_body::{Kinematics, RigidBody, Terms};
-use split::{Split, Window};
+use rigid_body::{RigidBody, Terms};
 use virgin::VirginCurve;
 use weights::Weights;
 
@@ -208,7 +205,7 @@ pub fn thinned(recording: &Recording) -> Option<Recording> {
         return None;
     }
     let by_band = if recording.role.contains_inertia() {
-        let cutoff = crate::kinematics::ZeroPhase::choose_cutoff(recording);
+        let cutoff = crate::signal::ZeroPhase::choose_cutoff(recording);
         (1.0 / (KEPT_RATE * cutoff * recording.sample_time_s())).floor() as usize
     } else {
         1
@@ -238,7 +235,7 @@ pub fn identify(
             return Err(format!("{}: {warning}; {remedy}{told}", recording.name));
         }
     }
-    split::check_windows(recording, options.train, options.test)?;
+    check_windows(recording, options.train, options.test)?;
     let split = Split::new(recording, options.train, options.test);
     let train = split.train();
     if split.unit == "segment" && split.folds.len() < FEWEST_FOLDS {

@@ -1,11 +1,11 @@
 //! An identification for people and for machines.
 
-use super::estimate::Estimate;
 use super::{Identification, Method};
 use crate::friction::Path;
 use crate::model::Model;
 use crate::recording::{MotionKind, Recording};
 use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
+use crate::statistics::Estimate;
 use serde_json::{Value, json};
 
 /// Repeats drawn in the loop figure; more would hide each other.

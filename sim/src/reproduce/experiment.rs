@@ -4,11 +4,11 @@
 use super::SIZES;
 use super::search::Search;
 use preslide_host::friction::{FrictionModel, Path};
-use preslide_host::identify::refine::Fit;
-use preslide_host::nmse::nmse;
+use preslide_host::identify::regression::Fit;
 use preslide_host::paper;
 use preslide_host::progress::Progress;
 use preslide_host::simulate::inverse::inverse;
+use preslide_host::statistics::nmse;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;

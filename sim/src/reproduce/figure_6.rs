@@ -8,9 +8,9 @@ use preslide_host::compare::memory::{LoopClosure, loop_closure};
 use preslide_host::cost::Cost;
 use preslide_host::friction::{FrictionModel, Path};
 use preslide_host::identify::family::{Family, Span};
-use preslide_host::nmse::nmse;
 use preslide_host::paper::{self, BREAKAWAY};
 use preslide_host::simulate::inverse::inverse;
+use preslide_host::statistics::nmse;
 use rayon::prelude::*;
 use std::ops::Range;
 

@@ -1,8 +1,8 @@
 //! The best blocks for a curve: a grid of yields first, the best of its subsets refined.
 
 use super::SIZES;
-use preslide_host::identify::refine::{self, Fit};
-use preslide_host::identify::regression::Regression;
+use preslide_host::identify::refine;
+use preslide_host::identify::regression::{Fit, Regression};
 use preslide_host::identify::search::{Choice, best_choices};
 use preslide_host::identify::weights::Weights;
 use preslide_host::paper;

@@ -1,12 +1,12 @@
 //! The same motion in the emulator and in the host's simulation: the same commands?
 
-use super::run::{Record, Script, registers, run};
+use super::run::{Record, Script, registers, requests, run};
 use super::{Listener, RigError};
 use crate::stage::Stage;
 use crate::tracking::{Step, TrackingError};
 use preslide::control::{Coefficients, Controller, Measurement, Settings};
 use preslide::{Friction, ParamError, Units};
-use preslide_link::{Report, Request, Sample};
+use preslide_link::{Report, Sample};
 use std::path::Path;
 
 /// Triangles of 20, 5 and 1 µm, a step of 100 nm, and rest: 8 moves, which is what the firmware queues.
@@ -26,27 +26,6 @@ pub fn motion() -> Vec<Step> {
         go(0.1e-6, 20e-6),
         Step::Dwell(0.1),
     ]
-}
-
-/// The motion as requests.
-pub fn requests(steps: &[Step]) -> Vec<Request> {
-    steps
-        .iter()
-        .map(|step| match *step {
-            Step::Move {
-                distance_m,
-                speed_m_s,
-                ramp_s,
-            } => Request::Move {
-                distance_m: distance_m as f32,
-                speed_m_s: speed_m_s as f32,
-                ramp_s: ramp_s as f32,
-            },
-            Step::Dwell(time_s) => Request::Dwell {
-                time_s: time_s as f32,
-            },
-        })
-        .collect()
 }
 
 /// The steps as the firmware gets them: through single precision.

@@ -8,10 +8,10 @@ pub mod sensed;
 mod truth;
 mod wear;
 
-pub use agreement::{Agreement, agreement, motion, requests, samples};
+pub use agreement::{Agreement, agreement, motion, samples};
 pub use emulator::{Emulator, Listener, Remains, RigError};
 pub use faults::{Injection, injections};
-pub use run::{ByTick, CALIBRATED, Record, Script, frame, registers, run};
+pub use run::{ByTick, CALIBRATED, Record, Script, frame, registers, requests, run};
 pub use sensed::telemetry;
 pub use truth::{Comparison, TrueCurve, presliding};
 pub use wear::{Notice, Wear, notice};

@@ -1,6 +1,5 @@
 //! A run: the firmware in lock step with the stage, with what is sent to it and what is done to it.
 
-use super::requests;
 use super::{Emulator, Listener, Remains, RigError};
 use crate::stage::concealed::Concealed;
 use crate::stage::{ElectricalConfig, EncoderReading, Stage, StageConfig};
@@ -19,6 +18,27 @@ pub const CALIBRATED: u64 = 2048;
 fn enabling() -> Vec<Request> {
     let silence = Name::new("silence").map(|name| Request::Set(name, 0.0));
     silence.into_iter().chain([Request::Enable]).collect()
+}
+
+/// The motion as requests.
+pub fn requests(steps: &[Step]) -> Vec<Request> {
+    steps
+        .iter()
+        .map(|step| match *step {
+            Step::Move {
+                distance_m,
+                speed_m_s,
+                ramp_s,
+            } => Request::Move {
+                distance_m: distance_m as f32,
+                speed_m_s: speed_m_s as f32,
+                ramp_s: ramp_s as f32,
+            },
+            Step::Dwell(time_s) => Request::Dwell {
+                time_s: time_s as f32,
+            },
+        })
+        .collect()
 }
 
 /// Does something to `T` in the tick given.

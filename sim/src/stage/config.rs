@@ -4,34 +4,11 @@
 //! gearhead's ratio. Where a value is an assumption, it is one that a user is expected to replace.
 
 use super::electrical::ElectricalConfig;
+use super::motor::MotorConfig;
+use super::range::{StageError, check, not_negative, positive, share};
 use preslide::control::Axis;
 use preslide_host::paper;
 use serde::{Deserialize, Serialize};
-
-/// Why a stage could not be built.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum StageError {
-    /// A value lies outside its range.
-    #[error("stage: {key} = {value} is out of range: {reason}; set {key} {remedy}")]
-    OutOfRange {
-        /// The key, as in [`StageConfig`].
-        key: &'static str,
-        /// The value given.
-        value: f64,
-        /// Why it cannot be.
-        reason: &'static str,
-        /// What to set instead.
-        remedy: &'static str,
-    },
-    /// A list that must hold something is empty.
-    #[error("stage: {key} is empty; give {remedy}")]
-    Empty {
-        /// The key, as in [`StageConfig`].
-        key: &'static str,
-        /// What to give.
-        remedy: &'static str,
-    },
-}
 
 /// The axis and its simulation. `Default` is the paper's axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -59,26 +36,6 @@ pub struct StageConfig {
     pub start_m: f64,
     /// Seed of everything random. Equal configurations give equal bits.
     pub seed: u64,
-}
-
-/// A brushed DC motor. Faulhaber 1724 006 SR (paper, Table 1).
-///
-/// Its sheet was not found in public text; the values are assumptions of the right size beside the sheets of its
-/// neighbours: 1524 T 006 SR has 5.1 Ω, 6.0 mN·m/A, 110 µH, 0.58 g·cm²; 1331 T 006 SR has 2.83 Ω, 5.35 mN·m/A, 70 µH,
-/// 0.71 g·cm².
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct MotorConfig {
-    /// Winding resistance \[Ω\]. 3.41: assumption, see above.
-    pub resistance_ohm: f64,
-    /// Winding inductance \[H\]. 75 µH: assumption, see above.
-    pub inductance_h: f64,
-    /// Torque constant [N·m/A], equal to the back-EMF constant [V·s/rad]. 6.59 mN·m/A: assumption, see above.
-    pub torque_constant_nm_per_a: f64,
-    /// Rotor inertia [kg·m²]. 1 g·cm²: assumption, see above.
-    pub rotor_inertia_kg_m2: f64,
-    /// Viscous damping of the rotor, beside the back-EMF [N·m·s/rad]. 0: assumption; losses are in the friction truth.
-    pub damping_nm_s_per_rad: f64,
 }
 
 /// Gear, ball screw, and the compliance between the rotor and the moving mass, all seen at the stage.
@@ -198,18 +155,6 @@ impl Default for StageConfig {
     }
 }
 
-impl Default for MotorConfig {
-    fn default() -> Self {
-        Self {
-            resistance_ohm: 3.41,
-            inductance_h: 75e-6,
-            torque_constant_nm_per_a: 6.59e-3,
-            rotor_inertia_kg_m2: 1e-7,
-            damping_nm_s_per_rad: 0.0,
-        }
-    }
-}
-
 impl Default for DriveConfig {
     fn default() -> Self {
         Self {
@@ -276,55 +221,6 @@ impl Default for VariabilityConfig {
             correlation_m: 100e-6,
         }
     }
-}
-
-/// The ranges a key may lie in.
-pub(super) fn check(
-    key: &'static str,
-    value: f64,
-    valid: bool,
-    reason: &'static str,
-    remedy: &'static str,
-) -> Result<(), StageError> {
-    if valid && value.is_finite() {
-        return Ok(());
-    }
-    Err(StageError::OutOfRange {
-        key,
-        value,
-        reason,
-        remedy,
-    })
-}
-
-pub(super) fn positive(key: &'static str, value: f64) -> Result<(), StageError> {
-    check(
-        key,
-        value,
-        value > 0.0,
-        "it must be positive and finite",
-        "above zero",
-    )
-}
-
-pub(super) fn not_negative(key: &'static str, value: f64) -> Result<(), StageError> {
-    check(
-        key,
-        value,
-        value >= 0.0,
-        "it must be zero or more, and finite",
-        "to zero or above",
-    )
-}
-
-fn share(key: &'static str, value: f64) -> Result<(), StageError> {
-    check(
-        key,
-        value,
-        (0.0..=1.0).contains(&value),
-        "it is a share",
-        "within 0..1",
-    )
 }
 
 impl StageConfig {
@@ -538,6 +434,18 @@ impl FrictionConfig {
 
     /// Largest yield displacement among the elements \[m\].
     pub fn longest_yield_m(&self) -> f64 {
-        super::friction::yield_range_m(self).1
+        self.yield_range_m().1
+    }
+
+    /// Shortest and longest yield displacement of the elements \[m\].
+    ///
+    /// They reach beyond the blocks' `D = α·F_s/k` on both sides: a smooth knee needs neighbours to make a corner.
+    pub(super) fn yield_range_m(&self) -> (f64, f64) {
+        let (short, long) = self
+            .virgin_curve
+            .iter()
+            .map(|b| b.weight * self.breakaway_n / b.stiffness_n_per_m)
+            .fold((f64::INFINITY, 0.0f64), |(s, l), d| (s.min(d), l.max(d)));
+        (0.3 * short, 1.2 * long)
     }
 }

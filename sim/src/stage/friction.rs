@@ -18,7 +18,8 @@
 //! This is none of the compensator's models: no element clamps, loops close only to within the yielding zone, the gain
 //! is not constant, and 64 is not 4. It shares no code with them.
 
-use super::config::{FrictionConfig, StageError};
+use super::config::FrictionConfig;
+use super::range::StageError;
 use super::variability::{Wander, repeat_constant};
 
 /// Groups of neighbouring yields whose gains wander apart.
@@ -28,18 +29,6 @@ const BANDS: usize = 4;
 const SWEEPS: usize = 16_000;
 /// Points of the virgin curve that the calibration looks at.
 const POINTS: usize = 240;
-
-/// Shortest and longest yield displacement of the elements \[m\].
-///
-/// They reach beyond the blocks' `D = α·F_s/k` on both sides: a smooth knee needs neighbours to make a corner.
-pub(super) fn yield_range_m(config: &FrictionConfig) -> (f64, f64) {
-    let (short, long) = config
-        .virgin_curve
-        .iter()
-        .map(|b| b.weight * config.breakaway_n / b.stiffness_n_per_m)
-        .fold((f64::INFINITY, 0.0f64), |(s, l), d| (s.min(d), l.max(d)));
-    (0.3 * short, 1.2 * long)
-}
 
 /// Force of the piecewise-linear virgin curve at displacement `x_m` ≥ 0 \[N\]: `Σ min(k·x, α·F_s)`.
 pub fn virgin_force_n(config: &FrictionConfig, x_m: f64) -> f64 {
@@ -169,7 +158,7 @@ impl FrictionTruth {
     pub fn try_new(config: &FrictionConfig, seed: u64) -> Result<Self, StageError> {
         config.validate()?;
         let soft = 1.0 - config.elastic_share;
-        let (short, long) = yield_range_m(config);
+        let (short, long) = config.yield_range_m();
         let ratio = (long / short).ln() / (config.elements - 1) as f64;
         let yields: Vec<f64> = (0..config.elements)
             .map(|i| short * (ratio * i as f64).exp())
@@ -309,7 +298,7 @@ impl FrictionTruth {
 /// error is relative: from a flat start they stay positive and spread, where an active-set solver would leave few
 /// elements (Lee and Seung, *Algorithms for non-negative matrix factorization*, 2001).
 fn calibrate(config: &FrictionConfig, yields: &[f64], soft: f64) -> Vec<f64> {
-    let (short, long) = yield_range_m(config);
+    let (short, long) = config.yield_range_m();
     let (first, last) = (0.1 * short, 10.0 * long);
     let ratio = (last / first).ln() / (POINTS - 1) as f64;
     let rows: Vec<Vec<f64>> = (0..POINTS)

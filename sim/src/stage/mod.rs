@@ -34,6 +34,8 @@ pub mod electrical;
 mod encoder;
 mod energy;
 pub mod friction;
+mod motor;
+mod range;
 #[cfg(test)]
 mod tests;
 pub mod trajectory;
@@ -43,8 +45,8 @@ use std::f64::consts::TAU;
 
 use concealed::Concealed;
 pub use config::{
-    DriveConfig, EncoderConfig, FrictionConfig, MotorConfig, StageConfig, StageError, SupplyConfig,
-    VariabilityConfig, VirginBlock,
+    DriveConfig, EncoderConfig, FrictionConfig, StageConfig, SupplyConfig, VariabilityConfig,
+    VirginBlock,
 };
 use dynamics::{Coefficients, Flow, LinearState};
 use electrical::Electrical;
@@ -52,6 +54,8 @@ pub use electrical::{ElectricalConfig, Sampling, SenseConfig};
 pub use encoder::{count as encoder_count, interpolated_m};
 pub use energy::Energy;
 use friction::FrictionTruth;
+pub use motor::MotorConfig;
+pub use range::StageError;
 
 /// An effect added to the stage and concealed from the compensator.
 pub trait Disturbance: Send {

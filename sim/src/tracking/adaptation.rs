@@ -5,6 +5,7 @@ use crate::stage::{EncoderConfig, FrictionConfig, StageConfig, VariabilityConfig
 use preslide::control::learning::Adaptation;
 use preslide::control::{Fault, Learning, LearningSettings, Settings};
 use preslide::{Friction, QuasiStaticGms, Units};
+use preslide_host::statistics::mean_and_half_width;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -191,23 +192,13 @@ fn summarise(pairs: &[[Result<f64, Fault>; 2]]) -> Pairs {
         .collect();
     let changes: Vec<f64> = whole.iter().map(|[a, b]| b / a - 1.0).collect();
     Pairs {
-        rms_m: [0, 1].map(|i| mean_and_half_width(whole.iter().map(|pair| pair[i]).collect())[0]),
-        change: mean_and_half_width(changes),
+        rms_m: [0, 1].map(|i| {
+            let of_one: Vec<f64> = whole.iter().map(|pair| pair[i]).collect();
+            mean_and_half_width(&of_one)[0]
+        }),
+        change: mean_and_half_width(&changes),
         faults: pairs.iter().flatten().filter(|run| run.is_err()).count(),
     }
-}
-
-/// The mean, and half its 95 % interval's width by the normal law; 0 of a single value.
-pub(super) fn mean_and_half_width(values: Vec<f64>) -> [f64; 2] {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-    let half = if n > 1.0 {
-        1.96 * (squares / (n * (n - 1.0))).sqrt()
-    } else {
-        0.0
-    };
-    [mean, half]
 }
 
 /// The rows as a table for people.

@@ -1,12 +1,12 @@
 //! What the watch on the friction model is worth: false alarms on normal stages, and delays on stages that change.
 
-use super::adaptation::mean_and_half_width;
 use super::{Axis, Step, TrackingError};
 use crate::stage::{Stage, StageConfig};
 use preslide::control::learning::{Block, Learn, MismatchSettings, MismatchWatch};
 use preslide::control::{Condition, Learning, LearningSettings, NormalRange, Settings};
 use preslide::{Block as MaxwellSlip, ParamError, QuasiStaticGms, Units};
 use preslide_host::paper;
+use preslide_host::statistics::mean_and_half_width;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -181,7 +181,7 @@ pub fn study(
         Ok(Rate {
             asked,
             alarms: judged.iter().map(|stage| stage.alarms.len()).sum(),
-            measured: mean_and_half_width(per_window.collect()),
+            measured: mean_and_half_width(&per_window.collect::<Vec<_>>()),
         })
     });
     let rates = rates.collect::<Result<Vec<_>, TrackingError>>()?;
@@ -215,7 +215,7 @@ pub fn study(
     Ok(Study {
         stages: normal.len(),
         rates,
-        correlation: mean_and_half_width(correlations)[0],
+        correlation: mean_and_half_width(&correlations)[0],
         delays,
         watch,
     })

@@ -23,7 +23,8 @@
 mod sense;
 mod winding;
 
-use super::config::{StageError, check, not_negative, positive};
+use super::motor::MotorConfig;
+use super::range::{StageError, check, not_negative, positive};
 use sense::Sense;
 use serde::{Deserialize, Serialize};
 pub use winding::{Bridge, Passed, Winding};
@@ -185,7 +186,7 @@ pub(super) struct Electrical {
 impl Electrical {
     pub(super) fn new(
         config: &ElectricalConfig,
-        motor: &super::MotorConfig,
+        motor: &MotorConfig,
         period_s: f64,
         seed: u64,
     ) -> Self {

@@ -1,6 +1,9 @@
 //! Model files: what `identify` writes and every other command reads.
 
+mod along;
+mod feed_forward;
 mod friction;
+mod refuse;
 
 use crate::effects::Effect;
 use crate::friction::{FrictionModel, Path};
@@ -10,6 +13,10 @@ use serde::Deserialize;
 use std::fmt::Write as _;
 use std::path::Path as FilePath;
 use thiserror::Error;
+
+pub use along::Measured;
+pub use feed_forward::Chosen;
+pub use refuse::{reduced, refused};
 
 /// The only schema there is.
 pub const SCHEMA: &str = "preslide.model/1";

@@ -13,9 +13,9 @@
 //! - `actuator_saturation`, `actuator_dead_zone`: from the force back to the command, as far as it can be known.
 //! - `channel_delay`: the force `τ` earlier, interpolated; each piece begins and ends with its own first and last value.
 
-use super::{Effect, terms};
+use super::Model;
+use crate::effects::{Effect, terms};
 use crate::friction::{Drive, Path};
-use crate::model::Model;
 use preslide::effects::{Effect as _, Situation};
 use std::f64::consts::TAU;
 use std::ops::Range;

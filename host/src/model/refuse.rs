@@ -1,6 +1,6 @@
 //! What a controller cannot use, and leaving it out by name.
 
-use crate::model::Model;
+use super::Model;
 
 /// Why a controller cannot use an effect; `None` where it can.
 fn reason(id: &str) -> Option<&'static str> {

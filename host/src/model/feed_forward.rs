@@ -1,11 +1,10 @@
 //! A model file's friction and effects as a controller's feed-forward, chosen at run time: what `preslide export` fixes at
 //! compile time for the firmware, here for the closed loop on the host.
 
-use super::Effect;
-use super::terms::{self, Term};
-use crate::export::refused;
+use super::{Model, refused};
+use crate::effects::Effect;
+use crate::effects::terms::{self, Term};
 use crate::friction::Visitor;
-use crate::model::Model;
 use preslide::ParamError;
 use preslide::effects::{Bounds, EncoderError, LARGEST_LEVEL, Situation, With};
 

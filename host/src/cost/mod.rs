@@ -11,7 +11,7 @@ pub use effects::EffectsCost;
 use std::path::Path;
 
 /// Written by `cargo xtask cycles`.
-const CORTEX_M4: &str = include_str!("../../firmware/cycles/cortex-m4.csv");
+const CORTEX_M4: &str = include_str!("../../../firmware/cycles/cortex-m4.csv");
 
 /// Cost of one update of a kernel at one number of blocks.
 #[derive(Clone, Debug, PartialEq)]
