@@ -12,8 +12,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use crate::process::{cargo, output, root, run};
-use crate::qemu::{build, build_command, capture, free_port};
+use crate::process::{cargo, free_port, output, root, run};
+use crate::qemu::{build, build_command, capture};
 use crate::tools::Need;
 
 /// No friction at all.

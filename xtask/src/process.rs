@@ -138,3 +138,11 @@ pub fn output_of(command: &mut Command, input: &str) -> Result<String, String> {
         Err(format!("`{line}` failed ({})", output.status))
     }
 }
+
+/// A port of this machine that was free a moment ago; the program that is started binds it next.
+pub fn free_port() -> Result<String, String> {
+    let listener = std::net::TcpListener::bind("127.0.0.1:0");
+    let address = listener.and_then(|listener| listener.local_addr());
+    let address = address.map_err(|error| format!("no free port on 127.0.0.1: {error}"))?;
+    Ok(address.port().to_string())
+}

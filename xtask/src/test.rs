@@ -23,6 +23,12 @@ const STEPS: &[Step] = &[
         run: format,
     },
     Step {
+        name: "imports",
+        reason: "no circle of imports, and each room imports only what ARCHITECTURE.md places above it",
+        needs: &[],
+        run: || crate::imports::run_command(&[]),
+    },
+    Step {
         name: "clippy",
         reason: "the compiler's and clippy's warnings are errors",
         needs: &[Need::Clippy],
@@ -107,7 +113,7 @@ const STEPS: &[Step] = &[
         name: "book",
         reason: "the book builds without a warning, its commands work and print what it says",
         needs: &[],
-        run: || crate::book::run_command(&[]),
+        run: || crate::book::run_command(&[], has_step),
     },
 ];
 

@@ -29,13 +29,16 @@ use page::{Block, Kind, Page};
 /// No command of the book takes longer, on a busy machine either.
 const LIMIT: Duration = Duration::from_secs(300);
 
+/// Whether `cargo xtask test` has a step of this name.
+type HasStep = fn(&str) -> bool;
+
 /// `--bless` writes what the commands print now into the book.
-pub fn run_command(arguments: &[String]) -> Result<(), String> {
+pub fn run_command(arguments: &[String], has_step: HasStep) -> Result<(), String> {
     let bless = crate::given("book", &["--bless"], arguments)?.is_some();
     let pages = page::all(&root().join("docs/src"))?;
     links::check(&pages)?;
     build()?;
-    follow(&pages, bless)
+    follow(&pages, bless, has_step)
 }
 
 /// The pages in HTML, warnings denied, nothing in them that needs a network.
@@ -73,13 +76,14 @@ fn build() -> Result<(), String> {
 }
 
 /// Runs the blocks of all pages in order.
-fn follow(pages: &[Page], bless: bool) -> Result<(), String> {
+fn follow(pages: &[Page], bless: bool, has_step: HasStep) -> Result<(), String> {
     run(&mut cargo(&["build", "--release", "--bin", "preslide"]))?;
     let scratch = std::env::temp_dir().join(format!("preslide-book-{}", std::process::id()));
     fs::create_dir_all(&scratch)
         .map_err(|error| format!("cannot create {}: {error}", scratch.display()))?;
     let mut state = Walk {
         scratch: &scratch,
+        has_step,
         printed: None,
         counts: [0; 4],
         failures: Vec::new(),
@@ -126,6 +130,7 @@ fn follow(pages: &[Page], bless: bool) -> Result<(), String> {
 
 struct Walk<'a> {
     scratch: &'a Path,
+    has_step: HasStep,
     /// What the last commands of the page printed; `None` where they did not run.
     printed: Option<String>,
     /// Blocks run, left to another step, skipped, left to a board.
@@ -154,7 +159,7 @@ impl Walk<'_> {
             Kind::Ci(step) => {
                 self.counts[1] += 1;
                 self.printed = None;
-                if let Err(reason) = in_ci(block, step) {
+                if let Err(reason) = in_ci(block, step, self.has_step) {
                     self.failures.push(format!("{place}: {reason}"));
                 }
             }
@@ -220,8 +225,8 @@ impl Walk<'_> {
 }
 
 /// Whether the step that a block names exists, and every `cargo xtask` command in it.
-fn in_ci(block: &Block, step: &str) -> Result<(), String> {
-    if !crate::test::has_step(step) {
+fn in_ci(block: &Block, step: &str, has_step: HasStep) -> Result<(), String> {
+    if !has_step(step) {
         return Err(format!("`cargo xtask test` has no step `{step}`"));
     }
     for line in &block.lines {
