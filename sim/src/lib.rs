@@ -6,6 +6,7 @@
 
 pub mod chain;
 pub mod demo;
+mod normal;
 pub mod reproduce;
 pub mod rig;
 pub mod stage;

@@ -3,6 +3,7 @@
 
 use super::SIZES;
 use super::search::Search;
+use crate::normal::normal;
 use preslide_host::friction::{FrictionModel, Path};
 use preslide_host::identify::regression::Fit;
 use preslide_host::paper;
@@ -269,12 +270,6 @@ fn ramp(random: &mut ChaCha8Rng) -> Result<Ramp, String> {
         ramp.force.push(load);
     }
     Ok(ramp)
-}
-
-/// A standard normal number (Box and Muller).
-fn normal(random: &mut ChaCha8Rng) -> f64 {
-    let (u, v): (f64, f64) = (random.random(), random.random());
-    (-2.0 * (1.0 - u).ln()).sqrt() * (std::f64::consts::TAU * v).cos()
 }
 
 /// Mean displacement at each hold that all have.

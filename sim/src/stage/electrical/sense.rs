@@ -1,9 +1,9 @@
 //! The converter of the current.
 
 use super::{Sampling, SenseConfig};
+use crate::normal::normal;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use std::f64::consts::TAU;
 
 /// Keeps the converter's noise apart from what else a seed makes.
 const STREAM: u64 = 0x5e45e;
@@ -59,9 +59,7 @@ impl Sense {
     /// Converts.
     pub(super) fn sample(&mut self, current_a: f64) {
         let config = &self.config;
-        // Box and Muller's normal number; 1 − u is never zero.
-        let [u, v]: [f64; 2] = self.random.random();
-        let normal = (-2.0 * (1.0 - u).ln()).sqrt() * (TAU * v).cos();
+        let normal = normal(&mut self.random);
         let steps = f64::from(1_u32 << (config.bits - 1));
         let code = (current_a + config.offset_a + config.noise_a * normal) / config.range_a * steps;
         self.sum += code.round().clamp(-steps, steps - 1.0) * config.range_a / steps;
