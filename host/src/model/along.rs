@@ -52,8 +52,20 @@ impl Model {
     /// A parameter that the library refuses; an effect that needs a column that is not there, named with the remedy.
     /// Nothing is left out silently.
     pub fn force_along(&self, path: Path, measured: &Measured) -> Result<Vec<f64>, String> {
-        let told = |id: &str, e: preslide::ParamError| format!("effect {id}: {e}");
-        let of = |id: &'static str| self.effects.iter().filter(move |effect| effect.id == id);
+        self.has_columns(measured)?;
+        let motion = self.true_motion(path, measured)?;
+        let (friction, springs) = self.transmitted(path, &motion)?;
+        let mut force = self.beside_friction(path, measured, &motion, friction, &springs)?;
+        self.behind_the_actuator(path, &mut force);
+        Ok(force)
+    }
+
+    fn of<'a>(&'a self, id: &'static str) -> impl Iterator<Item = &'a Effect> {
+        self.effects.iter().filter(move |effect| effect.id == id)
+    }
+
+    /// Whether what the effects need was measured.
+    fn has_columns(&self, measured: &Measured) -> Result<(), String> {
         for (id, missing, column, way) in [
             (
                 "thermal_drift",
@@ -69,27 +81,37 @@ impl Model {
             ),
         ] {
             let needs = |e: &Effect| id != "thermal_drift" || e.has("level_per_K");
-            if missing && of(id).any(needs) {
+            if missing && self.of(id).any(needs) {
                 return Err(format!(
                     "effect {id}: the recording has no column {column}; record it, bring it in with --map {column}=COLUMN, or use {way} in the model"
                 ));
             }
         }
+        Ok(())
+    }
 
+    /// Where the axis is: the recording without the encoder's errors.
+    fn true_motion(&self, path: Path, measured: &Measured) -> Result<Motion, String> {
         let mut motion = Motion {
             position: path.position.to_vec(),
             velocity: path.velocity.to_vec(),
             acceleration: measured.acceleration.map(<[f64]>::to_vec),
         };
-        for effect in of("encoder_error") {
-            let encoder = terms::encoder(effect).map_err(|e| told(effect.id, e))?;
+        for effect in self.of("encoder_error") {
+            let encoder = terms::encoder(effect).map_err(|e| refused_by(effect.id, e))?;
             motion.shift(path.position, |x| encoder.shift(x), effect);
         }
+        Ok(motion)
+    }
+
+    /// Friction of the load, behind play and springs, and what the springs add.
+    fn transmitted(&self, path: Path, motion: &Motion) -> Result<(Vec<f64>, Vec<f64>), String> {
         let drive = Drive {
-            creep: of("creep")
+            creep: self
+                .of("creep")
                 .next()
                 .map(|effect| (effect.get("rate_m_s"), effect.get("share_of_breakaway"))),
-            gap: of("backlash").map(|effect| effect.get("gap_m")).sum(),
+            gap: self.of("backlash").map(|effect| effect.get("gap_m")).sum(),
         };
         let of_load = |position: &[f64]| {
             let path = Path {
@@ -103,7 +125,7 @@ impl Model {
         };
         let mut friction = of_load(&motion.position)?;
         let mut springs = vec![0.0; friction.len()];
-        for effect in of("drive_compliance") {
+        for effect in self.of("drive_compliance") {
             if self.inertia <= 0.0 {
                 return Err("effect drive_compliance: needs the inertia, which gives the spring its stiffness; identify it, or remove the effect".to_owned());
             }
@@ -127,10 +149,22 @@ impl Model {
             let inertia = load / stiffness;
             spring(&mut springs, &transmitted, inertia, path);
         }
+        Ok((friction, springs))
+    }
 
+    /// Friction at the level of each tick, and every force beside it, inertia among them.
+    fn beside_friction(
+        &self,
+        path: Path,
+        measured: &Measured,
+        motion: &Motion,
+        friction: Vec<f64>,
+        springs: &[f64],
+    ) -> Result<Vec<f64>, String> {
         let mut running = Vec::new();
         for effect in &self.effects {
-            let term = terms::library(effect, path.sample_time).map_err(|e| told(effect.id, e))?;
+            let term =
+                terms::library(effect, path.sample_time).map_err(|e| refused_by(effect.id, e))?;
             running.extend(term);
         }
         let mut force = friction;
@@ -168,26 +202,29 @@ impl Model {
                 }
             }
         }
+        Ok(force)
+    }
 
-        for effect in of("actuator_saturation") {
+    /// From the force back to the command, and to when it was sampled.
+    fn behind_the_actuator(&self, path: Path, force: &mut [f64]) {
+        for effect in self.of("actuator_saturation") {
             let limit = effect.get("limit_N");
             force.iter_mut().for_each(|f| *f = f.clamp(-limit, limit));
         }
-        for effect in of("actuator_dead_zone") {
+        for effect in self.of("actuator_dead_zone") {
             let half = 0.5 * effect.get("width_N");
             for f in force.iter_mut().filter(|f| **f != 0.0) {
                 *f += half.copysign(*f);
             }
         }
-        for effect in of("channel_delay") {
-            delay(
-                &mut force,
-                effect.get("delay_s") / path.sample_time,
-                path.pieces,
-            );
+        for effect in self.of("channel_delay") {
+            delay(force, effect.get("delay_s") / path.sample_time, path.pieces);
         }
-        Ok(force)
     }
+}
+
+fn refused_by(id: &str, error: preslide::ParamError) -> String {
+    format!("effect {id}: {error}")
 }
 
 /// A motion as one part of the machine makes it.

@@ -70,23 +70,7 @@ pub fn injections() -> Vec<Injection> {
             ..injection(
                 "encoder_frozen",
                 "the count stops while the axis moves: safe state once the error or the push is too large",
-                || {
-                    let frozen = std::cell::Cell::new(0);
-                    let far = Request::Move {
-                        distance_m: 2e-3,
-                        speed_m_s: 2e-3,
-                        ramp_s: 0.01,
-                    };
-                    let mut script = Script::quiet(6000).send(20, &[far]);
-                    script.falsify = Box::new(move |tick, reading| {
-                        if tick < AT {
-                            frozen.set(reading.count);
-                        } else {
-                            reading.count = frozen.get();
-                        }
-                    });
-                    script
-                },
+                encoder_frozen,
             )
         },
         Injection {
@@ -95,16 +79,7 @@ pub fn injections() -> Vec<Injection> {
             ..injection(
                 "encoder_jump",
                 "the count jumps by 4000 in one tick: safe state in that tick; a restart stands where the axis is",
-                || {
-                    let mut script =
-                        moving(6000).send(AT + 500, &[Request::Acknowledge, Request::Enable]);
-                    script.falsify = Box::new(|tick, reading| {
-                        if tick >= AT {
-                            reading.count = reading.count.wrapping_add(4000);
-                        }
-                    });
-                    script
-                },
+                encoder_jump,
             )
         },
         Injection {
@@ -112,17 +87,7 @@ pub fn injections() -> Vec<Injection> {
             ..injection(
                 "count_wrap",
                 "the counter wraps during the motion: nothing happens, the commands are those of any other origin",
-                || {
-                    let mut script = moving(6000);
-                    script.stage = StageConfig {
-                        encoder: EncoderConfig {
-                            origin_count: -100,
-                            ..script.stage.encoder
-                        },
-                        ..script.stage
-                    };
-                    script
-                },
+                count_wrap,
             )
         },
         Injection {
@@ -131,15 +96,7 @@ pub fn injections() -> Vec<Injection> {
             ..injection(
                 "overrun",
                 "one late tick, then two in a row, are ridden out; four in a row are not",
-                || {
-                    let mut script = moving(6000);
-                    script.falsify = Box::new(|tick, reading| {
-                        reading.dawdle = [0, 100, 101, 200, 201, 202, 203]
-                            .iter()
-                            .any(|t| tick == AT + t);
-                    });
-                    script
-                },
+                overrun,
             )
         },
         Injection {
@@ -147,15 +104,7 @@ pub fn injections() -> Vec<Injection> {
             ..injection(
                 "corrupt_parameters",
                 "a parameter block with a flipped bit: refused by its CRC, the running parameters stay",
-                || {
-                    let mut bytes = numbered(Request::Model(MODEL));
-                    if let Some(byte) = bytes.get_mut(9) {
-                        *byte ^= 0x04;
-                    }
-                    let mut script = moving(6000);
-                    script.bytes.push((AT, bytes));
-                    script
-                },
+                corrupt_parameters,
             )
         },
         Injection {
@@ -163,32 +112,7 @@ pub fn injections() -> Vec<Injection> {
             ..injection(
                 "invalid_parameters",
                 "NaN, infinite, negative, and weights that do not sum to 1: refused, the running parameters stay",
-                || {
-                    let gains = |proportional| {
-                        Request::Gains(GainSettings {
-                            proportional,
-                            ..GAINS
-                        })
-                    };
-                    let mut blocks = MODEL.blocks;
-                    blocks[1].1 = 0.5;
-                    let heavy = Request::Model(ModelSettings { blocks, ..MODEL });
-                    let negative = Request::Model(ModelSettings {
-                        breakaway_n: -0.9,
-                        ..MODEL
-                    });
-                    moving(6000).send(
-                        AT,
-                        &[
-                            gains(f32::NAN),
-                            gains(f32::INFINITY),
-                            gains(-1.0),
-                            gains(1e12),
-                            heavy,
-                            negative,
-                        ],
-                    )
-                },
+                invalid_parameters,
             )
         },
         Injection {
@@ -197,16 +121,7 @@ pub fn injections() -> Vec<Injection> {
             ..injection(
                 "supply_sag",
                 "the supply falls to 4 V: ridden out for 1 ms, then safe state",
-                || {
-                    let mut script = moving(6000);
-                    script.disturb = Box::new(|tick, stage| {
-                        if tick == AT {
-                            // 4 V is a voltage that any stage takes.
-                            let _ = stage.set_supply_v(4.0);
-                        }
-                    });
-                    script
-                },
+                supply_sag,
             )
         },
         Injection {
@@ -215,11 +130,7 @@ pub fn injections() -> Vec<Injection> {
             ..injection(
                 "telemetry_unread",
                 "nobody reads the telemetry for a second: samples are lost and counted, the commands do not change",
-                || {
-                    let mut script = moving(14_000);
-                    script.listening = Box::new(|tick| !(500..12_000).contains(&tick));
-                    script
-                },
+                telemetry_unread,
             )
         },
         Injection {
@@ -227,35 +138,143 @@ pub fn injections() -> Vec<Injection> {
             ..injection(
                 "garbage",
                 "noise, a truncated, an oversized and an unknown frame: each refused by kind, the next one is read",
-                || {
-                    let whole = numbered(Request::Gains(GAINS));
-                    let truncated = [whole.get(..6).unwrap_or_default(), &[0]].concat();
-                    let mut script = moving(6000);
-                    let noise: Vec<u8> = (1..=40_u32)
-                        .map(|i| (i * 97 % 251) as u8 + 1)
-                        .chain([0])
-                        .collect();
-                    let oversized = [vec![0x55; 200], vec![0]].concat();
-                    // A well-made frame of a message that does not exist: the tag 99 with its CRC.
-                    let unknown = frame(&(NUMBER, 99_u8));
-                    let good = numbered(Request::Ping);
-                    script
-                        .bytes
-                        .push((AT, [noise, truncated, oversized, unknown, good].concat()));
-                    script
-                },
+                garbage,
             )
         },
         injection(
             "watchdog",
             "the control task hangs: after ten ticks the watchdog turns the PWM off, before any other exchange with the stage",
-            || {
-                let mut script = moving(6000);
-                script.falsify = Box::new(|tick, reading| reading.hang = tick == AT);
-                script
-            },
+            watchdog,
         ),
     ]
+}
+
+fn encoder_frozen() -> Script<'static> {
+    let frozen = std::cell::Cell::new(0);
+    let far = Request::Move {
+        distance_m: 2e-3,
+        speed_m_s: 2e-3,
+        ramp_s: 0.01,
+    };
+    let mut script = Script::quiet(6000).send(20, &[far]);
+    script.falsify = Box::new(move |tick, reading| {
+        if tick < AT {
+            frozen.set(reading.count);
+        } else {
+            reading.count = frozen.get();
+        }
+    });
+    script
+}
+
+fn encoder_jump() -> Script<'static> {
+    let mut script = moving(6000).send(AT + 500, &[Request::Acknowledge, Request::Enable]);
+    script.falsify = Box::new(|tick, reading| {
+        if tick >= AT {
+            reading.count = reading.count.wrapping_add(4000);
+        }
+    });
+    script
+}
+
+fn count_wrap() -> Script<'static> {
+    let mut script = moving(6000);
+    script.stage = StageConfig {
+        encoder: EncoderConfig {
+            origin_count: -100,
+            ..script.stage.encoder
+        },
+        ..script.stage
+    };
+    script
+}
+
+fn overrun() -> Script<'static> {
+    let mut script = moving(6000);
+    script.falsify = Box::new(|tick, reading| {
+        reading.dawdle = [0, 100, 101, 200, 201, 202, 203]
+            .iter()
+            .any(|t| tick == AT + t);
+    });
+    script
+}
+
+fn corrupt_parameters() -> Script<'static> {
+    let mut bytes = numbered(Request::Model(MODEL));
+    if let Some(byte) = bytes.get_mut(9) {
+        *byte ^= 0x04;
+    }
+    let mut script = moving(6000);
+    script.bytes.push((AT, bytes));
+    script
+}
+
+fn invalid_parameters() -> Script<'static> {
+    let gains = |proportional| {
+        Request::Gains(GainSettings {
+            proportional,
+            ..GAINS
+        })
+    };
+    let mut blocks = MODEL.blocks;
+    blocks[1].1 = 0.5;
+    let heavy = Request::Model(ModelSettings { blocks, ..MODEL });
+    let negative = Request::Model(ModelSettings {
+        breakaway_n: -0.9,
+        ..MODEL
+    });
+    moving(6000).send(
+        AT,
+        &[
+            gains(f32::NAN),
+            gains(f32::INFINITY),
+            gains(-1.0),
+            gains(1e12),
+            heavy,
+            negative,
+        ],
+    )
+}
+
+fn supply_sag() -> Script<'static> {
+    let mut script = moving(6000);
+    script.disturb = Box::new(|tick, stage| {
+        if tick == AT {
+            // 4 V is a voltage that any stage takes.
+            let _ = stage.set_supply_v(4.0);
+        }
+    });
+    script
+}
+
+fn telemetry_unread() -> Script<'static> {
+    let mut script = moving(14_000);
+    script.listening = Box::new(|tick| !(500..12_000).contains(&tick));
+    script
+}
+
+fn garbage() -> Script<'static> {
+    let whole = numbered(Request::Gains(GAINS));
+    let truncated = [whole.get(..6).unwrap_or_default(), &[0]].concat();
+    let mut script = moving(6000);
+    let noise: Vec<u8> = (1..=40_u32)
+        .map(|i| (i * 97 % 251) as u8 + 1)
+        .chain([0])
+        .collect();
+    let oversized = [vec![0x55; 200], vec![0]].concat();
+    // A well-made frame of a message that does not exist: the tag 99 with its CRC.
+    let unknown = frame(&(NUMBER, 99_u8));
+    let good = numbered(Request::Ping);
+    script
+        .bytes
+        .push((AT, [noise, truncated, oversized, unknown, good].concat()));
+    script
+}
+
+fn watchdog() -> Script<'static> {
+    let mut script = moving(6000);
+    script.falsify = Box::new(|tick, reading| reading.hang = tick == AT);
+    script
 }
 
 impl Injection {
