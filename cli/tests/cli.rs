@@ -4,6 +4,7 @@ mod binary;
 
 use binary::{Folder, HEADER, Run, preslide, recording};
 use preslide_host::model::Model;
+use preslide_host_tests::recordings;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -11,15 +12,7 @@ use std::time::{Duration, Instant};
 
 /// A folder of the real recordings, where it exists.
 fn real(name: &str) -> Option<String> {
-    let root = Path::new(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../shared/recordings"
-    ));
-    if !root.is_dir() {
-        eprintln!("SKIPPED: ../shared/recordings is absent");
-        return None;
-    }
-    Some(root.join(name).display().to_string())
+    Some(recordings()?.join(name).display().to_string())
 }
 
 /// A recording with one line (counted from 1, the header) replaced.
