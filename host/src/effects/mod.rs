@@ -1,7 +1,7 @@
 //! Physics beyond rigid body and friction model: the `[[effects]]` of model files, and what they do along a recording.
 //!
 //! The catalogue is that of `preslide diagnose`; those that a controller can use are computed by the library
-//! ([`preslide::effects`]), the others here ([`along`]). Parameters are SI, keys are those of a linear axis; a rotary
+//! ([`preslide::effects`]), the others here ([`force_along`](crate::model::Model::force_along)). Parameters are SI, keys are those of a linear axis; a rotary
 //! file has the same keys in its own units (`force_Nm`, `period_rad`, `stiffness_Nm_per_rad` …).
 //!
 //! | id | what it does | keys |
