@@ -17,7 +17,7 @@ use super::signals::Signals;
 use super::simulation::{self, Corrected, Correction};
 use super::term::{Subject, Term};
 use crate::friction::FrictionModel;
-use crate::identify::estimate::Estimate;
+use crate::statistics::Estimate;
 
 /// The same where it is beyond doubt that something is there.
 const NAMED_SURELY: f64 = 0.015;
