@@ -420,7 +420,7 @@ mod tests {
         let folds = orthogonal();
         let all = Gram::sum(&folds, None);
         // Forward selection: n·ln(residuals before / after) / ln n, of squares 0.09 + 0.0025 + 0.01.
-        let penalty = |before: f64, after: f64| 800.0 * (before / after as f64).ln() / 800f64.ln();
+        let penalty = |before: f64, after: f64| 800.0 * (before / after).ln() / 800f64.ln();
         let strict = [penalty(0.1025, 0.0125), penalty(0.0125, 0.01)];
         for (picked, penalty) in bic(&all).iter().zip(strict) {
             let (at, standard) = picked.unwrap();
@@ -452,11 +452,12 @@ mod tests {
         };
         let t: Vec<f64> = (0..60_000).map(|i| 1e-3 * f64::from(i)).collect();
         let x: Vec<f64> = t.iter().map(|t| at(*t, 0.0)).collect();
-        let mut table = Table::default();
-        table.names = ["t_s", "x_m", "force_N"].map(String::from).to_vec();
-        table.columns = vec![t.clone(), x.clone(), vec![0.0; t.len()]];
+        let mut table = Table {
+            names: ["t_s", "x_m", "force_N"].map(String::from).to_vec(),
+            columns: vec![t.clone(), x.clone(), vec![0.0; t.len()]],
+        };
         let motion = Motion::of(&table);
-        let travel = super::super::motion::Extent::of(&[motion.clone()]).travel;
+        let travel = super::super::motion::Extent::of(std::slice::from_ref(&motion)).travel;
         let stop = motion.stop(2e-3 * travel);
         for (i, t) in t.iter().enumerate() {
             let noise = 0.1 * draw.uniform(-1.0, 1.0);

@@ -175,13 +175,14 @@ pub fn conclude(
         .chain(&gone)
         .filter_map(|s| named(&found, s, mechanics))
         .collect();
-    // Where even everything that was found leaves much of the effort, no name is sure.
-    let explained = found.hypothesis.nmse(&found.ground.rows).test <= EXPLAINS_LITTLE;
-    effects.iter_mut().for_each(|e| e.confident &= explained);
     let kept: Vec<Term> = found.hypothesis.terms[..given].to_vec();
     let first = found.ground.fit(&kept)?;
     let extended = shown(&found, &kept, &mut effects)?;
+    // Where all names together leave much of the effort, none of them is sure.
     let reached = extended.nmse(&found.ground.rows);
+    effects
+        .iter_mut()
+        .for_each(|e| e.confident &= reached.test <= EXPLAINS_LITTLE);
     let mut baseline = first.nmse(&found.ground.rows);
     if found.ground.core.corrects {
         // Nothing of a simulation as it is was fitted.
