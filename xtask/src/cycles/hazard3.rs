@@ -287,7 +287,11 @@ fn image(folder: &Path) -> Result<PathBuf, String> {
     build
         .args(["--target", TARGET, "--target-dir"])
         .arg(folder)
-        .env("RUSTFLAGS", FEATURES)
+        // Where the tree stands must not be in the image, or its fingerprint would be this machine's.
+        .env(
+            "RUSTFLAGS",
+            format!("{FEATURES} --remap-path-prefix={}=.", root().display()),
+        )
         .current_dir(root().join("firmware"));
     run_for(&mut build, LIMIT).map_err(|error| {
         format!("{error}\nIf the target is missing: rustup target add {TARGET}")
