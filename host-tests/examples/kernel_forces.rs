@@ -1,4 +1,5 @@
-//! The checksums of the kernels' forces on this machine, over the motion's first ticks (an argument; without, over all of them), for `cargo xtask cycles` to compare with the target's.
+//! The checksums of the kernels' forces on this machine, for `cargo xtask cycles` to compare with the target's: over the first ticks
+//! of the motion, as many as the argument says, or over all of them.
 //!
 //! Kernels, parameters and motion are the harness's own files: nothing is written twice that could differ.
 
