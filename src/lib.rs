@@ -50,43 +50,21 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 #![warn(missing_docs)]
 
+mod encoder;
+mod friction;
 mod param;
 mod scalar;
 
 pub mod control;
-
-mod encoder;
-
-mod flow;
-mod friction;
-mod stribeck;
-
-mod bouc_wen;
-mod coulomb;
-mod dahl;
-mod elasto_plastic;
-mod gms;
-mod hsieh;
-mod leuven;
-mod lugre;
-mod quasi_static;
-mod two_state;
-
 pub mod effects;
 pub mod kernels;
 
-pub use bouc_wen::{BoucWen, BoucWenState};
-pub use coulomb::Coulomb;
-pub use dahl::{Dahl, DahlState};
-pub use elasto_plastic::{ElastoPlastic, ElastoPlasticState};
 pub use encoder::{Count, CountTracker, EdgeTiming, EncoderScale};
-pub use friction::{Friction, Motion};
-pub use gms::{Gms, GmsState};
-pub use hsieh::{Hsieh, HsiehParams, HsiehState, REVERSALS};
-pub use leuven::{Leuven, LeuvenForm, LeuvenState};
-pub use lugre::{LuGre, LuGreState};
+pub use friction::{
+    BoucWen, BoucWenState, Coulomb, Dahl, DahlState, ElastoPlastic, ElastoPlasticState, Friction,
+    Gms, GmsState, Hsieh, HsiehParams, HsiehState, Leuven, LeuvenForm, LeuvenState, LuGre,
+    LuGreState, Motion, QuasiStaticGms, QuasiStaticState, REVERSALS, Sliding, TwoState,
+    TwoStateState,
+};
 pub use param::{Block, Bound, ParamError, Units, WEIGHT_SUM_TOLERANCE};
-pub use quasi_static::{QuasiStaticGms, QuasiStaticState};
 pub use scalar::Scalar;
-pub use stribeck::Sliding;
-pub use two_state::{TwoState, TwoStateState};

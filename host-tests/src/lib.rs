@@ -1,25 +1,38 @@
 //! Host checks of Preslide: an independent reference, and the paths and parameters that it is driven with;
 //! and the trials that the diagnosis is judged by.
 
+pub mod case;
 pub mod deviation;
 pub mod judge;
 pub mod machines;
 pub mod path;
 pub mod reference;
+pub mod table;
 pub mod table3;
 pub mod trials;
 
-use std::path::PathBuf;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
 
 /// The folder of the real recordings; where it is absent, `None` and a loud line.
 pub fn recordings() -> Option<PathBuf> {
-    let root = PathBuf::from(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../shared/recordings"
-    ));
-    if root.is_dir() {
-        return Some(root);
+    shared("recordings")
+}
+
+/// A folder of real machines' data, `../shared/NAME`; where it is absent, `None` and one loud line that names the test.
+///
+/// The line goes past the test harness, which keeps what a passing test prints to itself; `cargo xtask test` counts such lines.
+pub fn shared(name: &str) -> Option<PathBuf> {
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared")).join(name);
+    if folder.is_dir() {
+        return Some(folder);
     }
-    eprintln!("SKIPPED: ../shared/recordings is absent");
+    let thread = std::thread::current();
+    let test = thread.name().unwrap_or("a test");
+    // Nothing is lost where nobody listens.
+    let _ = writeln!(
+        std::io::stderr(),
+        "SKIPPED: {test}: ../shared/{name} is absent"
+    );
     None
 }

@@ -3,7 +3,7 @@
 use preslide::control::Axis;
 use preslide_axis::{AxisFile, OWN, rust};
 use preslide_host::capture::Scale;
-use preslide_host::stage::{Stage, StageConfig};
+use preslide_sim::stage::{Stage, StageConfig};
 
 fn edited(from: &str, to: &str) -> Axis {
     assert!(OWN.contains(from), "axis.toml has no `{from}`");

@@ -1,9 +1,9 @@
 //! The electrical stage against a reference in steps of a nanosecond that shares nothing with it.
 
 use preslide::control::Settings;
-use preslide_host::stage::ElectricalConfig;
-use preslide_host::stage::electrical::{Bridge, Winding};
-use preslide_host::tracking::dead_time;
+use preslide_sim::stage::ElectricalConfig;
+use preslide_sim::stage::electrical::{Bridge, Winding};
+use preslide_sim::tracking::dead_time;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;

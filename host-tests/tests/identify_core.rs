@@ -7,10 +7,10 @@ use std::fmt::Write as _;
 use preslide_host::identify::refine::refine;
 use preslide_host::identify::regression::{Column, Gram, Regression, solve_normal};
 use preslide_host::identify::search::best_choices;
-use preslide_host::identify::stop::Deflection;
 use preslide_host::identify::weights::Weights;
-use preslide_host::kinematics::ZeroPhase;
 use preslide_host::recording::{LoadOptions, Recording, load_csv};
+use preslide_host::signal::Deflection;
+use preslide_host::signal::ZeroPhase;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

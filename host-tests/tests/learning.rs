@@ -10,10 +10,10 @@ use preslide::control::{
     Settings,
 };
 use preslide::{Friction, Motion, QuasiStaticGms, Scalar, Units};
-use preslide_host::stage::{FrictionConfig, StageConfig, VariabilityConfig};
-use preslide_host::tracking::{Axis, FIXED_UNITS, Step, Tracking, motions};
 use preslide_host_tests::reference::Level;
 use preslide_host_tests::table3::{self, BREAKAWAY};
+use preslide_sim::stage::{FrictionConfig, StageConfig, VariabilityConfig};
+use preslide_sim::tracking::{Axis, FIXED_UNITS, Step, Tracking, motions};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

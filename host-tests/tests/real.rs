@@ -80,3 +80,17 @@ fn cogging_of_five_percent_is_found_in_a_measured_force() {
         "{value} N, not {amplitude} N"
     );
 }
+
+/// A robot's joint: a lag of friction and viscous friction, each the other's opposite, hid each other.
+#[test]
+fn viscous_friction_of_a_joint_is_named_though_another_term_can_cancel_it() {
+    if shared().is_none() {
+        return;
+    }
+    let recording = machine("joint1").expect("known").recording();
+    let found = answer(&recording.unwrap_or_else(|e| panic!("{e}")));
+    let viscous = found.effects.iter().find(|e| e.id == "viscous");
+    assert!(viscous.is_some_and(|e| e.confident), "{found:?}");
+    let (before, after) = found.nmse_test.expect("a fit");
+    assert!(after < 0.3 * before, "{before} → {after} % of the variance");
+}

@@ -9,7 +9,7 @@ use preslide::{
     Block, BoucWen, Coulomb, Dahl, ElastoPlastic, Friction, Gms, Hsieh, HsiehParams, Leuven,
     LeuvenForm, LuGre, QuasiStaticGms, Sliding, TwoState, Units,
 };
-use preslide_host::stage::{Stage, StageConfig};
+use preslide_sim::stage::{Stage, StageConfig};
 use proptest::prelude::*;
 
 const COUNTS: Units = Units {

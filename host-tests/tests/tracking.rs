@@ -3,8 +3,8 @@
 use fixed::types::I16F16;
 use preslide::control::{NoFriction, Settings};
 use preslide::{Friction, QuasiStaticGms, Units};
-use preslide_host::stage::StageConfig;
-use preslide_host::tracking::{
+use preslide_sim::stage::StageConfig;
+use preslide_sim::tracking::{
     Axis, Experiment, FIXED_UNITS, IDENTIFICATION_SEED, Tracking, motions,
 };
 

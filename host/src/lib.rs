@@ -1,26 +1,21 @@
 //! From a recording to the parameters of a real-time friction model, and to its simulation.
 
 pub mod capture;
-pub mod chain;
 pub mod compare;
 pub mod cost;
-pub mod demo;
 pub mod diagnose;
 pub mod drive;
 pub mod effects;
 pub mod export;
 pub mod friction;
 pub mod identify;
-pub mod kinematics;
 pub mod model;
-pub mod nmse;
+pub mod paper;
 pub mod plan;
 pub mod progress;
 pub mod recording;
 pub mod report;
-pub mod reproduce;
-pub mod rig;
+pub mod signal;
 pub mod simulate;
-pub mod stage;
-pub mod tracking;
+pub mod statistics;
 pub mod tune;

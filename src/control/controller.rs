@@ -1,8 +1,8 @@
 //! The tick.
 
 use super::coefficients::Moment;
-use super::fade::Leaving;
 use super::faults::Readings;
+use super::leaving::Leaving;
 use super::reference::saturate;
 use super::{
     Coefficients, Condition, Fault, Jog, Move, Pace, PidState, Reference, Refused, Rounding,

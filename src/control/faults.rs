@@ -9,53 +9,23 @@ use crate::{Scalar, Units};
 pub enum Fault {
     /// The count moved further in one tick than the axis can. Found in that tick.
     EncoderJump,
-    /// The command pushed beyond [`Watch::frozen_duty`] and the count came no further for [`Watch::frozen_time`]: it stands, or
+    /// The command pushed beyond [`super::Watch::frozen_duty`] and the count came no further for [`super::Watch::frozen_time`]: it stands, or
     /// goes to and fro as with one phase lost.
     EncoderFrozen,
-    /// The position error exceeded [`Watch::following_error`]. Found in that tick.
+    /// The position error exceeded [`super::Watch::following_error`]. Found in that tick.
     FollowingError,
-    /// The supply stayed outside its range for [`Watch::supply_time`].
+    /// The supply stayed outside its range for [`super::Watch::supply_time`].
     SupplyOutOfRange,
-    /// More than [`Watch::overruns`] ticks in a row came late.
+    /// More than [`super::Watch::overruns`] ticks in a row came late.
     Overrun,
     /// The command was not a number. Found in that tick.
     NotANumber,
-    /// The current exceeded [`Watch::current_max`] in two ticks in a row.
+    /// The current exceeded [`super::Watch::current_max`] in two ticks in a row.
     OverCurrent,
-    /// The winding has been above [`Watch::current_rated`] for too long (I²t).
+    /// The winding has been above [`super::Watch::current_rated`] for too long (I²t).
     Overload,
-    /// The current sense reads more than [`Watch::current_offset`] while the bridge is off. Found when enabling.
+    /// The current sense reads more than [`super::Watch::current_offset`] while the bridge is off. Found when enabling.
     CurrentOffset,
-}
-
-/// Bounds of what counts as healthy (SI).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Watch {
-    /// Fastest motion the axis can make (m/s or rad/s).
-    pub top_speed: f64,
-    /// Largest position error (m or rad).
-    pub following_error: f64,
-    /// |duty| (-) that moves the axis whatever the friction.
-    pub frozen_duty: f64,
-    /// Time (s) at that duty in which the axis must come on by two counts.
-    pub frozen_time: f64,
-    /// Lowest supply voltage (V).
-    pub supply_min: f64,
-    /// Highest supply voltage (V).
-    pub supply_max: f64,
-    /// Time (s) that the supply may be outside.
-    pub supply_time: f64,
-    /// Late ticks in a row that are ridden out.
-    pub overruns: u32,
-    /// Largest current (A).
-    pub current_max: f64,
-    /// Current (A) that the winding stands for ever.
-    pub current_rated: f64,
-    /// Thermal time constant of the winding `τ` (s): the fault comes when `∫(i² − i_rated²)dt`, held above 0, exceeds
-    /// `i_rated²·τ`, so at twice the rated current after a third of it.
-    pub thermal_time: f64,
-    /// Largest reading of the current sense (A) while the bridge is off; what is read there is taken off afterwards.
-    pub current_offset: f64,
 }
 
 /// What is read in a tick, for [`Monitor::measured`].
@@ -69,7 +39,7 @@ pub(super) struct Readings {
     pub late: bool,
 }
 
-/// [`Watch`] in counts, codes and ticks.
+/// [`super::Watch`] in counts, codes and ticks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Monitor<S> {
     jump: u32,

@@ -3,7 +3,7 @@
 //! Each trial: the firmware in QEMU on a stage that conceals an effect, its telemetry captured; rigid body and friction
 //! identified; `preslide diagnose`, which is given that recording and that model and nothing else; the model before and
 //! after and the stage's own parameters exported as Rust and compiled into the firmware; the same motion tracked with each.
-//! The programs are those that a user has; only the steps of `host/examples/chain.rs` know the truth.
+//! The programs are those that a user has; only the steps of `cli/examples/chain.rs` know the truth.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -12,8 +12,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use crate::process::{cargo, output, root, run};
-use crate::qemu::{build, build_command, capture, free_port};
+use crate::process::{cargo, free_port, output, root, run};
+use crate::qemu::{build, build_command, capture};
 use crate::tools::Need;
 
 /// No friction at all.
@@ -22,7 +22,7 @@ const NONE: &str = "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[frictio
 /// Ticks of a row of the recording: 2 ms, two samples of the telemetry.
 const ROW: &str = "40";
 
-/// Before that the firmware has not been told where it was switched on (`FIRST` in host/src/chain/on_emulator.rs): positions jump then,
+/// Before that the firmware has not been told where it was switched on (`FIRST` in sim/src/chain/on_emulator.rs): positions jump then,
 /// and to an identification a jump is a motion.
 const LOCATED: &str = "0.004";
 

@@ -5,8 +5,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
-use crate::process::{root, run_for};
-use crate::qemu::free_port;
+use crate::process::{free_port, root, run_for};
 
 /// The chapter, and the port that it names.
 const CHAPTER: &str = "docs/src/commissioning.md";

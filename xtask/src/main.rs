@@ -6,6 +6,7 @@ mod call_graph;
 mod chain;
 mod commission;
 mod cycles;
+mod imports;
 mod judge;
 mod process;
 mod qemu;
@@ -31,7 +32,12 @@ const COMMANDS: &[Command] = &[
     Command {
         name: "book",
         help: "builds the book, runs the commands in it and compares what they print; --bless takes new output",
-        run: book::run_command,
+        run: |arguments| book::run_command(arguments, test::has_step),
+    },
+    Command {
+        name: "imports",
+        help: "who imports whom: no circles, and the order that ARCHITECTURE.md gives the rooms",
+        run: imports::run_command,
     },
     Command {
         name: "cycles",

@@ -1,6 +1,6 @@
 //! Running other programs: shown before they start, never without an end.
 
-use std::io::Write as _;
+use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -51,6 +51,27 @@ pub fn run(command: &mut Command) -> Result<(), String> {
         .map_err(|error| format!("`{line}` did not start: {error}"))?;
     if status.success() {
         Ok(())
+    } else {
+        Err(format!("`{line}` failed ({status})"))
+    }
+}
+
+/// As `run`, and counts the lines on standard error that begin with `word`, which are shown as the others are.
+pub fn run_counting(command: &mut Command, word: &str) -> Result<usize, String> {
+    let line = shown(command);
+    println!("$ {line}");
+    let started = command.stdin(Stdio::null()).stderr(Stdio::piped()).spawn();
+    let mut child = started.map_err(|error| format!("`{line}` did not start: {error}"))?;
+    let mut count = 0;
+    if let Some(said) = child.stderr.take() {
+        for said in BufReader::new(said).lines().map_while(Result::ok) {
+            count += usize::from(said.starts_with(word));
+            eprintln!("{said}");
+        }
+    }
+    let status = child.wait().map_err(|error| format!("`{line}`: {error}"))?;
+    if status.success() {
+        Ok(count)
     } else {
         Err(format!("`{line}` failed ({status})"))
     }
@@ -137,4 +158,12 @@ pub fn output_of(command: &mut Command, input: &str) -> Result<String, String> {
     } else {
         Err(format!("`{line}` failed ({})", output.status))
     }
+}
+
+/// A port of this machine that was free a moment ago; the program that is started binds it next.
+pub fn free_port() -> Result<String, String> {
+    let listener = std::net::TcpListener::bind("127.0.0.1:0");
+    let address = listener.and_then(|listener| listener.local_addr());
+    let address = address.map_err(|error| format!("no free port on 127.0.0.1: {error}"))?;
+    Ok(address.port().to_string())
 }

@@ -10,7 +10,7 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use crate::call_graph;
-use crate::process::{cargo, output, output_for, root, run, run_for};
+use crate::process::{cargo, free_port, output, output_for, root, run, run_for};
 use crate::thumb::{TARGET, Toolchain};
 use crate::tools::Need;
 
@@ -26,7 +26,7 @@ pub const LEARNING_FEATURES: &[&str] = &["--features", "adaptation"];
 const QUIT: &str = "preslide_qemu::quit";
 
 /// What `preslide export` writes of a model with all effects that a controller can use; the tests of the tool keep it.
-const EXPORTED: &str = "host/tests/exported/linear.rs";
+const EXPORTED: &str = "cli/tests/exported/linear.rs";
 
 const GOLDEN: &str = "firmware/boards/qemu/expected";
 
@@ -175,14 +175,6 @@ fn identified(rig: &Path, elf: &Path) -> Result<(), String> {
         let _ = std::fs::remove_dir_all(&folder);
     }
     judged
-}
-
-/// A port of this machine that was free a moment ago; QEMU binds it next.
-pub fn free_port() -> Result<String, String> {
-    let listener = std::net::TcpListener::bind("127.0.0.1:0");
-    let address = listener.and_then(|listener| listener.local_addr());
-    let address = address.map_err(|error| format!("no free port on 127.0.0.1: {error}"))?;
-    Ok(address.port().to_string())
 }
 
 /// Starts what serves telemetry at that port, and has `run` finish and run the tool's command that captures it.

@@ -13,6 +13,7 @@ mod learning;
 mod model;
 mod parameters;
 mod queues;
+mod tasks;
 
 pub use background::Background;
 pub use bridge::Bridge;
@@ -20,7 +21,8 @@ pub use control::{Control, Inputs};
 pub use learning::Learner;
 pub use model::{Blocks, Exported, Model, Number, STARTING_MODEL};
 pub use parameters::Parameters;
-pub use queues::{Queues, ROOM, Start};
+pub use queues::ROOM;
+pub use tasks::{Queues, Start};
 
 /// Bytes that a board's ring for received bytes must hold, so that the frames that a host may have on their way find room while the
 /// background plans, or writes flash; and one more that the queue itself uses up.

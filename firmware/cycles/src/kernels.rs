@@ -11,7 +11,7 @@ use crate::checksum::Checksum;
 use crate::motion::{COUNT, Jumps, SAMPLE_TIME};
 use crate::stub;
 
-#[path = "../../../host/src/reproduce/table_3.rs"]
+#[path = "../../../host/src/paper/table_3.rs"]
 mod table_3;
 
 /// Breakaway force \[N\] (Table 2).

@@ -1,11 +1,13 @@
 //! The logistic of a stated confidence, fitted to judged names of all sources and tried on each that it was fitted without.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
-use preslide_host_tests::judge::calibrate::{Names, fit, held_without, left_out, widths};
+use preslide_host_tests::judge::calibrate::{
+    CALIBRATION, Names, fit, held_without, left_out, widths,
+};
 
 /// Fits the confidence of names and the width of intervals, each source, machine and effect left out in turn
 ///
@@ -38,9 +40,7 @@ fn run(o: &Options) -> Result<(), String> {
     let text = file(&names, &weights);
     println!("{text}");
     if o.bless {
-        let path =
-            Path::new(env!("CARGO_MANIFEST_DIR")).join("../host/src/diagnose/calibration.toml");
-        std::fs::write(&path, text).map_err(|e| format!("{}: {e}", path.display()))?;
+        std::fs::write(CALIBRATION, text).map_err(|e| format!("{CALIBRATION}: {e}"))?;
     }
     Ok(())
 }

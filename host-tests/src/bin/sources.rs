@@ -5,11 +5,16 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use preslide_host_tests::judge::baseline;
+use preslide_host_tests::judge::beside::{self, Answers};
 use preslide_host_tests::judge::case::Case;
+use preslide_host_tests::judge::naive::Recipe;
 use preslide_host_tests::judge::source::{bench, injection, machines, stage, trials, write_json};
 use preslide_host_tests::judge::summary;
 use preslide_host_tests::judge::tool::Tool;
 use preslide_host_tests::trials::{catalogue_plan, clean_plan};
+
+/// The tool among the recipes.
+const PRESLIDE: &str = "preslide";
 
 /// The diagnosis on every source of recordings with a known truth, in one table
 #[derive(Parser)]
@@ -66,7 +71,16 @@ struct Options {
     /// Every case with truth and answer, for machines
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// True and false names over the threshold of confidence, as CSV; a picture beside it as .svg
+    /// Whose answers are judged: preslide, and the naive recipes bic, lasso, pysindy on columns of the catalogue
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "preslide",
+        value_name = "RECIPES",
+        conflicts_with_all = ["ci", "json"]
+    )]
+    recipes: Vec<String>,
+    /// True and false names over the threshold of confidence, as CSV; a picture beside it as .svg. With recipes: one picture a source
     #[arg(long, value_name = "FILE.csv")]
     curves: Option<PathBuf>,
     /// The fixed small set of CI, held against the committed baseline
@@ -122,7 +136,36 @@ fn write(file: &Path, text: String) -> Result<(), String> {
     std::fs::write(file, text).map_err(|e| format!("{}: {e}", file.display()))
 }
 
+/// The same recordings asked of each recipe: one table, curves of all in one file and one picture a source.
+fn compare(o: &Options) -> Result<(), String> {
+    let mut answers: Vec<Answers> = Vec::new();
+    for name in &o.recipes {
+        let tool = match Recipe::of(name) {
+            Some(recipe) => Tool::naive(recipe),
+            None if name == PRESLIDE => Tool::new(o.preslide.as_deref())?,
+            None => {
+                return Err(format!(
+                    "--recipes: `{name}` is none of preslide, bic, lasso, pysindy"
+                ));
+            }
+        };
+        let name = Recipe::of(name).map_or(PRESLIDE, Recipe::name);
+        answers.push((name, ask(o, &tool)?));
+    }
+    println!("{}", beside::table(&answers));
+    let Some(file) = &o.curves else { return Ok(()) };
+    write(file, beside::csv(&answers))?;
+    for source in summary::sources(&answers[0].1) {
+        let picture = file.with_extension(format!("{source}.svg"));
+        write(&picture, beside::picture(&answers, source))?;
+    }
+    Ok(())
+}
+
 fn run(o: &Options) -> Result<(), String> {
+    if o.recipes != [PRESLIDE] {
+        return compare(o);
+    }
     let tool = Tool::new(o.preslide.as_deref())?;
     let cases = if o.ci {
         baseline::cases(&tool, o.jobs)?
@@ -133,7 +176,10 @@ fn run(o: &Options) -> Result<(), String> {
     write_json(o.json.as_deref(), &cases)?;
     if let Some(file) = &o.curves {
         write(file, summary::curves_csv(&cases))?;
-        write(&file.with_extension("svg"), summary::curves_svg(&cases))?;
+        write(
+            &file.with_extension("svg"),
+            summary::curves_svg(&cases, 1.0),
+        )?;
     }
     match (o.ci, o.bless) {
         (true, true) => baseline::bless(&cases),

@@ -108,6 +108,7 @@ fn judge(o: &Options, plan: &[(u64, Kind)]) -> Result<(), String> {
     let tool = Tool {
         command: o.diagnose.clone(),
         limit: o.limit,
+        recipe: None,
     };
     let done = AtomicUsize::new(0);
     let started = Instant::now();

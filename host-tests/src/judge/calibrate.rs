@@ -41,12 +41,38 @@ pub struct Names {
     pub features: Vec<String>,
     /// The names whose truth is known.
     pub stated: Vec<Stated>,
-    /// By source and effect: how far a true value is from the middle of its interval, in half widths.
+    /// By source and effect: how far a true value is from the middle of its interval, in half widths before widening.
     pub distances: Vec<(String, String, f64)>,
+    /// How many times an effect's interval was widened by the program that stated it.
+    widened: BTreeMap<String, f64>,
+}
+
+/// The program's own calibration.
+pub const CALIBRATION: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../host/src/diagnose/calibration.toml"
+);
+
+/// The width of an effect among some widths.
+fn width(widths: &BTreeMap<String, f64>, effect: &str) -> f64 {
+    *widths.get(effect).or(widths.get(OTHERS)).unwrap_or(&1.0)
+}
+
+/// The widths of the program as it is committed.
+fn committed_widths() -> Result<BTreeMap<String, f64>, String> {
+    let wrong = |reason: String| format!("{CALIBRATION}: {reason}");
+    let text = std::fs::read_to_string(CALIBRATION).map_err(|e| wrong(e.to_string()))?;
+    let table: toml::Table = toml::from_str(&text).map_err(|e| wrong(e.to_string()))?;
+    let widths = table.get("widths").and_then(toml::Value::as_table);
+    let widths = widths.ok_or_else(|| wrong("no widths".into()))?;
+    Ok(widths
+        .iter()
+        .filter_map(|(effect, width)| Some((effect.clone(), width.as_float()?)))
+        .collect())
 }
 
 impl Names {
-    /// From files that `sources --json` and `inject --json` write.
+    /// From files that `sources --json` and `inject --json` write, by a program with the committed widths.
     ///
     /// # Errors
     /// What is missing in which file.
@@ -55,6 +81,7 @@ impl Names {
             features: Vec::new(),
             stated: Vec::new(),
             distances: Vec::new(),
+            widened: committed_widths()?,
         };
         for file in files {
             let wrong = |reason: String| format!("{}: {reason}", file.display());
@@ -80,7 +107,8 @@ impl Names {
             self.distances.push((
                 source.clone(),
                 effect.to_owned(),
-                distance[1].as_f64().ok_or("a distance that is no number")?,
+                distance[1].as_f64().ok_or("a distance that is no number")?
+                    * width(&self.widened, effect),
             ));
         }
         for name in case["names"].as_array().ok_or("a case without names")? {
@@ -214,10 +242,9 @@ pub fn held_without(names: &Names) -> String {
     );
     for source in sources {
         let widths = widths(names.distances.iter().filter(|d| d.0 != source));
-        let of = |effect: &str| widths.get(effect).or(widths.get(OTHERS)).copied();
         let own = || names.distances.iter().filter(|d| d.0 == source);
-        let held = own().filter(|d| d.2 <= 1.0).count();
-        let widened = own().filter(|d| d.2 <= of(&d.1).unwrap_or(1.0)).count();
+        let held = own().filter(|d| d.2 <= width(&names.widened, &d.1)).count();
+        let widened = own().filter(|d| d.2 <= width(&widths, &d.1)).count();
         let _ = writeln!(
             text,
             "{source:<28} {:>9} {held:>8} {widened:>8}",

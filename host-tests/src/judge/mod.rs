@@ -3,15 +3,18 @@
 //! `properties` asks, without knowing a truth, whether an answer flips when it should not; `inject` adds known effects to real
 //! recordings; `sources` puts every source of recordings with a known truth into one table.
 
+pub use crate::{case, table};
+
 pub mod baseline;
+pub mod beside;
 pub mod calibrate;
-pub mod case;
 pub mod inject;
 pub mod motion;
+pub mod naive;
+pub mod naive_columns;
 pub mod oracle;
 pub mod properties;
 pub mod real;
 pub mod source;
 pub mod summary;
-pub mod table;
 pub mod tool;

@@ -85,7 +85,7 @@ fn mean(y: &[f64], reach: usize, pieces: &[Range<usize>]) -> Vec<f64> {
 }
 
 /// Central difference over `reach` rows to either side, within the pieces; 0 at their ends.
-fn slope(y: &[f64], t: &[f64], reach: usize, pieces: &[Range<usize>]) -> Vec<f64> {
+pub(super) fn slope(y: &[f64], t: &[f64], reach: usize, pieces: &[Range<usize>]) -> Vec<f64> {
     let mut slope = vec![0.0; y.len()];
     for piece in pieces {
         for i in piece.start + reach..piece.end.saturating_sub(reach) {

@@ -344,15 +344,15 @@ pub fn curves_csv(cases: &[Case]) -> String {
     text
 }
 
-/// The curves as a picture: true names (share of the effects) over false names (a recording).
-pub fn curves_svg(cases: &[Case]) -> String {
+/// The curves as a picture, one a source: true names (share of the effects) over false names (a recording; to 1, or to `reach`).
+pub fn curves_svg(cases: &[Case], reach: f64) -> String {
     const COLOURS: [&str; 6] = [
         "#1b6ca8", "#c8553d", "#3a7d44", "#8a5a9e", "#c28f2c", "#555555",
     ];
     let (width, height, left, bottom) = (560.0, 360.0, 60.0, 50.0);
     let at = |wrong: f64, right: f64| {
         (
-            left + (width - left - 20.0) * wrong.min(1.0),
+            left + (width - left - 20.0) * (wrong / reach).min(1.0),
             height - bottom - (height - bottom - 20.0) * right,
         )
     };
@@ -361,11 +361,12 @@ pub fn curves_svg(cases: &[Case]) -> String {
     );
     for tick in 0..=4 {
         let share = f64::from(tick) / 4.0;
-        let ((x, y0), (x0, y)) = (at(share, 0.0), at(0.0, share));
+        let ((x, y0), (x0, y)) = (at(reach * share, 0.0), at(0.0, share));
         let _ = writeln!(
             text,
-            "<text x=\"{x:.0}\" y=\"{:.0}\" text-anchor=\"middle\">{share}</text><text x=\"{:.0}\" y=\"{y:.0}\" text-anchor=\"end\">{:.0} %</text><path d=\"M{x0:.0} {y:.0}H{:.0}\" stroke=\"#ddd\"/>",
+            "<text x=\"{x:.0}\" y=\"{:.0}\" text-anchor=\"middle\">{}</text><text x=\"{:.0}\" y=\"{y:.0}\" text-anchor=\"end\">{:.0} %</text><path d=\"M{x0:.0} {y:.0}H{:.0}\" stroke=\"#ddd\"/>",
             y0 + 18.0,
+            reach * share,
             x0 - 6.0,
             100.0 * share,
             width - 20.0

@@ -6,6 +6,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
+use super::naive::Recipe;
 use super::table::Recording;
 use crate::trials::score::Diagnosis;
 
@@ -16,6 +17,8 @@ pub struct Tool {
     pub command: Vec<String>,
     /// Longest time for one diagnosis.
     pub limit: Duration,
+    /// A naive recipe that answers in the program's place.
+    pub recipe: Option<Recipe>,
 }
 
 /// An answer or why there is none, and how long it took (s).
@@ -42,7 +45,17 @@ impl Tool {
         Ok(Self {
             command: vec![program.display().to_string(), "diagnose".to_owned()],
             limit: Duration::from_secs(300),
+            recipe: None,
         })
+    }
+
+    /// A naive recipe in a program's place.
+    pub fn naive(recipe: Recipe) -> Self {
+        Self {
+            command: Vec::new(),
+            limit: Duration::MAX,
+            recipe: Some(recipe),
+        }
     }
 
     /// For tests: the program named by `PRESLIDE`, or that of this workspace, built with tests' optimisation.
@@ -126,6 +139,10 @@ impl Tool {
     /// Writes a recording into a folder of its own, diagnoses it, and removes the folder.
     pub fn diagnose(&self, recording: &Recording) -> Timed {
         static NEXT: AtomicUsize = AtomicUsize::new(0);
+        if let Some(recipe) = self.recipe {
+            let begun = Instant::now();
+            return (recipe.diagnose(recording), begun.elapsed().as_secs_f64());
+        }
         let n = NEXT.fetch_add(1, Ordering::Relaxed);
         let folder =
             std::env::temp_dir().join(format!("preslide-judge-{}-{n}", std::process::id()));

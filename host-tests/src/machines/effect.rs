@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::{Dice, Kind, Machine};
-use crate::judge::case::{Check, Place, Truth};
+use crate::case::{Check, Place, Truth};
 
 /// An effect with its numbers.
 #[derive(Clone, Debug)]

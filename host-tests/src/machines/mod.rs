@@ -11,8 +11,8 @@ pub mod plant;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha12Rng;
 
-use crate::judge::case::{Sort, Truth};
-use crate::judge::table::{Recording, Table};
+use crate::case::{Sort, Truth};
+use crate::table::{Recording, Table};
 use effect::Concealed;
 use law::Law;
 

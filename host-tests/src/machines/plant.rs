@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::effect::Concealed;
 use super::motion::draw;
 use super::{Dice, Machine, columns};
-use crate::judge::table::Table;
+use crate::table::Table;
 
 /// Step of the integrator (s), and steps in a tick of the controller.
 const STEP_S: f64 = 50e-6;

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use super::scenario::Scenario;
 use super::{ENCODER_PERIOD_M, Trial};
-use crate::judge::table::{Recording, Table};
+use crate::table::{Recording, Table};
 
 /// Names of the three files in a trial's folder.
 pub const RECORDING: &str = "recording.csv";

@@ -11,6 +11,7 @@
 //! standard deviations) between repeats and along the path. Sample times of force and position agree, and
 //! the force is that of a current loop, so that no zero-order hold looks like a delay.
 
+pub mod body;
 pub mod draw;
 pub mod effect;
 pub mod files;
@@ -270,7 +271,7 @@ fn record(scenario: Scenario, marching: Marching) -> (Scenario, Columns, Achieva
     let references = || scenario.motion.ticks.iter().step_by(every);
     let recording = Columns {
         t_s: (0..force_n.len())
-            .map(|i| (i * every) as f64 * plant::TICK_S)
+            .map(|i| (i * every) as f64 * body::TICK_S)
             .collect(),
         x_m: samples().map(|tick| tick.measured).collect(),
         force_n,

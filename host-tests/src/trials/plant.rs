@@ -1,18 +1,15 @@
 //! The stage: motor, mass, friction, encoder and a PID loop that closes them, integrated by velocity Verlet.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
+use super::body::{MOTOR_SHARE, TICK_S};
 use super::draw::Draw;
 use super::effect::Id;
 use super::friction::{Friction, LOAD_N, Now, TEMPERATURE_C};
 use super::scenario::Scenario;
 
-/// Sample time of the controller (s).
-pub const TICK_S: f64 = 0.25e-3;
 /// Time constant of the current loop (s).
 const CURRENT_LOOP_S: f64 = 0.3e-3;
-/// Share of the moving mass on the motor's side of a compliant drive.
-pub const MOTOR_SHARE: f64 = 0.4;
 /// Stiffness (N/m) and damping (N·s/m) of the contact behind a backlash; the damping serves a compliant
 /// drive as well (about 10 % of critical).
 const CONTACT: (f64, f64) = (3e6, 120.0);
@@ -273,9 +270,4 @@ pub fn march(scenario: &Scenario, marching: Marching) -> Vec<Tick> {
         }
     }
     ticks
-}
-
-/// Resonance of a compliant drive with a load held at neither side (Hz).
-pub fn resonance_hz(mass: f64, stiffness: f64) -> f64 {
-    (stiffness / (mass * MOTOR_SHARE * (1.0 - MOTOR_SHARE))).sqrt() / (2.0 * PI)
 }

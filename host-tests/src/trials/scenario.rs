@@ -1,11 +1,11 @@
 //! Everything that a trial is made of before it is run: the machine, its motion, its noise, its effects.
 
+use super::body::{TICK_S, resonance_hz};
 use super::draw::Draw;
 use super::effect::{CORNER, Effect, Id, Strength};
 use super::friction::{Friction, burst_times};
 use super::law::{Hysteresis, LAWS, Law};
 use super::motion::Motion;
-use super::plant::{TICK_S, resonance_hz};
 use super::{Family, Kind};
 
 /// What does not repeat.

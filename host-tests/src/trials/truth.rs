@@ -1,9 +1,10 @@
 //! What a perfect diagnosis could reach: the recorded force without noise, with and without an effect,
 //! and how much of it a refitted baseline still explains.
 
+use super::body::{MOTOR_SHARE, TICK_S};
 use super::effect::{Effect, Id};
 use super::law::Hysteresis;
-use super::plant::{TICK_S, Tick, encoder_error};
+use super::plant::{Tick, encoder_error};
 use super::scenario::Scenario;
 
 /// What can be achieved on a trial, from the truth.
@@ -103,7 +104,7 @@ pub fn deterministic(scenario: &Scenario, ticks: &[Tick], removed: &[Id]) -> Vec
                 side = as_measured(scenario, side);
             }
             let inertial = if two_masses {
-                let share = super::plant::MOTOR_SHARE;
+                let share = MOTOR_SHARE;
                 scenario.mass * (share * tick.motor[2] + (1.0 - share) * tick.load[2])
             } else {
                 scenario.mass * side[2]

@@ -9,11 +9,11 @@ use preslide_app::{
     Background, Blocks, Bridge, Control, Inputs, Model, Parameters, Queues, RECEIVED, SENT,
     STARTING_MODEL, Start,
 };
-use preslide_host::stage::{Stage, StageConfig};
 use preslide_link::{
     Deframer, GainSettings, LARGEST_FRAME, Name, Numbered, Reply, Report, Request, ResetCause,
     State, encode,
 };
+use preslide_sim::stage::{Stage, StageConfig};
 use preslide_store::{LONGEST, Slots};
 
 type Firmware = Blocks<I16F16>;

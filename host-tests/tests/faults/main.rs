@@ -5,7 +5,7 @@
 
 use preslide::control::{Axis, Coefficients, Controller, Fault, Measurement, Move};
 use preslide::{Block, Friction, Motion, QuasiStaticGms, Units};
-use preslide_host::stage::{Stage, StageConfig};
+use preslide_sim::stage::{Stage, StageConfig};
 
 mod drive;
 mod homing;

@@ -9,10 +9,10 @@ mod tests;
 use crate::cost::Cost;
 use crate::identify::family::Family;
 use crate::identify::family::bench::Bench;
-use crate::identify::rigid_body::Kinematics;
 use crate::identify::{Candidate, Identification, Method, Options, STEPS, identify};
 use crate::progress::Progress;
 use crate::recording::Recording;
+use crate::signal::Kinematics;
 use memory::{LoopClosure, Scale, loop_closure};
 
 /// Numbers of Maxwell-slip blocks that are always shown, besides the knee and the best.

@@ -227,6 +227,49 @@ impl Comparison {
 
     /// The report page.
     pub fn page(&self, recording: &Recording, command: String) -> Page {
+        let [loops, nested, residuals] = self.curves(recording);
+        let [sizes, costs] = self.errors();
+        let section = |heading: &str, tables, figures, paragraphs| Section {
+            heading: heading.to_owned(),
+            paragraphs,
+            tables,
+            figures,
+        };
+        let measure = format!(
+            "{} Inertia, viscous part and offset are fitted beside every model.",
+            self.identification.measure()
+        );
+        let warnings = recording.warnings.iter().map(ToString::to_string);
+        Page {
+            title: format!("Friction models on {}", recording.name),
+            lead: self.recommendation(),
+            command,
+            sections: vec![
+                section(
+                    "Models",
+                    vec![self.table(recording), self.parameter_table()],
+                    vec![loops, sizes, costs],
+                    vec![measure],
+                ),
+                section(
+                    "Non-local memory",
+                    vec![self.memory_table(recording)],
+                    vec![nested],
+                    vec!["A model has non-local memory when every inner loop closes to rounding (1e-9 of the force's range). Coulomb friction has nothing to remember; its zeros say no more than that.".to_owned()],
+                ),
+                section("What the models leave", Vec::new(), vec![residuals], Vec::new()),
+                section(
+                    "Notes",
+                    Vec::new(),
+                    Vec::new(),
+                    warnings.chain(self.notes.iter().cloned()).collect(),
+                ),
+            ],
+        }
+    }
+
+    /// A curve of each model: over position, through nested reversals, and what it leaves over time.
+    fn curves(&self, recording: &Recording) -> [Figure; 3] {
         let (x, f) = (recording.position_unit(), recording.effort_unit());
         let split = &self.identification.split;
         let train = split.train();
@@ -236,32 +279,22 @@ impl Comparison {
             rows.iter().map(|&i| values[i]).collect()
         };
         let effort = &self.identification.effort;
-        // More kinds of models than colours: the second round is dashed.
-        let rounds = [Style::Line, Style::Dashed]
-            .into_iter()
-            .flat_map(|style| Colour::PALETTE.map(|colour| (colour, style)));
-
+        let named = if self.identification.filtered {
+            "effort, low-passed"
+        } else {
+            "friction"
+        };
+        let measured = Series::line(
+            "measured",
+            of(&recording.position, &shown),
+            of(effort, &shown),
+        );
         let mut loops = Figure::new(
             "Force–displacement loops",
             Axis::new("position", x),
-            Axis::new(
-                if self.identification.filtered {
-                    "effort, low-passed"
-                } else {
-                    "friction"
-                },
-                f,
-            ),
+            Axis::new(named, f),
         )
-        .with(
-            Series::line(
-                "measured",
-                of(&recording.position, &shown),
-                of(effort, &shown),
-            )
-            .colour(Colour::Black)
-            .emphasis(Emphasis::Strong),
-        );
+        .with(measured.colour(Colour::Black).emphasis(Emphasis::Strong));
         let mut residuals = Figure::new(
             "Residual against time, held-out samples",
             Axis::new("time", "s"),
@@ -272,6 +305,10 @@ impl Comparison {
             Axis::new("position", x),
             Axis::new("friction model", f),
         );
+        // More kinds of models than colours: the second round is dashed.
+        let rounds = [Style::Line, Style::Dashed]
+            .into_iter()
+            .flat_map(|style| Colour::PALETTE.map(|colour| (colour, style)));
         for (m, (colour, style)) in self.drawn().zip(rounds) {
             let line = |x, y| Series::line(m.name(), x, y).colour(colour).style(style);
             loops = loops.with(line(
@@ -285,16 +322,20 @@ impl Comparison {
             residuals = residuals.with(line(of(&recording.t_s, judged), residual));
             nested = nested.with(line(m.memory.position.clone(), m.memory.force.clone()));
         }
-        let loops = loops.note(format!(
-            "The last {STROKES} whole strokes of the {} data.",
-            if split.test.is_some() {
-                "test"
-            } else {
-                "training"
-            }
-        ));
-        let nested = nested.note("Each model runs an outer loop over the recording's stroke, then reversals at 1/2, 1/4, … of its half, and back through the same reversals. A model with non-local memory draws each inner branch as a closed loop.");
+        let data = if split.test.is_some() {
+            "test"
+        } else {
+            "training"
+        };
+        [
+            loops.note(format!("The last {STROKES} whole strokes of the {data} data.")),
+            nested.note("Each model runs an outer loop over the recording's stroke, then reversals at 1/2, 1/4, … of its half, and back through the same reversals. A model with non-local memory draws each inner branch as a closed loop."),
+            residuals,
+        ]
+    }
 
+    /// The error held out over the number of parameters, and over the cycles of a control tick.
+    fn errors(&self) -> [Figure; 2] {
         let mut sizes = Figure::new(
             "Error against number of parameters",
             Axis::new("fitted friction parameters", ""),
@@ -315,57 +356,7 @@ impl Comparison {
                 costs = costs.with(point(cost.cycles_mean));
             }
         }
-        let section = |heading: &str, tables, figures, paragraphs| Section {
-            heading: heading.to_owned(),
-            paragraphs,
-            tables,
-            figures,
-        };
-        Page {
-            title: format!("Friction models on {}", recording.name),
-            lead: self.recommendation(),
-            command,
-            sections: vec![
-                section(
-                    "Models",
-                    vec![self.table(recording), self.parameter_table()],
-                    vec![loops, sizes, costs],
-                    vec![format!(
-                        "NMSE is the squared error over the variance of the effort that the model explains{}. Held-out figures come from {}. Inertia, viscous part and offset are fitted beside every model.",
-                        if self.identification.filtered {
-                            format!(
-                                " (measured effort after the zero-phase low-pass at {:.1} Hz)",
-                                self.identification.band_hz
-                            )
-                        } else {
-                            String::new()
-                        },
-                        match &split.test {
-                            Some(_) => "the test window, which no fit saw".to_owned(),
-                            None => format!("{}s that were left out of the fit in turn", split.unit),
-                        }
-                    )],
-                ),
-                section(
-                    "Non-local memory",
-                    vec![self.memory_table(recording)],
-                    vec![nested],
-                    vec!["A model has non-local memory when every inner loop closes to rounding (1e-9 of the force's range). Coulomb friction has nothing to remember; its zeros say no more than that.".to_owned()],
-                ),
-                section("What the models leave", Vec::new(), vec![residuals], Vec::new()),
-                section(
-                    "Notes",
-                    Vec::new(),
-                    Vec::new(),
-                    recording
-                        .warnings
-                        .iter()
-                        .map(ToString::to_string)
-                        .chain(self.notes.iter().cloned())
-                        .collect(),
-                ),
-            ],
-        }
+        [sizes, costs]
     }
 
     /// The models worth a curve of their own: one of each kind, for GMS the one that errs least.

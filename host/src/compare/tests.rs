@@ -3,7 +3,7 @@
 use super::*;
 use crate::identify::family::tests::{made, near};
 use crate::recording::{LoadOptions, load};
-use std::path::Path as FilePath;
+use preslide_host_tests::recordings;
 
 fn of_kind<'a>(comparison: &'a Comparison, name: &str) -> &'a Compared {
     comparison
@@ -52,13 +52,7 @@ fn finds_the_model_that_made_the_recording() {
 
 /// A real recording, or `None` and a loud line where there is none.
 fn real(name: &str) -> Option<Recording> {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/recordings");
-    let folder = FilePath::new(folder);
-    if !folder.exists() {
-        eprintln!("SKIPPED: ../shared/recordings is absent, so no comparison on {name}");
-        return None;
-    }
-    Some(load(&folder.join(name), &LoadOptions::default()).unwrap())
+    Some(load(&recordings()?.join(name), &LoadOptions::default()).unwrap())
 }
 
 /// Some steps of the optimiser lead where no LuGre force resists this motion; the fit must come back from them. A

@@ -3,7 +3,7 @@
 use super::effect::grid::spread;
 use super::rows::LATE;
 use super::signals::{Signals, quantile};
-use crate::identify::stop::Deflection;
+use crate::signal::Deflection;
 use std::ops::Range;
 
 /// Blocks of the over-resolved core: error of the hysteresis core is the main impostor of other physics, and an earlier engine named

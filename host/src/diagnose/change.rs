@@ -7,7 +7,7 @@ use super::normal::Bound;
 use super::rows::LATE;
 use super::signals::Signals;
 use super::weak::Column;
-use crate::identify::stop::Deflection;
+use crate::signal::Deflection;
 
 /// Late blocks.
 const LATE_BLOCKS: usize = 8;

@@ -13,8 +13,6 @@ const CALIBRATION: &str = include_str!("calibration.toml");
 const SATURATED: f64 = 4.5;
 /// Standard deviations of a name at the edge.
 const EDGE: f64 = 3.0;
-/// The least share of the plain mismatch that is told from none.
-const NO_GAIN: f64 = 3e-3;
 /// The usual size of an effect, of the effort: what is much smaller is a trifle, what is much larger is cancelled by another term.
 const USUAL: f64 = 0.05;
 /// The least share of the weighted mismatch, or of the effort, that is told from none.
@@ -36,20 +34,24 @@ pub fn features(standing: &Standing) -> BTreeMap<&'static str, f64> {
     let Standing { evidence, term, .. } = standing;
     let flag = f64::from;
     let class = term.effect().map(|e| e.class());
-    let size = (standing.relative.max(LEAST) / USUAL).ln().abs();
+    let size = (standing.relative.max(LEAST) / USUAL).ln();
+    // A large force that is all of the mismatch is no unusual one: a weight, a spring, gravity.
+    let unusual = if size < 0.0 {
+        -size
+    } else {
+        size * (1.0 - evidence.share.clamp(0.0, 1.0))
+    };
     BTreeMap::from([
-        ("gain", (standing.gain.max(NO_GAIN) / NAMED).ln()),
-        ("deviations", evidence.z.min(SATURATED) - EDGE),
-        ("rival", standing.rival.clamp(0.0, 1.5)),
+        ("share", (evidence.share.max(LEAST) / NAMED).ln()),
         ("agreement", evidence.agree - 0.5),
-        ("malformed", standing.form.map_or(0.0, |f| f.1.min(2.0))),
-        ("unusual_size", size.min(3.0)),
+        ("place", (standing.place as f64).ln()),
         ("terms", (standing.terms.max(1) as f64).ln()),
+        ("unusual_size", unusual.min(3.0)),
+        ("plain", flag(class == Some(Class::Plain))),
         (
             "transient",
             flag(term.effect().is_some_and(|e| e.is_transient())),
         ),
-        ("drift", flag(class == Some(Class::Drift))),
     ])
 }
 

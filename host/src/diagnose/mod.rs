@@ -9,6 +9,7 @@ mod blocks;
 pub mod change;
 pub mod confidence;
 pub mod core;
+mod credible;
 pub mod curve;
 pub mod effect;
 pub mod evidence;

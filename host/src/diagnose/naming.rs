@@ -50,6 +50,10 @@ pub struct Standing {
     pub relative: f64,
     /// Terms of the hypothesis that are not given.
     pub terms: usize,
+    /// Its place among them, 1 for the one that entered first.
+    pub place: usize,
+    /// No larger than what every recording has.
+    pub harmless: bool,
     /// What else was tried in its place, with its explanation over the term's own.
     pub tried: Vec<(String, f64)>,
 }
@@ -80,6 +84,10 @@ fn standing(found: &Found, given: usize, index: usize, periods: &[f64]) -> Optio
         tried: Vec::new(),
         gain: gain(&ground.rows, &rest, &with),
         relative: own.relative,
+        place: index - given + 1,
+        harmless: term
+            .effect()
+            .is_some_and(|e| e.is_harmless(&ground.scene(), found.hypothesis.coefficients(index))),
         terms: found.hypothesis.terms.len() - given,
         term,
     };

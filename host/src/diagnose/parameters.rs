@@ -5,7 +5,7 @@ use super::effect::Fitted;
 use super::ground::{Ground, Hypothesis};
 use super::polish::slopes;
 use super::term::Term;
-use crate::identify::estimate::Estimate;
+use crate::statistics::Estimate;
 
 /// Parameters of term `index` with 95 % intervals, all other coefficients and shapes free. The interval is the widest that
 /// blocks of the recording, its folds, or its kinds of strokes give: where a form is wrong, other motions give other values,

@@ -96,7 +96,7 @@ impl Diagnosis {
     /// Effects, for the terminal and the page.
     pub fn table(&self, recording: &Recording) -> Table {
         let row = |e: &Named| {
-            let value = |(name, p): &(String, crate::identify::estimate::Estimate)| {
+            let value = |(name, p): &(String, crate::statistics::Estimate)| {
                 let reach = p.ci95.map_or(String::new(), |[a, b]| {
                     format!(" ± {}", digits(0.5 * (b - a)))
                 });

@@ -74,9 +74,14 @@ pub fn search(
         list.retain(|o| !barred.contains(&o.term.subject.key()) && !is_harmless(&ground, o));
         let full = hypothesis.terms.len() >= first.len() + MOST;
         let least = MATERIAL.max(visible / left);
-        let Some(next) = pick(&list, families, least).filter(|_| !full).cloned() else {
+        let Some(next) = pick(&ground, &list, families, least)
+            .filter(|_| !full)
+            .cloned()
+        else {
+            // Polished, a term may have lost its sign to another's shape.
+            let polished = polished(&ground, hypothesis, first.len());
             return Some(Found {
-                hypothesis: polished(&ground, hypothesis, first.len()),
+                hypothesis: sifted(&ground, polished, first.len(), &mut barred)?,
                 ground,
                 rest: list,
                 families,
@@ -88,14 +93,24 @@ pub fn search(
             ground = ground.referred_to(&terms)?;
         }
         hypothesis = ground.fit(&terms)?;
-        // A term that the later ones make needless leaves, and does not come back: the search ends.
-        while let Some(index) = needless(&ground, &hypothesis, first.len()) {
-            barred.push(hypothesis.terms[index].subject.key());
-            let mut terms = hypothesis.terms.clone();
-            terms.remove(index);
-            hypothesis = ground.fit(&terms)?;
-        }
+        hypothesis = sifted(&ground, hypothesis, first.len(), &mut barred)?;
     }
+}
+
+/// Without the terms that the later ones make needless; they do not come back, so that the search ends.
+fn sifted(
+    ground: &Ground,
+    mut hypothesis: Hypothesis,
+    given: usize,
+    barred: &mut Vec<String>,
+) -> Option<Hypothesis> {
+    while let Some(index) = needless(ground, &hypothesis, given) {
+        barred.push(hypothesis.terms[index].subject.key());
+        let mut terms = hypothesis.terms.clone();
+        terms.remove(index);
+        hypothesis = ground.fit(&terms)?;
+    }
+    Some(hypothesis)
 }
 
 /// Whether an offer is no larger than what every recording has.
@@ -122,14 +137,19 @@ fn lead(ground: &Ground, hypothesis: &Hypothesis, list: &mut [Offer]) {
 }
 
 /// The candidate that enters, of those that take at least a share `least` of the mismatch.
-fn pick(list: &[Offer], families: usize, least: f64) -> Option<&Offer> {
+fn pick<'a>(ground: &Ground, list: &'a [Offer], families: usize, least: f64) -> Option<&'a Offer> {
     let fit: Vec<&Offer> = list
         .iter()
         .filter(|o| o.evidence.share >= least && o.relative >= WORTH && o.chance(families) < ALPHA)
         .collect();
     let best = *fit.first()?;
-    let named = |o: &&&Offer| o.term.effect().is_some();
+    // What the recording cannot tell has no better right than what has no name.
+    let can = |o: &Offer| {
+        let effect = o.term.effect();
+        effect.is_some_and(|e| e.lacks(&ground.rows.s).is_none())
+    };
     let matching = |o: &Offer| match (best.term.subject, o.term.effect()) {
+        (Subject::Effect(_), _) if !can(best) => MATCH,
         (Subject::Curve(curve), Some(effect)) if effect.axis() == curve.axis => OWN,
         (Subject::Curve(_), _) => MATCH,
         (Subject::Change(Change::LateYields), _) => MATCH,
@@ -146,9 +166,9 @@ fn pick(list: &[Offer], families: usize, least: f64) -> Option<&Offer> {
         o.term.effect().is_some_and(|e| e.class() == Class::Plain)
             && o.evidence.share >= ahead * best.evidence.share
     };
-    let first = fit.iter().find(|o| named(o) && plain(o));
+    let first = fit.iter().find(|o| can(o) && plain(o));
     first
-        .or_else(|| fit.iter().find(|o| named(o) && good(o)))
+        .or_else(|| fit.iter().find(|o| can(o) && good(o)))
         .map(|o| simplest(o, &fit))
         .or(Some(best))
 }

@@ -1,8 +1,8 @@
 //! The coordinates that can organise a mismatch, at every sample.
 
-use crate::identify::rigid_body::Kinematics;
-use crate::kinematics::ZeroPhase;
 use crate::recording::{MotionKind, Recording};
+use crate::signal::Kinematics;
+use crate::signal::ZeroPhase;
 use std::ops::Range;
 
 /// A reversal counts once the motion came back by this share of the travel, or by six times the encoder's noise.

@@ -8,7 +8,7 @@ use super::normal::{Bound, Normal};
 use super::parameters::jackknife;
 use super::search::ALPHA;
 use super::term::{Subject, Term};
-use crate::identify::estimate::Estimate;
+use crate::statistics::Estimate;
 use std::ops::Range;
 
 /// A part of the core.

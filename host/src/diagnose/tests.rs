@@ -1,5 +1,6 @@
 //! The stages, on a small made machine: 2 kg on three Maxwell-slip blocks, what is added to it, and noise.
 
+use super::credible::sieved;
 use super::curve::Curve;
 use super::effect;
 use super::naming::standings;
@@ -8,8 +9,8 @@ use super::search::{Found, search};
 use super::term::Subject;
 use super::verdict::Verdict;
 use super::*;
-use crate::identify::stop::Deflection;
 use crate::recording::{LoadOptions, load_csv};
+use crate::signal::Deflection;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::fmt::Write as _;
@@ -175,6 +176,23 @@ fn the_effect_itself_is_no_rival_and_a_curve_that_holds_it_makes_it_needless() {
         .expect("a fit");
     let beside = offer_of(&found.ground, &wide, &[by_id("viscous")], 1.0);
     assert!(beside.is_none_or(|o| o.evidence.share < 0.05));
+}
+
+#[test]
+fn a_name_that_nobody_should_believe_does_not_stand_in_the_way() {
+    let recording = made(|_, _, v| 8.0 * v);
+    let mut found = found(&recording);
+    let mut terms = found.hypothesis.terms.clone();
+    terms.push(Term::new(by_id("periodic_force").subject, &[0.0123]));
+    found.hypothesis = found.ground.fit(&terms).expect("a fit");
+    let (kept, gone) = sieved(&mut found, 1, &[]).expect("a fit");
+    let ids = |list: &[naming::Standing]| -> Vec<&str> {
+        let effects = list.iter().filter_map(|s| s.term.effect());
+        effects.map(effect::Effect::id).collect()
+    };
+    assert_eq!(ids(&kept), ["viscous"]);
+    assert_eq!(ids(&gone), ["periodic_force"]);
+    assert_eq!(names(&found), ["channel_delay", "viscous"]);
 }
 
 #[test]

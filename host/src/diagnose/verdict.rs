@@ -3,11 +3,12 @@
 use super::axis::Axis;
 use super::change::Change;
 use super::confidence::{self, confidence};
+use super::credible::sieved;
 use super::effect::{self, Effect};
 use super::evidence::{Evidence, NAMED};
 use super::ground::{Ground, Hypothesis, Nmse};
 use super::hysteresis::Shape;
-use super::naming::{Standing, standings};
+use super::naming::Standing;
 use super::offer::{Offer, offers};
 use super::parameters::parameters;
 use super::place::Place;
@@ -16,7 +17,7 @@ use super::signals::Signals;
 use super::simulation::{self, Corrected, Correction};
 use super::term::{Subject, Term};
 use crate::friction::FrictionModel;
-use crate::identify::estimate::Estimate;
+use crate::statistics::Estimate;
 
 /// The same where it is beyond doubt that something is there.
 const NAMED_SURELY: f64 = 0.015;
@@ -162,26 +163,25 @@ pub struct Diagnosis {
 
 /// Draws the conclusions.
 pub fn conclude(
-    found: Found,
+    mut found: Found,
     given: usize,
     mechanics: &[(String, f64)],
     friction: Option<&FrictionModel>,
 ) -> Option<Diagnosis> {
     let periods: Vec<f64> = mechanics.iter().map(|m| m.1).collect();
-    let standings = standings(&found, given, &periods);
+    let (standings, gone) = sieved(&mut found, given, &periods)?;
     let mut effects: Vec<Named> = standings
         .iter()
+        .chain(&gone)
         .filter_map(|s| named(&found, s, mechanics))
         .collect();
+    // Where even everything that was found leaves much of the effort, no name is sure.
+    let explained = found.hypothesis.nmse(&found.ground.rows).test <= EXPLAINS_LITTLE;
+    effects.iter_mut().for_each(|e| e.confident &= explained);
     let kept: Vec<Term> = found.hypothesis.terms[..given].to_vec();
     let first = found.ground.fit(&kept)?;
-    let extended = extend(&found, &kept, &effects)?;
-    // Where even all names together leave most of the effort, none of them is sure.
+    let extended = shown(&found, &kept, &mut effects)?;
     let reached = extended.nmse(&found.ground.rows);
-    for effect in &mut effects {
-        effect.confident &= reached.test <= EXPLAINS_LITTLE;
-        measure(&found, &kept, &extended, effect)?;
-    }
     let mut baseline = first.nmse(&found.ground.rows);
     if found.ground.core.corrects {
         // Nothing of a simulation as it is was fitted.
@@ -253,11 +253,7 @@ fn verdict(effects: &[Named], unknown: Option<&Unknown>, after: Nmse) -> Verdict
 /// An effect of the hypothesis as it is stated; `None` for curves and changes, and for what every recording may have.
 fn named(found: &Found, standing: &Standing, mechanics: &[(String, f64)]) -> Option<Named> {
     let effect = standing.term.effect()?;
-    let hypothesis = &found.hypothesis;
-    if effect.is_harmless(
-        &found.ground.scene(),
-        hypothesis.coefficients(standing.index),
-    ) {
+    if standing.harmless {
         return None;
     }
     let confidence = confidence(standing);
@@ -313,6 +309,26 @@ fn extend(found: &Found, kept: &[Term], effects: &[Named]) -> Option<Hypothesis>
         .filter_map(|e| e.term.as_ref());
     let terms: Vec<Term> = kept.iter().chain(wider).chain(confident).cloned().collect();
     found.ground.fit(&terms)
+}
+
+/// The extended hypothesis, in which every confident effect improves the prediction of what is held out: one that does not is no longer
+/// confident, the worst first.
+fn shown(found: &Found, kept: &[Term], effects: &mut [Named]) -> Option<Hypothesis> {
+    loop {
+        let extended = extend(found, kept, effects)?;
+        for effect in effects.iter_mut() {
+            measure(found, kept, &extended, effect)?;
+        }
+        let loss = |e: &Named| e.nmse_test[1] - e.nmse_test[0];
+        let worst = effects
+            .iter_mut()
+            .filter(|e| e.confident && loss(e) >= 0.0)
+            .max_by(|a, b| loss(a).total_cmp(&loss(b)));
+        match worst {
+            Some(effect) => effect.confident = false,
+            None => return Some(extended),
+        }
+    }
 }
 
 /// Parameters, force, places and held-out NMSE of an effect, all confident ones beside it and nothing without a name: a free curve

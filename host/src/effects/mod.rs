@@ -1,7 +1,7 @@
 //! Physics beyond rigid body and friction model: the `[[effects]]` of model files, and what they do along a recording.
 //!
 //! The catalogue is that of `preslide diagnose`; those that a controller can use are computed by the library
-//! ([`preslide::effects`]), the others here ([`along`]). Parameters are SI, keys are those of a linear axis; a rotary
+//! ([`preslide::effects`]), the others here ([`force_along`](crate::model::Model::force_along)). Parameters are SI, keys are those of a linear axis; a rotary
 //! file has the same keys in its own units (`force_Nm`, `period_rad`, `stiffness_Nm_per_rad` …).
 //!
 //! | id | what it does | keys |
@@ -36,15 +36,10 @@
 //! `[friction]`; `lead_error` and `presliding_shape` have no parameters here: the one is a calibration of the
 //! encoder, the other is more blocks.
 
-pub mod along;
 mod catalogue;
-mod feed_forward;
-mod terms;
+pub(crate) mod terms;
 #[cfg(test)]
 mod tests;
-
-pub use along::Measured;
-pub use feed_forward::Chosen;
 
 /// Most cosines of a map.
 pub const MOST_TERMS: usize = 16;

@@ -10,12 +10,12 @@ use preslide::effects::{
 use preslide::{ParamError, Units};
 
 /// An effect at work: change of the friction level (-) and force (N or N·m) of a tick.
-pub(super) trait Tick: FnMut(&Situation<f64>) -> (f64, f64) + Send {
+pub(crate) trait Tick: FnMut(&Situation<f64>) -> (f64, f64) + Send {
     /// A copy with the memory of this moment.
     fn copy(&self) -> Term;
 }
 
-pub(super) type Term = Box<dyn Tick>;
+pub(crate) type Term = Box<dyn Tick>;
 
 impl<T: FnMut(&Situation<f64>) -> (f64, f64) + Clone + Send + 'static> Tick for T {
     fn copy(&self) -> Term {
@@ -24,7 +24,7 @@ impl<T: FnMut(&Situation<f64>) -> (f64, f64) + Clone + Send + 'static> Tick for 
 }
 
 /// Forces that grow without bound in the library need one; on the host it is out of the way.
-pub(super) const FAR: f64 = 1e12;
+pub(crate) const FAR: f64 = 1e12;
 
 fn term<E>(effect: E) -> Option<Term>
 where
@@ -40,7 +40,7 @@ where
 ///
 /// # Errors
 /// Which parameter the library refuses.
-pub(super) fn library(effect: &Effect, sample_time: f64) -> Result<Option<Term>, ParamError> {
+pub(crate) fn library(effect: &Effect, sample_time: f64) -> Result<Option<Term>, ParamError> {
     let u = Units::SI;
     let get = |key| effect.get(key);
     Ok(match effect.id {
@@ -139,7 +139,7 @@ pub(super) fn library(effect: &Effect, sample_time: f64) -> Result<Option<Term>,
 }
 
 /// The library's correction of an `encoder_error`.
-pub(super) fn encoder(effect: &Effect) -> Result<EncoderError<f64>, ParamError> {
+pub(crate) fn encoder(effect: &Effect) -> Result<EncoderError<f64>, ParamError> {
     EncoderError::try_new(
         effect.get("error_m"),
         effect.get("period_m"),

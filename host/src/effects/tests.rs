@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::friction::{FrictionModel, Path};
-use crate::model::Model;
+use crate::model::{Measured, Model};
 use crate::recording::MotionKind;
 use std::f64::consts::{PI, TAU};
 

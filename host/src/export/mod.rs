@@ -3,11 +3,10 @@
 //! The source names everything by its full path, so it can be a file module or be `include!`d. The type is generic over
 //! the number type; `f32` is the default.
 
-mod refuse;
 mod sha256;
 mod source;
 
-pub use refuse::{reduced, refused};
+pub use crate::model::{reduced, refused};
 pub use sha256::sha256;
 pub use source::{Options, carried, rust_source};
 

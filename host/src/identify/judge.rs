@@ -1,17 +1,18 @@
 //! Finished models, run through the library and measured.
 
-use super::estimate::Estimate;
 use super::maxwell_slip::{self, Selection, Sized};
 use super::refine;
 use super::regression::Regression;
-use super::rigid_body::{self, Kinematics, RigidBody, Terms};
-use super::split::Split;
+use super::rigid_body::{self, RigidBody, Terms};
 use super::virgin::VirginCurve;
 use super::weights::Weights;
 use super::{Candidate, Method};
 use crate::friction::FrictionModel;
 use crate::model::Model;
 use crate::recording::Recording;
+use crate::signal::Kinematics;
+use crate::signal::Split;
+use crate::statistics::Estimate;
 use std::collections::BTreeMap;
 
 /// Runs finished models through the library and measures them.

@@ -1,12 +1,13 @@
 //! GMS models of 1…10 blocks for one recording: optimal breakpoints, the paper's procedure, and how many blocks
 //! the data support.
 
-use super::refine::{self, Fit};
+use super::refine;
+use super::regression::Fit;
 use super::regression::{Gram, Regression, solve_normal};
 use super::search::{Choice, best_choices};
-use super::split::GROUPS;
 use super::virgin::VirginCurve;
 use crate::progress::Progress;
+use crate::signal::GROUPS;
 use rayon::prelude::*;
 
 /// Most blocks that are tried.

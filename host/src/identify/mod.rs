@@ -1,6 +1,5 @@
 //! From a recording to parameters: the rigid body, and friction models of every size.
 
-pub mod estimate;
 pub mod family;
 mod judge;
 pub mod maxwell_slip;
@@ -10,8 +9,6 @@ pub mod refine;
 pub mod regression;
 pub mod rigid_body;
 pub mod search;
-pub mod split;
-pub mod stop;
 mod told;
 pub mod virgin;
 pub mod weights;
@@ -20,12 +17,12 @@ use crate::friction::FrictionModel;
 use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::{MotionKind, Recording};
-use estimate::Estimate;
+use crate::signal::{Kinematics, Split, Window, check_windows};
+use crate::statistics::Estimate;
 use family::Family;
 use nalgebra::{DMatrix, DVector};
 use regression::{Column, Regression};
-use rigid_body::{Kinematics, RigidBody, Terms};
-use split::{Split, Window};
+use rigid_body::{RigidBody, Terms};
 use virgin::VirginCurve;
 use weights::Weights;
 
@@ -201,14 +198,14 @@ const MOST_KEPT: usize = 100_000;
 
 /// The recording with as many samples as its band needs, where it has many more; `None` where it is best left as it is.
 ///
-/// The band is that of the zero-phase filter through which effort and motion are compared ([`crate::kinematics`]). A recorded
+/// The band is that of the zero-phase filter through which effort and motion are compared ([`ZeroPhase`](crate::signal::ZeroPhase)). A recorded
 /// friction goes through no filter: only what is more than anything could use is taken off it.
 pub fn thinned(recording: &Recording) -> Option<Recording> {
     if recording.len() < THINNED_FROM {
         return None;
     }
     let by_band = if recording.role.contains_inertia() {
-        let cutoff = crate::kinematics::ZeroPhase::choose_cutoff(recording);
+        let cutoff = crate::signal::ZeroPhase::choose_cutoff(recording);
         (1.0 / (KEPT_RATE * cutoff * recording.sample_time_s())).floor() as usize
     } else {
         1
@@ -229,6 +226,44 @@ pub fn identify(
     options: &Options,
     progress: &Progress,
 ) -> Result<Identification, String> {
+    let split = split(recording, options)?;
+    let inertial = recording.role.contains_inertia();
+    let kinematics = Kinematics::of(recording);
+    let effort = if inertial {
+        kinematics.filter.smooth(&recording.effort)
+    } else {
+        recording.effort.clone()
+    };
+    let mut notes: Vec<String> = recording.per_unit().into_iter().collect();
+    notes.extend(overlap(options));
+    let fitting = Fitting {
+        recording,
+        kinematics: &kinematics,
+        effort: &effort,
+        split: &split,
+        train: &split.train(),
+        inertial,
+    };
+    let found = fitting.fit(progress, &mut notes)?;
+    let mut identification = Identification {
+        band_hz: kinematics.filter.cutoff_hz(),
+        filtered: inertial,
+        candidates: found.candidates,
+        recommended: found.recommended,
+        recommendation: String::new(),
+        search_notes: notes,
+        effort,
+        velocity: kinematics.velocity,
+        split,
+        virgin: found.virgin,
+        yield_range: found.range,
+    };
+    identification.recommendation = identification.recommended_in_words();
+    Ok(identification)
+}
+
+/// The samples to fit and to hold out, of a recording that can be fitted.
+fn split(recording: &Recording, options: &Options) -> Result<Split, String> {
     for (code, remedy) in FATAL {
         if let Some(warning) = recording.warnings.iter().find(|w| w.code == code) {
             let told = match code {
@@ -238,9 +273,8 @@ pub fn identify(
             return Err(format!("{}: {warning}; {remedy}{told}", recording.name));
         }
     }
-    split::check_windows(recording, options.train, options.test)?;
+    check_windows(recording, options.train, options.test)?;
     let split = Split::new(recording, options.train, options.test);
-    let train = split.train();
     if split.unit == "segment" && split.folds.len() < FEWEST_FOLDS {
         return Err(format!(
             "{}: {} stroke{} to fit, but at least {FEWEST_FOLDS} are needed, so that any one can be held out and both directions are left; record at least three reversals, or widen --train; {}",
@@ -250,37 +284,54 @@ pub fn identify(
             told::told(recording),
         ));
     }
+    Ok(split)
+}
 
-    let inertial = recording.role.contains_inertia();
-    let kinematics = Kinematics::of(recording);
-    let effort = if inertial {
-        kinematics.filter.smooth(&recording.effort)
-    } else {
-        recording.effort.clone()
-    };
-    let mut notes: Vec<String> = recording.per_unit().into_iter().collect();
-    if let (Some(train), Some(test)) = (options.train, options.test)
-        && train.0.max(test.0) < train.1.min(test.1)
-    {
-        notes.push(format!(
-            "--train and --test overlap from {} to {} s: these samples are judged, not fitted",
-            train.0.max(test.0),
-            train.1.min(test.1)
-        ));
-    }
-    let rigid_of = |weights: &Weights| -> Result<(RigidBody, Terms), String> {
+/// Where the windows overlap, in words.
+fn overlap(options: &Options) -> Option<String> {
+    let (train, test) = options.train.zip(options.test)?;
+    let (from, to) = (train.0.max(test.0), train.1.min(test.1));
+    (from < to).then(|| {
+        format!(
+            "--train and --test overlap from {from} to {to} s: these samples are judged, not fitted"
+        )
+    })
+}
+
+/// What is fitted, and to what.
+struct Fitting<'a> {
+    recording: &'a Recording,
+    kinematics: &'a Kinematics,
+    /// Filtered where it contains inertia.
+    effort: &'a [f64],
+    split: &'a Split,
+    train: &'a [usize],
+    inertial: bool,
+}
+
+/// What came of it.
+struct Found {
+    candidates: Vec<Candidate>,
+    recommended: usize,
+    virgin: VirginCurve,
+    range: (f64, f64),
+}
+
+impl Fitting<'_> {
+    /// The rigid body, without the terms that would come out negative.
+    fn rigid_body(&self, weights: &Weights) -> Result<(RigidBody, Terms), String> {
         let fit = |terms| {
             rigid_body::fit(
-                recording,
-                &kinematics,
-                &effort,
-                &split.folds,
+                self.recording,
+                self.kinematics,
+                self.effort,
+                &self.split.folds,
                 weights,
                 terms,
             )
         };
         let mut terms = Terms {
-            mass: inertial,
+            mass: self.inertial,
             viscous: true,
         };
         let mut rigid = fit(terms)?;
@@ -295,111 +346,108 @@ pub fn identify(
             rigid = fit(terms)?;
         }
         Ok((rigid, terms))
-    };
-    let mut weights = Weights::by_time(recording);
-    let (mut rigid, mut terms) = rigid_of(&weights)?;
-
-    let filter = |values: &[f64]| {
-        if inertial {
-            kinematics.filter.smooth(values)
-        } else {
-            values.to_vec()
-        }
-    };
-    let stride = train.len().div_ceil(MOST_SCORED).max(1);
-    let regression_with = |mass: bool, weights: &Weights| Regression {
-        position: &recording.position,
-        pieces: &recording.pieces,
-        force: effort.clone(),
-        columns: [
-            mass.then(|| ("mass", kinematics.acceleration.clone())),
-            Some(("viscous", kinematics.velocity.clone())),
-            Some(("offset", vec![1.0; recording.len()])),
-        ]
-        .into_iter()
-        .flatten()
-        .map(|(name, values)| Column { name, values })
-        .collect(),
-        filter: Box::new(filter),
-        folds: split
-            .folds
-            .iter()
-            .map(|fold| fold.iter().step_by(stride).copied().collect())
-            .collect(),
-        weights: weights.clone(),
-    };
-    let range = yield_range(recording, &train)?;
-    let mut with_mass = inertial;
-    let mut regression = regression_with(with_mass, &weights);
-    let mut selection = maxwell_slip::select(&regression, range, progress)?;
-    if weights.differ() {
-        let residual = regression.residual(&selection.optimal[selection.knee].fit);
-        weights = Weights::by_residual(recording, &residual);
-        (rigid, terms) = rigid_of(&weights)?;
-        regression = regression_with(with_mass, &weights);
-        selection = maxwell_slip::select(&regression, range, &Progress::new("weighted", STEPS))?;
-        notes.extend(weights.in_words(recording));
     }
-    let mass = selection.optimal[selection.knee].fit.linear[0];
-    if with_mass && mass < 0.0 {
-        notes.push(format!(
-            "the inertia came out as {mass:.3e} {} and was left out: this motion has too little acceleration to show one; record faster reversals",
-            match recording.kind {
-                MotionKind::Linear => "kg",
-                MotionKind::Rotary => "kg·m²",
+
+    /// The regression behind the search for breakpoints.
+    fn regression(&self, mass: bool, weights: &Weights) -> Regression<'_> {
+        let stride = self.train.len().div_ceil(MOST_SCORED).max(1);
+        let filter = |values: &[f64]| {
+            if self.inertial {
+                self.kinematics.filter.smooth(values)
+            } else {
+                values.to_vec()
             }
-        ));
-        with_mass = false;
-        regression = regression_with(with_mass, &weights);
-        selection =
-            maxwell_slip::select(&regression, range, &Progress::new("without inertia", STEPS))?;
+        };
+        let columns = [
+            mass.then(|| ("mass", self.kinematics.acceleration.clone())),
+            Some(("viscous", self.kinematics.velocity.clone())),
+            Some(("offset", vec![1.0; self.recording.len()])),
+        ];
+        let columns = columns.into_iter().flatten();
+        let folds = self.split.folds.iter();
+        Regression {
+            position: &self.recording.position,
+            pieces: &self.recording.pieces,
+            force: self.effort.to_vec(),
+            columns: columns
+                .map(|(name, values)| Column { name, values })
+                .collect(),
+            filter: Box::new(filter),
+            folds: folds
+                .map(|fold| fold.iter().step_by(stride).copied().collect())
+                .collect(),
+            weights: weights.clone(),
+        }
     }
 
-    let judge = Judge {
-        recording,
-        kinematics: &kinematics,
-        effort: &effort,
-        split: &split,
-        weights: &weights,
-        train: &train,
-        inertial,
-        with_mass,
-        terms,
-    };
-    let baseline_lacks_mass = with_mass && !terms.mass;
-    let (coulomb, baseline) = judge.coulomb(rigid)?;
-    let mut candidates = vec![coulomb];
-    let virgin = judge.virgin(&selection);
-    let paper = judge.by_paper(&selection, &virgin)?;
-    candidates.extend(paper);
-    let first_optimal = candidates.len();
-    for sized in &selection.optimal {
-        candidates.push(judge.optimal(&regression, sized)?);
+    /// Coulomb friction, and Maxwell-slip blocks of every number: by the paper's procedure, and at the best breakpoints.
+    fn fit(&self, progress: &Progress, notes: &mut Vec<String>) -> Result<Found, String> {
+        let recording = self.recording;
+        let mut weights = Weights::by_time(recording);
+        let (mut rigid, mut terms) = self.rigid_body(&weights)?;
+        let range = yield_range(recording, self.train)?;
+        let mut with_mass = self.inertial;
+        let mut regression = self.regression(with_mass, &weights);
+        let mut selection = maxwell_slip::select(&regression, range, progress)?;
+        if weights.differ() {
+            let residual = regression.residual(&selection.optimal[selection.knee].fit);
+            weights = Weights::by_residual(recording, &residual);
+            (rigid, terms) = self.rigid_body(&weights)?;
+            regression = self.regression(with_mass, &weights);
+            selection =
+                maxwell_slip::select(&regression, range, &Progress::new("weighted", STEPS))?;
+            notes.extend(weights.in_words(recording));
+        }
+        let mass = selection.optimal[selection.knee].fit.linear[0];
+        if with_mass && mass < 0.0 {
+            notes.push(format!(
+                "the inertia came out as {mass:.3e} {} and was left out: this motion has too little acceleration to show one; record faster reversals",
+                match recording.kind {
+                    MotionKind::Linear => "kg",
+                    MotionKind::Rotary => "kg·m²",
+                }
+            ));
+            with_mass = false;
+            regression = self.regression(with_mass, &weights);
+            selection =
+                maxwell_slip::select(&regression, range, &Progress::new("without inertia", STEPS))?;
+        }
+
+        let judge = Judge {
+            recording,
+            kinematics: self.kinematics,
+            effort: self.effort,
+            split: self.split,
+            weights: &weights,
+            train: self.train,
+            inertial: self.inertial,
+            with_mass,
+            terms,
+        };
+        let (coulomb, baseline) = judge.coulomb(rigid)?;
+        let mut candidates = vec![coulomb];
+        let virgin = judge.virgin(&selection);
+        candidates.extend(judge.by_paper(&selection, &virgin)?);
+        let first_optimal = candidates.len();
+        for sized in &selection.optimal {
+            candidates.push(judge.optimal(&regression, sized)?);
+        }
+        let resolved = !maxwell_slip::baseline_suffices(baseline, &selection.optimal);
+        let recommended = if resolved {
+            first_optimal + selection.knee
+        } else {
+            0
+        };
+        if recommended == 0 && with_mass && !terms.mass {
+            notes.push("with Coulomb friction alone the inertia came out negative and was left out; record faster reversals".to_owned());
+        }
+        Ok(Found {
+            candidates,
+            recommended,
+            virgin,
+            range,
+        })
     }
-    let resolved = !maxwell_slip::baseline_suffices(baseline, &selection.optimal);
-    let recommended = if resolved {
-        first_optimal + selection.knee
-    } else {
-        0
-    };
-    if recommended == 0 && baseline_lacks_mass {
-        notes.push("with Coulomb friction alone the inertia came out negative and was left out; record faster reversals".to_owned());
-    }
-    let mut identification = Identification {
-        band_hz: kinematics.filter.cutoff_hz(),
-        filtered: inertial,
-        candidates,
-        recommended,
-        recommendation: String::new(),
-        search_notes: notes,
-        effort,
-        velocity: kinematics.velocity,
-        split,
-        virgin,
-        yield_range: range,
-    };
-    identification.recommendation = identification.recommended_in_words();
-    Ok(identification)
 }
 
 /// Yields that a recording can tell apart: from the displacement of a typical sample to half of the longest

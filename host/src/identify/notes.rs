@@ -2,11 +2,11 @@
 
 use super::family::Family;
 use super::family::bench::Bench;
-use super::rigid_body::Kinematics;
 use super::{Candidate, Identification, Method};
-use crate::nmse::nmse;
 use crate::progress::Progress;
 use crate::recording::Recording;
+use crate::signal::Kinematics;
+use crate::statistics::nmse;
 
 /// Difference between training and test NMSE that wants an explanation.
 const WORTH_EXPLAINING: f64 = 0.15;

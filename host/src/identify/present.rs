@@ -1,11 +1,11 @@
 //! An identification for people and for machines.
 
-use super::estimate::Estimate;
 use super::{Identification, Method};
 use crate::friction::Path;
 use crate::model::Model;
 use crate::recording::{MotionKind, Recording};
 use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
+use crate::statistics::Estimate;
 use serde_json::{Value, json};
 
 /// Repeats drawn in the loop figure; more would hide each other.
@@ -246,69 +246,106 @@ impl Identification {
 
     /// The report page.
     pub fn page(&self, recording: &Recording, command: String) -> Page {
-        let (x, f) = (recording.position_unit(), force_unit(recording));
+        let tables = [
+            Some(self.size_table()),
+            self.parameter_table(),
+            self.block_table(recording),
+        ];
+        let notes = recording.warnings.iter().map(ToString::to_string);
+        Page {
+            title: format!("Identification of {}", recording.name),
+            lead: self.recommendation.clone(),
+            command,
+            sections: vec![
+                Section {
+                    heading: "Friction model".to_owned(),
+                    paragraphs: vec![self.measure()],
+                    tables: tables.into_iter().flatten().collect(),
+                    figures: vec![
+                        self.loops_figure(recording),
+                        self.sizes_figure(),
+                        self.virgin_figure(recording),
+                    ],
+                },
+                Section {
+                    heading: "Rigid body".to_owned(),
+                    tables: vec![self.rigid_body_table(recording)],
+                    ..Section::default()
+                },
+                Section {
+                    heading: "What the model leaves".to_owned(),
+                    paragraphs: vec![
+                        "Structure in these plots is physics that the model lacks.".to_owned(),
+                    ],
+                    figures: self.residual_figures(recording),
+                    ..Section::default()
+                },
+                Section {
+                    heading: "Notes".to_owned(),
+                    paragraphs: notes.chain(self.notes(recording)).collect(),
+                    ..Section::default()
+                },
+            ],
+        }
+    }
+
+    /// What the NMSE is of, and what was held out.
+    pub(crate) fn measure(&self) -> String {
+        let filtered = if self.filtered {
+            format!(
+                " (measured effort after the zero-phase low-pass at {:.1} Hz)",
+                self.band_hz
+            )
+        } else {
+            String::new()
+        };
+        let held_out = if self.split.test.is_some() {
+            "the test window, which no fit saw".to_owned()
+        } else {
+            format!("{}s that were left out of the fit in turn", self.split.unit)
+        };
+        format!(
+            "NMSE is the squared error over the variance of the effort that the model explains{filtered}. Held-out figures come from {held_out}."
+        )
+    }
+
+    /// Effort over position, measured and modelled.
+    fn loops_figure(&self, recording: &Recording) -> Figure {
         let best = self.best();
         let shown = self.shown(recording);
-        let of =
-            |values: &[f64], rows: &[usize]| rows.iter().map(|&i| values[i]).collect::<Vec<_>>();
-        let position = of(&recording.position, &shown);
+        let position = of_rows(&recording.position, &shown);
+        let effort = if self.filtered {
+            "effort, low-passed"
+        } else {
+            "friction"
+        };
+        let line = |name: &str, values: &[f64]| {
+            Series::line(name, position.clone(), of_rows(values, &shown))
+        };
+        let baseline = line("Coulomb + viscous", &self.candidates[0].fitted);
         let mut loops = Figure::new(
             "Force–displacement loops",
-            Axis::new("position", x),
-            Axis::new(
-                if self.filtered {
-                    "effort, low-passed"
-                } else {
-                    "friction"
-                },
-                f,
-            ),
+            Axis::new("position", recording.position_unit()),
+            Axis::new(effort, force_unit(recording)),
         )
-        .with(
-            Series::line("measured", position.clone(), of(&self.effort, &shown))
-                .colour(Colour::Black),
-        )
-        .with(
-            Series::line(
-                "Coulomb + viscous",
-                position.clone(),
-                of(&self.candidates[0].fitted, &shown),
-            )
-            .style(Style::Dashed)
-            .colour(Colour::Sky),
-        );
+        .with(line("measured", &self.effort).colour(Colour::Black))
+        .with(baseline.style(Style::Dashed).colour(Colour::Sky));
         if self.recommended > 0 {
             loops = loops.with(
-                Series::line(
-                    best.model.friction.name(),
-                    position,
-                    of(&best.fitted, &shown),
-                )
-                .emphasis(Emphasis::Strong)
-                .colour(Colour::Vermillion),
+                line(&best.model.friction.name(), &best.fitted)
+                    .emphasis(Emphasis::Strong)
+                    .colour(Colour::Vermillion),
             );
         }
-        let loops = loops.note(format!(
+        loops.note(format!(
             "{} repeat(s) that end at t = {:.1} s.",
             LOOPS,
             shown.last().map_or(0.0, |&i| recording.t_s[i])
-        ));
+        ))
+    }
 
-        let rows: Vec<usize> = match &self.split.test {
-            Some(test) => [self.split.train(), test.clone()].concat(),
-            None => self.split.train(),
-        };
-        let residual: Vec<f64> = rows
-            .iter()
-            .map(|&i| self.effort[i] - best.fitted[i])
-            .collect();
-        let against = |title: &str, axis: Axis, values: &[f64]| {
-            Figure::new(title, axis, Axis::new("measured − model", f)).with(Series::points(
-                "residual",
-                of(values, &rows),
-                residual.clone(),
-            ))
-        };
+    /// NMSE over the number of blocks.
+    fn sizes_figure(&self) -> Figure {
         let mut sizes = Figure::new(
             "What each block buys",
             Axis::new("Maxwell-slip blocks N", ""),
@@ -324,31 +361,25 @@ impl Identification {
                 .filter(|c| c.method == method)
                 .collect();
             let n: Vec<f64> = of_method.iter().map(|c| c.size() as f64).collect();
+            let test = of_method.iter().map(|c| c.nmse_test).collect();
+            let train = of_method.iter().map(|c| c.nmse_train).collect();
+            let held_out = Series::line(format!("{name}, held out"), n.clone(), test);
+            let fitted = Series::line(format!("{name}, train"), n, train);
             sizes = sizes
-                .with(
-                    Series::line(
-                        format!("{name}, held out"),
-                        n.clone(),
-                        of_method.iter().map(|c| c.nmse_test).collect(),
-                    )
-                    .style(Style::LinePoints)
-                    .colour(colour),
-                )
-                .with(
-                    Series::line(
-                        format!("{name}, train"),
-                        n,
-                        of_method.iter().map(|c| c.nmse_train).collect(),
-                    )
-                    .style(Style::Dashed)
-                    .colour(colour),
-                );
+                .with(held_out.style(Style::LinePoints).colour(colour))
+                .with(fitted.style(Style::Dashed).colour(colour));
         }
-        // Logarithmic: the yields of the blocks lie decades apart. Rest, where all is zero, has no place there.
+        sizes
+    }
+
+    /// The virgin curve, measured and modelled. Logarithmic: the yields of the blocks lie decades apart. Rest, where all is zero, has
+    /// no place there.
+    fn virgin_figure(&self, recording: &Recording) -> Figure {
+        let best = self.best();
         let mut virgin = Figure::new(
             "Virgin curve (mean branch after a reversal, halved)",
-            Axis::new("displacement", x).log(),
-            Axis::new("friction", f),
+            Axis::new("displacement", recording.position_unit()).log(),
+            Axis::new("friction", force_unit(recording)),
         )
         .with(
             Series::line(
@@ -371,94 +402,57 @@ impl Identification {
                 Series::points("yields of the blocks", yields, force).colour(Colour::Vermillion),
             );
         }
+        virgin
+    }
+
+    /// What the model leaves over time, position and velocity, and how the friction level changes.
+    fn residual_figures(&self, recording: &Recording) -> Vec<Figure> {
+        let (x, f) = (recording.position_unit(), force_unit(recording));
+        let best = self.best();
+        let rows: Vec<usize> = match &self.split.test {
+            Some(test) => [self.split.train(), test.clone()].concat(),
+            None => self.split.train(),
+        };
+        let residual: Vec<f64> = rows
+            .iter()
+            .map(|&i| self.effort[i] - best.fitted[i])
+            .collect();
+        let against = |title: &str, axis: Axis, values: &[f64]| {
+            Figure::new(title, axis, Axis::new("measured − model", f)).with(Series::points(
+                "residual",
+                of_rows(values, &rows),
+                residual.clone(),
+            ))
+        };
         let levels = self.levels(recording);
+        let gains = Series::line(
+            format!("gain per {}", self.split.unit),
+            levels.iter().map(|l| l.start).collect(),
+            levels.iter().map(|l| l.gain).collect(),
+        );
         let level = Figure::new(
             "Friction level over time",
             Axis::new("time", "s"),
             Axis::new("measured over model", ""),
-        )
-        .with(
-            Series::line(
-                format!("gain per {}", self.split.unit),
-                levels.iter().map(|l| l.start).collect(),
-                levels.iter().map(|l| l.gain).collect(),
-            )
-            .style(Style::LinePoints),
         );
-
-        let tables = [
-            Some(self.size_table()),
-            self.parameter_table(),
-            self.block_table(recording),
-        ];
-        Page {
-            title: format!("Identification of {}", recording.name),
-            lead: self.recommendation.clone(),
-            command,
-            sections: vec![
-                Section {
-                    heading: "Friction model".to_owned(),
-                    paragraphs: vec![format!(
-                        "NMSE is the squared error over the variance of the effort that the model explains{}. Held-out figures come from {}.",
-                        if self.filtered {
-                            format!(
-                                " (measured effort after the zero-phase low-pass at {:.1} Hz)",
-                                self.band_hz
-                            )
-                        } else {
-                            String::new()
-                        },
-                        if self.split.test.is_some() {
-                            "the test window, which no fit saw".to_owned()
-                        } else {
-                            format!("{}s that were left out of the fit in turn", self.split.unit)
-                        },
-                    )],
-                    tables: tables.into_iter().flatten().collect(),
-                    figures: vec![loops, sizes, virgin],
-                },
-                Section {
-                    heading: "Rigid body".to_owned(),
-                    tables: vec![self.rigid_body_table(recording)],
-                    ..Section::default()
-                },
-                Section {
-                    heading: "What the model leaves".to_owned(),
-                    paragraphs: vec![
-                        "Structure in these plots is physics that the model lacks.".to_owned(),
-                    ],
-                    figures: vec![
-                        against(
-                            "Residual against time",
-                            Axis::new("time", "s"),
-                            &recording.t_s,
-                        ),
-                        against(
-                            "Residual against position",
-                            Axis::new("position", x),
-                            &recording.position,
-                        ),
-                        against(
-                            "Residual against velocity",
-                            Axis::new("velocity", format!("{x}/s")),
-                            &self.velocity,
-                        ),
-                        level,
-                    ],
-                    ..Section::default()
-                },
-                Section {
-                    heading: "Notes".to_owned(),
-                    paragraphs: recording
-                        .warnings
-                        .iter()
-                        .map(ToString::to_string)
-                        .chain(self.notes(recording))
-                        .collect(),
-                    ..Section::default()
-                },
-            ],
-        }
+        vec![
+            against(
+                "Residual against time",
+                Axis::new("time", "s"),
+                &recording.t_s,
+            ),
+            against(
+                "Residual against position",
+                Axis::new("position", x),
+                &recording.position,
+            ),
+            against(
+                "Residual against velocity",
+                Axis::new("velocity", format!("{x}/s")),
+                &self.velocity,
+            ),
+            level.with(gains.style(Style::LinePoints)),
+        ]
     }
 
     /// The recommended model's virgin curve at a tenth of the recording's top speed: displacements from a tenth of the shortest
@@ -525,6 +519,11 @@ fn force_unit(recording: &Recording) -> &'static str {
         "Nm" => "N·m",
         unit => unit,
     }
+}
+
+/// The values at some samples.
+fn of_rows(values: &[f64], rows: &[usize]) -> Vec<f64> {
+    rows.iter().map(|&i| values[i]).collect()
 }
 
 /// Five significant digits.

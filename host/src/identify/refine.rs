@@ -1,23 +1,10 @@
 //! From the best yields of a grid to the best yields there are, with their confidence.
 
-use super::regression::{Gram, Regression, solve_normal};
-use super::stop::Deflection;
+use super::regression::{Fit, Gram, Regression, solve_normal};
+use crate::signal::Deflection;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::ops::Range;
-
-/// A fitted Maxwell-slip model with its linear companions.
-#[derive(Clone, Debug)]
-pub struct Fit {
-    /// Yield displacements `D_i` (m or rad), ascending.
-    pub yields: Vec<f64>,
-    /// Stiffnesses `k_i` (N/m or N·m/rad).
-    pub stiffness: Vec<f64>,
-    /// Coefficients of the regression's linear columns, in their order.
-    pub linear: Vec<f64>,
-    /// Squared error over the fitted samples.
-    pub squared_error: f64,
-}
 
 const ITERATIONS: usize = 40;
 /// Relative improvement below which a refinement has converged.

@@ -1,8 +1,7 @@
 //! The regression behind an identification: a force that is linear in everything but the yields.
 
-use super::refine::Fit;
-use super::stop::Deflection;
 use super::weights::Weights;
+use crate::signal::Deflection;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -35,6 +34,19 @@ pub struct Regression<'a> {
     pub folds: Vec<Vec<usize>>,
     /// How much each sample counts.
     pub weights: Weights,
+}
+
+/// A fitted Maxwell-slip model with its linear companions.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// Yield displacements `D_i` (m or rad), ascending.
+    pub yields: Vec<f64>,
+    /// Stiffnesses `k_i` (N/m or N·m/rad).
+    pub stiffness: Vec<f64>,
+    /// Coefficients of the regression's linear columns, in their order.
+    pub linear: Vec<f64>,
+    /// Squared error over the fitted samples.
+    pub squared_error: f64,
 }
 
 /// Sums of products `Σ aᵢaⱼ` of columns over some samples, the last column being the force.

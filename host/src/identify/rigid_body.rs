@@ -1,26 +1,19 @@
 //! Inertia, viscous friction, Coulomb friction and offset by linear least squares.
 
-use super::estimate::Estimate;
 use super::regression::{Column, Gram, solve_normal};
 use super::weights::Weights;
-use crate::friction::Path;
-use crate::kinematics::ZeroPhase;
 use crate::recording::Recording;
+use crate::signal::Kinematics;
+use crate::statistics::Estimate;
 use nalgebra::{DMatrix, DVector};
 
-/// Speeds below this share of the highest count as standstill, where `sgn v` is noise.
-const STANDSTILL: f64 = 1e-3;
-
-/// Velocity, acceleration and effort of a recording, filtered alike.
-pub struct Kinematics {
-    /// The filter and its band.
-    pub filter: ZeroPhase,
-    /// Velocity (m/s or rad/s).
-    pub velocity: Vec<f64>,
-    /// Acceleration (m/s² or rad/s²).
-    pub acceleration: Vec<f64>,
-    /// `sgn v`, 0 at standstill, not filtered.
-    pub direction: Vec<f64>,
+/// `effort = inertia·a + viscous·v + coulomb·sgn v + offset`.
+#[derive(Clone, Debug)]
+pub struct RigidBody {
+    /// Coefficients by name: `mass` and `viscous` where they are fitted, `coulomb`, `offset`.
+    pub parameters: Vec<(&'static str, Estimate)>,
+    /// Coefficient times column, summed: the fitted effort at every sample.
+    pub fitted: Vec<f64>,
 }
 
 impl RigidBody {
@@ -31,45 +24,6 @@ impl RigidBody {
             .find(|p| p.0 == name)
             .map_or(0.0, |p| p.1.value)
     }
-}
-
-impl Kinematics {
-    /// The recording's motion, as friction models run along it.
-    pub fn path<'a>(&'a self, recording: &'a Recording) -> Path<'a> {
-        Path {
-            position: &recording.position,
-            velocity: &self.velocity,
-            pieces: &recording.pieces,
-            sample_time: recording.sample_time_s(),
-        }
-    }
-
-    /// Chooses the band and differentiates the position.
-    pub fn of(recording: &Recording) -> Self {
-        let filter = ZeroPhase::choose(recording);
-        let velocity = filter.derivative(&recording.position, 1);
-        let acceleration = filter.derivative(&recording.position, 2);
-        let still = STANDSTILL * velocity.iter().fold(0.0, |top: f64, v| top.max(v.abs()));
-        let direction = velocity
-            .iter()
-            .map(|v| if v.abs() <= still { 0.0 } else { v.signum() })
-            .collect();
-        Self {
-            filter,
-            velocity,
-            acceleration,
-            direction,
-        }
-    }
-}
-
-/// `effort = inertia·a + viscous·v + coulomb·sgn v + offset`.
-#[derive(Clone, Debug)]
-pub struct RigidBody {
-    /// Coefficients by name: `mass` and `viscous` where they are fitted, `coulomb`, `offset`.
-    pub parameters: Vec<(&'static str, Estimate)>,
-    /// Coefficient times column, summed: the fitted effort at every sample.
-    pub fitted: Vec<f64>,
 }
 
 /// What a rigid body fit contains beside Coulomb friction and offset.

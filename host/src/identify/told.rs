@@ -1,7 +1,7 @@
 //! What a recording tells that cannot show friction by direction: one-way turning, a jog, a few strokes.
 
-use super::rigid_body::Kinematics;
 use crate::recording::{MotionKind, Recording};
+use crate::signal::Kinematics;
 use nalgebra::{DMatrix, DVector};
 
 /// Stretches of time that are fitted one by one; their scatter is the confidence.

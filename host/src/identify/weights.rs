@@ -74,11 +74,11 @@ impl Weights {
     /// NMSE (13) (%) over `rows`, weighted.
     pub fn nmse(&self, measured: &[f64], modelled: &[f64], rows: &[usize]) -> f64 {
         if self.roots.is_none() {
-            return crate::nmse::nmse(measured, modelled, rows);
+            return crate::statistics::nmse(measured, modelled, rows);
         }
         let every: Vec<usize> = (0..rows.len()).collect();
         let of_rows = |values| self.rows(values, rows);
-        crate::nmse::nmse(&of_rows(measured), &of_rows(modelled), &every)
+        crate::statistics::nmse(&of_rows(measured), &of_rows(modelled), &every)
     }
 
     /// Each recording's share of what is fitted, for the user; `None` where there is only one.

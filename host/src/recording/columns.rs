@@ -1,99 +1,12 @@
-//! Which column is what: names with units, `--map`, and columns that claim the same role.
+//! Which column is what: columns that claim the same role, and what is missing.
 
 use super::error::Problem;
-use super::propose::{propose, quantity, without_unit};
-use super::units::{self, Dimension, Unit};
+use super::known::{KNOWN, Known, Slot};
+use super::names::{Names, Source};
+use super::propose::{propose, without_unit};
+use super::units::Unit;
+use super::words::quantity;
 use super::{EffortRole, MotionKind, Needs, Warning};
-
-/// A role that a column can have in a recording.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Slot {
-    Time,
-    Position,
-    Reference,
-    Velocity,
-    Effort,
-    Temperature,
-    Load,
-    Pressure,
-    Segment,
-    Repeat,
-}
-
-impl Slot {
-    pub(super) fn words(self) -> &'static str {
-        match self {
-            Slot::Time => "time",
-            Slot::Position => "position",
-            Slot::Reference => "reference position",
-            Slot::Velocity => "velocity",
-            Slot::Effort => "effort (force, friction, torque, current or voltage)",
-            Slot::Temperature => "temperature",
-            Slot::Load => "normal load",
-            Slot::Pressure => "pressure",
-            Slot::Segment => "segment",
-            Slot::Repeat => "repeat",
-        }
-    }
-    /// Segment and repeat hold numbers of parts, not physical quantities.
-    pub(super) fn is_label(self) -> bool {
-        matches!(self, Slot::Segment | Slot::Repeat)
-    }
-}
-
-/// A column name that is understood.
-#[derive(Debug)]
-pub(super) struct Known {
-    pub(super) name: &'static str,
-    pub(super) slot: Slot,
-    pub(super) axis: Option<MotionKind>,
-    pub(super) role: Option<EffortRole>,
-    /// None where any number will do.
-    pub(super) dimension: Option<Dimension>,
-}
-
-const fn known(
-    name: &'static str,
-    slot: Slot,
-    axis: Option<MotionKind>,
-    role: Option<EffortRole>,
-    dimension: Option<Dimension>,
-) -> Known {
-    Known {
-        name,
-        slot,
-        axis,
-        role,
-        dimension,
-    }
-}
-
-const LINEAR: Option<MotionKind> = Some(MotionKind::Linear);
-const ROTARY: Option<MotionKind> = Some(MotionKind::Rotary);
-
-/// The format's column names (design, "Recording").
-#[rustfmt::skip]
-pub(super) const KNOWN: [Known; 19] = [
-    known("t_s", Slot::Time, None, None, Some(Dimension::Time)),
-    known("x_m", Slot::Position, LINEAR, None, Some(Dimension::Length)),
-    known("q_rad", Slot::Position, ROTARY, None, Some(Dimension::Angle)),
-    known("x_ref_m", Slot::Reference, LINEAR, None, Some(Dimension::Length)),
-    known("q_ref_rad", Slot::Reference, ROTARY, None, Some(Dimension::Angle)),
-    known("v_m_s", Slot::Velocity, LINEAR, None, Some(Dimension::Speed)),
-    known("qd_rad_s", Slot::Velocity, ROTARY, None, Some(Dimension::AngularSpeed)),
-    known("force_N", Slot::Effort, LINEAR, Some(EffortRole::Force), Some(Dimension::Force)),
-    known("friction_N", Slot::Effort, LINEAR, Some(EffortRole::Friction), Some(Dimension::Force)),
-    known("torque_Nm", Slot::Effort, ROTARY, Some(EffortRole::Torque), Some(Dimension::Torque)),
-    known("current_A", Slot::Effort, None, Some(EffortRole::Current), Some(Dimension::Current)),
-    known("voltage_V", Slot::Effort, None, Some(EffortRole::Voltage), Some(Dimension::Voltage)),
-    known("effort_raw", Slot::Effort, None, Some(EffortRole::Raw), None),
-    known("temperature_C", Slot::Temperature, None, None, Some(Dimension::Temperature)),
-    known("normal_N", Slot::Load, None, None, Some(Dimension::Force)),
-    known("load_N", Slot::Load, None, None, Some(Dimension::Force)),
-    known("pressure_Pa", Slot::Pressure, None, None, Some(Dimension::Pressure)),
-    known("segment", Slot::Segment, None, None, None),
-    known("repeat", Slot::Repeat, None, None, None),
-];
 
 /// Largest magnitude that any physical quantity has in SI; what is beyond is a broken number.
 const ABSURD: f64 = 1e15;
@@ -109,30 +22,6 @@ pub(super) fn plausible(value: f64) -> Result<f64, String> {
     }
 }
 
-/// A column of the recording: the product of a number and columns of the file, and an offset.
-#[derive(Debug)]
-pub(super) struct Source {
-    pub(super) known: &'static Known,
-    pub(super) factor: f64,
-    pub(super) offset: f64,
-    /// Indices of the file's columns; at least one.
-    pub(super) columns: Vec<usize>,
-    /// Chosen by `--map`; then text labels are accepted for segments and repeats.
-    pub(super) mapped: bool,
-}
-
-impl Source {
-    fn new(known: &'static Known, column: usize, unit: Option<Unit>) -> Self {
-        Self {
-            known,
-            factor: unit.map_or(1.0, |u| u.factor),
-            offset: unit.map_or(0.0, |u| u.offset),
-            columns: vec![column],
-            mapped: false,
-        }
-    }
-}
-
 /// What to read from a file and what it means.
 #[derive(Debug)]
 pub(super) struct Plan {
@@ -142,115 +31,6 @@ pub(super) struct Plan {
     /// Columns that have no role.
     pub(super) unused: Vec<usize>,
     pub(super) warnings: Vec<Warning>,
-}
-
-/// A file's columns, and what its reader was told of them.
-pub(super) struct Names<'a> {
-    pub(super) columns: &'a [String],
-    /// What a row of units says, empty where there is none.
-    pub(super) units: &'a [String],
-    /// The columns as messages describe them.
-    pub(super) listing: &'a str,
-    pub(super) map: &'a [(String, String)],
-    pub(super) ignore: &'a [String],
-    pub(super) needs: Needs,
-}
-
-impl Names<'_> {
-    /// Reads `35.1507*vir` or `position[mm]` as a number, an offset and columns. A column may itself be called `a*b`.
-    fn product(&self, known: &'static Known, map: &str, text: &str) -> Result<Source, Problem> {
-        let fail = |reason: String| Problem::Map {
-            map: map.into(),
-            reason,
-        };
-        let find = |name: &str| self.columns.iter().position(|c| c == name);
-        let text = text.trim();
-        let mut source = Source {
-            known,
-            factor: 1.0,
-            offset: 0.0,
-            columns: Vec::new(),
-            mapped: true,
-        };
-        if let Some(i) = find(text) {
-            source.columns.push(i);
-            return Ok(source);
-        }
-        for part in text.split('*').map(str::trim) {
-            let bracket = part.strip_suffix(']').and_then(|p| p.rsplit_once('['));
-            if let Some(i) = find(part) {
-                source.columns.push(i);
-            } else if let Some(number) = part.parse::<f64>().ok().filter(|n| n.is_finite()) {
-                source.factor *= number;
-            } else if let Some((i, unit)) =
-                bracket.and_then(|(name, unit)| Some((find(name.trim())?, unit)))
-            {
-                source.columns.push(i);
-                match units::unit(unit) {
-                    Some(u) if Some(u.dimension) == known.dimension => {
-                        source.factor *= u.factor;
-                        source.offset = u.offset;
-                    }
-                    None if units::is_unscaled(unit) => {}
-                    _ => {
-                        return Err(fail(format!(
-                            "`{unit}` is no unit of `{}`; give the unit that the column is in, or a factor",
-                            known.name
-                        )));
-                    }
-                }
-            } else {
-                return Err(fail(format!(
-                    "there is no column `{part}`; the file has {}",
-                    self.columns.join(", ")
-                )));
-            }
-        }
-        if source.columns.is_empty() {
-            return Err(fail(
-                "names no column; write COLUMN or FACTOR*COLUMN to the right of `=`".into(),
-            ));
-        }
-        if known.slot.is_label() && (source.columns.len() > 1 || source.factor != 1.0) {
-            return Err(fail(
-                "segments and repeats are numbers of parts; map one column without a factor".into(),
-            ));
-        }
-        Ok(source)
-    }
-
-    /// What `--map` asks for.
-    fn mapped(&self) -> Result<Vec<Source>, Problem> {
-        let mut sources: Vec<Source> = Vec::new();
-        for (target, expression) in self.map {
-            let text = format!("{target}={expression}");
-            let fail = |reason: String| Problem::Map {
-                map: text.clone(),
-                reason,
-            };
-            let Some(known) = KNOWN.iter().find(|k| k.name == target.trim()) else {
-                return Err(fail(format!(
-                    "`{target}` is no column of a recording; choose one of {}",
-                    KNOWN.map(|k| k.name).join(", ")
-                )));
-            };
-            if let Some(other) = sources.iter().find(|s| s.known.slot == known.slot) {
-                return Err(fail(format!(
-                    "the {} is already mapped as `{}`; keep one of them",
-                    known.slot.words(),
-                    other.known.name
-                )));
-            }
-            sources.push(self.product(known, &text, expression)?);
-        }
-        Ok(sources)
-    }
-
-    /// The unit that a column's name or the row of units gives.
-    pub(super) fn unit(&self, column: usize) -> Option<Unit> {
-        let of_row = self.units.get(column).and_then(|u| units::unit(u));
-        of_row.or_else(|| quantity(self.columns.get(column)?).unit)
-    }
 }
 
 /// Decides what each column is.

@@ -6,8 +6,10 @@ use super::LoadOptions;
 use super::columns::{self, Plan};
 use super::error::Problem;
 use super::extra::Reading;
+use super::known::Slot;
 use super::labels::Labels;
 use super::layout::{self, Layout, Squeezed, io_problem};
+use super::names::Names;
 use super::table::{Data, Place, Table};
 
 /// Reads the header and every sample below it.
@@ -15,7 +17,7 @@ pub(super) fn read(input: impl Read, options: &LoadOptions) -> Result<Table, Pro
     let mut input = layout::text(input);
     let head = layout::head(&mut input)?;
     let layout = layout::of(&head)?;
-    let plan = columns::plan(&columns::Names {
+    let plan = columns::plan(&Names {
         columns: &layout.names,
         units: &layout.units,
         listing: &layout.names.join(", "),
@@ -192,7 +194,7 @@ impl Rows {
             .plan
             .sources
             .iter()
-            .find(|s| s.known.slot == columns::Slot::Time);
+            .find(|s| s.known.slot == Slot::Time);
         let time = time.and_then(|s| s.columns.first().copied()).unwrap_or(0);
         let has_time = number(cell(record, time), true).is_ok();
         match (&problem, &mut self.footer, &mut self.bad) {

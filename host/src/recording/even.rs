@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use super::Warning;
 use super::frame::Frame;
-use super::timing::{quantile, ranges};
+use super::timing::ranges;
+use crate::statistics::quantile;
 
 /// Distance from an even grid (samples) within which a piece is even: what a filter with a cut-off at a fifth of the
 /// sample rate does not notice.
@@ -321,11 +322,11 @@ mod tests {
         let n = times.len();
         let mut frame = Frame {
             numbers: vec![(
-                super::super::columns::Slot::Position,
+                super::super::known::Slot::Position,
                 times.iter().map(|&t| wave(t)).collect(),
             )],
             parts: vec![(
-                super::super::columns::Slot::Segment,
+                super::super::known::Slot::Segment,
                 (0..n).map(|i| u32::from(i >= n / 2)).collect(),
             )],
             extra: Vec::new(),

@@ -1,7 +1,7 @@
 //! Numeric columns beyond those that a recording needs: what else the effort may follow.
 
-use super::propose::quantity;
 use super::units::Dimension;
+use super::words::quantity;
 use super::{EffortRole, Recording, Warning};
 
 /// A further column of the file, as it is written there: no unit is changed.

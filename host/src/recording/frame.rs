@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::Extra;
-use super::columns::Slot;
+use super::known::Slot;
 
 /// Columns of equal length, but for those that are not there, and how they hang together in time.
 pub(super) struct Frame {

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::Warning;
-use super::columns::Source;
+use super::names::Source;
 
 /// Numbers of segments or repeats from the cells of a column.
 #[derive(Debug, Default)]

@@ -14,9 +14,11 @@ mod extra;
 mod formats;
 mod frame;
 mod join;
+mod known;
 mod labels;
 mod layout;
 mod mat;
+mod names;
 mod propose;
 mod repair;
 mod segments;
@@ -26,17 +28,18 @@ mod tests;
 mod timing;
 mod units;
 mod variables;
+mod words;
 
 use std::fs::File;
 use std::io::{Read, Seek};
 use std::ops::Range;
 use std::path::Path;
 
-use columns::Slot;
 pub use error::{Problem, RecordingError};
 pub use extra::Extra;
 use frame::Frame;
 pub use join::{DROPPED, RATES};
+use known::Slot;
 use table::{Data, Table};
 
 /// Motion along a line or about an axis.

@@ -4,11 +4,11 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use super::columns::Slot;
 use super::frame::Frame;
+use super::known::Slot;
 use super::table::Table;
-use super::timing::quantile;
 use super::{MotionKind, Warning};
+use crate::statistics::quantile;
 
 /// A spike leaves the range of all but 1 % of the samples by as much as that range is wide …
 const SPIKE_RANGES: f64 = 1.0;

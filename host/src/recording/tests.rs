@@ -1,8 +1,9 @@
 //! Whole files: the real recordings, bad ones, and random ones.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use preslide_host_tests::{recordings, shared};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -26,19 +27,6 @@ fn warns(r: &Recording, code: &str) -> bool {
     r.warnings.iter().any(|w| w.code == code)
 }
 
-/// The folder of real recordings, where it exists.
-fn real() -> Option<PathBuf> {
-    let folder = Path::new(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../shared/recordings"
-    ));
-    if folder.is_dir() {
-        return Some(folder.into());
-    }
-    eprintln!("SKIPPED: ../shared/recordings is absent");
-    None
-}
-
 /// Loads `folder/name`, which must succeed.
 fn real_file(folder: &Path, name: &str, map: &[(&str, &str)]) -> Recording {
     load(&folder.join(name), &options(map)).unwrap_or_else(|e| panic!("{e}"))
@@ -46,7 +34,7 @@ fn real_file(folder: &Path, name: &str, map: &[(&str, &str)]) -> Recording {
 
 #[test]
 fn every_real_csv_loads_or_says_why() {
-    let Some(root) = real() else { return };
+    let Some(root) = recordings() else { return };
     let mut seen = 0;
     for folder in std::fs::read_dir(&root)
         .expect("folder")
@@ -145,7 +133,7 @@ fn every_real_csv_loads_or_says_why() {
 
 #[test]
 fn emps_has_four_cycles_of_two_strokes() {
-    let Some(root) = real() else { return };
+    let Some(root) = recordings() else { return };
     let r = real_file(&root, "emps/emps_tracking.csv", &[]);
     assert_eq!(
         (r.len(), r.kind, r.role),
@@ -160,7 +148,7 @@ fn emps_has_four_cycles_of_two_strokes() {
 
 #[test]
 fn the_emps_originals_agree_with_their_csv() {
-    let Some(root) = real() else { return };
+    let Some(root) = recordings() else { return };
     let e = load(&root.join("emps/DATA_EMPS.mat"), &LoadOptions::default())
         .expect_err("other names")
         .to_string();
@@ -204,7 +192,7 @@ fn the_emps_originals_agree_with_their_csv() {
 
 #[test]
 fn a_damaged_emps_original_never_panics_and_never_loses_a_variable_unnoticed() {
-    let Some(root) = real() else { return };
+    let Some(root) = recordings() else { return };
     let bytes = std::fs::read(root.join("emps/DATA_EMPS.mat")).expect("readable");
     let options = options(&[("t_s", "t"), ("x_m", "qm"), ("voltage_V", "vir")]);
     for k in 0..200 {
@@ -235,7 +223,7 @@ fn a_damaged_emps_original_never_panics_and_never_loses_a_variable_unnoticed() {
 
 #[test]
 fn the_tribometer_has_a_hundred_strokes_and_the_opposite_sign() {
-    let Some(root) = real() else { return };
+    let Some(root) = recordings() else { return };
     let r = real_file(&root, "tribometer_reciprocating/reciprocating_5N.csv", &[]);
     assert!(warns(&r, "effort-sign-flipped"));
     assert_eq!((r.segment.last(), r.repeat.last()), (Some(&99), Some(&49)));
@@ -268,7 +256,7 @@ fn the_tribometer_has_a_hundred_strokes_and_the_opposite_sign() {
 
 #[test]
 fn the_gap_of_the_o_ring_is_named_and_splits_the_pieces() {
-    let Some(root) = real() else { return };
+    let Some(root) = recordings() else { return };
     let r = real_file(&root, "pneumatic_seal/O-ring_3bar.csv", &[]);
     let gap = r.warnings.iter().find(|w| w.code == "gap").expect("a gap");
     assert!(
@@ -284,7 +272,7 @@ fn the_gap_of_the_o_ring_is_named_and_splits_the_pieces() {
 
 #[test]
 fn words_in_a_run_column_become_numbers_and_restarts_become_pieces() {
-    let Some(root) = real() else { return };
+    let Some(root) = recordings() else { return };
     let r = real_file(
         &root,
         "screw_drives/drive3_steady_state.csv",
@@ -631,11 +619,9 @@ fn an_angle_that_wraps_at_a_turn_is_unwrapped() {
 /// Every bench loads with the command that its README's columns suggest.
 #[test]
 fn every_bench_loads() {
-    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/benches"));
-    if !root.is_dir() {
-        eprintln!("SKIPPED: ../shared/benches is absent");
+    let Some(root) = shared("benches") else {
         return;
-    }
+    };
     let pendulum = [
         ("t_s", "time"),
         ("q_rad", "position"),
@@ -681,7 +667,7 @@ fn every_bench_loads() {
                     "{e}"
                 );
             }
-            let r = real_file(root, &format!("{folder}/{name}"), map);
+            let r = real_file(&root, &format!("{folder}/{name}"), map);
             check_invariants(&r);
             println!(
                 "{folder}/{name}: {} samples, {} pieces, {:?}",

@@ -1,5 +1,6 @@
 //! Time stamps: what must not be, what is a gap, what is jitter.
 
+use crate::statistics::quantile;
 use std::ops::Range;
 
 use super::Warning;
@@ -96,12 +97,6 @@ pub(super) fn ranges(starts: &[usize], len: usize) -> Vec<Range<usize>> {
         .zip(ends)
         .map(|(a, b)| a..b)
         .collect()
-}
-
-/// The `q`-quantile (nearest rank); reorders the values.
-pub(super) fn quantile(values: &mut [f64], q: f64) -> Option<f64> {
-    let rank = ((values.len().checked_sub(1)?) as f64 * q).round() as usize;
-    Some(*values.select_nth_unstable_by(rank, f64::total_cmp).1)
 }
 
 fn not_advancing(i: usize, from: f64, to: f64, table: &Table) -> Problem {

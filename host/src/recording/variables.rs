@@ -5,6 +5,7 @@ use super::columns;
 use super::error::Problem;
 use super::extra::Reading;
 use super::labels::Labels;
+use super::names::Names;
 use super::table::{Data, Place, Table};
 
 /// A variable of the file.
@@ -60,7 +61,7 @@ pub(super) fn table(variables: &[Variable], options: &LoadOptions) -> Result<Tab
         .iter()
         .map(|v| v.unit.unwrap_or_default().to_owned())
         .collect();
-    let plan = columns::plan(&columns::Names {
+    let plan = columns::plan(&Names {
         columns: &names,
         units: &units,
         listing: &format!("the variables {listing}"),

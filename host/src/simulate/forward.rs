@@ -7,8 +7,8 @@ use super::{PositionError, Simulation};
 use crate::effects::Effect;
 use crate::friction::Visitor;
 use crate::model::Model;
-use crate::nmse::nmse;
 use crate::recording::Recording;
+use crate::statistics::nmse;
 use preslide::{Friction, Motion};
 
 /// Steps within a sample that are tried first, and most of them.

@@ -8,12 +8,12 @@ pub mod ramp;
 #[cfg(test)]
 mod tests;
 
-use crate::effects::{Effect, Measured};
+use crate::effects::Effect;
 use crate::friction::FrictionModel;
-use crate::identify::rigid_body::Kinematics;
-use crate::model::Model;
-use crate::nmse::nmse;
+use crate::model::{Measured, Model};
 use crate::recording::{MotionKind, Recording};
+use crate::signal::Kinematics;
+use crate::statistics::nmse;
 
 pub use forward::motion_with_inertia;
 

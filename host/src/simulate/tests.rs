@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::friction::Path;
+use crate::paper;
 use crate::recording::{LoadOptions, Needs, load_csv};
-use crate::reproduce::paper;
 use preslide::{Block, Sliding};
 
 fn model(friction: FrictionModel) -> Model {

@@ -1,6 +1,7 @@
 //! The watch on the model: is what the drive spends on friction still what it was at commissioning?
 
-use super::{Block, Condition, Learn, LearningSettings, decision_interval};
+use super::{Block, Learn, LearningSettings, decision_interval};
+use crate::friction::{Condition, NormalRange};
 use crate::param::{ParamError, at_least, at_most, positive, to_positive, to_scalar};
 use crate::{Scalar, Units};
 
@@ -15,19 +16,6 @@ pub struct MismatchSettings {
     pub slack: f64,
     /// False alarms per window (-), 1e-9…0.1, expected of an axis in normal condition.
     pub false_alarms: f64,
-}
-
-/// The watch's verdict. Above and below stay until [`MismatchState::acknowledge`], or a swap of the controller's coefficients.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NormalRange {
-    /// Commissioning: the range is being learned.
-    Learning,
-    /// Within it.
-    Inside,
-    /// More is spent than was: wear, a new spot.
-    Above,
-    /// Less is spent than was.
-    Below,
 }
 
 /// Smallest spread over the limit (-): what rounds to nothing must not raise a flag.

@@ -27,8 +27,9 @@ mod adaptation;
 mod mismatch;
 mod run_length;
 
+pub use crate::friction::{Condition, NormalRange};
 pub use adaptation::{Adaptation, AdaptationSettings, AdaptationState};
-pub use mismatch::{MismatchSettings, MismatchState, MismatchWatch, NormalRange};
+pub use mismatch::{MismatchSettings, MismatchState, MismatchWatch};
 pub use run_length::decision_interval;
 
 use crate::param::{Bound, ParamError, at_least, at_most, fits, positive, to_positive, to_scalar};
@@ -94,23 +95,6 @@ impl<S: Scalar> Block<S> {
         model: S::ZERO,
         spent: S::ZERO,
         path: S::ZERO,
-    };
-}
-
-/// What a model that learns has to say.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Condition<S> {
-    /// The watch's verdict; `None` without a watch.
-    pub range: Option<NormalRange>,
-    /// The friction level (-); `None` without adaptation.
-    pub level: Option<S>,
-}
-
-impl<S> Condition<S> {
-    /// Of a model that learns nothing.
-    pub const NONE: Self = Self {
-        range: None,
-        level: None,
     };
 }
 

@@ -4,11 +4,13 @@ use super::page::Page;
 use crate::process::root;
 
 /// Folders whose files the text names in backticks.
-const FOLDERS: [&str; 7] = [
+const FOLDERS: [&str; 9] = [
     "src/",
+    "cli/",
     "host/",
     "host-tests/",
     "link/",
+    "sim/",
     "firmware/",
     "xtask/",
     "docs/",

@@ -41,10 +41,10 @@ const STAGES: &[(&str, &[(&str, &str)])] = &[
     ("feed-forward", &[("control/compensator.rs", "")]),
     (
         "friction",
-        &[("src/gms.rs", ""), ("src/quasi_static.rs", "")],
+        &[("friction/gms.rs", ""), ("friction/quasi_static.rs", "")],
     ),
     ("watch, adaptation", &[("control/learning/", "")]),
-    ("cross-fade", &[("control/fade.rs", "")]),
+    ("cross-fade", &[("control/leaving.rs", "")]),
     ("motor map", &[("control/motor.rs", "")]),
     ("limiter", &[("control/limiter.rs", "")]),
     (

@@ -81,7 +81,14 @@ pub fn cases(
                 continue;
             }
         };
-        let own: Vec<String> = plain.effects.iter().map(|e| e.id.clone()).collect();
+        // A naive recipe suspects nothing: behind the names at its standard point follows the rest of its path.
+        let said = plain.effects.iter();
+        let own = said.filter(|e| e.confident || tool.recipe.is_none());
+        let known = machine.known.iter().copied().flatten();
+        let own: Vec<String> = own
+            .map(|e| e.id.clone())
+            .chain(known.map(|id| (*id).to_owned()))
+            .collect();
         eprintln!(
             "{} as it is: {} [{}] {seconds:.1} s",
             machine.name,

@@ -6,8 +6,8 @@ use super::{Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::quantile;
 use crate::diagnose::weak::Column;
-use crate::identify::estimate::Estimate;
 use crate::model::Model;
+use crate::statistics::Estimate;
 
 /// Share of the samples that stay below the limit at least: the column is made of the measured effort, and with a limit below most of
 /// it the effort would explain itself.

@@ -6,8 +6,8 @@ use super::{Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::{bounds, mean};
 use crate::diagnose::weak::Column;
-use crate::identify::estimate::Estimate;
 use crate::model::Model;
+use crate::statistics::Estimate;
 
 /// Forms: 0 the value, 1 its velocity, 2 the direction, 3 its acceleration.
 const FORMS: u8 = 4;

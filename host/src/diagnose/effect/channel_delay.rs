@@ -4,8 +4,8 @@ use super::readout::enter;
 use super::{Class, Effect, Fitted, Part, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
-use crate::identify::estimate::Estimate;
 use crate::model::Model;
+use crate::statistics::Estimate;
 
 /// `channel_delay`.
 pub struct ChannelDelay;

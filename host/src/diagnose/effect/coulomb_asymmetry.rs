@@ -7,8 +7,8 @@ use super::{Class, Effect, Fitted, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
-use crate::identify::estimate::Estimate;
 use crate::model::Model;
+use crate::statistics::Estimate;
 
 /// Share of the friction level over which its sign changes.
 const SMALL: f64 = 0.1;

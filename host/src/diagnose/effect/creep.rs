@@ -6,8 +6,8 @@ use super::readout::enter;
 use super::{Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
-use crate::identify::estimate::Estimate;
 use crate::model::Model;
+use crate::statistics::Estimate;
 
 /// From a rate that rises e-fold with a twentieth of the breakaway force to one that is all but proportional to the force.
 const SHARES: [f64; 2] = [0.05, 0.5];

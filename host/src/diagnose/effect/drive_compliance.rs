@@ -6,8 +6,8 @@ use super::{Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
 use crate::effects::Effect as Entry;
-use crate::identify::estimate::Estimate;
 use crate::model::Model;
+use crate::statistics::Estimate;
 use std::f64::consts::TAU;
 
 /// Share of the inertia on the motor's side of an elastic drive or a gap, which one recording does not tell.

@@ -6,8 +6,8 @@ use super::{Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::{Signals, bounds, quantile};
 use crate::diagnose::weak::Column;
-use crate::identify::estimate::Estimate;
 use crate::model::Model;
+use crate::statistics::Estimate;
 
 /// Ages from which the level grows that are tried (s): rests that a recording has last as long.
 const TIME_CONSTANTS_S: [f64; 2] = [0.1, 0.5];

@@ -6,8 +6,8 @@ use super::wave::{PHASE, amplitude_and_phase, wave};
 use super::{Class, Effect, Fitted, Line, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
-use crate::identify::estimate::Estimate;
 use crate::model::Model;
+use crate::statistics::Estimate;
 
 /// `encoder_error`.
 pub struct EncoderError;

@@ -5,8 +5,8 @@ use super::wave::{PHASE, amplitude_and_phase, wave};
 use super::{Class, Effect, Fitted, Line, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
-use crate::identify::estimate::Estimate;
 use crate::model::Model;
+use crate::statistics::Estimate;
 use std::f64::consts::FRAC_PI_2;
 
 /// `external_vibration`.

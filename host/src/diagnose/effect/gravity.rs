@@ -7,8 +7,8 @@ use super::{Class, Effect, Fitted, Part, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
-use crate::identify::estimate::Estimate;
 use crate::model::Model;
+use crate::statistics::Estimate;
 
 /// Key of the amplitude, `torque_Nm` on the rotary axes that it is for.
 const AMPLITUDE: &str = "force_N";

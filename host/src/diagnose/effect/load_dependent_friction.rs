@@ -6,8 +6,8 @@ use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::{Signals, bounds, mean, quantile};
 use crate::diagnose::weak::Column;
 use crate::effects::Effect as Entry;
-use crate::identify::estimate::Estimate;
 use crate::model::Model;
+use crate::statistics::Estimate;
 
 /// Key of the friction that a unit of transmitted effort brings (-), as in a gear.
 const SHARE: &str = "share_of_transmitted";

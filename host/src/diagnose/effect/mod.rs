@@ -40,8 +40,8 @@ use super::axis::Axis;
 use super::signals::Signals;
 use super::weak::Column;
 use crate::effects::Effect as Entry;
-use crate::identify::estimate::Estimate;
 use crate::model::Model;
+use crate::statistics::Estimate;
 
 /// Every effect, in the order in which ties are decided: the simpler one first.
 pub static ALL: [&dyn Effect; 26] = [

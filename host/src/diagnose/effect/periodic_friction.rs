@@ -7,8 +7,8 @@ use super::{Class, Effect, Fitted, Line, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
-use crate::identify::estimate::Estimate;
 use crate::model::Model;
+use crate::statistics::Estimate;
 
 /// `periodic_friction`.
 pub struct PeriodicFriction;

@@ -8,8 +8,8 @@ use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
 use crate::effects::Effect as Entry;
-use crate::identify::estimate::Estimate;
 use crate::model::Model;
+use crate::statistics::Estimate;
 
 /// Key of the mean, which a model file has as its constant force.
 const MEAN: &str = "constant_N";

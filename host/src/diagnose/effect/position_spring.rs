@@ -8,8 +8,8 @@ use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::{Signals, bounds};
 use crate::diagnose::weak::Column;
 use crate::effects::Effect as Entry;
-use crate::identify::estimate::Estimate;
 use crate::model::Model;
+use crate::statistics::Estimate;
 
 /// Share of the travel by which a spring's centre may lie aside of the middle: beyond it the constant is a matter of its own.
 pub const ASIDE: f64 = 0.4;

@@ -2,8 +2,8 @@
 
 use super::{Effect, Fitted, Scale};
 use crate::effects::Effect as Entry;
-use crate::identify::estimate::Estimate;
 use crate::model::Model;
+use crate::statistics::Estimate;
 
 /// Parameters by key.
 pub(super) type Values = Vec<(String, Estimate)>;

@@ -8,8 +8,8 @@ use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
 use crate::friction::FrictionModel;
-use crate::identify::estimate::Estimate;
 use crate::model::Model;
+use crate::statistics::Estimate;
 
 /// Place of the exponent in the shape.
 pub(super) const EXPONENT: usize = 1;

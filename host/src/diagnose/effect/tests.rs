@@ -3,8 +3,8 @@
 use super::*;
 use crate::diagnose::signals::quantile;
 use crate::friction::FrictionModel;
-use crate::identify::stop::Deflection;
 use crate::recording::{LoadOptions, MotionKind, Recording, load_csv};
+use crate::signal::Deflection;
 use std::collections::HashSet;
 use std::fmt::Write as _;
 

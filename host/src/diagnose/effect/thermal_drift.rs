@@ -8,8 +8,8 @@ use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::{Signals, bounds, mean};
 use crate::diagnose::weak::Column;
 use crate::effects::Effect as Entry;
-use crate::identify::estimate::Estimate;
 use crate::model::Model;
+use crate::statistics::Estimate;
 
 /// `thermal_drift`.
 pub struct ThermalDrift;

@@ -2,13 +2,13 @@
 
 use super::fit::{Data, Fit};
 use super::{Family, Span};
-use crate::identify::estimate::Estimate;
-use crate::identify::rigid_body::Kinematics;
-use crate::identify::split::Split;
 use crate::identify::{Candidate, Identification, Method};
-use crate::nmse::nmse;
 use crate::progress::Progress;
 use crate::recording::Recording;
+use crate::signal::Kinematics;
+use crate::signal::Split;
+use crate::statistics::Estimate;
+use crate::statistics::nmse;
 use rayon::prelude::*;
 
 /// Seed of the starts.

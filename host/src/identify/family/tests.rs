@@ -3,10 +3,10 @@
 use super::bench::SEED;
 use super::fit::{Data, Fit};
 use super::*;
-use crate::identify::rigid_body::Kinematics;
 use crate::identify::{Options, STEPS, identify};
 use crate::progress::Progress;
 use crate::recording::{LoadOptions, Recording, load_csv};
+use crate::signal::Kinematics;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::fmt::Write as _;

@@ -1,0 +1,244 @@
+//! Runs a firmware ELF in QEMU: `rig fixed|float ELF` compares its commands with the host's simulation,
+//! `rig faults ELF FOLDER [--bless]` injects the faults and compares with the golden files. `rig serve ELF PORT TRUTH` moves
+//! the stage through nested strokes, hands its telemetry to `preslide capture tcp:127.0.0.1:PORT` and writes what the
+//! stage's friction was; `rig judge REC.csv TRUTH` compares with it what `identify` finds in the capture. `rig record ELF
+//! PLUGIN` has a QEMU plugin watch the motion. `rig wear ELF` lets the stage wear from half way on and asks
+//! whether the firmware notices. `cargo xtask qemu`, `stage` and `cycles` call it.
+
+use anyhow::{Context, bail};
+use fixed::types::I16F16;
+use preslide::control::learning::{Adaptation, MismatchWatch};
+use preslide::control::{Learning, LearningSettings};
+use preslide::{Block, QuasiStaticGms, Units};
+use preslide_host::identify::{Options, STEPS, identify};
+use preslide_host::progress::Progress;
+use preslide_host::recording::{self, LoadOptions};
+use preslide_link::{RangeCode, Request};
+use preslide_sim::rig::{
+    Listener, Notice, Script, TrueCurve, Wear, agreement, injections, motion, notice, presliding,
+    requests, run,
+};
+use preslide_sim::tracking::FIXED_UNITS;
+use std::cell::RefCell;
+use std::path::Path;
+
+/// What the firmware starts with: the paper's Table 3, four blocks, through the command link's single precision.
+fn blocks() -> ([Block; 4], f64) {
+    let blocks = [
+        (313_728.0_f32, 0.339_f32),
+        (43_670.0, 0.236),
+        (10_545.0, 0.171),
+        (5_858.0, 0.253),
+    ];
+    let blocks = blocks.map(|(stiffness, weight)| Block {
+        stiffness: stiffness.into(),
+        weight: weight.into(),
+    });
+    (blocks, 0.9_f32.into())
+}
+
+/// Codes by which a command in `f32` may differ: one, by rounding. In fixed point none may differ.
+const FLOAT_BOUND: u32 = 1;
+
+/// Ticks that the motion takes, but for the rest at its end.
+const MOVING: u64 = 10_000;
+
+fn main() -> anyhow::Result<()> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let (blocks, breakaway) = blocks();
+    match words[..] {
+        [kind @ ("fixed" | "float"), elf] => {
+            let elf = Path::new(elf);
+            let (agreement, record) = if kind == "fixed" {
+                let model = QuasiStaticGms::<4, I16F16>::try_new(&blocks, breakaway, FIXED_UNITS)?;
+                agreement(elf, model, FIXED_UNITS)?
+            } else {
+                let model = QuasiStaticGms::<4, f32>::try_new(&blocks, breakaway, Units::SI)?;
+                agreement(elf, model, Units::SI)?
+            };
+            println!(
+                "{kind}: {agreement:?}, {} reports",
+                record.remains.reports.len()
+            );
+            print!("{}", record.remains.log);
+            let bound = if kind == "fixed" { 0 } else { FLOAT_BOUND };
+            if agreement.largest > bound || agreement.reach < 100 {
+                bail!(
+                    "QEMU and the host differ by {} codes; the bound is {bound}",
+                    agreement.largest
+                );
+            }
+        }
+        ["wear", elf] => {
+            type Both = (MismatchWatch<I16F16>, Adaptation<I16F16>);
+            let model = QuasiStaticGms::<4, I16F16>::try_new(&blocks, breakaway, FIXED_UNITS)?;
+            let settings = LearningSettings::PAPER_AXIS;
+            let model = Learning::<_, Both>::try_new(model, &settings, FIXED_UNITS)?;
+            wear(&notice(Path::new(elf), model, FIXED_UNITS, &WEAR)?)?;
+        }
+        ["serve", elf, port, truth] => {
+            serve(
+                Path::new(elf),
+                port.parse().context("the port")?,
+                Path::new(truth),
+            )?;
+        }
+        ["judge", recording, truth] => judge(Path::new(recording), Path::new(truth))?,
+        ["record", elf, plugin] => {
+            let mut script = Script::quiet(MOVING).send(20, &requests(&motion()));
+            script.plugin = Some(plugin.to_owned());
+            let record = run(Path::new(elf), &script, Listener::File)?;
+            if record.broke_off {
+                bail!("the firmware ended early: {}", record.remains.log);
+            }
+        }
+        ["faults", elf, folder] => faults(Path::new(elf), Path::new(folder), false)?,
+        ["faults", elf, folder, "--bless"] => faults(Path::new(elf), Path::new(folder), true)?,
+        _ => bail!(
+            "usage: rig fixed|float ELF, rig faults ELF FOLDER [--bless], rig serve ELF PORT TRUTH, rig judge REC.csv TRUTH, rig wear ELF, or rig record ELF PLUGIN"
+        ),
+    }
+    Ok(())
+}
+
+/// A stage that becomes 1 % harder to move with every stroke, from half way on.
+const WEAR: Wear = Wear {
+    strokes: 60,
+    per_stroke: 0.01,
+};
+
+/// Tells what the firmware noticed, and whether that is right.
+fn wear(notice: &Notice) -> anyhow::Result<()> {
+    let Notice {
+        agreement,
+        learned: [learned, host_learned],
+        worn_from,
+        raised: [raised, host_raised],
+        level,
+        adapted,
+        faults,
+        log,
+    } = notice;
+    println!("wear: {agreement:?}");
+    println!(
+        "normal range learned by tick {learned:?} (host {host_learned:?}), wear from {worn_from}, flag {raised:?} (host \
+         {host_raised:?}) at friction level {level:.3}, adapted level at the end {adapted:.3}, samples in the safe state {faults}"
+    );
+    print!("{log}");
+    let (Some(learned), Some(host_learned)) = (learned, host_learned) else {
+        bail!("the normal range was never learned");
+    };
+    let (Some((raised, RangeCode::Above)), Some((host_raised, RangeCode::Above))) =
+        (raised, host_raised)
+    else {
+        bail!("no flag for more friction was raised");
+    };
+    // Telemetry comes every 20th tick.
+    let same = |emulator: &u64, host: &u64| (*host..host + 20).contains(emulator);
+    if learned >= worn_from || raised <= worn_from {
+        bail!("the flag was raised before the stage began to wear, or the range learned after");
+    }
+    if agreement.different > 0 || !same(learned, host_learned) || !same(raised, host_raised) {
+        bail!("the emulator and the host differ");
+    }
+    if *faults > 0 {
+        bail!("the axis stopped; a status must not stop it");
+    }
+    Ok(())
+}
+
+fn faults(elf: &Path, folder: &Path, bless: bool) -> anyhow::Result<()> {
+    let undisturbed = run(
+        elf,
+        &Script::quiet(14_000).send(20, &requests(&motion())),
+        Listener::File,
+    )?;
+    let mut different = Vec::new();
+    for injection in injections() {
+        let text = injection.tell(elf, &undisturbed)?;
+        println!("== {}\n{text}", injection.name);
+        let golden = folder.join(format!("{}.txt", injection.name));
+        if bless {
+            std::fs::write(&golden, text).with_context(|| golden.display().to_string())?;
+        } else if std::fs::read_to_string(&golden).unwrap_or_default() != text {
+            different.push(injection.name);
+        }
+    }
+    if !different.is_empty() {
+        bail!(
+            "unlike the golden files: {}; look at the output above, and `cargo xtask qemu --bless` if it is right",
+            different.join(", ")
+        );
+    }
+    Ok(())
+}
+
+/// Between two looks at the stage's friction: its gains wander over 100 µm of path, a second of this motion.
+const LOOK_TICKS: u64 = 2000;
+
+/// Moves through nested strokes and hands out telemetry; what the friction was goes to the file `truth`.
+fn serve(elf: &Path, port: u16, truth: &Path) -> anyhow::Result<()> {
+    println!("waiting for `preslide capture tcp:127.0.0.1:{port} -o REC.csv`");
+    let curve = RefCell::new(TrueCurve::default());
+    let mut script = Script::quiet(0);
+    // Every tick's telemetry would cost more than the rest of the emulation: QEMU sends it byte by byte.
+    // The exchange of the initialisation, tick 0, carries no byte.
+    script = script.send(1, &[Request::Telemetry { every: 5 }]);
+    script = script.follow(40, &presliding())?;
+    script.disturb = Box::new(|tick, stage| {
+        if tick.is_multiple_of(LOOK_TICKS) {
+            let speed = stage.truth().velocity_m_s;
+            curve.borrow_mut().look(stage, speed);
+        }
+    });
+    let record = run(elf, &script, Listener::Tcp(port))?;
+    print!("{}", record.remains.log);
+    drop(script);
+    let text = serde_json::to_string(&curve.into_inner())?;
+    std::fs::write(truth, text).with_context(|| truth.display().to_string())
+}
+
+/// Wide intervals contain anything: the curve must also be right to 3 %, where the stage's friction varies by ±15 %.
+const LARGEST_DEVIATION: f64 = 0.03;
+
+/// Identifies a capture and compares with what the stage's friction was.
+fn judge(recording: &Path, truth: &Path) -> anyhow::Result<()> {
+    let text = std::fs::read_to_string(truth).with_context(|| truth.display().to_string())?;
+    let truth: TrueCurve = serde_json::from_str(&text)?;
+    let recording = recording::load(recording, &LoadOptions::default())?;
+    let progress = Progress::new("identify", STEPS);
+    let found = identify(&recording, &Options::default(), &progress).map_err(anyhow::Error::msg)?;
+    progress.finish();
+    let best = found.best();
+    let comparison = truth.compare(best);
+    println!("{}", found.recommendation);
+    println!(
+        "{:>10} {:>10} {:>10} {:>22}",
+        "x (µm)", "true (N)", "found (N)", "95 % (N)"
+    );
+    for (x, truth, found) in &comparison.points {
+        let [low, high] = found.ci95.unwrap_or([f64::NAN; 2]);
+        println!(
+            "{:>10.3} {truth:>10.4} {:>10.4} {low:>11.4} …{high:>9.4}",
+            x * 1e6,
+            found.value
+        );
+    }
+    for (name, value) in &best.rigid_body {
+        let [low, high] = value.ci95.unwrap_or([f64::NAN; 2]);
+        println!("{name}: {:.4}, 95 % {low:.4} … {high:.4}", value.value);
+    }
+    let (inside, points) = (comparison.inside(), comparison.points.len());
+    let (whole, deviation) = (comparison.breakaway_inside(), comparison.relative_rms());
+    println!(
+        "virgin curve: {inside} of {points} points inside the 95 % interval, RMS deviation {:.2} %; breakaway force: {}",
+        100.0 * deviation,
+        if whole { "inside" } else { "outside" }
+    );
+    // A 95 % interval leaves out a twentieth of what it is drawn for.
+    if !whole || inside * 20 < points * 19 || deviation > LARGEST_DEVIATION {
+        bail!("the identified model does not match the stage's friction");
+    }
+    Ok(())
+}

@@ -1,0 +1,70 @@
+//! `cargo run --release --example track` prints the tracking table; behind `--`: `adaptation`, tracking with and without adaptation of
+//! the friction level; `watch`, the watch's false alarms, asked for and measured, and its delays; `dead-time`, what the bridge's dead
+//! time costs and what making up for it wins back; `identify`, what a capture says of friction by how the current is sampled.
+//!
+//! `--electrical` puts the table on the electrical stage, its dead time told to the controller; `--electrical=untold` does not tell;
+//! `centre`, `unsynchronised` and `oversampled` in place of `untold` sample the current otherwise than the firmware does. Behind `only`: parts of the names of the rows wanted, as in `only none tanh GMS`.
+
+use anyhow::bail;
+use preslide::control::{LearningSettings, Settings};
+use preslide_axis::AxisFile;
+use preslide_sim::rig::sensed;
+use preslide_sim::stage::{ElectricalConfig, Sampling, SenseConfig, StageConfig};
+use preslide_sim::tracking::{adaptation, dead_time, electrical, print, table, watch};
+
+fn main() -> anyhow::Result<()> {
+    let mut settings = AxisFile::chosen(None)?.axis();
+    let learning = LearningSettings::PAPER_AXIS;
+    let mut stage = StageConfig::default().on(&settings);
+    let progress = |done, all| eprintln!("{done}/{all}");
+    let mut words: Vec<String> = std::env::args().skip(1).collect();
+    let only = match words.iter().position(|word| word == "only") {
+        Some(at) => words.split_off(at).split_off(1),
+        None => Vec::new(),
+    };
+    let what = words.first();
+    let text = match what.map(String::as_str) {
+        None => print(&table(&settings, &stage, &only, progress)?),
+        Some("adaptation") => {
+            adaptation::print(&adaptation::table(&settings, &learning, 6, progress)?)
+        }
+        Some("watch") => watch::print(&watch::study(&settings, &learning, 400, 12, progress)?),
+        Some("dead-time") => {
+            dead_time::print(&dead_time::study(&settings, &ElectricalConfig::default())?)
+        }
+        Some("identify") => sensed::print(&sensed::study()?),
+        Some(word) if word.starts_with("--electrical") => {
+            stage = electrical(&mut settings, stage);
+            otherwise(word, &mut settings, &mut stage)?;
+            print(&table(&settings, &stage, &only, progress)?)
+        }
+        Some(other) => bail!(
+            "give `adaptation`, `watch`, `dead-time`, `identify`, `--electrical` or nothing, not `{other}`"
+        ),
+    };
+    print!("{text}");
+    Ok(())
+}
+
+fn otherwise(word: &str, settings: &mut Settings, stage: &mut StageConfig) -> anyhow::Result<()> {
+    let sampling = match word.strip_prefix("--electrical") {
+        Some("") => return Ok(()),
+        Some("=untold") => {
+            settings.hardware.dead_time = 0.0;
+            return Ok(());
+        }
+        Some("=centre") => Sampling::Synchronous(0.5),
+        Some("=unsynchronised") => Sampling::Unsynchronised,
+        Some("=oversampled") => Sampling::Oversampled(16),
+        _ => bail!(
+            "give --electrical or --electrical=untold, centre, unsynchronised or oversampled, not `{word}`"
+        ),
+    };
+    if let Some(electrical) = &mut stage.electrical {
+        electrical.sense = SenseConfig {
+            sampling,
+            ..electrical.sense.clone()
+        };
+    }
+    Ok(())
+}

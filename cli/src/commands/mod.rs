@@ -1,0 +1,342 @@
+//! The commands: each reads its arguments, calls the library, and prints one recommendation.
+
+/// Prints a line for the user. A reader that has closed the pipe (`preslide … | head`) ends nothing: files are
+/// still written. Any other failure ends the program, because the answer would be lost.
+macro_rules! say {
+    ($($line:tt)*) => { $crate::commands::print_line(format_args!($($line)*)) };
+}
+
+pub mod capture;
+pub mod compare;
+pub mod demo;
+pub mod diagnose;
+pub mod drive;
+pub mod export;
+pub mod identify;
+pub mod outputs;
+pub mod plan;
+pub mod reproduce;
+pub mod simulate;
+pub mod tune;
+
+use clap::Args;
+pub use outputs::write_text;
+use preslide_axis::AxisFile;
+use preslide_host::diagnose::Refusal;
+use preslide_host::identify::Options;
+use preslide_host::model::ModelError;
+use preslide_host::recording::{self, LoadOptions, Needs, Problem, Recording, RecordingError};
+use preslide_host::report::Page;
+use preslide_host::signal::{Window, check_windows, parse_window};
+use std::path::PathBuf;
+
+/// Why a command ended without its answer; decides the exit code.
+#[derive(Debug)]
+pub enum Failure {
+    /// The tool failed: exit code 1.
+    Tool(String),
+    /// Bad usage or bad input: exit code 2.
+    Input(String),
+    /// The data cannot answer the question: exit code 3.
+    Data(String),
+}
+
+impl Failure {
+    /// Exit code as documented in `preslide --help`.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Failure::Tool(_) => 1,
+            Failure::Input(_) => 2,
+            Failure::Data(_) => 3,
+        }
+    }
+
+    /// What to tell the user.
+    pub fn message(&self) -> &str {
+        match self {
+            Failure::Tool(message) | Failure::Input(message) | Failure::Data(message) => message,
+        }
+    }
+}
+
+impl From<RecordingError> for Failure {
+    fn from(error: RecordingError) -> Self {
+        Failure::Input(error.to_string())
+    }
+}
+
+impl From<ModelError> for Failure {
+    fn from(error: ModelError) -> Self {
+        Failure::Input(error.to_string())
+    }
+}
+
+impl From<Refusal> for Failure {
+    fn from(refusal: Refusal) -> Self {
+        match refusal {
+            Refusal::Input(reason) => Failure::Input(reason),
+            Refusal::Data(reason) => Failure::Data(reason),
+        }
+    }
+}
+
+impl From<anyhow::Error> for Failure {
+    fn from(error: anyhow::Error) -> Self {
+        Failure::Tool(format!("{error:#}"))
+    }
+}
+
+/// Which axis.
+#[derive(Args, Clone, Debug)]
+pub struct AxisArgs {
+    /// The description of the axis [default: what PRESLIDE_AXIS names, or else the project's own axis.toml]
+    #[arg(long, value_name = "AXIS.toml")]
+    axis: Option<PathBuf>,
+}
+
+impl AxisArgs {
+    /// Reads it.
+    pub fn read(&self) -> Result<AxisFile, Failure> {
+        AxisFile::chosen(self.axis.as_deref()).map_err(|error| Failure::Input(error.to_string()))
+    }
+
+    /// Somebody chose it.
+    pub fn is_chosen(&self) -> bool {
+        self.axis.is_some() || std::env::var_os(preslide_axis::VARIABLE).is_some()
+    }
+}
+
+/// Recordings and how to read them.
+#[derive(Args, Clone, Debug)]
+pub struct RecordingArgs {
+    /// Recordings: CSV, MATLAB .mat, NumPy .npz, and what this build reads besides (Parquet, HDF5, MCAP, .db3); columns t_s, x_m or
+    /// q_rad, and an effort such as force_N
+    #[arg(required = true, value_name = "REC")]
+    recordings: Vec<PathBuf>,
+
+    #[command(flatten)]
+    reading: ReadingArgs,
+}
+
+impl RecordingArgs {
+    /// Sees to it that the outputs can be written and are none of the recordings, nor the model.
+    pub fn check_outputs(
+        &self,
+        model: Option<&PathBuf>,
+        output: Option<&PathBuf>,
+        others: &OutputArgs,
+    ) -> Result<(), Failure> {
+        let inputs = self.recordings.iter().chain(model);
+        let inputs: Vec<_> = inputs.map(PathBuf::as_path).collect();
+        outputs::check(&inputs, output.map(PathBuf::as_path), Some(others))
+    }
+
+    /// Loads every recording and joins them into one.
+    pub fn load(&self) -> Result<Recording, Failure> {
+        self.reading.load(&self.recordings, Needs::Both)
+    }
+}
+
+/// How to read recordings.
+#[derive(Args, Clone, Debug)]
+pub struct ReadingArgs {
+    /// Read a column under the tool's name, times numbers or columns: force_N=35.15*vir
+    #[arg(long, value_name = "NAME=COLUMN", value_parser = recording::parse_map)]
+    map: Vec<(String, String)>,
+
+    /// Sign of the effort: 1 or -1; without it an opposed sign is found and flipped with a warning
+    #[arg(long, value_name = "SIGN", allow_negative_numbers = true)]
+    sign: Option<f64>,
+
+    /// Take a column as if it were not there; may be given several times
+    #[arg(long, value_name = "COLUMN")]
+    ignore: Vec<String>,
+}
+
+impl ReadingArgs {
+    /// Loads recordings and joins them into one, telling the user what the loader noticed.
+    pub fn load(&self, paths: &[PathBuf], needs: Needs) -> Result<Recording, Failure> {
+        let options = LoadOptions {
+            needs,
+            map: self.map.clone(),
+            sign: self.sign,
+            ignore: self.ignore.clone(),
+            ..LoadOptions::default()
+        };
+        let (mut recordings, mut wrong) = (Vec::new(), Vec::new());
+        for path in paths {
+            match recording::load(path, &options) {
+                Ok(recording) => recordings.push(recording),
+                Err(error) => wrong.push(error),
+            }
+        }
+        if !wrong.is_empty() {
+            return Err(Failure::Input(all_wrong(&wrong)));
+        }
+        for recording in &recordings {
+            for warning in &recording.warnings {
+                eprintln!("{}: warning: {warning}", recording.name);
+            }
+        }
+        let whole = Recording::join(recordings).map_err(Failure::Input)?;
+        let of_joining = [recording::DROPPED, recording::RATES];
+        for warning in whole
+            .warnings
+            .iter()
+            .filter(|w| of_joining.contains(&w.code))
+        {
+            eprintln!("{}: warning: {warning}", whole.name);
+        }
+        Ok(whole)
+    }
+}
+
+/// The recording with as many samples as its band needs, and a line that says so.
+pub fn thin(recording: Recording) -> Recording {
+    let Some(thinned) = preslide_host::identify::thinned(&recording) else {
+        return recording;
+    };
+    if let Some(warning) = thinned.warnings.last() {
+        eprintln!("{}: {}", thinned.name, warning.message);
+    }
+    thinned
+}
+
+/// Every file's error, and the command that would read them where their names let it be guessed.
+fn all_wrong(errors: &[RecordingError]) -> String {
+    let mut lines: Vec<String> = errors.iter().map(ToString::to_string).collect();
+    let maps = errors.iter().find_map(|e| match &e.problem {
+        Problem::Columns { maps, .. } if !maps.is_empty() => Some(maps.join(" ")),
+        _ => None,
+    });
+    lines.extend(maps.map(|maps| format!("Such as: {} {maps}", command_line())));
+    lines.join("\n")
+}
+
+/// What to fit and what to hold out.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct SplitArgs {
+    /// Fit only this window of time, in seconds: 100..145
+    #[arg(long, value_name = "FROM..TO", value_parser = parse_window)]
+    train: Option<Window>,
+
+    /// Judge on this window, which is never fitted; without it repeats or strokes take turns
+    #[arg(long, value_name = "FROM..TO", value_parser = parse_window)]
+    test: Option<Window>,
+}
+
+impl SplitArgs {
+    /// Whether windows of the recording are asked for.
+    pub fn has_windows(self) -> bool {
+        self.train.is_some() || self.test.is_some()
+    }
+
+    /// The windows, once they are known to hold samples of `recording`.
+    pub fn options(self, recording: &Recording) -> Result<Options, Failure> {
+        let Self { train, test } = self;
+        check_windows(recording, train, test).map_err(Failure::Input)?;
+        Ok(Options { train, test })
+    }
+}
+
+/// Where to put what a command found, besides the terminal.
+#[derive(Args, Clone, Debug)]
+pub struct OutputArgs {
+    /// Write the result for machines
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+
+    /// Write one self-contained page with interactive plots, and its main plot beside it as .png
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+}
+
+impl OutputArgs {
+    /// Writes what was asked for. `page` is built only if it is; its first figure becomes the picture.
+    pub fn write(
+        &self,
+        json: &serde_json::Value,
+        page: impl FnOnce() -> Page,
+    ) -> Result<(), Failure> {
+        if let Some(path) = &self.report
+            && path
+                .extension()
+                .is_some_and(|e| e.eq_ignore_ascii_case("png"))
+        {
+            return Err(Failure::Input(format!(
+                "--report {}: this is where its picture would go; name the page .html",
+                path.display()
+            )));
+        }
+        self.write_json(json)?;
+        if let Some(path) = &self.report {
+            let page = page();
+            if outputs::is_stdout(path) {
+                return write_text(path, &page.to_html());
+            }
+            outputs::write_with(path, |path| page.write_html(path))?;
+            if let Some(figure) = page.sections.iter().flat_map(|s| &s.figures).next() {
+                let picture = path.with_extension("png");
+                // The picture's kind is told by the ending of its name.
+                outputs::write_with(&picture, |path| {
+                    let named = path.with_extension("png");
+                    figure.write_png(&named)?;
+                    Ok(std::fs::rename(&named, path)?)
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes the result for machines where it was asked for.
+    pub fn write_json(&self, json: &serde_json::Value) -> Result<(), Failure> {
+        if let Some(path) = &self.json {
+            let text =
+                serde_json::to_string_pretty(json).map_err(|e| Failure::Tool(e.to_string()))?;
+            write_text(path, &(text + "\n"))?;
+        }
+        Ok(())
+    }
+}
+
+/// The work of `say!`.
+pub fn print_line(line: std::fmt::Arguments) {
+    use std::io::Write;
+    if outputs::stdout_is_taken() {
+        eprintln!("{line}");
+        return;
+    }
+    match writeln!(std::io::stdout(), "{line}") {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            eprintln!("preslide: standard output: {error}");
+            std::process::exit(1);
+        }
+        _ => {}
+    }
+}
+
+/// `170MHz`, `20kHz`, `8000` in Hz.
+pub fn parse_frequency(text: &str) -> Result<f64, String> {
+    let scales = [("MHz", 1e6), ("kHz", 1e3), ("Hz", 1.0), ("", 1.0)];
+    let read = |(unit, scale): (&str, f64)| {
+        let number: f64 = text.strip_suffix(unit)?.trim().parse().ok()?;
+        (number.is_finite() && number > 0.0).then_some(number * scale)
+    };
+    let found = scales.into_iter().find_map(read);
+    found.ok_or_else(|| "give a frequency above zero, such as 170MHz, 20kHz or 8000".to_owned())
+}
+
+/// The command line, for the foot of a report.
+pub fn command_line() -> String {
+    std::env::args()
+        .enumerate()
+        .map(|(i, argument)| {
+            if i == 0 {
+                "preslide".to_owned()
+            } else {
+                argument
+            }
+        })
+        .collect::<Vec<_>>()
+        .join(" ")
+}

@@ -1,0 +1,546 @@
+//! The `preslide` binary from outside: bad input, outputs, exit codes, help.
+
+mod binary;
+
+use binary::{Folder, HEADER, Run, preslide, recording};
+use preslide_host::model::Model;
+use preslide_host_tests::recordings;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+/// A folder of the real recordings, where it exists.
+fn real(name: &str) -> Option<String> {
+    Some(recordings()?.join(name).display().to_string())
+}
+
+/// A recording with one line (counted from 1, the header) replaced.
+fn with_line(line: usize, text: &str) -> String {
+    let mut lines: Vec<String> = recording(HEADER).lines().map(String::from).collect();
+    lines[line - 1] = text.to_owned();
+    lines.join("\n")
+}
+
+#[test]
+fn bad_headers_name_the_file_and_the_remedy() {
+    let folder = Folder::new();
+    let headless = recording(HEADER)
+        .split_once('\n')
+        .expect("lines")
+        .1
+        .to_owned();
+    for (name, text, parts) in [
+        ("headless.csv", headless, &["line 1", "t_s,x_m,force_N"][..]),
+        (
+            "unit.csv",
+            recording("t_s,x,friction_N"),
+            &["`x`", "x_m", "--map"],
+        ),
+        (
+            "furlong.csv",
+            recording("t_s,x_furlong,friction_N"),
+            &["`x_furlong`", "x_m", "--map"],
+        ),
+        (
+            "two.csv",
+            recording("t_s,x_m,friction_N")
+                .lines()
+                .enumerate()
+                .fold(String::new(), |all, (i, line)| {
+                    all + line + if i == 0 { ",force_N\n" } else { ",1\n" }
+                }),
+            &["`friction_N`", "`force_N`", "--map"],
+        ),
+        ("empty.csv", String::new(), &["is empty", "header"]),
+        ("no_samples.csv", format!("{HEADER}\n"), &["0 samples"]),
+    ] {
+        let path = folder.file(name, text);
+        preslide(&["identify", &path]).fails(2, &[&[name][..], parts].concat());
+    }
+}
+
+#[test]
+fn bad_cells_and_times_name_file_line_and_remedy() {
+    let folder = Folder::new();
+    for (name, row, parts) in [
+        (
+            "nan.csv",
+            "0.480,NaN,0.1",
+            &["line 50", "`x_m`", "correct it"][..],
+        ),
+        (
+            "text.csv",
+            "0.480,1e-6,high",
+            &["line 50", "`friction_N`", "`high` is not a number"],
+        ),
+        ("hole.csv", "0.480,,0.1", &["line 50", "`x_m`", "empty"]),
+        (
+            "short.csv",
+            "0.480,1e-6",
+            &["line 50", "2 cells", "complete it"],
+        ),
+        (
+            "back.csv",
+            "0.100,1e-6,0.1",
+            &["line 50", "runs backwards", "sort the rows"],
+        ),
+        (
+            "still.csv",
+            "0.470,1e-6,0.1",
+            &["line 50", "stands still", "more digits"],
+        ),
+    ] {
+        let path = folder.file(name, with_line(50, row));
+        preslide(&["identify", &path]).fails(2, &[&[name][..], parts].concat());
+    }
+}
+
+#[test]
+fn motion_that_cannot_answer_exits_with_3_and_says_what_to_record() {
+    let folder = Folder::new();
+    let table = |x: fn(i32) -> f64, f: fn(i32) -> f64, n: i32| {
+        (0..n).fold(format!("{HEADER}\n"), |mut text, i| {
+            writeln!(text, "{},{},{}", f64::from(i) * 0.01, x(i), f(i)).expect("memory");
+            text
+        })
+    };
+    let wave = |i: i32| (f64::from(i) * 0.02).sin() * 1e-3;
+    let force = |i: i32| (f64::from(i) * 0.02).cos().signum();
+    for (name, text, parts) in [
+        (
+            "one_way.csv",
+            table(|i| f64::from(i) * 1e-5, |i| f64::from(i % 7), 900),
+            &["one-way-motion", "both directions", "what it does not: "][..],
+        ),
+        (
+            "short.csv",
+            table(wave, force, 90),
+            &["too-short", "longer"],
+        ),
+        (
+            "standstill.csv",
+            table(|_| 0.5, |i| f64::from(i % 7), 900),
+            &["no-motion", "record a motion"],
+        ),
+        (
+            "no_effort.csv",
+            table(wave, |_| 0.0, 3000),
+            &["constant-effort", "effort"],
+        ),
+        (
+            "one_turn.csv",
+            table(wave, force, 300),
+            &["strokes to fit", "three reversals"],
+        ),
+    ] {
+        let path = folder.file(name, text);
+        preslide(&["identify", &path]).fails(3, &[&[name][..], parts].concat());
+    }
+}
+
+#[test]
+fn a_current_is_taken_as_it_is_and_what_a_constant_would_add_is_said() {
+    let folder = Folder::new();
+    let path = folder.file("current.csv", recording("t_s,x_m,current_A"));
+    let run = preslide(&["identify", &path]);
+    let said = &run.succeeds().out;
+    for part in [
+        "the effort is in A",
+        "K in N/A",
+        "--map force_N=K*COLUMN",
+        "A·s²/m",
+    ] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    preslide(&["identify", &path, "--map", "friction_N=2*current_A"]).succeeds();
+}
+
+#[test]
+fn the_gap_of_the_o_ring_is_a_warning_that_names_the_line() {
+    let Some(path) = real("pneumatic_seal/O-ring_3bar.csv") else {
+        return;
+    };
+    let run = preslide(&["identify", &path]);
+    run.succeeds();
+    for part in ["O-ring_3bar.csv", "gap", "2.6600 s at line 14"] {
+        assert!(run.err.contains(part), "{}", run.err);
+    }
+}
+
+#[test]
+fn a_truncated_mat_file_names_the_byte() {
+    let Some(path) = real("emps/DATA_EMPS.mat") else {
+        return;
+    };
+    let bytes = std::fs::read(path).expect("readable");
+    let folder = Folder::new();
+    let cut = folder.file("cut.mat", &bytes[..bytes.len() / 2]);
+    let map = [
+        "--map",
+        "t_s=t",
+        "--map",
+        "x_m=qm",
+        "--map",
+        "force_N=gtau*vir",
+    ];
+    preslide(&[&["identify", &cut][..], &map].concat()).fails(2, &["cut.mat", "at byte"]);
+    let head = folder.file("head.mat", &bytes[..60]);
+    preslide(&[&["identify", &head][..], &map].concat()).fails(2, &["head.mat"]);
+}
+
+/// Under a limit of address space, so that reading it would fail loudly.
+#[cfg(unix)]
+#[test]
+fn a_gigabyte_is_refused_at_once_and_in_little_memory() {
+    let folder = Folder::new();
+    for (name, bytes, reason) in [
+        ("over.csv", (1u64 << 30) + 1, "exceed the limit"),
+        ("zeros.csv", 1 << 30, "64 KiB"),
+        ("over.mat", 1 << 30, "exceed the limit"),
+    ] {
+        let path = folder.file(name, "");
+        let file = std::fs::File::options()
+            .write(true)
+            .open(&path)
+            .expect("open");
+        file.set_len(bytes).expect("sparse");
+        let start = Instant::now();
+        let run = Run::from(
+            Command::new("sh")
+                .args(["-c", "ulimit -v 400000; exec \"$0\" identify \"$1\""])
+                .args([env!("CARGO_BIN_EXE_preslide"), &path])
+                .output()
+                .expect("sh runs"),
+        );
+        run.fails(2, &[name, reason]);
+        assert!(start.elapsed() < Duration::from_secs(10), "{name}");
+    }
+}
+
+#[test]
+fn files_that_are_not_there_and_maps_that_lead_nowhere() {
+    let folder = Folder::new();
+    let path = folder.file("good.csv", recording(HEADER));
+    preslide(&["identify", &folder.path("absent.csv")]).fails(2, &["absent.csv", "check the path"]);
+    preslide(&["identify", &folder.path("")]).fails(2, &["cannot be read"]);
+    preslide(&["identify", &path, "--map", "friction_N=load_cell"]).fails(
+        2,
+        &["good.csv", "no column `load_cell`", "t_s, x_m, friction_N"],
+    );
+    preslide(&["identify", &path, "--map", "force=friction_N"])
+        .fails(2, &["`force` is no column", "force_N"]);
+    preslide(&["identify", &path, "--map", "nonsense"]).fails(2, &["NAME=COLUMN"]);
+    preslide(&["identify", &path, "--sign", "2"]).fails(2, &["--sign 2", "1 nor -1"]);
+}
+
+#[test]
+fn windows_and_sizes_that_make_no_sense() {
+    let folder = Folder::new();
+    let path = folder.file("good.csv", recording(HEADER));
+    let run = |more: &[&str]| preslide(&[&["identify", path.as_str()][..], more].concat());
+    run(&["--train", "12..4"]).fails(2, &["12..4", "end after it starts"]);
+    run(&["--train", "4"]).fails(2, &["FROM..TO"]);
+    run(&["--test", "a..b"]).fails(2, &["FROM..TO"]);
+    run(&["--train", "50..60"]).fails(2, &["--train 50..60", "good.csv", "0 to 23.99 s"]);
+    run(&["--test", "50..60"]).fails(2, &["--test 50..60", "0 to 23.99 s"]);
+    preslide(&["compare", &path, "--train", "50..60"]).fails(2, &["--train 50..60", "good.csv"]);
+    run(&["--train", "2..8", "--test", "0..20"]).fails(2, &["do not overlap"]);
+    run(&["--train", "0..0.2"]).fails(3, &["good.csv", "stroke", "widen --train"]);
+    run(&["--blocks", "99"]).fails(2, &["--blocks 99", "models of 0, 1"]);
+
+    let overlap = run(&["--train", "0..16", "--test", "12..24"]);
+    let note = "--train and --test overlap from 12 to 16 s: these samples are judged, not fitted";
+    assert!(overlap.succeeds().out.contains(note), "{}", overlap.out);
+    // The same as if the user had kept them apart.
+    let apart = run(&["--train", "0..12", "--test", "12..24"]);
+    let of = |run: &Run| {
+        run.out
+            .lines()
+            .filter(|l| !l.starts_with("Note"))
+            .collect::<Vec<_>>()
+            .join("\n")
+    };
+    assert_eq!(of(&overlap), of(apart.succeeds()));
+}
+
+#[test]
+fn recordings_of_different_machines_are_not_joined() {
+    let folder = Folder::new();
+    let one = folder.file("one.csv", recording(HEADER));
+    let other = folder.file("other.csv", recording("t_s,q_rad,torque_Nm"));
+    preslide(&["identify", &one, &other]).fails(2, &["one.csv", "other.csv", "not of one machine"]);
+    preslide(&["identify", &one, &one]).succeeds();
+}
+
+#[test]
+fn model_json_and_report_are_written_and_read_back() {
+    let folder = Folder::new();
+    let path = folder.file("good.csv", recording(HEADER));
+    let (model, json, page) = (
+        folder.path("m.toml"),
+        folder.path("r.json"),
+        folder.path("r.html"),
+    );
+    let run = preslide(&[
+        "identify", &path, "-o", &model, "--json", &json, "--report", &page,
+    ]);
+    run.succeeds();
+    assert!(run.out.contains("Use GMS with 1 block"), "{}", run.out);
+
+    let read = Model::load(Path::new(&model)).expect("a model file");
+    assert_eq!(read.friction.kind(), "gms");
+    let text = std::fs::read_to_string(&json).expect("json");
+    let value: serde_json::Value = serde_json::from_str(&text).expect("valid JSON");
+    assert_eq!(value["schema"], "preslide.identification/1");
+    assert_eq!(value["recommended"]["blocks"], 1);
+    let coulomb = value["parameters"]["coulomb_N"]["value"]
+        .as_f64()
+        .expect("a number");
+    assert!((coulomb - 1.0).abs() < 0.01, "{coulomb}");
+    let html = std::fs::read_to_string(&page).expect("page");
+    assert!(html.contains("Use GMS with 1 block") && html.contains("</html>"));
+    assert!(html.contains("good.csv"));
+    let picture = std::fs::read(PathBuf::from(&page).with_extension("png")).expect("picture");
+    assert!(picture.starts_with(b"\x89PNG"));
+
+    // Asked for: other sizes.
+    preslide(&["identify", &path, "--blocks", "0", "-o", &model]).succeeds();
+    assert_eq!(
+        Model::load(Path::new(&model))
+            .expect("a model file")
+            .friction
+            .kind(),
+        "coulomb"
+    );
+    // Another model of the family, with its parameters in a table.
+    let run = preslide(&["identify", &path, "--friction", "dahl_linear", "-o", &model]);
+    assert!(run.succeeds().out.contains("Dahl, n = 1 *"), "{}", run.out);
+    assert!(run.out.contains("stiffness_N_per_m"), "{}", run.out);
+    let kind = Model::load(Path::new(&model)).expect("a model file");
+    assert_eq!(kind.friction.kind(), "dahl");
+    let both = ["--friction", "lugre", "--blocks", "2"];
+    preslide(&[&["identify", path.as_str()][..], &both].concat()).fails(2, &["--blocks"]);
+    preslide(&["identify", &path, "--friction", "wet"]).fails(2, &["wet", "two_state"]);
+}
+
+#[test]
+fn outputs_that_cannot_be_written_say_so() {
+    let folder = Folder::new();
+    let path = folder.file("good.csv", recording(HEADER));
+    for option in ["-o", "--json", "--report"] {
+        let target = folder.path("absent/file.html");
+        let run = preslide(&["identify", &path, option, &target]);
+        run.fails(1, &["cannot write", "file.html", "folder that exists"]);
+    }
+    preslide(&["identify", &path, "--report", &folder.path("r.png")]).fails(2, &["r.png", ".html"]);
+    let blocker = folder.file("blocker", "");
+    preslide(&["demo", "--out", &format!("{blocker}/inside")]).fails(2, &["--out", "blocker"]);
+}
+
+#[test]
+fn no_output_overwrites_an_input_or_another_output() {
+    let folder = Folder::new();
+    let path = folder.file("good.csv", recording(HEADER));
+    let before = std::fs::read(&path).expect("there");
+    let link = folder.path("link.csv");
+    std::fs::hard_link(&path, &link).expect("linked");
+    let model = folder.path("model.toml");
+    let start = Instant::now();
+    preslide(&["identify", &path, "-o", &path]).fails(2, &["-o", "this is the input"]);
+    preslide(&["identify", &path, "-o", &link]).fails(2, &["link.csv", "this is the input"]);
+    preslide(&["identify", &path, "-o", &model, "--json", &model])
+        .fails(2, &["--json", "goes there already"]);
+    let nowhere = folder.path("no/where.json");
+    preslide(&["identify", &path, "-o", &link, "--json", &nowhere]).fails(
+        2,
+        &["this is the input", "no/where.json", "folder that exists"],
+    );
+    assert!(
+        start.elapsed() < Duration::from_secs(5),
+        "refused before any work"
+    );
+    assert!(std::fs::read(&path).expect("there") == before);
+    let piped = preslide(&["identify", &path, "-o", "-"]);
+    assert!(
+        piped
+            .succeeds()
+            .out
+            .contains("schema = \"preslide.model/1\""),
+        "{}",
+        piped.out
+    );
+    assert!(
+        !piped.out.contains("Use ") && piped.err.contains("Use "),
+        "{}",
+        piped.out
+    );
+    let left: Vec<_> = std::fs::read_dir(folder.path(""))
+        .expect("folder")
+        .flatten()
+        .map(|f| f.file_name())
+        .collect();
+    assert_eq!(left.len(), 2, "{left:?}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_model_without_end_and_absurd_ones_are_refused() {
+    let folder = Folder::new();
+    let path = folder.file("good.csv", recording(HEADER));
+    preslide(&["simulate", "/dev/zero", "--motion", &path])
+        .fails(2, &["/dev/zero", "1048576 bytes"]);
+    let model = "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[friction]\nkind = \"coulomb\"\ncoulomb_N = 1e308\n";
+    let huge = folder.file("huge.toml", model);
+    preslide(&["simulate", &huge, "--motion", &path])
+        .fails(2, &["huge.toml", "friction.coulomb_N", "1e308"]);
+}
+
+#[test]
+fn help_names_units_and_an_example() {
+    let top = preslide(&["--help"]);
+    for part in ["Exit codes", "identify", "demo"] {
+        assert!(top.succeeds().out.contains(part), "{}", top.out);
+    }
+    let commands: Vec<&str> = top
+        .out
+        .lines()
+        .skip_while(|line| !line.starts_with("Commands:"))
+        .skip(1)
+        .take_while(|line| line.starts_with("  "))
+        .filter(|line| !line.starts_with("   "))
+        .filter_map(|line| line.split_whitespace().next())
+        .filter(|&name| name != "help")
+        .collect();
+    assert!(commands.len() >= 2, "{commands:?}");
+    for command in commands {
+        let help = preslide(&[command, "--help"]);
+        let text = &help.succeeds().out;
+        assert!(text.contains(&format!("preslide {command}")), "{text}");
+        assert!(text.contains("Example: preslide"), "{command}: {text}");
+        let units = ["_s", "_N", "_m", "in N", "[N", "[s", "Hz", "seconds"];
+        assert!(
+            units.iter().any(|unit| text.contains(unit)),
+            "{command}: {text}"
+        );
+    }
+    preslide(&[]).fails(2, &["Usage"]);
+    preslide(&["identfy"]).fails(2, &["identify"]);
+    preslide(&["identify"]).fails(2, &["<REC>"]);
+}
+
+const MODEL: &str = "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[friction]\nkind = \"gms\"\nbreakaway_N = 0.9\nblocks = [\n{ stiffness_N_per_m = 270313.0, weight = 0.25 },\n{ stiffness_N_per_m = 20000.0, weight = 0.75 },\n]\n";
+
+#[test]
+fn simulate_refuses_bad_model_files_by_key() {
+    let folder = Folder::new();
+    let motion = folder.file("motion.csv", recording(HEADER));
+    let good = folder.file("good.toml", MODEL);
+    preslide(&["simulate", &good, "--motion", &motion]).succeeds();
+    for (name, text, parts) in [
+        (
+            "unknown.toml",
+            MODEL.replace("breakaway_N", "colour = 3\nbreakaway_N"),
+            &["colour", "line 5"][..],
+        ),
+        (
+            "negative.toml",
+            MODEL.replace("= 20000.0", "= -20000.0"),
+            &["stiffness", "-20000"],
+        ),
+        (
+            "weights.toml",
+            MODEL.replace("0.75", "0.5"),
+            &["weight", "0.75"],
+        ),
+        ("nan.toml", MODEL.replace("0.75", "nan"), &["weight"]),
+        (
+            "schema.toml",
+            MODEL.replace("model/1", "model/9"),
+            &["schema", "preslide.model/1"],
+        ),
+        ("broken.toml", MODEL.replace("]\n", ""), &["line"]),
+        ("empty.toml", String::new(), &["motion"]),
+    ] {
+        let path = folder.file(name, text);
+        let run = preslide(&["simulate", &path, "--motion", &motion]);
+        run.fails(2, &[&[name][..], parts].concat());
+        // `stderr` holds nothing but that.
+        assert!(!run.err.contains("Usage"), "{}", run.err);
+    }
+    preslide(&["simulate", &folder.path("absent.toml"), "--motion", &motion])
+        .fails(2, &["absent.toml"]);
+}
+
+#[test]
+fn capture_leaves_nothing_behind_where_nothing_comes() {
+    let folder = Folder::new();
+    let (old, new) = (folder.file("old.csv", "t_s\n"), folder.path("new.csv"));
+    let noise = folder.file("noise", [0x55; 500]);
+    preslide(&["capture", &noise, "-o", &old]).fails(2, &["old.csv exists", "--overwrite"]);
+    preslide(&["capture", "tcp:127.0.0.1:1", "-o", &new]).fails(2, &["127.0.0.1:1", "--wait"]);
+    preslide(&["capture", &noise, "-o", &new]).fails(3, &["no telemetry", "speed"]);
+    assert!(!std::path::Path::new(&new).exists());
+    let nowhere = folder.path("none/new.csv");
+    preslide(&["capture", &noise, "-o", &nowhere]).fails(1, &["none", "folder"]);
+    preslide(&["capture", &noise, "-o", &new, "--every", "0"]).fails(2, &["--every"]);
+}
+
+#[test]
+fn a_reference_is_followed_in_closed_loop() {
+    let folder = Folder::new();
+    let model = folder.file("model.toml", format!("{MODEL}[inertia]\nmass_kg = 2.0\n"));
+    let plan = folder.file("plan.csv", recording(HEADER));
+    let gains = "schema = \"preslide.controller/1\"\nrate_Hz = 8000\nproportional_N_per_m = 2e5\nintegral_N_per_m_s = 1e6\nderivative_N_s_per_m = 900\nlimit_N = 50\n";
+    let good = folder.file("gains.toml", gains);
+    let json = folder.path("out.json");
+    let run = |gains: &str, more: &[&str]| {
+        let first = [
+            "simulate",
+            &model,
+            "--reference",
+            &plan,
+            "--controller",
+            gains,
+        ];
+        preslide(&[&first[..], more].concat())
+    };
+    let found = run(&good, &["--json", &json]);
+    assert!(
+        found.succeeds().out.contains("follows its reference"),
+        "{}",
+        found.out
+    );
+    let text = std::fs::read_to_string(&json).expect("written");
+    let value: serde_json::Value = serde_json::from_str(&text).expect("valid JSON");
+    assert_eq!(value["input"], "reference");
+    let largest = value["following_max"].as_f64().expect("a number");
+    // Breakaway force over proportional gain, 4.5 µm, and the start: from rest to 3.5 mm/s in a loop of 316 rad/s, 5 µm.
+    assert!(largest > 0.0 && largest < 1e-5, "{largest:e}");
+    let bad = folder.file("bad.toml", gains.replace("rate_Hz", "rate"));
+    run(&bad, &[]).fails(2, &["bad.toml", "rate_Hz"]);
+    preslide(&["simulate", &model, "--reference", &plan]).fails(2, &["--controller"]);
+}
+
+/// A motion is planned for the axis that is described: its limits where nothing is said, and not beyond them.
+#[test]
+fn a_plan_keeps_to_the_axis_that_is_named() {
+    let folder = Folder::new();
+    let own = include_str!("../../axis.toml");
+    let edited = own.replace("speed = 15e-3", "speed = 3e-3");
+    assert_ne!(own, edited, "axis.toml has another speed");
+    let (axis, motion) = (folder.file("axis.toml", edited), folder.path("motion.csv"));
+    let plan = |more: &[&str]| {
+        let all = [&["plan", "--axis", &axis, "-o", &motion], more].concat();
+        preslide(&all)
+    };
+    plan(&["--travel", "30mm", "--speed", "4mm/s"]).fails(
+        2,
+        &[
+            "--travel 3e-2 is beyond",
+            "--speed 4e-3 is beyond limits.speed, 3e-3",
+        ],
+    );
+    plan(&["--travel", "2mm"]).succeeds();
+    preslide(&["plan", "--axis", "none.toml", "-o", &motion]).fails(2, &["none.toml", "axis.toml"]);
+}

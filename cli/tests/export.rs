@@ -1,0 +1,271 @@
+//! Exported source: it is what is compiled here, and its model gives the force that the host computes.
+//!
+//! `exported/*.rs` are written by `preslide export`; run with `BLESS=1` to write them anew after a change.
+
+use preslide::{Friction, Motion, Scalar, Units};
+use preslide_host::friction::Path as MotionPath;
+use preslide_host::model::{Measured, Model};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+mod linear {
+    include!("exported/linear.rs");
+}
+mod rotary {
+    include!("exported/rotary.rs");
+}
+mod plain {
+    include!("exported/plain.rs");
+}
+mod bouc_wen {
+    include!("exported/bouc_wen.rs");
+}
+mod elasto_plastic {
+    include!("exported/elasto_plastic.rs");
+}
+mod leuven {
+    include!("exported/leuven.rs");
+}
+mod two_state {
+    include!("exported/two_state.rs");
+}
+
+fn file(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/exported")
+        .join(name)
+}
+
+fn export(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_preslide"))
+        .arg("export")
+        .args(arguments)
+        .output()
+        .expect("the binary runs")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+#[test]
+fn the_source_that_is_compiled_here_is_what_export_writes() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    for name in [
+        "linear",
+        "rotary",
+        "plain",
+        "bouc_wen",
+        "elasto_plastic",
+        "leuven",
+        "two_state",
+    ] {
+        let written = folder.path().join("out.rs");
+        let run = export(&[
+            &file(&format!("{name}.toml")).display().to_string(),
+            "-o",
+            &written.display().to_string(),
+        ]);
+        assert!(run.status.success(), "{}", text(&run.stderr));
+        let source = std::fs::read_to_string(&written).expect("written");
+        let golden = file(&format!("{name}.rs"));
+        if std::env::var_os("BLESS").is_some() {
+            std::fs::write(&golden, &source).expect("blessed");
+        }
+        let kept = std::fs::read_to_string(&golden).unwrap_or_default();
+        assert!(
+            kept == source,
+            "{name}.rs is not what export writes; look at the difference, then BLESS=1"
+        );
+    }
+}
+
+const STEP: f64 = 1e-4;
+
+/// Position (m or rad) and velocity of `samples` samples, about 4 `scale` long, with small loops in it.
+fn motion(samples: usize, scale: f64) -> (Vec<f64>, Vec<f64>) {
+    (0..samples)
+        .map(|i| {
+            let t = i as f64 * STEP;
+            let of = |w: f64, share: f64| {
+                (
+                    scale * share * (w * t).sin(),
+                    scale * share * w * (w * t).cos(),
+                )
+            };
+            let (slow, fast) = (of(3.0, 3.0), of(70.0, 0.02));
+            (slow.0 + fast.0, slow.1 + fast.1)
+        })
+        .unzip()
+}
+
+/// Largest difference between an exported model, run as the control task does, and the host's force for the file.
+fn difference<F: Friction>(
+    name: &str,
+    model: F,
+    tell: impl Fn(&mut F::State, f64, f64),
+    scale: f64,
+) -> f64 {
+    let host = Model::load(&file(&format!("{name}.toml"))).expect("valid");
+    let (position, velocity) = motion(20_000, scale);
+    let temperature: Vec<f64> = (0..20_000).map(|i| 20.0 + f64::from(i) * 2e-4).collect();
+    let load: Vec<f64> = (0..20_000).map(|i| 32.0 - f64::from(i) * 2e-4).collect();
+    let path = MotionPath {
+        position: &position,
+        velocity: &velocity,
+        pieces: std::slice::from_ref(&(0..20_000)),
+        sample_time: STEP,
+    };
+    let measured = Measured {
+        temperature_c: Some(&temperature),
+        load_n: Some(&load),
+        ..Measured::default()
+    };
+    let wanted = host
+        .force_along(path, &measured)
+        .expect("all that effects need");
+    let scalar = |value: f64| F::Scalar::try_from_f64(value).expect("in range");
+    let mut state = model.at_rest();
+    let mut last = position[0];
+    let mut largest = 0.0_f64;
+    for i in 0..position.len() {
+        model.place(&mut state, scalar(position[i]));
+        tell(&mut state, temperature[i], load[i]);
+        let motion = Motion {
+            displacement: scalar(position[i] - last),
+            velocity: scalar(velocity[i]),
+        };
+        last = position[i];
+        let force = model.step(&mut state, motion).to_f64();
+        largest = largest.max((force - wanted[i]).abs());
+    }
+    largest
+}
+
+#[test]
+fn the_models_without_a_kernel_are_exported_too() {
+    macro_rules! check {
+        ($($kind:ident)*) => {
+            $(
+                let model = $kind::model::<f64>(STEP, Units::SI).expect("valid");
+                assert_eq!(difference(stringify!($kind), model, |_, _, _| (), 1e-5), 0.0);
+            )*
+        };
+    }
+    check!(bouc_wen elasto_plastic leuven two_state);
+}
+
+#[test]
+fn an_exported_model_gives_the_hosts_force() {
+    let linear = linear::model::<f64>(STEP, Units::SI).expect("valid");
+    let off = difference(
+        "linear",
+        linear,
+        |s, t, l| (s.temperature, s.load) = (Some(t), Some(l)),
+        1e-3,
+    );
+    eprintln!("linear in f64: {off:.1e} N");
+    // The host corrects the velocity for the encoder's error as well: 2πe/p = 6 %, in the viscous force and the levels.
+    assert!(off < 1e-2, "{off:e}");
+    let single = linear::model::<f32>(STEP, Units::SI).expect("valid");
+    let off = difference(
+        "linear",
+        single,
+        |s, t, l| (s.temperature, s.load) = (Some(t as f32), Some(l as f32)),
+        1e-3,
+    );
+    eprintln!("linear in f32: {off:.1e} N");
+    assert!(off < 1e-2, "{off:e}");
+    let rotary = rotary::model::<f64>(STEP, Units::SI).expect("valid");
+    let off = difference("rotary", rotary, |_, _, _| (), 0.3);
+    assert!(off < 1e-12, "{off:e}");
+    let plain = plain::model::<f64>(STEP, Units::SI).expect("valid");
+    let off = difference("plain", plain, |_, _, _| (), 1e-3);
+    assert!(off < 1e-12, "{off:e}");
+    const { assert!(linear::MASS_KG == 3.9) };
+    let limit = linear::model::<f32>(STEP, Units::SI)
+        .expect("valid")
+        .limit();
+    assert!(limit.is_some_and(|l| l < 60.0), "{limit:?}");
+}
+
+#[test]
+fn what_no_controller_can_use_is_refused_by_name() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let with = |id: &str, values: &str| {
+        let path = folder.path().join("model.toml");
+        let plain = std::fs::read_to_string(file("plain.toml")).expect("there");
+        std::fs::write(
+            &path,
+            format!("{plain}\n[[effects]]\nid = \"{id}\"\n{values}\n"),
+        )
+        .expect("written");
+        path.display().to_string()
+    };
+    for (id, values) in [
+        ("channel_delay", "delay_s = 1e-3"),
+        ("drive_compliance", "frequency_Hz = 60.0"),
+        ("backlash", "gap_m = 1e-6"),
+        ("creep", "rate_m_s = 1e-8\nshare_of_breakaway = 0.15"),
+        ("actuator_dead_zone", "width_N = 0.1"),
+        ("actuator_saturation", "limit_N = 2.0"),
+        (
+            "external_vibration",
+            "force_N = 0.1\nfrequency_Hz = 20.0\nphase_rad = 0.0",
+        ),
+        ("run_in", "level = 0.1\npath_m = 10.0"),
+    ] {
+        let path = with(id, values);
+        let refused = export(&[&path]);
+        assert_eq!(refused.status.code(), Some(2), "{id}");
+        let error = text(&refused.stderr);
+        assert!(
+            error.contains("model.toml") && error.contains(&format!("--without {id}")),
+            "{error}"
+        );
+        let rest = export(&[&path, "--without", id]);
+        assert!(rest.status.success(), "{}", text(&rest.stderr));
+        assert!(text(&rest.stdout).contains(&format!("Left out by request: {id}")));
+    }
+    let path = with("run_in", "level = 0.1\npath_m = 10.0");
+    let wrong = text(&export(&[&path, "--without", "stribeck"]).stderr);
+    assert!(
+        wrong.contains("--without stribeck") && wrong.contains("it has run_in"),
+        "{wrong}"
+    );
+}
+
+/// The recording is named by its hash, and the error is that of the exported model.
+#[test]
+fn a_recording_is_named_by_its_hash_and_error() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let host = Model::load(&file("plain.toml")).expect("valid");
+    let (position, velocity) = motion(20_000, 1e-3);
+    let path = MotionPath {
+        position: &position,
+        velocity: &velocity,
+        pieces: std::slice::from_ref(&(0..20_000)),
+        sample_time: STEP,
+    };
+    let force = host.resistance(path).expect("valid");
+    let mut csv = "t_s,x_m,friction_N\n".to_owned();
+    for (i, (x, f)) in position.iter().zip(&force).enumerate() {
+        csv += &format!("{:.4},{x:e},{f:e}\n", i as f64 * STEP);
+    }
+    let recording = folder.path().join("axis.csv");
+    std::fs::write(&recording, &csv).expect("written");
+    let run = export(&[
+        &file("plain.toml").display().to_string(),
+        "--recording",
+        &recording.display().to_string(),
+    ]);
+    assert!(run.status.success(), "{}", text(&run.stderr));
+    let hash = preslide_host::export::sha256(csv.as_bytes());
+    let source = text(&run.stdout);
+    assert!(
+        source.contains(&format!(
+            "Recording axis.csv, SHA-256 {hash}: NMSE 0.0000 %"
+        )),
+        "{source}"
+    );
+}

@@ -1,0 +1,74 @@
+//! Estimates with their confidence, the paper's measure of fit, quantiles.
+
+use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// A parameter's estimate.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Estimate {
+    /// Its value (SI).
+    pub value: f64,
+    /// 95 % confidence interval; `None` where the recording has too few folds to tell. It comes from the scatter
+    /// between folds, so it does not contain what is the same in all of them: a sensor's scale, or where within an
+    /// encoder count a motion turns that repeats exactly.
+    pub ci95: Option<[f64; 2]>,
+}
+
+impl Estimate {
+    /// With a standard error estimated from `folds` independent folds (Student's t with `folds − 1` degrees
+    /// of freedom).
+    pub fn new(value: f64, standard_error: Option<f64>, folds: usize) -> Self {
+        let reach = standard_error.and_then(|e| Some(e * students_t(folds)?));
+        Self {
+            value,
+            ci95: reach.map(|reach| [value - reach, value + reach]),
+        }
+    }
+
+    /// For a value that is positive and was estimated as its logarithm.
+    pub fn logarithmic(value: f64, error_of_log: Option<f64>, folds: usize) -> Self {
+        let reach = error_of_log.and_then(|e| Some(e * students_t(folds)?));
+        Self {
+            value,
+            ci95: reach.map(|reach| [value * (-reach).exp(), value * reach.exp()]),
+        }
+    }
+}
+
+/// The 97.5 % quantile of Student's t with `folds − 1` degrees of freedom.
+fn students_t(folds: usize) -> Option<f64> {
+    let freedom = folds.checked_sub(1).filter(|&n| n > 0)?;
+    let t = StudentsT::new(0.0, 1.0, freedom as f64).ok()?;
+    Some(t.inverse_cdf(0.975))
+}
+
+/// Normalised mean square error (%), the paper's eq. (13), over `rows`: `100·Σ(F − F̂)² / (N_s·σ²)`, `σ²` being the variance of the
+/// measured force about its mean. NaN where the force does not vary.
+pub fn nmse(measured: &[f64], modelled: &[f64], rows: &[usize]) -> f64 {
+    let mean = rows.iter().map(|&i| measured[i]).sum::<f64>() / rows.len() as f64;
+    let (mut error, mut variation) = (0.0, 0.0);
+    for &i in rows {
+        error += (measured[i] - modelled[i]).powi(2);
+        variation += (measured[i] - mean).powi(2);
+    }
+    100.0 * error / variation
+}
+
+/// The `q`-quantile (nearest rank); reorders the values.
+pub fn quantile(values: &mut [f64], q: f64) -> Option<f64> {
+    let rank = ((values.len().checked_sub(1)?) as f64 * q).round() as usize;
+    Some(*values.select_nth_unstable_by(rank, f64::total_cmp).1)
+}
+
+/// The mean, and half its 95 % interval's width by the normal law; 0 of a single value.
+pub fn mean_and_half_width(values: &[f64]) -> [f64; 2] {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    let half = if n > 1.0 {
+        1.96 * (squares / (n * (n - 1.0))).sqrt()
+    } else {
+        0.0
+    };
+    [mean, half]
+}

@@ -1,0 +1,182 @@
+//! What a controller could know of the stage at best: the stage's own parameters, in the words of a model file.
+
+use super::Trial;
+use crate::stage::FrictionConfig;
+use crate::stage::concealed::{Concealed, HALF_TRAVEL_M};
+use preslide::Block;
+use preslide_host::effects::Effect;
+use preslide_host::friction::FrictionModel;
+use preslide_host::model::Model;
+use preslide_host::paper;
+use preslide_host::recording::MotionKind;
+use std::f64::consts::PI;
+
+/// Cosines of a map.
+const TERMS: usize = 16;
+/// Points of a map's integral.
+const POINTS: usize = 2000;
+
+/// The stage's parameters as a model: the ten blocks that its hysteresis was calibrated to, with the gain of the day; mass and
+/// viscous friction; and the concealed effect with its true values. What it does not hold is how friction wanders.
+///
+/// # Errors
+/// Where the stage or the catalogue refuses a value.
+pub fn known(trial: &Trial) -> Result<Model, String> {
+    let (effect, config) = (&trial.effect, &trial.config);
+    let FrictionConfig {
+        breakaway_n,
+        viscous_n_s_per_m,
+        ..
+    } = config.friction;
+    let stage = trial.stage(0).map_err(|e| e.to_string())?;
+    let mut gain = stage.friction().repeat_gain();
+    let mut model = Model {
+        inertia: config.mass_kg,
+        viscous: viscous_n_s_per_m,
+        ..Model::of_friction(
+            MotionKind::Linear,
+            FrictionModel::Gms {
+                breakaway: breakaway_n,
+                blocks: paper::REFERENCE
+                    .blocks
+                    .iter()
+                    .map(|&(stiffness, weight)| Block { stiffness, weight })
+                    .collect(),
+                sliding: None,
+            },
+        )
+    };
+    let values = match *effect {
+        Concealed::PeriodicForce {
+            force_n,
+            period_m,
+            phase_rad,
+        } => named(&[
+            ("force_N", force_n),
+            ("period_m", period_m),
+            ("phase_rad", phase_rad),
+        ]),
+        Concealed::LocalFrictionSpot {
+            level,
+            position_m,
+            width_m,
+        } => named(&[
+            ("level", level),
+            ("position_m", position_m),
+            ("width_m", width_m),
+        ]),
+        Concealed::PeriodicFriction {
+            level,
+            period_m,
+            phase_rad,
+        } => named(&[
+            ("level", level),
+            ("period_m", period_m),
+            ("phase_rad", phase_rad),
+        ]),
+        Concealed::Stribeck { drop, velocity_m_s } => {
+            // The catalogue's level is that above sliding friction, the stage's drop that below breakaway.
+            gain *= 1.0 - drop;
+            named(&[
+                ("level", drop / (1.0 - drop)),
+                ("velocity_m_s", velocity_m_s),
+                ("exponent", config.friction.stribeck_exponent),
+            ])
+        }
+        Concealed::PositionForce { .. } => {
+            let (mean, shape) = cosines(|x| effect.force_n(x));
+            model.constant_force = mean;
+            map(shape, "_N")
+        }
+        Concealed::PositionFriction { .. } => {
+            // The mean of a level is a matter of the friction.
+            let (mean, shape) = cosines(|x| effect.level(x));
+            gain *= mean;
+            map(shape.map(|cosine| cosine / mean), "")
+        }
+    };
+    if let FrictionModel::Gms {
+        breakaway, blocks, ..
+    } = &mut model.friction
+    {
+        *breakaway *= gain;
+        for block in blocks {
+            block.stiffness *= gain;
+        }
+    }
+    let values: Vec<(&str, f64)> = values.iter().map(|(k, v)| (k.as_str(), *v)).collect();
+    model.effects = vec![Effect::new(effect.id(), &values)?];
+    Ok(model)
+}
+
+fn named(values: &[(&str, f64)]) -> Vec<(String, f64)> {
+    let own = |(key, value): &(&str, f64)| ((*key).to_owned(), *value);
+    values.iter().map(own).collect()
+}
+
+/// The mean of `f` over the travel, and its coefficients of `cos(jπu)`, j = 1…[`TERMS`], for u = 0…1.
+fn cosines(f: impl Fn(f64) -> f64) -> (f64, [f64; TERMS]) {
+    let against = |j: f64| {
+        let sum: f64 = (0..POINTS)
+            .map(|i| {
+                let u = (i as f64 + 0.5) / POINTS as f64;
+                f(HALF_TRAVEL_M * (2.0 * u - 1.0)) * (PI * j * u).cos()
+            })
+            .sum();
+        sum / POINTS as f64
+    };
+    let shape = std::array::from_fn(|j| 2.0 * against((j + 1) as f64));
+    (against(0.0), shape)
+}
+
+/// The values of a map over the whole travel.
+fn map(shape: [f64; TERMS], unit: &str) -> Vec<(String, f64)> {
+    let mut values = named(&[("from_m", -HALF_TRAVEL_M), ("to_m", HALF_TRAVEL_M)]);
+    let cosines = shape.iter().enumerate();
+    values.extend(cosines.map(|(j, c)| (format!("cosine{}{unit}", j + 1), *c)));
+    values
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stage::concealed::KINDS;
+    use preslide_host::friction::Path;
+
+    /// The catalogue's terms, with the values of the truth, give the resistance of the stage's own laws where it slides.
+    #[test]
+    fn the_stage_and_the_catalogue_mean_the_same() {
+        for trial in Trial::draw(5, 2 * KINDS) {
+            let model = known(&trial).expect("the catalogue has it");
+            let gain = trial.stage(0).expect("valid").friction().repeat_gain();
+            for direction in [1.0, -1.0] {
+                let (speed, pace) = (direction * 0.2e-3, direction * 1e-6);
+                let position: Vec<f64> = (-1800..1800).map(|i| f64::from(i) * pace).collect();
+                let (velocity, whole) = (vec![speed; position.len()], 0..position.len());
+                let path = Path {
+                    position: &position,
+                    velocity: &velocity,
+                    pieces: std::slice::from_ref(&whole),
+                    sample_time: 5e-3,
+                };
+                let found = model.resistance(path).expect("computable");
+                // The sixteen cosines of a map leave 0.02 N of the narrowest bump. Sliding begins after the longest yield displacement, twice over.
+                for (x, found) in position.iter().zip(found).skip(100) {
+                    let stribeck = match trial.effect {
+                        Concealed::Stribeck { drop, velocity_m_s } => {
+                            1.0 - drop * (1.0 - (-speed.abs() / velocity_m_s).exp())
+                        }
+                        _ => 1.0,
+                    };
+                    let sliding = direction * 0.9 * gain * stribeck * trial.effect.level(*x);
+                    let truth = sliding + trial.effect.force_n(*x) + 10.0 * speed;
+                    assert!(
+                        (found - truth).abs() < 0.02,
+                        "{:?} at {x} m: {found} N, in truth {truth} N",
+                        trial.effect
+                    );
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! The page of `preslide demo`: what was recorded, how many blocks and why, what was missing, how much better it tracks.
+
+use crate::chain::{Followed, Trial};
+use preslide_host::diagnose::Diagnosis;
+use preslide_host::identify::Identification;
+use preslide_host::recording::Recording;
+use preslide_host::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Table};
+
+/// Everything that the story is about.
+pub struct Story<'a> {
+    /// The stage and what it hides.
+    pub trial: &'a Trial,
+    /// Its recording.
+    pub recording: &'a Recording,
+    /// Rigid body and friction.
+    pub found: &'a Identification,
+    /// What the model left out.
+    pub diagnosis: &'a Diagnosis,
+    /// The judged motion without a model, with the identified one, with what the diagnosis added, and with the truth.
+    pub followed: [Followed; 4],
+}
+
+impl Story<'_> {
+    fn names(&self) -> String {
+        let names: Vec<String> = self
+            .diagnosis
+            .confident()
+            .map(|e| {
+                format!(
+                    "{} ({}; confidence {:.2})",
+                    e.id(),
+                    e.name.words(),
+                    e.confidence
+                )
+            })
+            .collect();
+        if names.is_empty() {
+            "nothing that is certain".to_owned()
+        } else {
+            names.join(", ")
+        }
+    }
+
+    /// What the four ways of compensating are called.
+    fn ways(&self) -> [String; 4] {
+        let size = self.found.best().size();
+        [
+            "no friction model".to_owned(),
+            format!("identified: GMS, N = {size}"),
+            "with what the diagnosis added".to_owned(),
+            "with the stage's own parameters".to_owned(),
+        ]
+    }
+
+    /// Tracking errors, for the terminal and the page.
+    pub fn table(&self) -> Table {
+        let nm = |value: f64| format!("{:.0}", value * 1e9);
+        let row = |(way, followed): (String, &Followed)| {
+            let error = &followed.error;
+            let rms = error.rms_m().map_or("fault".to_owned(), nm);
+            vec![way, rms, nm(error.peak_m())]
+        };
+        Table {
+            caption: "Tracking error of the true position, the same gains throughout".to_owned(),
+            head: ["feed-forward", "RMS nm", "largest nm"]
+                .map(String::from)
+                .to_vec(),
+            rows: self
+                .ways()
+                .into_iter()
+                .zip(&self.followed)
+                .map(row)
+                .collect(),
+        }
+    }
+
+    /// What came of it, in a sentence or two.
+    pub fn outcome(&self) -> String {
+        let nm = |i: usize| {
+            let followed: Option<&Followed> = self.followed.get(i);
+            let rms = followed.and_then(|f| f.error.rms_m());
+            rms.map_or("a fault".to_owned(), |rms| format!("{:.0} nm", rms * 1e9))
+        };
+        format!(
+            "The diagnosis names {}. RMS tracking error: {} without a friction model, {} with the identified one, {} with what the \
+             diagnosis added; knowing the truth gives {}.",
+            self.names(),
+            nm(0),
+            nm(1),
+            nm(2),
+            nm(3),
+        )
+    }
+
+    /// The page.
+    pub fn page(&self, command: String) -> Page {
+        let recording = self.recording;
+        let identified = self.found.page(recording, String::new()).sections;
+        let diagnosed = self.diagnosis.page(recording, String::new());
+        let mut sections = vec![self.recorded()];
+        sections.extend(identified.into_iter().next().map(|section| Section {
+            heading: "How many blocks, and why".to_owned(),
+            paragraphs: [vec![self.found.recommendation.clone()], section.paragraphs].concat(),
+            ..section
+        }));
+        // Where model and recording differ, and what is missing.
+        sections.extend(diagnosed.sections.into_iter().take(2));
+        sections.push(self.tracked());
+        Page {
+            title: "Preslide, once around: recorded, identified, diagnosed, compensated".to_owned(),
+            lead: self.outcome(),
+            command,
+            sections,
+        }
+    }
+
+    fn recorded(&self) -> Section {
+        let r = self.recording;
+        let line = |title: &str, x: (&str, &str, &[f64]), y: (&str, &str, &[f64])| {
+            Figure::new(title, Axis::new(x.0, x.1), Axis::new(y.0, y.1))
+                .with(Series::line("measured", x.2.to_vec(), y.2.to_vec()).colour(Colour::Black))
+        };
+        Section {
+            heading: "What was recorded".to_owned(),
+            paragraphs: vec![format!(
+                "The simulated stage (3 kg on a 2 mm screw) follows nested strokes of 150 to 8 µm at three stations, slow slides \
+                 and passes over 4 mm, for {:.0} s, under the firmware's control code without a friction model. Encoder count and \
+                 motor current leave it as telemetry and become a recording. Its friction is a 64-element hysteresis that \
+                 yields smoothly and wanders by up to ±15 %; besides, it hides something.",
+                r.t_s.last().copied().unwrap_or(0.0)
+            )],
+            figures: vec![
+                line(
+                    "The motion",
+                    ("time", "s", &r.t_s),
+                    ("position", "m", &r.position),
+                ),
+                line(
+                    "The force it took",
+                    ("position", "m", &r.position),
+                    ("motor force", "N", &r.effort),
+                ),
+            ],
+            ..Section::default()
+        }
+    }
+
+    fn tracked(&self) -> Section {
+        let error = Figure::new(
+            "Tracking error over the judged motion",
+            Axis::new("time", "s"),
+            Axis::new("reference − true position", "m"),
+        );
+        let looks = [
+            (Colour::Sky, Emphasis::Normal),
+            (Colour::Blue, Emphasis::Normal),
+            (Colour::Vermillion, Emphasis::Strong),
+        ];
+        let lines = self.ways().into_iter().zip(&self.followed).zip(looks);
+        let error = lines.fold(error, |figure, ((way, followed), (colour, emphasis))| {
+            let line = Series::line(way, followed.t_s.clone(), followed.error_m.clone());
+            figure.with(line.colour(colour).emphasis(emphasis))
+        });
+        let reference = self.followed.first().map(|followed| {
+            Figure::new(
+                "The judged motion",
+                Axis::new("time", "s"),
+                Axis::new("reference", "m"),
+            )
+            .with(
+                Series::line(
+                    "reference",
+                    followed.t_s.clone(),
+                    followed.reference_m.clone(),
+                )
+                .colour(Colour::Black),
+            )
+        });
+        Section {
+            heading: "How much better it tracks".to_owned(),
+            paragraphs: vec![
+                "Another motion than the recorded one: other places, speeds and reversals. The feedback is the same in every run; \
+                 only the force fed forward differs."
+                    .to_owned(),
+                format!(
+                    "What the stage hid, which nothing had told the diagnosis: {}.",
+                    self.trial.effect.words()
+                ),
+            ],
+            tables: vec![self.table()],
+            figures: [error].into_iter().chain(reference).collect(),
+        }
+    }
+}

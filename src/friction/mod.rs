@@ -1,0 +1,112 @@
+//! What every friction model is: motion in, force out; and the models, one a file.
+
+mod bouc_wen;
+mod condition;
+mod coulomb;
+mod dahl;
+mod elasto_plastic;
+mod flow;
+mod gms;
+mod hsieh;
+mod leuven;
+mod lugre;
+mod quasi_static;
+mod stribeck;
+mod two_state;
+
+use crate::Scalar;
+
+pub use bouc_wen::{BoucWen, BoucWenState};
+pub use condition::{Condition, NormalRange};
+pub use coulomb::Coulomb;
+pub use dahl::{Dahl, DahlState};
+pub use elasto_plastic::{ElastoPlastic, ElastoPlasticState};
+pub use gms::{Gms, GmsState};
+pub use hsieh::{Hsieh, HsiehParams, HsiehState, REVERSALS};
+pub use leuven::{Leuven, LeuvenForm, LeuvenState};
+pub use lugre::{LuGre, LuGreState};
+pub use quasi_static::{QuasiStaticGms, QuasiStaticState};
+pub use stribeck::Sliding;
+pub use two_state::{TwoState, TwoStateState};
+
+/// The motion of one control tick, in the model's [`Units`](crate::Units).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion<S> {
+    /// Displacement since the previous tick. Its sign gives the direction; 0 means that nothing moved.
+    pub displacement: S,
+    /// Velocity estimate. Models with sliding dynamics use its magnitude; quasi-static ones ignore it.
+    pub velocity: S,
+}
+
+impl<S: Scalar> Motion<S> {
+    /// A motion for models that depend on displacement alone.
+    #[inline]
+    pub fn quasi_static(displacement: S) -> Self {
+        Self {
+            displacement,
+            velocity: S::ZERO,
+        }
+    }
+}
+
+/// A friction model: immutable parameters (`Self`) that advance a separate state by one tick.
+///
+/// The force has the sign of the motion that it opposes: pushing in the positive direction gives a positive
+/// force, so adding it to a controller's output compensates friction.
+///
+/// Models are compared where one takes the place of another: equal parameters keep the memory ([`Friction::take_over`]).
+pub trait Friction: PartialEq {
+    /// The number type that the model computes in.
+    type Scalar: Scalar;
+    /// The model's memory.
+    type State: Clone;
+
+    /// The state of a body that was never moved: no force, no memory.
+    fn at_rest(&self) -> Self::State;
+
+    /// Tells the model where the axis is, in the model's units; call it before [`Friction::step`].
+    ///
+    /// Only models with effects of position ([`crate::effects::With`]) keep it; for the others it is no code. Those effects are off
+    /// until it has been told once.
+    #[inline]
+    fn place(&self, _state: &mut Self::State, _position: Self::Scalar) {}
+
+    /// Forgets the motion, as after a fault, but not what was learned ([`crate::control::Learning`]); a model that learns
+    /// nothing is at rest.
+    #[inline]
+    fn release(&self, state: &mut Self::State) {
+        *state = self.at_rest();
+    }
+
+    /// The memory with which this model goes on where `old` stopped with `state`.
+    ///
+    /// From equal parameters it must be `state` as it is: [`Controller::swap`](crate::control::Controller::swap) then changes no
+    /// command. A model whose memory means the same with other parameters keeps what fits them; any other one starts at rest.
+    fn take_over(&self, old: &Self, state: &Self::State) -> Self::State {
+        if self == old {
+            state.clone()
+        } else {
+            self.at_rest()
+        }
+    }
+
+    /// Lets the model ask what the drive spent on friction in the tick of the last [`Friction::step`], in force units; `None`
+    /// where that is not known, as where the command was cut.
+    ///
+    /// Only models that learn from it ([`crate::control::Learning`]) ask, and not in every tick; for the others it is no code.
+    #[inline]
+    fn spent(&self, _state: &mut Self::State, _force: impl FnOnce() -> Option<Self::Scalar>) {}
+
+    /// What a model that learns has to say.
+    #[inline]
+    fn condition(&self, _state: &Self::State) -> Condition<Self::Scalar> {
+        Condition::NONE
+    }
+
+    /// Advances `state` by one tick and returns the friction force at its end, in the model's units.
+    fn step(&self, state: &mut Self::State, motion: Motion<Self::Scalar>) -> Self::Scalar;
+
+    /// The bound that |force| never exceeds whatever the motion, or `None` where a viscous term grows
+    /// without one.
+    fn limit(&self) -> Option<Self::Scalar>;
+}

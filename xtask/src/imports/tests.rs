@@ -1,0 +1,122 @@
+//! The check on small made-up crates: it must find what it looks for, and nothing else.
+
+use super::source::{Import, code, imports};
+use super::tree::Tree;
+use super::{circles, order, out_of_order};
+
+fn tree(files: &[(&str, &str)]) -> Tree {
+    let owned = files
+        .iter()
+        .map(|(file, text)| ((*file).into(), (*text).to_owned()));
+    Tree::new(owned.collect())
+}
+
+fn circles_of(files: &[(&str, &str)]) -> Vec<String> {
+    let tree = tree(files);
+    circles(&tree, &tree.edges())
+}
+
+#[test]
+fn two_files_that_import_each_other_are_a_circle_with_its_names() {
+    let found = circles_of(&[
+        ("lib.rs", "pub mod stage;"),
+        (
+            "stage/mod.rs",
+            "mod config;\nmod friction;\nuse config::Config;\n",
+        ),
+        (
+            "stage/config.rs",
+            "use super::friction::{Law,\n    virgin};\npub struct Config;",
+        ),
+        (
+            "stage/friction.rs",
+            "use super::config::Config as C;\npub struct Law;",
+        ),
+    ]);
+    assert_eq!(found.len(), 1, "{found:?}");
+    for words in [
+        "config → friction → config",
+        "stage/config.rs takes super::friction::Law",
+        "stage/friction.rs takes super::config::Config",
+    ] {
+        assert!(found[0].contains(words), "{words}: {found:?}");
+    }
+}
+
+#[test]
+fn a_circle_of_three_rooms_through_files_deep_inside_and_through_what_a_parent_hands_on() {
+    let found = circles_of(&[
+        (
+            "lib.rs",
+            "pub mod a;\npub mod b;\npub mod c;\npub use c::deep::Thing;",
+        ),
+        ("a/mod.rs", "mod inner;"),
+        ("a/inner.rs", "use crate::b;\nfn f() { b::g() }"),
+        ("b.rs", "fn g() -> crate::Thing { todo!() }"),
+        ("c/mod.rs", "pub mod deep;"),
+        ("c/deep.rs", "use crate::a::inner;\npub struct Thing;"),
+    ]);
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(found[0].contains("a → b → c → a"), "{found:?}");
+}
+
+#[test]
+fn what_a_parent_defines_tests_comments_and_texts_make_no_circle() {
+    let found = circles_of(&[
+        ("lib.rs", "pub mod a;\npub mod b;\npub struct Shared;"),
+        (
+            "a.rs",
+            "use crate::{Shared, b::B};\nuse super::Shared as Same;\n// use crate::b::B;\npub struct A;",
+        ),
+        (
+            "b.rs",
+            "//! [`crate::a::A`]\nuse crate::Shared;\nconst TEXT: &str = \"use crate::a::A;\";\npub struct B;\n#[cfg(test)]\nmod tests {\n    use crate::a::A;\n}\n",
+        ),
+    ]);
+    assert!(found.is_empty(), "{found:?}");
+}
+
+#[test]
+fn trees_of_use_are_taken_apart() {
+    let found = imports(&code(
+        "pub(crate) use a::{self, b::{C as D, e}, f::*};\nfn x() { reuse (1) }\n",
+    ));
+    let import = |path: &str, alias: &str| Import {
+        path: path.split("::").map(String::from).collect(),
+        alias: alias.to_owned(),
+    };
+    assert_eq!(
+        found,
+        [
+            import("a", "a"),
+            import("a::b::C", "D"),
+            import("a::b::e", "e"),
+            import("a::f", "*"),
+        ]
+    );
+}
+
+#[test]
+fn the_page_gives_the_order_and_each_breach_is_named() {
+    let page = "…\n```text imports: src\nlow\nmid other — both rest on `low`\ngone\n```\n";
+    let order = order(page, "src").expect("the block");
+    assert_eq!(order, [vec!["low"], vec!["mid", "other"], vec!["gone"]]);
+    let tree = tree(&[
+        ("lib.rs", ""),
+        ("low.rs", "use crate::mid::M;"),
+        ("mid.rs", "use crate::other::O;\npub struct M;"),
+        ("other.rs", "pub struct O;"),
+        ("new.rs", "use crate::low;"),
+    ]);
+    let wrong = out_of_order("src", &order, &tree, &tree.edges());
+    let starts = [
+        "a room `new`",
+        "no room `gone`",
+        "low.rs takes crate::mid::M",
+        "mid.rs takes crate::other::O",
+    ];
+    assert_eq!(wrong.len(), starts.len(), "{wrong:?}");
+    for (words, breach) in starts.iter().zip(&wrong) {
+        assert!(breach.contains(words), "{words}: {breach}");
+    }
+}
