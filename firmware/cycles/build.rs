@@ -1,14 +1,54 @@
-//! Links for QEMU's mps2-an386, and builds the C peers with `arm-none-eabi-gcc`.
+//! Links for QEMU's mps2-an386 or for the simulated Hazard3, and builds the C peers with the core's gcc.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-const CPU: &[&str] = &[
-    "-mcpu=cortex-m4",
-    "-mthumb",
-    "-mfloat-abi=hard",
-    "-mfpu=fpv4-sp-d16",
-];
+/// The C compiler for a core.
+struct Compiler {
+    prefix: &'static str,
+    cpu: &'static [&'static str],
+    /// For linking with its libraries.
+    libraries: &'static [&'static str],
+}
+
+const CORTEX_M4F: Compiler = Compiler {
+    prefix: "arm-none-eabi",
+    cpu: &[
+        "-mcpu=cortex-m4",
+        "-mthumb",
+        "-mfloat-abi=hard",
+        "-mfpu=fpv4-sp-d16",
+    ],
+    libraries: &[
+        "-mcpu=cortex-m4",
+        "-mthumb",
+        "-mfloat-abi=hard",
+        "-mfpu=fpv4-sp-d16",
+    ],
+};
+
+const CORTEX_M0PLUS: Compiler = Compiler {
+    prefix: "arm-none-eabi",
+    cpu: &["-mcpu=cortex-m0plus", "-mthumb", "-mfloat-abi=soft"],
+    libraries: &["-mcpu=cortex-m0plus", "-mthumb", "-mfloat-abi=soft"],
+};
+
+/// Debian's libraries are built for no bit manipulation.
+const HAZARD3: Compiler = Compiler {
+    prefix: "riscv64-unknown-elf",
+    cpu: &[
+        "--specs=picolibc.specs",
+        "-march=rv32imac_zba_zbb_zbs_zbkb",
+        "-mabi=ilp32",
+    ],
+    libraries: &[
+        "--specs=picolibc.specs",
+        "-T/dev/null",
+        "-Wl,--no-gc-sections",
+        "-march=rv32imac",
+        "-mabi=ilp32",
+    ],
+};
 
 /// Kernel name, type, exponential, optimisation: `src/peers.rs` calls them by these names.
 const PEERS: &[(&str, &str, &str, &[&str])] = &[
@@ -25,14 +65,32 @@ const PEERS: &[(&str, &str, &str, &[&str])] = &[
 fn main() -> Result<(), String> {
     let crate_folder = env_path("CARGO_MANIFEST_DIR")?;
     let out = env_path("OUT_DIR")?;
+    if std::env::var("CARGO_CFG_TARGET_ARCH").as_deref() == Ok("riscv32") {
+        let script = crate_folder.join("hazard3.x");
+        println!("cargo:rustc-link-arg=-T{}", script.display());
+        // The testbench loads memory as it is.
+        println!("cargo:rustc-link-arg=--oformat=binary");
+        println!("cargo:rerun-if-changed=hazard3.x");
+        return build_peers(&HAZARD3, &crate_folder, &out);
+    }
     let is_board = std::env::var_os("CARGO_FEATURE_BOARD").is_some();
     let memory = crate_folder.join(if is_board { "board" } else { "" });
     println!("cargo:rustc-link-search={}", memory.display());
     println!("cargo:rerun-if-changed=board/memory.x");
     println!("cargo:rustc-link-arg=-Tlink.x");
     println!("cargo:rerun-if-changed=memory.x");
-    println!("cargo:rerun-if-changed=peers/gms.c");
+    let is_m0plus = std::env::var("TARGET").is_ok_and(|target| target.starts_with("thumbv6m"));
+    let compiler = if is_m0plus {
+        &CORTEX_M0PLUS
+    } else {
+        &CORTEX_M4F
+    };
+    build_peers(compiler, &crate_folder, &out)
+}
 
+/// Every peer at every measured N.
+fn build_peers(compiler: &Compiler, crate_folder: &Path, out: &Path) -> Result<(), String> {
+    println!("cargo:rerun-if-changed=peers/gms.c");
     let source = crate_folder.join("peers/gms.c");
     let mut objects = Vec::new();
     let mut names = Vec::new();
@@ -40,8 +98,8 @@ fn main() -> Result<(), String> {
         for n in [1, 2, 3, 4, 6, 8, 10] {
             let name = format!("cycles__{kernel}__{n}");
             let object = out.join(format!("{name}.o"));
-            let mut gcc = Command::new("arm-none-eabi-gcc");
-            gcc.args(CPU).args(*optimisation).args([
+            let mut gcc = compiler.gcc();
+            gcc.args(compiler.cpu).args(*optimisation).args([
                 "-std=c11",
                 "-Wall",
                 "-Wextra",
@@ -59,15 +117,20 @@ fn main() -> Result<(), String> {
             names.push(name);
         }
     }
-    link_with_own_library(&objects, &names, &out)
+    link_with_own_library(compiler, &objects, &names, out)
 }
 
 /// One object with gcc's and newlib's routines inside and only the peers visible: C's exponential and software
 /// `double` are then C's own, not the ones that Rust links for itself.
-fn link_with_own_library(objects: &[PathBuf], names: &[String], out: &Path) -> Result<(), String> {
+fn link_with_own_library(
+    compiler: &Compiler,
+    objects: &[PathBuf],
+    names: &[String],
+    out: &Path,
+) -> Result<(), String> {
     let whole = out.join("peers.o");
-    let mut gcc = Command::new("arm-none-eabi-gcc");
-    gcc.args(CPU)
+    let mut gcc = compiler.gcc();
+    gcc.args(compiler.libraries)
         .args(["-r", "-nostdlib", "-o"])
         .arg(&whole)
         .args(objects);
@@ -78,7 +141,7 @@ fn link_with_own_library(objects: &[PathBuf], names: &[String], out: &Path) -> R
         "-lgcc",
         "-Wl,--end-group",
     ]))?;
-    let mut objcopy = Command::new("arm-none-eabi-objcopy");
+    let mut objcopy = Command::new(format!("{}-objcopy", compiler.prefix));
     objcopy.args(
         names
             .iter()
@@ -87,6 +150,12 @@ fn link_with_own_library(objects: &[PathBuf], names: &[String], out: &Path) -> R
     run(objcopy.arg(&whole))?;
     println!("cargo:rustc-link-arg={}", whole.display());
     Ok(())
+}
+
+impl Compiler {
+    fn gcc(&self) -> Command {
+        Command::new(format!("{}-gcc", self.prefix))
+    }
 }
 
 fn env_path(name: &str) -> Result<PathBuf, String> {
@@ -102,7 +171,8 @@ fn run(command: &mut Command) -> Result<(), String> {
         Ok(status) => Err(format!("{command:?} failed ({status})")),
         Err(error) => Err(format!(
             "{program} did not start ({error}); run `cargo xtask cycles`, which installs it, or install the Debian \
-             packages gcc-arm-none-eabi and libnewlib-arm-none-eabi"
+             packages gcc-arm-none-eabi and libnewlib-arm-none-eabi (for Hazard3 gcc-riscv64-unknown-elf and \
+             picolibc-riscv64-unknown-elf)"
         )),
     }
 }

@@ -1,4 +1,5 @@
-//! The checksums of the kernels' forces on this machine, for `cargo xtask cycles` to compare with the target's.
+//! The checksums of the kernels' forces on this machine, for `cargo xtask cycles` to compare with the target's: over the first ticks
+//! of the motion, as many as the argument says, or over all of them.
 //!
 //! Kernels, parameters and motion are the harness's own files: nothing is written twice that could differ.
 
@@ -32,6 +33,14 @@ macro_rules! stub {
     }};
 }
 
+/// How much of the motion.
+fn ticks() -> usize {
+    match std::env::args().nth(1) {
+        Some(ticks) => ticks.parse().expect("a number of ticks"),
+        None => TICKS,
+    }
+}
+
 fn print_checksum<F: Friction>(
     kernel: &str,
     blocks: usize,
@@ -40,7 +49,7 @@ fn print_checksum<F: Friction>(
     units: Units,
 ) {
     let mut checksum = Checksum::new();
-    for tick in Strokes::new().take(TICKS) {
+    for tick in Strokes::new().take(ticks()) {
         model.place(&mut state, tick.place(units));
         checksum.add(model.step(&mut state, tick.motion(units)).to_f64());
     }

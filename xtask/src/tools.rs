@@ -18,6 +18,10 @@ pub enum Need {
     Qemu,
     /// Cross compiler, C library and binary utilities.
     ArmGcc,
+    /// Makes a program of a circuit's description.
+    Verilator,
+    /// Cross compiler and C library.
+    RiscvGcc,
     /// The browser that opens the report.
     Chromium,
 }
@@ -42,6 +46,18 @@ impl Need {
                 "  Fedora: sudo dnf install arm-none-eabi-gcc-cs arm-none-eabi-newlib\n  \
                  Arch: sudo pacman -S arm-none-eabi-gcc arm-none-eabi-newlib\n  \
                  macOS: brew install --cask gcc-arm-embedded",
+            ),
+            Need::Verilator => program(
+                "verilator",
+                &["verilator"],
+                "the RTL of a core is simulated",
+                "  Fedora: sudo dnf install verilator\n  Arch: sudo pacman -S verilator\n  macOS: brew install verilator",
+            ),
+            Need::RiscvGcc => program(
+                "riscv64-unknown-elf-gcc",
+                &["gcc-riscv64-unknown-elf", "picolibc-riscv64-unknown-elf"],
+                "the textbook model in C is built for the RISC-V core",
+                "  build riscv-gnu-toolchain with picolibc for rv32imac/ilp32",
             ),
             Need::Chromium => program(
                 "chromium",

@@ -4,13 +4,14 @@ use super::{
     Failure, OutputArgs, ReadingArgs, SplitArgs, command_line, outputs, parse_frequency, thin,
 };
 use clap::Args;
-use preslide_host::cost::CostTable;
+use preslide_host::cost::{CORES, Core, CostTable, DEFAULT};
 use preslide_host::identify::identify;
 use preslide_host::model::Model;
 use preslide_host::progress::Progress;
 use preslide_host::recording::Needs;
 use preslide_host::simulate::same_axis;
-use preslide_host::tune::{Budget, of_model, of_recording};
+use preslide_host::tune::cores::{Comparison, OnCore, budget_on};
+use preslide_host::tune::{Budget, Tuning, of_model, of_recording};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -34,19 +35,19 @@ pub struct Tune {
     #[command(flatten)]
     split: SplitArgs,
 
-    /// Core whose measured costs to use, or a table of costs measured on your own board, in the columns of
-    /// firmware/cycles/cortex-m4.csv
+    /// Core or chip whose costs to use: cortex-m4 (stm32g4), hazard3 (rp2350-riscv), cortex-m0+ (rp2040), cortex-m7 (stm32h7);
+    /// all compares them; or a table of costs measured on your own board, in the columns of firmware/cycles/cortex-m4.csv
     #[arg(
         long,
         visible_alias = "table",
-        default_value = "cortex-m4",
-        value_name = "CORE or FILE.csv"
+        default_value = DEFAULT,
+        value_name = "CORE, all or FILE.csv"
     )]
     cpu: String,
 
-    /// Core clock
-    #[arg(long, default_value = "170MHz", value_parser = parse_frequency)]
-    clock: f64,
+    /// Core clock; without it the core's rated one, and 170 MHz for a table of your own
+    #[arg(long, value_parser = parse_frequency)]
+    clock: Option<f64>,
 
     /// Control rate
     #[arg(long, default_value = "20kHz", value_parser = parse_frequency)]
@@ -63,6 +64,9 @@ pub struct Tune {
     #[command(flatten)]
     outputs: OutputArgs,
 }
+
+/// Every core beside each other, in the place of a core's name.
+const ALL: &str = "all";
 
 /// `5%` or `0.05`.
 fn parse_percent(text: &str) -> Result<f64, String> {
@@ -85,12 +89,7 @@ impl Tune {
         let inputs: Vec<&Path> = inputs.map(PathBuf::as_path).collect();
         outputs::check(&inputs, None, Some(&self.outputs))?;
         let model = Model::load(&self.model)?;
-        let costs = CostTable::of_cpu_or_file(&self.cpu).map_err(Failure::Input)?;
-        let budget = Budget {
-            clock: self.clock,
-            rate: self.rate,
-            share: self.budget,
-        };
+        let plans = self.plans().map_err(Failure::Input)?;
         let known = model
             .mechanics
             .iter()
@@ -106,8 +105,11 @@ impl Tune {
                 "--count {count}: must be finite and above zero"
             )));
         }
-        let tuning = if self.recording.is_empty() {
-            of_model(&model, count, &costs, budget).map_err(Failure::Input)?
+        let mut tunings = Vec::new();
+        if self.recording.is_empty() {
+            for (costs, budget) in &plans {
+                tunings.push(of_model(&model, count, costs, *budget).map_err(Failure::Input)?);
+            }
         } else {
             let recording = thin(self.reading.load(&self.recording, Needs::Both)?);
             same_axis(&model, recording.kind, &recording.name).map_err(Failure::Input)?;
@@ -115,10 +117,36 @@ impl Tune {
             let progress = Progress::new("tune", 20);
             let found = identify(&recording, &options, &progress).map_err(Failure::Data)?;
             progress.finish();
-            of_recording(&recording, &found, &model, count, &costs, budget)
-                .map_err(Failure::Data)?
-        };
+            for (costs, budget) in &plans {
+                let tuning = of_recording(&recording, &found, &model, count, costs, *budget);
+                tunings.push(tuning.map_err(Failure::Data)?);
+            }
+        }
+        if self.cpu == ALL {
+            self.compare(tunings, start)
+        } else {
+            tunings
+                .into_iter()
+                .try_for_each(|tuning| self.present(&tuning, start))
+        }
+    }
 
+    /// Costs and budget of each core that is asked for.
+    fn plans(&self) -> Result<Vec<(CostTable, Budget)>, String> {
+        let on = |core| budget_on(core, self.clock, self.rate, self.budget);
+        if self.cpu == ALL {
+            return CORES
+                .iter()
+                .map(|core| Ok((core.costs()?, on(core))))
+                .collect();
+        }
+        let costs = CostTable::of_cpu_or_file(&self.cpu)?;
+        // A table of one's own says nothing about a clock.
+        let core = Core::named(&self.cpu).or_else(|_| Core::named(DEFAULT))?;
+        Ok(vec![(costs, on(core))])
+    }
+
+    fn present(&self, tuning: &Tuning, start: Instant) -> Result<(), Failure> {
         say!("{}", tuning.table().to_text());
         for note in &tuning.notes {
             say!("Note: {note}.");
@@ -133,5 +161,26 @@ impl Tune {
             }
             Err(reason) => Err(Failure::Data(reason.clone())),
         }
+    }
+
+    fn compare(&self, tunings: Vec<Tuning>, start: Instant) -> Result<(), Failure> {
+        let on = |(core, tuning)| OnCore { core, tuning };
+        let comparison = Comparison {
+            cores: CORES.iter().zip(tunings).map(on).collect(),
+        };
+        say!("{}", comparison.table().to_text());
+        for note in comparison.notes() {
+            say!("Note: {note}.");
+        }
+        let seconds = start.elapsed().as_secs_f64();
+        let json = comparison.to_json(seconds);
+        self.outputs
+            .write(&json, || comparison.page(command_line()))?;
+        if comparison.fits() {
+            return Ok(());
+        }
+        Err(Failure::Data(
+            "nothing fits on any core; lower --rate or allow more --budget".to_owned(),
+        ))
     }
 }

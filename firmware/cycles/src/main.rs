@@ -10,43 +10,51 @@
 
 mod checksum;
 mod effects;
+mod given;
 mod kernels;
+#[cfg_attr(target_arch = "arm", path = "cortex_m.rs")]
+#[cfg_attr(target_arch = "riscv32", path = "hazard3.rs")]
+mod machine;
 mod motion;
 mod peers;
 mod spent;
 mod stub;
+mod textbook;
 mod tick;
 
 use core::panic::PanicInfo;
-use cortex_m::asm::wfi;
-use cortex_m_semihosting::{debug, hprintln};
 
-#[cortex_m_rt::entry]
-fn main() -> ! {
-    if cfg!(feature = "board") {
-        if !spent::start_counter() {
-            hprintln!(
-                "# DWT.CYCCNT does not count here, as in an emulator: the cycles below mean nothing"
+/// Prints a line on the machine's console.
+#[macro_export]
+macro_rules! say {
+    ($($what:tt)*) => { $crate::machine::print(format_args!("{}\n", format_args!($($what)*))) };
+}
+
+fn run() -> ! {
+    if machine::MEASURES {
+        if !machine::start_counter() {
+            say!(
+                "# The core's cycle counter does not count here, as in an emulator: the cycles below mean nothing"
             );
         }
-        hprintln!(
-            "# Measured with DWT.CYCCNT, motion seed {:#x}",
+        say!(
+            "# Measured with the core's cycle counter, motion seed {:#x}",
             motion::SEED
         );
-        hprintln!(
+        say!(
             "kernel,n,instructions_mean,instructions_max,cycles_mean,cycles_worst,cycles_low,cycles_high,cycles_in_tick,\
              floor,m7_estimate,flash_bytes,ram_bytes,paths,calls"
         );
     } else {
-        hprintln!("motion seed {:#x}", motion::SEED);
+        say!("motion seed {:#x}", motion::SEED);
     }
     peers::run_empty_tick();
     kernels::run();
     effects::run();
     peers::run();
-    if !cfg!(feature = "board") {
+    if !machine::MEASURES {
         kernels::long_runs(|kernel, checksum| {
-            hprintln!(
+            say!(
                 "agreement {} steps {} checksum {:016x}",
                 kernel,
                 kernels::LONG,
@@ -54,17 +62,11 @@ fn main() -> ! {
             );
         });
     }
-    debug::exit(debug::EXIT_SUCCESS);
-    loop {
-        wfi();
-    }
+    machine::exit(true)
 }
 
 #[panic_handler]
 fn panic(info: &PanicInfo) -> ! {
-    hprintln!("{}", info);
-    debug::exit(debug::EXIT_FAILURE);
-    loop {
-        wfi();
-    }
+    say!("{}", info);
+    machine::exit(false)
 }

@@ -1,67 +1,79 @@
-//! Cycles by the core's own counter, on a board. QEMU has none: there the calls are recorded from outside.
+//! Cycles by the core's own counter, where there is one. QEMU has none: there the calls are recorded from outside.
 
-use core::sync::atomic::{Ordering, compiler_fence};
-use cortex_m::Peripherals;
-use cortex_m::peripheral::DWT;
+use crate::machine::{self, MEASURES};
+use crate::stub::{ControlTick, Controller, Step};
+use crate::tick::Inputs;
 
-/// Cycles of many calls, without those of reading the counter.
+/// What one call took, without the reading of the counters.
+pub struct Taken {
+    pub cycles: u32,
+    /// `None` on a core that does not count them.
+    pub instructions: Option<u32>,
+}
+
+/// What many calls took.
+#[derive(Default)]
 pub struct Spent {
-    sum: u64,
     calls: u32,
+    cycles: u64,
     pub worst: u32,
-    reading: u32,
-}
-
-/// Switches the counter on, and interrupts off for good: nothing else is to be counted. Whether it counts.
-pub fn start_counter() -> bool {
-    cortex_m::interrupt::disable();
-    if let Some(mut core) = Peripherals::take() {
-        core.DCB.enable_trace();
-        core.DWT.enable_cycle_counter();
-    }
-    between(|| cortex_m::asm::delay(10)).1 > 0
-}
-
-/// Cycles between two readings with `work` between them.
-#[inline(always)]
-fn between<R>(work: impl FnOnce() -> R) -> (R, u32) {
-    let start = DWT::cycle_count();
-    compiler_fence(Ordering::SeqCst);
-    let result = work();
-    compiler_fence(Ordering::SeqCst);
-    (result, DWT::cycle_count().wrapping_sub(start))
+    instructions: u64,
+    pub longest: Option<u32>,
 }
 
 impl Spent {
-    pub fn new() -> Self {
-        let reading = if cfg!(feature = "board") {
-            between(|| ()).1
-        } else {
-            0
-        };
-        Self {
-            sum: 0,
-            calls: 0,
-            worst: 0,
-            reading,
+    /// One update, counted where the core counts.
+    ///
+    /// # Safety
+    /// `step` takes these types.
+    pub unsafe fn update<M, State, S: Copy>(
+        &mut self,
+        step: Step<M, State, S>,
+        model: &M,
+        state: &mut State,
+        motion: [S; 2],
+    ) -> S {
+        let [displacement, velocity] = motion;
+        if !MEASURES {
+            // SAFETY: the caller's.
+            return unsafe { step(model, state, displacement, velocity) };
         }
+        // SAFETY: the caller's.
+        let (force, taken) = unsafe { machine::update(step, model, state, motion) };
+        self.add(&taken);
+        force
     }
 
-    /// Does the work, and counts its cycles on a board.
-    #[inline(always)]
-    pub fn by<R>(&mut self, work: impl FnOnce() -> R) -> R {
-        if !cfg!(feature = "board") {
-            return work();
+    /// One control tick, counted where the core counts.
+    pub fn tick<M, State, S: Copy>(
+        &mut self,
+        control: ControlTick<M, State, S>,
+        model: &M,
+        state: &mut State,
+        controller: &mut Controller,
+        inputs: &Inputs<S>,
+    ) -> S {
+        if !MEASURES {
+            return control(model, state, controller, inputs);
         }
-        let (result, cycles) = between(work);
-        let cycles = cycles.saturating_sub(self.reading);
-        self.sum += u64::from(cycles);
+        let (force, taken) = machine::tick(control, model, state, controller, inputs);
+        self.add(&taken);
+        force
+    }
+
+    fn add(&mut self, taken: &Taken) {
         self.calls += 1;
-        self.worst = self.worst.max(cycles);
-        result
+        self.cycles += u64::from(taken.cycles);
+        self.worst = self.worst.max(taken.cycles);
+        self.instructions += u64::from(taken.instructions.unwrap_or(0));
+        self.longest = self.longest.max(taken.instructions);
     }
 
     pub fn mean(&self) -> f64 {
-        self.sum as f64 / f64::from(self.calls.max(1))
+        self.cycles as f64 / f64::from(self.calls.max(1))
+    }
+
+    pub fn mean_instructions(&self) -> f64 {
+        self.instructions as f64 / f64::from(self.calls.max(1))
     }
 }

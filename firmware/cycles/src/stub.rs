@@ -2,11 +2,12 @@
 
 use core::hint::black_box;
 use core::sync::atomic::{AtomicU32, Ordering};
-use cortex_m_semihosting::{hprint, hprintln};
 use preslide::{Friction, Motion, Scalar, Units};
 
 use crate::checksum::Checksum;
-use crate::motion::{Strokes, TICKS};
+use crate::given::given;
+use crate::machine::{MEASURES, TELLS};
+use crate::motion::TICKS;
 use crate::spent::Spent;
 use crate::tick::{Inputs, Pid, PidState};
 
@@ -47,32 +48,28 @@ impl Row {
         let step = black_box(step);
         let mut squares = 0.0;
         let mut checksum = Checksum::new();
-        let mut spent = Spent::new();
-        for tick in Strokes::new().take(TICKS) {
-            place(model, &mut state, tick.place(self.units));
-            let Motion {
-                displacement,
-                velocity,
-            } = tick.motion(self.units);
-            // SAFETY: every stub is a safe Rust function, or a C peer whose structures `peers.rs` mirrors.
-            let force = spent.by(|| unsafe { step(model, &mut state, displacement, velocity) });
+        let mut spent = Spent::default();
+        for tick in given(self.units) {
+            place(model, &mut state, tick.place);
+            // SAFETY: every stub is a safe Rust function, or a C peer whose structures `textbook.rs` mirrors.
+            let force = unsafe { spent.update(step, model, &mut state, tick.motion) };
             checksum.add(force.to_f64());
-            let newtons = force.to_f64() * self.units.force;
-            squares += newtons * newtons;
+            if !MEASURES {
+                let newtons = force.to_f64() * self.units.force;
+                squares += newtons * newtons;
+            }
         }
-        if cfg!(feature = "board") {
-            return spent;
+        let (kernel, blocks, checksum) = (self.kernel, self.blocks, checksum.value());
+        if TELLS && MEASURES {
+            crate::say!("kernel {kernel} {blocks} calls {TICKS} checksum {checksum:016x}");
+        } else if TELLS {
+            crate::say!(
+                "kernel {kernel} {blocks} calls {TICKS} model {} state {} force_rms {:.6} checksum {checksum:016x}",
+                size_of::<M>(),
+                size_of::<State>(),
+                libm::sqrt(squares / TICKS as f64),
+            );
         }
-        hprintln!(
-            "kernel {} {} calls {} model {} state {} force_rms {:.6} checksum {:016x}",
-            self.kernel,
-            self.blocks,
-            TICKS,
-            size_of::<M>(),
-            size_of::<State>(),
-            libm::sqrt(squares / TICKS as f64),
-            checksum.value()
-        );
         spent
     }
 
@@ -83,36 +80,45 @@ impl Row {
         mut state: State,
         control: ControlTick<M, State, S>,
     ) -> Spent {
-        let mut spent = Spent::new();
+        let mut spent = Spent::default();
         let control = black_box(control);
         let mut controller = (Pid::EXAMPLE, PidState::default());
-        for tick in Strokes::new().take(TICKS) {
+        for tick in given(self.units) {
+            let [displacement, velocity] = tick.motion;
             let inputs = Inputs {
-                motion: tick.motion(self.units),
-                position: tick.place(self.units),
+                motion: Motion {
+                    displacement,
+                    velocity,
+                },
+                position: tick.place,
                 error: tick.velocity,
             };
-            let work = || control(model, &mut state, &mut controller, &inputs);
-            black_box(spent.by(work));
+            black_box(spent.tick(control, model, &mut state, &mut controller, &inputs));
         }
         black_box(controller.1.output);
         spent
     }
 
-    /// On a board: the kernel's line in the columns of cortex-m4.csv, from its calls and its ticks. A board counts no instructions
-    /// and knows no size of code.
+    /// On a core that counts: the kernel's line in the columns of cortex-m4.csv, from its calls and its ticks. None knows the size of
+    /// the code, and a board counts no instructions.
     pub fn print_measured<State>(&self, call: &Spent, ticks: Option<&Spent>) {
-        if !cfg!(feature = "board") {
+        if !MEASURES {
             return;
         }
         let (kernel, blocks, state) = (self.kernel, self.blocks, size_of::<State>());
-        let (mean, worst) = (call.mean(), call.worst);
-        hprint!("{kernel},{blocks},,,{mean:.1},{worst},,,");
-        if let Some(ticks) = ticks {
-            let without = f32::from_bits(EMPTY_TICK.load(Ordering::Relaxed));
-            hprint!("{:.1}", ticks.mean() - f64::from(without));
+        crate::machine::print(format_args!("{kernel},{blocks},"));
+        match call.longest {
+            Some(longest) => {
+                crate::machine::print(format_args!("{:.1},{longest},", call.mean_instructions()))
+            }
+            None => crate::machine::print(format_args!(",,")),
         }
-        hprintln!(",,,,{state},,{TICKS}");
+        crate::machine::print(format_args!("{:.1},{},,,", call.mean(), call.worst));
+        if let Some(ticks) = ticks {
+            let without = f64::from(f32::from_bits(EMPTY_TICK.load(Ordering::Relaxed)));
+            crate::machine::print(format_args!("{:.1}", ticks.mean() - without));
+        }
+        crate::say!(",,,,{state},,{TICKS}");
     }
 }
 

@@ -4,14 +4,13 @@
 //! inlined into it, which is what a controller pays. A table made on a board has calls only, with the call's own cost in
 //! them; [`Cost::inlined`] tells.
 
+mod cores;
 mod effects;
 
+pub use cores::{CORES, Core, DEFAULT, LEFT_OUT, Standing};
 pub use effects::EffectsCost;
 
 use std::path::Path;
-
-/// Written by `cargo xtask cycles`.
-const CORTEX_M4: &str = include_str!("../../../firmware/cycles/cortex-m4.csv");
 
 /// Cost of one update of a kernel at one number of blocks.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +31,8 @@ pub struct Cost {
     pub flash_bytes: f64,
     /// State (bytes).
     pub ram_bytes: f64,
+    /// Cycles of a call on the core that the table estimates beside its own; NaN where there is none.
+    estimate: f64,
 }
 
 /// Cycles of the whole interrupt of the control task, exception entry and return included.
@@ -53,23 +54,17 @@ pub struct CostTable {
     rows: Vec<Cost>,
     /// Where the figures come from, for people.
     pub origin: String,
+    /// How well they are known.
+    pub standing: Standing,
 }
 
 impl CostTable {
-    /// The table of a core that was measured in emulation.
+    /// The table of a core or of a chip that has it.
     ///
     /// # Errors
     /// Which cores there are.
     pub fn of_cpu(cpu: &str) -> Result<Self, String> {
-        match cpu {
-            "cortex-m4" | "cortex-m4f" => Self::parse(
-                CORTEX_M4,
-                "instruction paths from QEMU priced by the Cortex-M4 manual, no wait states, not confirmed on a board",
-            ),
-            other => Err(format!(
-                "--cpu {other}: no figures; cortex-m4 is measured, for another core run firmware/cycles on a board and give its output as --cpu FILE.csv"
-            )),
-        }
+        Core::named(cpu)?.costs()
     }
 
     /// The table of a core, or that of the file so named: whatever ends in `.csv`.
@@ -153,11 +148,14 @@ impl CostTable {
                 inlined: !in_tick.is_nan(),
                 flash_bytes: optional("flash_bytes")?,
                 ram_bytes: optional("ram_bytes")?,
+                estimate: optional("m7_estimate")?,
             });
         }
         Ok(Self {
             rows,
             origin: origin.to_owned(),
+            // By the core's own counter.
+            standing: Standing::Exact,
         })
     }
 
@@ -183,6 +181,7 @@ impl CostTable {
             inlined: below.inlined && above.inlined,
             flash_bytes: between(|row| row.flash_bytes).ceil(),
             ram_bytes: between(|row| row.ram_bytes).ceil(),
+            estimate: between(|row| row.estimate),
         })
     }
 
@@ -216,11 +215,6 @@ mod tests {
             );
             assert!(table.cost(kernel.name(), 11).is_none());
         }
-        assert!(
-            CostTable::of_cpu("avr")
-                .unwrap_err()
-                .contains("--cpu FILE.csv")
-        );
     }
 
     #[test]

@@ -117,6 +117,15 @@ impl Kernel {
         }
     }
 
+    /// The numbers that the kernel itself computes in.
+    pub fn numbers(self) -> &'static str {
+        match self {
+            Self::GmsF32 | Self::QuasiStaticF32 => "f32",
+            Self::GmsI32 | Self::SlipReserve => "i32",
+            Self::Packed | Self::ConstantTime => "2×16 bit",
+        }
+    }
+
     /// What it is, in a few words.
     pub fn description(self) -> &'static str {
         match self {
@@ -124,7 +133,7 @@ impl Kernel {
             Self::GmsI32 => "i32, full law",
             Self::QuasiStaticF32 => "f32, quasi-static",
             Self::SlipReserve => "i32, quasi-static, safe code",
-            Self::Packed => "2×16 bit, quasi-static, DSP instructions",
+            Self::Packed => "2×16 bit, quasi-static, with DSP instructions where the core has them",
             Self::ConstantTime => "2×16 bit, quasi-static, one path whatever moves",
         }
     }

@@ -1,11 +1,12 @@
 //! How many blocks, in which arithmetic: accuracy against cycles.
 
+pub mod cores;
 pub mod kernel;
 mod present;
 #[cfg(test)]
 mod tests;
 
-use crate::cost::{Cost, CostTable, WholeTick};
+use crate::cost::{Cost, CostTable, Standing, WholeTick};
 use crate::effects::Effect;
 use crate::export::{carried, refused};
 use crate::friction::{FrictionModel, Path};
@@ -289,6 +290,12 @@ fn tuning(
                 arithmetic: 100.0 * mean_square.sqrt() / breakaway,
             });
         }
+    }
+    if let Standing::Estimated(spread) = costs.standing {
+        notes.push(format!(
+            "the cycles are estimates, ±{:.0} %: the worst and the shares count the dear end",
+            100.0 * spread
+        ));
     }
     if choices.iter().any(|c| c.tick.is_none()) {
         notes.push(

@@ -140,7 +140,7 @@ impl Tuning {
         }
     }
 
-    fn figure(&self) -> Figure {
+    pub(super) fn figure(&self) -> Figure {
         let error = |c: &Choice| c.nmse_test.unwrap_or(c.arithmetic);
         let y = match self.recorded {
             true => Axis::new("NMSE held out", "%").log(),

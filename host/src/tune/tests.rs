@@ -1,6 +1,7 @@
+use super::cores::{Comparison, OnCore, budget_on};
 use super::kernel::Kernel;
 use super::{Budget, of_model};
-use crate::cost::CostTable;
+use crate::cost::{CORES, Core, CostTable};
 use crate::model::Model;
 
 fn model(blocks: &str) -> Model {
@@ -96,4 +97,48 @@ fn a_clock_too_slow_for_the_whole_tick_fits_nothing_though_friction_alone_would(
         reason.contains("whole control tick") && reason.contains("--rate"),
         "{reason}"
     );
+}
+
+#[test]
+fn every_core_gets_its_own_kernel_and_what_is_left_out_is_named() {
+    let cores = CORES.iter().map(|core| {
+        let costs = core.costs().unwrap();
+        let budget = budget_on(core, None, 20e3, 0.05);
+        assert_eq!(budget.clock, core.clock);
+        let tuning = of_model(&model(TWO), 25e-9, &costs, budget).unwrap();
+        OnCore { core, tuning }
+    });
+    let comparison = Comparison {
+        cores: cores.collect(),
+    };
+    assert!(comparison.fits());
+    let json = comparison.to_json(0.0);
+    let chosen = |index: usize| json["cores"][index]["tuning"]["recommended"]["kernel"].clone();
+    for (index, core) in CORES.iter().enumerate() {
+        let kernel = chosen(index);
+        let is_float = kernel.as_str().is_some_and(|name| name.ends_with("f32"));
+        let has_unit = core.title.contains("M4F") || core.title.contains("M7");
+        assert!(
+            kernel.is_string() && (has_unit || !is_float),
+            "{}: {kernel}",
+            core.title
+        );
+    }
+    assert!(
+        comparison
+            .notes()
+            .iter()
+            .any(|note| note.contains("Cortex-M33"))
+    );
+    assert_eq!(comparison.table().rows.len(), CORES.len());
+}
+
+#[test]
+fn an_estimate_counts_at_its_dear_end() {
+    let core = Core::named("stm32h7").unwrap();
+    let costs = core.costs().unwrap();
+    let cost = costs.cost("gms_f32", 6).unwrap();
+    assert!(cost.cycles_worst >= 1.4 * cost.cycles_mean);
+    let tuning = of_model(&model(TWO), 25e-9, &costs, budget(0.05)).unwrap();
+    assert!(tuning.notes.iter().any(|note| note.contains("±40 %")));
 }

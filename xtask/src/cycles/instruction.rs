@@ -58,8 +58,12 @@ impl Instruction {
         (self.writes | self.reads_float) >> 16 != 0
     }
 
+    pub fn writes_pc(&self) -> bool {
+        self.writes & PC != 0
+    }
+
     pub fn loads_pc(&self) -> bool {
-        self.memory && self.writes & PC != 0
+        self.memory && self.writes_pc()
     }
 
     /// Reads mnemonic and operands; `conditional` says that it stands in an IT block.

@@ -16,6 +16,8 @@ pub struct Row {
     pub cycles_high: f64,
     /// By how much the mean control tick grows where the kernel is inlined into it; `None` where it cannot be.
     pub cycles_in_tick: Option<f64>,
+    /// [`floor`], on a core that it is about.
+    pub floor: Option<f64>,
     /// Cycles of the most frequent path on a Cortex-M7, by llvm-mca: an estimate.
     pub m7_estimate: Option<f64>,
     pub flash_bytes: u32,
@@ -49,7 +51,7 @@ pub fn to_csv(header: &[String], rows: &[Row]) -> String {
             row.cycles_low,
             row.cycles_high,
             decimal(row.cycles_in_tick),
-            decimal(floor(row)),
+            decimal(row.floor),
             decimal(row.m7_estimate),
             row.flash_bytes,
             whole(row.ram_bytes),
@@ -103,6 +105,7 @@ fn row(line: &str) -> Option<Row> {
         cycles_low: decimal(6)?,
         cycles_high: decimal(7)?,
         cycles_in_tick: optional(8)?,
+        floor: optional(9)?,
         m7_estimate: optional(10)?,
         flash_bytes: whole(11)?,
         ram_bytes: match *cells.get(12)? {
@@ -131,9 +134,9 @@ pub fn floor(row: &Row) -> Option<f64> {
         .then_some(12.0 + 2.5 * blocks)
 }
 
-/// Cycles in the control tick above [`floor`].
+/// Cycles in the control tick above its floor.
 fn gap(row: &Row) -> Option<f64> {
-    Some(row.cycles_in_tick? - floor(row)?)
+    Some(row.cycles_in_tick? - row.floor?)
 }
 
 pub fn print(rows: &[Row]) {
@@ -253,6 +256,7 @@ mod tests {
             cycles_low: 130.0,
             cycles_high: 150.0,
             cycles_in_tick: (kernel == "a").then_some(110.0),
+            floor: (kernel == "a").then_some(27.0),
             m7_estimate: (kernel == "b").then_some(70.0),
             flash_bytes: 400,
             ram_bytes: (kernel == "a").then_some(24),
