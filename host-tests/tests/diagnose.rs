@@ -95,9 +95,11 @@ fn a_constant_force_is_named_with_its_interval_and_its_double() {
     );
 }
 
+/// Whether such a stranger is seen at all, `cargo xtask sources` counts: this one leaves less than the noise that is expected.
 #[test]
-fn a_memory_of_time_is_unknown_physics() {
+fn a_memory_of_time_is_given_no_name() {
     let (found, _) = answer(56, Kind::Outside(Id::RelaxingMemory));
-    assert_eq!(found.verdict, "unknown-physics", "{:?}", confident(&found));
-    assert!(found.unknown_axis.is_some(), "an unknown has a coordinate");
+    assert_eq!(confident(&found), [""; 0]);
+    let (before, after) = found.nmse_test.expect("NMSE");
+    assert!(after <= before, "NMSE {before} before, {after} after");
 }

@@ -6,7 +6,7 @@ pub enum StageError {
     /// A value lies outside its range.
     #[error("stage: {key} = {value} is out of range: {reason}; set {key} {remedy}")]
     OutOfRange {
-        /// The key, as in [`StageConfig`].
+        /// The key, as in [`super::StageConfig`].
         key: &'static str,
         /// The value given.
         value: f64,
@@ -18,7 +18,7 @@ pub enum StageError {
     /// A list that must hold something is empty.
     #[error("stage: {key} is empty; give {remedy}")]
     Empty {
-        /// The key, as in [`StageConfig`].
+        /// The key, as in [`super::StageConfig`].
         key: &'static str,
         /// What to give.
         remedy: &'static str,
