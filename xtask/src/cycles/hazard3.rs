@@ -29,6 +29,8 @@ const LIMIT: Duration = Duration::from_secs(3600);
 
 /// A mean may grow by this much before the check fails: the cycles are exact, the compiler may be another one.
 const TOLERANCE: f64 = 0.03;
+/// Cycles by which it may grow besides: where the linker puts a function decides how many instructions lie across two words.
+const ALIGNMENT: f64 = 2.0;
 
 /// What was simulated, in the table's header.
 const SIMULATED: &str = "# simulated: ";
@@ -65,7 +67,7 @@ pub fn check() -> Result<(), String> {
     println!("\n{TABLE} is of another image or core; simulating this one");
     let worse = regressions(&means(&committed)?, &means(&simulation.table()?)?);
     if worse.is_empty() {
-        println!("no mean grew by more than 3 % over {TABLE}");
+        println!("no mean grew by more than 3 % and two cycles over {TABLE}");
         return Ok(());
     }
     Err(format!(
@@ -338,7 +340,7 @@ fn regressions(committed: &BTreeMap<String, f64>, measured: &BTreeMap<String, f6
     for (kernel, old) in committed {
         match measured.get(kernel) {
             None => found.push(format!("{kernel}: no longer measured")),
-            Some(new) if *new > old * (1.0 + TOLERANCE) => {
+            Some(new) if *new > old * (1.0 + TOLERANCE) + ALIGNMENT => {
                 found.push(format!(
                     "{kernel}: the mean grew from {old} to {new} cycles"
                 ));
@@ -358,11 +360,11 @@ mod tests {
     use super::{means, regressions};
 
     #[test]
-    fn a_mean_may_grow_by_three_percent() {
+    fn a_mean_may_grow_by_three_percent_and_two_cycles() {
         let table =
             |mean: &str| means(&format!("# made\nkernel,n\na,4,,,{mean},120,,,\n")).unwrap();
-        assert!(regressions(&table("100.0"), &table("103.0")).is_empty());
-        assert_eq!(regressions(&table("100.0"), &table("104.0")).len(), 1);
+        assert!(regressions(&table("100.0"), &table("105.0")).is_empty());
+        assert_eq!(regressions(&table("100.0"), &table("106.0")).len(), 1);
         assert_eq!(regressions(&table("100.0"), &Default::default()).len(), 1);
         assert!(means("kernel,n\na,4,,,x,1\n").unwrap_err().contains("a,4"));
     }
