@@ -2,7 +2,7 @@
 
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 /// The folder of the root `Cargo.toml`.
@@ -49,6 +49,11 @@ pub fn run(command: &mut Command) -> Result<(), String> {
         .stdin(Stdio::null())
         .status()
         .map_err(|error| format!("`{line}` did not start: {error}"))?;
+    succeeded(&line, status)
+}
+
+/// The command's end as a result.
+fn succeeded(line: &str, status: ExitStatus) -> Result<(), String> {
     if status.success() {
         Ok(())
     } else {
@@ -70,11 +75,8 @@ pub fn run_counting(command: &mut Command, word: &str) -> Result<usize, String> 
         }
     }
     let status = child.wait().map_err(|error| format!("`{line}`: {error}"))?;
-    if status.success() {
-        Ok(count)
-    } else {
-        Err(format!("`{line}` failed ({status})"))
-    }
+    succeeded(&line, status)?;
+    Ok(count)
 }
 
 /// As `run`, but ends the program when `limit` has passed.
@@ -90,8 +92,7 @@ pub fn run_for(command: &mut Command, limit: Duration) -> Result<(), String> {
             .try_wait()
             .map_err(|error| format!("`{line}` cannot be waited for: {error}"))?;
         match ended {
-            Some(status) if status.success() => return Ok(()),
-            Some(status) => return Err(format!("`{line}` failed ({status})")),
+            Some(status) => return succeeded(&line, status),
             None if start.elapsed() < limit => std::thread::sleep(Duration::from_millis(20)),
             None => {
                 // It may have ended in this moment; either way it is gone after the wait.

@@ -10,9 +10,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use super::compare_with_host;
-use super::table::COLUMNS;
-use crate::process::{cargo, find, output, output_for, root, run_for};
+use super::table::{COLUMNS, Counts, grown};
+use super::{BUILD, compare_with_host, version_of};
+use crate::process::{cargo, find, output_for, root, run_for};
 use crate::tools::Need;
 
 const TARGET: &str = "riscv32imac-unknown-none-elf";
@@ -27,9 +27,7 @@ const TABLE: &str = "firmware/cycles/hazard3-rp2350.csv";
 /// The simulation takes minutes.
 const LIMIT: Duration = Duration::from_secs(3600);
 
-/// A mean may grow by this much before the check fails: the cycles are exact, the compiler may be another one.
-const TOLERANCE: f64 = 0.03;
-/// Cycles by which it may grow besides: where the linker puts a function decides how many instructions lie across two words.
+/// Cycles by which a mean may grow besides the tables' tolerance: they are exact, but the compiler may be another one, and where the linker puts a function decides how many instructions lie across two words.
 const ALIGNMENT: f64 = 2.0;
 
 /// What was simulated, in the table's header.
@@ -65,7 +63,8 @@ pub fn check() -> Result<(), String> {
         return Ok(());
     }
     println!("\n{TABLE} is of another image or core; simulating this one");
-    let worse = regressions(&means(&committed)?, &means(&simulation.table()?)?);
+    let measured = means(&simulation.table()?)?;
+    let worse = grown(&means(&committed)?, &measured, ALIGNMENT, "cycles");
     if worse.is_empty() {
         println!("no mean grew by more than 3 % and two cycles over {TABLE}");
         return Ok(());
@@ -169,10 +168,6 @@ impl Simulation {
 }
 
 fn header(ticks: &str) -> Result<String, String> {
-    let version = |program: &str| -> Result<String, String> {
-        let printed = output(Command::new(program).arg("--version"))?;
-        Ok(printed.lines().next().unwrap_or_default().to_string())
-    };
     let mut text = String::new();
     for line in [
         "Exact cycles of one update on Hazard3, the RP2350's RISC-V core: its RTL, simulated by verilator, with the parameters of",
@@ -192,7 +187,7 @@ fn header(ticks: &str) -> Result<String, String> {
         "# calls: {ticks} each, the first of the motion of cortex-m4.csv"
     );
     for program in ["rustc", "riscv64-unknown-elf-gcc", "verilator"] {
-        let _ = writeln!(text, "# {program}: {}", version(program)?);
+        let _ = writeln!(text, "# {program}: {}", version_of(program)?);
     }
     Ok(text)
 }
@@ -279,13 +274,7 @@ fn files(folder: &Path, ending: &str) -> Result<Vec<PathBuf>, String> {
 
 /// The measuring image, as memory holds it.
 fn image(folder: &Path) -> Result<PathBuf, String> {
-    let mut build = cargo(&[
-        "build",
-        "--release",
-        "--locked",
-        "--package",
-        "preslide-cycles",
-    ]);
+    let mut build = cargo(&BUILD);
     build
         .args(["--target", TARGET, "--target-dir"])
         .arg(folder)
@@ -323,46 +312,28 @@ fn print(table: &str) {
 }
 
 /// Mean cycles by kernel and N.
-fn means(table: &str) -> Result<BTreeMap<String, f64>, String> {
+fn means(table: &str) -> Result<Counts, String> {
     let lines = table.lines().filter(|line| !line.starts_with('#')).skip(1);
     let mean = |line: &str| {
         let cells: Vec<&str> = line.split(',').collect();
         let mean = cells.get(4)?.parse().ok()?;
-        Some((format!("{} N={}", cells.first()?, cells.get(1)?), mean))
+        let name = format!("{} N={}", cells.first()?, cells.get(1)?);
+        Some((name, vec![("the mean", mean)]))
     };
     lines
         .map(|line| mean(line).ok_or_else(|| format!("{TABLE}: cannot read `{line}`")))
         .collect()
 }
 
-fn regressions(committed: &BTreeMap<String, f64>, measured: &BTreeMap<String, f64>) -> Vec<String> {
-    let mut found = Vec::new();
-    for (kernel, old) in committed {
-        match measured.get(kernel) {
-            None => found.push(format!("{kernel}: no longer measured")),
-            Some(new) if *new > old * (1.0 + TOLERANCE) + ALIGNMENT => {
-                found.push(format!(
-                    "{kernel}: the mean grew from {old} to {new} cycles"
-                ));
-            }
-            Some(_) => {}
-        }
-    }
-    let added = measured
-        .keys()
-        .filter(|kernel| !committed.contains_key(*kernel));
-    found.extend(added.map(|kernel| format!("{kernel}: not in the committed table")));
-    found
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{means, regressions};
+    use super::{ALIGNMENT, Counts, grown, means};
 
     #[test]
     fn a_mean_may_grow_by_three_percent_and_two_cycles() {
         let table =
             |mean: &str| means(&format!("# made\nkernel,n\na,4,,,{mean},120,,,\n")).unwrap();
+        let regressions = |old: &Counts, new: &Counts| grown(old, new, ALIGNMENT, "cycles");
         assert!(regressions(&table("100.0"), &table("105.0")).is_empty());
         assert_eq!(regressions(&table("100.0"), &table("106.0")).len(), 1);
         assert_eq!(regressions(&table("100.0"), &Default::default()).len(), 1);

@@ -138,31 +138,37 @@ fn recordings() -> PathBuf {
     root().join("firmware/target/recorder")
 }
 
+/// What builds the harness.
+const BUILD: [&str; 5] = [
+    "build",
+    "--release",
+    "--locked",
+    "--package",
+    "preslide-cycles",
+];
+
+/// The first line of what a program says of its version.
+fn version_of(program: &str) -> Result<String, String> {
+    let printed = output(Command::new(program).arg("--version"))?;
+    Ok(printed.lines().next().unwrap_or_default().to_string())
+}
+
 /// Builds the harness; the program, and the compiler's version.
 fn build(core: &Core) -> Result<(PathBuf, String), String> {
     let firmware = root().join("firmware");
-    let arguments = [
-        "build",
-        "--release",
-        "--locked",
-        "--package",
-        "preslide-cycles",
-    ];
     let version = if core.target == TARGET {
         let toolchain = Toolchain::ensure()?;
-        run(&mut toolchain.cargo(&firmware, &arguments))?;
+        run(&mut toolchain.cargo(&firmware, &BUILD))?;
         toolchain.version()?
     } else {
-        let mut build = cargo(&arguments);
+        let mut build = cargo(&BUILD);
         run(build.args(["--target", core.target]).current_dir(&firmware)).map_err(|error| {
             format!(
                 "{error}\nIf the target is missing: rustup target add {}",
                 core.target
             )
         })?;
-        output(Command::new("rustc").arg("--version"))?
-            .trim()
-            .to_string()
+        version_of("rustc")?
     };
     let built = firmware.join("target").join(core.target);
     Ok((built.join("release/cycles"), version))
@@ -343,17 +349,10 @@ fn price_paths(
 }
 
 fn header(core: &Core, version: &str, seed: &str) -> Result<Vec<String>, String> {
-    let first_line = |program: &str| -> Result<String, String> {
-        Ok(output(Command::new(program).arg("--version"))?
-            .lines()
-            .next()
-            .unwrap_or_default()
-            .to_string())
-    };
     let mut lines: Vec<String> = core.header.iter().map(ToString::to_string).collect();
     lines.push(format!("motion seed: {seed}"));
     lines.push(format!("rustc: {version}"));
-    lines.push(format!("gcc: {}", first_line("arm-none-eabi-gcc")?));
-    lines.push(format!("qemu: {}", first_line("qemu-system-arm")?));
+    lines.push(format!("gcc: {}", version_of("arm-none-eabi-gcc")?));
+    lines.push(format!("qemu: {}", version_of("qemu-system-arm")?));
     Ok(lines)
 }

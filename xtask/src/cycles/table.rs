@@ -1,5 +1,6 @@
 //! The table of measured costs: as people read it, and as the file that is committed and checked against.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 /// What one kernel at one N costs for each update.
@@ -203,41 +204,43 @@ pub fn print_effects(rows: &[Row]) {
     }
 }
 
-/// Every way in which `measured` is worse than, or not covered by, `committed`.
+/// What is held against the committed table, by kernel and N: each count with what it is of.
+pub type Counts = BTreeMap<String, Vec<(&'static str, f64)>>;
+
+/// Every way in which `measured` is worse than, or not covered by, `committed`: instructions.
 pub fn regressions(committed: &[Row], measured: &[Row]) -> Vec<String> {
-    let same = |a: &Row, b: &Row| a.kernel == b.kernel && a.blocks == b.blocks;
+    let counts = |rows: &[Row]| -> Counts {
+        let of = |row: &Row| {
+            let longest = f64::from(row.instructions_max);
+            vec![("mean", row.instructions_mean), ("longest path", longest)]
+        };
+        rows.iter().map(|row| (name(row), of(row))).collect()
+    };
+    grown(&counts(committed), &counts(measured), 0.0, "instructions")
+}
+
+fn name(row: &Row) -> String {
+    format!("{} N={}", row.kernel, row.blocks)
+}
+
+/// Counts that grew by more than 3 % and `slack`, and rows that only one of the two has.
+pub fn grown(committed: &Counts, measured: &Counts, slack: f64, unit: &str) -> Vec<String> {
     let mut found = Vec::new();
-    for old in committed {
-        let name = format!("{} N={}", old.kernel, old.blocks);
-        let Some(new) = measured.iter().find(|new| same(old, new)) else {
+    for (name, old) in committed {
+        let Some(new) = measured.get(name) else {
             found.push(format!("{name}: no longer measured"));
             continue;
         };
-        let counts = [
-            ("mean", old.instructions_mean, new.instructions_mean),
-            (
-                "longest path",
-                f64::from(old.instructions_max),
-                f64::from(new.instructions_max),
-            ),
-        ];
-        for (what, old, new) in counts {
-            if new > old * (1.0 + TOLERANCE) {
-                found.push(format!(
-                    "{name}: {what} grew from {old} to {new:.1} instructions"
-                ));
+        for ((what, old), (_, new)) in old.iter().zip(new) {
+            if *new > old * (1.0 + TOLERANCE) + slack {
+                found.push(format!("{name}: {what} grew from {old} to {new:.1} {unit}"));
             }
         }
     }
-    for new in measured
-        .iter()
-        .filter(|new| !committed.iter().any(|old| same(old, new)))
-    {
-        found.push(format!(
-            "{} N={}: not in the committed table",
-            new.kernel, new.blocks
-        ));
-    }
+    let added = measured
+        .keys()
+        .filter(|name| !committed.contains_key(*name));
+    found.extend(added.map(|name| format!("{name}: not in the committed table")));
     found
 }
 
