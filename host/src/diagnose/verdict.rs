@@ -317,27 +317,34 @@ fn extend(found: &Found, kept: &[Term], effects: &[Named]) -> Option<Hypothesis>
 fn shown(found: &Found, kept: &[Term], effects: &mut [Named]) -> Option<Hypothesis> {
     loop {
         let extended = extend(found, kept, effects)?;
+        let mut with = Vec::new();
         for effect in effects.iter_mut() {
-            measure(found, kept, &extended, effect)?;
+            with.push(weigh(found, kept, &extended, effect)?);
         }
         let loss = |e: &Named| e.nmse_test[1] - e.nmse_test[0];
         let worst = effects
             .iter_mut()
             .filter(|e| e.confident && loss(e) >= 0.0)
             .max_by(|a, b| loss(a).total_cmp(&loss(b)));
-        match worst {
-            Some(effect) => effect.confident = false,
-            None => return Some(extended),
+        if let Some(effect) = worst {
+            effect.confident = false;
+            continue;
         }
+        for (effect, with) in effects.iter_mut().zip(&with) {
+            measure(&found.ground, with, effect);
+        }
+        return Some(extended);
     }
 }
 
-/// Parameters, force, places and held-out NMSE of an effect, all confident ones beside it and nothing without a name: a free curve
-/// would share its coefficients.
-fn measure(found: &Found, kept: &[Term], extended: &Hypothesis, effect: &mut Named) -> Option<()> {
-    let Name::Entry(entry) = effect.name else {
-        return Some(());
-    };
+/// Held-out NMSE of an effect, all confident ones beside it and nothing without a name: a free curve would share its coefficients. The
+/// hypothesis with it, its own term the last.
+fn weigh(
+    found: &Found,
+    kept: &[Term],
+    extended: &Hypothesis,
+    effect: &mut Named,
+) -> Option<Hypothesis> {
     let (ground, own) = (&found.ground, effect.term.clone()?);
     let is_own = |t: &Term| t.is_like(&own) && t.shape == own.shape;
     let mut terms: Vec<Term> = extended.terms.clone();
@@ -347,12 +354,19 @@ fn measure(found: &Found, kept: &[Term], extended: &Hypothesis, effect: &mut Nam
     let without = ground.fit(&terms)?;
     terms.push(own);
     let with = ground.fit(&terms)?;
-    let index = terms.len() - 1;
     effect.nmse_test = [&without, &with].map(|h| h.nmse(&ground.rows).test);
+    Some(with)
+}
+
+/// Parameters, force and places of an effect, its term the last of a hypothesis.
+fn measure(ground: &Ground, with: &Hypothesis, effect: &mut Named) {
+    let Name::Entry(entry) = effect.name else {
+        return;
+    };
+    let index = with.terms.len() - 1;
     effect.force = with.force_of(index);
     effect.places = Place::all(&ground.rows, entry.axis(), &effect.force);
-    effect.parameters = parameters(ground, &with, index);
-    Some(())
+    effect.parameters = parameters(ground, with, index);
 }
 
 fn hysteresis(found: &Found, shape: Shape) -> Named {
