@@ -138,19 +138,20 @@ fn write(file: &Path, text: String) -> Result<(), String> {
 
 /// The same recordings asked of each recipe: one table, curves of all in one file and one picture a source.
 fn compare(o: &Options) -> Result<(), String> {
+    let of = |name: &String| -> Result<(&'static str, Tool), String> {
+        match Recipe::of(name) {
+            Some(recipe) => Ok((recipe.name(), Tool::naive(recipe))),
+            None if name == PRESLIDE => Ok((PRESLIDE, Tool::new(o.preslide.as_deref())?)),
+            None => Err(format!(
+                "--recipes: `{name}` is none of preslide, bic, lasso, pysindy"
+            )),
+        }
+    };
+    // All of them before the first is asked, which may take minutes.
+    let tools = o.recipes.iter().map(of).collect::<Result<Vec<_>, _>>()?;
     let mut answers: Vec<Answers> = Vec::new();
-    for name in &o.recipes {
-        let tool = match Recipe::of(name) {
-            Some(recipe) => Tool::naive(recipe),
-            None if name == PRESLIDE => Tool::new(o.preslide.as_deref())?,
-            None => {
-                return Err(format!(
-                    "--recipes: `{name}` is none of preslide, bic, lasso, pysindy"
-                ));
-            }
-        };
-        let name = Recipe::of(name).map_or(PRESLIDE, Recipe::name);
-        answers.push((name, ask(o, &tool)?));
+    for (name, tool) in &tools {
+        answers.push((name, ask(o, tool)?));
     }
     println!("{}", beside::table(&answers));
     let Some(file) = &o.curves else { return Ok(()) };

@@ -88,7 +88,8 @@ pub fn picture(answers: &[Answers], source: &str) -> String {
             .map(|c| c.2)
             .max()
             .unwrap_or(0);
-        reach = reach.max((most as f64 / own.len().max(1) as f64).ceil());
+        // Four ticks, each a whole number.
+        reach = reach.max(4.0 * (most as f64 / (4 * own.len().max(1)) as f64).ceil());
         all.extend(own);
     }
     curves_svg(&all, reach)

@@ -6,6 +6,7 @@
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Complex, DMatrix, DVector};
+use rustfft::FftPlanner;
 
 use super::motion::{Extent, Motion, slope};
 use super::oracle::{YIELDS, binned};
@@ -287,31 +288,16 @@ fn strongest(along: &[f64], values: &[f64], [from, to]: [f64; 2]) -> Vec<f64> {
     for (s, value) in along.iter().zip(values) {
         sums[((s * cells as f64) as usize).min(cells - 1)] += value;
     }
-    let powers: Vec<f64> = fourier(&sums).iter().map(|c| c.norm_sqr()).collect();
+    FftPlanner::new()
+        .plan_fft_forward(sums.len())
+        .process(&mut sums);
+    let powers: Vec<f64> = sums.iter().map(|c| c.norm_sqr()).collect();
     let wanted = (2.0 * from).ceil() as usize..=(2.0 * to) as usize;
     let mut peaks: Vec<usize> = wanted
         .filter(|&i| powers[i] > powers[i - 1] && powers[i] >= powers[i + 1])
         .collect();
     peaks.sort_by(|a, b| powers[*b].total_cmp(&powers[*a]));
     peaks.iter().take(LINES).map(|&i| 0.5 * i as f64).collect()
-}
-
-/// The discrete Fourier transform of 2^n values (Cooley and Tukey 1965).
-fn fourier(x: &[Complex<f64>]) -> Vec<Complex<f64>> {
-    if x.len() < 2 {
-        return x.to_vec();
-    }
-    let every_other =
-        |from: usize| fourier(&x.iter().skip(from).step_by(2).copied().collect::<Vec<_>>());
-    let (even, odd) = (every_other(0), every_other(1));
-    let turned = odd
-        .iter()
-        .enumerate()
-        .map(|(k, c)| c * Complex::from_polar(1.0, -TAU * k as f64 / x.len() as f64));
-    let turned: Vec<_> = turned.collect();
-    let sums = even.iter().zip(&turned).map(|(a, b)| a + b);
-    let differences = even.iter().zip(&turned).map(|(a, b)| a - b);
-    sums.chain(differences).collect()
 }
 
 #[cfg(test)]

@@ -374,7 +374,7 @@ pub fn curves_svg(cases: &[Case], reach: f64) -> String {
     }
     let _ = writeln!(
         text,
-        "<text x=\"{:.0}\" y=\"{:.0}\" text-anchor=\"middle\">false names a recording</text><text x=\"14\" y=\"14\">effects named</text>",
+        "<text x=\"{:.0}\" y=\"{:.0}\" text-anchor=\"middle\">false names a recording</text><text x=\"{left}\" y=\"14\">effects named</text>",
         0.5 * width,
         height - 10.0
     );

@@ -193,14 +193,16 @@ impl Comparison {
                 .filter(|(_, error)| *error > 0.0)
                 .collect();
             points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-            let (x, y) = frontier(&points).into_iter().unzip();
-            let best = Series::line(format!("{}, frontier", on.core.title), x, y);
+            let best = frontier(&points);
             let (x, y) = points.into_iter().unzip();
-            figure = figure
-                .with(Series::points(on.core.title, x, y).colour(colour))
-                .with(best.colour(colour));
+            figure = figure.with(Series::points(on.core.title, x, y).colour(colour));
+            if best.len() > 1 {
+                let (x, y) = best.into_iter().unzip();
+                let line = Series::line(format!("{}, frontier", on.core.title), x, y);
+                figure = figure.with(line.colour(colour));
+            }
         }
-        figure.note("The clock is each core's own, unless --clock was given.")
+        figure.note("No line where one choice beats all others. The clock is each core's own, unless --clock was given.")
     }
 }
 
