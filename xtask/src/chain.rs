@@ -22,9 +22,11 @@ const NONE: &str = "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[frictio
 /// Ticks of a row of the recording: 2 ms, two samples of the telemetry.
 const ROW: &str = "40";
 
-/// Before that the firmware has not been told where it was switched on (`FIRST` in sim/src/chain/on_emulator.rs): positions jump then,
+/// Before that (s) the firmware has not been told where it was switched on (`FIRST` in sim/src/chain/on_emulator.rs): positions jump then,
 /// and to an identification a jump is a motion.
 const LOCATED: &str = "0.004";
+/// The same where it first finds the zero of its current sense (`CALIBRATED` in sim/src/rig).
+const LOCATED_CALIBRATED: &str = "0.108";
 
 /// Trials at a time; a trial keeps one core busy.
 const WORKERS: usize = 2;
@@ -153,7 +155,7 @@ impl Chain {
         let recording = file("recording.csv");
         capture(&mut serve, &port, |tool| {
             quiet(
-                tool.args(["--every", ROW, "--after", LOCATED])
+                tool.args(["--every", ROW, "--after", self.located()])
                     .arg("-o")
                     .arg(&recording),
             )
@@ -181,6 +183,15 @@ impl Chain {
         self.image(folder, "refit", &ids)?;
         let mut track = self.steps(&["track"]);
         quiet(track.arg(&index).arg(none).arg(folder).args(self.stage()))
+    }
+
+    /// When the firmware has been told where it stands (s).
+    fn located(&self) -> &'static str {
+        if self.electrical {
+            LOCATED_CALIBRATED
+        } else {
+            LOCATED
+        }
     }
 
     /// Exports the model of that name `without` some effects, and builds the firmware with it; the image.

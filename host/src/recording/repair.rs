@@ -14,8 +14,13 @@ use crate::statistics::quantile;
 const SPIKE_RANGES: f64 = 1.0;
 /// … and lies this many times further from its neighbours' median than all but 1 % of the samples do.
 const SPIKE_USUAL: f64 = 8.0;
-/// A jump of the position is this many times longer than all but 5 % of the steps.
+/// A jump of the position is this many times longer than all but 5 % of the steps …
 const JUMP_USUAL: f64 = 20.0;
+/// … and either a tenth of the whole range, or this many times longer than the median of the steps around it: a motion speeds up before it is
+/// fast, a count that is told where it stands does not.
+const JUMP_ALONE: f64 = 10.0;
+/// Steps to each side that are around it.
+const AROUND: usize = 3;
 /// Wraps of one counter agree within this share.
 const SAME_WRAP: f64 = 0.05;
 /// Samples for which a signal stays exactly as it is while it drops out …
@@ -141,6 +146,13 @@ fn spikes(
     ));
 }
 
+/// Whether a step stands out from those around it.
+fn is_alone(steps: &[f64], at: usize) -> bool {
+    let around = at.saturating_sub(AROUND)..(at + AROUND + 1).min(steps.len());
+    let mut others: Vec<f64> = around.filter(|&i| i != at).map(|i| steps[i]).collect();
+    quantile(&mut others, 0.5).is_some_and(|median| steps[at] > JUMP_ALONE * median)
+}
+
 /// Takes the wraps of a counter or an angle out of the position; returns the samples before which it jumps by something else.
 fn unwrap(
     x: &mut [f64],
@@ -150,20 +162,25 @@ fn unwrap(
     warnings: &mut Vec<Warning>,
 ) -> Vec<usize> {
     let starts: Vec<usize> = pieces.iter().map(|p| p.start).collect();
-    let mut steps: Vec<f64> = x.windows(2).map(|p| (p[1] - p[0]).abs()).collect();
+    let steps: Vec<f64> = x.windows(2).map(|p| (p[1] - p[0]).abs()).collect();
     let (low, high) = extremes(x);
-    let Some(usual) = quantile(&mut steps, 0.95) else {
+    let Some(usual) = quantile(&mut steps.clone(), 0.95) else {
         return Vec::new();
     };
-    let quantum = x
-        .windows(2)
-        .map(|p| (p[1] - p[0]).abs())
-        .filter(|s| *s > 0.0)
-        .fold(f64::INFINITY, f64::min);
-    let long = (JUMP_USUAL * usual.max(quantum)).max(0.1 * (high - low));
-    let jumps: Vec<usize> = (1..x.len())
-        .filter(|&i| (x[i] - x[i - 1]).abs() > long && starts.binary_search(&i).is_err())
-        .collect();
+    let moving = steps.iter().copied().filter(|s| *s > 0.0);
+    let quantum = moving.fold(f64::INFINITY, f64::min);
+    let long = JUMP_USUAL * usual.max(quantum);
+    let is_jump = |i: &usize| {
+        let far = steps[i - 1] > 0.1 * (high - low) || is_alone(&steps, i - 1);
+        steps[i - 1] > long && far && starts.binary_search(i).is_err()
+    };
+    let mut jumps: Vec<usize> = (1..x.len()).filter(is_jump).collect();
+    // The other part of one that a mean has made two of, however small.
+    let beside = jumps.iter().flat_map(|i| [i - 1, i + 1]);
+    let parts = beside.filter(|&i| (1..x.len()).contains(&i) && !jumps.contains(&i));
+    let parts: Vec<usize> = parts.filter(|&i| is_alone(&steps, i - 1)).collect();
+    jumps.extend(parts);
+    jumps.sort_unstable();
     let Some(&first) = jumps.first() else {
         return Vec::new();
     };

@@ -553,6 +553,22 @@ fn wraps_spikes_and_dropouts_are_found_said_and_put_right() {
     assert!(warns(&wrapped, "wrapped"), "{:?}", wrapped.warnings);
     assert!(worst(&wrapped) < count, "{:e}", worst(&wrapped));
 
+    // Told where it stands within a recording, over two rows of a mean: by less than a tenth of the range.
+    let range = clean
+        .position
+        .iter()
+        .fold(0.0, |r: f64, x| r.max(2.0 * x.abs()));
+    let located = text(
+        &swing(|i, x, _| {
+            *x += 0.05 * range * [0.0, 0.4, 1.0][(i.clamp(2999, 3001) - 2999) as usize]
+        }),
+        &[],
+    );
+    let located = located.expect("located");
+    assert!(warns(&located, "position-jump"), "{:?}", located.warnings);
+    let across = |i: usize| located.pieces.iter().any(|p| p.start < i && i < p.end);
+    assert!(!across(3000) && !across(3001), "{:?}", located.pieces);
+
     let spiked = text(
         &swing(|i, _, f| {
             if i == 4321 {
