@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use preslide_host_tests::judge::baseline;
 use preslide_host_tests::judge::beside::{self, Answers};
-use preslide_host_tests::judge::case::Case;
+use preslide_host_tests::judge::case::{Case, Sort};
 use preslide_host_tests::judge::naive::Recipe;
 use preslide_host_tests::judge::source::{bench, injection, machines, stage, trials, write_json};
 use preslide_host_tests::judge::summary;
@@ -43,6 +43,9 @@ struct Options {
     /// Clean trials besides, over all families and laws
     #[arg(long, default_value_t = 0, value_name = "N")]
     clean: usize,
+    /// Kinds of question in trials, stage and machines: clean, single, hidden, pair, masked, stranger [default: all]
+    #[arg(long, value_delimiter = ',', value_parser = Sort::parse, value_name = "SORTS")]
+    sorts: Vec<Sort>,
     /// Seeds of `../shared/generators/stage`, 76 trials each
     #[arg(
         long,
@@ -94,12 +97,14 @@ struct Options {
 fn ask(o: &Options, tool: &Tool) -> Result<Vec<Case>, String> {
     let wants = |source: &str| o.only.iter().any(|only| only == source);
     let shared = preslide_host_tests::judge::real::shared().is_some();
+    let sorts = |sort: Sort| o.sorts.is_empty() || o.sorts.contains(&sort);
     let mut cases = Vec::new();
     if wants("trials") {
         let plan = catalogue_plan(o.count)
             .into_iter()
             .step_by(o.every)
-            .chain(clean_plan(o.clean));
+            .chain(clean_plan(o.clean))
+            .filter(|(_, kind)| sorts(trials::sort(*kind)));
         let plan: Vec<_> = plan
             .map(|(seed, kind)| (seed + 5_000_000 * o.seed, kind))
             .collect();
@@ -110,15 +115,15 @@ fn ask(o: &Options, tool: &Tool) -> Result<Vec<Case>, String> {
             .step_by(o.every)
             .map(|i| i + 1_000_000 * o.seed)
             .collect();
-        cases.extend(machines::cases(tool, &seeds, o.jobs));
+        cases.extend(machines::cases(tool, &seeds, &sorts, o.jobs));
     }
     if wants("stage") && shared {
         if let Some(folder) = &o.stage_folder {
-            cases.extend(stage::cases(tool, folder, o.every, o.jobs)?);
+            cases.extend(stage::cases(tool, folder, o.every, &sorts, o.jobs)?);
         } else {
             for seed in &o.stage {
                 let folder = stage::folder(*seed, o.python.as_deref())?;
-                cases.extend(stage::cases(tool, &folder, o.every, o.jobs)?);
+                cases.extend(stage::cases(tool, &folder, o.every, &sorts, o.jobs)?);
             }
         }
     }

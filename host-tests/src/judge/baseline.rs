@@ -44,7 +44,7 @@ pub fn cases(tool: &Tool, jobs: usize) -> Result<Vec<Case>, String> {
         .collect();
     let mut cases = trials::cases(tool, &plan, jobs);
     let seeds: Vec<u64> = (0..MACHINES).map(|i| i + 1_000_000 * SEED).collect();
-    cases.extend(machines::cases(tool, &seeds, jobs));
+    cases.extend(machines::cases(tool, &seeds, |_| true, jobs));
     if super::real::shared().is_some() {
         let pairs = injection::pairs(
             |machine, effect| INJECTED.contains(&(machine, effect)),
@@ -55,7 +55,7 @@ pub fn cases(tool: &Tool, jobs: usize) -> Result<Vec<Case>, String> {
         cases.extend(bench::cases(tool, |name| BENCHES.contains(&name), jobs)?);
         // Generated in some minutes where it is not kept: only where someone did so before.
         if let Some(folder) = stage::kept_folder(777_001) {
-            cases.extend(stage::cases(tool, &folder, 6, jobs)?);
+            cases.extend(stage::cases(tool, &folder, 6, |_| true, jobs)?);
         } else {
             eprintln!("SKIPPED: stage, which `cargo xtask sources --only stage` generates");
         }

@@ -1,17 +1,25 @@
 //! Machines of the second generator ([`crate::machines`]) as cases.
 
-use crate::judge::case::Case;
+use crate::judge::case::{Case, Sort};
 use crate::judge::tool::{Tool, parallel};
 use crate::machines::make;
 
 /// Name of the source.
 pub const SOURCE: &str = "machines";
 
-/// Asks the tool of the machines of some seeds.
-pub fn cases(tool: &Tool, seeds: &[u64], jobs: usize) -> Vec<Case> {
+/// Asks the tool of the machines of some seeds whose sort is wanted.
+pub fn cases(
+    tool: &Tool,
+    seeds: &[u64],
+    wanted: impl Fn(Sort) -> bool + Sync,
+    jobs: usize,
+) -> Vec<Case> {
     let done = std::sync::atomic::AtomicUsize::new(0);
-    parallel(seeds, jobs, |_, &seed| {
+    let answered = parallel(seeds, jobs, |_, &seed| {
         let made = make(seed);
+        if !wanted(made.sort) {
+            return None;
+        }
         let (answer, seconds) = tool.diagnose(&made.recording);
         let case = Case {
             source: SOURCE,
@@ -29,6 +37,7 @@ pub fn cases(tool: &Tool, seeds: &[u64], jobs: usize) -> Vec<Case> {
         // No line tells which was what: nobody may tune to them.
         let n = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
         eprintln!("machines: {n} of {} ({seconds:.1} s)", seeds.len());
-        case
-    })
+        Some(case)
+    });
+    answered.into_iter().flatten().collect()
 }

@@ -140,11 +140,17 @@ fn question(folder: &Path) -> Result<(Recording, Sort, f64, Vec<Truth>), String>
     ))
 }
 
-/// Asks the tool of every `every`th trial in a folder.
+/// Asks the tool of every `every`th trial in a folder whose sort is wanted.
 ///
 /// # Errors
 /// Where a trial cannot be read.
-pub fn cases(tool: &Tool, folder: &Path, every: usize, jobs: usize) -> Result<Vec<Case>, String> {
+pub fn cases(
+    tool: &Tool,
+    folder: &Path,
+    every: usize,
+    wanted: impl Fn(Sort) -> bool + Sync,
+    jobs: usize,
+) -> Result<Vec<Case>, String> {
     let entries = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let mut trials: Vec<PathBuf> = entries.filter_map(|e| Some(e.ok()?.path())).collect();
     trials.retain(|path| path.join("label.json").exists() && path.join("base.toml").exists());
@@ -152,6 +158,9 @@ pub fn cases(tool: &Tool, folder: &Path, every: usize, jobs: usize) -> Result<Ve
     let trials: Vec<PathBuf> = trials.into_iter().step_by(every).collect();
     let answered = parallel(&trials, jobs, |_, path| {
         let (recording, sort, strength, truth) = question(path)?;
+        if !wanted(sort) {
+            return Ok(None);
+        }
         let (answer, seconds) = tool.diagnose(&recording);
         let case = Case {
             source: "stage",
@@ -167,7 +176,7 @@ pub fn cases(tool: &Tool, folder: &Path, every: usize, jobs: usize) -> Result<Ve
             seconds,
         };
         eprintln!("{}", case.line());
-        Ok(case)
+        Ok(Some(case))
     });
-    answered.into_iter().collect()
+    answered.into_iter().filter_map(Result::transpose).collect()
 }

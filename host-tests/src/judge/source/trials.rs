@@ -5,16 +5,20 @@ use crate::judge::tool::{Tool, parallel};
 use crate::trials::score::{Diagnosis, Judged};
 use crate::trials::{Kind, Label, Trial, trial};
 
-/// A trial with an answer.
-pub fn case(label: &Label, answer: Result<Diagnosis, String>, seconds: f64) -> Case {
-    let sort = match label.kind {
+/// The sort of question that a kind of trial is.
+pub fn sort(kind: Kind) -> Sort {
+    match kind {
         Kind::Clean | Kind::CleanOf(_) => Sort::Clean,
         Kind::Single(..) => Sort::Single,
         Kind::Corner(_) | Kind::WrongBaseline(_) => Sort::Hidden,
         Kind::Pair(..) => Sort::Pair,
         Kind::Masked(..) => Sort::Masked,
         Kind::Outside(_) => Sort::Stranger,
-    };
+    }
+}
+
+/// A trial with an answer.
+pub fn case(label: &Label, answer: Result<Diagnosis, String>, seconds: f64) -> Case {
     let truth = label.effects.iter().enumerate().map(|(i, effect)| Truth {
         place: label
             .region
@@ -41,7 +45,7 @@ pub fn case(label: &Label, answer: Result<Diagnosis, String>, seconds: f64) -> C
             ),
             _ => format!("seed {} ({})", label.seed, label.law.name()),
         },
-        sort,
+        sort: sort(label.kind),
         strength: match label.kind {
             Kind::Clean | Kind::CleanOf(_) => 0.0,
             kind => kind.strength().factor(),
