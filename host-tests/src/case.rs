@@ -343,10 +343,21 @@ impl Case {
             .iter()
             .map(|n| json!({ "id": n.id, "confident": n.confident, "confidence": n.confidence, "right": self.judges(n), "ambiguous_with": n.ambiguous_with, "features": n.features }))
             .collect();
+        // Anything that is there is right on a recording with a stranger, nothing on a clean one; beside a name nothing depends on it.
+        let right = match self.sort {
+            _ if self.confident().next().is_some() => None,
+            Sort::Stranger => Some(true),
+            Sort::Clean => Some(false),
+            _ => None,
+        };
+        let unnamed = self.answer.iter().flat_map(|answer| &answer.unnamed);
+        let unnamed: Vec<Value> = unnamed
+            .map(|(p, features)| json!({ "confidence": p, "features": features, "right": right }))
+            .collect();
         json!({
             "source": self.source, "name": self.name, "sort": self.sort.name(), "strength": self.strength,
             "truth": self.truth.iter().map(|t| &t.id).collect::<Vec<_>>(), "there": self.there,
-            "verdict": self.verdict(), "error": self.answer.as_ref().err(), "names": names, "distances": self.distances(), "seconds": self.seconds,
+            "verdict": self.verdict(), "error": self.answer.as_ref().err(), "names": names, "unnamed": unnamed, "distances": self.distances(), "seconds": self.seconds,
         })
     }
 }

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use preslide_host_tests::judge::calibrate::{
-    CALIBRATION, Names, fit, held_without, left_out, widths,
+    CALIBRATION, Judged, Names, fit, held_without, left_out, widths,
 };
 
 /// Fits the confidence of names and the width of intervals, each source, machine and effect left out in turn
@@ -18,26 +18,49 @@ struct Options {
     /// Judged cases
     #[arg(required = true, value_name = "FILE.json")]
     cases: Vec<PathBuf>,
+    /// Judged strangers and clean recordings, for what has no name; `sources --sorts stranger,clean` asks them
+    #[arg(long, required = true, value_delimiter = ',', value_name = "FILE.json")]
+    unnamed: Vec<PathBuf>,
     /// Write the weights into the program's source
     #[arg(long)]
     bless: bool,
 }
 
 fn run(o: &Options) -> Result<(), String> {
-    let names = Names::read(&o.cases)?;
-    let weights = fit(names.stated.iter())
-        .ok_or("no name with features and a known truth in these files; write them with `cargo xtask sources --json FILE`")?;
+    let names = Names::read(&o.cases, &o.unnamed)?;
+    let fitted = |judged: &Judged, what: &str| {
+        fit(judged.stated.iter()).ok_or(format!(
+            "no {what} with features and a known truth in these files; write them with `cargo xtask sources --json FILE`"
+        ))
+    };
+    let weights = fitted(&names.names, "name")?;
+    let presence = fitted(&names.unnamed, "stranger and clean recording")?;
     println!(
         "calibration error as stated and as fitted without the group; right of those at least so sure\n"
     );
-    println!("{}", left_out(&names, |s| s.kind().to_owned()));
-    println!("{}", left_out(&names, |s| s.source.clone()));
-    println!("{}", left_out(&names, |s| s.id.clone()));
+    println!("{}", left_out(&names.names, |s| s.kind().to_owned()));
+    println!("{}", left_out(&names.names, |s| s.source.clone()));
+    println!("{}", left_out(&names.names, |s| s.id.clone()));
+    println!("the same of what has no name: something is there\n");
+    println!("{}", left_out(&names.unnamed, |s| s.source.clone()));
     println!(
         "95 % intervals: true values held as stated, and widened as fitted without the source\n"
     );
     println!("{}", held_without(&names));
-    let text = file(&names, &weights);
+    let mut text = String::from(
+        "# Written by `cargo xtask calibrate --bless`: weights of the logistic behind a stated confidence, and widths of intervals.\n\n[weights]\n",
+    );
+    text += &listed(&names.names, &weights);
+    text += "\n# Of what has no name: whether anything is there.\n[presence]\n";
+    text += &listed(&names.unnamed, &presence);
+    text += "\n# Times that an interval of an effect is widened.\n[widths]\n";
+    for (effect, width) in widths(names.distances.iter()) {
+        let _ = writeln!(text, "{effect} = {width:.2}");
+    }
+    text += "\n# Names that it was fitted to: right, all.\n[names]\n";
+    text += &counted(&names.names);
+    text += "\n# What has no name: there, all.\n[unnamed]\n";
+    text += &counted(&names.unnamed);
     println!("{text}");
     if o.bless {
         std::fs::write(CALIBRATION, text).map_err(|e| format!("{CALIBRATION}: {e}"))?;
@@ -45,29 +68,23 @@ fn run(o: &Options) -> Result<(), String> {
     Ok(())
 }
 
-fn file(names: &Names, weights: &[f64]) -> String {
+fn listed(judged: &Judged, weights: &[f64]) -> String {
+    let keys = std::iter::once("constant").chain(judged.features.iter().map(String::as_str));
+    let lines = keys.zip(weights);
+    lines.map(|(key, w)| format!("{key} = {w:.3}\n")).collect()
+}
+
+fn counted(judged: &Judged) -> String {
     let mut sources = std::collections::BTreeMap::<&str, [usize; 2]>::new();
-    for stated in &names.stated {
+    for stated in &judged.stated {
         let own = sources.entry(&stated.source).or_default();
         own[0] += usize::from(stated.right);
         own[1] += 1;
     }
-    let mut text = String::from(
-        "# Written by `cargo xtask calibrate --bless`: weights of the logistic behind a stated confidence, and widths of intervals.\n\n[weights]\n",
-    );
-    let keys = std::iter::once("constant").chain(names.features.iter().map(String::as_str));
-    for (key, weight) in keys.zip(weights) {
-        let _ = writeln!(text, "{key} = {weight:.3}");
-    }
-    text += "\n# Times that an interval of an effect is widened.\n[widths]\n";
-    for (effect, width) in widths(names.distances.iter()) {
-        let _ = writeln!(text, "{effect} = {width:.2}");
-    }
-    text += "\n# Names that it was fitted to: right, all.\n[names]\n";
-    for (source, [right, all]) in sources {
-        let _ = writeln!(text, "{source:?} = [{right}, {all}]");
-    }
-    text
+    let lines = sources.into_iter();
+    lines
+        .map(|(source, [right, all])| format!("{source:?} = [{right}, {all}]\n"))
+        .collect()
 }
 
 fn main() -> ExitCode {

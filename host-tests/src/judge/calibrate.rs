@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
 
 use nalgebra::{DMatrix, DVector};
 use serde_json::Value;
@@ -35,12 +36,21 @@ pub struct Stated {
     pub right: bool,
 }
 
-/// Judged names of some cases.
-pub struct Names {
+/// Statements of one kind whose truth is known.
+#[derive(Default)]
+pub struct Judged {
     /// Names of the features.
     pub features: Vec<String>,
-    /// The names whose truth is known.
+    /// The statements.
     pub stated: Vec<Stated>,
+}
+
+/// Judged names of some cases.
+pub struct Names {
+    /// Names that were stated.
+    pub names: Judged,
+    /// What may be there without a name: right where something is.
+    pub unnamed: Judged,
     /// By source and effect: how far a true value is from the middle of its interval, in half widths before widening.
     pub distances: Vec<(String, String, f64)>,
     /// How many times an effect's interval was widened by the program that stated it.
@@ -72,27 +82,39 @@ fn committed_widths() -> Result<BTreeMap<String, f64>, String> {
 }
 
 impl Names {
-    /// From files that `sources --json` and `inject --json` write, by a program with the committed widths.
+    /// From files that `sources --json` and `inject --json` write, by a program with the committed widths: names from `files`, what has no
+    /// name from `unnamed`.
     ///
     /// # Errors
     /// What is missing in which file.
-    pub fn read(files: &[std::path::PathBuf]) -> Result<Self, String> {
+    pub fn read(files: &[PathBuf], unnamed: &[PathBuf]) -> Result<Self, String> {
         let mut names = Self {
-            features: Vec::new(),
-            stated: Vec::new(),
+            names: Judged::default(),
+            unnamed: Judged::default(),
             distances: Vec::new(),
             widened: committed_widths()?,
         };
         for file in files {
-            let wrong = |reason: String| format!("{}: {reason}", file.display());
-            let text = std::fs::read_to_string(file).map_err(|e| wrong(e.to_string()))?;
-            let cases: Value = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
-            let cases = cases.as_array().ok_or_else(|| wrong("no list".into()))?;
-            for case in cases {
-                names.add(case).map_err(wrong)?;
-            }
+            names.add_all(file, Self::add)?;
+        }
+        for file in unnamed {
+            names.add_all(file, Self::add_unnamed)?;
         }
         Ok(names)
+    }
+
+    fn add_all(
+        &mut self,
+        file: &Path,
+        add: impl Fn(&mut Self, &Value) -> Result<(), String>,
+    ) -> Result<(), String> {
+        let wrong = |reason: String| format!("{}: {reason}", file.display());
+        let text = std::fs::read_to_string(file).map_err(|e| wrong(e.to_string()))?;
+        let cases: Value = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
+        let cases = cases.as_array().ok_or_else(|| wrong("no list".into()))?;
+        cases
+            .iter()
+            .try_for_each(|case| add(self, case).map_err(wrong))
     }
 
     fn add(&mut self, case: &Value) -> Result<(), String> {
@@ -111,32 +133,54 @@ impl Names {
                     * width(&self.widened, effect),
             ));
         }
-        for name in case["names"].as_array().ok_or("a case without names")? {
-            let (Some(features), Some(right)) =
-                (name["features"].as_object(), name["right"].as_bool())
-            else {
-                continue;
-            };
-            let keys: Vec<String> = features.keys().cloned().collect();
-            if self.features.is_empty() {
-                self.features = keys;
-            } else if self.features != keys {
-                return Err(format!(
-                    "features {keys:?} instead of {:?}: written by another version of the program",
-                    self.features
-                ));
-            }
-            self.stated.push(Stated {
-                source: source.clone(),
-                id: name["id"].as_str().unwrap_or_default().to_owned(),
-                features: features
-                    .values()
-                    .map(|v| v.as_f64().ok_or("a feature that is no number"))
-                    .collect::<Result<_, _>>()?,
-                confidence: name["confidence"].as_f64().ok_or("no confidence")?,
-                right,
-            });
+        let names = case["names"].as_array().ok_or("a case without names")?;
+        names
+            .iter()
+            .try_for_each(|name| self.names.add(&source, name))
+    }
+
+    fn add_unnamed(&mut self, case: &Value) -> Result<(), String> {
+        let source = case["source"].as_str().unwrap_or_default();
+        // A stranger is a group of its own: what tells one must tell the next.
+        let group = match case["truth"][0].as_str() {
+            Some(stranger) => format!("{source}: {stranger}"),
+            None => source.to_owned(),
+        };
+        let unnamed = case["unnamed"]
+            .as_array()
+            .ok_or("a case without `unnamed`")?;
+        unnamed.iter().try_for_each(|u| self.unnamed.add(&group, u))
+    }
+}
+
+impl Judged {
+    /// Adds a statement if its truth is known.
+    fn add(&mut self, source: &str, statement: &Value) -> Result<(), String> {
+        let (Some(features), Some(right)) = (
+            statement["features"].as_object(),
+            statement["right"].as_bool(),
+        ) else {
+            return Ok(());
+        };
+        let keys: Vec<String> = features.keys().cloned().collect();
+        if self.features.is_empty() {
+            self.features = keys;
+        } else if self.features != keys {
+            return Err(format!(
+                "features {keys:?} instead of {:?}: written by another version of the program",
+                self.features
+            ));
         }
+        self.stated.push(Stated {
+            source: source.to_owned(),
+            id: statement["id"].as_str().unwrap_or_default().to_owned(),
+            features: features
+                .values()
+                .map(|v| v.as_f64().ok_or("a feature that is no number"))
+                .collect::<Result<_, _>>()?,
+            confidence: statement["confidence"].as_f64().ok_or("no confidence")?,
+            right,
+        });
         Ok(())
     }
 }
@@ -187,7 +231,7 @@ pub fn fit<'a>(names: impl Iterator<Item = &'a Stated>) -> Option<Vec<f64>> {
         });
         let slope = rows.transpose() * error - &ridge * &weights;
         let bent = DMatrix::from_fn(names.len(), count, |i, j| {
-            rows[(i, j)] * p[i] * (1.0 - p[i])
+            shares[i] * rows[(i, j)] * p[i] * (1.0 - p[i])
         });
         let step = (rows.transpose() * bent + &ridge).lu().solve(&slope)?;
         weights += &step;
@@ -266,7 +310,7 @@ fn logistic(x: f64) -> f64 {
 
 /// For each group (a source, a machine, an effect): names, how many are right, calibration error as stated and under weights
 /// fitted without the group, precision of those that then are at least 0.55 and 0.9.
-pub fn left_out(names: &Names, group: impl Fn(&Stated) -> String) -> String {
+pub fn left_out(names: &Judged, group: impl Fn(&Stated) -> String) -> String {
     let mut groups = BTreeMap::<String, Vec<&Stated>>::new();
     for stated in &names.stated {
         groups.entry(group(stated)).or_default().push(stated);
@@ -333,17 +377,41 @@ mod tests {
         assert!((widths[OTHERS] - 3.0).abs() < 1e-12, "{widths:?}");
     }
 
+    fn stated(source: &str, feature: f64, right: bool) -> Stated {
+        Stated {
+            source: source.to_owned(),
+            id: String::new(),
+            features: vec![feature],
+            confidence: 0.5,
+            right,
+        }
+    }
+
+    /// Nine in ten of 2000 names are right in one source and one in ten of 10 in the other: even odds, if sources count alike.
+    #[test]
+    fn a_small_source_counts_as_much() {
+        let many = (0..2000).map(|i| stated("many", f64::from(i % 2), i / 2 % 10 != 0));
+        let few = (0..10).map(|i| stated("few", 2.0 * f64::from(i % 2), i == 0));
+        let all: Vec<Stated> = many.chain(few).collect();
+        let weights = fit(all.iter()).expect("solvable");
+        let mean = |source: &str| {
+            let own = all.iter().filter(|s| s.source == source);
+            let p: Vec<f64> = own.map(|s| probability(&weights, &s.features)).collect();
+            p.iter().sum::<f64>() / p.len() as f64
+        };
+        // At the maximum the constant's slope is zero: what is expected of the sources is what they have.
+        assert!(
+            (mean("many") + mean("few") - 1.0).abs() < 1e-6,
+            "{weights:?}"
+        );
+    }
+
     /// 800 of 1000 at 1 and 200 of 1000 at 0: the odds are 4 and 1/4, but for the ridge.
     #[test]
     fn odds_of_two_groups_come_back() {
+        let right = |i: i32| (i / 2) % 5 == 0 || i % 2 == 1 && (i / 2) % 5 != 1;
         let stated: Vec<Stated> = (0..2000)
-            .map(|i| Stated {
-                source: String::new(),
-                id: String::new(),
-                features: vec![f64::from(i % 2)],
-                confidence: 0.5,
-                right: (i / 2) % 5 == 0 || i % 2 == 1 && (i / 2) % 5 != 1,
-            })
+            .map(|i| stated("", f64::from(i % 2), right(i)))
             .collect();
         let weights = fit(stated.iter()).expect("solvable");
         assert!(

@@ -132,6 +132,7 @@ fn answer(ids: &[&'static str], picked: &Picked) -> Diagnosis {
         effects: names.iter().map(named).collect(),
         unknown: false,
         unknown_axis: None,
+        unnamed: Vec::new(),
         nmse_test: None,
         noise_floor: None,
         seconds: f64::NAN,

@@ -47,6 +47,8 @@ pub struct Diagnosis {
     pub unknown: bool,
     /// The coordinate that organises it.
     pub unknown_axis: Option<String>,
+    /// What may be there without a name: its probability, and what that is computed from.
+    pub unnamed: Vec<(f64, Value)>,
     /// NMSE (%) on data that no fit saw, before and after.
     pub nmse_test: Option<(f64, f64)>,
     /// NMSE (%) that it takes for noise.
@@ -82,6 +84,12 @@ impl Diagnosis {
             unknown: !json["unknown"].is_null() || verdict == "unknown-physics",
             verdict,
             effects: effects.into_iter().map(|(_, named)| named).collect(),
+            unnamed: json["unnamed"]
+                .as_array()
+                .into_iter()
+                .flatten()
+                .filter_map(|u| Some((u["confidence"].as_f64()?, u["features"].clone())))
+                .collect(),
             unknown_axis: json["unknown"]["axis"].as_str().map(str::to_owned),
             nmse_test: test("baseline").zip(test("extended")),
             noise_floor: json["noise_floor_nmse"].as_f64(),

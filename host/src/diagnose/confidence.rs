@@ -13,6 +13,9 @@ const CALIBRATION: &str = include_str!("calibration.toml");
 const SATURATED: f64 = 4.5;
 /// Standard deviations of a name at the edge.
 const EDGE: f64 = 3.0;
+/// Standard deviations beyond which nothing is surer to be there, and those of chance after the search has picked it.
+const SURE: f64 = 8.0;
+const SURE_EDGE: f64 = 4.0;
 /// The usual size of an effect, of the effort: what is much smaller is a trifle, what is much larger is cancelled by another term.
 const USUAL: f64 = 0.05;
 /// The least share of the weighted mismatch, or of the effort, that is told from none.
@@ -22,6 +25,8 @@ const LEAST: f64 = 1e-4;
 pub(super) struct Calibration {
     /// By feature, and the constant; a test holds them against [`features`].
     pub(super) weights: BTreeMap<String, f64>,
+    /// The same of what has no name, against [`features_of_presence`].
+    pub(super) presence: BTreeMap<String, f64>,
     /// By effect, and `others`.
     widths: BTreeMap<String, f64>,
 }
@@ -55,10 +60,28 @@ pub fn features(standing: &Standing) -> BTreeMap<&'static str, f64> {
     ])
 }
 
+/// What tells that something is there, whatever it is called, from chance; about zero at the edge.
+pub fn features_of_presence(standing: &Standing) -> BTreeMap<&'static str, f64> {
+    let Standing { evidence, gain, .. } = standing;
+    BTreeMap::from([
+        ("size", (evidence.share.max(*gain).max(LEAST) / NAMED).ln()),
+        ("sure", evidence.z.min(SURE) - SURE_EDGE),
+    ])
+}
+
 /// Probability that the effect is there and so named.
 pub fn confidence(standing: &Standing) -> f64 {
-    let weight = |key: &str| FITTED.weights.get(key).copied().unwrap_or(0.0);
-    let own = features(standing).into_iter();
+    weighed(&FITTED.weights, features(standing))
+}
+
+/// Probability that something is there, whatever it is called.
+pub fn presence(standing: &Standing) -> f64 {
+    weighed(&FITTED.presence, features_of_presence(standing))
+}
+
+fn weighed(weights: &BTreeMap<String, f64>, features: BTreeMap<&'static str, f64>) -> f64 {
+    let weight = |key: &str| weights.get(key).copied().unwrap_or(0.0);
+    let own = features.into_iter();
     logistic(weight("constant") + own.map(|(key, f)| f * weight(key)).sum::<f64>())
 }
 

@@ -2,7 +2,7 @@
 //!
 //! The stages, each immutable once made: [`rows`] (which instants can tell) → [`mod@core`] and noise in [`ground`] (what every
 //! hypothesis stands on) → [`offer`] (every candidate on top of one) → [`search`] (which of them the recording asks for) →
-//! [`naming`] and [`confidence`] (what each may be called) → [`verdict`]. The catalogue is [`effect`], one file each.
+//! [`naming`] and [`confidence`] (what each may be called) → [`verdict`], and `unnamed` (what has no name). The catalogue is [`effect`], one file each.
 
 pub mod axis;
 mod blocks;
@@ -34,6 +34,7 @@ mod spectra;
 pub mod term;
 #[cfg(test)]
 mod tests;
+mod unnamed;
 pub mod verdict;
 pub mod weak;
 pub mod words;

@@ -56,7 +56,7 @@ impl Diagnosis {
             });
             return (axis, odd.unwrap_or(false), own.copied());
         }
-        if let Some(unknown) = &self.unknown {
+        if let Some(unknown) = self.unknown() {
             return (unknown.axis, unknown.odd, unknown.place);
         }
         let best = self.organised.iter().find_map(|o| match o.term.subject {
@@ -73,7 +73,7 @@ impl Diagnosis {
             .confident()
             .map(|e| format!("{}.", self.sentence(e, recording)))
             .collect();
-        if let Some(unknown) = &self.unknown {
+        if let Some(unknown) = self.unknown() {
             paragraphs.push(format!(
                 "Without a name: {}.",
                 unknown.words(self, recording)

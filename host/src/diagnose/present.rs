@@ -1,9 +1,10 @@
 //! A diagnosis for machines, and its table.
 
-use super::confidence::features;
+use super::confidence::{features, features_of_presence};
 use super::offer::Offer;
 use super::place::Place;
-use super::verdict::{Diagnosis, Named, Unknown};
+use super::unnamed::Unknown;
+use super::verdict::{Diagnosis, Named};
 use super::words::ids;
 use crate::model::key_of;
 use crate::recording::Recording;
@@ -29,7 +30,8 @@ impl Diagnosis {
             "extended": { "nmse_train": self.extended.train, "nmse_test": self.extended.test },
             "noise_floor_nmse": self.noise_floor,
             "effects": self.effects.iter().enumerate().map(|(i, e)| self.effect_json(i, e, recording)).collect::<Vec<_>>(),
-            "unknown": self.unknown.as_ref().map(|u| self.unknown_json(u, recording)),
+            "unknown": self.unknown().map(|u| self.unknown_json(u, recording)),
+            "unnamed": self.unnamed.iter().map(|u| self.unknown_json(u, recording)).collect::<Vec<_>>(),
             "organised_by": self.organised.iter().take(6).map(|o| self.offer_json(o)).collect::<Vec<_>>(),
             "not_named": self.rest.iter().take(8).map(|o| self.offer_json(o)).collect::<Vec<_>>(),
             "noise": { "friction_variability": self.ground.noise.variability(), "disturbance": self.ground.noise.disturbance() },
@@ -79,10 +81,11 @@ impl Diagnosis {
         json!({
             "axis": u.axis.name(&self.ground.rows.s),
             "symmetry": if u.odd { "odd" } else { "even" },
-            "core": u.change.map(|c| c.name()),
+            "core": u.change.map(|c| c.name()), "like": u.like.map(|e| e.id()), "confidence": u.confidence,
             "from": u.place.map(|p| p.from), "to": u.place.map(|p| p.to), "share": u.place.map(|p| p.share),
             "unit": unit, "rms": u.rms, "share_of_mismatch": u.evidence.share, "standard_errors": u.evidence.z,
             "segments": u.evidence.blocks.round(), "segments_of": self.ground.rows.blocks.len(),
+            "features": features_of_presence(&u.standing),
         })
     }
 

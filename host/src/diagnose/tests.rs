@@ -13,6 +13,7 @@ use crate::recording::{LoadOptions, load_csv};
 use crate::signal::Deflection;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 /// Sample time (s), samples, inertia (kg).
@@ -155,11 +156,19 @@ fn the_effect_itself_is_no_rival_and_a_curve_that_holds_it_makes_it_needless() {
         own.evidence
     );
 
-    let weighted = confidence::FITTED
-        .weights
-        .keys()
-        .filter(|k| *k != "constant");
-    assert!(weighted.eq(confidence::features(own).keys()));
+    let keys = |weights: &BTreeMap<String, f64>| -> Vec<String> {
+        let features = weights.keys().filter(|k| *k != "constant");
+        features.cloned().collect()
+    };
+    let fitted = &confidence::FITTED;
+    assert!(
+        keys(&fitted.weights)
+            .iter()
+            .eq(confidence::features(own).keys())
+    );
+    let presence = confidence::features_of_presence(own);
+    assert!(keys(&fitted.presence).iter().eq(presence.keys()));
+    assert!(confidence::presence(own) > 0.99, "{presence:?}");
 
     let curve = Curve {
         axis: axis::Axis::Velocity,

@@ -16,6 +16,7 @@ use super::search::Found;
 use super::signals::Signals;
 use super::simulation::{self, Corrected, Correction};
 use super::term::{Subject, Term};
+use super::unnamed::{Unknown, likely, unnamed};
 use crate::friction::FrictionModel;
 use crate::statistics::Estimate;
 
@@ -25,13 +26,9 @@ const NAMED_SURELY: f64 = 0.015;
 const BEYOND_DOUBT: f64 = 6.0;
 /// The share from which a transient is named: what the core misses after a stop or a reversal looks like one.
 const NAMED_TRANSIENT: f64 = 0.1;
-/// Share of the mismatch from which what has no name is stated.
-const UNNAMED: f64 = 0.05;
 /// Least confidence of a confident name, a little above even odds; chosen after looking at made stages and trials, of which it was to keep
 /// nine names in ten right, and at injections, which a higher one silences.
 const LIKELY: f64 = 0.55;
-/// Least probability, by the same logistic, that something is there at all before it is called unknown: more likely than not.
-const LIKELIER: f64 = 0.5;
 /// NMSE (%) on folds held out from which a model explains too little to be called consistent with anything.
 const EXPLAINS_LITTLE: f64 = 25.0;
 /// Chance below which a candidate that did not enter is at least suspected.
@@ -104,25 +101,6 @@ pub struct Named {
     pub ambiguous: Vec<&'static dyn Effect>,
 }
 
-/// A mismatch that nothing in the catalogue explains.
-#[derive(Clone)]
-pub struct Unknown {
-    /// The coordinate that organises it; `None` where only the whole mismatch is too large.
-    pub axis: Axis,
-    /// It flips with direction.
-    pub odd: bool,
-    /// A change of the core, where it is one.
-    pub change: Option<Change>,
-    /// What a free curve explains of it.
-    pub evidence: Evidence,
-    /// Where it is.
-    pub place: Option<Place>,
-    /// Root mean square of its force (N or N·m).
-    pub rms: f64,
-    /// Its force at the rows.
-    pub force: Vec<f64>,
-}
-
 /// What the recording lacks, and what it therefore cannot show.
 pub struct Lack {
     /// What is missing.
@@ -143,8 +121,8 @@ pub struct Diagnosis {
     pub noise_floor: f64,
     /// Confident ones first.
     pub effects: Vec<Named>,
-    /// What is left and has no name.
-    pub unknown: Option<Unknown>,
+    /// What may be left and has no name, largest first; [`Diagnosis::unknown`] is the one that is stated.
+    pub unnamed: Vec<Unknown>,
     /// What the recording lacks.
     pub lacks: Vec<Lack>,
     /// How the baseline's mismatch is organised: free curves, best first.
@@ -159,6 +137,13 @@ pub struct Diagnosis {
     pub ground: Ground,
     /// The hypothesis without and with the confident effects.
     pub states: [Hypothesis; 2],
+}
+
+impl Diagnosis {
+    /// What is left and has no name.
+    pub fn unknown(&self) -> Option<&Unknown> {
+        likely(&self.unnamed)
+    }
 }
 
 /// Draws the conclusions.
@@ -209,13 +194,13 @@ pub fn conclude(
             .unwrap_or(std::cmp::Ordering::Equal)
     });
     hint(&found, &mut effects);
-    let unknown = unknown(&found, &standings, &effects);
+    let unnamed = unnamed(&found, &standings, &effects);
     let after = if found.ground.core.corrects && !effects.iter().any(|e| e.confident) {
         baseline
     } else {
         reached
     };
-    let verdict = verdict(&effects, unknown.as_ref(), after);
+    let verdict = verdict(&effects, likely(&unnamed), after);
     let organised = {
         let (mut list, _) = offers(&found.ground, &first, &[]);
         list.retain(|o| matches!(o.term.subject, Subject::Curve(_)) && o.evidence.share > 0.0);
@@ -228,7 +213,7 @@ pub fn conclude(
         noise_floor: 100.0 * found.ground.noise.row_variance * found.ground.rows.force.len() as f64
             / found.ground.rows.variation().max(1e-300),
         effects,
-        unknown,
+        unnamed,
         lacks: lacks(&found.ground.rows.s),
         organised,
         rest: found.rest,
@@ -432,43 +417,6 @@ fn hint(found: &Found, effects: &mut Vec<Named>) {
             ambiguous: Vec::new(),
         });
     }
-}
-
-/// What only a free curve or a change of the core explains.
-fn unknown(found: &Found, standings: &[Standing], effects: &[Named]) -> Option<Unknown> {
-    let nameless = standings.iter().filter(|s| {
-        let doubtful = s.term.effect().is_some_and(|e| {
-            effects
-                .iter()
-                .any(|n| !n.confident && matches!(n.name, Name::Entry(own) if own.id() == e.id()))
-        });
-        let wider = matches!(s.term.subject, Subject::Change(Change::LateYields));
-        (s.term.effect().is_none() || doubtful)
-            && !wider
-            && s.evidence.share.max(s.gain) >= UNNAMED
-            && confidence(s) >= LIKELIER
-    });
-    let standing = nameless.max_by(|a, b| a.evidence.share.total_cmp(&b.evidence.share))?;
-    let (axis, odd, change) = match standing.term.subject {
-        Subject::Curve(curve) => (curve.axis, curve.odd, None),
-        Subject::Change(change) => (change.axis(), true, Some(change)),
-        Subject::Effect(effect) => (standing.form.map_or(effect.axis(), |f| f.0), false, None),
-    };
-    let force = found.hypothesis.force_of(standing.index);
-    let mean = force.iter().sum::<f64>() / force.len().max(1) as f64;
-    let varying: Vec<f64> = force
-        .iter()
-        .map(|f| f - if odd { 0.0 } else { mean })
-        .collect();
-    Some(Unknown {
-        axis,
-        odd,
-        change,
-        evidence: standing.evidence,
-        place: Place::of(&found.ground.rows, axis, &varying),
-        rms: (varying.iter().map(|f| f * f).sum::<f64>() / varying.len().max(1) as f64).sqrt(),
-        force: varying,
-    })
 }
 
 /// What of the mechanics has the period of an effect.

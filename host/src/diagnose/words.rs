@@ -4,7 +4,8 @@ use super::effect::Effect;
 use super::hysteresis;
 use super::place::Place;
 use super::signals::quantile;
-use super::verdict::{Diagnosis, Name, Named, Unknown, Verdict};
+use super::unnamed::Unknown;
+use super::verdict::{Diagnosis, Name, Named, Verdict};
 use crate::recording::Recording;
 use crate::report::display_unit;
 
@@ -105,9 +106,14 @@ impl Unknown {
         let place = self.place.map_or(String::new(), |p| {
             format!(", largest {}", place_words(&p, recording))
         });
-        let what = match self.change {
-            Some(change) => change.name().to_owned(),
-            None => format!("something that follows {}", self.axis.name(s)),
+        let axis = self.axis.name(s);
+        let what = match (self.change, self.like) {
+            (Some(change), _) => change.name().to_owned(),
+            (_, Some(effect)) => format!(
+                "something that follows {axis} and is most like {}, which is too doubtful to be named",
+                effect.id()
+            ),
+            _ => format!("something that follows {axis}"),
         };
         format!(
             "{what}, {}{place}: {} RMS, {} of what is left",
@@ -198,7 +204,7 @@ impl Diagnosis {
                 self.extended.test
             ),
         };
-        if let Some(unknown) = &self.unknown {
+        if let Some(unknown) = self.unknown() {
             text += &format!("; without a name: {}", unknown.words(self, recording));
         }
         text
@@ -212,7 +218,7 @@ impl Diagnosis {
     /// One thing to do.
     pub fn recommendation(&self) -> String {
         let Some(first) = self.effects.first() else {
-            return match (&self.unknown, self.verdict) {
+            return match (self.unknown(), self.verdict) {
                 (_, Verdict::InsufficientData) => "Recommendation: record strokes over the whole travel at several speeds, in both directions, with the effort of the motor (`preslide diagnose … --experiment motion.csv` writes such a motion).".to_owned(),
                 (Some(_), _) => "Recommendation: look at the residual maps of the report; something acts that no catalogue entry describes.".to_owned(),
                 _ if self.ground.core.corrects => "Recommendation: keep the simulation; what is left is noise and friction's own variability.".to_owned(),

@@ -1,0 +1,101 @@
+//! What is there and cannot be named: what only a free curve or a change of the core explains, and names that are too doubtful.
+
+use super::axis::Axis;
+use super::change::Change;
+use super::confidence::presence;
+use super::effect::Effect;
+use super::evidence::Evidence;
+use super::naming::Standing;
+use super::place::Place;
+use super::search::Found;
+use super::term::Subject;
+use super::verdict::{Name, Named};
+
+/// Share of the mismatch, weighted or all rows alike, from which what has no name is material.
+const UNNAMED: f64 = 0.05;
+/// Least probability that it is there at all: more likely than not.
+const LIKELIER: f64 = 0.5;
+
+/// A mismatch that nothing in the catalogue explains well enough.
+#[derive(Clone)]
+pub struct Unknown {
+    /// The coordinate that organises it.
+    pub axis: Axis,
+    /// It flips with direction.
+    pub odd: bool,
+    /// A change of the core, where it is one.
+    pub change: Option<Change>,
+    /// The effect that explains it best, where it is one, and too doubtful to be named.
+    pub like: Option<&'static dyn Effect>,
+    /// Probability that something is there.
+    pub confidence: f64,
+    /// What the probability is computed from.
+    pub standing: Standing,
+    /// What it explains, everything else given.
+    pub evidence: Evidence,
+    /// Where it is.
+    pub place: Option<Place>,
+    /// Root mean square of its force (N or N·m).
+    pub rms: f64,
+    /// Its force at the rows.
+    pub force: Vec<f64>,
+}
+
+/// The first that is more likely there than not.
+pub fn likely(unnamed: &[Unknown]) -> Option<&Unknown> {
+    unnamed.iter().find(|u| u.confidence >= LIKELIER)
+}
+
+/// All that are material, largest first.
+pub fn unnamed(found: &Found, standings: &[Standing], effects: &[Named]) -> Vec<Unknown> {
+    let is_doubtful = |effect: &dyn Effect| {
+        let own = |n: &&Named| matches!(n.name, Name::Entry(e) if e.id() == effect.id());
+        effects.iter().find(own).is_some_and(|n| !n.confident)
+    };
+    let is_unnamed = |s: &&Standing| match s.term.subject {
+        Subject::Effect(effect) => is_doubtful(effect),
+        // It widens the core, and stays in it.
+        Subject::Change(change) => change != Change::LateYields,
+        Subject::Curve(_) => true,
+    };
+    let size = |s: &Standing| s.evidence.share.max(s.gain);
+    let mut material: Vec<&Standing> = standings
+        .iter()
+        .filter(is_unnamed)
+        .filter(|s| size(s) >= UNNAMED)
+        .collect();
+    material.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    material.into_iter().map(|s| unknown(found, s)).collect()
+}
+
+fn unknown(found: &Found, standing: &Standing) -> Unknown {
+    let rows = &found.ground.rows;
+    let force = found.hypothesis.force_of(standing.index);
+    let mean = force.iter().sum::<f64>() / force.len().max(1) as f64;
+    let (axis, odd, change) = match standing.term.subject {
+        Subject::Curve(curve) => (curve.axis, curve.odd, None),
+        Subject::Change(change) => (change.axis(), true, Some(change)),
+        Subject::Effect(effect) => {
+            let direction = rows.weak.at_centres(&rows.s.direction);
+            let along: f64 = force.iter().zip(&direction).map(|(f, d)| f * d).sum();
+            let axis = standing.form.map_or(effect.axis(), |f| f.0);
+            (axis, along.abs() > force.iter().sum::<f64>().abs(), None)
+        }
+    };
+    let varying: Vec<f64> = force
+        .iter()
+        .map(|f| f - if odd { 0.0 } else { mean })
+        .collect();
+    Unknown {
+        axis,
+        odd,
+        change,
+        like: standing.term.effect(),
+        confidence: presence(standing),
+        standing: standing.clone(),
+        evidence: standing.evidence,
+        place: Place::of(rows, axis, &varying),
+        rms: (varying.iter().map(|f| f * f).sum::<f64>() / varying.len().max(1) as f64).sqrt(),
+        force: varying,
+    }
+}
