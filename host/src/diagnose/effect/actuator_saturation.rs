@@ -12,6 +12,9 @@ use crate::statistics::Estimate;
 /// Share of the samples that stay below the limit at least: the column is made of the measured effort, and with a limit below most of
 /// it the effort would explain itself.
 const RARE: f64 = 0.95;
+/// Share of what the motion takes at the largest efforts that must be inertia's. A drive that gives less than it is asked for accelerates less;
+/// where the motion is steady it gives what friction takes, and an effort above that is a force that the model lacks.
+const ACCELERATES: f64 = 0.3;
 /// Key of the coefficient: how much of the command above the limit is lost.
 const SHARE: &str = "share";
 
@@ -52,6 +55,9 @@ impl Effect for ActuatorSaturation {
     }
 
     fn grid(&self, scene: &Scene) -> Vec<Vec<f64>> {
+        if !accelerates(scene) {
+            return Vec::new();
+        }
         one(exceeded(scene, RARE), 0.95 * exceeded(scene, 0.9999), 16)
     }
 
@@ -83,6 +89,20 @@ impl Effect for ActuatorSaturation {
     fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
         enter(self.id(), values, &[SHARE], model)
     }
+}
+
+/// Whether inertia takes its share of the motion where the effort is rarely exceeded.
+fn accelerates(scene: &Scene) -> bool {
+    let (core, top) = (scene.core, exceeded(scene, RARE));
+    let (mut inertia, mut whole) = (0.0, 0.0);
+    for (i, effort) in scene.effort.iter().enumerate() {
+        if effort.abs() > top {
+            let own = core.mass * scene.s.a[i] * effort.signum();
+            inertia += own;
+            whole += own + core.friction[i] * effort.signum();
+        }
+    }
+    inertia >= ACCELERATES * whole
 }
 
 /// The effort that the share `q` of the samples stays below (N or N·m).

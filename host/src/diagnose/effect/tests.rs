@@ -69,7 +69,8 @@ impl Stage {
             fitted: (0..n).map(|i| friction[i] + mass * s.a[i]).collect(),
             friction,
         };
-        let effort = recording.effort;
+        // The motion takes most where it accelerates, as a drive that saturates shows.
+        let effort = core.fitted.clone();
         Self { s, core, effort }
     }
 
