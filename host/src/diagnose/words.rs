@@ -116,14 +116,15 @@ impl Unknown {
             _ => format!("something that follows {axis}"),
         };
         format!(
-            "{what}, {}{place}: {} RMS, {} of what is left",
+            "{what}, {}{place}: {} RMS, {} of what is left, there with a probability of {:.2}",
             if self.odd {
                 "flipping with the direction"
             } else {
                 "the same in both directions"
             },
             quantity(self.rms, recording.effort_unit()),
-            percent(self.evidence.share),
+            percent(self.evidence.share.max(self.standing.gain)),
+            self.confidence,
         )
     }
 }
