@@ -2,7 +2,7 @@
 
 use super::axis::Axis;
 use super::effect::Scene;
-use super::signals::{Signals, quantile};
+use super::signals::{Signals, mean, quantile};
 use super::weak::Column;
 
 /// Knots of the smooth curve over a coordinate.
@@ -40,12 +40,34 @@ impl Curve {
             _ => &scene.core.friction,
         };
         let mut hats = hats(&values);
+        if self.axis == Axis::Acceleration && !self.odd {
+            // What is straight is inertia. The core has it, from a noisier acceleration: a curve that may be straight mends its mass.
+            hats.iter_mut().for_each(|hat| bend(hat, &values));
+        }
         if self.odd {
             for hat in &mut hats {
                 hat.iter_mut().zip(load).for_each(|(h, l)| *h *= l);
             }
         }
         hats.into_iter().map(Column::of).collect()
+    }
+}
+
+/// Takes a constant and what is in proportion to a coordinate out of a column, by least squares.
+fn bend(column: &mut [f64], over: &[f64]) {
+    let centre = mean(over);
+    let (level, square): (f64, f64) = (
+        mean(column),
+        over.iter().map(|v| (v - centre).powi(2)).sum(),
+    );
+    let product: f64 = over
+        .iter()
+        .zip(&*column)
+        .map(|(v, c)| (v - centre) * c)
+        .sum();
+    let slope = product / square.max(1e-300);
+    for (c, v) in column.iter_mut().zip(over) {
+        *c -= level + slope * (v - centre);
     }
 }
 
