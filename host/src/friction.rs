@@ -300,6 +300,28 @@ impl FrictionModel {
         }
     }
 
+    /// The blocks of the kinds that are made of them; none for the others.
+    pub fn blocks(&self) -> &[Block] {
+        match self {
+            Self::Gms { blocks, .. } | Self::Leuven { blocks, .. } => blocks,
+            _ => &[],
+        }
+    }
+
+    /// The Stribeck curve, where the model has one.
+    pub fn sliding(&self) -> Option<&Sliding> {
+        match self {
+            Self::LuGre { sliding, .. }
+            | Self::ElastoPlastic { sliding, .. }
+            | Self::Leuven { sliding, .. }
+            | Self::TwoState { sliding, .. } => Some(sliding),
+            Self::Gms { sliding, .. } => sliding.as_ref(),
+            Self::Coulomb { .. } | Self::Dahl { .. } | Self::BoucWen { .. } | Self::Hsieh(_) => {
+                None
+            }
+        }
+    }
+
     /// A quasi-static GMS from stiffnesses (N/m) and yield displacements (m).
     pub fn maxwell_slip(stiffness: &[f64], yields: &[f64]) -> Self {
         let breakaway: f64 = stiffness.iter().zip(yields).map(|(k, d)| k * d).sum();

@@ -5,87 +5,55 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
+use clap::Parser;
 use preslide_host_tests::judge::case::Case;
 use preslide_host_tests::judge::summary;
-use preslide_host_tests::judge::tool::{Tool, parallel};
+use preslide_host_tests::judge::tool::Tool;
 use preslide_host_tests::trials::score::Judged;
 use preslide_host_tests::trials::{Kind, catalogue_plan, clean_plan, report, trial};
+use rayon::prelude::*;
 
-const HELP: &str = "\
-Usage: trials [OPTIONS]
-
-  --count N        trials of the plan to run [default: 300]
-  --clean N        N clean trials over all families and laws instead of the plan
-  --seed S         another set of recordings of the same plan [default: 0]
-  --only WORDS     only trials whose kind, law or effect contains one of these words, separated by commas
-  --diagnose CMD   the command to judge, called as `CMD RECORDING --model MODEL --json ANSWER`
-                   [default: `preslide diagnose` from the folder of this program]
-  --limit SECONDS  longest time for one diagnosis [default: 120]
-  --jobs N         trials at a time [default: the number of cores]
-  --json FILE      every trial with label and answer, for machines
-  --write FOLDER   only write the trials as files, one folder each: recording.csv, model.toml, label.toml
-  --sizes          only print what each effect adds to the force, at its strengths
-  --gate           fail on a false alarm, or where fewer than two thirds of the effects are named
-  --quiet          no line for each trial";
-
+/// Runs `preslide diagnose` on generated recordings whose truth it does not see, and prints what it is worth.
+#[derive(Parser)]
+#[command(name = "trials")]
 struct Options {
+    /// Trials of the plan to run.
+    #[arg(long, value_name = "N", default_value_t = 300)]
     count: usize,
+    /// Clean trials over all families and laws instead of the plan.
+    #[arg(long, value_name = "N", conflicts_with = "count")]
     clean: Option<usize>,
+    /// Another set of recordings of the same plan.
+    #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,
+    /// Only trials whose kind, law or effect contains one of these words, separated by commas.
+    #[arg(long, value_name = "WORDS", value_delimiter = ',')]
     only: Vec<String>,
-    diagnose: Vec<String>,
-    limit: Duration,
-    jobs: usize,
+    /// The command to judge, called as `CMD RECORDING --model MODEL --json ANSWER`; without it `preslide diagnose` from the
+    /// folder of this program.
+    #[arg(long, value_name = "CMD")]
+    diagnose: Option<String>,
+    /// Longest time for one diagnosis (s).
+    #[arg(long, value_name = "SECONDS", default_value_t = 120)]
+    limit: u64,
+    /// Trials at a time; without it as many as there are cores.
+    #[arg(long, value_name = "N")]
+    jobs: Option<usize>,
+    /// Writes every trial with label and answer, for machines.
+    #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Only writes the trials as files, one folder each: recording.csv, model.toml, label.toml.
+    #[arg(long, value_name = "FOLDER")]
     write: Option<PathBuf>,
+    /// Only prints what each effect adds to the force, at its strengths.
+    #[arg(long)]
     sizes: bool,
-    quiet: bool,
+    /// Fails on a false alarm, or where fewer than two thirds of the effects are named.
+    #[arg(long)]
     gate: bool,
-}
-
-fn options(mut arguments: impl Iterator<Item = String>) -> Result<Option<Options>, String> {
-    let mut o = Options {
-        count: 300,
-        clean: None,
-        seed: 0,
-        only: Vec::new(),
-        diagnose: Vec::new(),
-        limit: Duration::from_secs(120),
-        jobs: std::thread::available_parallelism().map_or(1, usize::from),
-        json: None,
-        write: None,
-        sizes: false,
-        quiet: false,
-        gate: false,
-    };
-    while let Some(argument) = arguments.next() {
-        let mut value = || {
-            arguments.next().ok_or(format!(
-                "{argument} needs a value; --help lists the options"
-            ))
-        };
-        let whole = |text: String| {
-            text.parse::<u64>()
-                .map_err(|_| format!("{argument}: `{text}` is not a whole number from 0"))
-        };
-        match argument.as_str() {
-            "--count" => o.count = whole(value()?)? as usize,
-            "--clean" => o.clean = Some(whole(value()?)? as usize),
-            "--seed" => o.seed = whole(value()?)?,
-            "--only" => o.only = value()?.split(',').map(str::to_owned).collect(),
-            "--diagnose" => o.diagnose = value()?.split_whitespace().map(str::to_owned).collect(),
-            "--limit" => o.limit = Duration::from_secs(whole(value()?)?),
-            "--jobs" => o.jobs = (whole(value()?)? as usize).max(1),
-            "--json" => o.json = Some(value()?.into()),
-            "--write" => o.write = Some(value()?.into()),
-            "--sizes" => o.sizes = true,
-            "--quiet" => o.quiet = true,
-            "--gate" => o.gate = true,
-            "--help" | "-h" => return Ok(None),
-            _ => return Err(format!("`{argument}` is no option; --help lists them")),
-        }
-    }
-    Ok(Some(o))
+    /// No line for each trial.
+    #[arg(long)]
+    quiet: bool,
 }
 
 fn plan(o: &Options) -> Vec<(u64, Kind)> {
@@ -106,13 +74,13 @@ fn plan(o: &Options) -> Vec<(u64, Kind)> {
 
 fn judge(o: &Options, plan: &[(u64, Kind)]) -> Result<(), String> {
     let tool = Tool {
-        command: o.diagnose.clone(),
-        limit: o.limit,
+        command: command(o)?,
+        limit: Duration::from_secs(o.limit),
         recipe: None,
     };
     let done = AtomicUsize::new(0);
     let started = Instant::now();
-    let judged: Vec<Judged> = parallel(plan, o.jobs, |_, &(seed, kind)| {
+    let judge_one = |&(seed, kind): &(u64, Kind)| {
         let made = trial(seed, kind);
         // Blind: the tool gets a folder without the truth.
         let (answer, seconds) = tool.diagnose(&made.given("trial"));
@@ -128,7 +96,8 @@ fn judge(o: &Options, plan: &[(u64, Kind)]) -> Result<(), String> {
             );
         }
         judged
-    });
+    };
+    let judged: Vec<Judged> = plan.par_iter().map(judge_one).collect();
     println!("{}", report::tables(&judged));
     let cases: Vec<Case> = judged.iter().map(Case::from).collect();
     println!("\n{}", summary::table(&cases));
@@ -160,23 +129,38 @@ fn gate(judged: &[Judged]) -> Result<(), String> {
     Ok(())
 }
 
-fn write(o: &Options, plan: &[(u64, Kind)], to: &Path) -> Result<(), String> {
-    let results = parallel(plan, o.jobs, |_, &(seed, kind)| {
+/// The command to judge: the one asked for, or `preslide diagnose` from the folder of this program.
+fn command(o: &Options) -> Result<Vec<String>, String> {
+    if let Some(command) = &o.diagnose {
+        return Ok(command.split_whitespace().map(str::to_owned).collect());
+    }
+    let own = std::env::current_exe().map_err(|e| e.to_string())?;
+    let tool = own.with_file_name(format!("preslide{}", std::env::consts::EXE_SUFFIX));
+    if !tool.exists() {
+        return Err(format!(
+            "{} is not built; run `cargo build --release -p preslide-cli`, or name a command with --diagnose",
+            tool.display()
+        ));
+    }
+    Ok(vec![tool.display().to_string(), "diagnose".to_owned()])
+}
+
+fn write(plan: &[(u64, Kind)], to: &Path) -> Result<(), String> {
+    plan.par_iter().try_for_each(|&(seed, kind)| {
         let folder = to.join(seed.to_string());
         std::fs::create_dir_all(&folder)
             .and_then(|()| trial(seed, kind).write(&folder))
             .map_err(|e| format!("{}: {e}", folder.display()))
-    });
-    results.into_iter().collect()
+    })
 }
 
 /// What each effect adds: RMS share of the force, and NMSE of a refitted baseline and of the noise.
-fn sizes(o: &Options, plan: &[(u64, Kind)]) {
+fn sizes(plan: &[(u64, Kind)]) {
     println!(
         "{:<52} {:>8} {:>8} {:>10} {:>10}",
         "trial", "RMS [N]", "share %", "baseline %", "floor %"
     );
-    let lines = parallel(plan, o.jobs, |_, &(seed, kind)| {
+    let line = |&(seed, kind): &(u64, Kind)| {
         let made = trial(seed, kind);
         let (label, a) = (&made.label, &made.achievable);
         let effects = label.effects.iter().zip(&a.effect_rms);
@@ -202,44 +186,34 @@ fn sizes(o: &Options, plan: &[(u64, Kind)]) {
             })
             .collect::<Vec<_>>()
             .join("\n")
-    });
+    };
+    let lines: Vec<String> = plan.par_iter().map(line).collect();
     println!("{}", lines.join("\n"));
 }
 
-fn run() -> Result<(), String> {
-    let Some(mut o) = options(std::env::args().skip(1))? else {
-        println!("{HELP}");
-        return Ok(());
-    };
-    let plan = plan(&o);
+fn run(o: &Options) -> Result<(), String> {
+    let plan = plan(o);
     if plan.is_empty() {
         return Err(
             "no trial is left; choose a larger --count or other words for --only".to_owned(),
         );
     }
     if let Some(folder) = &o.write {
-        return write(&o, &plan, folder);
+        return write(&plan, folder);
     }
     if o.sizes {
-        sizes(&o, &plan);
+        sizes(&plan);
         return Ok(());
     }
-    if o.diagnose.is_empty() {
-        let own = std::env::current_exe().map_err(|e| e.to_string())?;
-        let tool = own.with_file_name(format!("preslide{}", std::env::consts::EXE_SUFFIX));
-        if !tool.exists() {
-            return Err(format!(
-                "{} is not built; run `cargo build --release -p preslide-cli`, or name a command with --diagnose",
-                tool.display()
-            ));
-        }
-        o.diagnose = vec![tool.display().to_string(), "diagnose".to_owned()];
-    }
-    judge(&o, &plan)
+    judge(o, &plan)
 }
 
 fn main() -> ExitCode {
-    match run() {
+    let o = Options::parse();
+    // 0 is rayon's word for the number of cores.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(o.jobs.unwrap_or(0));
+    let result = pool.build_global().map_err(|e| e.to_string());
+    match result.and_then(|()| run(&o)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(reason) => {
             eprintln!("trials: {reason}");

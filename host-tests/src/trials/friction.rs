@@ -27,6 +27,14 @@ pub struct Now {
     pub load: f64,
 }
 
+/// What the effects of an instant make of the hysteresis: its level (-), that level's difference between the two directions
+/// (-), and the force (N) beside it.
+struct Acting {
+    level: f64,
+    tilt: f64,
+    added: f64,
+}
+
 /// Resistance to motion with everything that it remembers.
 #[derive(Clone)]
 pub struct Friction<'a> {
@@ -81,114 +89,127 @@ impl<'a> Friction<'a> {
     pub fn step(&mut self, dt: f64, now: &Now, variability: f64) -> f64 {
         let dx = now.x - self.x;
         self.remember(dx, now);
-        let (mut level, mut tilt, mut added, mut crept) = (1.0, 0.0, 0.0, 0.0);
+        let mut acting = Acting {
+            level: 1.0,
+            tilt: 0.0,
+            added: 0.0,
+        };
+        let mut crept = 0.0;
         for effect in self.effects {
-            let [p0, p1, p2, p3] = effect.values;
-            let here = effect.presence(now.x);
-            let xi = now.x / self.half_travel;
-            let bend = 1.5 * xi * xi - 0.5;
-            let speed = now.v.abs();
-            match effect.id {
-                Id::ConstantForce => added += p0,
-                Id::CoulombAsymmetry => tilt += here * p0,
-                Id::Viscous => added += here * p0 * now.v,
-                Id::QuadraticDrag => added += p0 * now.v * speed,
-                Id::Stribeck => level += here * p0 * (-(speed / p1).powf(p2)).exp(),
-                Id::FrictionalLag => {
-                    let steady = p0 * (-(speed / p1).powf(p2)).exp();
-                    let before = self.lag.unwrap_or(steady);
-                    let after = steady + (before - steady) * (-dt / p3).exp();
-                    self.lag = Some(after);
-                    level += after;
-                }
-                Id::PositionSpring => {
-                    // In a corner the spring begins at the edge, as an end stop or a cable guide does.
-                    added += match effect.corner {
-                        None => p0 * (now.x - p1),
-                        Some(edge) => 4.0 * p0 * here * (now.x - edge),
-                    }
-                }
-                Id::PositionForce => {
-                    let bump = (now.x - p2) / p3;
-                    added += p0 * bend + p1 * (-bump * bump).exp();
-                }
-                Id::PositionFriction => level += p0 * xi + p1 * bend,
-                Id::LocalFrictionSpot => {
-                    let away = (now.x - p1) / p2;
-                    level += p0 * (-away * away).exp();
-                }
-                Id::PeriodicForce => added += here * p0 * (TAU * now.x / p1 + p2).cos(),
-                Id::PeriodicFriction => level += here * p0 * (TAU * now.x / p1 + p2).cos(),
-                Id::LoadDependentFriction => level += p0 * (now.load - LOAD_N),
-                Id::ThermalDrift => level += p0 * (now.temperature - TEMPERATURE_C),
-                Id::RunIn => level += p0 * (-self.path / p1).exp(),
-                Id::DwellAging => {
-                    // Age of the contact: grows with time, erased along a path (Dieterich 1979).
-                    self.age_s = (self.age_s + dt) / (1.0 + dx.abs() / p2);
-                    level += p0 * (1.0 + self.age_s / p1).log10();
-                }
-                Id::Creep => crept += dt * p0 * (self.hysteretic / (p1 * self.breakaway)).sinh(),
-                Id::ExternalVibration => added += p0 * (TAU * p1 * now.t + p2).sin(),
-                Id::RandomBursts => {
-                    let since = self.bursts.iter().map(|start| now.t - start);
-                    for since in since.filter(|s| (0.0..8.0 * p2).contains(s)) {
-                        added += p0 * (-since / p2).exp() * (TAU * p1 * since).sin();
-                    }
-                }
-                Id::RelaxingMemory => {
-                    // Fades in over micrometres, so that a dithering rest does not chatter.
-                    let moved = 1.0 - (-(now.x - self.turn.1).abs() / 3e-6).exp();
-                    added += p0 * self.heading * moved * (-(now.t - self.turn.0) / p1).exp();
-                }
-                Id::SpeedDetent => {
-                    added += p0 * speed / (p3 + speed) * (TAU * now.x / p1 + p2).cos()
-                }
-                Id::AccelerationFriction => {
-                    // Delayed by 20 ms: friction that answers its own acceleration at once has no solution.
-                    self.trend += (now.v - self.trend) * (1.0 - (-dt / 0.02).exp());
-                    let power = (now.v - self.trend) / 0.02 * now.v;
-                    level += p0 * (power / p1).tanh();
-                }
-                // The clock's switch takes 0.1 s, as a valve does.
-                Id::TimeOfDay => level += p0 * ((TAU * now.t / p1).sin() * p1 / 0.6).tanh(),
-                Id::SpeedHistory => {
-                    self.recent_speed = speed.max(self.recent_speed * (-dt / p2).exp());
-                    level -= p0 * self.recent_speed / (p1 + self.recent_speed);
-                }
-                Id::ReversalChurn => {
-                    // The reversal counts at the instant at which it is remembered.
-                    let turned = self.turn.0 == now.t && dx != 0.0;
-                    if turned {
-                        self.stirred = (self.stirred + 1.0).min(3.0);
-                    }
-                    self.stirred *= (-dx.abs() / p1).exp();
-                    level += p0 * self.stirred;
-                }
-                Id::SpeedBand => {
-                    let away = (speed - p1) / p2;
-                    level += p0 * (-away * away).exp();
-                }
-                Id::PathRipple => level += p0 * (TAU * self.path / p1 + p2).cos(),
-                Id::DriftingShake => {
-                    let turns = (p1 + 0.5 * p2 * now.t) * now.t;
-                    added += p0 * (TAU * turns + p3).sin();
-                }
-                // These act between command, motor and encoder, or are errors of the model file.
-                Id::EncoderError
-                | Id::Backlash
-                | Id::DriveCompliance
-                | Id::ChannelDelay
-                | Id::ActuatorDeadZone
-                | Id::ActuatorSaturation
-                | Id::PreslidingShape => {}
+            let [p0, p1, ..] = effect.values;
+            if effect.id == Id::Creep {
+                crept += dt * p0 * (self.hysteretic / (p1 * self.breakaway)).sinh();
+            } else {
+                self.add_of_present(effect, now, &mut acting);
+                self.add_of_past(effect, dt, dx, now, &mut acting);
             }
         }
         // An element that creeps as fast as it is moved stays where it is: limits the sinh of an overload.
         let crept = crept.clamp(-1e-7, 1e-7);
-        let level = level * variability;
-        let (up, down) = ((level + tilt).max(0.05), (level - tilt).max(0.05));
+        let level = acting.level * variability;
+        let (up, down) = (
+            (level + acting.tilt).max(0.05),
+            (level - acting.tilt).max(0.05),
+        );
         self.hysteretic = self.law.step(dx - crept, now.v, up, down);
-        self.hysteretic + added
+        self.hysteretic + acting.added
+    }
+
+    /// The effects that are a function of position, velocity, time, temperature and load as they are now.
+    fn add_of_present(&self, effect: &Effect, now: &Now, acting: &mut Acting) {
+        let Acting { level, tilt, added } = acting;
+        let [p0, p1, p2, p3] = effect.values;
+        let here = effect.presence(now.x);
+        let xi = now.x / self.half_travel;
+        let bend = 1.5 * xi * xi - 0.5;
+        let speed = now.v.abs();
+        let bell = |away: f64| (-away * away).exp();
+        match effect.id {
+            Id::ConstantForce => *added += p0,
+            Id::CoulombAsymmetry => *tilt += here * p0,
+            Id::Viscous => *added += here * p0 * now.v,
+            Id::QuadraticDrag => *added += p0 * now.v * speed,
+            Id::Stribeck => *level += here * p0 * (-(speed / p1).powf(p2)).exp(),
+            Id::PositionSpring => {
+                // In a corner the spring begins at the edge, as an end stop or a cable guide does.
+                *added += match effect.corner {
+                    None => p0 * (now.x - p1),
+                    Some(edge) => 4.0 * p0 * here * (now.x - edge),
+                }
+            }
+            Id::PositionForce => *added += p0 * bend + p1 * bell((now.x - p2) / p3),
+            Id::PositionFriction => *level += p0 * xi + p1 * bend,
+            Id::LocalFrictionSpot => *level += p0 * bell((now.x - p1) / p2),
+            Id::PeriodicForce => *added += here * p0 * (TAU * now.x / p1 + p2).cos(),
+            Id::PeriodicFriction => *level += here * p0 * (TAU * now.x / p1 + p2).cos(),
+            Id::LoadDependentFriction => *level += p0 * (now.load - LOAD_N),
+            Id::ThermalDrift => *level += p0 * (now.temperature - TEMPERATURE_C),
+            Id::ExternalVibration => *added += p0 * (TAU * p1 * now.t + p2).sin(),
+            Id::RandomBursts => {
+                let since = self.bursts.iter().map(|start| now.t - start);
+                for since in since.filter(|s| (0.0..8.0 * p2).contains(s)) {
+                    *added += p0 * (-since / p2).exp() * (TAU * p1 * since).sin();
+                }
+            }
+            Id::SpeedDetent => *added += p0 * speed / (p3 + speed) * (TAU * now.x / p1 + p2).cos(),
+            // The clock's switch takes 0.1 s, as a valve does.
+            Id::TimeOfDay => *level += p0 * ((TAU * now.t / p1).sin() * p1 / 0.6).tanh(),
+            Id::SpeedBand => *level += p0 * bell((speed - p1) / p2),
+            Id::DriftingShake => {
+                let turns = (p1 + 0.5 * p2 * now.t) * now.t;
+                *added += p0 * (TAU * turns + p3).sin();
+            }
+            // Those of the past; and those that act between command, motor and encoder, or are errors of the model file.
+            _ => {}
+        }
+    }
+
+    /// The effects that depend on how the body came here.
+    fn add_of_past(&mut self, effect: &Effect, dt: f64, dx: f64, now: &Now, acting: &mut Acting) {
+        let Acting { level, added, .. } = acting;
+        let [p0, p1, p2, p3] = effect.values;
+        let speed = now.v.abs();
+        match effect.id {
+            Id::FrictionalLag => {
+                let steady = p0 * (-(speed / p1).powf(p2)).exp();
+                let before = self.lag.unwrap_or(steady);
+                let after = steady + (before - steady) * (-dt / p3).exp();
+                self.lag = Some(after);
+                *level += after;
+            }
+            Id::RunIn => *level += p0 * (-self.path / p1).exp(),
+            Id::DwellAging => {
+                // Age of the contact: grows with time, erased along a path (Dieterich 1979).
+                self.age_s = (self.age_s + dt) / (1.0 + dx.abs() / p2);
+                *level += p0 * (1.0 + self.age_s / p1).log10();
+            }
+            Id::RelaxingMemory => {
+                // Fades in over micrometres, so that a dithering rest does not chatter.
+                let moved = 1.0 - (-(now.x - self.turn.1).abs() / 3e-6).exp();
+                *added += p0 * self.heading * moved * (-(now.t - self.turn.0) / p1).exp();
+            }
+            Id::AccelerationFriction => {
+                // Delayed by 20 ms: friction that answers its own acceleration at once has no solution.
+                self.trend += (now.v - self.trend) * (1.0 - (-dt / 0.02).exp());
+                let power = (now.v - self.trend) / 0.02 * now.v;
+                *level += p0 * (power / p1).tanh();
+            }
+            Id::SpeedHistory => {
+                self.recent_speed = speed.max(self.recent_speed * (-dt / p2).exp());
+                *level -= p0 * self.recent_speed / (p1 + self.recent_speed);
+            }
+            Id::ReversalChurn => {
+                // The reversal counts at the instant at which it is remembered.
+                let turned = self.turn.0 == now.t && dx != 0.0;
+                if turned {
+                    self.stirred = (self.stirred + 1.0).min(3.0);
+                }
+                self.stirred *= (-dx.abs() / p1).exp();
+                *level += p0 * self.stirred;
+            }
+            Id::PathRipple => *level += p0 * (TAU * self.path / p1 + p2).cos(),
+            _ => {}
+        }
     }
 
     /// Path travelled and the last reversal, which counts once the stage has come back by a micrometre

@@ -6,6 +6,7 @@ use super::body::{MOTOR_SHARE, TICK_S};
 use super::draw::Draw;
 use super::effect::Id;
 use super::friction::{Friction, LOAD_N, Now, TEMPERATURE_C};
+use super::motion::Reference;
 use super::scenario::Scenario;
 
 /// Time constant of the current loop (s).
@@ -115,17 +116,34 @@ fn drive(scenario: &Scenario, apart: f64, speed: f64) -> f64 {
         .sum()
 }
 
-/// Friction's level from pass to pass: a gain for each repeat, and a wander along the path.
+/// What does not repeat: friction's level from pass to pass (a gain for each repeat, and a wander along the path), and a
+/// coloured force on the motor.
 struct Variability {
     repeat: Option<u32>,
     target: f64,
     gain: f64,
     wander: f64,
     x: f64,
+    /// Force on the motor (N), and the share of it that is left after a tick.
+    disturbance: f64,
+    disturbance_kept: f64,
 }
 
 impl Variability {
-    fn tick(&mut self, scenario: &Scenario, repeat: u32, x: f64, draw: &mut Draw) -> f64 {
+    fn new(scenario: &Scenario) -> Self {
+        Variability {
+            repeat: None,
+            target: 0.0,
+            gain: 0.0,
+            wander: 0.0,
+            x: 0.0,
+            disturbance: 0.0,
+            disturbance_kept: (-TAU * scenario.noise.disturbance_corner_hz * TICK_S).exp(),
+        }
+    }
+
+    /// The level of friction (-) and the disturbing force (N) of a tick with the load at `x` (m).
+    fn tick(&mut self, scenario: &Scenario, repeat: u32, x: f64, draw: &mut Draw) -> (f64, f64) {
         let noise = &scenario.noise;
         if self.repeat != Some(repeat) {
             self.target = noise.gain * draw.normal();
@@ -141,133 +159,199 @@ impl Variability {
         self.wander =
             kept * self.wander + noise.wander * (1.0 - kept * kept).sqrt() * draw.normal();
         self.x = x;
-        1.0 + self.gain + self.wander
+        let level = (1.0 + self.gain + self.wander).max(0.3);
+        let kept = self.disturbance_kept;
+        self.disturbance = kept * self.disturbance
+            + noise.disturbance * (1.0 - kept * kept).sqrt() * draw.normal();
+        (level, self.disturbance)
     }
+}
+
+/// What is measured besides the force: the encoder's reading, temperature and preload.
+struct Sensors {
+    ideal_encoder: bool,
+    preload: f64,
+}
+
+impl Sensors {
+    fn position(&self, scenario: &Scenario, x: f64, draw: &mut Draw) -> f64 {
+        if self.ideal_encoder {
+            return x;
+        }
+        let count = scenario.encoder_count;
+        let residual = scenario.noise.interpolation * (TAU * x / super::ENCODER_PERIOD_M).sin();
+        let read = x + encoder_error(scenario, x)[0] + residual + 0.2 * count * draw.normal();
+        (read / count).round() * count
+    }
+
+    fn temperature(scenario: &Scenario, t: f64) -> f64 {
+        TEMPERATURE_C + scenario.warming * (1.0 - (-t / scenario.warming_s).exp())
+    }
+
+    /// The preload (N), which follows its steps within 0.2 s.
+    fn preload(&mut self, scenario: &Scenario, reference: &Reference) -> f64 {
+        if scenario.load_varies {
+            let step = (reference.segment + 2 * reference.repeat) % 4;
+            self.preload += (LOAD_N + 5.0 * f64::from(step) - self.preload) * TICK_S / 0.2;
+        }
+        self.preload
+    }
+}
+
+/// A PID loop whose crossover is at the scenario's bandwidth, velocity from a filtered difference.
+struct Controller {
+    mass: f64,
+    kp: f64,
+    ki: f64,
+    kd: f64,
+    smooth: f64,
+    integral: f64,
+    velocity: f64,
+    before: Option<f64>,
+}
+
+impl Controller {
+    /// Slower with two masses: in the gap, and above the resonance, the loop moves the motor alone.
+    fn new(scenario: &Scenario, two_masses: bool) -> Self {
+        let w = TAU * scenario.bandwidth_hz * if two_masses { 0.6 } else { 1.0 };
+        let mass = scenario.mass;
+        Controller {
+            mass,
+            kp: mass * w * w,
+            ki: mass * w * w * w / 5.0,
+            kd: 1.6 * mass * w,
+            smooth: 1.0 - (-if two_masses { 14.0 } else { 7.0 } * w * TICK_S).exp(),
+            integral: 0.0,
+            velocity: 0.0,
+            before: None,
+        }
+    }
+
+    /// The force to ask for (N).
+    fn command(&mut self, reference: &Reference, tick: &Tick) -> f64 {
+        let measured = tick.measured;
+        let difference = measured - self.before.unwrap_or(measured);
+        self.velocity += self.smooth * (difference / TICK_S - self.velocity);
+        self.before = Some(measured);
+        let error = reference.x - measured;
+        // The drive reports that it saturates, and the integral waits.
+        if (tick.commanded - tick.acted).abs() < 0.5 {
+            self.integral = (self.integral + self.ki * error * TICK_S).clamp(-4.0, 4.0);
+        }
+        let command = self.kp * error
+            + self.integral
+            + self.kd * (reference.v - self.velocity)
+            + 0.9 * self.mass * reference.a;
+        command.clamp(-12.0, 12.0)
+    }
+}
+
+/// The current loop, and motor and load behind it, integrated by velocity Verlet.
+struct Bodies<'a> {
+    scenario: &'a Scenario,
+    friction: Friction<'a>,
+    two_masses: bool,
+    /// Steps in a tick.
+    steps: usize,
+    /// Force commanded, after the current loop (N).
+    commanded: f64,
+    /// Position (m), velocity (m/s) and acceleration (m/s²) of each; the load's only where it is a mass of its own.
+    motor: [f64; 3],
+    load: [f64; 3],
+}
+
+impl Bodies<'_> {
+    /// The side on which friction acts.
+    fn loaded(&self) -> [f64; 3] {
+        if self.two_masses {
+            self.load
+        } else {
+            self.motor
+        }
+    }
+
+    /// One tick that begins at `t` (s), with friction's level and a disturbing force (N) that stay for its length.
+    fn tick(&mut self, t: f64, tick: &Tick, command: f64, (level, disturbance): (f64, f64)) {
+        let h = TICK_S / self.steps as f64;
+        let follow = 1.0 - (-h / CURRENT_LOOP_S).exp();
+        let mass = self.scenario.mass;
+        for step in 1..=self.steps {
+            self.commanded += follow * (command - self.commanded);
+            let acted = actuator(self.scenario, self.commanded);
+            let t = t + step as f64 * h;
+            let (x1, p1) = predicted(self.motor, h);
+            if self.two_masses {
+                let (x2, p2) = predicted(self.load, h);
+                let link = drive(self.scenario, x1 - x2, p1 - p2);
+                let now = tick.now(t, [x2, p2, self.load[2]]);
+                let resisting = self.friction.step(h, &now, level);
+                let m1 = MOTOR_SHARE * mass;
+                let m2 = (1.0 - MOTOR_SHARE) * mass;
+                self.motor = corrected(self.motor, h, x1, (acted - link - disturbance) / m1);
+                self.load = corrected(self.load, h, x2, (link - resisting) / m2);
+            } else {
+                let now = tick.now(t, [x1, p1, self.motor[2]]);
+                let resisting = self.friction.step(h, &now, level);
+                let acceleration = (acted - resisting - disturbance) / mass;
+                self.motor = corrected(self.motor, h, x1, acceleration);
+            }
+        }
+    }
+}
+
+/// Position, and velocity as if the acceleration stayed, after `h` (s).
+fn predicted([x, v, a]: [f64; 3], h: f64) -> (f64, f64) {
+    (x + h * (v + 0.5 * h * a), v + h * a)
+}
+
+/// The state at the new position, with the acceleration that was found there.
+fn corrected([_, v, a]: [f64; 3], h: f64, x: f64, acceleration: f64) -> [f64; 3] {
+    [x, v + 0.5 * h * (a + acceleration), acceleration]
 }
 
 /// Runs the scenario in closed loop; one entry for each tick of its motion.
 pub fn march(scenario: &Scenario, marching: Marching) -> Vec<Tick> {
     let two_masses = scenario.effects.iter().any(|e| e.id.needs_two_masses());
-    let steps = if two_masses {
-        2 * marching.steps
-    } else {
-        marching.steps
-    };
-    let h = TICK_S / steps as f64;
-    let follow = 1.0 - (-h / CURRENT_LOOP_S).exp();
-    let (m1, m2) = if two_masses {
-        (
-            MOTOR_SHARE * scenario.mass,
-            (1.0 - MOTOR_SHARE) * scenario.mass,
-        )
-    } else {
-        (scenario.mass, 0.0)
-    };
     let mut draw = Draw::new(scenario.seed, 2);
-    let mut friction: Friction = scenario.friction(&scenario.effects);
-    let mut variability = Variability {
-        repeat: None,
-        target: 0.0,
-        gain: 0.0,
-        wander: 0.0,
-        x: 0.0,
+    let mut variability = Variability::new(scenario);
+    let mut controller = Controller::new(scenario, two_masses);
+    let mut sensors = Sensors {
+        ideal_encoder: marching.ideal_encoder,
+        preload: LOAD_N,
     };
-    let noise = &scenario.noise;
-    let disturbance_kept = (-TAU * noise.disturbance_corner_hz * TICK_S).exp();
-    let mut disturbance = 0.0;
-
-    // Gains of a PID whose crossover is at `bandwidth`, velocity from a filtered difference.
-    // Slower with two masses: in the gap, and above the resonance, the loop moves the motor alone.
-    let w = TAU * scenario.bandwidth_hz * if two_masses { 0.6 } else { 1.0 };
-    let (kp, ki, kd) = (
-        scenario.mass * w * w,
-        scenario.mass * w * w * w / 5.0,
-        1.6 * scenario.mass * w,
-    );
-    let smooth = 1.0 - (-if two_masses { 14.0 } else { 7.0 } * w * TICK_S).exp();
-    let (mut integral, mut velocity, mut before) = (0.0, 0.0, None);
-
-    let (mut x1, mut v1, mut a1, mut x2, mut v2, mut a2) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
-    let mut commanded = 0.0;
-    let mut preload = LOAD_N;
+    let mut bodies = Bodies {
+        scenario,
+        friction: scenario.friction(&scenario.effects),
+        two_masses,
+        steps: if two_masses {
+            2 * marching.steps
+        } else {
+            marching.steps
+        },
+        commanded: 0.0,
+        motor: [0.0; 3],
+        load: [0.0; 3],
+    };
     let mut ticks = Vec::with_capacity(scenario.motion.ticks.len());
     for (i, reference) in scenario.motion.ticks.iter().enumerate() {
         let t = i as f64 * TICK_S;
-        let count = scenario.encoder_count;
-        let measured = if marching.ideal_encoder {
-            x1
-        } else {
-            let residual = noise.interpolation * (TAU * x1 / super::ENCODER_PERIOD_M).sin();
-            let read = x1 + encoder_error(scenario, x1)[0] + residual + 0.2 * count * draw.normal();
-            (read / count).round() * count
-        };
-        let temperature =
-            TEMPERATURE_C + scenario.warming * (1.0 - (-t / scenario.warming_s).exp());
-        if scenario.load_varies {
-            let step = (reference.segment + 2 * reference.repeat) % 4;
-            preload += (LOAD_N + 5.0 * f64::from(step) - preload) * TICK_S / 0.2;
-        }
         let tick = Tick {
-            motor: [x1, v1, a1],
-            load: if two_masses {
-                [x2, v2, a2]
-            } else {
-                [x1, v1, a1]
-            },
-            commanded,
-            acted: actuator(scenario, commanded),
-            measured,
-            temperature,
-            preload,
+            motor: bodies.motor,
+            load: bodies.loaded(),
+            commanded: bodies.commanded,
+            acted: actuator(scenario, bodies.commanded),
+            measured: sensors.position(scenario, bodies.motor[0], &mut draw),
+            temperature: Sensors::temperature(scenario, t),
+            preload: sensors.preload(scenario, reference),
         };
         ticks.push(tick);
-
-        velocity += smooth * ((measured - before.unwrap_or(measured)) / TICK_S - velocity);
-        before = Some(measured);
-        let error = reference.x - measured;
-        // The drive reports that it saturates, and the integral waits.
-        if (tick.commanded - tick.acted).abs() < 0.5 {
-            integral = (integral + ki * error * TICK_S).clamp(-4.0, 4.0);
-        }
-        let command = kp * error
-            + integral
-            + kd * (reference.v - velocity)
-            + 0.9 * scenario.mass * reference.a;
-        let command = command.clamp(-12.0, 12.0);
-
-        let mut level = 1.0;
-        if marching.noise {
-            level = variability
-                .tick(scenario, reference.repeat, tick.load[0], &mut draw)
-                .max(0.3);
-            disturbance = disturbance_kept * disturbance
-                + noise.disturbance
-                    * (1.0 - disturbance_kept * disturbance_kept).sqrt()
-                    * draw.normal();
-        }
-        for step in 1..=steps {
-            commanded += follow * (command - commanded);
-            let acted = actuator(scenario, commanded);
-            let t = t + step as f64 * h;
-            x1 += h * (v1 + 0.5 * h * a1);
-            let p1 = v1 + h * a1;
-            if two_masses {
-                x2 += h * (v2 + 0.5 * h * a2);
-                let p2 = v2 + h * a2;
-                let link = drive(scenario, x1 - x2, p1 - p2);
-                let resisting = friction.step(h, &tick.now(t, [x2, p2, a2]), level);
-                let n1 = (acted - link - disturbance) / m1;
-                let n2 = (link - resisting) / m2;
-                v1 += 0.5 * h * (a1 + n1);
-                v2 += 0.5 * h * (a2 + n2);
-                (a1, a2) = (n1, n2);
-            } else {
-                let resisting = friction.step(h, &tick.now(t, [x1, p1, a1]), level);
-                let n1 = (acted - resisting - disturbance) / m1;
-                v1 += 0.5 * h * (a1 + n1);
-                a1 = n1;
-            }
-        }
+        let command = controller.command(reference, &tick);
+        let unrepeated = if marching.noise {
+            variability.tick(scenario, reference.repeat, tick.load[0], &mut draw)
+        } else {
+            (1.0, 0.0)
+        };
+        bodies.tick(t, &tick, command, unrepeated);
     }
     ticks
 }

@@ -51,156 +51,199 @@ pub fn calibration_error(stated: &[(f64, bool)]) -> Option<f64> {
 
 /// All tables, for a person to read.
 pub fn tables(all: &[Judged]) -> String {
-    let of = |kind: &str| all.iter().filter(|j| j.is(kind)).collect::<Vec<_>>();
-    let mut text = String::new();
-    let mut line = |what: &str, value: String| {
-        let _ = writeln!(text, "  {what:<58} {value}");
+    let mut table = Table {
+        all,
+        text: String::new(),
     };
-    line("trials", all.len().to_string());
-    line(
-        "without an answer",
-        share(all.iter().filter(|j| j.answer.is_err()).count(), all.len()),
-    );
-
-    let clean = of("clean");
-    line(
-        "false alarms on clean recordings",
-        count(&clean, Judged::alarms),
-    );
-    for law in LAWS {
-        let own: Vec<&Judged> = clean
-            .iter()
-            .copied()
-            .filter(|j| j.label.law == law)
-            .collect();
-        line(&format!("  {}", law.name()), count(&own, Judged::alarms));
-    }
-    for strength in [Strength::Weak, Strength::Typical, Strength::Strong] {
-        let own: Vec<&Judged> = of("single")
-            .into_iter()
-            .filter(|j| j.label.strength == strength.name())
-            .collect();
-        let name = strength.name();
-        line(
-            &format!("first name right, alone, {name}"),
-            count(&own, |j| j.found_within(1)),
-        );
-        line(
-            &format!("one of two names right, alone, {name}"),
-            count(&own, |j| j.found_within(2)),
-        );
-        line(
-            &format!("named confidently, alone, {name}"),
-            count(&own, |j| j.truth().iter().all(|&id| j.found(id, true))),
-        );
-    }
-    for (kind, words) in [
-        ("wrong_baseline", "absorbed by a wrong baseline"),
-        ("corner", "in a corner of the travel"),
-    ] {
-        line(
-            &format!("first name right, {words}"),
-            count(&of(kind), |j| j.found_within(1)),
-        );
-    }
-    for (low, high) in [
-        (0.0, 8.0),
-        (8.0, 30.0),
-        (30.0, 100.0),
-        (100.0, 300.0),
-        (300.0, f64::INFINITY),
-    ] {
-        // By the worth that the diagnosis states of its first name, whichever that is.
-        let own: Vec<&Judged> = all
-            .iter()
-            .filter(|j| !j.clean() && !j.is("outside"))
-            .filter(|j| {
-                j.names()
-                    .first()
-                    .is_some_and(|n| (low..high).contains(&n.nats))
-            })
-            .collect();
-        line(
-            &format!("first name right where it is stated at {low} to {high} nats"),
-            count(&own, |j| j.found_within(1)),
-        );
-    }
-    let (named, tenable) = all
-        .iter()
-        .map(Judged::confident)
-        .fold((0, 0), |(n, t), (a, b)| (n + a, t + b));
-    line("precision of confident names", share(tenable, named));
-    let both = |j: &Judged| j.truth().iter().all(|&id| j.found(id, false));
-    line("both of a pair named", count(&of("pair"), both));
-    line(
-        "both of a pair named confidently",
-        count(&of("pair"), |j| {
-            j.truth().iter().all(|&id| j.found(id, true))
-        }),
-    );
-    line(
-        "hidden behind a three times larger one, named",
-        count(&of("masked"), |j| {
-            j.truth().first().is_some_and(|&id| j.found(id, false))
-        }),
-    );
-    let outside = of("outside");
-    let unknown = |j: &Judged| j.answer.as_ref().is_ok_and(|a| a.unknown);
-    line(
-        "outside the catalogue, flagged as unknown",
-        count(&outside, unknown),
-    );
-    line(
-        "outside the catalogue, named confidently",
-        count(&outside, |j| j.confident().0 > 0),
-    );
-
-    let found: Vec<Option<f64>> = all.iter().filter_map(Judged::localisation).collect();
-    let placed: Vec<f64> = found.iter().copied().flatten().collect();
-    line(
-        "place stated for effects that have one",
-        share(placed.len(), found.len()),
-    );
-    line(
-        "  median distance of centres, in widths of the true place",
-        number(median(placed)),
-    );
-    let improvements: Vec<f64> = all
-        .iter()
-        .filter(|j| j.label.effects.iter().all(|e| e.id.in_catalogue()))
-        .filter_map(Judged::improvement)
-        .collect();
-    line(
-        &format!(
-            "share of the achievable improvement, median of {}",
-            improvements.len()
-        ),
-        number(median(improvements)),
-    );
-    let stated: Vec<(f64, bool)> = all.iter().flat_map(Judged::stated).collect();
-    line(
-        &format!("expected calibration error of {} confidences", stated.len()),
-        number(calibration_error(&stated)),
-    );
+    table.line("trials", all.len().to_string());
+    table.share_of("without an answer", |_| true, |j| j.answer.is_err());
+    table.false_alarms();
+    table.effects_alone();
+    table.by_worth();
+    table.effects_together();
+    table.outside_the_catalogue();
+    table.place_and_improvement();
     let scores: Vec<ParameterScore> = all.iter().flat_map(Judged::parameters).collect();
-    let covered: Vec<bool> = scores.iter().filter_map(|s| s.covered).collect();
-    line(
-        "95 % intervals that hold the true value",
-        share(covered.iter().filter(|c| **c).count(), covered.len()),
-    );
-    let seconds = |pick: fn(&Judged) -> f64| all.iter().map(pick).collect::<Vec<f64>>();
-    line(
-        "time of a diagnosis, median [s]",
-        number(median(seconds(|j| j.wall_s))),
-    );
-    line(
-        "time of a diagnosis, longest [s]",
-        number(seconds(|j| j.wall_s).into_iter().reduce(f64::max)),
-    );
+    table.calibration(&scores);
+    table.times();
 
+    let mut text = table.text;
     confusion(all, &mut text);
     parameters(&scores, &mut text);
     text
+}
+
+/// The figures of a run, a line each.
+struct Table<'a> {
+    all: &'a [Judged],
+    text: String,
+}
+
+impl<'a> Table<'a> {
+    fn line(&mut self, what: &str, value: String) {
+        let _ = writeln!(self.text, "  {what:<58} {value}");
+    }
+
+    /// Of the trials that are `among`, the share of those for which it `holds`.
+    fn share_of(
+        &mut self,
+        what: &str,
+        among: impl Fn(&Judged) -> bool,
+        holds: impl Fn(&Judged) -> bool,
+    ) {
+        let own: Vec<&Judged> = self.all.iter().filter(|j| among(j)).collect();
+        self.line(what, count(&own, holds));
+    }
+
+    fn false_alarms(&mut self) {
+        self.share_of(
+            "false alarms on clean recordings",
+            |j| j.is("clean"),
+            Judged::alarms,
+        );
+        for law in LAWS {
+            self.share_of(
+                &format!("  {}", law.name()),
+                |j| j.is("clean") && j.label.law == law,
+                Judged::alarms,
+            );
+        }
+    }
+
+    fn effects_alone(&mut self) {
+        for strength in [Strength::Weak, Strength::Typical, Strength::Strong] {
+            let name = strength.name();
+            let own = |j: &Judged| j.is("single") && j.label.strength == name;
+            self.share_of(&format!("first name right, alone, {name}"), own, |j| {
+                j.found_within(1)
+            });
+            self.share_of(
+                &format!("one of two names right, alone, {name}"),
+                own,
+                |j| j.found_within(2),
+            );
+            self.share_of(
+                &format!("named confidently, alone, {name}"),
+                own,
+                all_named_confidently,
+            );
+        }
+        for (kind, words) in [
+            ("wrong_baseline", "absorbed by a wrong baseline"),
+            ("corner", "in a corner of the travel"),
+        ] {
+            self.share_of(
+                &format!("first name right, {words}"),
+                |j| j.is(kind),
+                |j| j.found_within(1),
+            );
+        }
+    }
+
+    /// By the worth that the diagnosis states of its first name, whichever that is.
+    fn by_worth(&mut self) {
+        for (low, high) in [
+            (0.0, 8.0),
+            (8.0, 30.0),
+            (30.0, 100.0),
+            (100.0, 300.0),
+            (300.0, f64::INFINITY),
+        ] {
+            let first_is_worth = |j: &Judged| {
+                let names = j.names();
+                let first = names.first();
+                first.is_some_and(|n| (low..high).contains(&n.nats))
+            };
+            self.share_of(
+                &format!("first name right where it is stated at {low} to {high} nats"),
+                |j| !j.clean() && !j.is("outside") && first_is_worth(j),
+                |j| j.found_within(1),
+            );
+        }
+        let (named, tenable) = self
+            .all
+            .iter()
+            .map(Judged::confident)
+            .fold((0, 0), |(n, t), (a, b)| (n + a, t + b));
+        self.line("precision of confident names", share(tenable, named));
+    }
+
+    fn effects_together(&mut self) {
+        let pair = |j: &Judged| j.is("pair");
+        self.share_of("both of a pair named", pair, |j| {
+            j.truth().iter().all(|&id| j.found(id, false))
+        });
+        self.share_of(
+            "both of a pair named confidently",
+            pair,
+            all_named_confidently,
+        );
+        self.share_of(
+            "hidden behind a three times larger one, named",
+            |j| j.is("masked"),
+            |j| j.truth().first().is_some_and(|&id| j.found(id, false)),
+        );
+    }
+
+    fn outside_the_catalogue(&mut self) {
+        let outside = |j: &Judged| j.is("outside");
+        self.share_of("outside the catalogue, flagged as unknown", outside, |j| {
+            j.answer.as_ref().is_ok_and(|a| a.unknown)
+        });
+        self.share_of("outside the catalogue, named confidently", outside, |j| {
+            j.confident().0 > 0
+        });
+    }
+
+    fn place_and_improvement(&mut self) {
+        let found: Vec<Option<f64>> = self.all.iter().filter_map(Judged::localisation).collect();
+        let placed: Vec<f64> = found.iter().copied().flatten().collect();
+        self.line(
+            "place stated for effects that have one",
+            share(placed.len(), found.len()),
+        );
+        self.line(
+            "  median distance of centres, in widths of the true place",
+            number(median(placed)),
+        );
+        let improvements: Vec<f64> = self
+            .all
+            .iter()
+            .filter(|j| j.label.effects.iter().all(|e| e.id.in_catalogue()))
+            .filter_map(Judged::improvement)
+            .collect();
+        self.line(
+            &format!(
+                "share of the achievable improvement, median of {}",
+                improvements.len()
+            ),
+            number(median(improvements)),
+        );
+    }
+
+    fn calibration(&mut self, scores: &[ParameterScore]) {
+        let stated: Vec<(f64, bool)> = self.all.iter().flat_map(Judged::stated).collect();
+        self.line(
+            &format!("expected calibration error of {} confidences", stated.len()),
+            number(calibration_error(&stated)),
+        );
+        let covered: Vec<bool> = scores.iter().filter_map(|s| s.covered).collect();
+        self.line(
+            "95 % intervals that hold the true value",
+            share(covered.iter().filter(|c| **c).count(), covered.len()),
+        );
+    }
+
+    fn times(&mut self) {
+        let seconds: Vec<f64> = self.all.iter().map(|j| j.wall_s).collect();
+        let longest = seconds.iter().copied().reduce(f64::max);
+        self.line("time of a diagnosis, median [s]", number(median(seconds)));
+        self.line("time of a diagnosis, longest [s]", number(longest));
+    }
+}
+
+fn all_named_confidently(judged: &Judged) -> bool {
+    judged.truth().iter().all(|&id| judged.found(id, true))
 }
 
 /// One row for each true effect alone: the first names given, most frequent first.

@@ -39,86 +39,30 @@ pub(super) struct BlockToml {
     weight: f64,
 }
 
+/// The key that is wrong, and why.
+type Wrong = (&'static str, String);
+
 impl FrictionToml {
     /// The model that the keys describe, or the key that is wrong and why.
-    pub(super) fn model(&self) -> Result<FrictionModel, (&'static str, String)> {
-        let kind = self.kind.as_str();
-        let need = |key: &'static str, value: Option<f64>| {
-            value.ok_or_else(|| (key, format!("missing; kind = \"{kind}\" needs it")))
-        };
-        let model = match kind {
+    pub(super) fn model(&self) -> Result<FrictionModel, Wrong> {
+        let model = match self.kind.as_str() {
             "coulomb" => FrictionModel::Coulomb {
-                coulomb: need("coulomb_N", self.coulomb_N)?,
+                coulomb: self.coulomb()?,
             },
             "dahl" => FrictionModel::Dahl {
-                stiffness: need("stiffness_N_per_m", self.stiffness_N_per_m)?,
-                coulomb: need("coulomb_N", self.coulomb_N)?,
-                exponent: need("exponent", self.exponent)?,
+                stiffness: self.stiffness()?,
+                coulomb: self.coulomb()?,
+                exponent: self.exponent()?,
             },
-            "lugre" => {
-                let breakaway = need("breakaway_N", self.breakaway_N)?;
-                FrictionModel::LuGre {
-                    stiffness: need("stiffness_N_per_m", self.stiffness_N_per_m)?,
-                    damping: self.damping_N_s_per_m.unwrap_or(0.0),
-                    breakaway,
-                    sliding: self.sliding(breakaway)?.unwrap_or(Sliding::none(breakaway)),
-                }
-            }
-            "hsieh" => FrictionModel::Hsieh(HsiehParams {
-                k1: need("k1_N_per_m", self.k1_N_per_m)?,
-                k2: need("k2_N_per_m", self.k2_N_per_m)?,
-                beta: need("beta_per_m", self.beta_per_m)?,
-                viscous: self.damping_N_s_per_m.unwrap_or(0.0),
-                creep: need("creep_per_s", self.creep_per_s)?,
-                hardening: need("hardening", self.hardening)?,
-                hardening_exponent: need("hardening_exponent", self.hardening_exponent)?,
-            }),
-            "gms" => {
-                let breakaway = need("breakaway_N", self.breakaway_N)?;
-                FrictionModel::Gms {
-                    breakaway,
-                    blocks: self.blocks()?,
-                    sliding: self.sliding(breakaway)?,
-                }
-            }
             "bouc_wen" => FrictionModel::BoucWen {
-                stiffness: need("stiffness_N_per_m", self.stiffness_N_per_m)?,
-                coulomb: need("coulomb_N", self.coulomb_N)?,
-                exponent: need("exponent", self.exponent)?,
-                shape: need("shape", self.shape)?,
+                stiffness: self.stiffness()?,
+                coulomb: self.coulomb()?,
+                exponent: self.exponent()?,
+                shape: self.need("shape", self.shape)?,
             },
-            "elasto_plastic" => {
-                let breakaway = need("breakaway_N", self.breakaway_N)?;
-                FrictionModel::ElastoPlastic {
-                    stiffness: need("stiffness_N_per_m", self.stiffness_N_per_m)?,
-                    damping: self.damping_N_s_per_m.unwrap_or(0.0),
-                    elastic: need("elastic_m", self.elastic_m)?,
-                    breakaway,
-                    sliding: self.sliding(breakaway)?.unwrap_or(Sliding::none(breakaway)),
-                }
-            }
-            "leuven" | "leuven_original" => {
-                let breakaway = need("breakaway_N", self.breakaway_N)?;
-                FrictionModel::Leuven {
-                    form: if kind == "leuven" {
-                        LeuvenForm::Modified
-                    } else {
-                        LeuvenForm::Original
-                    },
-                    breakaway,
-                    blocks: self.blocks()?,
-                    exponent: need("exponent", self.exponent)?,
-                    damping: self.damping_N_s_per_m.unwrap_or(0.0),
-                    sliding: self.sliding(breakaway)?.unwrap_or(Sliding::none(breakaway)),
-                }
-            }
-            "two_state" => {
-                let breakaway = need("breakaway_N", self.breakaway_N)?;
-                FrictionModel::TwoState {
-                    distance: need("presliding_m", self.presliding_m)?,
-                    breakaway,
-                    sliding: self.sliding(breakaway)?.unwrap_or(Sliding::none(breakaway)),
-                }
+            "hsieh" => self.hsieh()?,
+            "lugre" | "elasto_plastic" | "leuven" | "leuven_original" | "two_state" | "gms" => {
+                self.with_stribeck(self.need("breakaway_N", self.breakaway_N)?)?
             }
             other => {
                 let reason = format!(
@@ -127,24 +71,95 @@ impl FrictionToml {
                 return Err(("kind", reason));
             }
         };
-        // A key that the kind does not have would be a parameter that is silently not used.
-        let used = model.scalars();
-        let has_blocks = matches!(
-            model,
-            FrictionModel::Gms { .. } | FrictionModel::Leuven { .. }
-        );
-        if self.blocks.is_some() && !has_blocks {
-            return Err((
-                "blocks",
-                format!("kind = \"{kind}\" has no blocks; remove it"),
-            ));
+        self.nothing_unused(&model)?;
+        Ok(model)
+    }
+
+    fn hsieh(&self) -> Result<FrictionModel, Wrong> {
+        Ok(FrictionModel::Hsieh(HsiehParams {
+            k1: self.need("k1_N_per_m", self.k1_N_per_m)?,
+            k2: self.need("k2_N_per_m", self.k2_N_per_m)?,
+            beta: self.need("beta_per_m", self.beta_per_m)?,
+            viscous: self.damping(),
+            creep: self.need("creep_per_s", self.creep_per_s)?,
+            hardening: self.need("hardening", self.hardening)?,
+            hardening_exponent: self.need("hardening_exponent", self.hardening_exponent)?,
+        }))
+    }
+
+    /// The kinds that slide along a Stribeck curve after they broke away at `breakaway` (N).
+    fn with_stribeck(&self, breakaway: f64) -> Result<FrictionModel, Wrong> {
+        let curve = || Ok::<_, Wrong>(self.sliding(breakaway)?.unwrap_or(Sliding::none(breakaway)));
+        Ok(match self.kind.as_str() {
+            "lugre" => FrictionModel::LuGre {
+                stiffness: self.stiffness()?,
+                damping: self.damping(),
+                breakaway,
+                sliding: curve()?,
+            },
+            "elasto_plastic" => FrictionModel::ElastoPlastic {
+                stiffness: self.stiffness()?,
+                damping: self.damping(),
+                elastic: self.need("elastic_m", self.elastic_m)?,
+                breakaway,
+                sliding: curve()?,
+            },
+            "two_state" => FrictionModel::TwoState {
+                distance: self.need("presliding_m", self.presliding_m)?,
+                breakaway,
+                sliding: curve()?,
+            },
+            "gms" => FrictionModel::Gms {
+                breakaway,
+                blocks: self.blocks()?,
+                sliding: self.sliding(breakaway)?,
+            },
+            leuven => FrictionModel::Leuven {
+                form: match leuven {
+                    "leuven_original" => LeuvenForm::Original,
+                    _ => LeuvenForm::Modified,
+                },
+                breakaway,
+                blocks: self.blocks()?,
+                exponent: self.exponent()?,
+                damping: self.damping(),
+                sliding: curve()?,
+            },
+        })
+    }
+
+    fn need(&self, key: &'static str, value: Option<f64>) -> Result<f64, Wrong> {
+        value.ok_or_else(|| (key, format!("missing; kind = \"{}\" needs it", self.kind)))
+    }
+
+    fn stiffness(&self) -> Result<f64, Wrong> {
+        self.need("stiffness_N_per_m", self.stiffness_N_per_m)
+    }
+
+    fn coulomb(&self) -> Result<f64, Wrong> {
+        self.need("coulomb_N", self.coulomb_N)
+    }
+
+    fn exponent(&self) -> Result<f64, Wrong> {
+        self.need("exponent", self.exponent)
+    }
+
+    fn damping(&self) -> f64 {
+        self.damping_N_s_per_m.unwrap_or(0.0)
+    }
+
+    /// A key that the kind does not have would be a parameter that is silently not used.
+    fn nothing_unused(&self, model: &FrictionModel) -> Result<(), Wrong> {
+        let kind = &self.kind;
+        if self.blocks.is_some() && model.blocks().is_empty() {
+            let reason = format!("kind = \"{kind}\" has no blocks; remove it");
+            return Err(("blocks", reason));
         }
-        match self
-            .given()
-            .find(|key| !used.iter().any(|(name, _)| name == key))
-        {
+        let used = model.scalars();
+        let unused = |key: &&str| !used.iter().any(|(name, _)| name == key);
+        match self.given().find(unused) {
             Some(key) => Err((key, format!("kind = \"{kind}\" does not use it; remove it"))),
-            None => Ok(model),
+            None => Ok(()),
         }
     }
 
@@ -174,7 +189,7 @@ impl FrictionToml {
     }
 
     /// The blocks of the kinds that are made of them.
-    fn blocks(&self) -> Result<Vec<Block>, (&'static str, String)> {
+    fn blocks(&self) -> Result<Vec<Block>, Wrong> {
         let blocks = self.blocks.as_ref().ok_or((
             "blocks",
             format!("missing; kind = \"{}\" needs it", self.kind),
@@ -193,7 +208,7 @@ impl FrictionToml {
     }
 
     /// The Stribeck keys, which come together or not at all.
-    fn sliding(&self, breakaway: f64) -> Result<Option<Sliding>, (&'static str, String)> {
+    fn sliding(&self, breakaway: f64) -> Result<Option<Sliding>, Wrong> {
         match (self.coulomb_N, self.stribeck_velocity_m_s) {
             (None, None) => Ok(None),
             (Some(coulomb), Some(stribeck_velocity)) => Ok(Some(Sliding {
@@ -215,92 +230,81 @@ impl FrictionToml {
 }
 
 impl FrictionModel {
-    /// The scalar parameters by their keys on a linear axis.
+    /// The scalar parameters by their keys on a linear axis; those of the Stribeck curve last.
     pub fn scalars(&self) -> Vec<(&'static str, f64)> {
-        let stribeck = |sliding: &Sliding| {
-            vec![
+        let mut scalars = self.own_scalars();
+        if let Some(sliding) = self.sliding() {
+            scalars.extend([
                 ("coulomb_N", sliding.coulomb),
                 ("stribeck_velocity_m_s", sliding.stribeck_velocity),
                 ("stribeck_exponent", sliding.stribeck_exponent),
                 ("attraction_N_per_s", sliding.attraction),
-            ]
-        };
-        match self {
-            Self::Coulomb { coulomb } => vec![("coulomb_N", *coulomb)],
+            ]);
+        }
+        scalars
+    }
+
+    /// Those beside the Stribeck curve.
+    fn own_scalars(&self) -> Vec<(&'static str, f64)> {
+        match *self {
+            Self::Coulomb { coulomb } => vec![("coulomb_N", coulomb)],
             Self::Dahl {
                 stiffness,
                 coulomb,
                 exponent,
             } => vec![
-                ("stiffness_N_per_m", *stiffness),
-                ("coulomb_N", *coulomb),
-                ("exponent", *exponent),
+                ("stiffness_N_per_m", stiffness),
+                ("coulomb_N", coulomb),
+                ("exponent", exponent),
             ],
             Self::LuGre {
                 stiffness,
                 damping,
                 breakaway,
-                sliding,
-            } => [
-                vec![
-                    ("stiffness_N_per_m", *stiffness),
-                    ("damping_N_s_per_m", *damping),
-                    ("breakaway_N", *breakaway),
-                ],
-                stribeck(sliding),
-            ]
-            .concat(),
+                ..
+            } => vec![
+                ("stiffness_N_per_m", stiffness),
+                ("damping_N_s_per_m", damping),
+                ("breakaway_N", breakaway),
+            ],
             Self::BoucWen {
                 stiffness,
                 coulomb,
                 exponent,
                 shape,
             } => vec![
-                ("stiffness_N_per_m", *stiffness),
-                ("coulomb_N", *coulomb),
-                ("exponent", *exponent),
-                ("shape", *shape),
+                ("stiffness_N_per_m", stiffness),
+                ("coulomb_N", coulomb),
+                ("exponent", exponent),
+                ("shape", shape),
             ],
             Self::ElastoPlastic {
                 stiffness,
                 damping,
                 elastic,
                 breakaway,
-                sliding,
-            } => [
-                vec![
-                    ("stiffness_N_per_m", *stiffness),
-                    ("damping_N_s_per_m", *damping),
-                    ("elastic_m", *elastic),
-                    ("breakaway_N", *breakaway),
-                ],
-                stribeck(sliding),
-            ]
-            .concat(),
+                ..
+            } => vec![
+                ("stiffness_N_per_m", stiffness),
+                ("damping_N_s_per_m", damping),
+                ("elastic_m", elastic),
+                ("breakaway_N", breakaway),
+            ],
             Self::Leuven {
                 breakaway,
                 exponent,
                 damping,
-                sliding,
                 ..
-            } => [
-                vec![
-                    ("breakaway_N", *breakaway),
-                    ("exponent", *exponent),
-                    ("damping_N_s_per_m", *damping),
-                ],
-                stribeck(sliding),
-            ]
-            .concat(),
+            } => vec![
+                ("breakaway_N", breakaway),
+                ("exponent", exponent),
+                ("damping_N_s_per_m", damping),
+            ],
             Self::TwoState {
                 distance,
                 breakaway,
-                sliding,
-            } => [
-                vec![("presliding_m", *distance), ("breakaway_N", *breakaway)],
-                stribeck(sliding),
-            ]
-            .concat(),
+                ..
+            } => vec![("presliding_m", distance), ("breakaway_N", breakaway)],
             Self::Hsieh(p) => vec![
                 ("k1_N_per_m", p.k1),
                 ("k2_N_per_m", p.k2),
@@ -310,13 +314,7 @@ impl FrictionModel {
                 ("hardening", p.hardening),
                 ("hardening_exponent", p.hardening_exponent),
             ],
-            Self::Gms {
-                breakaway, sliding, ..
-            } => [
-                vec![("breakaway_N", *breakaway)],
-                sliding.as_ref().map(stribeck).unwrap_or_default(),
-            ]
-            .concat(),
+            Self::Gms { breakaway, .. } => vec![("breakaway_N", breakaway)],
         }
     }
 }

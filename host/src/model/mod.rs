@@ -1,16 +1,17 @@
 //! Model files: what `identify` writes and every other command reads.
 
 mod along;
+mod check;
 mod feed_forward;
 mod friction;
 mod refuse;
+mod write;
 
 use crate::effects::Effect;
-use crate::friction::{FrictionModel, Path};
+use crate::friction::FrictionModel;
 use crate::recording::MotionKind;
 use friction::FrictionToml;
 use serde::Deserialize;
-use std::fmt::Write as _;
 use std::path::Path as FilePath;
 use thiserror::Error;
 
@@ -87,6 +88,36 @@ struct MechanicsToml {
     motor_period_m: Option<f64>,
     encoder_period_m: Option<f64>,
     encoder_count_m: Option<f64>,
+}
+
+impl MechanicsToml {
+    fn given(self) -> Vec<(String, f64)> {
+        [
+            ("screw_lead_m", self.screw_lead_m),
+            ("motor_period_m", self.motor_period_m),
+            ("encoder_period_m", self.encoder_period_m),
+            ("encoder_count_m", self.encoder_count_m),
+        ]
+        .into_iter()
+        .filter_map(|(key, value)| Some((key.to_owned(), value?)))
+        .collect()
+    }
+}
+
+/// The constant force (N or N·m), all of them added up, and the other effects; `say` puts a key in the file's words.
+fn effects_of(
+    entries: &[toml::Table],
+    say: &dyn Fn(&str) -> String,
+) -> Result<(f64, Vec<Effect>), String> {
+    let (mut constant_force, mut effects) = (0.0, Vec::new());
+    for (i, entry) in entries.iter().enumerate() {
+        let effect = Effect::read(entry, say).map_err(|e| format!("effects[{}].{e}", i + 1))?;
+        match effect.id {
+            "constant_force" => constant_force += effect.get("force_N"),
+            _ => effects.push(effect),
+        }
+    }
+    Ok((constant_force, effects))
 }
 
 /// Key endings of rotary files and what they are called on a linear axis, longest first.
@@ -177,9 +208,6 @@ pub fn read(path: &FilePath) -> std::io::Result<String> {
     Ok(text)
 }
 
-/// Largest magnitude of a parameter, in SI: what is beyond is a broken number, and its products are infinite.
-const ABSURD: f64 = 1e15;
-
 impl Model {
     /// Friction and nothing else.
     pub fn of_friction(motion: MotionKind, friction: FrictionModel) -> Self {
@@ -240,30 +268,7 @@ impl Model {
             MotionKind::Linear => key.to_owned(),
             MotionKind::Rotary => translate(key, false).unwrap_or_else(|| key.to_owned()),
         };
-        let (mut constant_force, mut effects) = (0.0, Vec::new());
-        for (i, entry) in file.effects.iter().enumerate() {
-            let effect =
-                Effect::read(entry, &say).map_err(|e| format!("effects[{}].{e}", i + 1))?;
-            match effect.id {
-                "constant_force" => constant_force += effect.get("force_N"),
-                _ => effects.push(effect),
-            }
-        }
-        let MechanicsToml {
-            screw_lead_m,
-            motor_period_m,
-            encoder_period_m,
-            encoder_count_m,
-        } = file.mechanics;
-        let mechanics = [
-            ("screw_lead_m", screw_lead_m),
-            ("motor_period_m", motor_period_m),
-            ("encoder_period_m", encoder_period_m),
-            ("encoder_count_m", encoder_count_m),
-        ]
-        .into_iter()
-        .filter_map(|(key, value)| Some((key.to_owned(), value?)))
-        .collect();
+        let (constant_force, effects) = effects_of(&file.effects, &say)?;
         let model = Self {
             motion,
             inertia: file.inertia.map_or(0.0, |inertia| inertia.mass_kg),
@@ -274,7 +279,7 @@ impl Model {
                 .map_err(|(key, reason)| format!("friction.{}: {reason}", say(key)))?,
             constant_force,
             effects,
-            mechanics,
+            mechanics: file.mechanics.given(),
         };
         model
             .check()
@@ -282,167 +287,8 @@ impl Model {
         Ok(model)
     }
 
-    fn check(&self) -> Result<(), (String, String)> {
-        let fail = |key: &str, reason: String| Err((key.to_owned(), reason));
-        if !(self.inertia.is_finite() && self.inertia >= 0.0) {
-            return fail(
-                "inertia.mass_kg",
-                format!("{} must be finite and not negative", self.inertia),
-            );
-        }
-        if !self.viscous.is_finite() {
-            return fail(
-                "friction.viscous_N_s_per_m",
-                format!("{} must be finite", self.viscous),
-            );
-        }
-        if !self.constant_force.is_finite() {
-            return fail(
-                "effects.force_N",
-                format!("{} must be finite", self.constant_force),
-            );
-        }
-        let effects = self.effects.iter().enumerate();
-        let of_effects = effects.flat_map(|(i, e)| {
-            let named =
-                move |(key, value): &(String, f64)| (format!("effects[{}].{key}", i + 1), *value);
-            e.values.iter().map(named)
-        });
-        let of_blocks = match &self.friction {
-            FrictionModel::Gms { blocks, .. } | FrictionModel::Leuven { blocks, .. } => {
-                blocks.as_slice()
-            }
-            _ => &[],
-        };
-        let scalars = self.friction.scalars().into_iter();
-        let named = scalars
-            .map(|(key, value)| (format!("friction.{key}"), value))
-            .chain(
-                of_blocks
-                    .iter()
-                    .map(|b| ("friction.blocks.stiffness_N_per_m".to_owned(), b.stiffness)),
-            )
-            .chain(of_effects)
-            .chain([
-                ("inertia.mass_kg".to_owned(), self.inertia),
-                ("friction.viscous_N_s_per_m".to_owned(), self.viscous),
-                ("effects.force_N".to_owned(), self.constant_force),
-            ]);
-        for (key, value) in named {
-            // An attraction without end is a friction model without lag.
-            if value.is_finite() && value.abs() > ABSURD {
-                return fail(
-                    &key,
-                    format!(
-                        "{value:e} is beyond {ABSURD:e}, which no machine has; check the number and its unit"
-                    ),
-                );
-            }
-        }
-        for (key, value) in &self.mechanics {
-            if !(value.is_finite() && *value > 0.0) {
-                return fail(
-                    &format!("mechanics.{key}"),
-                    format!("{value} must be finite and above zero"),
-                );
-            }
-        }
-        if self.motion == MotionKind::Linear && self.effects.iter().any(|e| e.id == "gravity") {
-            return fail(
-                "effects.id",
-                "gravity changes with the angle of a rotary axis; on a linear one it is a constant_force with force_N".to_owned(),
-            );
-        }
-        // The library is the judge of the friction parameters; one step of no motion builds the model.
-        let still = Path {
-            position: &[0.0],
-            velocity: &[0.0],
-            pieces: std::slice::from_ref(&(0..1)),
-            sample_time: 1e-3,
-        };
-        match self.friction.force(still) {
-            Ok(_) => Ok(()),
-            Err(e) => fail("friction", e.to_string()),
-        }
-    }
-
     /// A key of a linear axis in the words of this model's files.
     pub fn key(&self, key: &str) -> String {
         key_of(self.motion, key)
     }
-
-    /// The text of the model file. `remarks` become comments at its head.
-    pub fn to_toml(&self, remarks: &[String]) -> String {
-        let mut text = String::new();
-        for remark in remarks {
-            for line in remark.lines() {
-                let _ = writeln!(text, "# {line}");
-            }
-        }
-        let key = |key: &str| self.key(key);
-        let _ = writeln!(
-            text,
-            "schema = \"{SCHEMA}\"\nmotion = \"{}\"",
-            self.motion.name()
-        );
-        if self.inertia > 0.0 {
-            let _ = writeln!(
-                text,
-                "\n[inertia]\n{} = {}",
-                key("mass_kg"),
-                number(self.inertia)
-            );
-        }
-        let _ = writeln!(text, "\n[friction]\nkind = \"{}\"", self.friction.kind());
-        for (name, value) in self.friction.scalars() {
-            let _ = writeln!(text, "{} = {}", key(name), number(value));
-        }
-        if let FrictionModel::Gms { blocks, .. } | FrictionModel::Leuven { blocks, .. } =
-            &self.friction
-        {
-            let _ = writeln!(text, "blocks = [");
-            for block in blocks {
-                let _ = writeln!(
-                    text,
-                    "  {{ {} = {}, weight = {} }},",
-                    key("stiffness_N_per_m"),
-                    number(block.stiffness),
-                    number(block.weight)
-                );
-            }
-            let _ = writeln!(text, "]");
-        }
-        let _ = writeln!(
-            text,
-            "{} = {}",
-            key("viscous_N_s_per_m"),
-            number(self.viscous)
-        );
-        if !self.mechanics.is_empty() {
-            let _ = writeln!(text, "\n[mechanics]");
-            for (name, value) in &self.mechanics {
-                let _ = writeln!(text, "{} = {}", key(name), number(*value));
-            }
-        }
-        if self.constant_force != 0.0 {
-            let _ = writeln!(
-                text,
-                "\n[[effects]]\nid = \"constant_force\"\n{} = {}",
-                key("force_N"),
-                number(self.constant_force)
-            );
-        }
-        for effect in &self.effects {
-            let _ = writeln!(text, "\n[[effects]]\nid = \"{}\"", effect.id);
-            for (name, value) in &effect.values {
-                let _ = writeln!(text, "{} = {}", key(name), number(*value));
-            }
-        }
-        text
-    }
-}
-
-/// A float that TOML reads back as the same float.
-fn number(value: f64) -> String {
-    format!("{value:?}")
 }

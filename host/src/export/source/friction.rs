@@ -1,0 +1,120 @@
+//! The friction model in the source: its parameters as constants, and the call that builds it from them.
+
+use super::{Source, literal};
+use crate::friction::FrictionModel;
+use preslide::Block;
+use std::fmt::Write as _;
+
+impl Source<'_> {
+    /// The friction model's type, and the call that builds it.
+    pub(super) fn friction(&mut self) -> (String, String) {
+        let names = self.friction_constants();
+        let friction = &self.model.friction;
+        if !friction.blocks().is_empty() {
+            self.blocks(friction.blocks());
+        }
+        let (kind, arguments) = constructor(friction, &names);
+        let path = kind.split('<').next().unwrap_or(&kind);
+        let build = format!("::preslide::{path}::try_new({arguments}, units)");
+        (format!("::preslide::{kind}"), build)
+    }
+
+    /// A constant for each scalar; their names, in the order of [`FrictionModel::scalars`].
+    fn friction_constants(&mut self) -> Vec<String> {
+        let kind = self.model.friction.kind();
+        let mut names = Vec::new();
+        for (key, value) in self.model.friction.scalars() {
+            let key = self.model.key(key);
+            let name = format!("{kind}_{key}").to_uppercase();
+            self.constant(&name, &format!("`{key}` of `{kind}`"), value);
+            names.push(name);
+        }
+        names
+    }
+
+    /// The constant `BLOCKS`.
+    fn blocks(&mut self, blocks: &[Block]) {
+        let n = blocks.len();
+        let list: String = blocks
+            .iter()
+            .map(|b| {
+                format!(
+                    "\n    ::preslide::Block {{ stiffness: {}, weight: {} }},",
+                    literal(b.stiffness),
+                    literal(b.weight)
+                )
+            })
+            .collect();
+        let unit = self.model.key("stiffness_N_per_m");
+        let _ = writeln!(
+            self.constants,
+            "/// Maxwell-slip blocks: `{unit}` and weight.\npub const BLOCKS: [::preslide::Block; {n}] = [{list}\n];"
+        );
+    }
+}
+
+/// The library's type, and the arguments of its constructor but for the units; `names` are the constants of the scalars.
+fn constructor(friction: &FrictionModel, names: &[String]) -> (String, String) {
+    let name = |n: usize| names.get(n).map_or("", String::as_str);
+    let first = |n: usize| names.get(..n).unwrap_or_default().join(", ");
+    // The scalars of the Stribeck curve are the last ones of every model that has it.
+    let sliding = || {
+        let from = names.len().saturating_sub(4);
+        format!(
+            "::preslide::Sliding {{ coulomb: {}, stribeck_velocity: {}, stribeck_exponent: {}, attraction: {} }}",
+            name(from),
+            name(from + 1),
+            name(from + 2),
+            name(from + 3)
+        )
+    };
+    match friction {
+        FrictionModel::Coulomb { .. } => ("Coulomb<S>".into(), format!("{}, 0.0", first(1))),
+        FrictionModel::Dahl { .. } => ("Dahl<S>".into(), first(3)),
+        FrictionModel::LuGre { .. } => ("LuGre<S>".into(), format!("{}, {}", first(3), sliding())),
+        FrictionModel::BoucWen { .. } => ("BoucWen<S>".into(), first(4)),
+        FrictionModel::ElastoPlastic { .. } => (
+            "ElastoPlastic<S>".into(),
+            format!("{}, {}", first(4), sliding()),
+        ),
+        FrictionModel::Leuven { form, blocks, .. } => (
+            format!("Leuven<{}, S>", blocks.len()),
+            format!(
+                "::preslide::LeuvenForm::{form:?}, &BLOCKS, {}, {}",
+                first(3),
+                sliding()
+            ),
+        ),
+        FrictionModel::TwoState { .. } => (
+            "TwoState<S>".into(),
+            format!("{}, {}, sample_time", first(2), sliding()),
+        ),
+        FrictionModel::Hsieh(_) => {
+            let fields = [
+                "k1",
+                "k2",
+                "beta",
+                "viscous",
+                "creep",
+                "hardening",
+                "hardening_exponent",
+            ];
+            let set = |(field, name)| format!("{field}: {name}");
+            let set: Vec<String> = fields.iter().zip(names).map(set).collect();
+            let params = format!("&::preslide::HsiehParams {{ {} }}", set.join(", "));
+            ("Hsieh<S>".into(), format!("{params}, sample_time"))
+        }
+        FrictionModel::Gms {
+            blocks,
+            sliding: None,
+            ..
+        } => (
+            format!("QuasiStaticGms<{}, S>", blocks.len()),
+            format!("&BLOCKS, {}", first(1)),
+        ),
+        FrictionModel::Gms { blocks, .. } => (
+            format!("Gms<{}, S>", blocks.len()),
+            format!("&BLOCKS, {}, {}, sample_time", first(1), sliding()),
+        ),
+    }
+}

@@ -1,0 +1,167 @@
+//! The text of the source.
+
+mod effects;
+mod friction;
+
+use super::refused;
+use crate::model::Model;
+pub use effects::carried;
+use std::fmt::Write as _;
+
+/// Effects that one tuple holds.
+const TUPLE: usize = 8;
+
+/// What to write beside the parameters.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Comments at the head: where the model comes from.
+    pub remarks: Vec<String>,
+    /// Bound on each force that grows with speed or position (N or N·m); ten times the breakaway force without it.
+    pub limit: Option<f64>,
+}
+
+/// The source of a model.
+///
+/// # Errors
+/// Effects that no controller can use, each with the reason; a bound that is needed and cannot be taken from the model.
+pub fn rust_source(model: &Model, options: &Options) -> Result<String, String> {
+    no_refused(model)?;
+    let mut source = Source {
+        model,
+        constants: String::new(),
+        terms: Vec::new(),
+    };
+    source.rigid_body();
+    let (friction, build) = source.friction();
+    source.effects(options)?;
+
+    let mut text = String::new();
+    for line in options.remarks.iter().flat_map(|remark| remark.lines()) {
+        let _ = writeln!(text, "// {}", line.trim_end());
+    }
+    let _ = writeln!(text, "\n{}", source.constants);
+    let timed = |code: &str| code.contains("sample_time");
+    let (unused, ticks) = if timed(&build) || source.terms.iter().any(|t| timed(&t.build)) {
+        ("", "for ticks that are `sample_time` (s) apart")
+    } else {
+        ("_", "in which the sample time plays no part")
+    };
+    let (types, body) = composed(&friction, &build, &source.terms);
+    let _ = write!(
+        text,
+        "{types}\
+         /// Builds the model, {ticks}, computing in `units`.\n\
+         ///\n\
+         /// # Errors\n\
+         /// The parameter that does not fit the number type in `units`.\n\
+         pub fn model<S: ::preslide::Scalar>(\n    {unused}sample_time: f64,\n    units: ::preslide::Units,\n) -> ::core::result::Result<Model<S>, ::preslide::ParamError> {{\n{body}}}\n"
+    );
+    Ok(text)
+}
+
+/// An error where the model has effects that no controller can use: which, why, and the options that leave them out.
+fn no_refused(model: &Model) -> Result<(), String> {
+    let refused = refused(model);
+    if refused.is_empty() {
+        return Ok(());
+    }
+    let list: Vec<String> = refused
+        .iter()
+        .map(|(id, reason)| format!("{id} ({reason})"))
+        .collect();
+    let remedy: Vec<String> = refused
+        .iter()
+        .map(|(id, _)| format!("--without {id}"))
+        .collect();
+    Err(format!(
+        "no controller can compensate {}; export the rest with {}",
+        list.join("; "),
+        remedy.join(" ")
+    ))
+}
+
+/// The friction model, built by `build`, with the effects beside it: the types, and the body of the function that builds them.
+fn composed(friction: &str, build: &str, terms: &[Term]) -> (String, String) {
+    if terms.is_empty() {
+        let types = format!("/// The friction model.\npub type Model<S = f32> = {friction};\n\n");
+        return (types, format!("    {build}\n"));
+    }
+    (
+        format!(
+            "/// The effects beside the friction model.\npub type Effects<S = f32> = {};\n\n\
+             /// The friction model with its effects.\npub type Model<S = f32> = ::preslide::effects::With<{friction}, Effects<S>>;\n\n",
+            nested(terms, 0, |t| &t.kind)
+        ),
+        format!(
+            "    let friction = {build}?;\n    let effects = {};\n    ::preslide::effects::With::try_new(friction, effects)\n",
+            nested(terms, 4, |t| &t.build)
+        ),
+    )
+}
+
+/// A tuple, nested where there are more than [`TUPLE`], in lines indented by `indent`.
+fn nested(terms: &[Term], indent: usize, of: fn(&Term) -> &str) -> String {
+    let list = |terms: &[Term], indent: usize| {
+        let margin = " ".repeat(indent);
+        let items: String = terms
+            .iter()
+            .map(|t| format!("\n{margin}    {},", of(t)))
+            .collect();
+        format!("({items}\n{margin})")
+    };
+    if terms.len() <= TUPLE {
+        return list(terms, indent);
+    }
+    let margin = " ".repeat(indent);
+    let groups: String = terms
+        .chunks(TUPLE)
+        .map(|group| format!("\n{margin}    {},", list(group, indent + 4)))
+        .collect();
+    format!("({groups}\n{margin})")
+}
+
+/// An effect in the source.
+struct Term {
+    kind: String,
+    build: String,
+}
+
+struct Source<'a> {
+    model: &'a Model,
+    constants: String,
+    terms: Vec<Term>,
+}
+
+impl Source<'_> {
+    fn rigid_body(&mut self) {
+        if self.model.inertia > 0.0 {
+            let key = self.model.key("mass_kg");
+            let _ = writeln!(
+                self.constants,
+                "#[allow(dead_code)] // for the settings of the feed-forward"
+            );
+            self.constant(
+                &key.to_uppercase(),
+                &format!("`{key}` of the moving part"),
+                self.model.inertia,
+            );
+        }
+    }
+
+    fn constant(&mut self, name: &str, said: &str, value: f64) {
+        let _ = writeln!(
+            self.constants,
+            "/// {said}.\npub const {name}: f64 = {};",
+            literal(value)
+        );
+    }
+}
+
+/// A float as Rust reads it back.
+fn literal(value: f64) -> String {
+    if value == f64::INFINITY {
+        "f64::INFINITY".to_owned()
+    } else {
+        format!("{value:?}")
+    }
+}
