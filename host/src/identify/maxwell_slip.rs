@@ -2,7 +2,7 @@
 //! the data support.
 
 use super::refine;
-use super::regression::Fit;
+use super::regression::MaxwellSlipFit;
 use super::regression::{Gram, Regression, solve_normal};
 use super::search::{Choice, best_choices};
 use super::virgin::VirginCurve;
@@ -28,7 +28,7 @@ pub const STEPS: u64 = (1 + GROUPS + MOST) as u64;
 #[derive(Clone, Debug)]
 pub struct Sized {
     /// The fit on all training samples.
-    pub fit: Fit,
+    pub fit: MaxwellSlipFit,
     /// NMSE (%) on samples that were held out in turn.
     pub nmse_cross: f64,
     /// Squared error of each held-out group of folds.
@@ -218,9 +218,9 @@ pub fn baseline_suffices(baseline: f64, models: &[Sized]) -> bool {
 ///
 /// `friction` is the effort without what the linear columns of `linear` explain; `strokes` are the training
 /// samples of each stroke.
-pub fn by_paper(curve: &VirginCurve, blocks: usize) -> Fit {
+pub fn by_paper(curve: &VirginCurve, blocks: usize) -> MaxwellSlipFit {
     let found = curve.blocks(&curve.equal_force_breakpoints(blocks));
-    Fit {
+    MaxwellSlipFit {
         yields: found.iter().map(|b| b.0).collect(),
         stiffness: found.iter().map(|b| b.1).collect(),
         linear: Vec::new(),

@@ -6,7 +6,7 @@ use super::error::Problem;
 use super::extra::Reading;
 use super::labels::Labels;
 use super::names::Names;
-use super::table::{Data, Place, Table};
+use super::table::{Data, Location, Table};
 
 /// A variable of the file.
 #[derive(Debug)]
@@ -97,7 +97,7 @@ pub(super) fn table(variables: &[Variable], options: &LoadOptions) -> Result<Tab
             .for_each(|v| *v = *v * factor + source.offset + 0.0);
         if let Some(at) = values.iter().position(|&v| columns::plausible(v).is_err()) {
             return Err(Problem::Cell {
-                at: Place::Elements.of(at),
+                at: Location::Elements.of(at),
                 column: name.into(),
                 what: format!(
                     "`{}` is not finite, or beyond what any sensor gives",
@@ -134,7 +134,7 @@ pub(super) fn table(variables: &[Variable], options: &LoadOptions) -> Result<Tab
         plan,
         data,
         extra,
-        place: Place::Elements,
+        place: Location::Elements,
         first_change: Vec::new(),
     })
 }

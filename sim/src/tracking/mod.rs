@@ -70,7 +70,7 @@ pub fn table(
         ..stage.clone()
     };
     let identified = &identified;
-    let study = Study { settings, stage };
+    let benchmark = Benchmark { settings, stage };
     let mut tasks: Vec<Task> = Vec::new();
     fn add<'a>(tasks: &mut Vec<Task<'a>>, name: &str, run: Run<'a>) {
         tasks.push((name.to_owned(), run));
@@ -78,14 +78,14 @@ pub fn table(
     add(
         &mut tasks,
         "none",
-        Box::new(move |name| study.row(name, "f32", NoFriction::<f32>::new(), Units::SI)),
+        Box::new(move |name| benchmark.row(name, "f32", NoFriction::<f32>::new(), Units::SI)),
     );
     add(
         &mut tasks,
         "sgn(v)·F_c",
         Box::new(move |name| {
             let sign = Coulomb::<f32>::try_new(e.coulomb(), 0.0, Units::SI)?;
-            study.row(name, "f32", sign, Units::SI)
+            benchmark.row(name, "f32", sign, Units::SI)
         }),
     );
     add(
@@ -93,7 +93,7 @@ pub fn table(
         "tanh(v/v_s)",
         Box::new(move |name| {
             let smoothed = SmoothedCoulomb::tuned(e, settings, identified)?;
-            study.row(name, "f32", smoothed, Units::SI)
+            benchmark.row(name, "f32", smoothed, Units::SI)
         }),
     );
     add(
@@ -101,42 +101,46 @@ pub fn table(
         "F(v) ahead",
         Box::new(move |name| {
             let table = LookAheadSettings::tuned(e, settings, identified)?;
-            study.row_with(name, "f32", Units::SI, |moves| table.on(settings, moves))
+            benchmark.row_with(name, "f32", Units::SI, |moves| table.on(settings, moves))
         }),
     );
     add(
         &mut tasks,
         "Dahl",
-        Box::new(move |name| study.row(name, "f32", e.dahl::<f32>()?, Units::SI)),
+        Box::new(move |name| benchmark.row(name, "f32", e.dahl::<f32>()?, Units::SI)),
     );
     add(
         &mut tasks,
         "LuGre",
-        Box::new(move |name| study.row(name, "f32", e.lugre::<f32>(true)?, Units::SI)),
+        Box::new(move |name| benchmark.row(name, "f32", e.lugre::<f32>(true)?, Units::SI)),
     );
     add(
         &mut tasks,
         "LuGre σp=0",
-        Box::new(move |name| study.row(name, "f32", e.lugre::<f32>(false)?, Units::SI)),
+        Box::new(move |name| benchmark.row(name, "f32", e.lugre::<f32>(false)?, Units::SI)),
     );
-    fn gms<'a, const N: usize>(tasks: &mut Vec<Task<'a>>, e: &'a Experiment, study: Study<'a>) {
+    fn gms<'a, const N: usize>(
+        tasks: &mut Vec<Task<'a>>,
+        e: &'a Experiment,
+        benchmark: Benchmark<'a>,
+    ) {
         let float: Run = Box::new(move |name| {
             let (blocks, breakaway) = e.blocks::<N>()?;
             let model = QuasiStaticGms::<N, f32>::try_new(&blocks, breakaway, Units::SI)?;
-            study.row(name, "f32", model, Units::SI)
+            benchmark.row(name, "f32", model, Units::SI)
         });
         let fixed: Run = Box::new(move |name| {
             let (blocks, breakaway) = e.blocks::<N>()?;
             let model = QuasiStaticGms::<N, I16F16>::try_new(&blocks, breakaway, FIXED_UNITS)?;
-            study.row(name, "fixed", model, FIXED_UNITS)
+            benchmark.row(name, "fixed", model, FIXED_UNITS)
         });
         tasks.extend([float, fixed].map(|run| (format!("GMS N={N}"), run)));
     }
-    gms::<2>(&mut tasks, e, study);
-    gms::<3>(&mut tasks, e, study);
-    gms::<4>(&mut tasks, e, study);
-    gms::<6>(&mut tasks, e, study);
-    gms::<10>(&mut tasks, e, study);
+    gms::<2>(&mut tasks, e, benchmark);
+    gms::<3>(&mut tasks, e, benchmark);
+    gms::<4>(&mut tasks, e, benchmark);
+    gms::<6>(&mut tasks, e, benchmark);
+    gms::<10>(&mut tasks, e, benchmark);
 
     tasks.retain(|(name, _)| only.is_empty() || only.iter().any(|part| name.contains(part)));
     let (done, all) = (AtomicUsize::new(0), tasks.len());
@@ -153,12 +157,12 @@ pub fn table(
 
 /// What every compensator is judged on.
 #[derive(Clone, Copy)]
-struct Study<'a> {
+struct Benchmark<'a> {
     settings: &'a Settings,
     stage: &'a StageConfig,
 }
 
-impl Study<'_> {
+impl Benchmark<'_> {
     /// One compensator over all motions.
     fn row<F: Friction + Clone>(
         &self,
