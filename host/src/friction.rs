@@ -113,7 +113,7 @@ pub struct Path<'a> {
 
 /// What lies between the measured motion and the friction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Drive {
+pub struct Transmission {
     /// Rate (m/s or rad/s) and share `p` (-) of Eyring's law, by which the contact gives way: `rate·sinh(F/(p·F_limit))`.
     pub creep: Option<(f64, f64)>,
     /// Play (m or rad), the whole width.
@@ -125,9 +125,9 @@ impl Path<'_> {
     fn run<M: Friction<Scalar = f64>>(
         &self,
         model: &M,
-        drive: Drive,
+        transmission: Transmission,
     ) -> Result<Vec<f64>, ParamError> {
-        let (most, stress) = match (drive.creep, model.limit()) {
+        let (most, stress) = match (transmission.creep, model.limit()) {
             (None, _) => (0.0, 1.0),
             (Some((rate, share)), Some(limit)) if limit > 0.0 => {
                 (rate * self.sample_time, share * limit)
@@ -158,7 +158,8 @@ impl Path<'_> {
                 let unloads = |displacement: f64| {
                     model.step(&mut state.clone(), of(displacement - yielding(now)))
                 };
-                let displacement = driven(load, self.position[i], 0.5 * drive.gap, now, unloads);
+                let displacement =
+                    driven(load, self.position[i], 0.5 * transmission.gap, now, unloads);
                 load += displacement;
                 now = model.step(&mut state, of(displacement - yielding(now)));
                 force[i] = now;
@@ -177,17 +178,17 @@ pub trait Visitor {
     fn visit<M: Friction<Scalar = f64>>(self, model: M) -> Self::Outcome;
 }
 
-/// A path behind a drive, to be run along.
+/// A path behind a transmission, to be run along.
 struct Driven<'a> {
     path: Path<'a>,
-    drive: Drive,
+    transmission: Transmission,
 }
 
 impl Visitor for Driven<'_> {
     type Outcome = Result<Vec<f64>, ParamError>;
 
     fn visit<M: Friction<Scalar = f64>>(self, model: M) -> Self::Outcome {
-        self.path.run(&model, self.drive)
+        self.path.run(&model, self.transmission)
     }
 }
 
@@ -344,15 +345,19 @@ impl FrictionModel {
     /// # Errors
     /// [`ParamError`] where the library refuses a parameter.
     pub fn force(&self, path: Path) -> Result<Vec<f64>, ParamError> {
-        self.force_through(path, Drive::default())
+        self.force_through(path, Transmission::default())
     }
 
-    /// The same behind a drive that is not stiff and tight.
+    /// The same behind a transmission that is not stiff and tight.
     ///
     /// # Errors
     /// [`ParamError`] where the library refuses a parameter, or where there is creep but no highest force.
-    pub fn force_through(&self, path: Path, drive: Drive) -> Result<Vec<f64>, ParamError> {
-        self.visit(path.sample_time, Driven { path, drive })?
+    pub fn force_through(
+        &self,
+        path: Path,
+        transmission: Transmission,
+    ) -> Result<Vec<f64>, ParamError> {
+        self.visit(path.sample_time, Driven { path, transmission })?
     }
 
     /// Hands the library's model, in SI and for ticks of `sample_time` (s), to `visitor`.

@@ -4,6 +4,7 @@ mod book;
 mod browser;
 mod call_graph;
 mod chain;
+mod changed;
 mod commission;
 mod cycles;
 mod imports;
@@ -26,7 +27,7 @@ struct Command {
 const COMMANDS: &[Command] = &[
     Command {
         name: "test",
-        help: "everything CI runs, or the steps named; installs what is missing",
+        help: "everything CI runs, or the steps named, or with --changed [BASE] those that the changes since BASE (default: the last commit) touch; installs what is missing",
         run: test::run_steps,
     },
     Command {

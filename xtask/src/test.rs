@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use crate::changed;
 use crate::cycles;
 use crate::process::{cargo, output, root, run, run_counting};
 use crate::thumb::Toolchain;
@@ -11,8 +12,44 @@ struct Step {
     name: &'static str,
     reason: &'static str,
     needs: &'static [Need],
+    /// What it checks: beginnings of paths, for `--changed`.
+    paths: &'static [&'static str],
     run: fn() -> Result<(), String>,
 }
+
+/// The library and what the firmware builds it from.
+const LIBRARY: &[&str] = &["src/", "build.rs"];
+const FIRMWARE_PATHS: &[&str] = &["src/", "build.rs", "axis", "link/", "store/", "firmware/"];
+/// The crates of the workspace.
+const WORKSPACE: &[&str] = &[
+    "src/",
+    "build.rs",
+    "axis",
+    "link/",
+    "store/",
+    "drive/",
+    "host/",
+    "host-tests/",
+    "sim/",
+    "cli/",
+    "examples/",
+    "firmware/",
+];
+/// The program, and what it is made of.
+const PROGRAM: &[&str] = &["src/", "axis", "link/", "drive/", "host/", "sim/", "cli/"];
+/// What runs the firmware beside the host.
+const RIG: &[&str] = &[
+    "src/",
+    "build.rs",
+    "axis",
+    "link/",
+    "store/",
+    "firmware/",
+    "host/",
+    "sim/",
+    "cli/",
+];
+const JUDGED: &[&str] = &["src/", "host/", "sim/", "cli/", "host-tests/"];
 
 /// Cheap checks first: a formatting slip shows before a minute of compiling.
 const STEPS: &[Step] = &[
@@ -20,18 +57,33 @@ const STEPS: &[Step] = &[
         name: "format",
         reason: "one style, so that diffs show only what changed",
         needs: &[Need::Rustfmt],
+        paths: WORKSPACE,
         run: format,
     },
     Step {
         name: "imports",
         reason: "no circle of imports, and each room imports only what ARCHITECTURE.md places above it",
         needs: &[],
+        paths: &[
+            "src/",
+            "host/",
+            "sim/",
+            "drive/",
+            "cli/",
+            "link/",
+            "store/",
+            "axis/",
+            "host-tests/",
+            "firmware/",
+            "ARCHITECTURE.md",
+        ],
         run: || crate::imports::run_command(&[]),
     },
     Step {
         name: "clippy",
         reason: "the compiler's and clippy's warnings are errors",
         needs: &[Need::Clippy],
+        paths: WORKSPACE,
         run: || {
             run(&mut cargo(&[
                 "clippy",
@@ -47,72 +99,95 @@ const STEPS: &[Step] = &[
         name: "docs",
         reason: "every public item is documented and no link is broken",
         needs: &[],
+        paths: WORKSPACE,
         run: || run(cargo(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings")),
     },
     Step {
         name: "tests",
         reason: "the models against the reference, the host tool on recordings and bad input",
         needs: &[],
+        paths: WORKSPACE,
         run: host_tests,
     },
     Step {
         name: "benches",
         reason: "the host benches still compile (they are run by hand)",
         needs: &[],
+        paths: WORKSPACE,
         run: || run(&mut cargo(&["bench", "--workspace", "--no-run"])),
     },
     Step {
         name: "thumb",
         reason: "the library builds without std for the microcontroller",
         needs: &[],
+        paths: LIBRARY,
         run: thumb_build,
     },
     Step {
         name: "firmware",
         reason: "the firmware workspace builds for the microcontroller, warnings denied",
         needs: &[Need::Clippy, Need::ArmGcc],
+        paths: FIRMWARE_PATHS,
         run: firmware,
     },
     Step {
         name: "cycles",
         reason: "no kernel executes more instructions than the committed table says",
         needs: &[],
+        paths: &["src/", "build.rs", "firmware/"],
         run: || cycles::run_command(&["--check".to_string()]),
     },
     Step {
         name: "qemu",
         reason: "the firmware in QEMU gives the host's commands, and every fault ends in the safe state",
         needs: &[Need::Qemu, Need::ArmGcc],
+        paths: RIG,
         run: || crate::qemu::run_command(&[]),
     },
     Step {
         name: "chain",
         reason: "effects that only the stage knows of are named, compiled into the firmware and compensated",
         needs: &[Need::Qemu],
+        paths: RIG,
         run: crate::chain::gate,
     },
     Step {
         name: "trials",
         reason: "the diagnosis on a fixed set of every source: no figure behind the committed ones by more than chance",
         needs: &[],
+        paths: JUDGED,
         run: crate::trials::gate,
     },
     Step {
         name: "package",
         reason: "the published crate holds the library and nothing else",
         needs: &[],
+        paths: &["src/", "build.rs", "README.md", "CHANGELOG.md", "LICENSE"],
         run: package_list,
     },
     Step {
         name: "demo",
         reason: "the first command of the README works, and a browser draws its report",
         needs: &[Need::Chromium],
+        paths: PROGRAM,
         run: demo,
     },
     Step {
         name: "book",
         reason: "the book builds without a warning, its commands work and print what it says",
         needs: &[],
+        paths: &[
+            "docs/",
+            "README.md",
+            "src/",
+            "axis",
+            "link/",
+            "drive/",
+            "host/",
+            "sim/",
+            "cli/",
+            "firmware/",
+        ],
         run: || crate::book::run_command(&[], has_step),
     },
 ];
@@ -122,8 +197,43 @@ pub fn has_step(name: &str) -> bool {
     STEPS.iter().any(|step| step.name == name)
 }
 
-/// Runs every step, or those named, in order.
-pub fn run_steps(names: &[String]) -> Result<(), String> {
+/// Runs every step, those named, or those that `--changed [BASE]` touches, in order.
+pub fn run_steps(arguments: &[String]) -> Result<(), String> {
+    let names = match arguments {
+        [flag, base @ ..] if flag == "--changed" => {
+            let base = match base {
+                [] => "HEAD",
+                [base] => base,
+                _ => return Err("--changed takes one commit or branch".to_owned()),
+            };
+            touched_since(base)?
+        }
+        _ => arguments.to_vec(),
+    };
+    if names.is_empty() && !arguments.is_empty() {
+        println!("nothing that a step checks has changed");
+        return Ok(());
+    }
+    run_named(&names)
+}
+
+/// The steps that the changes since `base` touch, said with the files.
+fn touched_since(base: &str) -> Result<Vec<String>, String> {
+    let files = changed::files(base)?;
+    let (chosen, left): (Vec<&Step>, Vec<&Step>) = STEPS
+        .iter()
+        .partition(|step| changed::touches(&files, step.paths));
+    let names = |steps: &[&Step]| steps.iter().map(|s| s.name.to_owned()).collect::<Vec<_>>();
+    println!(
+        "{} files differ from {base}; left out: {}",
+        files.len(),
+        names(&left).join(", ")
+    );
+    Ok(names(&chosen))
+}
+
+/// Those named, or all where none is.
+fn run_named(names: &[String]) -> Result<(), String> {
     if let Some(name) = names
         .iter()
         .find(|name| !STEPS.iter().any(|step| step.name == **name))

@@ -2,7 +2,7 @@
 //! the data support.
 
 use super::refine;
-use super::regression::Fit;
+use super::regression::MaxwellSlipFit;
 use super::regression::{Gram, Regression, solve_normal};
 use super::search::{Choice, best_choices};
 use super::virgin::VirginCurve;
@@ -28,7 +28,7 @@ pub const STEPS: u64 = (1 + GROUPS + MOST) as u64;
 #[derive(Clone, Debug)]
 pub struct Sized {
     /// The fit on all training samples.
-    pub fit: Fit,
+    pub fit: MaxwellSlipFit,
     /// NMSE (%) on samples that were held out in turn.
     pub nmse_cross: f64,
     /// Squared error of each held-out group of folds.
@@ -60,76 +60,33 @@ pub fn select(
     range: (f64, f64),
     progress: &Progress,
 ) -> Result<Selection, String> {
-    let grid = grid(range);
-    let linear = regression.columns.len();
-    let grams = regression.grams(&grid);
-    let per_group = grams.len().div_ceil(GROUPS).max(1);
-    let groups: Vec<Gram> = grams.chunks(per_group).filter_map(Gram::sum).collect();
-    let rows_of = |group: usize| -> &[Vec<usize>] {
-        let folds = regression.folds.chunks(per_group).nth(group);
-        folds.unwrap_or_default()
-    };
-    let total = Gram::sum(&groups).ok_or("there are no samples to fit")?;
-    let choices = best_choices(&total, linear, MOST);
-    progress.inc(1 + (GROUPS.saturating_sub(groups.len())) as u64);
+    let sizing = Sizing::new(regression, range);
+    let total = Gram::sum(&sizing.groups).ok_or("there are no samples to fit")?;
+    let choices = best_choices(&total, regression.columns.len(), MOST);
+    let groups = sizing.groups.len();
+    progress.inc(1 + (GROUPS.saturating_sub(groups)) as u64);
 
-    // Every group of folds takes its turn: yields and stiffnesses come from the others alone. The yields are
-    // refined here too: on the grid alone a block between two of its yields is fitted better by two blocks.
-    let held_out: Vec<Vec<f64>> = (0..groups.len())
+    // Every group of folds takes its turn: yields and stiffnesses come from the others alone.
+    let held_out: Vec<Vec<f64>> = (0..groups)
         .into_par_iter()
         .map(|out| {
-            let others = || (0..groups.len()).filter(move |&g| g != out);
-            let rest: Vec<usize> = others().flat_map(|g| rows_of(g).concat()).collect();
-            let errors = match Gram::sum(others().map(|g| &groups[g])) {
-                None => vec![f64::NAN; MOST + 1],
-                Some(gram) => {
-                    let choices = best_choices(&gram, linear, MOST);
-                    let held_out = rows_of(out).concat();
-                    let mut errors = vec![error_on(&groups[out], &gram, linear)];
-                    for best in &choices {
-                        let error = best.first().and_then(|choice| {
-                            let start = choice.yields.iter().map(|&j| grid[j]).collect();
-                            let fit =
-                                refine::refine_until(regression, &rest, start, range, HELD_OUT)?;
-                            refine::squared_error(regression, &fit, &held_out)
-                        });
-                        // A size without a fit of positive stiffness: the best is then a smaller one.
-                        let smaller = errors.last().copied().unwrap_or(f64::NAN);
-                        errors.push(error.unwrap_or(smaller));
-                    }
-                    errors
-                }
-            };
+            let errors = sizing.errors_held_out(out);
             progress.inc(1);
             errors
         })
         .collect();
     let variation: f64 = total.force_variation();
-    let of_size = |size: usize| {
-        held_out
-            .iter()
-            .map(|errors| errors[size])
-            .collect::<Vec<_>>()
-    };
     let percent = |errors: &[f64]| 100.0 * errors.iter().sum::<f64>() / variation;
 
     let rows = regression.folds.concat();
     let mut optimal: Vec<Sized> = (1..=MOST)
         .into_par_iter()
         .filter_map(|size| {
-            let long = regression.position.len() > LONG;
-            let starts = distinct(&choices[size - 1], if long { 1 } else { REFINED });
-            let best = starts
-                .into_par_iter()
-                .filter_map(|choice| {
-                    let yields = choice.yields.iter().map(|&j| grid[j]).collect();
-                    refine::refine(regression, &rows, yields, range)
-                })
-                .min_by(|a, b| a.squared_error.total_cmp(&b.squared_error));
+            let fit = sizing.best(&choices[size - 1], &rows);
             progress.inc(1);
-            let held_out = of_size(size);
+            let held_out: Vec<f64> = held_out.iter().map(|errors| errors[size]).collect();
             Some(Sized {
-                fit: best?,
+                fit: fit?,
                 nmse_cross: percent(&held_out),
                 held_out,
             })
@@ -149,6 +106,78 @@ pub fn select(
         knee: knee(&optimal),
         optimal,
     })
+}
+
+/// The search for the yields of every size.
+struct Sizing<'a> {
+    regression: &'a Regression<'a>,
+    range: (f64, f64),
+    grid: Vec<f64>,
+    /// Folds in a group.
+    per_group: usize,
+    /// Groups of folds, each held out in turn.
+    groups: Vec<Gram>,
+}
+
+impl<'a> Sizing<'a> {
+    fn new(regression: &'a Regression<'a>, range: (f64, f64)) -> Self {
+        let grid = grid(range);
+        let grams = regression.grams(&grid);
+        let per_group = grams.len().div_ceil(GROUPS).max(1);
+        Self {
+            regression,
+            range,
+            grid,
+            per_group,
+            groups: grams.chunks(per_group).filter_map(Gram::sum).collect(),
+        }
+    }
+
+    /// The samples of a group, fold by fold.
+    fn rows_of(&self, group: usize) -> &[Vec<usize>] {
+        let folds = self.regression.folds.chunks(self.per_group).nth(group);
+        folds.unwrap_or_default()
+    }
+
+    fn yields_of(&self, choice: &Choice) -> Vec<f64> {
+        choice.yields.iter().map(|&j| self.grid[j]).collect()
+    }
+
+    /// Squared errors on group `out` of models of 0…[`MOST`] blocks that were fitted to the others. The yields are refined here
+    /// too: on the grid alone a block between two of its yields is fitted better by two blocks.
+    fn errors_held_out(&self, out: usize) -> Vec<f64> {
+        let linear = self.regression.columns.len();
+        let others = || (0..self.groups.len()).filter(move |&g| g != out);
+        let Some(gram) = Gram::sum(others().map(|g| &self.groups[g])) else {
+            return vec![f64::NAN; MOST + 1];
+        };
+        let rest: Vec<usize> = others().flat_map(|g| self.rows_of(g).concat()).collect();
+        let held_out = self.rows_of(out).concat();
+        let mut errors = vec![error_on(&self.groups[out], &gram, linear)];
+        for best in &best_choices(&gram, linear, MOST) {
+            let error = best.first().and_then(|choice| {
+                let start = self.yields_of(choice);
+                let fit =
+                    refine::refine_until(self.regression, &rest, start, self.range, HELD_OUT)?;
+                refine::squared_error(self.regression, &fit, &held_out)
+            });
+            // A size without a fit of positive stiffness: the best is then a smaller one.
+            let smaller = errors.last().copied().unwrap_or(f64::NAN);
+            errors.push(error.unwrap_or(smaller));
+        }
+        errors
+    }
+
+    /// The best fit to `rows` that refining the best of `choices` leads to.
+    fn best(&self, choices: &[Choice], rows: &[usize]) -> Option<MaxwellSlipFit> {
+        let long = self.regression.position.len() > LONG;
+        distinct(choices, if long { 1 } else { REFINED })
+            .into_par_iter()
+            .filter_map(|choice| {
+                refine::refine(self.regression, rows, self.yields_of(choice), self.range)
+            })
+            .min_by(|a, b| a.squared_error.total_cmp(&b.squared_error))
+    }
 }
 
 /// Squared error on `held_out` of the linear columns alone, fitted on `rest`.
@@ -218,9 +247,9 @@ pub fn baseline_suffices(baseline: f64, models: &[Sized]) -> bool {
 ///
 /// `friction` is the effort without what the linear columns of `linear` explain; `strokes` are the training
 /// samples of each stroke.
-pub fn by_paper(curve: &VirginCurve, blocks: usize) -> Fit {
+pub fn by_paper(curve: &VirginCurve, blocks: usize) -> MaxwellSlipFit {
     let found = curve.blocks(&curve.equal_force_breakpoints(blocks));
-    Fit {
+    MaxwellSlipFit {
         yields: found.iter().map(|b| b.0).collect(),
         stiffness: found.iter().map(|b| b.1).collect(),
         linear: Vec::new(),

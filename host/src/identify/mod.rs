@@ -21,7 +21,7 @@ use crate::signal::{Kinematics, Split, Window, check_windows};
 use crate::statistics::Estimate;
 use family::Family;
 use nalgebra::{DMatrix, DVector};
-use regression::{Column, Regression};
+use regression::{Regression, Regressor};
 use rigid_body::{RigidBody, Terms};
 use virgin::VirginCurve;
 use weights::Weights;
@@ -370,7 +370,7 @@ impl Fitting<'_> {
             pieces: &self.recording.pieces,
             force: self.effort.to_vec(),
             columns: columns
-                .map(|(name, values)| Column { name, values })
+                .map(|(name, values)| Regressor { name, values })
                 .collect(),
             filter: Box::new(filter),
             folds: folds

@@ -1,6 +1,6 @@
 //! From the best yields of a grid to the best yields there are, with their confidence.
 
-use super::regression::{Fit, Gram, Regression, solve_normal};
+use super::regression::{Gram, MaxwellSlipFit, Regression, solve_normal};
 use crate::signal::Deflection;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -53,7 +53,7 @@ impl Design {
 
 /// The best fit with fixed yields.
 struct Solved {
-    fit: Fit,
+    fit: MaxwellSlipFit,
     gram: Gram,
 }
 
@@ -70,7 +70,7 @@ fn solve(regression: &Regression, rows: &[usize], yields: Vec<f64>) -> Option<So
     }
     let squared_error = gram.squared_error(&chosen, &coefficients);
     Some(Solved {
-        fit: Fit {
+        fit: MaxwellSlipFit {
             yields,
             stiffness,
             linear: coefficients.iter().take(linear).copied().collect(),
@@ -81,8 +81,8 @@ fn solve(regression: &Regression, rows: &[usize], yields: Vec<f64>) -> Option<So
 }
 
 /// The joint normal equations in (linear, k, ln D) at `fit`: curvature and gradient.
-fn joint(fit: &Fit, gram: &Gram) -> (DMatrix<f64>, DVector<f64>) {
-    let Fit {
+fn joint(fit: &MaxwellSlipFit, gram: &Gram) -> (DMatrix<f64>, DVector<f64>) {
+    let MaxwellSlipFit {
         linear,
         stiffness,
         yields,
@@ -122,7 +122,7 @@ pub fn refine(
     rows: &[usize],
     start: Vec<f64>,
     range: (f64, f64),
-) -> Option<Fit> {
+) -> Option<MaxwellSlipFit> {
     refine_until(regression, rows, start, range, CONVERGED)
 }
 
@@ -133,7 +133,7 @@ pub fn refine_until(
     start: Vec<f64>,
     (shortest, longest): (f64, f64),
     converged: f64,
-) -> Option<Fit> {
+) -> Option<MaxwellSlipFit> {
     let mut best = solve(regression, rows, start)?;
     let (p, n) = (best.fit.linear.len(), best.fit.yields.len());
     let mut damping = 1e-3;
@@ -180,7 +180,7 @@ pub fn refine_until(
 }
 
 /// Squared error that `fit` leaves on `rows`.
-pub fn squared_error(regression: &Regression, fit: &Fit, rows: &[usize]) -> Option<f64> {
+pub fn squared_error(regression: &Regression, fit: &MaxwellSlipFit, rows: &[usize]) -> Option<f64> {
     let gram = Design::new(regression, rows, &fit.yields).gram(0..rows.len())?;
     let coefficients = DVector::from_iterator(
         fit.linear.len() + fit.stiffness.len(),
@@ -194,7 +194,7 @@ pub fn squared_error(regression: &Regression, fit: &Fit, rows: &[usize]) -> Opti
 ///
 /// Sandwich estimate clustered by fold, with the small-sample factor `G/(G − 1)`: the scatter of the folds'
 /// scores takes the place of a noise variance. `None` with fewer than two folds or a singular matrix.
-pub fn covariance(regression: &Regression, fit: &Fit) -> Option<DMatrix<f64>> {
+pub fn covariance(regression: &Regression, fit: &MaxwellSlipFit) -> Option<DMatrix<f64>> {
     let folds = regression.folds.len();
     if folds < 2 {
         return None;

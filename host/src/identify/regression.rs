@@ -6,9 +6,9 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// A column that enters linearly beside the friction model: inertia, viscous friction, offset.
+/// A regressor that enters linearly beside the friction model: inertia, viscous friction, offset.
 #[derive(Clone, Debug)]
-pub struct Column {
+pub struct Regressor {
     /// Its coefficient's name, as in the JSON output.
     pub name: &'static str,
     /// Its value for every sample.
@@ -27,7 +27,7 @@ pub struct Regression<'a> {
     /// Measured effort (N or N·m).
     pub force: Vec<f64>,
     /// Linear columns.
-    pub columns: Vec<Column>,
+    pub columns: Vec<Regressor>,
     /// The filter that `force` and `columns` went through, to be applied to the blocks' deflections too.
     pub filter: Filter<'a>,
     /// Samples used for fitting, in folds: a fold is the unit that is held out, or resampled for confidence.
@@ -38,7 +38,7 @@ pub struct Regression<'a> {
 
 /// A fitted Maxwell-slip model with its linear companions.
 #[derive(Clone, Debug)]
-pub struct Fit {
+pub struct MaxwellSlipFit {
     /// Yield displacements `D_i` (m or rad), ascending.
     pub yields: Vec<f64>,
     /// Stiffnesses `k_i` (N/m or N·m/rad).
@@ -148,7 +148,7 @@ impl Regression<'_> {
     }
 
     /// What `fit` leaves of the force at every sample.
-    pub fn residual(&self, fit: &Fit) -> Vec<f64> {
+    pub fn residual(&self, fit: &MaxwellSlipFit) -> Vec<f64> {
         let mut left = self.force.clone();
         let mut take = |values: &[f64], factor: f64| {
             left.iter_mut()

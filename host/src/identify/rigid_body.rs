@@ -1,6 +1,6 @@
 //! Inertia, viscous friction, Coulomb friction and offset by linear least squares.
 
-use super::regression::{Column, Gram, solve_normal};
+use super::regression::{Gram, Regressor, solve_normal};
 use super::weights::Weights;
 use crate::recording::Recording;
 use crate::signal::Kinematics;
@@ -51,18 +51,18 @@ pub fn fit(
     let inertial = recording.role.contains_inertia();
     let mut columns = Vec::new();
     if terms.mass {
-        columns.push(Column {
+        columns.push(Regressor {
             name: "mass",
             values: kinematics.acceleration.clone(),
         });
     }
     if terms.viscous {
-        columns.push(Column {
+        columns.push(Regressor {
             name: "viscous",
             values: kinematics.velocity.clone(),
         });
     }
-    columns.push(Column {
+    columns.push(Regressor {
         name: "coulomb",
         values: if inertial {
             kinematics.filter.smooth(&kinematics.direction)
@@ -70,7 +70,7 @@ pub fn fit(
             kinematics.direction.clone()
         },
     });
-    columns.push(Column {
+    columns.push(Regressor {
         name: "offset",
         values: vec![1.0; recording.len()],
     });

@@ -15,7 +15,7 @@
 
 use super::Model;
 use crate::effects::{Effect, terms};
-use crate::friction::{Drive, Path};
+use crate::friction::{Path, Transmission};
 use preslide::effects::{Effect as _, Situation};
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -106,7 +106,7 @@ impl Model {
 
     /// Friction of the load, behind play and springs, and what the springs add.
     fn transmitted(&self, path: Path, motion: &Motion) -> Result<(Vec<f64>, Vec<f64>), String> {
-        let drive = Drive {
+        let transmission = Transmission {
             creep: self
                 .of("creep")
                 .next()
@@ -120,7 +120,7 @@ impl Model {
                 ..path
             };
             self.friction
-                .force_through(path, drive)
+                .force_through(path, transmission)
                 .map_err(|e| e.to_string())
         };
         let mut friction = of_load(&motion.position)?;

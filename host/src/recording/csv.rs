@@ -10,7 +10,7 @@ use super::known::Slot;
 use super::labels::Labels;
 use super::layout::{self, Layout, Squeezed, io_problem};
 use super::names::Names;
-use super::table::{Data, Place, Table};
+use super::table::{Data, Location, Table};
 
 /// Reads the header and every sample below it.
 pub(super) fn read(input: impl Read, options: &LoadOptions) -> Result<Table, Problem> {
@@ -232,7 +232,7 @@ impl Rows {
             plan: self.plan,
             data: self.data,
             extra: self.extra,
-            place: Place::Lines(self.breaks),
+            place: Location::Lines(self.breaks),
             first_change: self.first_change,
         })
     }

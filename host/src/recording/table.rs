@@ -12,7 +12,7 @@ pub(super) struct Table {
     pub(super) data: Vec<Data>,
     /// The columns that the plan does not use.
     pub(super) extra: Vec<extra::Reading>,
-    pub(super) place: Place,
+    pub(super) place: Location,
     /// Unused columns that keep their first value for a while, and the sample where they first
     /// change: candidates for a segment where time starts again.
     pub(super) first_change: Vec<(String, usize)>,
@@ -37,18 +37,18 @@ impl Data {
 
 /// Where samples stand in their file.
 #[derive(Debug)]
-pub(super) enum Place {
+pub(super) enum Location {
     /// CSV: `(sample, line)` wherever a line does not follow its predecessor's.
     Lines(Vec<(usize, u64)>),
     /// `.mat`: elements counted from 1.
     Elements,
 }
 
-impl Place {
+impl Location {
     /// "line 17" or "element 16", for messages.
     pub(super) fn of(&self, sample: usize) -> String {
         match self {
-            Place::Lines(breaks) => {
+            Location::Lines(breaks) => {
                 let before = breaks.partition_point(|&(first, _)| first <= sample);
                 let (first, line) = before
                     .checked_sub(1)
@@ -56,7 +56,7 @@ impl Place {
                     .unwrap_or((0, 2));
                 format!("line {}", line + sample.saturating_sub(first) as u64)
             }
-            Place::Elements => format!("element {}", sample + 1),
+            Location::Elements => format!("element {}", sample + 1),
         }
     }
 }

@@ -5,8 +5,8 @@ use super::columns;
 use super::error::Problem;
 use super::extra::Reading;
 use super::labels::Labels;
-use super::names::Names;
-use super::table::{Data, Place, Table};
+use super::names::{Names, Source};
+use super::table::{Data, Location, Table};
 
 /// A variable of the file.
 #[derive(Debug)]
@@ -72,32 +72,10 @@ pub(super) fn table(variables: &[Variable], options: &LoadOptions) -> Result<Tab
     let mut data = Vec::new();
     let mut length: Option<(String, usize)> = None;
     for source in &plan.sources {
-        let mut product: Option<(&str, Vec<f64>)> = None;
-        let mut factor = source.factor;
-        for variable in source.columns.iter().filter_map(|&i| variables.get(i)) {
-            let values = variable.vector().ok_or_else(|| Problem::Map {
-                map: format!("{}={}", source.known.name, variable.name),
-                reason: format!(
-                    "`{}` is no vector of real numbers; the file has {listing}",
-                    variable.describe()
-                ),
-            })?;
-            match (&mut product, values) {
-                (_, [scalar]) => factor *= scalar,
-                (None, values) => product = Some((&variable.name, values.to_vec())),
-                (Some((first, product)), values) => {
-                    same_length(first, product.len(), &variable.name, values.len())?;
-                    product.iter_mut().zip(values).for_each(|(p, v)| *p *= v);
-                }
-            }
-        }
-        let (name, mut values) = product.unwrap_or((source.known.name, vec![1.0]));
-        values
-            .iter_mut()
-            .for_each(|v| *v = *v * factor + source.offset + 0.0);
+        let (name, values) = product(variables, source, &listing)?;
         if let Some(at) = values.iter().position(|&v| columns::plausible(v).is_err()) {
             return Err(Problem::Cell {
-                at: Place::Elements.of(at),
+                at: Location::Elements.of(at),
                 column: name.into(),
                 what: format!(
                     "`{}` is not finite, or beyond what any sensor gives",
@@ -116,15 +94,7 @@ pub(super) fn table(variables: &[Variable], options: &LoadOptions) -> Result<Tab
             });
         }
         data.push(if source.known.slot.is_label() {
-            let mut labels = Labels::default();
-            if !values.iter().all(|v| labels.push(&v.to_string())) {
-                return Err(Problem::Cell {
-                    at: "its elements".into(),
-                    column: name.into(),
-                    what: "over a million different parts".into(),
-                });
-            }
-            Data::Labels(labels)
+            Data::Labels(labels(name, &values)?)
         } else {
             Data::Numbers(values)
         });
@@ -134,8 +104,53 @@ pub(super) fn table(variables: &[Variable], options: &LoadOptions) -> Result<Tab
         plan,
         data,
         extra,
-        place: Place::Elements,
+        place: Location::Elements,
         first_change: Vec::new(),
+    })
+}
+
+/// The product of the variables of a source, scalars among them, in SI; with the name of its first vector.
+fn product<'a>(
+    variables: &'a [Variable],
+    source: &Source,
+    listing: &str,
+) -> Result<(&'a str, Vec<f64>), Problem> {
+    let mut product: Option<(&str, Vec<f64>)> = None;
+    let mut factor = source.factor;
+    for variable in source.columns.iter().filter_map(|&i| variables.get(i)) {
+        let values = variable.vector().ok_or_else(|| Problem::Map {
+            map: format!("{}={}", source.known.name, variable.name),
+            reason: format!(
+                "`{}` is no vector of real numbers; the file has {listing}",
+                variable.describe()
+            ),
+        })?;
+        match (&mut product, values) {
+            (_, [scalar]) => factor *= scalar,
+            (None, values) => product = Some((&variable.name, values.to_vec())),
+            (Some((first, product)), values) => {
+                same_length(first, product.len(), &variable.name, values.len())?;
+                product.iter_mut().zip(values).for_each(|(p, v)| *p *= v);
+            }
+        }
+    }
+    let (name, mut values) = product.unwrap_or((source.known.name, vec![1.0]));
+    values
+        .iter_mut()
+        .for_each(|v| *v = *v * factor + source.offset + 0.0);
+    Ok((name, values))
+}
+
+/// The numbers of a variable that tells parts of the motion apart.
+fn labels(name: &str, values: &[f64]) -> Result<Labels, Problem> {
+    let mut labels = Labels::default();
+    if values.iter().all(|v| labels.push(&v.to_string())) {
+        return Ok(labels);
+    }
+    Err(Problem::Cell {
+        at: "its elements".into(),
+        column: name.into(),
+        what: "over a million different parts".into(),
     })
 }
 

@@ -5,7 +5,7 @@ use super::SIZES;
 use super::search::Search;
 use crate::normal::normal;
 use preslide_host::friction::{FrictionModel, Path};
-use preslide_host::identify::regression::Fit;
+use preslide_host::identify::regression::MaxwellSlipFit;
 use preslide_host::paper;
 use preslide_host::progress::Progress;
 use preslide_host::simulate::inverse::inverse;
@@ -61,7 +61,7 @@ pub struct Size {
     /// The same of the yield displacements.
     pub yield_spread: Vec<f64>,
     /// Stiffnesses (N/m) and yields \[m\] from the average curve.
-    pub of_average: Fit,
+    pub of_average: MaxwellSlipFit,
     /// NMSE (%) on the average curve.
     pub nmse_average: f64,
     /// NMSE (%) of each repeat's own parameters on itself.
@@ -100,7 +100,7 @@ impl Experiment {
             .collect::<Result<Vec<_>, String>>()?;
         let all: Vec<&Ramp> = repeats.iter().collect();
         let average = averaged(&all);
-        let own: Vec<Vec<Option<Fit>>> = repeats
+        let own: Vec<Vec<Option<MaxwellSlipFit>>> = repeats
             .par_iter()
             .map(|repeat| {
                 let fits = repeat.fits();
@@ -110,7 +110,7 @@ impl Experiment {
             .collect::<Result<_, String>>()?;
         let of_average = average.fits()?;
         // Each half predicts the other.
-        let half = |odd: usize| -> Result<Vec<Option<Fit>>, String> {
+        let half = |odd: usize| -> Result<Vec<Option<MaxwellSlipFit>>, String> {
             let ramps: Vec<&Ramp> = repeats.iter().skip(odd).step_by(2).collect();
             averaged(&ramps).fits()
         };
@@ -136,7 +136,7 @@ impl Experiment {
             let Some(of_average) = of_average else {
                 continue;
             };
-            let fits: Vec<(usize, &Fit)> = own
+            let fits: Vec<(usize, &MaxwellSlipFit)> = own
                 .iter()
                 .enumerate()
                 .filter_map(|(i, fits)| Some((i, fits.get(j)?.as_ref()?)))
@@ -200,7 +200,7 @@ impl Experiment {
 }
 
 impl Ramp {
-    fn fits(&self) -> Result<Vec<Option<Fit>>, String> {
+    fn fits(&self) -> Result<Vec<Option<MaxwellSlipFit>>, String> {
         let piece = 0..self.position.len();
         let pieces = std::slice::from_ref(&piece);
         let search = Search::new(&self.position, pieces, &self.force)?;
@@ -208,7 +208,7 @@ impl Ramp {
     }
 
     /// NMSE (%) of blocks on this ramp.
-    fn error(&self, fit: &Fit) -> Result<f64, String> {
+    fn error(&self, fit: &MaxwellSlipFit) -> Result<f64, String> {
         let piece: Range<usize> = 0..self.position.len();
         let force = FrictionModel::maxwell_slip(&fit.stiffness, &fit.yields)
             .force(Path {
@@ -303,7 +303,11 @@ fn dispersion(repeats: &[Ramp], average: &Ramp) -> f64 {
 }
 
 /// Standard deviation over mean of each block's parameter.
-fn spreads(n: usize, fits: &[(usize, &Fit)], of: impl Fn(&Fit) -> &Vec<f64>) -> Vec<f64> {
+fn spreads(
+    n: usize,
+    fits: &[(usize, &MaxwellSlipFit)],
+    of: impl Fn(&MaxwellSlipFit) -> &Vec<f64>,
+) -> Vec<f64> {
     (0..n)
         .map(|block| {
             let values: Vec<f64> = fits.iter().map(|(_, fit)| of(fit)[block]).collect();

@@ -17,7 +17,7 @@ use figure_6::Figure6;
 use literal::Literal;
 use preslide_host::compare::memory::{LoopClosure, Scale, loop_closure};
 use preslide_host::friction::{FrictionModel, Path};
-use preslide_host::identify::regression::Fit;
+use preslide_host::identify::regression::MaxwellSlipFit;
 use preslide_host::identify::virgin::VirginCurve;
 use preslide_host::paper::{self, Column};
 use preslide_host::progress::Progress;
@@ -130,7 +130,7 @@ pub struct Size {
     /// NMSE (%) of optimal breakpoints.
     pub nmse_optimal: f64,
     /// Optimal breakpoints and stiffnesses.
-    pub optimal: Fit,
+    pub optimal: MaxwellSlipFit,
     /// Force \[N\] of the column of Table 3 along the curve.
     pub force_table3: Vec<f64>,
     /// Force \[N\] of the optimal blocks along the curve.
@@ -140,7 +140,7 @@ pub struct Size {
 impl Size {
     /// `ΣW` \[N\] of the optimal blocks.
     pub fn limit(&self) -> f64 {
-        let Fit {
+        let MaxwellSlipFit {
             yields, stiffness, ..
         } = &self.optimal;
         yields.iter().zip(stiffness).map(|(d, k)| d * k).sum()
@@ -263,7 +263,7 @@ fn column(n: usize) -> Result<&'static Column, String> {
 }
 
 /// The best breakpoints for every size.
-fn optimal(curve: &Curve, progress: &Progress) -> Result<Vec<Fit>, String> {
+fn optimal(curve: &Curve, progress: &Progress) -> Result<Vec<MaxwellSlipFit>, String> {
     let pieces = std::slice::from_ref(&curve.piece);
     let search = Search::new(&curve.displacement, pieces, &curve.force)?;
     progress.inc(1);

@@ -2,7 +2,7 @@
 
 use super::SIZES;
 use preslide_host::identify::refine;
-use preslide_host::identify::regression::{Fit, Regression};
+use preslide_host::identify::regression::{MaxwellSlipFit, Regression};
 use preslide_host::identify::search::{Choice, best_choices};
 use preslide_host::identify::weights::Weights;
 use preslide_host::paper;
@@ -57,7 +57,7 @@ impl<'a> Search<'a> {
     }
 
     /// The best `n` blocks, where there are any of positive stiffness: the best `refined` subsets of the grid compete.
-    pub fn best(&self, n: usize, refined: usize) -> Option<Fit> {
+    pub fn best(&self, n: usize, refined: usize) -> Option<MaxwellSlipFit> {
         self.choices
             .get(n.checked_sub(1)?)?
             .iter()

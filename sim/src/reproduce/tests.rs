@@ -61,7 +61,7 @@ fn optimal_breakpoints_reach_these_errors() {
 fn optimal_breakpoints_are_stationary_and_in_range() {
     let Reproduction { curve, sizes, .. } = reproduction();
     for size in sizes {
-        let Fit {
+        let MaxwellSlipFit {
             yields, stiffness, ..
         } = &size.optimal;
         assert!(yields.iter().all(|&d| d <= paper::RANGE));

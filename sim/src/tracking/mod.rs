@@ -57,88 +57,20 @@ pub fn table(
     only: &[String],
     progress: impl Fn(usize, usize) + Sync,
 ) -> Result<Vec<Row>, TrackingError> {
-    let experiment = Experiment::run(
-        settings,
-        StageConfig {
-            seed: IDENTIFICATION_SEED,
-            ..stage.clone()
-        },
-    )?;
-    let e = &experiment;
     let identified = StageConfig {
         seed: IDENTIFICATION_SEED,
         ..stage.clone()
     };
-    let identified = &identified;
-    let study = Study { settings, stage };
-    let mut tasks: Vec<Task> = Vec::new();
-    fn add<'a>(tasks: &mut Vec<Task<'a>>, name: &str, run: Run<'a>) {
-        tasks.push((name.to_owned(), run));
-    }
-    add(
-        &mut tasks,
-        "none",
-        Box::new(move |name| study.row(name, "f32", NoFriction::<f32>::new(), Units::SI)),
-    );
-    add(
-        &mut tasks,
-        "sgn(v)·F_c",
-        Box::new(move |name| {
-            let sign = Coulomb::<f32>::try_new(e.coulomb(), 0.0, Units::SI)?;
-            study.row(name, "f32", sign, Units::SI)
-        }),
-    );
-    add(
-        &mut tasks,
-        "tanh(v/v_s)",
-        Box::new(move |name| {
-            let smoothed = SmoothedCoulomb::tuned(e, settings, identified)?;
-            study.row(name, "f32", smoothed, Units::SI)
-        }),
-    );
-    add(
-        &mut tasks,
-        "F(v) ahead",
-        Box::new(move |name| {
-            let table = LookAheadSettings::tuned(e, settings, identified)?;
-            study.row_with(name, "f32", Units::SI, |moves| table.on(settings, moves))
-        }),
-    );
-    add(
-        &mut tasks,
-        "Dahl",
-        Box::new(move |name| study.row(name, "f32", e.dahl::<f32>()?, Units::SI)),
-    );
-    add(
-        &mut tasks,
-        "LuGre",
-        Box::new(move |name| study.row(name, "f32", e.lugre::<f32>(true)?, Units::SI)),
-    );
-    add(
-        &mut tasks,
-        "LuGre σp=0",
-        Box::new(move |name| study.row(name, "f32", e.lugre::<f32>(false)?, Units::SI)),
-    );
-    fn gms<'a, const N: usize>(tasks: &mut Vec<Task<'a>>, e: &'a Experiment, study: Study<'a>) {
-        let float: Run = Box::new(move |name| {
-            let (blocks, breakaway) = e.blocks::<N>()?;
-            let model = QuasiStaticGms::<N, f32>::try_new(&blocks, breakaway, Units::SI)?;
-            study.row(name, "f32", model, Units::SI)
-        });
-        let fixed: Run = Box::new(move |name| {
-            let (blocks, breakaway) = e.blocks::<N>()?;
-            let model = QuasiStaticGms::<N, I16F16>::try_new(&blocks, breakaway, FIXED_UNITS)?;
-            study.row(name, "fixed", model, FIXED_UNITS)
-        });
-        tasks.extend([float, fixed].map(|run| (format!("GMS N={N}"), run)));
-    }
-    gms::<2>(&mut tasks, e, study);
-    gms::<3>(&mut tasks, e, study);
-    gms::<4>(&mut tasks, e, study);
-    gms::<6>(&mut tasks, e, study);
-    gms::<10>(&mut tasks, e, study);
-
+    let experiment = Experiment::run(settings, identified.clone())?;
+    let benchmark = Benchmark { settings, stage };
+    let mut tasks = rivals_tasks(&experiment, &identified, benchmark);
+    tasks.extend(gms::<2>(&experiment, benchmark));
+    tasks.extend(gms::<3>(&experiment, benchmark));
+    tasks.extend(gms::<4>(&experiment, benchmark));
+    tasks.extend(gms::<6>(&experiment, benchmark));
+    tasks.extend(gms::<10>(&experiment, benchmark));
     tasks.retain(|(name, _)| only.is_empty() || only.iter().any(|part| name.contains(part)));
+
     let (done, all) = (AtomicUsize::new(0), tasks.len());
     progress(0, all);
     tasks
@@ -151,14 +83,81 @@ pub fn table(
         .collect()
 }
 
+/// Everything but the GMS: no compensation, the static ones, and the models of one state.
+fn rivals_tasks<'a>(
+    e: &'a Experiment,
+    identified: &'a StageConfig,
+    benchmark: Benchmark<'a>,
+) -> Vec<Task<'a>> {
+    let settings = benchmark.settings;
+    let tasks: [(&str, Run); 7] = [
+        (
+            "none",
+            Box::new(move |name| benchmark.row(name, "f32", NoFriction::<f32>::new(), Units::SI)),
+        ),
+        (
+            "sgn(v)·F_c",
+            Box::new(move |name| {
+                let sign = Coulomb::<f32>::try_new(e.coulomb(), 0.0, Units::SI)?;
+                benchmark.row(name, "f32", sign, Units::SI)
+            }),
+        ),
+        (
+            "tanh(v/v_s)",
+            Box::new(move |name| {
+                let smoothed = SmoothedCoulomb::tuned(e, settings, identified)?;
+                benchmark.row(name, "f32", smoothed, Units::SI)
+            }),
+        ),
+        (
+            "F(v) ahead",
+            Box::new(move |name| {
+                let table = LookAheadSettings::tuned(e, settings, identified)?;
+                benchmark.row_with(name, "f32", Units::SI, |moves| table.on(settings, moves))
+            }),
+        ),
+        (
+            "Dahl",
+            Box::new(move |name| benchmark.row(name, "f32", e.dahl::<f32>()?, Units::SI)),
+        ),
+        (
+            "LuGre",
+            Box::new(move |name| benchmark.row(name, "f32", e.lugre::<f32>(true)?, Units::SI)),
+        ),
+        (
+            "LuGre σp=0",
+            Box::new(move |name| benchmark.row(name, "f32", e.lugre::<f32>(false)?, Units::SI)),
+        ),
+    ];
+    tasks
+        .into_iter()
+        .map(|(name, run)| (name.to_owned(), run))
+        .collect()
+}
+
+/// The GMS of N blocks, in floating and in fixed point.
+fn gms<'a, const N: usize>(e: &'a Experiment, benchmark: Benchmark<'a>) -> [Task<'a>; 2] {
+    let float: Run = Box::new(move |name| {
+        let (blocks, breakaway) = e.blocks::<N>()?;
+        let model = QuasiStaticGms::<N, f32>::try_new(&blocks, breakaway, Units::SI)?;
+        benchmark.row(name, "f32", model, Units::SI)
+    });
+    let fixed: Run = Box::new(move |name| {
+        let (blocks, breakaway) = e.blocks::<N>()?;
+        let model = QuasiStaticGms::<N, I16F16>::try_new(&blocks, breakaway, FIXED_UNITS)?;
+        benchmark.row(name, "fixed", model, FIXED_UNITS)
+    });
+    [float, fixed].map(|run| (format!("GMS N={N}"), run))
+}
+
 /// What every compensator is judged on.
 #[derive(Clone, Copy)]
-struct Study<'a> {
+struct Benchmark<'a> {
     settings: &'a Settings,
     stage: &'a StageConfig,
 }
 
-impl Study<'_> {
+impl Benchmark<'_> {
     /// One compensator over all motions.
     fn row<F: Friction + Clone>(
         &self,

@@ -24,7 +24,7 @@ use std::time::{Duration, Instant};
 
 use crate::process::{cargo, root, run, run_for};
 use crate::tools::mdbook;
-use page::{Block, Kind, Page};
+use page::{CodeBlock, Kind, Page};
 
 /// No command of the book takes longer, on a busy machine either.
 const LIMIT: Duration = Duration::from_secs(300);
@@ -140,7 +140,7 @@ struct Walk<'a> {
 
 impl Walk<'_> {
     /// The new lines of a block of printed lines that `bless` changes.
-    fn block(&mut self, page: &Page, block: &Block, bless: bool) -> Option<Vec<String>> {
+    fn block(&mut self, page: &Page, block: &CodeBlock, bless: bool) -> Option<Vec<String>> {
         let place = format!("{}:{}", page.name, block.first);
         match &block.kind {
             Kind::File(name) => {
@@ -183,7 +183,7 @@ impl Walk<'_> {
         None
     }
 
-    fn run(&mut self, place: &str, block: &Block, folder: Option<&Path>) {
+    fn run(&mut self, place: &str, block: &CodeBlock, folder: Option<&Path>) {
         self.counts[0] += 1;
         self.printed = None;
         let start = Instant::now();
@@ -198,7 +198,7 @@ impl Walk<'_> {
         println!("  ({:.1} s)", start.elapsed().as_secs_f64());
     }
 
-    fn printed_by(&self, block: &Block, folder: Option<&Path>) -> Result<String, String> {
+    fn printed_by(&self, block: &CodeBlock, folder: Option<&Path>) -> Result<String, String> {
         let script = self.scratch.join(".block.sh");
         let kept = self.scratch.join(".printed");
         // The release build in front of whatever else is called so.
@@ -225,7 +225,7 @@ impl Walk<'_> {
 }
 
 /// Whether the step that a block names exists, and every `cargo xtask` command in it.
-fn in_ci(block: &Block, step: &str, has_step: HasStep) -> Result<(), String> {
+fn in_ci(block: &CodeBlock, step: &str, has_step: HasStep) -> Result<(), String> {
     if !has_step(step) {
         return Err(format!("`cargo xtask test` has no step `{step}`"));
     }

@@ -11,11 +11,11 @@ pub struct Page {
     pub name: String,
     pub file: PathBuf,
     pub text: String,
-    pub blocks: Vec<Block>,
+    pub blocks: Vec<CodeBlock>,
 }
 
 /// A fenced block.
-pub struct Block {
+pub struct CodeBlock {
     pub kind: Kind,
     /// Index of its first line inside the fence.
     pub first: usize,
@@ -104,14 +104,14 @@ fn page(folder: &Path, name: &str) -> Result<Page, String> {
     })
 }
 
-fn blocks(text: &str) -> Result<Vec<Block>, String> {
+fn blocks(text: &str) -> Result<Vec<CodeBlock>, String> {
     let mut blocks = Vec::new();
-    let mut open: Option<Block> = None;
+    let mut open: Option<CodeBlock> = None;
     for (index, line) in text.lines().enumerate() {
         match (line.strip_prefix("```"), open.as_mut()) {
             (Some(""), Some(_)) => blocks.extend(open.take()),
             (Some(info), None) => {
-                open = Some(Block {
+                open = Some(CodeBlock {
                     kind: Kind::of(info)
                         .map_err(|reason| format!("line {}: {reason}", index + 1))?,
                     first: index + 1,
@@ -124,7 +124,7 @@ fn blocks(text: &str) -> Result<Vec<Block>, String> {
     }
     for pair in blocks.windows(2) {
         let runs = matches!(pair[1].kind, Kind::Run { .. } | Kind::Recordings);
-        let first = |block: &Block| -> String {
+        let first = |block: &CodeBlock| -> String {
             let line = block.lines.first().map_or("", String::as_str);
             line.split('#').next().unwrap_or("").trim().to_string()
         };

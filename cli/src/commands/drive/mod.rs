@@ -1,19 +1,15 @@
 //! `preslide drive`.
 
 mod asked;
+mod play;
 
 use super::{AxisArgs, Failure};
 use asked::{Home, Jog, MarkArg, Move, PlayArgs};
 use clap::{Args, Subcommand};
-use preslide_drive::{
-    BAUD, Drive as Session, DriveError, Motion, Play, open, quantity, screen, words,
-};
-use preslide_host::capture::{CaptureError, Recorder, Scale};
+use preslide_drive::{BAUD, Drive as Session, DriveError, open, quantity, screen, words};
 use preslide_host::drive::loadable;
 use preslide_host::model::Model;
-use preslide_host::progress::Progress;
-use preslide_host::recording::{self, LoadOptions, MotionKind, Needs};
-use preslide_link::{GainSettings, Homing, Mark, Mode, Name, Request, Sample};
+use preslide_link::{GainSettings, Homing, Mark, Mode, Name, Request};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -436,129 +432,6 @@ impl Commanded {
             self.port
         );
         Ok(())
-    }
-
-    fn play(&mut self, play: &PlayArgs) -> Result<(), Failure> {
-        let identity = *self.drive.identity();
-        let options = LoadOptions {
-            needs: Needs::Motion,
-            ..LoadOptions::default()
-        };
-        let read = recording::load(&play.motion, &options)?;
-        let motion = Motion::new(&read.t_s, &read.position, identity.rate_hz)
-            .map_err(|reason| Failure::Input(format!("{}: {reason}", play.motion.display())))?;
-        let state = self.drive.state()?;
-        let stands = state.position as f64 * identity.count;
-        let offset = if !play.absolute {
-            stands - motion.start()
-        } else if !state.located {
-            return Err(Failure::Input(
-                "--absolute needs an axis that knows where it is: `home` or `zero` first"
-                    .to_owned(),
-            ));
-        } else if (stands - motion.start()).abs() > 2.0 * identity.count {
-            return Err(Failure::Input(format!(
-                "the motion begins at {:.9} {u} and the axis stands at {stands:.9} {u}: `move --to {:.9}` first",
-                motion.start(),
-                motion.start(),
-                u = self.unit
-            )));
-        } else {
-            0.0
-        };
-        let every = (f64::from(identity.rate_hz) / play.rate / SAMPLES_PER_ROW)
-            .round()
-            .max(1.0);
-        let scale = Scale {
-            motion: if self.rotary {
-                MotionKind::Rotary
-            } else {
-                MotionKind::Linear
-            },
-            sample_time_s: 1.0 / f64::from(identity.rate_hz),
-            count: identity.count,
-            effort_per_a: identity.effort_per_a.into(),
-            every: (every * SAMPLES_PER_ROW) as u32,
-            after_s: 0.0,
-        };
-        let file = super::capture::create(&play.output, play.overwrite)?;
-        let mut recorder = Recorder::begin(file, &scale, None)?;
-        let progress = Progress::new(
-            "play, rows",
-            (motion.seconds(identity.rate_hz) * play.rate) as u64,
-        );
-        let stop = Arc::clone(&self.stop);
-        let mut failed: Option<CaptureError> = None;
-        let mut error = Following::default();
-        let playing = Play {
-            offset,
-            every: every as u16,
-        };
-        let played = playing.play(&mut self.drive, &motion, |samples| {
-            for sample in &samples {
-                error.add(sample);
-                match recorder.take(sample) {
-                    Ok(_) => {}
-                    Err(error) => failed = Some(error),
-                }
-            }
-            progress.inc((samples.len() as f64 / SAMPLES_PER_ROW) as u64);
-            failed.is_some() || stop.load(Ordering::Relaxed)
-        });
-        progress.finish();
-        // What was recorded is kept whatever happened.
-        let recorded = recorder.end(0);
-        if let Some(error) = failed {
-            return Err(error.into());
-        }
-        let path = play.output.display();
-        if let Err(error) = &played
-            && recorded.is_ok()
-        {
-            eprintln!("wrote {path}, up to where it ended: {error}");
-        }
-        let played = played?;
-        let summary = recorded?;
-        eprintln!("wrote {path}");
-        say!(
-            "played {} points in {:.1} s, the buffer never below {}; {} samples in {} rows, {} missing.",
-            played.points,
-            motion.seconds(identity.rate_hz),
-            played.lowest,
-            summary.samples,
-            summary.rows,
-            summary.missing
-        );
-        let (rms, largest) = error.of(identity.count);
-        say!(
-            "following error: RMS {rms:.1} n{u}, largest {largest:.0} n{u}",
-            u = self.unit
-        );
-        say!("Next: preslide identify {path} -o model.toml");
-        Ok(())
-    }
-}
-
-/// Reference less position, by the encoder.
-#[derive(Default)]
-struct Following {
-    squares: f64,
-    samples: u32,
-    largest: f64,
-}
-
-impl Following {
-    fn add(&mut self, sample: &Sample) {
-        let error = sample.reference as f64 / 65_536.0 - f64::from(sample.position);
-        self.squares += error * error;
-        self.samples += 1;
-        self.largest = self.largest.max(error.abs());
-    }
-
-    /// RMS and largest (10⁻⁹ m or rad) for this count.
-    fn of(&self, count: f64) -> (f64, f64) {
-        let rms = (self.squares / f64::from(self.samples.max(1))).sqrt();
-        (rms * count * 1e9, self.largest * count * 1e9)
     }
 }
 

@@ -65,7 +65,7 @@ pub struct Fit {
     /// The model, with inertia, viscous part and offset.
     pub model: Model,
     /// Nonlinear parameters, in the family's order.
-    pub place: Vec<f64>,
+    pub nonlinear: Vec<f64>,
     /// NMSE (13) over the scored samples (%).
     pub nmse: f64,
     /// Parameters that the optimiser would have moved further.
@@ -164,20 +164,20 @@ impl Data<'_> {
         problem.minimised(problem.angles(&best), FULL)
     }
 
-    /// Fits `family` to other samples, from the place that an earlier fit found.
+    /// Fits `family` to other samples, from the parameters that an earlier fit found.
     pub fn refit(&self, family: Family, span: &Span, rows: &[usize], from: &Fit) -> Option<Fit> {
         let problem = Problem::new(self, family, span, rows)?;
         problem.minimised(problem.angles(from), QUICK)
     }
 }
 
-/// The transformed parameter of a place in `0..1` of its logarithmic range; the sine keeps every step of the
+/// The transformed parameter of a share `0..1` of its logarithmic range; the sine keeps every step of the
 /// optimiser inside.
 fn angle(share: f64) -> f64 {
     (2.0 * share - 1.0).clamp(-1.0, 1.0).asin()
 }
 
-/// The place in `0..1` of a transformed parameter.
+/// The share `0..1` of a transformed parameter.
 fn share(angle: f64) -> f64 {
     0.5 + 0.5 * angle.sin()
 }
@@ -205,7 +205,7 @@ impl<'a> Problem<'a> {
         })
     }
 
-    fn place(&self, angles: &DVector<f64>) -> Vec<f64> {
+    fn nonlinear(&self, angles: &DVector<f64>) -> Vec<f64> {
         self.bounds
             .iter()
             .zip(angles.iter())
@@ -215,19 +215,23 @@ impl<'a> Problem<'a> {
 
     /// Where to go on from an earlier fit: a little inside of bounds, where a parameter has no slope.
     fn angles(&self, from: &Fit) -> DVector<f64> {
-        let angles = self.bounds.iter().zip(&from.place).map(|(bound, value)| {
-            let share = (value / bound.from).ln() / (bound.to / bound.from).ln();
-            angle(share.clamp(0.01, 0.99))
-        });
+        let angles = self
+            .bounds
+            .iter()
+            .zip(&from.nonlinear)
+            .map(|(bound, value)| {
+                let share = (value / bound.from).ln() / (bound.to / bound.from).ln();
+                angle(share.clamp(0.01, 0.99))
+            });
         DVector::from_vec(angles.collect())
     }
 
-    /// Solves for everything linear at the place `angles`, with amplitude 0 where none that is positive helps; `None`
-    /// where the library refuses the place.
+    /// Solves for everything linear at the transformed parameters `angles`, with amplitude 0 where none that is positive
+    /// helps; `None` where the library refuses the parameters.
     fn project(&self, angles: &DVector<f64>) -> Option<Projection> {
-        let place = self.place(angles);
+        let nonlinear = self.nonlinear(angles);
         let force = |damping: f64| {
-            let model = self.family.model(&place, 1.0, damping)?;
+            let model = self.family.model(&nonlinear, 1.0, damping)?;
             let path = Path {
                 pieces: &self.pieces,
                 ..self.data.path
@@ -340,7 +344,7 @@ impl<'a> Problem<'a> {
         if now.coefficients.amplitude <= 0.0 {
             return None;
         }
-        let place = self.place(&angles);
+        let nonlinear = self.nonlinear(&angles);
         let linear = now.coefficients;
         let at_edge = self
             .bounds
@@ -351,7 +355,7 @@ impl<'a> Problem<'a> {
             .collect();
         let friction = self
             .family
-            .model(&place, linear.amplitude, linear.damping)?;
+            .model(&nonlinear, linear.amplitude, linear.damping)?;
         Some(Fit {
             model: Model {
                 inertia: linear.mass,
@@ -359,7 +363,7 @@ impl<'a> Problem<'a> {
                 constant_force: linear.offset,
                 ..Model::of_friction(self.data.motion, friction)
             },
-            place,
+            nonlinear,
             nmse: now.residual.norm_squared(),
             at_edge,
         })

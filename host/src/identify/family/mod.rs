@@ -159,14 +159,14 @@ impl Family {
         }
     }
 
-    /// The model with the nonlinear parameters `place`, whose force is
-    /// `amplitude·(force of model(place, 1, 0)) + damping·(force of model(place, 1, 1) − force of model(place, 1, 0))`.
+    /// The model with the parameters `nonlinear`, whose force is
+    /// `amplitude·(force of model(nonlinear, 1, 0)) + damping·(force of model(nonlinear, 1, 1) − force of model(nonlinear, 1, 0))`.
     ///
     /// `amplitude` (N or N·m) is `F_c` (Dahl, Bouc-Wen), `k_2s/β` (Hsieh), else `F_s`; `damping` (N·s/m or N·m·s/rad) is
     /// `σp` (LuGre), `σ1` (elasto-plastic, Leuven), `C_v` (Hsieh). Hsieh's hardening scales with the amplitude as `ψ = ψ'·amplitudeᵃ`. `None`
-    /// where `place` has the wrong length.
-    pub fn model(self, place: &[f64], amplitude: f64, damping: f64) -> Option<FrictionModel> {
-        Some(match (self, place) {
+    /// where `nonlinear` has the wrong length.
+    pub fn model(self, nonlinear: &[f64], amplitude: f64, damping: f64) -> Option<FrictionModel> {
+        Some(match (self, nonlinear) {
             (Family::Dahl, &[length, exponent]) => FrictionModel::Dahl {
                 stiffness: amplitude / length,
                 coulomb: amplitude,

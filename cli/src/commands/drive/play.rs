@@ -1,0 +1,157 @@
+//! `play`: a motion from a file, followed and recorded.
+
+use super::asked::PlayArgs;
+use super::{Commanded, Failure, SAMPLES_PER_ROW};
+use preslide_drive::{Motion, Play, Played};
+use preslide_host::capture::{CaptureError, Recorder, Scale, Summary};
+use preslide_host::progress::Progress;
+use preslide_host::recording::{self, LoadOptions, MotionKind, Needs};
+use preslide_link::{Identity, Sample};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+impl Commanded {
+    pub(super) fn play(&mut self, play: &PlayArgs) -> Result<(), Failure> {
+        let identity = *self.drive.identity();
+        let options = LoadOptions {
+            needs: Needs::Motion,
+            ..LoadOptions::default()
+        };
+        let read = recording::load(&play.motion, &options)?;
+        let motion = Motion::new(&read.t_s, &read.position, identity.rate_hz)
+            .map_err(|reason| Failure::Input(format!("{}: {reason}", play.motion.display())))?;
+        let playing = Play {
+            offset: self.offset(play.absolute, &motion, identity.count)?,
+            every: every(play, &identity) as u16,
+        };
+        let mut following = Following::default();
+        let (played, summary) = self.recorded(play, playing, &motion, &mut following)?;
+        let path = play.output.display();
+        eprintln!("wrote {path}");
+        say!(
+            "played {} points in {:.1} s, the buffer never below {}; {} samples in {} rows, {} missing.",
+            played.points,
+            motion.seconds(identity.rate_hz),
+            played.lowest,
+            summary.samples,
+            summary.rows,
+            summary.missing
+        );
+        let (rms, largest) = following.of(identity.count);
+        say!(
+            "following error: RMS {rms:.1} n{u}, largest {largest:.0} n{u}",
+            u = self.unit
+        );
+        say!("Next: preslide identify {path} -o model.toml");
+        Ok(())
+    }
+
+    /// What is added to the motion's positions (m or rad): nothing where they are `absolute`, which the axis must then stand
+    /// at; else what brings its start to where the axis stands.
+    fn offset(&mut self, absolute: bool, motion: &Motion, count: f64) -> Result<f64, Failure> {
+        let state = self.drive.state()?;
+        let stands = state.position as f64 * count;
+        if !absolute {
+            return Ok(stands - motion.start());
+        }
+        if !state.located {
+            return Err(Failure::Input(
+                "--absolute needs an axis that knows where it is: `home` or `zero` first"
+                    .to_owned(),
+            ));
+        }
+        if (stands - motion.start()).abs() > 2.0 * count {
+            return Err(Failure::Input(format!(
+                "the motion begins at {:.9} {u} and the axis stands at {stands:.9} {u}: `move --to {:.9}` first",
+                motion.start(),
+                motion.start(),
+                u = self.unit
+            )));
+        }
+        Ok(0.0)
+    }
+
+    /// Plays and records to the file of `play`. What was recorded is kept whatever happened.
+    fn recorded(
+        &mut self,
+        play: &PlayArgs,
+        playing: Play,
+        motion: &Motion,
+        following: &mut Following,
+    ) -> Result<(Played, Summary), Failure> {
+        let identity = *self.drive.identity();
+        let scale = Scale {
+            motion: if self.rotary {
+                MotionKind::Rotary
+            } else {
+                MotionKind::Linear
+            },
+            sample_time_s: 1.0 / f64::from(identity.rate_hz),
+            count: identity.count,
+            effort_per_a: identity.effort_per_a.into(),
+            every: (every(play, &identity) * SAMPLES_PER_ROW) as u32,
+            after_s: 0.0,
+        };
+        let file = crate::commands::capture::create(&play.output, play.overwrite)?;
+        let mut recorder = Recorder::begin(file, &scale, None)?;
+        let progress = Progress::new(
+            "play, rows",
+            (motion.seconds(identity.rate_hz) * play.rate) as u64,
+        );
+        let stop = Arc::clone(&self.stop);
+        let mut failed: Option<CaptureError> = None;
+        let played = playing.play(&mut self.drive, motion, |samples| {
+            for sample in &samples {
+                following.add(sample);
+                match recorder.take(sample) {
+                    Ok(_) => {}
+                    Err(error) => failed = Some(error),
+                }
+            }
+            progress.inc((samples.len() as f64 / SAMPLES_PER_ROW) as u64);
+            failed.is_some() || stop.load(Ordering::Relaxed)
+        });
+        progress.finish();
+        let recorded = recorder.end(0);
+        if let Some(error) = failed {
+            return Err(error.into());
+        }
+        if let Err(error) = &played
+            && recorded.is_ok()
+        {
+            let path = play.output.display();
+            eprintln!("wrote {path}, up to where it ended: {error}");
+        }
+        Ok((played?, recorded?))
+    }
+}
+
+/// Ticks between samples for the rows a second that are asked for.
+fn every(play: &PlayArgs, identity: &Identity) -> f64 {
+    (f64::from(identity.rate_hz) / play.rate / SAMPLES_PER_ROW)
+        .round()
+        .max(1.0)
+}
+
+/// Reference less position, by the encoder.
+#[derive(Default)]
+struct Following {
+    squares: f64,
+    samples: u32,
+    largest: f64,
+}
+
+impl Following {
+    fn add(&mut self, sample: &Sample) {
+        let error = sample.reference as f64 / 65_536.0 - f64::from(sample.position);
+        self.squares += error * error;
+        self.samples += 1;
+        self.largest = self.largest.max(error.abs());
+    }
+
+    /// RMS and largest (10⁻⁹ m or rad) for this count.
+    fn of(&self, count: f64) -> (f64, f64) {
+        let rms = (self.squares / f64::from(self.samples.max(1))).sqrt();
+        (rms * count * 1e9, self.largest * count * 1e9)
+    }
+}
