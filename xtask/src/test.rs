@@ -81,7 +81,7 @@ const STEPS: &[Step] = &[
     },
     Step {
         name: "clippy",
-        reason: "the compiler's and clippy's warnings are errors",
+        reason: "the compiler's and clippy's warnings are errors, in tests, examples and benches, too",
         needs: &[Need::Clippy],
         paths: WORKSPACE,
         run: || {
@@ -108,13 +108,6 @@ const STEPS: &[Step] = &[
         needs: &[],
         paths: WORKSPACE,
         run: host_tests,
-    },
-    Step {
-        name: "benches",
-        reason: "the host benches still compile (they are run by hand)",
-        needs: &[],
-        paths: WORKSPACE,
-        run: || run(&mut cargo(&["bench", "--workspace", "--no-run"])),
     },
     Step {
         name: "thumb",

@@ -9,7 +9,6 @@ use super::naming::Standing;
 use super::place::Place;
 use super::search::Found;
 use super::term::Subject;
-use super::verdict::{Name, Named};
 
 /// Share of the mismatch, weighted or all rows alike, from which what has no name is material.
 const UNNAMED: f64 = 0.05;
@@ -46,12 +45,12 @@ pub fn likely(unnamed: &[Unknown]) -> Option<&Unknown> {
     unnamed.iter().find(|u| u.confidence >= LIKELIER)
 }
 
-/// All that are material, largest first.
-pub fn unnamed(found: &Found, standings: &[Standing], effects: &[Named]) -> Vec<Unknown> {
-    let is_doubtful = |effect: &dyn Effect| {
-        let own = |n: &&Named| matches!(n.name, Name::Entry(e) if e.id() == effect.id());
-        effects.iter().find(own).is_some_and(|n| !n.confident)
-    };
+/// All that are material, largest first; `is_doubtful` tells of an effect whether it is suspected only.
+pub fn unnamed(
+    found: &Found,
+    standings: &[Standing],
+    is_doubtful: impl Fn(&dyn Effect) -> bool,
+) -> Vec<Unknown> {
     let is_unnamed = |s: &&Standing| match s.term.subject {
         Subject::Effect(effect) => is_doubtful(effect),
         // It widens the core, and stays in it.

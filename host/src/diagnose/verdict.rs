@@ -194,7 +194,11 @@ pub fn conclude(
             .unwrap_or(std::cmp::Ordering::Equal)
     });
     hint(&found, &mut effects);
-    let unnamed = unnamed(&found, &standings, &effects);
+    let is_doubtful = |effect: &dyn Effect| {
+        let own = |n: &&Named| matches!(n.name, Name::Entry(e) if e.id() == effect.id());
+        effects.iter().any(|n| own(&n) && !n.confident)
+    };
+    let unnamed = unnamed(&found, &standings, is_doubtful);
     let after = if found.ground.core.corrects && !effects.iter().any(|e| e.confident) {
         baseline
     } else {
