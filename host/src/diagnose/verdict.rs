@@ -196,7 +196,7 @@ pub fn conclude(
     hint(&found, &mut effects);
     let is_doubtful = |effect: &dyn Effect| {
         let own = |n: &&Named| matches!(n.name, Name::Entry(e) if e.id() == effect.id());
-        effects.iter().any(|n| own(&n) && !n.confident)
+        effects.iter().find(own).is_some_and(|n| !n.confident)
     };
     let unnamed = unnamed(&found, &standings, is_doubtful);
     let after = if found.ground.core.corrects && !effects.iter().any(|e| e.confident) {
