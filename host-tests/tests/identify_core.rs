@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
 use preslide_host::identify::refine::refine;
-use preslide_host::identify::regression::{Column, Gram, Regression, solve_normal};
+use preslide_host::identify::regression::{Gram, Regression, Regressor, solve_normal};
 use preslide_host::identify::search::best_choices;
 use preslide_host::identify::weights::Weights;
 use preslide_host::recording::{LoadOptions, Recording, load_csv};
@@ -56,7 +56,7 @@ fn regression<'a>(
         position,
         pieces,
         force,
-        columns: vec![Column {
+        columns: vec![Regressor {
             name: "offset",
             values: vec![1.0; SAMPLES],
         }],

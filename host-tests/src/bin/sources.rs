@@ -115,15 +115,15 @@ fn ask(o: &Options, tool: &Tool) -> Result<Vec<Case>, String> {
             .step_by(o.every)
             .map(|i| i + 1_000_000 * o.seed)
             .collect();
-        cases.extend(machines::cases(tool, &seeds, &sorts, o.jobs));
+        cases.extend(machines::cases(tool, &seeds, sorts, o.jobs));
     }
     if wants("stage") && shared {
         if let Some(folder) = &o.stage_folder {
-            cases.extend(stage::cases(tool, folder, o.every, &sorts, o.jobs)?);
+            cases.extend(stage::cases(tool, folder, o.every, sorts, o.jobs)?);
         } else {
             for seed in &o.stage {
                 let folder = stage::folder(*seed, o.python.as_deref())?;
-                cases.extend(stage::cases(tool, &folder, o.every, &sorts, o.jobs)?);
+                cases.extend(stage::cases(tool, &folder, o.every, sorts, o.jobs)?);
             }
         }
     }

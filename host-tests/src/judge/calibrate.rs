@@ -28,7 +28,7 @@ pub struct Stated {
     pub source: String,
     /// The effect that was named.
     pub id: String,
-    /// What its confidence is computed from, in the order of [`Names::features`].
+    /// What its confidence is computed from, in the order of [`Judged::features`].
     pub features: Vec<f64>,
     /// What the program stated.
     pub confidence: f64,
