@@ -5,24 +5,11 @@ use super::faults::Readings;
 use super::leaving::Leaving;
 use super::reference::saturate;
 use super::{
-    Coefficients, Condition, Fault, Jog, Move, Pace, PidState, Reference, Refused, Rounding,
-    Saturation, Suspicion,
+    Coefficients, Condition, Fault, Jog, Measurement, Move, Pace, PidState, Reference, Refused,
+    Rounding, Saturation, Suspicion,
 };
 use crate::encoder::EdgeTiming;
 use crate::{Count, Friction, Motion, Scalar};
-
-/// What a board measures in a tick, raw.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Measurement<C> {
-    /// The quadrature counter.
-    pub count: C,
-    /// The supply voltage in the codes that [`super::Hardware::supply_code`] scales.
-    pub supply: u16,
-    /// The winding's current in the codes that [`super::Hardware::current_code`] scales; 0 where it is not measured.
-    pub current: i16,
-    /// This tick started after the next one was due.
-    pub late: bool,
-}
 
 /// What a tick decided, raw, for the PWM and the telemetry.
 #[derive(Clone, Copy, Debug, PartialEq)]
