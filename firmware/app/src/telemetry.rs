@@ -11,8 +11,6 @@ const ROOM: usize = 64;
 
 type Words = [u32; 9];
 
-const EMPTY: [AtomicU32; 9] = [const { AtomicU32::new(0) }; 9];
-
 /// Written by the control task, read by the background. Both run on one core, so that the order of stores in the program is the order
 /// in which the other sees them; the compiler alone must keep it.
 pub(crate) struct Samples {
@@ -27,7 +25,7 @@ impl Samples {
         Self {
             written: AtomicU32::new(0),
             read: AtomicU32::new(0),
-            slots: [EMPTY; ROOM],
+            slots: [const { [const { AtomicU32::new(0) }; 9] }; ROOM],
         }
     }
 }
