@@ -91,8 +91,8 @@ pub struct Sample {
     pub position: i64,
     /// Travel in this tick (2⁻¹⁶ counts).
     pub displacement: i32,
-    /// Its change (2⁻¹⁶ counts per tick²), times [`Pace::smoothing`].
-    pub change: i32,
+    /// Its change (2⁻³² counts per tick²), times [`Pace::smoothing`].
+    pub change: i64,
 }
 
 /// A speed to keep ([`super::Planner::jog`]).
@@ -119,19 +119,17 @@ enum Mode {
 #[derive(Clone, Debug, PartialEq)]
 #[repr(C)]
 pub struct Reference {
-    /// So many ticks from here on are each faster by `gain` than the one before, and none stands; and how many they were at first.
-    even: u32,
-    run: u32,
-    /// Both [lifted](Smoothing::lift), as the smoothing takes them.
-    speed: i64,
-    gain: i64,
-    position: i64,
-    /// What is planned, before smoothing (2⁻³² counts), without the even ticks since ([`Reference::settle`]).
+    /// What is planned, before smoothing: 2⁻³² counts, and per tick.
     planned: i64,
+    speed: i64,
     mode: Mode,
     plan: Move,
     /// Ticks of the plan that are done, or follow from the tick before by `gain`.
     tick: u32,
+    /// So many ticks from here on are each faster by `gain` than the one before, and none stands.
+    even: u32,
+    gain: i64,
+    position: i64,
     /// The ends of travel are known.
     located: bool,
     smoothing: Smoothing,
@@ -142,15 +140,14 @@ impl Reference {
     pub fn at(count: i64, pace: &Pace) -> Self {
         let position = count.wrapping_shl(32);
         Self {
-            even: 0,
-            run: 0,
-            speed: 0,
-            gain: 0,
-            position,
             planned: position,
+            speed: 0,
             mode: Mode::Planned,
             plan: Move::NONE,
             tick: 0,
+            even: 0,
+            gain: 0,
+            position,
             located: false,
             smoothing: Smoothing::at_rest(pace.bits),
         }
@@ -158,10 +155,10 @@ impl Reference {
 
     /// Stands at `count`, in place.
     pub(super) fn stand(&mut self, count: i64, pace: &Pace) {
-        self.drop_plan();
         self.planned = count.wrapping_shl(32);
         self.speed = 0;
         self.mode = Mode::Planned;
+        self.drop_plan();
         self.position = self.planned;
         self.smoothing.rest(pace.bits);
     }
@@ -176,12 +173,6 @@ impl Reference {
     #[inline]
     pub fn is_standing(&self) -> bool {
         self.smoothing.left == 0 && self.is_idle()
-    }
-
-    /// Position (2⁻³² counts), which wraps after 2³² counts.
-    #[inline]
-    pub(super) fn position(&self) -> i64 {
-        self.position
     }
 
     /// Whether travel is limited from here on, `position` being counted from the axis's origin.
@@ -208,10 +199,9 @@ impl Reference {
         if fastest > pace.speed.unsigned_abs() + 1 {
             return Err(Refused::TooFast);
         }
-        self.settle();
         let stands = self.speed == 0 && self.is_idle();
         // A joined move keeps in `cruise` the speed that it begins with.
-        if next.joins && !(self.is_idle() && self.speed() == next.cruise) {
+        if next.joins && !(self.is_idle() && self.speed == next.cruise) {
             return Err(Refused::Broken);
         }
         if (stands || next.joins) && self.leaves(&next, pace) {
@@ -219,7 +209,7 @@ impl Reference {
         }
         self.plan = next;
         self.tick = 0;
-        self.uneven();
+        self.even = 0;
         if !(stands || next.joins) {
             self.mode = Mode::Brake;
         }
@@ -240,31 +230,9 @@ impl Reference {
     }
 
     fn drop_plan(&mut self) {
-        self.settle();
         self.plan = Move::NONE;
         self.tick = 0;
-        self.uneven();
-    }
-
-    fn uneven(&mut self) {
         self.even = 0;
-        self.run = 0;
-    }
-
-    /// The speed before smoothing (2⁻³² counts per tick).
-    fn speed(&self) -> i64 {
-        self.speed >> self.smoothing.lift()
-    }
-
-    /// Adds the even ticks since the last time to what is planned: `Σ (v − i·g)` over `i = 0 … n − 1`, `v` being the speed now. An even
-    /// tick need not keep it.
-    fn settle(&mut self) {
-        let ticks = i64::from(self.run - self.even);
-        self.run = self.even;
-        let gain = self.gain >> self.smoothing.lift();
-        let slower = gain.wrapping_mul(ticks * (ticks - 1) / 2);
-        let travel = self.speed().wrapping_mul(ticks).wrapping_sub(slower);
-        self.planned = self.planned.wrapping_add(travel);
     }
 
     /// The move would end beyond the ends of travel.
@@ -277,31 +245,14 @@ impl Reference {
     /// Advances by one tick.
     #[inline]
     pub fn step(&mut self, pace: &Pace) -> Sample {
-        if self.is_even() {
-            return self.step_evenly();
-        }
-        self.turn(pace);
-        self.go_on()
-    }
-
-    /// The next tick follows evenly from the last one.
-    #[inline]
-    pub(super) fn is_even(&self) -> bool {
-        self.even > 0
-    }
-
-    /// [`Reference::step`] where [`Reference::is_even`].
-    #[inline]
-    pub(super) fn step_evenly(&mut self) -> Sample {
-        self.even = self.even.wrapping_sub(1);
-        self.speed = self.speed.wrapping_add(self.gain);
-        self.go_on()
-    }
-
-    /// A tick at the speed.
-    #[inline]
-    fn go_on(&mut self) -> Sample {
         let before = (self.position >> 16) as i32;
+        if self.even > 0 {
+            self.even -= 1;
+            self.speed = self.speed.wrapping_add(self.gain);
+        } else {
+            self.turn(pace);
+        }
+        self.planned = self.planned.wrapping_add(self.speed);
         let (speed, change) = self.smoothing.step(self.speed);
         self.position = self.position.wrapping_add(speed);
         Sample {
@@ -315,13 +266,9 @@ impl Reference {
     /// A tick that does not follow evenly from the one before.
     #[inline(never)]
     fn turn(&mut self, pace: &Pace) {
-        self.settle();
         let most = self.smoothing.clear_ahead().unwrap_or(u32::MAX);
-        let speed = self.next_speed(pace, most - 1);
-        self.smoothing.note(speed);
-        self.run = self.even;
-        self.speed = speed << self.smoothing.lift();
-        self.planned = self.planned.wrapping_add(speed);
+        self.speed = self.next_speed(pace, most - 1);
+        self.smoothing.note(self.speed);
     }
 
     /// The speed of this tick; at most `even` ticks follow evenly from it.
@@ -329,11 +276,10 @@ impl Reference {
         let speed = match self.mode {
             Mode::Planned if self.tick < self.plan.end => {
                 self.tick += 1;
-                let speed = self.plan.speed(self.tick, self.speed());
+                let speed = self.plan.speed(self.tick, self.speed);
                 if !self.plan.joins {
-                    let (ticks, gain) = self.plan.evenly(self.tick, speed);
-                    self.gain = gain << self.smoothing.lift();
-                    self.even = ticks.min(even);
+                    (self.even, self.gain) = self.plan.evenly(self.tick, speed);
+                    self.even = self.even.min(even);
                     self.tick += self.even;
                     return speed;
                 }
@@ -342,8 +288,8 @@ impl Reference {
             // Nothing follows what should have been joined to.
             Mode::Planned if self.speed == 0 => return 0,
             Mode::Brake => return self.brake(pace),
-            Mode::Planned => approach(self.speed(), 0, pace.brake),
-            Mode::Jog(speed) => approach(self.speed(), speed, pace.brake),
+            Mode::Planned => approach(self.speed, 0, pace.brake),
+            Mode::Jog(speed) => approach(self.speed, speed, pace.brake),
         };
         if self.must_brake(speed, pace) {
             self.stop();
@@ -354,7 +300,7 @@ impl Reference {
 
     #[inline(never)]
     fn brake(&mut self, pace: &Pace) -> i64 {
-        let speed = approach(self.speed(), 0, pace.brake);
+        let speed = approach(self.speed, 0, pace.brake);
         if speed == 0 {
             self.mode = Mode::Planned;
             // A move that waited may not fit from where it now begins.

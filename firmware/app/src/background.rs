@@ -3,14 +3,14 @@
 use crate::control::refusal;
 use crate::parameters::{Entry, When};
 use crate::queues::{Order, Planned, Seek, Shared, Stall, Status};
-use crate::{Model, Parameters, ROOM, telemetry};
+use crate::{Model, Parameters, ROOM};
 use core::sync::atomic::Ordering;
 use embedded_storage::nor_flash::NorFlash;
 use heapless::spsc::{Consumer, Producer};
 use preslide::control::{Axis, Coefficients, Move, Planner, Refused};
 use preslide_link::{
     Answered, Deframer, FaultCode, GainSettings, Homing, Identity, LARGEST_FRAME, Mode, Numbered,
-    POINTS, PROTOCOL, Points, Refusal, Reply, Report, Request, ResetCause, State, encode,
+    POINTS, PROTOCOL, Points, Refusal, Reply, Report, Request, ResetCause, Sample, State, encode,
 };
 use preslide_store::Slots;
 
@@ -45,6 +45,7 @@ pub struct Background<M: Model> {
     pub(crate) status: Status,
     pub(crate) moves: Producer<'static, Planned>,
     pub(crate) orders: Producer<'static, Order<M::Friction>>,
+    pub(crate) samples: Consumer<'static, Sample>,
     pub(crate) statuses: Consumer<'static, Status>,
     pub(crate) shared: &'static Shared,
 }
@@ -75,7 +76,7 @@ impl<M: Model> Background<M> {
             }
         }
         if room >= 2 * LARGEST_FRAME
-            && let Some(sample) = telemetry::take(&self.shared.samples)
+            && let Some(sample) = self.samples.dequeue()
         {
             send(&Report::Sample(sample), out);
             return true;
@@ -111,7 +112,6 @@ impl<M: Model> Background<M> {
                 Some(Err(error)) => return Some(Report::Damaged(error.into())),
             };
             self.shared.heard.store(true, Ordering::Relaxed);
-            self.shared.call();
             if matches!(request, Request::Hello) {
                 self.answered = Answered::new();
             } else if let Some(reply) = self.answered.find(id) {
@@ -151,7 +151,6 @@ impl<M: Model> Background<M> {
             Request::State => Reply::State(self.state()),
             Request::Telemetry { every } => {
                 self.shared.every.store(every, Ordering::Relaxed);
-                self.shared.call();
                 self.done()
             }
             Request::Enable if self.status.fault.is_some() => return Err(Refusal::Faulted),
@@ -198,7 +197,6 @@ impl<M: Model> Background<M> {
 
     fn order(&mut self, order: Order<M::Friction>) -> Carried {
         self.orders.enqueue(order).map_err(|_| Refusal::Busy)?;
-        self.shared.call();
         self.orders_sent = self.orders_sent.wrapping_add(1);
         Ok(Outcome::Ordered)
     }
@@ -292,7 +290,6 @@ impl<M: Model> Background<M> {
     fn queue(&mut self, next: Move) -> Result<(), Refusal> {
         let planned = (self.epoch, next);
         self.moves.enqueue(planned).map_err(|_| Refusal::Busy)?;
-        self.shared.call();
         self.moves_sent = self.moves_sent.wrapping_add(1);
         Ok(())
     }

@@ -10,7 +10,6 @@ mod hazard3;
 mod instruction;
 mod m0plus;
 mod m7;
-pub mod nowhere;
 mod price;
 mod recorder;
 mod stages;
