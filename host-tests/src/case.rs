@@ -116,7 +116,7 @@ impl Truth {
 }
 
 /// What kind of question a case is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Sort {
     /// Nothing is concealed.
     Clean,
@@ -135,26 +135,6 @@ pub enum Sort {
 }
 
 impl Sort {
-    /// All of them.
-    const ALL: [Sort; 7] = [
-        Sort::Clean,
-        Sort::Single,
-        Sort::Hidden,
-        Sort::Pair,
-        Sort::Masked,
-        Sort::Stranger,
-        Sort::Machine,
-    ];
-
-    /// From its name.
-    ///
-    /// # Errors
-    /// The names that there are.
-    pub fn parse(name: &str) -> Result<Self, String> {
-        let sort = Self::ALL.into_iter().find(|sort| sort.name() == name);
-        sort.ok_or_else(|| format!("one of {}", Self::ALL.map(Self::name).join(", ")))
-    }
-
     /// In tables and files.
     pub fn name(self) -> &'static str {
         match self {

@@ -84,7 +84,7 @@ fn stages(o: &Options, tool: &Tool) -> (usize, usize) {
     let seeds: Vec<u64> = (0..o.stages)
         .map(|i| SEEDS + 500 + 1000 * o.seed + i)
         .collect();
-    let lines = parallel(&seeds, o.jobs, |_, &seed| {
+    let lines = parallel(&seeds, o.jobs, |&seed| {
         let (answer, seconds) = tool.diagnose(&repeatable(seed).given("stage"));
         let said = match &answer {
             Err(reason) => reason.clone(),
@@ -142,7 +142,7 @@ fn run(o: &Options) -> Result<(), String> {
         if before.is_err() {
             continue;
         }
-        let outcomes = parallel(&asked_of, o.jobs, |_, property| {
+        let outcomes = parallel(&asked_of, o.jobs, |property| {
             let outcome = match property.apply(&recording) {
                 None => Outcome::NotAsked,
                 Some(changed) => compare(*property, &before, &tool.diagnose(&changed).0),

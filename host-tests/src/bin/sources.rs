@@ -43,8 +43,8 @@ struct Options {
     /// Clean trials besides, over all families and laws
     #[arg(long, default_value_t = 0, value_name = "N")]
     clean: usize,
-    /// Kinds of question in trials, stage and machines: clean, single, hidden, pair, masked, stranger [default: all]
-    #[arg(long, value_delimiter = ',', value_parser = Sort::parse, value_name = "SORTS")]
+    /// Sorts of question in trials, stage and machines [default: all]
+    #[arg(long, value_delimiter = ',', value_name = "SORTS")]
     sorts: Vec<Sort>,
     /// Seeds of `../shared/generators/stage`, 76 trials each
     #[arg(

@@ -131,18 +131,10 @@ fn gate(judged: &[Judged]) -> Result<(), String> {
 
 /// The command to judge: the one asked for, or `preslide diagnose` from the folder of this program.
 fn command(o: &Options) -> Result<Vec<String>, String> {
-    if let Some(command) = &o.diagnose {
-        return Ok(command.split_whitespace().map(str::to_owned).collect());
+    match &o.diagnose {
+        Some(command) => Ok(command.split_whitespace().map(str::to_owned).collect()),
+        None => Ok(Tool::new(None)?.command),
     }
-    let own = std::env::current_exe().map_err(|e| e.to_string())?;
-    let tool = own.with_file_name(format!("preslide{}", std::env::consts::EXE_SUFFIX));
-    if !tool.exists() {
-        return Err(format!(
-            "{} is not built; run `cargo build --release -p preslide-cli`, or name a command with --diagnose",
-            tool.display()
-        ));
-    }
-    Ok(vec![tool.display().to_string(), "diagnose".to_owned()])
 }
 
 fn write(plan: &[(u64, Kind)], to: &Path) -> Result<(), String> {

@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
+
+use rayon::prelude::*;
 
 use super::naive::Recipe;
 use super::table::Recording;
@@ -169,29 +170,15 @@ impl Tool {
     }
 }
 
-/// Runs `work` on every item, on `jobs` threads; results in the order of the items.
+/// Runs `work` on every item, on `jobs` threads, 0 for as many as there are cores; results in the order of the items.
 pub fn parallel<T: Sync, R: Send>(
     items: &[T],
     jobs: usize,
-    work: impl Fn(usize, &T) -> R + Sync,
+    work: impl Fn(&T) -> R + Sync,
 ) -> Vec<R> {
-    let next = AtomicUsize::new(0);
-    let results = Mutex::new(Vec::new());
-    std::thread::scope(|scope| {
-        for _ in 0..jobs {
-            scope.spawn(|| {
-                loop {
-                    let i = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(item) = items.get(i) else { break };
-                    let result = work(i, item);
-                    if let Ok(mut results) = results.lock() {
-                        results.push((i, result));
-                    }
-                }
-            });
-        }
-    });
-    let mut results = results.into_inner().unwrap_or_default();
-    results.sort_by_key(|(i, _)| *i);
-    results.into_iter().map(|(_, result)| result).collect()
+    match rayon::ThreadPoolBuilder::new().num_threads(jobs).build() {
+        Ok(pool) => pool.install(|| items.par_iter().map(&work).collect()),
+        // Without threads, one after the other.
+        Err(_) => items.iter().map(work).collect(),
+    }
 }

@@ -62,10 +62,9 @@ pub fn features(standing: &Standing) -> BTreeMap<&'static str, f64> {
 
 /// What tells that something is there, whatever it is called, from chance; about zero at the edge.
 pub fn features_of_presence(standing: &Standing) -> BTreeMap<&'static str, f64> {
-    let Standing { evidence, gain, .. } = standing;
     BTreeMap::from([
-        ("size", (evidence.share.max(*gain).max(LEAST) / NAMED).ln()),
-        ("sure", evidence.z.min(SURE) - SURE_EDGE),
+        ("size", (standing.size().max(LEAST) / NAMED).ln()),
+        ("sure", standing.evidence.z.min(SURE) - SURE_EDGE),
     ])
 }
 

@@ -40,14 +40,13 @@ impl Curve {
             _ => &scene.core.friction,
         };
         let mut hats = hats(&values);
-        if self.axis == Axis::Acceleration && !self.odd {
-            // What is straight is inertia. The core has it, from a noisier acceleration: a curve that may be straight mends its mass.
-            hats.iter_mut().for_each(|hat| bend(hat, &values));
-        }
         if self.odd {
             for hat in &mut hats {
                 hat.iter_mut().zip(load).for_each(|(h, l)| *h *= l);
             }
+        } else if self.axis == Axis::Acceleration {
+            // What is straight is inertia. The core has it, from a noisier acceleration: a curve that may be straight mends its mass.
+            hats.iter_mut().for_each(|hat| bend(hat, &values));
         }
         hats.into_iter().map(Column::of).collect()
     }
@@ -55,11 +54,8 @@ impl Curve {
 
 /// Takes a constant and what is in proportion to a coordinate out of a column, by least squares.
 fn bend(column: &mut [f64], over: &[f64]) {
-    let centre = mean(over);
-    let (level, square): (f64, f64) = (
-        mean(column),
-        over.iter().map(|v| (v - centre).powi(2)).sum(),
-    );
+    let (centre, level) = (mean(over), mean(column));
+    let square: f64 = over.iter().map(|v| (v - centre).powi(2)).sum();
     let product: f64 = over
         .iter()
         .zip(&*column)

@@ -102,6 +102,11 @@ fn standing(found: &Found, given: usize, index: usize, periods: &[f64]) -> Optio
 }
 
 impl Standing {
+    /// Share of the mismatch that it takes: weighted, or all rows alike, which is what slow effects are seen in.
+    pub fn size(&self) -> f64 {
+        self.evidence.share.max(self.gain)
+    }
+
     /// Compares with one rival in the same place. What has no name is only told: a curve that contains the effect's own does as well.
     fn meet(&mut self, ground: &Ground, rest: &Hypothesis, own: &Offer, rival: &Offer) {
         let ratio = rival.evidence.share / own.evidence.share.max(1e-300);

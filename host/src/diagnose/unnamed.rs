@@ -4,10 +4,10 @@ use super::axis::Axis;
 use super::change::Change;
 use super::confidence::presence;
 use super::effect::Effect;
-use super::evidence::Evidence;
 use super::naming::Standing;
 use super::place::Place;
 use super::search::Found;
+use super::signals::mean;
 use super::term::Subject;
 
 /// Share of the mismatch, weighted or all rows alike, from which what has no name is material.
@@ -25,14 +25,10 @@ pub struct Unknown {
     pub odd: bool,
     /// A change of the core, where it is one.
     pub change: Option<Change>,
-    /// The effect that explains it best, where it is one, and too doubtful to be named.
-    pub like: Option<&'static dyn Effect>,
     /// Probability that something is there.
     pub confidence: f64,
-    /// What the probability is computed from.
+    /// The term that explains it, which may be an effect that is too doubtful to be named.
     pub standing: Standing,
-    /// What it explains, everything else given.
-    pub evidence: Evidence,
     /// Where it is.
     pub place: Option<Place>,
     /// Root mean square of its force (N or N·m).
@@ -58,42 +54,39 @@ pub fn unnamed(
         Subject::Change(change) => change != Change::LateYields,
         Subject::Curve(_) => true,
     };
-    let size = |s: &Standing| s.evidence.share.max(s.gain);
     let mut material: Vec<&Standing> = standings
         .iter()
         .filter(is_unnamed)
-        .filter(|s| size(s) >= UNNAMED)
+        .filter(|s| s.size() >= UNNAMED)
         .collect();
-    material.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    material.sort_by(|a, b| b.size().total_cmp(&a.size()));
     material.into_iter().map(|s| unknown(found, s)).collect()
 }
 
 fn unknown(found: &Found, standing: &Standing) -> Unknown {
     let rows = &found.ground.rows;
     let force = found.hypothesis.force_of(standing.index);
-    let mean = force.iter().sum::<f64>() / force.len().max(1) as f64;
+    let level = mean(&force);
     let (axis, odd, change) = match standing.term.subject {
         Subject::Curve(curve) => (curve.axis, curve.odd, None),
         Subject::Change(change) => (change.axis(), true, Some(change)),
         Subject::Effect(effect) => {
             let direction = rows.weak.at_centres(&rows.s.direction);
-            let along: f64 = force.iter().zip(&direction).map(|(f, d)| f * d).sum();
+            let along: Vec<f64> = force.iter().zip(&direction).map(|(f, d)| f * d).collect();
             let axis = standing.form.map_or(effect.axis(), |f| f.0);
-            (axis, along.abs() > force.iter().sum::<f64>().abs(), None)
+            (axis, mean(&along).abs() > level.abs(), None)
         }
     };
     let varying: Vec<f64> = force
         .iter()
-        .map(|f| f - if odd { 0.0 } else { mean })
+        .map(|f| f - if odd { 0.0 } else { level })
         .collect();
     Unknown {
         axis,
         odd,
         change,
-        like: standing.term.effect(),
         confidence: presence(standing),
         standing: standing.clone(),
-        evidence: standing.evidence,
         place: Place::of(rows, axis, &varying),
         rms: (varying.iter().map(|f| f * f).sum::<f64>() / varying.len().max(1) as f64).sqrt(),
         force: varying,

@@ -285,7 +285,7 @@ fn is_material(effect: &dyn Effect, standing: &Standing) -> bool {
     } else {
         NAMED
     };
-    evidence.share.max(standing.gain) >= least
+    standing.size() >= least
 }
 
 /// The given terms, what widens the core, and the confident effects.

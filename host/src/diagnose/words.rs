@@ -107,7 +107,7 @@ impl Unknown {
             format!(", largest {}", place_words(&p, recording))
         });
         let axis = self.axis.name(s);
-        let what = match (self.change, self.like) {
+        let what = match (self.change, self.standing.term.effect()) {
             (Some(change), _) => change.name().to_owned(),
             (_, Some(effect)) => format!(
                 "something that follows {axis} and is most like {}, which is too doubtful to be named",
@@ -123,7 +123,7 @@ impl Unknown {
                 "the same in both directions"
             },
             quantity(self.rms, recording.effort_unit()),
-            percent(self.evidence.share.max(self.standing.gain)),
+            percent(self.standing.size()),
             self.confidence,
         )
     }

@@ -170,17 +170,17 @@ fn unwrap(
     let moving = steps.iter().copied().filter(|s| *s > 0.0);
     let quantum = moving.fold(f64::INFINITY, f64::min);
     let long = JUMP_USUAL * usual.max(quantum);
-    let is_jump = |i: &usize| {
-        let far = steps[i - 1] > 0.1 * (high - low) || is_alone(&steps, i - 1);
-        steps[i - 1] > long && far && starts.binary_search(i).is_err()
+    let is_jump = |at: usize| {
+        let size = steps.get(at).copied().unwrap_or(0.0);
+        size > long && (size > 0.1 * (high - low) || is_alone(&steps, at))
     };
-    let mut jumps: Vec<usize> = (1..x.len()).filter(is_jump).collect();
-    // The other part of one that a mean has made two of, however small.
-    let beside = jumps.iter().flat_map(|i| [i - 1, i + 1]);
-    let parts = beside.filter(|&i| (1..x.len()).contains(&i) && !jumps.contains(&i));
-    let parts: Vec<usize> = parts.filter(|&i| is_alone(&steps, i - 1)).collect();
-    jumps.extend(parts);
-    jumps.sort_unstable();
+    // A mean over a jump has made two of it, one of them however small.
+    let is_part =
+        |at: usize| (is_jump(at + 1) || at > 0 && is_jump(at - 1)) && is_alone(&steps, at);
+    let jumps: Vec<usize> = (1..x.len())
+        .filter(|i| starts.binary_search(i).is_err())
+        .filter(|i| is_jump(i - 1) || is_part(i - 1))
+        .collect();
     let Some(&first) = jumps.first() else {
         return Vec::new();
     };

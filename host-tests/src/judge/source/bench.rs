@@ -10,7 +10,7 @@ use crate::judge::tool::{Tool, parallel};
 /// Where a file cannot be read.
 pub fn cases(tool: &Tool, wanted: impl Fn(&str) -> bool, jobs: usize) -> Result<Vec<Case>, String> {
     let machines: Vec<_> = MACHINES.iter().filter(|m| wanted(m.name)).collect();
-    let answered = parallel(&machines, jobs, |_, machine| {
+    let answered = parallel(&machines, jobs, |machine| {
         let (answer, seconds) = tool.diagnose(&machine.recording()?);
         // Of the names that are right for one thing, the first is the one asked; the others are no error.
         let known = machine.known.iter().filter_map(|names| names.split_first());

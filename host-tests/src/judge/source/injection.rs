@@ -99,7 +99,7 @@ pub fn cases(
             .into_iter()
             .flat_map(|effect| strengths.iter().map(move |strength| (effect, *strength)))
             .collect();
-        let answered = parallel(&asked, jobs, |_, &(effect, strength)| {
+        let answered = parallel(&asked, jobs, |&(effect, strength)| {
             let made = inject(&recording, effect, strength)?;
             let sure = plain.effects.iter().filter(|e| e.confident);
             if sure

@@ -15,7 +15,8 @@ pub fn cases(
     jobs: usize,
 ) -> Vec<Case> {
     let done = std::sync::atomic::AtomicUsize::new(0);
-    let answered = parallel(seeds, jobs, |_, &seed| {
+    let answered = parallel(seeds, jobs, |&seed| {
+        let n = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
         let made = make(seed);
         if !wanted(made.sort) {
             return None;
@@ -35,7 +36,6 @@ pub fn cases(
             seconds,
         };
         // No line tells which was what: nobody may tune to them.
-        let n = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
         eprintln!("machines: {n} of {} ({seconds:.1} s)", seeds.len());
         Some(case)
     });

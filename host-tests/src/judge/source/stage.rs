@@ -156,7 +156,7 @@ pub fn cases(
     trials.retain(|path| path.join("label.json").exists() && path.join("base.toml").exists());
     trials.sort();
     let trials: Vec<PathBuf> = trials.into_iter().step_by(every).collect();
-    let answered = parallel(&trials, jobs, |_, path| {
+    let answered = parallel(&trials, jobs, |path| {
         let (recording, sort, strength, truth) = question(path)?;
         if !wanted(sort) {
             return Ok(None);

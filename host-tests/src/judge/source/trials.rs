@@ -72,7 +72,7 @@ impl From<&Judged> for Case {
 
 /// Asks the tool of every trial of a plan.
 pub fn cases(tool: &Tool, plan: &[(u64, Kind)], jobs: usize) -> Vec<Case> {
-    parallel(plan, jobs, |_, &(seed, kind)| {
+    parallel(plan, jobs, |&(seed, kind)| {
         let made: Trial = trial(seed, kind);
         let (answer, seconds) = tool.diagnose(&made.given("trial"));
         let case = case(&made.label, answer, seconds);

@@ -55,10 +55,11 @@ impl Effect for ActuatorSaturation {
     }
 
     fn grid(&self, scene: &Scene) -> Vec<Vec<f64>> {
-        if !accelerates(scene) {
+        let rare = exceeded(scene, RARE);
+        if !accelerates(scene, rare) {
             return Vec::new();
         }
-        one(exceeded(scene, RARE), 0.95 * exceeded(scene, 0.9999), 16)
+        one(rare, 0.95 * exceeded(scene, 0.9999), 16)
     }
 
     fn within(&self, scene: &Scene, _: usize, value: f64) -> f64 {
@@ -91,12 +92,12 @@ impl Effect for ActuatorSaturation {
     }
 }
 
-/// Whether inertia takes its share of the motion where the effort is rarely exceeded.
-fn accelerates(scene: &Scene) -> bool {
-    let (core, top) = (scene.core, exceeded(scene, RARE));
+/// Whether inertia takes its share of the motion where the effort is larger than this.
+fn accelerates(scene: &Scene, least: f64) -> bool {
+    let core = scene.core;
     let (mut inertia, mut whole) = (0.0, 0.0);
     for (i, effort) in scene.effort.iter().enumerate() {
-        if effort.abs() > top {
+        if effort.abs() > least {
             let own = core.mass * scene.s.a[i] * effort.signum();
             inertia += own;
             whole += own + core.friction[i] * effort.signum();
