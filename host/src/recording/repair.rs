@@ -285,8 +285,10 @@ fn held(
     let mut lengths: Vec<f64> = runs.iter().map(|r| r.len() as f64).collect();
     let habit = quantile(&mut lengths, 0.99).unwrap_or(0.0) as usize;
     let fewest = DROPOUT.max(DROPOUT_USUAL * habit);
+    // What stands still until its piece ends may rest: where the next piece begins tells nothing.
+    let ends = |at: usize| pieces.iter().any(|p| p.end == at);
     let jumps = |r: &Range<usize>| {
-        r.end < values.len() && (values[r.end] - values[r.end - 1]).abs() > JUMP_USUAL / 4.0 * usual
+        !ends(r.end) && (values[r.end] - values[r.end - 1]).abs() > JUMP_USUAL / 4.0 * usual
     };
     runs.retain(|r| r.len() >= fewest && jumps(r) && wanted(r));
     runs

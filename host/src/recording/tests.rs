@@ -609,6 +609,24 @@ fn wraps_spikes_and_dropouts_are_found_said_and_put_right() {
 }
 
 #[test]
+fn an_axis_that_rests_before_a_gap_has_no_dropout() {
+    // It stands still from sample 2800 on; after a second without samples it begins elsewhere.
+    let row = |i: i32| {
+        let t = f64::from(i) * 0.002 + if i < 3000 { 0.0 } else { 1.0 };
+        let phase = f64::from(if i < 3000 { i.min(2800) } else { i - 3000 }) * 0.0025;
+        (
+            t,
+            0.015 * phase.sin(),
+            phase.cos() + 0.1 * (f64::from(i) * 0.7).sin(),
+        )
+    };
+    let rested = text(&table((0..10_000).map(row)), &[]).expect("rested");
+    assert!(warns(&rested, "gap"), "{:?}", rested.warnings);
+    assert!(!warns(&rested, "dropout"), "{:?}", rested.warnings);
+    assert_eq!((rested.len(), rested.pieces.len()), (10_000, 2));
+}
+
+#[test]
 fn an_angle_that_wraps_at_a_turn_is_unwrapped() {
     let mut csv = "t_s,q_rad,torque_Nm\n".to_owned();
     for i in 0..6000 {
