@@ -61,7 +61,7 @@ impl Property {
             Property::Cut3s => "first 3 s cut off",
             Property::CutAtRandom => "cut at random",
             Property::Units => "mm and mN by --map",
-            Property::SignFlipped => "effort negated, --sign -1",
+            Property::SignFlipped => "effort negated, --sign",
             Property::Mirrored => "direction mirrored",
             Property::Later => "1000 s later",
             Property::EverySecondRow => "every second row",
@@ -99,9 +99,12 @@ impl Property {
             }
             Property::SignFlipped => {
                 each(&mut changed, &mut |t| t.change(t.effort(), |f| -f));
+                // Some files hold the opposite of what moves the axis, which the tool finds by itself where no sign is given.
+                let work: f64 = recording.parts.iter().map(work).sum();
+                let sign = if work < 0.0 { "1" } else { "-1" };
                 changed
                     .arguments
-                    .extend(["--sign".to_owned(), "-1".to_owned()]);
+                    .extend(["--sign".to_owned(), sign.to_owned()]);
             }
             Property::Mirrored => each(&mut changed, &mut |t| {
                 t.change(t.effort(), |f| -f);
@@ -142,6 +145,18 @@ fn seconds(table: &Table) -> f64 {
     time.last()
         .zip(time.first())
         .map_or(0.0, |(to, from)| to - from)
+}
+
+/// What the effort gives to the axis (J), by trapezia.
+fn work(table: &Table) -> f64 {
+    let (x, f) = (
+        &table.columns[table.position()],
+        &table.columns[table.effort()],
+    );
+    let pairs = x.windows(2).zip(f.windows(2));
+    pairs
+        .map(|(x, f)| 0.5 * (f[0] + f[1]) * (x[1] - x[0]))
+        .sum()
 }
 
 fn joined(table: &Table) -> Table {
