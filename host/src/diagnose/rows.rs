@@ -1,6 +1,6 @@
 //! The rows that are fitted: which instants of a recording can tell, in blocks that every decision is a paired statistic of.
 
-use super::signals::{Signals, quantile};
+use super::signals::{Signals, bounds, quantile};
 use super::weak::{Column, Weak};
 use crate::recording::Recording;
 use std::ops::Range;
@@ -107,6 +107,9 @@ impl Rows {
     }
 }
 
+/// Share of the range by which a copy may differ: what resampling to even times later by the clock makes of it.
+const ROUNDED: f64 = 1e-6;
+
 /// Where the axis rests: any force below breakaway is admissible there, whatever the model.
 fn resting(s: &Signals) -> Vec<bool> {
     let half = ((STILL_S / s.dt).round() as usize).max(2);
@@ -145,14 +148,22 @@ fn unsettled(s: &Signals) -> Vec<bool> {
     unsettled
 }
 
-/// Pieces that are given twice: a copy proves nothing, and would be fitted and held out at once.
+/// Pieces that are given twice: a copy proves nothing, and would be fitted and held out at once. No motion repeats itself so closely that
+/// every sample of position and effort is the same.
 fn repeated(s: &Signals, effort: &[f64]) -> Vec<bool> {
     let mut again = vec![false; s.x.len()];
+    let same_of = |values: &[f64], a: &Range<usize>, b: &Range<usize>| {
+        let (low, high) = bounds(values);
+        let pairs = values[a.clone()].iter().zip(&values[b.clone()]);
+        pairs
+            .into_iter()
+            .all(|(a, b)| (a - b).abs() <= ROUNDED * (high - low))
+    };
     for (i, piece) in s.pieces.iter().enumerate() {
         let same = |other: &Range<usize>| {
             other.len() == piece.len()
-                && s.x[other.clone()] == s.x[piece.clone()]
-                && effort[other.clone()] == effort[piece.clone()]
+                && same_of(&s.x, other, piece)
+                && same_of(effort, other, piece)
         };
         if s.pieces[..i].iter().any(same) {
             again[piece.clone()].fill(true);
