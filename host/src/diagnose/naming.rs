@@ -10,7 +10,6 @@ use super::effect::Effect;
 use super::evidence::{Evidence, evidence};
 use super::ground::{Ground, Hypothesis};
 use super::offer::{Offer, offer_of, offers, refined};
-use super::rows::Rows;
 use super::search::{Found, MATERIAL, beside};
 use super::term::{Subject, Term};
 
@@ -44,7 +43,9 @@ pub struct Standing {
     pub survival: f64,
     /// The coordinate over which its size changes though the catalogue's does not, and what that change explains over its own.
     pub form: Option<(Axis, f64)>,
-    /// Share of the mismatch, all rows alike, that it takes on stretches held out.
+    /// Held-out NMSE (%) without it.
+    pub left: f64,
+    /// Share of that which it takes off, all rows alike.
     pub gain: f64,
     /// Deviation of its force over the measured effort's.
     pub relative: f64,
@@ -74,6 +75,7 @@ fn standing(found: &Found, given: usize, index: usize, periods: &[f64]) -> Optio
     let (mut list, _) = offers(ground, &rest, periods);
     list.retain(|o| !o.term.is_like(&term) && o.evidence.share > NEAR * own.evidence.share * 0.8);
     list.truncate(RIVALS);
+    let left = rest.nmse(&ground.rows).test;
     let mut standing = Standing {
         index,
         evidence: own.evidence,
@@ -82,7 +84,8 @@ fn standing(found: &Found, given: usize, index: usize, periods: &[f64]) -> Optio
         survival: survival(ground, [&rest, &with], &term, &own),
         form: form(found, index, &own),
         tried: Vec::new(),
-        gain: gain(&ground.rows, &rest, &with),
+        left,
+        gain: 1.0 - with.nmse(&ground.rows).test / left.max(1e-300),
         relative: own.relative,
         place: index - given + 1,
         harmless: term
@@ -137,11 +140,6 @@ impl Standing {
 /// The terms of a hypothesis and one more.
 fn joined(rest: &Hypothesis, term: &Term) -> Vec<Term> {
     [rest.terms.as_slice(), std::slice::from_ref(term)].concat()
-}
-
-/// The share of the held-out mismatch, all rows alike, that is gone in `with`.
-fn gain(rows: &Rows, rest: &Hypothesis, with: &Hypothesis) -> f64 {
-    1.0 - with.nmse(rows).test / rest.nmse(rows).test.max(1e-300)
 }
 
 /// Standard deviations, over blocks, by which `own` leaves less than `rival`.

@@ -5,7 +5,7 @@ use super::offer::Offer;
 use super::place::Place;
 use super::unnamed::Unknown;
 use super::verdict::{Diagnosis, Named};
-use super::words::ids;
+use super::words::{ids, probability};
 use crate::model::key_of;
 use crate::recording::Recording;
 use crate::report::Table;
@@ -114,7 +114,7 @@ impl Diagnosis {
             vec![
                 e.id().to_owned(),
                 e.level().to_owned(),
-                format!("{:.2}", e.confidence),
+                probability(e.confidence),
                 format!("{:.1}", 100.0 * e.evidence.share),
                 format!("{:.1}", e.evidence.z),
                 nmse(e.nmse_test[0]),

@@ -12,6 +12,9 @@ use super::term::Subject;
 
 /// Share of the mismatch, weighted or all rows alike, from which what has no name is material.
 const UNNAMED: f64 = 0.05;
+/// Least part of the effort's variance (%) that it takes off: 1 % of the effort is near what makes a controller better, and a fifth of what
+/// machines' friction changes by itself. A name below it can be put into a model; what has none cannot.
+const NOTICEABLE: f64 = 0.01;
 /// Least probability that it is there at all. More than even: fitted without the other source, the probability is too high, since what a
 /// hysteresis that parallel blocks cannot follow leaves looks like it. Set after the second generator's clean machines were seen as a count.
 const LIKELY: f64 = 0.8;
@@ -57,7 +60,7 @@ pub fn unnamed(
     let mut material: Vec<&Standing> = standings
         .iter()
         .filter(is_unnamed)
-        .filter(|s| s.size() >= UNNAMED)
+        .filter(|s| s.size() >= UNNAMED && s.size() * s.left >= NOTICEABLE)
         .collect();
     material.sort_by(|a, b| b.size().total_cmp(&a.size()));
     material.into_iter().map(|s| unknown(found, s)).collect()

@@ -41,6 +41,11 @@ fn three(value: f64) -> String {
     format!("{value:.decimals$}").replace('-', "−")
 }
 
+/// Two figures, and never certainty: the weights behind it are known no better.
+pub fn probability(p: f64) -> String {
+    format!("{:.2}", p.clamp(0.01, 0.99))
+}
+
 fn percent(share: f64) -> String {
     format!("{:.0} %", 100.0 * share.clamp(0.0, 1.0))
 }
@@ -100,6 +105,22 @@ impl Named {
 }
 
 impl Unknown {
+    /// What it asks for: the experiment of what it is most like, or eyes.
+    fn advice(&self, found: &Diagnosis) -> String {
+        let axis = self.axis.name(&found.ground.rows.s);
+        match self.standing.term.effect() {
+            Some(effect) => format!(
+                "something that follows {axis} acts and may be {} ({}). To be sure: {}.",
+                effect.id(),
+                effect.words(),
+                effect.experiment()
+            ),
+            None => format!(
+                "something that follows {axis} acts that no catalogue entry describes; look at the maps of the mismatch on the page (`--report FILE.html`)."
+            ),
+        }
+    }
+
     /// What is left, in a clause.
     pub fn words(&self, found: &Diagnosis, recording: &Recording) -> String {
         let s = &found.ground.rows.s;
@@ -116,7 +137,7 @@ impl Unknown {
             _ => format!("something that follows {axis}"),
         };
         format!(
-            "{what}, {}{place}: {} RMS, {} of what is left, there with a probability of {:.2}",
+            "{what}, {}{place}: {} RMS, {} of what is left, there with a probability of {}",
             if self.odd {
                 "flipping with the direction"
             } else {
@@ -124,7 +145,7 @@ impl Unknown {
             },
             quantity(self.rms, recording.effort_unit()),
             percent(self.standing.size()),
-            self.confidence,
+            probability(self.confidence),
         )
     }
 }
@@ -218,39 +239,58 @@ impl Diagnosis {
 
     /// One thing to do.
     pub fn recommendation(&self) -> String {
-        let Some(first) = self.effects.first() else {
-            return match (self.unknown(), self.verdict) {
-                (_, Verdict::InsufficientData) => "Recommendation: record strokes over the whole travel at several speeds, in both directions, with the effort of the motor (`preslide diagnose … --experiment motion.csv` writes such a motion).".to_owned(),
-                (Some(_), _) => "Recommendation: look at the residual maps of the report; something acts that no catalogue entry describes.".to_owned(),
-                _ if self.ground.core.corrects => "Recommendation: keep the simulation; what is left is noise and friction's own variability.".to_owned(),
-                _ => "Recommendation: keep the model; what is left is noise and friction's own variability.".to_owned(),
-            };
+        let advice = match (self.verdict, self.unknown(), self.effects.first()) {
+            (Verdict::MissingPhysics, _, Some(first)) => self.advice(first),
+            (Verdict::InsufficientData, ..) => "record strokes over the whole travel at several speeds, in both directions, with the effort of the motor (`preslide diagnose … --experiment motion.csv` writes such a motion).".to_owned(),
+            (Verdict::UnknownPhysics, Some(unknown), _) => unknown.advice(self),
+            _ => self.keep(),
         };
-        let (name, words) = (first.name.name(), first.name.words());
-        if first.confident && matches!(first.name, Name::Correction(_)) {
-            return format!("Recommendation: correct the {name} of the simulation ({words}).");
-        }
-        let model = if self.ground.core.corrects {
-            "simulation"
-        } else {
-            "model"
-        };
-        match (first.confident, first.ambiguous.first()) {
-            (true, None) => format!(
-                "Recommendation: add {} to the {model}: {words}.",
-                first.id()
-            ),
-            (true, Some(rival)) => format!(
-                "Recommendation: {} or {}, this recording cannot tell. To tell them apart: {}.",
-                first.id(),
+        format!("Recommendation: {advice}")
+    }
+
+    /// What a confident effect asks for.
+    fn advice(&self, first: &Named) -> String {
+        let (id, words) = (first.id(), first.name.words());
+        match (first.name, first.ambiguous.first()) {
+            (Name::Correction(_), _) => {
+                let name = first.name.name();
+                format!("correct the {name} of the simulation ({words}).")
+            }
+            (_, None) => format!("add {id} to the {}: {words}.", self.model_word()),
+            (_, Some(rival)) => format!(
+                "{id} or {}, this recording cannot tell. To tell them apart: {}.",
                 rival.id(),
                 first.name.experiment()
             ),
-            (false, _) => format!(
-                "Recommendation: {} is only suspected ({words}). To be sure: {}.",
-                first.id(),
-                first.name.experiment()
-            ),
+        }
+    }
+
+    /// Where nothing material is missing; the likeliest suspicion is worth an experiment at most.
+    fn keep(&self) -> String {
+        let keep = format!(
+            "keep the {}; what is left is noise and friction's own variability.",
+            self.model_word()
+        );
+        let likeliest = self
+            .effects
+            .iter()
+            .max_by(|a, b| a.confidence.total_cmp(&b.confidence));
+        likeliest.map_or(keep.clone(), |e| {
+            format!(
+                "{keep} {} is suspected, with a probability of {} ({}). To be sure: {}.",
+                e.id(),
+                probability(e.confidence),
+                e.name.words(),
+                e.name.experiment()
+            )
+        })
+    }
+
+    fn model_word(&self) -> &'static str {
+        if self.ground.core.corrects {
+            "simulation"
+        } else {
+            "model"
         }
     }
 }
