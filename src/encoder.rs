@@ -214,7 +214,7 @@ impl<S: Scalar> EncoderScale<S> {
     }
 
     /// The velocity of [`EncoderScale::step`], which is to be asked for in every tick.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn velocity(&self, state: &mut EdgeTiming<S>, counts: i32) -> S {
         state.now = state.now.wrapping_add(1);
         if counts != 0 {

@@ -175,7 +175,8 @@ pub(crate) fn to_scalar<S: Scalar>(name: &'static str, value: f64) -> Result<S, 
     if value != 0.0 && scalar == S::ZERO {
         return Err(refuse(name, value, Bound::Resolvable));
     }
-    Ok(scalar)
+    // −0 becomes 0, since limits are compared by their bits.
+    Ok(scalar + S::ZERO)
 }
 
 /// The same for a value that is positive, refusing also one that has already vanished in `f64`.

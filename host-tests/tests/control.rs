@@ -67,7 +67,7 @@ const HEALTHY: Measurement<u32> = Measurement {
 };
 
 /// Random counts, supplies, moves, swaps and restarts: whatever comes, the command stays within the limit, and it is
-/// zero whenever there is a fault.
+/// zero whenever there is a fault. A second controller, which takes no tick for an ordinary one, commands the same.
 fn never_exceeds<F: Friction + Clone>(
     friction: F,
     units: Units,
@@ -81,6 +81,7 @@ fn never_exceeds<F: Friction + Clone>(
     settings.watch.following_error = 0.5e-3;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut controller = controller(&settings, friction.clone(), units);
+    let mut thorough = controller.clone();
     let limit = (settings.duty_limit * f64::from(settings.hardware.steps)) as i32;
     let (mut at_limit, mut faults, mut count) = (0_u32, 0_u32, 0_u32);
     for _ in 0..ticks {
@@ -94,33 +95,41 @@ fn never_exceeds<F: Friction + Clone>(
             let distance = rng.random_range(-2e-3..2e-3);
             let speed = 10_f64.powf(rng.random_range(-6.0..-1.8));
             // Refused while disabled, and above 1 m/s².
-            let _ = controller.start(plan(&settings, distance, speed));
+            let next = plan(&settings, distance, speed);
+            assert_eq!(controller.start(next), thorough.start(next));
         }
         if chance % 5000 == 9 {
             settings.gains.proportional = 10_f64.powf(rng.random_range(3.0..6.0));
-            controller.swap(
-                Coefficients::try_new(&settings, friction.clone(), units).expect("valid settings"),
-            );
+            for controller in [&mut controller, &mut thorough] {
+                let friction = friction.clone();
+                controller.swap(
+                    Coefficients::try_new(&settings, friction, units).expect("valid settings"),
+                );
+            }
         }
         let supply = if chance % 100 == 3 {
             rng.next_u32() as u16
         } else {
             6000
         };
-        let command = controller.tick(Measurement {
+        let measured = Measurement {
             count,
             supply,
             current: rng.random_range(-2000..2000),
             late: chance % 50 == 1,
-        });
+        };
+        let command = controller.tick(measured);
+        assert_eq!(command, thorough.any_tick(measured));
         assert!(command.code.abs() <= limit, "{command:?}");
         at_limit += u32::from(command.code.abs() == limit);
         if command.fault.is_some() {
             assert_eq!(command.code, 0);
             faults += 1;
             if chance.is_multiple_of(16) {
-                controller.acknowledge();
-                let _ = controller.enable();
+                for controller in [&mut controller, &mut thorough] {
+                    controller.acknowledge();
+                    let _ = controller.enable();
+                }
             }
         }
     }

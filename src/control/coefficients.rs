@@ -21,6 +21,8 @@ pub struct Coefficients<F: Friction> {
     pub(crate) supply_nominal: i32,
     pub(crate) supply_part: F::Scalar,
     pub(crate) limiter: Limiter,
+    /// The largest |code| that is neither cut nor a push to watch.
+    pub(crate) gentle: i32,
     pub(crate) monitor: Monitor<F::Scalar>,
     pub(crate) fade: Fade<F::Scalar>,
     pub(crate) pace: Pace,
@@ -51,6 +53,8 @@ impl<F: Friction> Coefficients<F> {
         let hardware = &axis.hardware;
         let pace = Pace::try_new(&axis.limits, axis.grid())?;
         let smoothing = f64::from(pace.smoothing());
+        let limiter = Limiter::try_new(axis.duty_limit, hardware.steps.into())?;
+        let monitor = Monitor::<F::Scalar>::try_new(axis, units)?;
         let codes = axis.motor.supply / hardware.supply_code;
         let nominal = libm::ceil(codes);
         let sign = |reversed| if reversed { -1 } else { 1 };
@@ -70,8 +74,9 @@ impl<F: Friction> Coefficients<F> {
             motor: MotorDrive::try_new(&axis.motor, hardware, units)?,
             supply_nominal: nominal as i32,
             supply_part: to_scalar("supply voltage in codes", codes / nominal)?,
-            limiter: Limiter::try_new(axis.duty_limit, hardware.steps.into())?,
-            monitor: Monitor::try_new(axis, units)?,
+            gentle: limiter.largest().min(monitor.gentle()),
+            limiter,
+            monitor,
             fade: Fade::try_new(axis.fade_time, sample_time)?,
             pace,
             count_sign: sign(reversed),
@@ -81,6 +86,25 @@ impl<F: Friction> Coefficients<F> {
             // Saturating: more ticks than `u32` holds are as good as endless.
             silence: libm::ceil(axis.silence / sample_time) as u32,
         })
+    }
+
+    /// Neither cut nor a push to watch.
+    #[inline]
+    pub(super) fn is_gentle(&self, code: i32) -> bool {
+        // One comparison for both signs.
+        code.wrapping_add(self.gentle).cast_unsigned() <= 2 * self.gentle.cast_unsigned()
+    }
+
+    /// A length from 2⁻¹⁶ counts.
+    #[inline]
+    pub(super) fn length(&self, q16: i32) -> F::Scalar {
+        F::Scalar::from_q16(q16).mul_input(self.length_per_count)
+    }
+
+    /// The reference's acceleration, from the change of its speed (2⁻¹⁶ counts per tick², times the smoothing).
+    #[inline]
+    pub(super) fn acceleration(&self, q16: i32) -> F::Scalar {
+        F::Scalar::from_q16(q16).mul_input(self.acceleration_per_change)
     }
 
     /// The force to add to the feedback; the model advances by a tick.
@@ -110,10 +134,9 @@ impl<F: Friction> Coefficients<F> {
         self.compensator.step(state, motion, now.acceleration)
     }
 
-    /// Nominal over measured supply voltage, the latter held within what is healthy.
+    /// Nominal over measured supply voltage, the latter within what is healthy.
     #[inline]
     pub(super) fn boost(&self, supply: u16) -> F::Scalar {
-        let supply = self.monitor.usable(supply);
         self.supply_part.rate(self.supply_nominal, supply.into())
     }
 }

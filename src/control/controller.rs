@@ -5,24 +5,11 @@ use super::faults::Readings;
 use super::leaving::Leaving;
 use super::reference::saturate;
 use super::{
-    Coefficients, Condition, Fault, Jog, Move, Pace, PidState, Reference, Refused, Rounding,
-    Saturation, Suspicion,
+    Coefficients, Condition, Fault, Jog, Measurement, Move, Pace, PidState, Reference, Refused,
+    Rounding, Saturation, Suspicion,
 };
 use crate::encoder::EdgeTiming;
 use crate::{Count, Friction, Motion, Scalar};
-
-/// What a board measures in a tick, raw.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Measurement<C> {
-    /// The quadrature counter.
-    pub count: C,
-    /// The supply voltage in the codes that [`super::Hardware::supply_code`] scales.
-    pub supply: u16,
-    /// The winding's current in the codes that [`super::Hardware::current_code`] scales; 0 where it is not measured.
-    pub current: i16,
-    /// This tick started after the next one was due.
-    pub late: bool,
-}
 
 /// What a tick decided, raw, for the PWM and the telemetry.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,7 +42,7 @@ pub struct Controller<F: Friction, C> {
     last: C,
     position: i64,
     located: bool,
-    /// Position within the turn of an endless axis; the low bits of the position elsewhere.
+    /// Position within the turn, of an endless axis.
     place: i32,
     pid: PidState<F::Scalar>,
     rounding: Rounding<F::Scalar>,
@@ -67,6 +54,9 @@ pub struct Controller<F: Friction, C> {
     enabled: bool,
     /// There is one in `leaving`.
     fades: bool,
+    /// The axis is driven, nothing fades or is suspected, and the last code was neither cut nor a push worth watching: the next tick is
+    /// an ordinary one if what it measures is. For [`Controller::tick`] alone to set.
+    steady: bool,
     fault: Option<Fault>,
     suspicion: Suspicion,
     friction: F::State,
@@ -96,6 +86,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
             patience: 0,
             enabled: false,
             fades: false,
+            steady: false,
             fault: None,
             coefficients,
         }
@@ -130,6 +121,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
     /// PWM off from the next tick on. A moving axis coasts: [`Controller::stop`] first.
     pub fn disable(&mut self) {
         self.enabled = false;
+        self.steady = false;
     }
 
     /// Forgets the fault; the axis stays disabled.
@@ -230,11 +222,26 @@ impl<F: Friction, C: Count> Controller<F, C> {
         self.located = true;
         self.reference.locate(true);
         let turn = i64::from(self.coefficients.turn);
-        self.place = if turn > 0 {
-            self.position.rem_euclid(turn) as i32
+        if turn > 0 {
+            self.place = self.position.rem_euclid(turn) as i32;
+        }
+    }
+
+    /// Where the reference was at the end of the last tick (2⁻¹⁶ counts); the position itself where the axis is not driven.
+    #[inline]
+    pub fn reference(&self) -> i64 {
+        let error_q16 = if self.enabled {
+            self.error_q16(self.reference.position())
         } else {
-            self.position as i32
+            0
         };
+        (self.position << 16).wrapping_add(error_q16)
+    }
+
+    /// From the position to the reference's `position` (2⁻¹⁶ counts). Both wrap; their difference does not.
+    #[inline]
+    fn error_q16(&self, position: i64) -> i64 {
+        position.wrapping_sub(self.position << 32) >> 16
     }
 
     /// Positions are counted from the axis's own origin.
@@ -287,56 +294,92 @@ impl<F: Friction, C: Count> Controller<F, C> {
             self.leaving = Some(Leaving::start(old, friction, fade, added));
         }
         self.fades = self.enabled;
+        self.steady = false;
     }
 
     /// One tick. Call it once a sample time, with the counter read at its start.
     #[inline]
     pub fn tick(&mut self, measured: Measurement<C>) -> Command {
+        match self.ordinary_tick(measured) {
+            Some(command) => command,
+            None => self.any_tick(measured),
+        }
+    }
+
+    /// [`Controller::tick`] where it is an ordinary one; `None`, and nothing is done, where it is not.
+    ///
+    /// Nearly all ticks of a moving axis are ordinary: it is driven, no value is unusual, the reference goes on evenly, nothing fades. What
+    /// those need not ask is left out. A task that has more to do in other ticks asks for this first, and then for
+    /// [`Controller::any_tick`].
+    #[inline]
+    pub fn ordinary_tick(&mut self, measured: Measurement<C>) -> Option<Command> {
         let c = &self.coefficients;
-        let counts = measured.count.since(self.last).wrapping_mul(c.count_sign);
+        let ordinary = self.steady
+            && self.patience != 1
+            && self.reference.is_even()
+            && c.monitor
+                .finds_usual(&self.suspicion, self.counts(&measured), &measured);
+        ordinary.then(|| self.advance::<true>(measured))
+    }
+
+    /// [`Controller::tick`], ordinary or not, in one function that is not inlined.
+    #[cold]
+    #[inline(never)]
+    pub fn any_tick(&mut self, measured: Measurement<C>) -> Command {
+        self.advance::<false>(measured)
+    }
+
+    /// Counts that the axis travelled since the last tick.
+    #[inline]
+    fn counts(&self, measured: &Measurement<C>) -> i32 {
+        let counts = measured.count.since(self.last);
+        counts.wrapping_mul(self.coefficients.count_sign)
+    }
+
+    #[inline(always)]
+    fn advance<const ORDINARY: bool>(&mut self, measured: Measurement<C>) -> Command {
+        let c = &self.coefficients;
+        let counts = self.counts(&measured);
         self.last = measured.count;
         self.position = self.position.wrapping_add(counts.into());
-        self.place = within(self.place.wrapping_add(counts), c.turn);
-        let velocity = c.scale.velocity(&mut self.timing, counts);
-        if !self.enabled {
-            self.suspicion.calibrate(measured.current);
-            return self.off();
+        if c.turn != 0 {
+            self.place = within(self.place.wrapping_add(counts), c.turn);
         }
-        let code = self.code;
-        let read = || Readings {
-            counts,
-            code,
-            supply: measured.supply,
-            current: measured.current,
-            late: measured.late,
-        };
-        if let Some(fault) = c.monitor.measured(&mut self.suspicion, read) {
-            return self.trip(fault);
+        let velocity = c.scale.velocity(&mut self.timing, counts);
+        if !ORDINARY && let Some(command) = self.watch(&measured, counts) {
+            return command;
         }
         if self.patience > 0 {
             self.patience -= 1;
-            if self.patience == 0 {
+            if !ORDINARY && self.patience == 0 {
                 self.reference.stop();
             }
         }
-        let reference = self.reference.step(&c.pace);
-        // Both wrap; their difference does not.
-        let error_q16 = reference.position.wrapping_sub(self.position << 32) >> 16;
-        let error = F::Scalar::from_q16(saturate(error_q16)).mul_input(c.length_per_count);
+        let c = &self.coefficients;
+        let boost = c.boost(if ORDINARY {
+            measured.supply
+        } else {
+            c.monitor.usable(measured.supply)
+        });
+        let reference = if ORDINARY {
+            self.reference.step_evenly()
+        } else {
+            self.reference.step(&c.pace)
+        };
+        let error_q16 = self.error_q16(reference.position);
+        let error = c.length(saturate(error_q16));
         if let Some(fault) = c.monitor.followed(error) {
             return self.trip(fault);
         }
 
-        let displacement =
-            F::Scalar::from_q16(reference.displacement).mul_input(c.length_per_count);
+        let displacement = c.length(reference.displacement);
         let wanted = Motion {
             displacement,
             velocity: displacement.mul_input(c.velocity_per_length),
         };
-        let acceleration = F::Scalar::from_q16((reference.change >> 16) as i32)
-            .mul_input(c.acceleration_per_change);
+        let acceleration = c.acceleration(reference.change);
         let velocity_error = wanted.velocity.sub_input(velocity);
-        let (place, located) = (self.place, self.located);
+        let (place, located) = (self.place(), self.located);
         // Asked for twice, so that the ordinary tick has it in registers.
         let now = || Moment {
             error,
@@ -348,29 +391,43 @@ impl<F: Friction, C: Count> Controller<F, C> {
             places: [place.wrapping_add((error_q16 >> 16) as i32), place],
             located,
         };
-        let feedback = c.pid.step(&mut self.pid, error, velocity_error, self.cut);
+        let cut = if ORDINARY { Saturation::None } else { self.cut };
+        let feedback = c.pid.step(&mut self.pid, error, velocity_error, cut);
         let feed_forward = c.feed_forward(&mut self.friction, &now());
         let mut force = feedback.add_input(feed_forward);
-        if self.fades {
+        if !ORDINARY && self.fades {
             force = force.add_input(self.fade(&now(), feed_forward));
         }
         let c = &self.coefficients;
 
-        let boost = c.boost(measured.supply);
         let Some(code) = c
             .motor
             .code(&mut self.rounding, force, wanted.velocity, boost)
         else {
             return self.trip(Fault::NotANumber);
         };
-        let (code, cut) = c.limiter.apply(code);
+        let (code, cut) = if c.is_gentle(code) {
+            if !ORDINARY {
+                self.cut = Saturation::None;
+                self.steady = !self.fades && !self.suspicion.any();
+            }
+            (code, Saturation::None)
+        } else {
+            self.steady = false;
+            let (code, cut) = c.limiter.apply(code);
+            self.cut = cut;
+            (code, cut)
+        };
         self.code = code;
-        self.cut = cut;
         // What was cut, bumped by another model or held for longer than a tick does not tell the friction.
-        let leaving = if self.fades { &self.leaving } else { &None };
+        let leaving = if !ORDINARY && self.fades {
+            &self.leaving
+        } else {
+            &None
+        };
         let told = || {
             let fades = leaving.as_ref().is_some_and(Leaving::changes_model);
-            let tells = cut == Saturation::None && !fades && !measured.late;
+            let tells = cut == Saturation::None && !fades && (ORDINARY || !measured.late);
             tells.then_some(force)
         };
         c.compensator.spent(&mut self.friction, told, acceleration);
@@ -383,7 +440,43 @@ impl<F: Friction, C: Count> Controller<F, C> {
         }
     }
 
+    /// What a tick that is not ordinary looks at before it computes; the command of one that ends there.
+    #[inline(always)]
+    fn watch(&mut self, measured: &Measurement<C>, counts: i32) -> Option<Command> {
+        if !self.enabled {
+            self.suspicion.calibrate(measured.current);
+            return Some(self.off());
+        }
+        let readings = Readings {
+            counts,
+            code: self.code,
+            supply: measured.supply,
+            current: measured.current,
+            late: measured.late,
+        };
+        let monitor = &self.coefficients.monitor;
+        let usual = self.coefficients.is_gentle(self.code)
+            && monitor.finds_usual(&self.suspicion, counts, measured)
+            && !self.suspicion.any();
+        if usual {
+            return None;
+        }
+        let fault = monitor.suspect(&mut self.suspicion, &readings)?;
+        Some(self.trip(fault))
+    }
+
+    /// Position within the turn of an endless axis; the low bits of the position elsewhere.
+    #[inline]
+    fn place(&self) -> i32 {
+        if self.coefficients.turn != 0 {
+            self.place
+        } else {
+            self.position as i32
+        }
+    }
+
     /// What the old parameters add to the new ones' force.
+    #[cold]
     #[inline(never)]
     fn fade(&mut self, now: &Moment<F::Scalar>, feed_forward: F::Scalar) -> F::Scalar {
         let Some(leaving) = &mut self.leaving else {
@@ -401,10 +494,11 @@ impl<F: Friction, C: Count> Controller<F, C> {
     }
 
     /// Into the safe state.
+    #[cold]
     #[inline]
     fn trip(&mut self, fault: Fault) -> Command {
         self.fault = Some(fault);
-        self.enabled = false;
+        self.disable();
         self.off()
     }
 
@@ -434,12 +528,10 @@ impl<F: Friction, C: Count> Controller<F, C> {
     }
 }
 
-/// A place in the turn, which is passed in one tick at most once; `turn` is 0 for an axis with ends.
+/// A place in the turn, which is passed in one tick at most once.
 #[inline]
 fn within(place: i32, turn: i32) -> i32 {
-    if turn == 0 {
-        place
-    } else if place < 0 {
+    if place < 0 {
         place.wrapping_add(turn)
     } else if place >= turn {
         place.wrapping_sub(turn)

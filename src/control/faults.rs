@@ -1,6 +1,6 @@
 //! What the control task watches, and when it gives up.
 
-use super::Axis;
+use super::{Axis, Measurement};
 use crate::param::{ParamError, at_least, at_most, not_negative, positive, to_scalar};
 use crate::{Scalar, Units};
 
@@ -28,7 +28,7 @@ pub enum Fault {
     CurrentOffset,
 }
 
-/// What is read in a tick, for [`Monitor::measured`].
+/// What is read in a tick, for [`Monitor::suspect`].
 pub(super) struct Readings {
     /// Counts since the tick before.
     pub counts: i32,
@@ -87,6 +87,12 @@ impl Suspicion {
     pub(super) fn at_rest(&self) -> i16 {
         // A mean of such codes.
         (self.offset >> 8) as i16
+    }
+
+    /// Something is wrong, or was lately.
+    #[inline]
+    pub(super) fn any(&self) -> bool {
+        self.any
     }
 
     /// Nothing is wrong yet; what the current sense reads at rest stays.
@@ -148,32 +154,30 @@ impl<S: Scalar> Monitor<S> {
         })
     }
 
-    /// Checks what was measured, before anything is computed from it.
-    ///
-    /// The ordinary tick takes a few comparisons; only one in which something is unusual, or was, counts.
+    /// Nothing that was measured is unusual: a few comparisons, which is all that an ordinary tick takes.
     #[inline]
-    pub(super) fn measured(
+    pub(super) fn finds_usual<C>(
         &self,
-        suspicion: &mut Suspicion,
-        readings: impl Fn() -> Readings,
-    ) -> Option<Fault> {
-        // Asked for twice, so that the ordinary tick has them in registers.
-        let read = readings();
-        let current = i32::from(read.current) - (suspicion.offset >> 8);
-        let usual = read.counts.unsigned_abs() <= self.jump
-            && read.code.unsigned_abs() <= self.frozen_code.unsigned_abs()
-            && read.supply >= self.supply_min
-            && read.supply <= self.supply_max
+        suspicion: &Suspicion,
+        counts: i32,
+        measured: &Measurement<C>,
+    ) -> bool {
+        let current = i32::from(measured.current) - (suspicion.offset >> 8);
+        let supply = measured.supply.wrapping_sub(self.supply_min);
+        counts.unsigned_abs() <= self.jump
+            && supply <= self.supply_max - self.supply_min
             && current.unsigned_abs() <= self.calm
-            && !read.late;
-        if usual && !suspicion.any {
-            return None;
-        }
-        self.suspect(suspicion, &readings())
+            && !measured.late
     }
 
+    /// The largest |code| that does not push so hard that the axis must come on.
+    pub(super) fn gentle(&self) -> i32 {
+        self.frozen_code
+    }
+
+    /// Checks what was measured where it is not usual or the last command not gentle, or was so lately.
     #[inline(never)]
-    fn suspect(&self, suspicion: &mut Suspicion, read: &Readings) -> Option<Fault> {
+    pub(super) fn suspect(&self, suspicion: &mut Suspicion, read: &Readings) -> Option<Fault> {
         let last = |counter: &mut u32, wrong: bool, allowed: u32| {
             *counter = if wrong { counter.saturating_add(1) } else { 0 };
             *counter > allowed

@@ -91,8 +91,8 @@ pub struct Sample {
     pub position: i64,
     /// Travel in this tick (2⁻¹⁶ counts).
     pub displacement: i32,
-    /// Its change (2⁻³² counts per tick²), times [`Pace::smoothing`].
-    pub change: i64,
+    /// Its change (2⁻¹⁶ counts per tick²), times [`Pace::smoothing`].
+    pub change: i32,
 }
 
 /// A speed to keep ([`super::Planner::jog`]).
@@ -119,17 +119,19 @@ enum Mode {
 #[derive(Clone, Debug, PartialEq)]
 #[repr(C)]
 pub struct Reference {
-    /// What is planned, before smoothing: 2⁻³² counts, and per tick.
-    planned: i64,
+    /// So many ticks from here on are each faster by `gain` than the one before, and none stands; and how many they were at first.
+    even: u32,
+    run: u32,
+    /// Both [lifted](Smoothing::lift), as the smoothing takes them.
     speed: i64,
+    gain: i64,
+    position: i64,
+    /// What is planned, before smoothing (2⁻³² counts), without the even ticks since ([`Reference::settle`]).
+    planned: i64,
     mode: Mode,
     plan: Move,
     /// Ticks of the plan that are done, or follow from the tick before by `gain`.
     tick: u32,
-    /// So many ticks from here on are each faster by `gain` than the one before, and none stands.
-    even: u32,
-    gain: i64,
-    position: i64,
     /// The ends of travel are known.
     located: bool,
     smoothing: Smoothing,
@@ -140,14 +142,15 @@ impl Reference {
     pub fn at(count: i64, pace: &Pace) -> Self {
         let position = count.wrapping_shl(32);
         Self {
-            planned: position,
+            even: 0,
+            run: 0,
             speed: 0,
+            gain: 0,
+            position,
+            planned: position,
             mode: Mode::Planned,
             plan: Move::NONE,
             tick: 0,
-            even: 0,
-            gain: 0,
-            position,
             located: false,
             smoothing: Smoothing::at_rest(pace.bits),
         }
@@ -155,10 +158,10 @@ impl Reference {
 
     /// Stands at `count`, in place.
     pub(super) fn stand(&mut self, count: i64, pace: &Pace) {
+        self.drop_plan();
         self.planned = count.wrapping_shl(32);
         self.speed = 0;
         self.mode = Mode::Planned;
-        self.drop_plan();
         self.position = self.planned;
         self.smoothing.rest(pace.bits);
     }
@@ -173,6 +176,12 @@ impl Reference {
     #[inline]
     pub fn is_standing(&self) -> bool {
         self.smoothing.left == 0 && self.is_idle()
+    }
+
+    /// Position (2⁻³² counts), which wraps after 2³² counts.
+    #[inline]
+    pub(super) fn position(&self) -> i64 {
+        self.position
     }
 
     /// Whether travel is limited from here on, `position` being counted from the axis's origin.
@@ -199,9 +208,10 @@ impl Reference {
         if fastest > pace.speed.unsigned_abs() + 1 {
             return Err(Refused::TooFast);
         }
+        self.settle();
         let stands = self.speed == 0 && self.is_idle();
         // A joined move keeps in `cruise` the speed that it begins with.
-        if next.joins && !(self.is_idle() && self.speed == next.cruise) {
+        if next.joins && !(self.is_idle() && self.speed() == next.cruise) {
             return Err(Refused::Broken);
         }
         if (stands || next.joins) && self.leaves(&next, pace) {
@@ -209,7 +219,7 @@ impl Reference {
         }
         self.plan = next;
         self.tick = 0;
-        self.even = 0;
+        self.uneven();
         if !(stands || next.joins) {
             self.mode = Mode::Brake;
         }
@@ -230,9 +240,31 @@ impl Reference {
     }
 
     fn drop_plan(&mut self) {
+        self.settle();
         self.plan = Move::NONE;
         self.tick = 0;
+        self.uneven();
+    }
+
+    fn uneven(&mut self) {
         self.even = 0;
+        self.run = 0;
+    }
+
+    /// The speed before smoothing (2⁻³² counts per tick).
+    fn speed(&self) -> i64 {
+        self.speed >> self.smoothing.lift()
+    }
+
+    /// Adds the even ticks since the last time to what is planned: `Σ (v − i·g)` over `i = 0 … n − 1`, `v` being the speed now. An even
+    /// tick need not keep it.
+    fn settle(&mut self) {
+        let ticks = i64::from(self.run - self.even);
+        self.run = self.even;
+        let gain = self.gain >> self.smoothing.lift();
+        let slower = gain.wrapping_mul(ticks * (ticks - 1) / 2);
+        let travel = self.speed().wrapping_mul(ticks).wrapping_sub(slower);
+        self.planned = self.planned.wrapping_add(travel);
     }
 
     /// The move would end beyond the ends of travel.
@@ -245,14 +277,31 @@ impl Reference {
     /// Advances by one tick.
     #[inline]
     pub fn step(&mut self, pace: &Pace) -> Sample {
-        let before = (self.position >> 16) as i32;
-        if self.even > 0 {
-            self.even -= 1;
-            self.speed = self.speed.wrapping_add(self.gain);
-        } else {
-            self.turn(pace);
+        if self.is_even() {
+            return self.step_evenly();
         }
-        self.planned = self.planned.wrapping_add(self.speed);
+        self.turn(pace);
+        self.go_on()
+    }
+
+    /// The next tick follows evenly from the last one.
+    #[inline]
+    pub(super) fn is_even(&self) -> bool {
+        self.even > 0
+    }
+
+    /// [`Reference::step`] where [`Reference::is_even`].
+    #[inline]
+    pub(super) fn step_evenly(&mut self) -> Sample {
+        self.even = self.even.wrapping_sub(1);
+        self.speed = self.speed.wrapping_add(self.gain);
+        self.go_on()
+    }
+
+    /// A tick at the speed.
+    #[inline]
+    fn go_on(&mut self) -> Sample {
+        let before = (self.position >> 16) as i32;
         let (speed, change) = self.smoothing.step(self.speed);
         self.position = self.position.wrapping_add(speed);
         Sample {
@@ -266,9 +315,13 @@ impl Reference {
     /// A tick that does not follow evenly from the one before.
     #[inline(never)]
     fn turn(&mut self, pace: &Pace) {
+        self.settle();
         let most = self.smoothing.clear_ahead().unwrap_or(u32::MAX);
-        self.speed = self.next_speed(pace, most - 1);
-        self.smoothing.note(self.speed);
+        let speed = self.next_speed(pace, most - 1);
+        self.smoothing.note(speed);
+        self.run = self.even;
+        self.speed = speed << self.smoothing.lift();
+        self.planned = self.planned.wrapping_add(speed);
     }
 
     /// The speed of this tick; at most `even` ticks follow evenly from it.
@@ -276,10 +329,11 @@ impl Reference {
         let speed = match self.mode {
             Mode::Planned if self.tick < self.plan.end => {
                 self.tick += 1;
-                let speed = self.plan.speed(self.tick, self.speed);
+                let speed = self.plan.speed(self.tick, self.speed());
                 if !self.plan.joins {
-                    (self.even, self.gain) = self.plan.evenly(self.tick, speed);
-                    self.even = self.even.min(even);
+                    let (ticks, gain) = self.plan.evenly(self.tick, speed);
+                    self.gain = gain << self.smoothing.lift();
+                    self.even = ticks.min(even);
                     self.tick += self.even;
                     return speed;
                 }
@@ -288,8 +342,8 @@ impl Reference {
             // Nothing follows what should have been joined to.
             Mode::Planned if self.speed == 0 => return 0,
             Mode::Brake => return self.brake(pace),
-            Mode::Planned => approach(self.speed, 0, pace.brake),
-            Mode::Jog(speed) => approach(self.speed, speed, pace.brake),
+            Mode::Planned => approach(self.speed(), 0, pace.brake),
+            Mode::Jog(speed) => approach(self.speed(), speed, pace.brake),
         };
         if self.must_brake(speed, pace) {
             self.stop();
@@ -300,7 +354,7 @@ impl Reference {
 
     #[inline(never)]
     fn brake(&mut self, pace: &Pace) -> i64 {
-        let speed = approach(self.speed, 0, pace.brake);
+        let speed = approach(self.speed(), 0, pace.brake);
         if speed == 0 {
             self.mode = Mode::Planned;
             // A move that waited may not fit from where it now begins.

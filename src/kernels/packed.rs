@@ -18,9 +18,10 @@ pub(super) const RANGE: Range = Range {
 /// `ΣW_i` up to 2³⁰ − 1 units of force. A displacement beyond ±32 768 is cut and slips every block all the same.
 /// On a core without the instructions portable code gives the same bits, more slowly.
 #[derive(Clone, Debug, PartialEq)]
+#[repr(C)]
 pub struct PackedSlipReserve<const PAIRS: usize> {
-    pub(super) limit: i32,
     pub(super) pairs: [Pair; PAIRS],
+    pub(super) limit: i32,
 }
 
 /// What a [`PackedSlipReserve`] or a [`ConstantTimeSlipReserve`](super::ConstantTimeSlipReserve) remembers.
@@ -108,14 +109,16 @@ impl<const PAIRS: usize> Friction for PackedSlipReserve<PAIRS> {
     #[inline(always)]
     fn step(&self, state: &mut Self::State, motion: Motion<Whole>) -> Whole {
         let dx = cut(motion.displacement);
-        let mut advance = (dx ^ state.backward) - state.backward;
+        let mut backward = state.backward;
+        let mut advance = (dx ^ backward) - backward;
         if advance < 0 {
             advance = -advance;
+            backward = !backward;
             self.reverse(state);
         }
         let lacking = dsp::advance(&mut state.reserve, &self.pairs, both(advance));
         let along = self.limit.wrapping_sub(lacking);
-        Whole::from_bits((along ^ state.backward).wrapping_sub(state.backward))
+        Whole::from_bits((along ^ backward).wrapping_sub(backward))
     }
 
     fn limit(&self) -> Option<Whole> {

@@ -3,14 +3,14 @@
 use crate::control::refusal;
 use crate::parameters::{Entry, When};
 use crate::queues::{Order, Planned, Seek, Shared, Stall, Status};
-use crate::{Model, Parameters, ROOM};
+use crate::{Model, Parameters, ROOM, telemetry};
 use core::sync::atomic::Ordering;
 use embedded_storage::nor_flash::NorFlash;
 use heapless::spsc::{Consumer, Producer};
 use preslide::control::{Axis, Coefficients, Move, Planner, Refused};
 use preslide_link::{
     Answered, Deframer, FaultCode, GainSettings, Homing, Identity, LARGEST_FRAME, Mode, Numbered,
-    POINTS, PROTOCOL, Points, Refusal, Reply, Report, Request, ResetCause, Sample, State, encode,
+    POINTS, PROTOCOL, Points, Refusal, Reply, Report, Request, ResetCause, State, encode,
 };
 use preslide_store::Slots;
 
@@ -45,7 +45,6 @@ pub struct Background<M: Model> {
     pub(crate) status: Status,
     pub(crate) moves: Producer<'static, Planned>,
     pub(crate) orders: Producer<'static, Order<M::Friction>>,
-    pub(crate) samples: Consumer<'static, Sample>,
     pub(crate) statuses: Consumer<'static, Status>,
     pub(crate) shared: &'static Shared,
 }
@@ -76,7 +75,7 @@ impl<M: Model> Background<M> {
             }
         }
         if room >= 2 * LARGEST_FRAME
-            && let Some(sample) = self.samples.dequeue()
+            && let Some(sample) = telemetry::take(&self.shared.samples)
         {
             send(&Report::Sample(sample), out);
             return true;
@@ -112,6 +111,7 @@ impl<M: Model> Background<M> {
                 Some(Err(error)) => return Some(Report::Damaged(error.into())),
             };
             self.shared.heard.store(true, Ordering::Relaxed);
+            self.shared.call();
             if matches!(request, Request::Hello) {
                 self.answered = Answered::new();
             } else if let Some(reply) = self.answered.find(id) {
@@ -151,6 +151,7 @@ impl<M: Model> Background<M> {
             Request::State => Reply::State(self.state()),
             Request::Telemetry { every } => {
                 self.shared.every.store(every, Ordering::Relaxed);
+                self.shared.call();
                 self.done()
             }
             Request::Enable if self.status.fault.is_some() => return Err(Refusal::Faulted),
@@ -197,6 +198,7 @@ impl<M: Model> Background<M> {
 
     fn order(&mut self, order: Order<M::Friction>) -> Carried {
         self.orders.enqueue(order).map_err(|_| Refusal::Busy)?;
+        self.shared.call();
         self.orders_sent = self.orders_sent.wrapping_add(1);
         Ok(Outcome::Ordered)
     }
@@ -290,6 +292,7 @@ impl<M: Model> Background<M> {
     fn queue(&mut self, next: Move) -> Result<(), Refusal> {
         let planned = (self.epoch, next);
         self.moves.enqueue(planned).map_err(|_| Refusal::Busy)?;
+        self.shared.call();
         self.moves_sent = self.moves_sent.wrapping_add(1);
         Ok(())
     }

@@ -2,7 +2,8 @@
 
 use crate::Bridge;
 use crate::queues::{Order, Planned, Seek, Shared, Status};
-use core::sync::atomic::Ordering;
+use crate::telemetry;
+use core::sync::atomic::{Ordering, compiler_fence};
 use heapless::spsc::{Consumer, Producer};
 use preslide::control::{Command, Controller, Fault, Measurement, NormalRange, Refused};
 use preslide::{Friction, Scalar};
@@ -23,8 +24,20 @@ pub struct Inputs {
     pub late: bool,
 }
 
+impl Inputs {
+    #[inline]
+    fn measurement(&self) -> Measurement<u32> {
+        Measurement {
+            count: self.count,
+            supply: self.supply,
+            current: self.current,
+            late: self.late,
+        }
+    }
+}
+
 /// Ticks from one [`Status`] to the next where no order came.
-const STATUS_TICKS: u8 = 16;
+const STATUS_TICKS: u32 = 16;
 
 /// Moves of an earlier epoch that are dropped in a tick: a full queue is empty in a millisecond.
 const DROPS: usize = 4;
@@ -39,21 +52,21 @@ pub struct Control<F: Friction + 'static> {
     controller: Controller<F, u32>,
     moves: Consumer<'static, Planned>,
     orders: Consumer<'static, Order<F>>,
-    samples: Producer<'static, Sample>,
     statuses: Producer<'static, Status>,
     shared: &'static Shared,
+    /// There is something to do beside the ordinary tick, and the background did not say so: see [`Control::attends`].
+    attend: bool,
     status: Status,
     /// The bridge opened itself; until it is acknowledged.
     broken: bool,
     /// To be disabled as soon as it stands.
     leaving: bool,
     seek: Option<Seek>,
-    /// Where the reference was (2⁻¹⁶ counts).
-    reference: i64,
-    since_status: u8,
-    /// Ticks since the last sample of telemetry.
-    since: u16,
-    sequence: u32,
+    /// A status found no room, so that the next tick tells it.
+    owes_status: bool,
+    /// Ticks from one sample of telemetry to the next, and to the next one.
+    every: u16,
+    until_sample: u16,
     dropped: u32,
 }
 
@@ -62,7 +75,6 @@ impl<F: Friction> Control<F> {
         controller: Controller<F, u32>,
         moves: Consumer<'static, Planned>,
         orders: Consumer<'static, Order<F>>,
-        samples: Producer<'static, Sample>,
         statuses: Producer<'static, Status>,
         shared: &'static Shared,
     ) -> Self {
@@ -70,9 +82,9 @@ impl<F: Friction> Control<F> {
             controller,
             moves,
             orders,
-            samples,
             statuses,
             shared,
+            attend: true,
             status: Status {
                 orders: 0,
                 outcome: Ok(()),
@@ -92,10 +104,9 @@ impl<F: Friction> Control<F> {
             broken: false,
             leaving: false,
             seek: None,
-            reference: 0,
-            since_status: 0,
-            since: 0,
-            sequence: 0,
+            owes_status: false,
+            every: 0,
+            until_sample: 0,
             dropped: 0,
         }
     }
@@ -105,8 +116,54 @@ impl<F: Friction> Control<F> {
     }
 
     /// One tick. The bridge gets its code before anything is told.
+    ///
+    /// An ordinary one asks two flags whether there is an order, a move or a word of the host, and looks at none of the queues.
     #[inline]
     pub fn tick(&mut self, inputs: Inputs, bridge: &mut impl Bridge) {
+        let calm =
+            !self.attend && !self.shared.calls.load(Ordering::Relaxed) && !bridge.is_broken();
+        if calm && let Some(command) = self.controller.ordinary_tick(inputs.measurement()) {
+            self.act(inputs, &command, false, bridge);
+        } else {
+            let Inputs {
+                count,
+                index,
+                supply,
+                current,
+                late,
+            } = inputs;
+            self.attended_tick(
+                count,
+                index,
+                [supply, current.cast_unsigned()],
+                late,
+                bridge,
+            );
+        }
+    }
+
+    /// A tick in which anything may happen.
+    // The inputs one by one: as a structure in memory they would cost the ordinary tick, too.
+    #[cold]
+    #[inline(never)]
+    fn attended_tick(
+        &mut self,
+        count: u32,
+        index: Option<u32>,
+        [supply, current]: [u16; 2],
+        late: bool,
+        bridge: &mut impl Bridge,
+    ) {
+        let inputs = Inputs {
+            count,
+            index,
+            supply,
+            current: current.cast_signed(),
+            late,
+        };
+        // Before the queues are looked at: what comes after that calls again.
+        self.shared.calls.store(false, Ordering::Relaxed);
+        compiler_fence(Ordering::SeqCst);
         if bridge.is_broken() && self.controller.is_enabled() {
             self.broken = true;
             self.controller.disable();
@@ -119,24 +176,48 @@ impl<F: Friction> Control<F> {
             self.shared.heard.store(false, Ordering::Relaxed);
             self.controller.heard();
         }
+        let every = self.shared.every.load(Ordering::Relaxed);
+        if every != self.every {
+            self.every = every;
+            self.until_sample = 0;
+        }
         if self.seek.is_some() {
             self.seek(&inputs);
         }
         self.feed();
-        let measurement = Measurement {
-            count: inputs.count,
-            supply: inputs.supply,
-            current: inputs.current,
-            late: inputs.late,
-        };
-        let command = decide(&mut self.controller, measurement);
+        let command = self.controller.any_tick(inputs.measurement());
+        self.attend = self.attends();
+        let tells = ordered || core::mem::take(&mut self.owes_status);
+        self.act(inputs, &command, tells, bridge);
+    }
+
+    /// Drives the bridge, then tells.
+    #[inline(always)]
+    fn act(&mut self, inputs: Inputs, command: &Command, tells: bool, bridge: &mut impl Bridge) {
         if command.enabled {
             bridge.drive(command.code);
+            self.tell(&inputs, command, None, tells);
         } else {
             bridge.open();
+            self.tell_stopped(&inputs, command, tells);
         }
-        self.reference = command.reference;
-        self.tell(&inputs, &command, ordered);
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn tell_stopped(&mut self, inputs: &Inputs, command: &Command, tells: bool) {
+        let fault = match command.fault {
+            Some(fault) => Some(on_the_wire(fault)),
+            None => self.broken.then_some(FaultCode::Bridge),
+        };
+        self.tell(inputs, command, fault, tells);
+    }
+
+    /// The next tick has something to do that no one will call for: another order, the search for the origin, a move of another epoch
+    /// to drop. A move that may begin needs no word: a tick in which it may is never an ordinary one.
+    fn attends(&self) -> bool {
+        let stale = |(epoch, _): &Planned| *epoch != self.status.epoch;
+        self.orders.ready() || self.seek.is_some() || self.moves.peek().is_some_and(stale)
     }
 
     /// The next order. Not in the tick, which would then set aside room for it on the stack.
@@ -194,6 +275,7 @@ impl<F: Friction> Control<F> {
 
     /// What waits was planned for another place.
     fn new_epoch(&mut self) {
+        self.attend = true;
         self.status.epoch = self.status.epoch.wrapping_add(1);
     }
 
@@ -201,7 +283,7 @@ impl<F: Friction> Control<F> {
     #[inline(never)]
     fn seek(&mut self, inputs: &Inputs) {
         let (position, current) = (self.controller.position(), self.current(inputs));
-        let lag = ((self.reference >> 16) - position).abs();
+        let lag = ((self.controller.reference() >> 16) - position).abs();
         let Some(seek) = &mut self.seek else {
             return;
         };
@@ -270,21 +352,19 @@ impl<F: Friction> Control<F> {
     }
 
     /// Status and telemetry.
-    #[inline]
-    fn tell(&mut self, inputs: &Inputs, command: &Command, ordered: bool) {
-        let status = &mut self.status;
-        status.tick = status.tick.wrapping_add(1);
-        self.since_status += 1;
-        if ordered || self.since_status >= STATUS_TICKS {
-            self.since_status = 0;
+    #[inline(always)]
+    fn tell(&mut self, inputs: &Inputs, command: &Command, fault: Option<FaultCode>, tells: bool) {
+        let tick = self.status.tick.wrapping_add(1);
+        self.status.tick = tick;
+        if tells || tick.is_multiple_of(STATUS_TICKS) {
             let current = self.current(inputs);
             self.tell_status(inputs.supply, current);
         }
-        self.since = self.since.saturating_add(1);
-        let every = self.shared.every.load(Ordering::Relaxed);
-        if self.since >= every && every > 0 {
-            self.since = 0;
-            self.tell_sample(inputs, command);
+        if self.until_sample > 1 {
+            self.until_sample -= 1;
+        } else if self.every > 0 {
+            self.until_sample = self.every;
+            self.tell_sample(inputs, command, fault);
         }
     }
 
@@ -292,6 +372,7 @@ impl<F: Friction> Control<F> {
     fn tell_status(&mut self, supply: u16, current: i16) {
         // Asked, not told: a command in memory would cost every tick.
         let enabled = self.controller.is_enabled();
+        let reference = self.controller.reference();
         let standing = self.controller.is_standing();
         if self.leaving && standing {
             self.leaving = false;
@@ -321,13 +402,15 @@ impl<F: Friction> Control<F> {
         self.status.silent = silent;
         self.status.position = self.controller.position();
         // To the nearest count.
-        self.status.reference = self.reference.wrapping_add(1 << 15) >> 16;
+        self.status.reference = reference.wrapping_add(1 << 15) >> 16;
         self.status.supply = supply;
         self.status.current = current;
-        // See `tell_sample`. One that finds no room is followed by another; the answer to an order waits for it.
+        // The queue divides by its length, `capacity + 1`: asked here, so that the compiler knows that it is not 0 and
+        // links no panic. One that finds no room is followed by another; the answer to an order waits for it.
         let is_queue = self.statuses.capacity().checked_add(1).is_some();
         if !is_queue || self.statuses.enqueue(self.status).is_err() {
-            self.since_status = STATUS_TICKS;
+            self.owes_status = true;
+            self.attend = true;
         }
     }
 
@@ -339,11 +422,11 @@ impl<F: Friction> Control<F> {
             .saturating_sub(self.controller.current_at_rest())
     }
 
-    #[inline]
-    fn tell_sample(&mut self, inputs: &Inputs, command: &Command) {
+    #[inline(always)]
+    fn tell_sample(&mut self, inputs: &Inputs, command: &Command, fault: Option<FaultCode>) {
         let condition = self.controller.condition();
-        let sample = Sample {
-            sequence: self.sequence,
+        let sample = |sequence| Sample {
+            sequence,
             dropped: self.dropped,
             tick: self.status.tick,
             position: command.position as i32,
@@ -352,10 +435,7 @@ impl<F: Friction> Control<F> {
             code: command.code as i16,
             current: self.current(inputs),
             supply: inputs.supply,
-            fault: match command.fault {
-                Some(fault) => Some(on_the_wire(fault)),
-                None => self.broken.then_some(FaultCode::Bridge),
-            },
+            fault,
             range: condition.range.map(range_on_the_wire),
             level: condition.level.map_or(0, |level| {
                 let ten_thousandths = level
@@ -365,23 +445,10 @@ impl<F: Friction> Control<F> {
                 ten_thousandths.round_to_int() as i16
             }),
         };
-        // The queue divides by its length, `capacity + 1`: asked here, so that the compiler knows that it is not 0 and
-        // links no panic.
-        let is_queue = self.samples.capacity().checked_add(1).is_some();
-        if is_queue && self.samples.enqueue(sample).is_ok() {
-            self.sequence = self.sequence.wrapping_add(1);
-        } else {
+        if !telemetry::put(&self.shared.samples, sample) {
             self.dropped = self.dropped.wrapping_add(1);
         }
     }
-}
-
-#[inline]
-fn decide<F: Friction>(
-    controller: &mut Controller<F, u32>,
-    measurement: Measurement<u32>,
-) -> Command {
-    controller.tick(measurement)
 }
 
 /// Why a move was not started, on the wire.

@@ -14,6 +14,7 @@ mod model;
 mod parameters;
 mod queues;
 mod tasks;
+mod telemetry;
 
 pub use background::Background;
 pub use bridge::Bridge;

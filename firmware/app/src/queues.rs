@@ -1,6 +1,7 @@
 //! What lies between the two tasks.
 
-use core::sync::atomic::{AtomicBool, AtomicU16};
+use crate::telemetry::Samples;
+use core::sync::atomic::{AtomicBool, AtomicU16, Ordering};
 use preslide::Friction;
 use preslide::control::{Coefficients, Jog, Move};
 use preslide_link::{FaultCode, Mark, Mode, Refusal};
@@ -100,8 +101,18 @@ pub(crate) struct Status {
 
 /// What both tasks see.
 pub(crate) struct Shared {
+    /// The background has put something into a queue, or `heard`: the next tick looks.
+    pub(crate) calls: AtomicBool,
     /// A frame came from the host.
     pub(crate) heard: AtomicBool,
     /// Ticks from one sample of telemetry to the next; 0 for none.
     pub(crate) every: AtomicU16,
+    pub(crate) samples: Samples,
+}
+
+impl Shared {
+    /// Has the next tick look for what has been put into a queue.
+    pub(crate) fn call(&self) {
+        self.calls.store(true, Ordering::Release);
+    }
 }

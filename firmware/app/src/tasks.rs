@@ -1,19 +1,18 @@
 //! The queues, and the two tasks at their ends.
 
 use crate::queues::{Order, Planned, Shared, Status};
+use crate::telemetry::Samples;
 use crate::{Background, Control, Model, Parameters, ROOM};
 use core::sync::atomic::{AtomicBool, AtomicU16};
 use heapless::spsc::Queue;
 use preslide::control::{Axis, Coefficients, Controller, Planner};
 use preslide::{Friction, ParamError};
-use preslide_link::{ResetCause, Sample};
+use preslide_link::ResetCause;
 
 /// The queues; one capacity is used up by the queue itself.
 pub struct Queues<F: Friction> {
     moves: Queue<Planned, { ROOM as usize + 1 }>,
     orders: Queue<Order<F>, 3>,
-    /// 3 ms of telemetry at 20 kHz.
-    samples: Queue<Sample, 65>,
     statuses: Queue<Status, 5>,
     shared: Shared,
 }
@@ -40,11 +39,12 @@ impl<F: Friction> Queues<F> {
         Self {
             moves: Queue::new(),
             orders: Queue::new(),
-            samples: Queue::new(),
             statuses: Queue::new(),
             shared: Shared {
+                calls: AtomicBool::new(false),
                 heard: AtomicBool::new(false),
                 every: AtomicU16::new(1),
+                samples: Samples::new(),
             },
         }
     }
@@ -74,10 +74,9 @@ impl<F: Friction> Queues<F> {
         let planner = Planner::try_new(&axis)?;
         let (moves_in, moves) = self.moves.split();
         let (orders_in, orders) = self.orders.split();
-        let (samples, samples_out) = self.samples.split();
         let (statuses, statuses_out) = self.statuses.split();
         let controller = Controller::new(coefficients, start.count);
-        let control = Control::new(controller, moves, orders, samples, statuses, &self.shared);
+        let control = Control::new(controller, moves, orders, statuses, &self.shared);
         let background = Background {
             deframer: preslide_link::Deframer::new(),
             answered: preslide_link::Answered::new(),
@@ -94,7 +93,6 @@ impl<F: Friction> Queues<F> {
             status: control.status(),
             moves: moves_in,
             orders: orders_in,
-            samples: samples_out,
             statuses: statuses_out,
             shared: &self.shared,
         };

@@ -11,7 +11,7 @@ use std::process::Command;
 use std::time::Duration;
 
 use super::table::{COLUMNS, Counts, grown};
-use super::{BUILD, compare_with_host, version_of};
+use super::{BUILD, compare_with_host, nowhere, version_of};
 use crate::process::{cargo, find, output_for, root, run_for};
 use crate::tools::Need;
 
@@ -49,6 +49,7 @@ pub fn run_command() -> Result<(), String> {
 }
 
 /// Whether the committed table is what this tree measures. Same image, same core: the same cycles, without simulating them again.
+/// The image is the same wherever the tree stands ([`super::nowhere`]), so that a fresh checkout is known.
 pub fn check() -> Result<(), String> {
     if let Some(reason) = absent(&["verilator", "riscv64-unknown-elf-gcc"]) {
         println!("\nSKIPPED: {TABLE} was not checked: {reason}");
@@ -89,9 +90,9 @@ fn absent(programs: &[&str]) -> Option<String> {
     ))
 }
 
-/// The simulator and what runs on it.
+/// What is simulated, and what runs on it.
 struct Simulation {
-    bench: PathBuf,
+    folder: PathBuf,
     image: PathBuf,
     sources: Vec<PathBuf>,
 }
@@ -101,11 +102,10 @@ impl Simulation {
         let folder = root().join("firmware/target/hazard3");
         let told = |error| format!("{}: {error}", folder.display());
         std::fs::create_dir_all(&folder).map_err(told)?;
-        let sources = sources(&folder)?;
         Ok(Self {
-            bench: bench(&sources, &folder)?,
             image: image(&folder)?,
-            sources,
+            sources: sources(&folder)?,
+            folder,
         })
     }
 
@@ -125,14 +125,13 @@ impl Simulation {
 
     /// What the image prints: simulated, unless it has been before, on this very core.
     fn printed(&self) -> Result<String, String> {
-        let file = self
-            .bench
-            .with_file_name(format!("printed-{}", self.fingerprint()?));
+        let file = self.folder.join(format!("printed-{}", self.fingerprint()?));
         if let Ok(printed) = std::fs::read_to_string(&file) {
             println!("simulated before: {}", file.display());
             return Ok(printed);
         }
-        let (printed, _) = output_for(Command::new(&self.bench).arg(&self.image), LIMIT)?;
+        let bench = bench(&self.sources, &self.folder)?;
+        let (printed, _) = output_for(Command::new(bench).arg(&self.image), LIMIT)?;
         std::fs::write(&file, &printed)
             .map_err(|error| format!("cannot write {}: {error}", file.display()))?;
         Ok(printed)
@@ -278,12 +277,9 @@ fn image(folder: &Path) -> Result<PathBuf, String> {
     build
         .args(["--target", TARGET, "--target-dir"])
         .arg(folder)
-        // Where the tree stands must not be in the image, or its fingerprint would be this machine's.
-        .env(
-            "RUSTFLAGS",
-            format!("{FEATURES} --remap-path-prefix={}=.", root().display()),
-        )
+        .env("RUSTFLAGS", FEATURES)
         .current_dir(root().join("firmware"));
+    nowhere::wrap(&mut build)?;
     run_for(&mut build, LIMIT).map_err(|error| {
         format!("{error}\nIf the target is missing: rustup target add {TARGET}")
     })?;

@@ -10,6 +10,7 @@ mod hazard3;
 mod instruction;
 mod m0plus;
 mod m7;
+pub mod nowhere;
 mod price;
 mod recorder;
 mod stages;
