@@ -50,11 +50,16 @@ fn a_change_keeps_the_machine() {
         |column: &[f64]| (column.iter().map(|v| v * v).sum::<f64>() / column.len() as f64).sqrt();
     for property in PROPERTIES {
         let changed = property.apply(&made).expect("a recording long enough");
-        assert!(changed.parts.len() == 1 || property == Property::TwiceFiles);
+        let files = match property {
+            Property::TwiceFiles | Property::Split => 2,
+            _ => 1,
+        };
+        assert_eq!(changed.parts.len(), files, "{}", property.name());
         let after = &changed.parts[0];
         let rows = after.len() as f64 / before.len() as f64;
         let kept = match property {
             Property::TwiceJoined => 2.0..=2.0,
+            Property::Split => 0.499..=0.501,
             Property::EverySecondRow => 0.499..=0.501,
             Property::LostRows => 0.998..=0.9998,
             Property::RestAppended => 1.01..=1.2,

@@ -52,6 +52,12 @@ fn run(o: &Options) -> Result<(), String> {
         o.only.is_empty() || o.only.iter().any(hit)
     };
     let pairs = injection::pairs(wanted, o.from, o.every);
+    if pairs.is_empty() {
+        return Err(format!(
+            "no pair of recording and effect is left; effects are {}; recordings those of ../shared that `cargo xtask real` lists",
+            EFFECTS.join(", ")
+        ));
+    }
     if o.oracle {
         return injection::oracles(&pairs, &o.strengths);
     }

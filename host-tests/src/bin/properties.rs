@@ -11,7 +11,7 @@ use preslide_host_tests::judge::tool::{Tool, parallel};
 use preslide_host_tests::trials::effect::{Id, Strength};
 use preslide_host_tests::trials::{Kind, repeatable, trial};
 
-/// Answers that must not flip: made and real recordings, each changed in fourteen ways
+/// Answers that must not flip: made and real recordings, each changed in fifteen ways
 #[derive(Parser)]
 #[command(name = "cargo xtask properties")]
 struct Options {
@@ -160,6 +160,14 @@ fn run(o: &Options) -> Result<(), String> {
             totals[place][1] += 1;
             *words.entry(outcome.words().0).or_default() += 1;
         }
+    }
+    if asked + totals.iter().map(|t| t[1]).sum::<usize>() == 0 {
+        let names: Vec<&str> = properties.iter().map(|p| p.name()).collect();
+        return Err(format!(
+            "--only: no recording and no property is called so; properties are {}, recordings {}, effects of made ones, and `stages`",
+            names.join(", "),
+            REAL.join(", ")
+        ));
     }
     println!("\n{:<26} agree of", "property");
     for (property, [agree, of]) in properties.iter().zip(&totals).filter(|(_, t)| t[1] > 0) {

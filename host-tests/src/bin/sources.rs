@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{Parser, ValueEnum};
 use preslide_host_tests::judge::baseline;
 use preslide_host_tests::judge::beside::{self, Answers};
 use preslide_host_tests::judge::case::{Case, Sort};
@@ -15,6 +15,21 @@ use preslide_host_tests::trials::{catalogue_plan, clean_plan};
 
 /// The tool among the recipes.
 const PRESLIDE: &str = "preslide";
+
+/// Where recordings with a known truth come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Source {
+    /// The project's trials
+    Trials,
+    /// `../shared/generators/stage`
+    Stage,
+    /// The second generator: ball screws, joints, spindles, belts
+    Machines,
+    /// Known effects in real recordings
+    Injection,
+    /// Real machines as they are, and controls
+    Benches,
+}
 
 /// The diagnosis on every source of recordings with a known truth, in one table
 #[derive(Parser)]
@@ -30,7 +45,7 @@ struct Options {
         default_value = "trials,stage,machines,injection,benches",
         value_name = "SOURCES"
     )]
-    only: Vec<String>,
+    only: Vec<Source>,
     /// Share of each source: every Nth recording
     #[arg(long, default_value_t = 1, value_name = "N")]
     every: usize,
@@ -95,11 +110,11 @@ struct Options {
 }
 
 fn ask(o: &Options, tool: &Tool) -> Result<Vec<Case>, String> {
-    let wants = |source: &str| o.only.iter().any(|only| only == source);
+    let wants = |source| o.only.contains(&source);
     let shared = preslide_host_tests::judge::real::shared().is_some();
     let sorts = |sort: Sort| o.sorts.is_empty() || o.sorts.contains(&sort);
     let mut cases = Vec::new();
-    if wants("trials") {
+    if wants(Source::Trials) {
         let plan = catalogue_plan(o.count)
             .into_iter()
             .step_by(o.every)
@@ -110,14 +125,14 @@ fn ask(o: &Options, tool: &Tool) -> Result<Vec<Case>, String> {
             .collect();
         cases.extend(trials::cases(tool, &plan, o.jobs));
     }
-    if wants("machines") {
+    if wants(Source::Machines) {
         let seeds: Vec<u64> = (0..o.count as u64 / 2)
             .step_by(o.every)
             .map(|i| i + 1_000_000 * o.seed)
             .collect();
         cases.extend(machines::cases(tool, &seeds, sorts, o.jobs));
     }
-    if wants("stage") && shared {
+    if wants(Source::Stage) && shared {
         if let Some(folder) = &o.stage_folder {
             cases.extend(stage::cases(tool, folder, o.every, sorts, o.jobs)?);
         } else {
@@ -127,12 +142,18 @@ fn ask(o: &Options, tool: &Tool) -> Result<Vec<Case>, String> {
             }
         }
     }
-    if wants("injection") && shared {
+    if wants(Source::Injection) && shared {
         let pairs = injection::pairs(|_, _| true, 0, o.every);
         cases.extend(injection::cases(tool, &pairs, &o.strengths, o.jobs)?);
     }
-    if wants("benches") && shared {
+    if wants(Source::Benches) && shared {
         cases.extend(bench::cases(tool, |_| true, o.jobs)?);
+    }
+    if cases.is_empty() {
+        return Err(
+            "nothing is left to ask: choose a larger --count, a smaller --every, other --sorts, or clone the project beside ../shared, which holds the real machines"
+                .to_owned(),
+        );
     }
     Ok(cases)
 }

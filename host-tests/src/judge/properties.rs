@@ -12,6 +12,7 @@ use crate::trials::score::{Diagnosis, Named};
 pub enum Property {
     TwiceJoined,
     TwiceFiles,
+    Split,
     Cut1s,
     Cut3s,
     CutAtRandom,
@@ -27,9 +28,10 @@ pub enum Property {
 }
 
 /// All of them, in the order of the table.
-pub const PROPERTIES: [Property; 14] = [
+pub const PROPERTIES: [Property; 15] = [
     Property::TwiceJoined,
     Property::TwiceFiles,
+    Property::Split,
     Property::Cut1s,
     Property::Cut3s,
     Property::CutAtRandom,
@@ -57,6 +59,7 @@ impl Property {
         match self {
             Property::TwiceJoined => "given twice, one file",
             Property::TwiceFiles => "given twice, two files",
+            Property::Split => "split into two files",
             Property::Cut1s => "first second cut off",
             Property::Cut3s => "first 3 s cut off",
             Property::CutAtRandom => "cut at random",
@@ -82,6 +85,7 @@ impl Property {
         match self {
             Property::TwiceJoined => each(&mut changed, &mut |t| *t = joined(t)),
             Property::TwiceFiles => changed.parts.extend(recording.parts.clone()),
+            Property::Split => changed.parts = recording.parts.iter().flat_map(halves).collect(),
             Property::Cut1s => cut(&mut changed, 1.0)?,
             Property::Cut3s => cut(&mut changed, 3.0)?,
             Property::CutAtRandom => {
@@ -173,6 +177,17 @@ fn joined(table: &Table) -> Table {
         column.extend(again);
     }
     both
+}
+
+/// Each with a clock of its own.
+fn halves(table: &Table) -> [Table; 2] {
+    let middle = table.len() / 2;
+    let first = table.kept(|row| row < middle);
+    let mut second = table.kept(|row| row >= middle);
+    let clock = second.time();
+    let from = second.columns[clock].first().copied().unwrap_or(0.0);
+    second.change(clock, |s| s - from);
+    [first, second]
 }
 
 /// Cuts the first seconds off the first file; nothing where that is a large part of it.

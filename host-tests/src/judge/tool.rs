@@ -69,14 +69,8 @@ impl Tool {
         }
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
         let built = Command::new(cargo)
-            .args([
-                "build",
-                "--quiet",
-                "-p",
-                "preslide-cli",
-                "--bin",
-                "preslide",
-            ])
+            // As `cargo test --workspace` builds it: with the features of one package alone it would be built again.
+            .args(["build", "--quiet", "--workspace", "--bin", "preslide"])
             .current_dir(env!("CARGO_MANIFEST_DIR"))
             .status()
             .map_err(|e| format!("cargo: {e}"))?;

@@ -3,6 +3,7 @@
 use super::signals::{Signals, bounds, quantile};
 use super::weak::{Column, Weak};
 use crate::recording::Recording;
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// Blocks of rows. Their scores decide, so that what is common to neighbours counts once; more would be shorter than what
@@ -14,6 +15,8 @@ const PER_FOLD: usize = 3;
 pub const FEWEST: usize = 7;
 /// Fewest rows of a block.
 const ROWS: usize = 30;
+/// Fewest folds of a file for something that only it has: one is held out, and two agree or not.
+const OWN_FOLDS: usize = 3;
 /// Kinds of strokes that take turns in being left out, for intervals.
 const KINDS: usize = 8;
 /// Yield displacements of the core end at this share of the travel; a later yield is a spring, and competes as one.
@@ -61,6 +64,9 @@ impl Rows {
         let count = block.iter().max().map_or(0, |b| b + 1);
         s.fold = block.iter().map(|b| b / PER_FOLD).collect();
         s.folds = count.div_ceil(PER_FOLD);
+        if let Some(files) = sessions(&recording.joined, &s.fold, &usable) {
+            s.sessions = files;
+        }
         let weak = Weak::new(&s, inertial, &usable);
         let mut blocks: Vec<Range<usize>> = Vec::new();
         let mut last = None;
@@ -170,6 +176,23 @@ fn repeated(s: &Signals, effort: &[f64]) -> Vec<bool> {
         }
     }
     again
+}
+
+/// The files of a recording, if what acts in each can be told from the others' folds; where they are many and short, one clock is better
+/// than none.
+fn sessions(files: &[Range<usize>], fold: &[usize], usable: &[bool]) -> Option<Vec<Range<usize>>> {
+    let folds_in = |file: &Range<usize>| {
+        let folds: BTreeSet<usize> = file
+            .clone()
+            .filter(|i| usable[*i])
+            .map(|i| fold[i])
+            .collect();
+        folds.len()
+    };
+    // A copy has no rows, and no fold.
+    let told: Vec<Range<usize>> = files.iter().filter(|f| folds_in(f) > 0).cloned().collect();
+    let enough = told.len() > 1 && told.iter().all(|f| folds_in(f) >= OWN_FOLDS);
+    enough.then_some(told)
 }
 
 /// The block of every sample: stretches with equal shares of the moving time and of the path.

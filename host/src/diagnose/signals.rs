@@ -48,6 +48,8 @@ pub struct Signals {
     pub rotary: bool,
     /// Contiguous samples.
     pub pieces: Vec<Range<usize>>,
+    /// Samples between which the clock tells the time: one range, or one a file.
+    pub sessions: Vec<Range<usize>>,
     /// Fold of every sample.
     pub fold: Vec<usize>,
     /// Number of folds.
@@ -99,6 +101,7 @@ impl Signals {
                 .collect(),
             rotary: recording.kind == MotionKind::Rotary,
             pieces: recording.pieces.clone(),
+            sessions: std::iter::once(0..n).collect(),
             fold: vec![0; n],
             folds: 0,
             reversals: 0,

@@ -1,4 +1,4 @@
-//! `A·cos(2πft + φ)`.
+//! `A·cos(2πft + φ)`, with a phase of each file's own: no clock runs from one to the next.
 
 use super::readout::enter;
 use super::wave::{PHASE, amplitude_and_phase, wave};
@@ -8,6 +8,7 @@ use crate::diagnose::weak::Column;
 use crate::model::Model;
 use crate::statistics::Estimate;
 use std::f64::consts::FRAC_PI_2;
+use std::ops::Range;
 
 /// `external_vibration`.
 pub struct ExternalVibration;
@@ -61,7 +62,15 @@ impl Effect for ExternalVibration {
         let &[frequency] = shape else {
             return Vec::new();
         };
-        wave(&scene.s.t, 1.0 / frequency).map(Column::of).to_vec()
+        let waves = wave(&scene.s.t, 1.0 / frequency);
+        let within = |session: &Range<usize>| {
+            waves.each_ref().map(|wave| {
+                let mut part = vec![0.0; wave.len()];
+                part[session.clone()].copy_from_slice(&wave[session.clone()]);
+                Column::of(part)
+            })
+        };
+        scene.s.sessions.iter().flat_map(within).collect()
     }
 
     fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
