@@ -92,9 +92,31 @@ fn blocks_have_equal_shares_and_a_second_copy_has_no_rows() {
     assert!(sizes.iter().all(|n| *n < 2.0 * mean), "{sizes:?}");
     assert!(rows.blocks.windows(2).all(|b| b[0].end == b[1].start));
 
-    let copies = vec![made(|_, _, _| 0.0), recording];
-    let doubled = Rows::new(&Recording::join(copies).expect("joined")).expect("rows");
-    assert_eq!(doubled.force.len(), rows.force.len());
+    // So many that the kernel would widen, and with what resampling makes of a copy.
+    let mut copies = vec![recording; 20];
+    for (i, copy) in copies.iter_mut().enumerate() {
+        copy.effort
+            .iter_mut()
+            .for_each(|f| *f *= 1.0 + 1e-9 * i as f64);
+    }
+    let copied = Rows::new(&Recording::join(copies).expect("joined")).expect("rows");
+    assert_eq!(copied.force.len(), rows.force.len());
+    assert_eq!(copied.weak.half_width_s, rows.weak.half_width_s);
+}
+
+#[test]
+fn a_vibration_has_a_phase_of_each_files_own() {
+    let shaken =
+        |phase: f64| made(move |t, _, _| 0.5 * (std::f64::consts::TAU * 9.3 * t + phase).sin());
+    let files = vec![shaken(0.0), shaken(2.5)];
+    let found = found(&Recording::join(files).expect("joined"));
+    assert_eq!(names(&found), ["channel_delay", "external_vibration"]);
+    let waves = found.hypothesis.coefficients(1);
+    assert_eq!(waves.len(), 4);
+    for wave in waves.chunks(2) {
+        let amplitude = wave[0].hypot(wave[1]);
+        assert!((amplitude / 0.5 - 1.0).abs() < 0.03, "{amplitude} N");
+    }
 }
 
 #[test]
