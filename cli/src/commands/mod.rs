@@ -179,7 +179,11 @@ impl ReadingArgs {
             }
         }
         let whole = Recording::join(recordings).map_err(Failure::Input)?;
-        let of_joining = [recording::DROPPED, recording::RATES];
+        let of_joining = [
+            recording::DROPPED,
+            recording::RATES,
+            recording::FLIPPED_ALIKE,
+        ];
         for warning in whole
             .warnings
             .iter()

@@ -113,6 +113,25 @@ fn closed_work(x: &[f64], effort: &[f64], strokes: &Strokes) -> Option<(f64, f64
     Some((net, exchanged))
 }
 
+/// Code of the warning that the effort was turned.
+pub(super) const FLIPPED: &str = "effort-sign-flipped";
+
+/// Net work over the closed motion of all strokes, and the work exchanged.
+fn work(x: &[f64], effort: &[f64], strokes: &[Strokes]) -> (f64, f64) {
+    strokes
+        .iter()
+        .filter_map(|s| closed_work(x, effort, s))
+        .fold((0.0, 0.0), |(n, e), (net, exchanged)| {
+            (n + net, e + exchanged)
+        })
+}
+
+/// Whether motion and effort say by themselves which sign the effort has.
+pub(super) fn tells_sign(x: &[f64], effort: &[f64], strokes: &[Strokes]) -> bool {
+    let (net, exchanged) = work(x, effort, strokes);
+    net.abs() > CERTAIN_WORK * exchanged
+}
+
 /// Turns the effort into the model's convention: positive where it drives motion in +x, so that
 /// the net work over closed motion, which is what friction dissipates, is positive. Without
 /// `--sign` a recording of the opposite convention is flipped, with a warning.
@@ -127,12 +146,7 @@ pub(super) fn sign(
     if let Some(sign) = asked {
         effort.iter_mut().for_each(|f| *f *= sign);
     }
-    let (net, exchanged) = strokes
-        .iter()
-        .filter_map(|s| closed_work(x, effort, s))
-        .fold((0.0, 0.0), |(n, e), (net, exchanged)| {
-            (n + net, e + exchanged)
-        });
+    let (net, exchanged) = work(x, effort, strokes);
     let opposed = net < -CERTAIN_WORK * exchanged;
     if !opposed {
         return;
@@ -150,7 +164,7 @@ pub(super) fn sign(
     } else {
         effort.iter_mut().for_each(|f| *f = -*f);
         warnings.push(Warning::new(
-            "effort-sign-flipped",
+            FLIPPED,
             format!("{found}: its sign opposes the model's, so it was multiplied by -1; --sign -1 says so and silences this, --sign 1 forbids it"),
         ));
     }

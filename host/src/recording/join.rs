@@ -1,12 +1,16 @@
 //! Several recordings of one machine as one.
 
-use super::{Recording, Warning, extra, timing};
+use super::checks::{self, FLIPPED};
+use super::{Recording, Warning, extra, segments, timing};
 
 /// Code of the warning that names columns which not all recordings have.
 pub const DROPPED: &str = "columns-dropped";
 
 /// Code of the warning that names recordings of other rates.
 pub const RATES: &str = "rates-differ";
+
+/// Code of the warning that a recording was turned because another of the machine was.
+pub const FLIPPED_ALIKE: &str = "effort-sign-alike";
 
 /// Sample times within this ratio are one rate.
 const SAME_RATE: f64 = 1.1;
@@ -18,9 +22,11 @@ impl Recording {
     ///
     /// # Errors
     /// Which two recordings do not belong together, and why.
-    pub fn join(recordings: Vec<Recording>) -> Result<Recording, String> {
+    pub fn join(mut recordings: Vec<Recording>) -> Result<Recording, String> {
+        let turned = flip_alike(&mut recordings);
         let mut rest = recordings.into_iter();
         let mut whole = rest.next().ok_or("no recording given")?;
+        whole.warnings.extend(turned);
         for next in rest {
             if (next.kind, next.role) != (whole.kind, whole.role) {
                 return Err(format!(
@@ -96,4 +102,29 @@ impl Recording {
         whole.sample_time_s = timing::sample_time(&whole.t_s, &whole.pieces);
         Ok(whole)
     }
+}
+
+/// Where the sign of one recording's effort was found to oppose the model's, those that are too short to tell have it, too.
+fn flip_alike(recordings: &mut [Recording]) -> Option<Warning> {
+    let is_flipped = |r: &Recording| r.warnings.iter().any(|w| w.code == FLIPPED);
+    let opposed = recordings.iter().find(|r| is_flipped(r))?.name.clone();
+    let cannot_tell = |r: &Recording| {
+        let pieces = r.pieces.iter().cloned();
+        let strokes: Vec<_> = pieces.map(|p| segments::strokes(&r.position, p)).collect();
+        !is_flipped(r) && !checks::tells_sign(&r.position, &r.effort, &strokes)
+    };
+    let mut names = Vec::new();
+    for recording in recordings.iter_mut().filter(|r| cannot_tell(r)) {
+        recording.effort.iter_mut().for_each(|f| *f = -*f);
+        names.push(recording.name.clone());
+    }
+    (!names.is_empty()).then(|| {
+        Warning::new(
+            FLIPPED_ALIKE,
+            format!(
+                "the effort of {} was multiplied by -1 like that of {opposed}: its own motion is too short to tell; --sign -1 says so of all and silences this",
+                names.join(", ")
+            ),
+        )
+    })
 }

@@ -38,7 +38,7 @@ use std::path::Path;
 pub use error::{Problem, RecordingError};
 pub use extra::Extra;
 use frame::Frame;
-pub use join::{DROPPED, RATES};
+pub use join::{DROPPED, FLIPPED_ALIKE, RATES};
 use known::Slot;
 use table::{Data, Table};
 

@@ -627,6 +627,25 @@ fn an_axis_that_rests_before_a_gap_has_no_dropout() {
 }
 
 #[test]
+fn a_file_too_short_to_tell_its_sign_has_that_of_the_others() {
+    let opposed = swing(|_, _, f| *f = -*f);
+    // A quarter of the first stroke: one way only.
+    let short: String = opposed
+        .lines()
+        .take(600)
+        .map(|l| format!("{l}\n"))
+        .collect();
+    let load = |csv: &str| text(csv, &[]).expect("a recording");
+    assert!(!warns(&load(&short), "effort-sign-flipped"));
+    let positive = |r: &Recording, at: usize| r.effort[at] > 0.0;
+    for (first, second, at) in [(&opposed, &short, 10_100), (&short, &opposed, 100)] {
+        let whole = Recording::join(vec![load(first), load(second)]).expect("one machine");
+        assert!(warns(&whole, "effort-sign-alike"), "{:?}", whole.warnings);
+        assert!(positive(&whole, at), "the stroke moves on in +x");
+    }
+}
+
+#[test]
 fn an_angle_that_wraps_at_a_turn_is_unwrapped() {
     let mut csv = "t_s,q_rad,torque_Nm\n".to_owned();
     for i in 0..6000 {
