@@ -2,7 +2,7 @@
 
 use super::Whole;
 use super::dsp;
-use super::packed::{PackedSlipReserve, PackedState, both, cut};
+use super::packed::{PackedSlipReserve, PackedState, cut};
 use crate::{Block, Friction, Motion, ParamError, Units};
 
 /// Quasi-static GMS that takes the same time whatever moves: [`PackedSlipReserve`] without a branch.
@@ -51,12 +51,13 @@ impl<const PAIRS: usize> Friction for ConstantTimeSlipReserve<PAIRS> {
         let advance = (dx ^ state.backward) - state.backward;
         let turned = advance >> 31;
         state.backward ^= turned;
-        let advance = both((advance ^ turned) - turned);
+        let advance = dsp::both((advance ^ turned) - turned);
         let turned = turned.cast_unsigned() >> 31;
         let packed = &self.packed;
-        let lacking = dsp::turn_and_advance(&mut state.reserve, &packed.pairs, turned, advance);
-        let along = packed.limit.wrapping_sub(lacking);
-        Whole::from_bits((along ^ state.backward).wrapping_sub(state.backward))
+        let start = packed.least;
+        let against =
+            dsp::turn_and_advance(&mut state.reserve, &packed.pairs, turned, advance, start);
+        Whole::from_bits(state.backward.wrapping_sub(against ^ state.backward))
     }
 
     fn limit(&self) -> Option<Whole> {

@@ -21,7 +21,8 @@ pub(super) const RANGE: Range = Range {
 #[repr(C)]
 pub struct PackedSlipReserve<const PAIRS: usize> {
     pub(super) pairs: [Pair; PAIRS],
-    pub(super) limit: i32,
+    /// `−ΣW_i`, where the sum of a tick begins.
+    pub(super) least: i32,
 }
 
 /// What a [`PackedSlipReserve`] or a [`ConstantTimeSlipReserve`](super::ConstantTimeSlipReserve) remembers.
@@ -58,7 +59,10 @@ impl<const PAIRS: usize> PackedSlipReserve<PAIRS> {
                 pair.stiffness |= block.stiffness.cast_unsigned() << (16 * half);
             }
         }
-        Ok(Self { limit, pairs })
+        Ok(Self {
+            pairs,
+            least: -limit,
+        })
     }
 
     /// The finest unit of force (N or N·m) that it accepts for these blocks at the unit of length `length` (m or rad).
@@ -68,7 +72,7 @@ impl<const PAIRS: usize> PackedSlipReserve<PAIRS> {
 
     /// The fence costs no instruction. It has the blocks stored here and loaded again below: kept in registers across
     /// both ways, they would make the ordinary tick save those registers.
-    #[inline]
+    #[inline(always)]
     fn reverse(&self, state: &mut PackedState<PAIRS>) {
         state.backward = !state.backward;
         for (reserve, pair) in state.reserve.iter_mut().zip(&self.pairs) {
@@ -87,13 +91,6 @@ pub(super) fn cut(displacement: Whole) -> i32 {
         .clamp(i16::MIN.into(), i16::MAX.into())
 }
 
-/// `advance ∈ [0, 32768]` in both halves of a word.
-#[inline(always)]
-pub(super) fn both(advance: i32) -> u32 {
-    let advance = advance.cast_unsigned();
-    advance | advance << 16
-}
-
 impl<const PAIRS: usize> Friction for PackedSlipReserve<PAIRS> {
     type Scalar = Whole;
     type State = PackedState<PAIRS>;
@@ -109,19 +106,27 @@ impl<const PAIRS: usize> Friction for PackedSlipReserve<PAIRS> {
     #[inline(always)]
     fn step(&self, state: &mut Self::State, motion: Motion<Whole>) -> Whole {
         let dx = cut(motion.displacement);
-        let mut backward = state.backward;
-        let mut advance = (dx ^ backward) - backward;
-        if advance < 0 {
-            advance = -advance;
-            backward = !backward;
+        // Compared as they are subtracted: one instruction.
+        let (along, backward) = (dx ^ state.backward, state.backward);
+        let advance = if along < backward {
+            core::hint::cold_path();
             self.reverse(state);
-        }
-        let lacking = dsp::advance(&mut state.reserve, &self.pairs, both(advance));
-        let along = self.limit.wrapping_sub(lacking);
-        Whole::from_bits((along ^ backward).wrapping_sub(backward))
+            backward - along
+        } else {
+            along - backward
+        };
+        // `−dir·F`: the sum begins at `−ΣW` instead of being taken from `ΣW`.
+        let against = dsp::advance(
+            &mut state.reserve,
+            &self.pairs,
+            dsp::both(advance),
+            self.least,
+        );
+        let backward = state.backward;
+        Whole::from_bits(backward.wrapping_sub(against ^ backward))
     }
 
     fn limit(&self) -> Option<Whole> {
-        Some(Whole::from_bits(self.limit))
+        Some(Whole::from_bits(-self.least))
     }
 }
