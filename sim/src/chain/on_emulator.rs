@@ -75,7 +75,9 @@ pub fn track(trial: &Trial, elf: &Path) -> Result<Option<f64>, RigError> {
     let positions = positions.borrow();
     let count = trial.axis.encoder.count;
     let (mut squares, mut number) = (0.0, 0);
-    for sample in samples(&record).filter(|sample| u64::from(sample.tick) > first(trial)) {
+    // A sample before that may still count positions from where the axis was switched on.
+    let told = first(trial) + u64::from(EVERY);
+    for sample in samples(&record).filter(|sample| u64::from(sample.tick) > told) {
         if sample.fault.is_some() {
             return Ok(None);
         }
