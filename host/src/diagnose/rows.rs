@@ -158,18 +158,18 @@ fn unsettled(s: &Signals) -> Vec<bool> {
 /// every sample of position and effort is the same.
 fn repeated(s: &Signals, effort: &[f64]) -> Vec<bool> {
     let mut again = vec![false; s.x.len()];
-    let same_of = |values: &[f64], a: &Range<usize>, b: &Range<usize>| {
+    let rounded = |values: &[f64]| {
         let (low, high) = bounds(values);
-        let pairs = values[a.clone()].iter().zip(&values[b.clone()]);
-        pairs
-            .into_iter()
-            .all(|(a, b)| (a - b).abs() <= ROUNDED * (high - low))
+        ROUNDED * (high - low)
     };
+    let columns = [(&s.x[..], rounded(&s.x)), (effort, rounded(effort))];
     for (i, piece) in s.pieces.iter().enumerate() {
         let same = |other: &Range<usize>| {
             other.len() == piece.len()
-                && same_of(&s.x, other, piece)
-                && same_of(effort, other, piece)
+                && columns.iter().all(|(values, rounded)| {
+                    let pairs = values[other.clone()].iter().zip(&values[piece.clone()]);
+                    pairs.into_iter().all(|(a, b)| (a - b).abs() <= *rounded)
+                })
         };
         if s.pieces[..i].iter().any(same) {
             again[piece.clone()].fill(true);
@@ -182,16 +182,13 @@ fn repeated(s: &Signals, effort: &[f64]) -> Vec<bool> {
 /// than none.
 fn sessions(files: &[Range<usize>], fold: &[usize], usable: &[bool]) -> Option<Vec<Range<usize>>> {
     let folds_in = |file: &Range<usize>| {
-        let folds: BTreeSet<usize> = file
-            .clone()
-            .filter(|i| usable[*i])
-            .map(|i| fold[i])
-            .collect();
-        folds.len()
+        let usable = file.clone().filter(|i| usable[*i]);
+        usable.map(|i| fold[i]).collect::<BTreeSet<usize>>().len()
     };
+    let with_folds = files.iter().map(|file| (file.clone(), folds_in(file)));
     // A copy has no rows, and no fold.
-    let told: Vec<Range<usize>> = files.iter().filter(|f| folds_in(f) > 0).cloned().collect();
-    let enough = told.len() > 1 && told.iter().all(|f| folds_in(f) >= OWN_FOLDS);
+    let (told, folds): (Vec<_>, Vec<usize>) = with_folds.filter(|(_, folds)| *folds > 0).unzip();
+    let enough = told.len() > 1 && folds.iter().all(|folds| *folds >= OWN_FOLDS);
     enough.then_some(told)
 }
 

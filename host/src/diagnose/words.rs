@@ -271,19 +271,17 @@ impl Diagnosis {
             "keep the {}; what is left is noise and friction's own variability.",
             self.model_word()
         );
-        let likeliest = self
-            .effects
-            .iter()
-            .max_by(|a, b| a.confidence.total_cmp(&b.confidence));
-        likeliest.map_or(keep.clone(), |e| {
-            format!(
-                "{keep} {} is suspected, with a probability of {} ({}). To be sure: {}.",
-                e.id(),
-                probability(e.confidence),
-                e.name.words(),
-                e.name.experiment()
-            )
-        })
+        let by_confidence = |a: &&Named, b: &&Named| a.confidence.total_cmp(&b.confidence);
+        let Some(likeliest) = self.effects.iter().max_by(by_confidence) else {
+            return keep;
+        };
+        format!(
+            "{keep} {} is suspected, with a probability of {} ({}). To be sure: {}.",
+            likeliest.id(),
+            probability(likeliest.confidence),
+            likeliest.name.words(),
+            likeliest.name.experiment()
+        )
     }
 
     fn model_word(&self) -> &'static str {
