@@ -116,7 +116,7 @@ impl Unknown {
                 effect.experiment()
             ),
             None => format!(
-                "something that follows {axis} acts that no catalogue entry describes; look at the maps of the mismatch on the page (`--report FILE.html`)."
+                "something that follows {axis} acts that no catalogue entry describes; look at the maps of what is left, on the page that --report writes."
             ),
         }
     }
