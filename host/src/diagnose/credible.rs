@@ -1,22 +1,31 @@
-//! The hypothesis without the names that nobody should believe: beside two terms that cancel each other, neither has its own size.
+//! The hypothesis without the names that nobody should believe: a better one takes the place of what it makes needless, and beside two
+//! terms that cancel each other, neither has its own size.
 
 use super::confidence::confidence;
 use super::effect;
 use super::naming::{Standing, standings};
-use super::search::Found;
+use super::search::{Found, MOST};
 
 /// Confidence below which a name does not stand in the way of others.
 const INCREDIBLE: f64 = 0.1;
 
-/// What everything found is worth once incredible names are gone, one after the other, and what was said of those; `found` loses them.
+/// Most exchanges: as many as a hypothesis has terms.
+const EXCHANGES: usize = MOST;
+
+/// What everything found is worth, and what was said of what went: better names take the places of those that they make needless, and
+/// incredible ones go, one after the other; so they do in `found`.
 pub fn sieved(
     found: &mut Found,
     given: usize,
     periods: &[f64],
 ) -> Option<(Vec<Standing>, Vec<Standing>)> {
-    let mut gone = Vec::new();
+    let (mut gone, mut exchanges) = (Vec::new(), 0);
     loop {
         let mut left = standings(found, given, periods);
+        if exchanges < EXCHANGES && exchange(found, &left)? {
+            exchanges += 1;
+            continue;
+        }
         let least = (0..left.len())
             .filter(|&i| is_incredible(&left[i]))
             .min_by(|&a, &b| confidence(&left[a]).total_cmp(&confidence(&left[b])));
@@ -29,6 +38,18 @@ pub fn sieved(
         found.hypothesis = found.ground.fit(&terms)?;
         gone.push(out);
     }
+}
+
+/// Puts the best of the better names in its place; whether there was one.
+fn exchange(found: &mut Found, standings: &[Standing]) -> Option<bool> {
+    let better = standings.iter().filter(|s| s.better.is_some());
+    let Some(old) = better.max_by(|a, b| a.rival.total_cmp(&b.rival)) else {
+        return Some(false);
+    };
+    let mut terms = found.hypothesis.terms.clone();
+    terms[old.index] = old.better.clone()?;
+    found.hypothesis = found.ground.fit(&terms)?;
+    Some(true)
 }
 
 /// A delay stays: every recording may have one.

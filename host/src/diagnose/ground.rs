@@ -245,17 +245,32 @@ impl Ground {
 
     /// Fits core and terms.
     pub fn fit(&self, terms: &[Term]) -> Option<Hypothesis> {
-        self.fit_columns(&self.noise, terms, &[])
+        self.fit_columns(&self.noise, terms, &[], |t| self.bound(t))
+    }
+
+    /// The same for the terms of a user's model, whose signs are the user's.
+    pub fn fit_as_given(&self, terms: &[Term]) -> Option<Hypothesis> {
+        self.fit_columns(&self.noise, terms, &[], |_| Bound::Free)
     }
 
     /// Fits core and terms, all rows alike.
     pub fn fit_unweighted(&self, terms: &[Term]) -> Option<Hypothesis> {
-        self.fit_columns(&self.unweighted(), terms, &[])
+        self.fit_columns(&self.unweighted(), terms, &[], |t| self.bound(t))
     }
 
     /// Fits core, terms and further free columns behind them.
     pub fn fit_beside(&self, terms: &[Term], more: &[Vec<f64>]) -> Option<Normal> {
-        Some(self.fit_columns(&self.noise, terms, more)?.normal)
+        let fitted = self.fit_columns(&self.noise, terms, more, |t| self.bound(t))?;
+        Some(fitted.normal)
+    }
+
+    /// How a term's coefficients are bound: a simulation may have too much of an effect.
+    fn bound(&self, term: &Term) -> Bound {
+        if self.core.corrects && term.effect().is_some() {
+            Bound::Free
+        } else {
+            term.bound()
+        }
     }
 
     /// A noise model that weights all rows alike.
@@ -264,14 +279,20 @@ impl Ground {
         Noise::white(&self.rows.target, &course(&self.rows, &places))
     }
 
-    fn fit_columns(&self, noise: &Noise, terms: &[Term], more: &[Vec<f64>]) -> Option<Hypothesis> {
+    fn fit_columns(
+        &self,
+        noise: &Noise,
+        terms: &[Term],
+        more: &[Vec<f64>],
+        bound: impl Fn(&Term) -> Bound,
+    ) -> Option<Hypothesis> {
         let own: Vec<Arc<Vec<Vec<f64>>>> = terms.par_iter().map(|t| self.columns(t)).collect();
         let mut columns: Vec<&[f64]> = self.core.rows.iter().map(Vec::as_slice).collect();
         let mut bounds = self.core.bounds();
         let mut places = Vec::new();
         for (term, own) in terms.iter().zip(&own) {
             places.push(columns.len()..columns.len() + own.len());
-            bounds.extend(own.iter().map(|_| term.bound()));
+            bounds.extend(own.iter().map(|_| bound(term)));
             columns.extend(own.iter().map(Vec::as_slice));
         }
         columns.extend(more.iter().map(Vec::as_slice));

@@ -64,8 +64,9 @@ impl Term {
     /// How its coefficients are bound in a fit.
     pub fn bound(&self) -> Bound {
         match self.subject {
+            Subject::Effect(effect) => effect.bound(),
             Subject::Change(change) => change.bound(),
-            _ => Bound::Free,
+            Subject::Curve(_) => Bound::Free,
         }
     }
 

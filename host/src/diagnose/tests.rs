@@ -227,6 +227,41 @@ fn a_name_that_nobody_should_believe_does_not_stand_in_the_way() {
 }
 
 #[test]
+fn what_is_simpler_and_explains_as_much_takes_the_place_of_what_it_makes_needless() {
+    let period = 0.04;
+    let recording = made(|_, x, _| 0.4 * (std::f64::consts::TAU * x / period).sin());
+    let mut found = found(&recording);
+    let delay = by_id("channel_delay");
+    let alone = found
+        .ground
+        .fit(std::slice::from_ref(&delay))
+        .expect("a fit");
+    let (list, _) = offers(&found.ground, &alone, &[]);
+    let is_map = |o: &&offer::Offer| o.term.is_like(&by_id("position_force"));
+    let map = list.iter().find(is_map).expect("an offer");
+    found.hypothesis = found.ground.fit(&[delay, map.term.clone()]).expect("a fit");
+    sieved(&mut found, 1, &[]).expect("a fit");
+    assert_eq!(names(&found), ["channel_delay", "periodic_force"]);
+    let own = found.hypothesis.terms[1].shape[0];
+    assert!((own / period - 1.0).abs() < 0.01, "{own} m");
+}
+
+#[test]
+fn no_viscous_force_drives_the_axis_but_a_users_own_model_keeps_its_sign() {
+    // Friction that falls with speed looks like it.
+    let recording = made(|_, _, v| 1.5 * v.signum() * (-v.abs() / 0.03).exp());
+    let ground = ground(&recording);
+    let terms = [by_id("viscous"), by_id("quadratic_drag")];
+    for term in terms.each_ref().map(std::slice::from_ref) {
+        let bound = ground.fit(term).expect("a fit");
+        assert_eq!(bound.coefficients(0), [0.0]);
+        let free = ground.fit_as_given(term).expect("a fit");
+        assert!(free.coefficients(0)[0] < -1.0, "{:?}", free.coefficients(0));
+        assert!(free.normal.loss() < bound.normal.loss());
+    }
+}
+
+#[test]
 fn verdicts_say_what_the_recording_says() {
     let of = |more: &dyn Fn(f64, f64, f64) -> f64| {
         let recording = made(more);

@@ -161,7 +161,7 @@ pub fn conclude(
         .filter_map(|s| named(&found, s, mechanics))
         .collect();
     let kept: Vec<Term> = found.hypothesis.terms[..given].to_vec();
-    let first = found.ground.fit(&kept)?;
+    let first = found.ground.fit_as_given(&kept)?;
     let extended = shown(&found, &kept, &mut effects)?;
     // Where all names together leave much of the effort, none of them is sure.
     let reached = extended.nmse(&found.ground.rows);

@@ -37,6 +37,7 @@ pub mod viscous;
 mod wave;
 
 use super::axis::Axis;
+use super::normal::Bound;
 use super::signals::Signals;
 use super::weak::Column;
 use crate::effects::Effect as Entry;
@@ -52,11 +53,11 @@ pub static ALL: [&dyn Effect; 26] = [
     &stribeck::Stribeck,
     &position_spring::PositionSpring,
     &gravity::Gravity,
-    &position_force::PositionForce,
-    &position_friction::PositionFriction,
-    &local_friction_spot::LocalFrictionSpot,
     &periodic_force::PeriodicForce,
     &periodic_friction::PeriodicFriction,
+    &local_friction_spot::LocalFrictionSpot,
+    &position_force::PositionForce,
+    &position_friction::PositionFriction,
     &encoder_error::EncoderError,
     &external_vibration::ExternalVibration,
     &channel_delay::ChannelDelay,
@@ -82,6 +83,12 @@ pub static VIBRATION: &dyn Effect = &external_vibration::ExternalVibration;
 /// The effect of an id.
 pub fn by_id(id: &str) -> Option<&'static dyn Effect> {
     ALL.into_iter().find(|effect| effect.id() == id)
+}
+
+/// Its place in the catalogue: of two, the simpler one has the lower.
+pub fn rank(effect: &dyn Effect) -> usize {
+    let place = ALL.iter().position(|e| e.id() == effect.id());
+    place.unwrap_or(ALL.len())
 }
 
 /// How much an effect may explain by chance, and what it competes with.
@@ -287,6 +294,11 @@ pub trait Effect: Sync {
 
     /// Columns at the sample rate, linear in their coefficients.
     fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column>;
+
+    /// How its coefficients are bound wherever they are fitted.
+    fn bound(&self) -> Bound {
+        Bound::Free
+    }
 
     /// Whether coefficients have the sign, or the size, that the physics has.
     fn admits(&self, shape: &[f64], coefficients: &[f64]) -> bool {

@@ -4,6 +4,7 @@ use super::lack::several_speeds;
 use super::readout::enter;
 use super::{Class, Effect, Fitted, Part, Scene};
 use crate::diagnose::axis::Axis;
+use crate::diagnose::normal::Bound;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
 use crate::model::Model;
@@ -48,6 +49,10 @@ impl Effect for QuadraticDrag {
     fn columns(&self, _: &[f64], scene: &Scene) -> Vec<Column> {
         let v = &scene.s.v;
         vec![scene.force(|i| v[i] * v[i].abs())]
+    }
+
+    fn bound(&self) -> Bound {
+        Bound::NonNegative
     }
 
     fn admits(&self, _: &[f64], coefficients: &[f64]) -> bool {

@@ -4,6 +4,7 @@ use super::lack::several_speeds;
 use super::readout::value_of;
 use super::{Class, Effect, Fitted, Part, Scene};
 use crate::diagnose::axis::Axis;
+use crate::diagnose::normal::Bound;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
 use crate::model::Model;
@@ -53,6 +54,10 @@ impl Effect for Viscous {
             sloped: scene.s.x.clone(),
             ..Column::default()
         }]
+    }
+
+    fn bound(&self) -> Bound {
+        Bound::NonNegative
     }
 
     fn admits(&self, _: &[f64], coefficients: &[f64]) -> bool {
