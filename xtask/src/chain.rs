@@ -24,9 +24,9 @@ const ROW: &str = "40";
 
 /// Before that (s) the firmware has not been told where it was switched on (`FIRST` in sim/src/chain/on_emulator.rs): positions jump then,
 /// and to an identification a jump is a motion.
-const LOCATED: &str = "0.004";
+const LOCATED: &str = "0.020";
 /// The same where it first finds the zero of its current sense (`CALIBRATED` in sim/src/rig).
-const LOCATED_CALIBRATED: &str = "0.108";
+const LOCATED_CALIBRATED: &str = "0.124";
 
 /// Trials at a time; a trial keeps one core busy.
 const WORKERS: usize = 2;

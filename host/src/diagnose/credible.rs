@@ -1,29 +1,25 @@
-//! The hypothesis without the names that nobody should believe: a better one takes the place of what it makes needless, and beside two
+//! The hypothesis without the names that nobody should believe: a simpler one takes the place of what it makes needless, and beside two
 //! terms that cancel each other, neither has its own size.
 
 use super::confidence::confidence;
 use super::effect;
 use super::naming::{Standing, standings};
-use super::search::{Found, MOST};
+use super::search::Found;
 
 /// Confidence below which a name does not stand in the way of others.
 const INCREDIBLE: f64 = 0.1;
 
-/// Most exchanges: as many as a hypothesis has terms.
-const EXCHANGES: usize = MOST;
-
-/// What everything found is worth, and what was said of what went: better names take the places of those that they make needless, and
+/// What everything found is worth, and what was said of what went: simpler names take the places of those that they make needless, and
 /// incredible ones go, one after the other; so they do in `found`.
 pub fn sieved(
     found: &mut Found,
     given: usize,
     periods: &[f64],
 ) -> Option<(Vec<Standing>, Vec<Standing>)> {
-    let (mut gone, mut exchanges) = (Vec::new(), 0);
+    let mut gone = Vec::new();
     loop {
         let mut left = standings(found, given, periods);
-        if exchanges < EXCHANGES && exchange(found, &left)? {
-            exchanges += 1;
+        if exchange(found, &left)? {
             continue;
         }
         let least = (0..left.len())
@@ -40,7 +36,7 @@ pub fn sieved(
     }
 }
 
-/// Puts the best of the better names in its place; whether there was one.
+/// Puts the best of the better names in its place; whether there was one. Each is simpler than the last, so that this ends.
 fn exchange(found: &mut Found, standings: &[Standing]) -> Option<bool> {
     let better = standings.iter().filter(|s| s.better.is_some());
     let Some(old) = better.max_by(|a, b| a.rival.total_cmp(&b.rival)) else {

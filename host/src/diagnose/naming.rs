@@ -6,10 +6,10 @@
 use super::axis::Axis;
 use super::change::Change;
 use super::curve::hats;
-use super::effect::{self, Class, Effect};
+use super::effect::{ALWAYS_FREE, Class, Effect, rank};
 use super::evidence::{Evidence, evidence};
 use super::ground::{Ground, Hypothesis};
-use super::offer::{Offer, WORSE, offer_of, offers, refined};
+use super::offer::{Offer, offer_of, offers, refined};
 use super::search::{Found, MATERIAL, beside};
 use super::term::{Subject, Term};
 
@@ -23,6 +23,8 @@ const NEEDLESS: f64 = 0.3;
 const CHANGES: f64 = 0.25;
 /// Standard deviations of such a change: as many as a candidate needs to enter.
 const MODULATED: f64 = 3.0;
+/// Standard deviations by which a rival is clearly worse.
+const WORSE: f64 = 2.0;
 
 /// An effect's, a curve's or a change's standing in the final hypothesis.
 #[derive(Clone)]
@@ -35,7 +37,7 @@ pub struct Standing {
     pub evidence: Evidence,
     /// Rivals that make it needless and are not clearly worse, best first.
     pub ambiguous: Vec<&'static dyn Effect>,
-    /// The rival that belongs in its place: it makes it needless, and explains more, or nearly as much and is simpler.
+    /// The rival that belongs in its place: simpler, it makes it needless and explains no less.
     pub better: Option<Term>,
     /// Explanation of the best rival that makes it needless, over its own; 0 where there is none.
     pub rival: f64,
@@ -111,10 +113,11 @@ impl Standing {
         self.evidence.share.max(self.gain)
     }
 
-    /// Plain physics stays, which every machine may have, and a delay, which every recording may have.
-    fn stays(&self) -> bool {
-        let effect = self.term.effect();
-        effect.is_none_or(|e| e.class() == Class::Plain || e.id() == effect::ALWAYS_FREE.id())
+    /// Whether a rival is simpler. Plain physics stays, which every machine may have, and a delay, which every recording may have.
+    fn gives_way(&self, rival: &dyn Effect) -> bool {
+        let stays = |e: &dyn Effect| e.class() == Class::Plain || e.id() == ALWAYS_FREE.id();
+        let own = self.term.effect().filter(|e| !stays(*e));
+        own.is_some_and(|own| rank(rival) < rank(own))
     }
 
     /// Compares with one rival in the same place. What has no name is only told: a curve that contains the effect's own does as well.
@@ -137,11 +140,14 @@ impl Standing {
         if kept > NEEDLESS * own.evidence.share {
             return;
         }
-        if ratio > self.rival && !self.stays() && rival.displaces(own, ground, rest) {
+        if ratio > self.rival.max(1.0)
+            && self.gives_way(effect)
+            && effect.lacks(&ground.rows.s).is_none()
+        {
             self.better = Some(rival.term.clone());
         }
         self.rival = self.rival.max(ratio);
-        if own.margin(rival, ground, rest) < WORSE {
+        if margin(ground, rest, own, rival) < WORSE {
             self.ambiguous.push(effect);
         }
     }
@@ -150,6 +156,27 @@ impl Standing {
 /// The terms of a hypothesis and one more.
 fn joined(rest: &Hypothesis, term: &Term) -> Vec<Term> {
     [rest.terms.as_slice(), std::slice::from_ref(term)].concat()
+}
+
+/// Standard deviations, over blocks, by which `own` leaves less than `rival`.
+fn margin(ground: &Ground, rest: &Hypothesis, own: &Offer, rival: &Offer) -> f64 {
+    let e = &rest.normal.held_out;
+    let differences: Vec<f64> = ground
+        .rows
+        .blocks
+        .iter()
+        .map(|rows| {
+            rows.clone()
+                .map(|i| {
+                    (e[i] - rival.trial.force[i]).powi(2) - (e[i] - own.trial.force[i]).powi(2)
+                })
+                .sum()
+        })
+        .collect();
+    let n = differences.len() as f64;
+    let sum: f64 = differences.iter().sum();
+    let square: f64 = differences.iter().map(|d| (d - sum / n).powi(2)).sum();
+    sum / (square * n / (n - 1.0)).sqrt().max(1e-300)
 }
 
 /// The coordinate over which the size of a term changes most, and what the change explains over the term's own. A viscous force that acts

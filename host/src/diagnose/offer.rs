@@ -17,11 +17,6 @@ const SLOW: f64 = 0.2;
 /// Fewest periods of a line within the travel.
 const PERIODS: f64 = 1.5;
 
-/// Share of another's explanation from which a simpler effect is taken in its place.
-const TIE: f64 = 0.93;
-/// Standard deviations by which a rival is clearly worse.
-pub const WORSE: f64 = 2.0;
-
 /// A candidate, judged.
 #[derive(Clone)]
 pub struct Offer {
@@ -41,36 +36,6 @@ impl Offer {
     /// The chance that any of `families` candidates does as well without any effect.
     pub fn chance(&self, families: usize) -> f64 {
         chance(self.evidence.z, self.tries * families as f64)
-    }
-
-    /// Standard deviations, over blocks, by which it leaves less of `rest` than `rival`.
-    pub fn margin(&self, rival: &Offer, ground: &Ground, rest: &Hypothesis) -> f64 {
-        let e = &rest.normal.held_out;
-        let left = |o: &Offer, i: usize| (e[i] - o.trial.force[i]).powi(2);
-        let blocks = ground.rows.blocks.iter().cloned();
-        let differences: Vec<f64> = blocks
-            .map(|rows| rows.map(|i| left(rival, i) - left(self, i)).sum())
-            .collect();
-        let n = differences.len() as f64;
-        let sum: f64 = differences.iter().sum();
-        let square: f64 = differences.iter().map(|d| (d - sum / n).powi(2)).sum();
-        sum / (square * n / (n - 1.0)).sqrt().max(1e-300)
-    }
-
-    /// Whether it belongs in the place of another effect: it is simpler and not clearly worse, or explains more than simplicity is worth.
-    pub fn displaces(&self, other: &Offer, ground: &Ground, rest: &Hypothesis) -> bool {
-        let (Some(own), Some(theirs)) = (self.term.effect(), other.term.effect()) else {
-            return false;
-        };
-        let ratio = self.evidence.share / other.evidence.share.max(1e-300);
-        let margin = || self.margin(other, ground, rest);
-        if own.lacks(&ground.rows.s).is_some() {
-            false
-        } else if effect::rank(own) < effect::rank(theirs) {
-            ratio >= TIE && margin() > -WORSE
-        } else {
-            ratio > 1.0 / TIE || (ratio > 1.0 && margin() > WORSE)
-        }
     }
 }
 

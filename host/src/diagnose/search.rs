@@ -25,12 +25,14 @@ const MATCH: f64 = 0.9;
 /// The same over the name's own coordinate, where two effects may share one curve, and for changes of the core, which bend to
 /// whatever is there.
 const OWN: f64 = 0.5;
+/// Share of the leader's explanation from which a simpler effect is taken in its place.
+const TIE: f64 = 0.93;
 /// Share of a term's entry that it must keep beside later ones.
 const KEEP: f64 = 0.5;
 /// Standard deviations that a term must keep beside later ones.
 const SURE: f64 = 2.0;
 /// Most terms.
-pub const MOST: usize = 10;
+const MOST: usize = 10;
 /// Candidates whose shape is refined before they are compared.
 const LEADERS: usize = 6;
 /// A term that takes more than this share of the mismatch changes what the others act through, and the noise.
@@ -72,7 +74,7 @@ pub fn search(
         list.retain(|o| !barred.contains(&o.term.subject.key()) && !is_harmless(&ground, o));
         let full = hypothesis.terms.len() >= first.len() + MOST;
         let least = MATERIAL.max(visible / left);
-        let Some(next) = pick(&ground, &hypothesis, &list, families, least)
+        let Some(next) = pick(&ground, &list, families, least)
             .filter(|_| !full)
             .cloned()
         else {
@@ -135,13 +137,7 @@ fn lead(ground: &Ground, hypothesis: &Hypothesis, list: &mut [Offer]) {
 }
 
 /// The candidate that enters, of those that take at least a share `least` of the mismatch.
-fn pick<'a>(
-    ground: &Ground,
-    hypothesis: &Hypothesis,
-    list: &'a [Offer],
-    families: usize,
-    least: f64,
-) -> Option<&'a Offer> {
+fn pick<'a>(ground: &Ground, list: &'a [Offer], families: usize, least: f64) -> Option<&'a Offer> {
     let fit: Vec<&Offer> = list
         .iter()
         .filter(|o| o.evidence.share >= least && o.relative >= WORTH && o.chance(families) < ALPHA)
@@ -173,20 +169,17 @@ fn pick<'a>(
     let first = fit.iter().find(|o| can(o) && plain(o));
     first
         .or_else(|| fit.iter().find(|o| can(o) && good(o)))
-        .map(|o| simplest(ground, hypothesis, o, &fit))
+        .map(|o| simplest(o, &fit))
         .or(Some(best))
 }
 
 /// The simplest effect, in the catalogue's order, that explains nearly as much as `leader`.
-fn simplest<'a>(
-    ground: &Ground,
-    hypothesis: &Hypothesis,
-    leader: &'a Offer,
-    fit: &[&'a Offer],
-) -> &'a Offer {
+fn simplest<'a>(leader: &'a Offer, fit: &[&'a Offer]) -> &'a Offer {
+    let near =
+        |o: &&Offer| o.term.effect().is_some() && o.evidence.share >= TIE * leader.evidence.share;
     fit.iter()
         .copied()
-        .filter(|o| o.displaces(leader, ground, hypothesis))
+        .filter(near)
         .min_by_key(|o| o.term.effect().map(effect::rank))
         .unwrap_or(leader)
 }

@@ -10,8 +10,9 @@ use std::path::Path;
 /// Ticks from one sample of telemetry to the next: 1 kHz, as a slow serial line carries.
 const EVERY: u16 = 20;
 
-/// When the first move is sent, in ticks after the axis is enabled: the request before it has been read by then.
-const FIRST: u64 = 80;
+/// When the first move is sent, in ticks after the axis is enabled: the requests before it have been carried out by then. For a parameter
+/// that is set the firmware builds its model anew, about 120 ticks for a Stribeck curve of an exponent that is no whole number.
+const FIRST: u64 = 400;
 
 fn first(trial: &Trial) -> u64 {
     match trial.config.electrical {
