@@ -16,13 +16,16 @@
 
 mod constant_time;
 mod count_gms;
+mod curves;
 mod dsp;
+mod lumped;
 mod packed;
 mod quantised;
 mod slip_reserve;
 
 pub use constant_time::ConstantTimeSlipReserve;
 pub use count_gms::{CountGms, CountGmsState};
+pub use lumped::{Float, LumpedCountGms, LumpedCountGmsState, LumpedGms, LumpedGmsState};
 pub use packed::{PackedSlipReserve, PackedState};
 pub use slip_reserve::{SlipReserve, SlipReserveState};
 

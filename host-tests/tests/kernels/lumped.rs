@@ -1,0 +1,203 @@
+//! The lumped law against the law block by block, and against `f64`.
+
+use crate::reference::*;
+use preslide::kernels::{CountGms, LumpedCountGms, LumpedGms};
+use preslide::{Block, Friction, Gms, Motion, Sliding, Units};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Any law: stiffnesses over three decades, any weights, Stribeck effects from none to strong, lags from none to long.
+fn any_law<const N: usize>(random: &mut ChaCha8Rng) -> ([Block; N], Sliding) {
+    let parts: [f64; N] = std::array::from_fn(|_| random.random_range(0.1..1.0));
+    let sum: f64 = parts.iter().sum();
+    let blocks = parts.map(|part| {
+        let yields = 10_f64.powf(random.random_range(-6.5..-3.5));
+        let weight = part / sum;
+        Block {
+            stiffness: weight * BREAKAWAY / yields,
+            weight,
+        }
+    });
+    let sliding = Sliding {
+        coulomb: BREAKAWAY * [1.0, random.random_range(0.2..1.0)][random.random_range(0..2)],
+        stribeck_velocity: 10_f64.powf(random.random_range(-4.0..-2.0)),
+        stribeck_exponent: random.random_range(1.0..4.0),
+        attraction: [
+            0.0,
+            f64::INFINITY,
+            10_f64.powf(random.random_range(0.0..4.0)),
+        ][random.random_range(0..3)],
+    };
+    (blocks, sliding)
+}
+
+/// A displacement (m) and a velocity (m/s): strokes from a tremor to a traverse, turned at random, with rests.
+fn any_motion(random: &mut ChaCha8Rng, speed: &mut f64) -> (f64, f64) {
+    match random.random_range(0..200) {
+        0..8 => *speed = -*speed,
+        8 => *speed = 10_f64.powf(random.random_range(-6.0..-1.0)),
+        9..12 => return (0.0, 0.0),
+        12..20 => return (0.0, *speed),
+        20 => return (random.random_range(-1e-3..1e-3), *speed),
+        _ => {}
+    }
+    (*speed * SAMPLE_TIME * random.random_range(0.5..1.5), *speed)
+}
+
+fn equals_the_law_block_by_block<const N: usize>() {
+    let mut most = 0.0_f64;
+    for seed in 0..40 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let (blocks, sliding) = any_law::<N>(&mut random);
+        let reference =
+            Gms::<N, f64>::try_new(&blocks, BREAKAWAY, sliding, SAMPLE_TIME, Units::SI).unwrap();
+        let lumped =
+            LumpedGms::<N, f64>::try_new(&blocks, BREAKAWAY, sliding, SAMPLE_TIME, Units::SI)
+                .unwrap();
+        let (mut expected, mut state) = (reference.at_rest(), lumped.at_rest());
+        let mut speed = 1e-4;
+        for step in 0..STEPS / 40 {
+            let (displacement, velocity) = any_motion(&mut random, &mut speed);
+            let motion = Motion {
+                displacement,
+                velocity,
+            };
+            let force = lumped.step(&mut state, motion);
+            let error = (force - reference.step(&mut expected, motion)).abs();
+            assert!(
+                error < 1e-9 * BREAKAWAY,
+                "N = {N}, seed {seed}, step {step}: {error} N apart"
+            );
+            most = most.max(error);
+        }
+    }
+    println!("N = {N}: at most {most:.1e} N from the law block by block");
+}
+
+/// In `f64`, with rounding out of the way, over random laws and motions.
+#[test]
+fn spring_and_slider_are_the_law_block_by_block() {
+    equals_the_law_block_by_block::<1>();
+    equals_the_law_block_by_block::<2>();
+    equals_the_law_block_by_block::<3>();
+    equals_the_law_block_by_block::<4>();
+    equals_the_law_block_by_block::<6>();
+    equals_the_law_block_by_block::<10>();
+    equals_the_law_block_by_block::<32>();
+}
+
+fn in_counts<const N: usize>(sliding: Sliding) -> (LumpedCountGms<N>, Units) {
+    let blocks = blocks::<N>();
+    let units = counts(LumpedCountGms::finest_force(&blocks, BREAKAWAY, COUNT));
+    let gms = LumpedCountGms::try_new(&blocks, BREAKAWAY, sliding, SAMPLE_TIME, units);
+    (gms.unwrap(), units)
+}
+
+fn in_f32<const N: usize>(sliding: Sliding) -> LumpedGms<N> {
+    LumpedGms::try_new(&blocks(), BREAKAWAY, sliding, SAMPLE_TIME, Units::SI).unwrap()
+}
+
+fn against_f64<const N: usize>() {
+    let blocks = blocks::<N>();
+    let (kernel, units) = in_counts::<N>(SLIDING);
+    let mut exact = Exact::new(&blocks);
+    errors(&kernel, units, |dx, v| exact.step(dx, v))
+        .check(&format!("lumped_i32 N = {N}"), [0.01, 0.004, 0.0002]);
+    let mut exact = Exact::new(&blocks);
+    errors(&in_f32::<N>(SLIDING), Units::SI, |dx, v| exact.step(dx, v))
+        .check(&format!("lumped_f32 N = {N}"), [0.01, 0.004, 0.0002]);
+    let gms = Gms::<N>::try_new(&blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, Units::SI).unwrap();
+    let mut exact = Exact::new(&blocks);
+    errors(&gms, Units::SI, |dx, v| exact.step(dx, v))
+        .check(&format!("gms_f32 N = {N}"), [0.01, 0.004, 0.0002]);
+}
+
+#[test]
+fn in_counts_and_in_f32_it_stays_within_its_bounds_of_the_f64_reference() {
+    against_f64::<1>();
+    against_f64::<2>();
+    against_f64::<3>();
+    against_f64::<4>();
+    against_f64::<6>();
+    against_f64::<8>();
+    against_f64::<10>();
+}
+
+/// Ten million ticks: sums that are carried on could drift. Errors of the first and of the last million against `f64`.
+#[test]
+fn nothing_drifts_over_ten_million_ticks() {
+    const LONG: usize = 10_000_000;
+    let blocks = blocks::<6>();
+    let (whole, units) = in_counts::<6>(SLIDING);
+    let float = in_f32::<6>(SLIDING);
+    let (mut of_whole, mut of_float) = (whole.at_rest(), float.at_rest());
+    let mut exact = Exact::new(&blocks);
+    let mut found: [Errors; 4] = Default::default();
+    for (step, (dx, speed)) in strokes(2).take(LONG).enumerate() {
+        let velocity = speed * COUNT / SAMPLE_TIME;
+        let force = exact.step(f64::from(dx) * COUNT, velocity);
+        let in_counts = whole.step(&mut of_whole, motion(dx, velocity, units)).to_bits();
+        let in_float = float.step(&mut of_float, motion(dx, velocity, Units::SI));
+        let errors = [
+            f64::from(in_counts) * units.force - force,
+            f64::from(in_float) - force,
+        ];
+        for (kernel, error) in errors.into_iter().enumerate() {
+            if step < STEPS {
+                found[kernel].add(error);
+            } else if step >= LONG - STEPS {
+                found[2 + kernel].add(error);
+            }
+        }
+    }
+    for (errors, name) in found.iter().zip([
+        "lumped_i32, first million",
+        "lumped_f32, first million",
+        "lumped_i32, last million",
+        "lumped_f32, last million",
+    ]) {
+        errors.check(name, [0.01, 0.004, 0.0002]);
+    }
+}
+
+/// Ten million ticks without an event, at the rest that a loop of control trembles about: in counts every tick of the loop has the same
+/// bits ever after; in `f32` the travel drifts as a block's deflection does.
+#[test]
+fn a_tremor_without_events_is_a_spring_forever() {
+    let tremor = [1, 2, -1, 3, -4, -3, 2, 0, -1, 1];
+    let (whole, units) = in_counts::<6>(SLIDING);
+    let mut state = whole.at_rest();
+    let mut round = || {
+        tremor.map(|dx| {
+            let motion = motion(dx, f64::from(dx) * COUNT / SAMPLE_TIME, units);
+            whole.step(&mut state, motion).to_bits()
+        })
+    };
+    let first = round();
+    for _ in 0..STEPS {
+        assert_eq!(round(), first);
+    }
+
+    let drift = |kernel: &dyn Fn(&mut f64)| {
+        let mut force = 0.0;
+        kernel(&mut force);
+        100.0 * force.abs() / BREAKAWAY
+    };
+    fn run<K: Friction<Scalar = f32>>(kernel: &K, tremor: &[i32]) -> f64 {
+        let mut state = kernel.at_rest();
+        let mut force = 0.0;
+        for _ in 0..STEPS {
+            for dx in tremor {
+                let velocity = f64::from(*dx) * COUNT / SAMPLE_TIME;
+                force = kernel.step(&mut state, motion(*dx, velocity, Units::SI));
+            }
+        }
+        f64::from(force)
+    }
+    let gms =
+        Gms::<6>::try_new(&blocks(), BREAKAWAY, SLIDING, SAMPLE_TIME, Units::SI).unwrap();
+    let lumped = drift(&|force| *force = run(&in_f32::<6>(SLIDING), &tremor));
+    let by_block = drift(&|force| *force = run(&gms, &tremor));
+    println!("after ten million ticks: lumped_f32 {lumped:.5} %, gms_f32 {by_block:.5} % of F_s");
+    assert!(lumped <= by_block + 0.001, "{lumped} % > {by_block} %");
+}
