@@ -136,7 +136,9 @@ fn nothing_drifts_over_ten_million_ticks() {
     for (step, (dx, speed)) in strokes(2).take(LONG).enumerate() {
         let velocity = speed * COUNT / SAMPLE_TIME;
         let force = exact.step(f64::from(dx) * COUNT, velocity);
-        let in_counts = whole.step(&mut of_whole, motion(dx, velocity, units)).to_bits();
+        let in_counts = whole
+            .step(&mut of_whole, motion(dx, velocity, units))
+            .to_bits();
         let in_float = float.step(&mut of_float, motion(dx, velocity, Units::SI));
         let errors = [
             f64::from(in_counts) * units.force - force,
@@ -194,8 +196,7 @@ fn a_tremor_without_events_is_a_spring_forever() {
         }
         f64::from(force)
     }
-    let gms =
-        Gms::<6>::try_new(&blocks(), BREAKAWAY, SLIDING, SAMPLE_TIME, Units::SI).unwrap();
+    let gms = Gms::<6>::try_new(&blocks(), BREAKAWAY, SLIDING, SAMPLE_TIME, Units::SI).unwrap();
     let lumped = drift(&|force| *force = run(&in_f32::<6>(SLIDING), &tremor));
     let by_block = drift(&|force| *force = run(&gms, &tremor));
     println!("after ten million ticks: lumped_f32 {lumped:.5} %, gms_f32 {by_block:.5} % of F_s");

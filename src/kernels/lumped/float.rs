@@ -72,10 +72,11 @@ const ROUNDING: f64 = 1e-6;
 /// - a block reaches its threshold (a bound on the travel, linear in `σ`, says that none does), or
 /// - the motion turns while one slips, or where one might slip the other way.
 ///
-/// The tick of an event takes every block by itself and costs more than one of [`Gms`](crate::Gms): choose by the worst tick that you can
-/// afford (`firmware/cycles/cortex-m4.csv` has both). Sums are formed anew at every event; between two of them the travel
-/// is summed as `Gms` sums a block's deflection, with the same rounding. The forces of the two differ by that rounding, and by what
-/// `Gms` says of a block that comes back to exactly its limit.
+/// **The mean is bought with the worst tick.** The tick of an event takes every block by itself and costs twice as much as any of
+/// [`Gms`](crate::Gms): `firmware/cycles/cortex-m4.csv` has both. Where the worst tick is what you budget, take `Gms`.
+///
+/// Sums are formed anew at every event; between two of them the travel is summed as `Gms` sums a block's deflection, with the same
+/// rounding. The forces of the two differ by that rounding, and by what `Gms` says of a block that comes back to exactly its limit.
 ///
 /// `N ≤ 32` blocks, `f32` or `f64`; parameters and range are those of [`Gms`](crate::Gms).
 ///

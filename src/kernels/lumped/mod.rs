@@ -115,7 +115,8 @@ impl<const N: usize, A: Number> Lumped<N, A> {
             slipping: 0,
             held: [A::ZERO; N],
         };
-        self.event(&mut state, A::ZERO, false, [A::ONE, A::ZERO]);
+        self.event::<true>(&mut state, A::ZERO, [A::ONE, A::ZERO]);
+        state.direction = A::FORWARD;
         state
     }
 
@@ -139,7 +140,7 @@ impl<const N: usize, A: Number> Lumped<N, A> {
         }
         if !(advance > A::ZERO) {
             if advance != A::ZERO {
-                return self.event(state, advance, true, sliding());
+                return self.event::<true>(state, -advance, sliding());
             }
             if !moves {
                 return state.force().along(state.direction);
@@ -148,7 +149,7 @@ impl<const N: usize, A: Number> Lumped<N, A> {
         let [weakening, lag] = sliding();
         let bound = state.offset + A::part(state.slope, weakening);
         if !(travel < bound) {
-            return self.event(state, advance, false, [weakening, lag]);
+            return self.event::<false>(state, advance, [weakening, lag]);
         }
         state.travel = travel;
         state.sliding = state.sliding + (weakening - state.sliding).lagging(lag);
@@ -159,36 +160,29 @@ impl<const N: usize, A: Number> Lumped<N, A> {
     /// A tick block by block, and what spring and slider are after it.
     #[cold]
     #[inline(never)]
-    fn event(
+    fn event<const TURNS: bool>(
         &self,
         state: &mut LumpedState<N, A>,
         advance: A,
-        turns: bool,
         [weakening, lag]: [A; 2],
     ) -> A {
         let (travel, sliding, fading) = (state.travel, state.sliding, state.fading);
-        let old = state.slipping;
-        let (mut slipped, mut advance) = (old, advance);
-        if turns {
-            state.direction = A::turned(state.direction);
-            advance = -advance;
-            slipped = 0;
-        }
         let mut slipping = 0;
         let [mut base, mut stiffness, mut weight, mut spread] = [A::ZERO; 4];
         let [mut ahead, mut later, mut back] = [self.far; 3];
         for (i, (held, spring)) in state.held.iter_mut().zip(&self.springs).enumerate() {
-            let mut z = if old >> i & 1 == 1 {
+            let slipped = state.slipping >> i & 1 == 1;
+            let mut z = if slipped {
                 A::part(spring.yields, sliding) + A::part(held.whole(), fading)
             } else {
                 *held + travel
             };
-            if turns {
+            if TURNS {
                 z = -z;
             }
+            let slips = slipped && !TURNS;
             let bound = A::part(spring.yields, weakening);
             let stuck = z + advance;
-            let slips = slipped >> i & 1 == 1;
             if !slips && stuck < bound {
                 *held = stuck;
                 stiffness = stiffness + spring.stiffness;
@@ -196,7 +190,9 @@ impl<const N: usize, A: Number> Lumped<N, A> {
                 let least = A::part(spring.yields, self.weakest);
                 ahead = smaller(ahead, least - stuck);
                 later = smaller(later, A::of_whole(spring.yields) - stuck);
-                back = smaller(back, least + stuck);
+                if TURNS {
+                    back = smaller(back, least + stuck);
+                }
             } else {
                 let beyond = z - bound;
                 *held = if slips || beyond >= A::ZERO {
@@ -209,15 +205,19 @@ impl<const N: usize, A: Number> Lumped<N, A> {
                 spread = spread + A::force(spring.stiffness, *held);
             }
         }
+        if TURNS {
+            state.direction = A::turned(state.direction);
+        }
         // The least of lines that rise with `σ` lies above the line between its ends.
         let slope = (later - ahead).per_weakening(self.per_weakening).whole();
         state.slope = slope;
         state.offset = ahead - A::part(slope, self.weakest) - A::MARGIN;
         state.slipping = slipping;
-        (state.ahead, state.behind) = if slipping == 0 {
-            (ahead, -back)
-        } else {
-            (-self.far, self.far)
+        // Only a turn has looked backward.
+        (state.ahead, state.behind) = match slipping {
+            0 if TURNS => (ahead, -back),
+            0 => (ahead, self.far),
+            _ => (-self.far, self.far),
         };
         (state.base, state.stiffness) = (base, stiffness);
         (state.weight, state.spread) = (weight.whole(), spread.whole());
