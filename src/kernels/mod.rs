@@ -14,7 +14,8 @@
 //! law exact: no drift, however long it runs; what is left is the rounding of `D` to a count and of `k`.
 //! The quasi-static kernels agree bit for bit wherever their ranges and units do, on the host as on the target.
 //!
-//! What each costs stands in `firmware/cycles/cortex-m4.csv`; `preslide tune` chooses between them.
+//! What each costs stands in `firmware/cycles/cortex-m4.csv`; `preslide tune` chooses between those that are cheapest in the worst tick, which
+//! the lumped law never is.
 
 mod constant_time;
 mod count_gms;

@@ -1,7 +1,7 @@
 //! The lumped law against the law block by block, and against `f64`.
 
 use crate::reference::*;
-use preslide::kernels::{CountGms, LumpedCountGms, LumpedGms};
+use preslide::kernels::{LumpedCountGms, LumpedGms};
 use preslide::{Block, Friction, Gms, Motion, Sliding, Units};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -180,11 +180,6 @@ fn a_tremor_without_events_is_a_spring_forever() {
         assert_eq!(round(), first);
     }
 
-    let drift = |kernel: &dyn Fn(&mut f64)| {
-        let mut force = 0.0;
-        kernel(&mut force);
-        100.0 * force.abs() / BREAKAWAY
-    };
     fn run<K: Friction<Scalar = f32>>(kernel: &K, tremor: &[i32]) -> f64 {
         let mut state = kernel.at_rest();
         let mut force = 0.0;
@@ -197,8 +192,126 @@ fn a_tremor_without_events_is_a_spring_forever() {
         f64::from(force)
     }
     let gms = Gms::<6>::try_new(&blocks(), BREAKAWAY, SLIDING, SAMPLE_TIME, Units::SI).unwrap();
-    let lumped = drift(&|force| *force = run(&in_f32::<6>(SLIDING), &tremor));
-    let by_block = drift(&|force| *force = run(&gms, &tremor));
+    let percent = |force: f64| 100.0 * force.abs() / BREAKAWAY;
+    let lumped = percent(run(&in_f32::<6>(SLIDING), &tremor));
+    let by_block = percent(run(&gms, &tremor));
     println!("after ten million ticks: lumped_f32 {lumped:.5} %, gms_f32 {by_block:.5} % of F_s");
     assert!(lumped <= by_block + 0.001, "{lumped} % > {by_block} %");
+}
+
+#[test]
+fn no_input_takes_it_beyond_its_limit() {
+    let (whole, _) = in_counts::<6>(SLIDING);
+    let float = in_f32::<6>(SLIDING);
+    let breakaway = BREAKAWAY as f32 * (1.0 + 1e-5);
+    let limits = (whole.limit().unwrap(), float.limit().unwrap());
+    assert!(limits.1 <= breakaway, "{} N", limits.1);
+    let mut states = (whole.at_rest(), float.at_rest());
+    let mut random = ChaCha8Rng::seed_from_u64(4);
+    for step in 0..STEPS {
+        let displacement = any_displacement(&mut random);
+        let velocity = match random.random_range(0..20) {
+            0 => [i32::MIN, i32::MAX, 0, 1][random.random_range(0..4)],
+            _ => random.random_range(-100_000..=100_000),
+        };
+        let in_counts = Motion {
+            displacement: crate::reference::whole(displacement),
+            velocity: crate::reference::whole(velocity),
+        };
+        let force = whole.step(&mut states.0, in_counts);
+        assert!(force.abs() <= limits.0, "step {step}: {force}");
+
+        let strange = [
+            f32::NAN,
+            f32::INFINITY,
+            f32::NEG_INFINITY,
+            f32::MAX,
+            -1e30,
+            0.0,
+        ];
+        let mut any = |value: f32| match random.random_range(0..200) {
+            0 => strange[random.random_range(0..strange.len())],
+            _ => value,
+        };
+        let in_metres = Motion {
+            displacement: any(displacement as f32 * COUNT as f32),
+            velocity: any(velocity as f32 * 1e-7),
+        };
+        let force = float.step(&mut states.1, in_metres);
+        assert!(
+            force.abs() <= limits.1,
+            "step {step}: {in_metres:?}: {force}"
+        );
+    }
+}
+
+/// After a long slide all blocks stick again when the motion turns: the force falls by `ΣW − Σk·x`, and by twice of it at the end.
+#[test]
+fn a_turn_while_all_slip_sticks_them_again() {
+    let (gms, units) = in_counts::<6>(Sliding::none(BREAKAWAY));
+    let mut state = gms.at_rest();
+    let mut go = |counts: i32| {
+        let force = gms.step(&mut state, motion(counts, 0.0, units)).to_bits();
+        f64::from(force) * units.force
+    };
+    for _ in 0..1_000 {
+        go(20);
+    }
+    assert!((go(20) - BREAKAWAY).abs() < 1e-6 * BREAKAWAY);
+    let stiffness: f64 = blocks::<6>().iter().map(|block| block.stiffness).sum();
+    for back in 1..=10 {
+        let expected = BREAKAWAY - stiffness * f64::from(back) * COUNT;
+        let force = go(-1);
+        assert!(
+            (force - expected).abs() < 1e-5 * BREAKAWAY,
+            "{back}: {force} N"
+        );
+    }
+    assert!((go(-10_000) + BREAKAWAY).abs() < 1e-6 * BREAKAWAY);
+}
+
+/// The rounding is that of where the last event lay, a few units of force: it does not grow with the number of loops.
+#[test]
+fn a_loop_closes_and_its_inside_is_wiped_out_after_any_number_of_events() {
+    let (gms, units) = in_counts::<4>(Sliding::none(BREAKAWAY));
+    let mut state = gms.at_rest();
+    let mut go = |counts: i32| gms.step(&mut state, motion(counts, 0.0, units)).to_bits();
+    go(1_000);
+    go(-700);
+    let outer = go(300);
+    for round in 0..100_000 {
+        go(-150);
+        go(50);
+        go(-30);
+        let closed = go(130);
+        assert!(
+            (closed - outer).abs() <= 8,
+            "round {round}: {closed}, {outer}"
+        );
+    }
+}
+
+#[test]
+fn what_lies_outside_its_range_is_refused_with_its_name() {
+    let message = |blocks: &[Block; 2], units| {
+        LumpedCountGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units)
+            .unwrap_err()
+            .to_string()
+    };
+    let block = |stiffness| Block {
+        stiffness,
+        weight: 0.5,
+    };
+    let apart = message(&[block(1e8), block(1e3)], counts(1e-3));
+    assert!(apart.contains("over the smallest"), "{apart}");
+    let long = message(&[block(10.0), block(15.0)], counts(1e-3));
+    assert!(long.contains("in units of length"), "{long}");
+    let coarse = Units {
+        velocity: 1e-3,
+        ..counts(1e-6)
+    };
+    let coarse = message(&blocks(), coarse);
+    assert!(coarse.contains("unit of velocity"), "{coarse}");
+    let fine = message(&blocks(), counts(1e-11));
+    assert!(fine.contains("block 1"), "{fine}");
 }
