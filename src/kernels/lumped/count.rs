@@ -59,7 +59,7 @@ impl Number for i32 {
 /// The full GMS law in `i32` as one spring and one slider: what [`LumpedGms`](super::LumpedGms) is to [`Gms`](crate::Gms), this is to
 /// [`CountGms`](crate::kernels::CountGms).
 ///
-/// The travel between two events is a whole number of parts of a count, so that sticking is exact: a presliding loop closes to the bit,
+/// The travel between two events is a whole number of parts of a count, so that sticking is exact: a loop in which no block slips closes to the bit,
 /// however often it is run, and nothing drifts. `σ` and `λ` come from the table of `CountGms`.
 ///
 /// Accepts yield displacements up to 2²⁰ units of length, the largest up to 2¹⁶ times the smallest, units of force down to
