@@ -155,7 +155,8 @@ impl Errors {
         self.steps += 1.0;
     }
 
-    pub fn check(&self, name: &str, [most, rms, bias]: [f64; 3]) {
+    /// Asserts the bounds (%); returns the bias (%).
+    pub fn check(&self, name: &str, [most, rms, bias]: [f64; 3]) -> f64 {
         let found = [
             self.most,
             (self.squares / self.steps).sqrt(),
@@ -172,6 +173,7 @@ impl Errors {
             "{name}: bias {} % > {bias} %",
             found[2]
         );
+        found[2]
     }
 }
 
