@@ -2,7 +2,7 @@
 
 use super::stribeck::{Sliding, SpeedTable};
 use crate::param::{
-    Block, ParamError, Units, at_most, check_blocks, fits, positive, to_positive, unsaturated,
+    Block, ParamError, Units, check_blocks, fits, positive, to_positive, unsaturated,
 };
 use crate::{Friction, Motion, Scalar};
 use core::sync::atomic::{Ordering, compiler_fence};
@@ -14,6 +14,34 @@ pub(crate) struct Blocks<const N: usize, S> {
     pub(crate) yields: [S; N],
     /// What |`F`| reaches: every product rounded as the run-time sum rounds it on its wider side.
     pub(crate) limit: S,
+}
+
+/// Fills in `k_i` and `D_i`; returns the limit. One function for every N: it is much code, for what runs once.
+fn in_units<S: Scalar>(
+    blocks: &[Block],
+    breakaway: f64,
+    units: Units,
+    stiffness: &mut [S],
+    yields: &mut [S],
+) -> Result<S, ParamError> {
+    for (i, block) in blocks.iter().enumerate() {
+        let of_block = |e: ParamError| ParamError {
+            block: Some(i + 1),
+            ..e
+        };
+        let displacement = block.yield_displacement(breakaway) / units.length;
+        // On a reversal from slip a deflection changes by up to 2·D.
+        fits::<S>("twice the yield displacement", 2.0 * displacement).map_err(of_block)?;
+        yields[i] = to_positive("yield displacement", displacement).map_err(of_block)?;
+        stiffness[i] = to_positive("stiffness", block.stiffness * units.length / units.force)
+            .map_err(of_block)?;
+    }
+    // Fixed point products round down, so a negative force reaches further than a positive one.
+    let mut reach = S::ZERO;
+    for (k, d) in stiffness.iter().zip(yields.iter()) {
+        reach = reach.add_input(k.mul_input(-*d));
+    }
+    unsaturated("breakaway force", reach)
 }
 
 impl<const N: usize, S: Scalar> Blocks<N, S> {
@@ -28,24 +56,7 @@ impl<const N: usize, S: Scalar> Blocks<N, S> {
         check_blocks(blocks)?;
         let mut stiffness = [S::ZERO; N];
         let mut yields = [S::ZERO; N];
-        for (i, block) in blocks.iter().enumerate() {
-            let of_block = |e: ParamError| ParamError {
-                block: Some(i + 1),
-                ..e
-            };
-            let displacement = block.yield_displacement(breakaway) / units.length;
-            // On a reversal from slip a deflection changes by up to 2·D.
-            fits::<S>("twice the yield displacement", 2.0 * displacement).map_err(of_block)?;
-            yields[i] = to_positive("yield displacement", displacement).map_err(of_block)?;
-            stiffness[i] = to_positive("stiffness", block.stiffness * units.length / units.force)
-                .map_err(of_block)?;
-        }
-        // Fixed point products round down, so a negative force reaches further than a positive one.
-        let mut reach = S::ZERO;
-        for (k, d) in stiffness.iter().zip(&yields) {
-            reach = reach.add_input(k.mul_input(-*d));
-        }
-        let limit = unsaturated("breakaway force", reach)?;
+        let limit = in_units(blocks, breakaway, units, &mut stiffness, &mut yields)?;
         Ok(Self {
             stiffness,
             yields,
@@ -140,17 +151,7 @@ impl<const N: usize, S: Scalar> Gms<N, S> {
         units: Units,
     ) -> Result<Self, ParamError> {
         let blocks = Blocks::try_new(blocks, breakaway, units)?;
-        sliding.check(breakaway)?;
-        positive("sample time", sample_time)?;
-        at_most("sample time", sample_time, 1.0)?;
-        let relaxation = sliding.attraction * sample_time / breakaway;
-        let sliding = SpeedTable::try_new(
-            &sliding,
-            breakaway,
-            units.velocity,
-            ["s(v)/F_s", "lag per tick"],
-            |weakening| [weakening, -libm::expm1(-relaxation / weakening)],
-        )?;
+        let sliding = SpeedTable::of_law(&sliding, breakaway, sample_time, units)?;
         Ok(Self { blocks, sliding })
     }
 

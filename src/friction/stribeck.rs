@@ -2,7 +2,7 @@
 
 use crate::Scalar;
 use crate::param::{
-    ParamError, at_least, at_most, fits, not_negative, positive, to_positive, to_scalar,
+    ParamError, Units, at_least, at_most, fits, not_negative, positive, to_positive, to_scalar,
 };
 
 /// Sliding behaviour above breakaway: the Stribeck curve and the frictional lag.
@@ -73,6 +73,26 @@ pub(crate) struct SpeedTable<S> {
 }
 
 impl<S: Scalar> SpeedTable<S> {
+    /// `σ(v)` and `λ(v)` of the full law at a fixed sample time (s).
+    pub(crate) fn of_law(
+        sliding: &Sliding,
+        breakaway: f64,
+        sample_time: f64,
+        units: Units,
+    ) -> Result<Self, ParamError> {
+        sliding.check(breakaway)?;
+        positive("sample time", sample_time)?;
+        at_most("sample time", sample_time, 1.0)?;
+        let relaxation = sliding.attraction * sample_time / breakaway;
+        Self::try_new(
+            sliding,
+            breakaway,
+            units.velocity,
+            ["s(v)/F_s", "lag per tick"],
+            |weakening| [weakening, -libm::expm1(-relaxation / weakening)],
+        )
+    }
+
     /// Tabulates `functions(s(v)/F_s)` for the sliding law, velocities given in `velocity_unit` (m/s).
     pub(crate) fn try_new(
         sliding: &Sliding,

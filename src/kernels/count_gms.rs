@@ -1,12 +1,10 @@
 //! The full GMS law in whole numbers: no exponential and no division in the control tick.
 
 use super::Whole;
+use super::curves::{Curves, upper};
 use super::quantised::whole;
 use crate::param::{at_most, check_blocks, positive};
 use crate::{Block, Friction, Motion, ParamError, Sliding, Units};
-
-/// Intervals of the table of speed; beyond the last the curves are flat.
-const INTERVALS: usize = 63;
 
 /// Leaves at least 8 bits for the reciprocal of the largest yield displacement: an error of 0.2 %, usually far less.
 const GREATEST_SPREAD: f64 = 1_048_576.0;
@@ -45,11 +43,9 @@ pub struct CountGms<const N: usize> {
     blocks: [ShareBlock; N],
     /// Longest displacement of a tick.
     longest: i32,
-    /// Intervals per unit of velocity, times 2³².
-    per_velocity: u32,
     /// 1 of the scale of `q`.
     one: i32,
-    table: [Interval; INTERVALS + 1],
+    curves: Curves,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -58,17 +54,6 @@ struct ShareBlock {
     rate: i32,
     /// `α_i·F_s`, so that the upper word of its product with `q` is in units of force.
     share: i32,
-}
-
-/// `σ` and `λ` in the middle of an interval of speed, and their differences across it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Interval {
-    /// In the scale of `q`.
-    weakening: i32,
-    weakening_step: i32,
-    /// Times 2³¹.
-    lag: i32,
-    lag_step: i32,
 }
 
 /// What a [`CountGms`] remembers.
@@ -122,15 +107,13 @@ impl<const N: usize> CountGms<N> {
         units.check()?;
         positive("breakaway force", breakaway)?;
         check_blocks(blocks)?;
-        sliding.check(breakaway)?;
-        positive("sample time", sample_time)?;
-        at_most("sample time", sample_time, 1.0)?;
         let extremes = extremes(blocks, breakaway, units.length);
         let [largest, smallest] = extremes;
         let spread =
             "square of the largest yield displacement over the smallest, in units of length,";
         at_most(spread, largest * largest / smallest, GREATEST_SPREAD)?;
         let one = scale(extremes);
+        let curves = Curves::try_new(&sliding, breakaway, sample_time, units, one)?;
         let per_force = breakaway / units.force * 4_294_967_296.0 / one;
 
         let mut shares = [ShareBlock::default(); N];
@@ -150,24 +133,11 @@ impl<const N: usize> CountGms<N> {
                 .map_err(of_block)?,
             };
         }
-        let end = sliding.levelled();
-        let per_velocity = INTERVALS as f64 * units.velocity / end * 4_294_967_296.0;
-        at_most("unit of velocity", units.velocity, end / INTERVALS as f64)?;
-        let relaxation = sliding.attraction * sample_time / breakaway;
         Ok(Self {
             blocks: shares,
             longest: longest(extremes) as i32,
-            per_velocity: (per_velocity as u32).max(1),
             one: one as i32,
-            table: table(one, |place| {
-                let speed = end * place as f64 / INTERVALS as f64;
-                let weakening = if place < INTERVALS {
-                    sliding.weakening(breakaway, speed)
-                } else {
-                    sliding.coulomb / breakaway
-                };
-                [weakening, -libm::expm1(-relaxation / weakening)]
-            }),
+            curves,
         })
     }
 
@@ -175,19 +145,6 @@ impl<const N: usize> CountGms<N> {
     pub fn finest_force(blocks: &[Block; N], breakaway: f64, length: f64) -> f64 {
         let heaviest = blocks.iter().fold(0.0, |most: f64, b| most.max(b.weight));
         2.02 * heaviest * breakaway / scale(extremes(blocks, breakaway, length))
-    }
-
-    /// `σ(v)` and `λ(v)`.
-    #[inline]
-    fn at(&self, velocity: i32) -> (i32, i32) {
-        let place = u64::from(velocity.unsigned_abs()) * u64::from(self.per_velocity);
-        let interval = &self.table[((place >> 32) as usize).min(INTERVALS)];
-        // From the middle of the interval, −½ to ½ of it.
-        let part = (place as u32 ^ 0x8000_0000).cast_signed();
-        (
-            interval.weakening + upper(interval.weakening_step, part),
-            interval.lag + upper(interval.lag_step, part),
-        )
     }
 
     /// `F_s·Σ α_i·q_i`, in units of force.
@@ -200,35 +157,6 @@ impl<const N: usize> CountGms<N> {
             .map(|(block, &q)| upper(block.share, q));
         products.fold(0, i32::wrapping_add)
     }
-}
-
-/// The upper word of a product: one instruction.
-#[inline(always)]
-fn upper(a: i32, b: i32) -> i32 {
-    ((i64::from(a) * i64::from(b)) >> 32) as i32
-}
-
-/// `functions(place)` gives `σ` and `λ` at the start of interval `place`.
-fn table(one: f64, functions: impl Fn(usize) -> [f64; 2]) -> [Interval; INTERVALS + 1] {
-    // λ = 1 becomes 1 − 2⁻³¹.
-    let whole = |[weakening, lag]: [f64; 2]| {
-        [
-            libm::round(weakening * one) as i32,
-            (lag * 2_147_483_648.0) as i32,
-        ]
-    };
-    let nodes: [[i32; 2]; INTERVALS + 1] = core::array::from_fn(|place| whole(functions(place)));
-    core::array::from_fn(|place| {
-        let [weakening, lag] = nodes[place];
-        let [next_weakening, next_lag] = nodes[(place + 1).min(INTERVALS)];
-        let middle = |a: i32, b: i32| ((i64::from(a) + i64::from(b)) / 2) as i32;
-        Interval {
-            weakening: middle(weakening, next_weakening),
-            weakening_step: next_weakening - weakening,
-            lag: middle(lag, next_lag),
-            lag_step: next_lag - lag,
-        }
-    })
 }
 
 impl<const N: usize> CountGmsState<N> {
@@ -265,7 +193,7 @@ impl<const N: usize> Friction for CountGms<N> {
             state.share = state.share.map(|q| -q);
         }
         let advance = advance.min(self.longest);
-        let (bound, lag) = self.at(velocity);
+        let (bound, lag) = self.curves.at(velocity);
         let mut slipping = state.slipping;
         let mut force = 0_i32;
         for (i, (share, block)) in state.share.iter_mut().zip(&self.blocks).enumerate() {

@@ -13,6 +13,8 @@ pub struct Given<S> {
     pub velocity: f32,
 }
 
+// Once in the image and not once a kernel, as the motion itself.
+#[inline(never)]
 fn in_units<S: Scalar>(tick: &Tick, units: Units) -> Given<S> {
     let Motion {
         displacement,

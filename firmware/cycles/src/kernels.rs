@@ -1,7 +1,10 @@
 //! The library's kernels that are measured, with the paper's parameters.
 
 use fixed::types::I16F16;
-use preslide::kernels::{ConstantTimeSlipReserve, CountGms, PackedSlipReserve, SlipReserve, Whole};
+use preslide::kernels::{
+    ConstantTimeSlipReserve, CountGms, LumpedCountGms, LumpedGms, PackedSlipReserve, SlipReserve,
+    Whole,
+};
 use preslide::{
     Block, BoucWen, Coulomb, Dahl, ElastoPlastic, Friction, Gms, Hsieh, HsiehParams, Leuven,
     LeuvenForm, LuGre, Motion, ParamError, QuasiStaticGms, Sliding, TwoState, Units,
@@ -134,6 +137,15 @@ pub fn run() {
         |blocks| counts(CountGms::finest_force(blocks, BREAKAWAY, COUNT)),
         |blocks, units| { CountGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units) }
     );
+    sweep!("lumped_f32", LumpedGms<N, f32>, |_blocks| Units::SI, |blocks, units| {
+        LumpedGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units)
+    });
+    sweep!(
+        "lumped_i32",
+        LumpedCountGms<N>,
+        |blocks| counts(LumpedCountGms::finest_force(blocks, BREAKAWAY, COUNT)),
+        |blocks, units| { LumpedCountGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units) }
+    );
     sweep!("quasi_static_f32", QuasiStaticGms<N, f32>, |_blocks| Units::SI, |blocks, units| {
         QuasiStaticGms::try_new(blocks, BREAKAWAY, units)
     });
@@ -245,6 +257,9 @@ pub fn long_runs(report: impl Fn(&str, u64)) {
     let full = counts(CountGms::finest_force(blocks, BREAKAWAY, COUNT));
     let gms = CountGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, full);
     report("gms_i32", long_run(&built(gms)));
+    let full = counts(LumpedCountGms::finest_force(blocks, BREAKAWAY, COUNT));
+    let lumped = LumpedCountGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, full);
+    report("lumped_i32", long_run(&built(lumped)));
     let plain = built(SlipReserve::try_new(blocks, BREAKAWAY, slip));
     report("slip_reserve_i32", long_run(&plain));
     let packed = built(PackedSlipReserve::<3>::try_new(blocks, BREAKAWAY, slip));

@@ -2,69 +2,14 @@
 //!
 //! The references are written from the equations and share no code with the kernels.
 
-use preslide::kernels::{ConstantTimeSlipReserve, CountGms, PackedSlipReserve, SlipReserve, Whole};
-use preslide::{Block, Friction, Motion, Sliding, Units};
+mod lumped;
+mod reference;
+
+use preslide::kernels::{ConstantTimeSlipReserve, CountGms, PackedSlipReserve, SlipReserve};
+use preslide::{Block, Friction, Motion, Units};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-
-const STEPS: usize = 1_000_000;
-const COUNT: f64 = 25e-9;
-const SAMPLE_TIME: f64 = 50e-6;
-const BREAKAWAY: f64 = 0.9;
-const SLIDING: Sliding = Sliding {
-    coulomb: 0.81,
-    stribeck_velocity: 1e-3,
-    stribeck_exponent: 2.0,
-    attraction: 20.0,
-};
-
-/// N blocks whose yield displacements spread from 1 µm to 50 µm, as those of Table 3 do.
-fn blocks<const N: usize>() -> [Block; N] {
-    std::array::from_fn(|i| {
-        let place = if N > 1 {
-            i as f64 / (N - 1) as f64
-        } else {
-            0.5
-        };
-        let yields = 1e-6 * 50_f64.powf(place);
-        let weight = 2.0 * (N - i) as f64 / (N * (N + 1)) as f64;
-        Block {
-            stiffness: weight * BREAKAWAY / yields,
-            weight,
-        }
-    })
-}
-
-fn counts(force: f64) -> Units {
-    Units {
-        length: COUNT,
-        force,
-        velocity: 1e-7,
-    }
-}
-
-fn whole(value: i32) -> Whole {
-    Whole::from_bits(value)
-}
-
-/// Displacements of every size: none, one count, a stroke's, more than a block takes, and the integers' ends.
-fn any_displacement(random: &mut ChaCha8Rng) -> i32 {
-    match random.random_range(0..100) {
-        0..30 => 0,
-        30..60 => random.random_range(-1..=1),
-        60..95 => random.random_range(-40..=40),
-        95..99 => random.random_range(-5_000..=5_000),
-        _ => [
-            i32::MIN,
-            i32::MIN + 1,
-            -32_769,
-            -32_768,
-            32_767,
-            32_768,
-            i32::MAX,
-        ][random.random_range(0..7)],
-    }
-}
+use reference::*;
 
 /// `z ← clamp(z + dx, −D, D)`, `F = Σ k·z` in 64-bit integers, `D` in counts and `k` from `W = k·D`.
 struct Clamped(Vec<[i64; 3]>);
@@ -135,137 +80,6 @@ fn slip_reserve_kernels_agree_bit_for_bit_with_the_clamped_form() {
     slip_reserve_kernels_agree::<8, 4>();
     slip_reserve_kernels_agree::<9, 5>();
     slip_reserve_kernels_agree::<10, 5>();
-}
-
-/// Strokes of random length at random speed, forth and back, with rests: displacement (counts), speed (counts/tick).
-fn strokes(seed: u64) -> impl Iterator<Item = (i32, f64)> {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let (mut left, mut speed, mut rest) = (0_u32, 0.0_f64, 0.0_f64);
-    let mut forward = true;
-    std::iter::from_fn(move || {
-        if left == 0 {
-            forward = !forward;
-            let travel = random.random_range(1.0..4_000.0);
-            let magnitude = 2_f64.powf(random.random_range(-4.0..5.0));
-            left = ((travel / magnitude) as u32).clamp(1, 4_000);
-            speed = match (random.random_ratio(1, 8), forward) {
-                (true, _) => 0.0,
-                (false, true) => magnitude,
-                (false, false) => -magnitude,
-            };
-        }
-        left -= 1;
-        let travel = rest + speed;
-        let dx = travel.floor();
-        rest = travel - dx;
-        Some((dx as i32, speed))
-    })
-}
-
-/// The full law by eqs. (10)–(12) as `Gms` reads them, with exponentials, in newtons and metres.
-struct Exact {
-    /// Deflection, stiffness, weight.
-    blocks: Vec<[f64; 3]>,
-    slips: Vec<bool>,
-    direction: f64,
-}
-
-impl Exact {
-    fn new(blocks: &[Block]) -> Self {
-        Self {
-            blocks: blocks
-                .iter()
-                .map(|b| [0.0, b.stiffness, b.weight])
-                .collect(),
-            slips: vec![false; blocks.len()],
-            direction: 1.0,
-        }
-    }
-
-    fn step(&mut self, dx: f64, v: f64) -> f64 {
-        if dx != 0.0 && dx.signum() != self.direction {
-            self.direction = dx.signum();
-            self.slips.fill(false);
-        }
-        let decay = (v.abs() / SLIDING.stribeck_velocity).powf(SLIDING.stribeck_exponent);
-        let s = SLIDING.coulomb + (BREAKAWAY - SLIDING.coulomb) * (-decay).exp();
-        let stays = (-SLIDING.attraction * SAMPLE_TIME / s).exp();
-        if dx != 0.0 || v != 0.0 {
-            for ([z, k, weight], slips) in self.blocks.iter_mut().zip(&mut self.slips) {
-                let bound = *weight * s / *k;
-                let old = *z * self.direction;
-                let stuck = old + dx.abs();
-                let along = if !*slips && stuck < bound {
-                    stuck
-                } else if !*slips && old < bound {
-                    bound
-                } else {
-                    bound + (old - bound) * stays
-                };
-                *slips |= stuck >= bound;
-                *z = along * self.direction;
-            }
-        }
-        self.blocks.iter().map(|[z, k, _]| z * k).sum()
-    }
-}
-
-/// Errors of a kernel against a reference, in % of the breakaway force.
-#[derive(Default)]
-struct Errors {
-    most: f64,
-    squares: f64,
-    sum: f64,
-    steps: f64,
-}
-
-impl Errors {
-    fn add(&mut self, error: f64) {
-        let percent = 100.0 * error / BREAKAWAY;
-        self.most = self.most.max(percent.abs());
-        self.squares += percent * percent;
-        self.sum += percent;
-        self.steps += 1.0;
-    }
-
-    fn check(&self, name: &str, [most, rms, bias]: [f64; 3]) {
-        let found = [
-            self.most,
-            (self.squares / self.steps).sqrt(),
-            self.sum / self.steps,
-        ];
-        println!(
-            "{name}: max {:.4} %, rms {:.4} %, bias {:.5} % of F_s",
-            found[0], found[1], found[2]
-        );
-        assert!(found[0] <= most, "{name}: max {} % > {most} %", found[0]);
-        assert!(found[1] <= rms, "{name}: rms {} % > {rms} %", found[1]);
-        assert!(
-            found[2].abs() <= bias,
-            "{name}: bias {} % > {bias} %",
-            found[2]
-        );
-    }
-}
-
-/// Runs a kernel and a reference along the strokes; `reference` takes metres and metres per second.
-fn errors<K: Friction<Scalar = Whole>>(
-    kernel: &K,
-    units: Units,
-    mut reference: impl FnMut(f64, f64) -> f64,
-) -> Errors {
-    let mut state = kernel.at_rest();
-    let mut errors = Errors::default();
-    for (dx, speed) in strokes(1).take(STEPS) {
-        let velocity = speed * COUNT / SAMPLE_TIME;
-        let motion = Motion {
-            displacement: whole(dx),
-            velocity: whole((velocity / units.velocity).round() as i32),
-        };
-        let force = f64::from(kernel.step(&mut state, motion).to_bits()) * units.force;
-        errors.add(force - reference(f64::from(dx) * COUNT, velocity));
-    }
-    errors
 }
 
 fn laws_against_f64<const N: usize, const PAIRS: usize>() {
