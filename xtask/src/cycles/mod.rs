@@ -268,9 +268,6 @@ fn measure(core: &Core) -> Result<(Vec<String>, Vec<Row>), String> {
     }
     compare_with_host(&checksums, &ticks.to_string())?;
     if core.is_m4f {
-        if std::env::var_os("QUICK").is_some() {
-            return Ok((header(core, &version, seed)?, rows));
-        }
         board::check(&rows)?;
         rows.extend(control_task::measure(&recorder)?);
     }
