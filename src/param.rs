@@ -96,6 +96,16 @@ pub enum Bound {
     Resolvable,
 }
 
+impl ParamError {
+    /// The same of block `index`, counted from 0.
+    pub(crate) fn of_block(self, index: usize) -> Self {
+        Self {
+            block: Some(index + 1),
+            ..self
+        }
+    }
+}
+
 impl fmt::Display for ParamError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.parameter)?;
@@ -212,14 +222,17 @@ pub(crate) fn unsaturated<S: Scalar>(name: &'static str, result: S) -> Result<S,
     }
 }
 
-/// Checks the blocks of a Maxwell-slip model: finite, positive, weights that sum to 1.
-pub(crate) fn check_blocks(blocks: &[Block]) -> Result<(), ParamError> {
+/// Checks what every Maxwell-slip model is made of: finite and positive, weights that sum to 1.
+pub(crate) fn check_blocks(
+    blocks: &[Block],
+    breakaway: f64,
+    units: Units,
+) -> Result<(), ParamError> {
+    units.check()?;
+    positive("breakaway force", breakaway)?;
     let mut sum = 0.0;
     for (i, block) in blocks.iter().enumerate() {
-        let of_block = |e: ParamError| ParamError {
-            block: Some(i + 1),
-            ..e
-        };
+        let of_block = |e: ParamError| e.of_block(i);
         positive("stiffness", block.stiffness).map_err(of_block)?;
         positive("weight", block.weight).map_err(of_block)?;
         sum += block.weight;

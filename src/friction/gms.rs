@@ -1,9 +1,7 @@
 //! The Generalized Maxwell-Slip model: N spring-slider blocks in parallel, with sliding dynamics.
 
 use super::stribeck::{Sliding, SpeedTable};
-use crate::param::{
-    Block, ParamError, Units, check_blocks, fits, positive, to_positive, unsaturated,
-};
+use crate::param::{Block, ParamError, Units, check_blocks, fits, to_positive, unsaturated};
 use crate::{Friction, Motion, Scalar};
 use core::sync::atomic::{Ordering, compiler_fence};
 
@@ -25,10 +23,7 @@ fn in_units<S: Scalar>(
     yields: &mut [S],
 ) -> Result<S, ParamError> {
     for (i, block) in blocks.iter().enumerate() {
-        let of_block = |e: ParamError| ParamError {
-            block: Some(i + 1),
-            ..e
-        };
+        let of_block = |e: ParamError| e.of_block(i);
         let displacement = block.yield_displacement(breakaway) / units.length;
         // On a reversal from slip a deflection changes by up to 2·D.
         fits::<S>("twice the yield displacement", 2.0 * displacement).map_err(of_block)?;
@@ -51,9 +46,7 @@ impl<const N: usize, S: Scalar> Blocks<N, S> {
         units: Units,
     ) -> Result<Self, ParamError> {
         const { assert!(N > 0, "a Maxwell-slip model needs at least one block") };
-        units.check()?;
-        positive("breakaway force", breakaway)?;
-        check_blocks(blocks)?;
+        check_blocks(blocks, breakaway, units)?;
         let mut stiffness = [S::ZERO; N];
         let mut yields = [S::ZERO; N];
         let limit = in_units(blocks, breakaway, units, &mut stiffness, &mut yields)?;

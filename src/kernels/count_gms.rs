@@ -2,8 +2,8 @@
 
 use super::Whole;
 use super::curves::{Curves, upper};
-use super::quantised::whole;
-use crate::param::{at_most, check_blocks, positive};
+use super::quantised::{extremes, longest, whole};
+use crate::param::{at_most, check_blocks};
 use crate::{Block, Friction, Motion, ParamError, Sliding, Units};
 
 /// Leaves at least 8 bits for the reciprocal of the largest yield displacement: an error of 0.2 %, usually far less.
@@ -65,20 +65,6 @@ pub struct CountGmsState<const N: usize> {
     share: [i32; N],
 }
 
-/// Largest and smallest yield displacement, in units of length.
-fn extremes(blocks: &[Block], breakaway: f64, length: f64) -> [f64; 2] {
-    let yields = blocks.iter();
-    let yields = yields.map(|block| block.yield_displacement(breakaway) / length);
-    yields.fold([0.0, f64::INFINITY], |[largest, smallest], d| {
-        [f64::max(largest, d), f64::min(smallest, d)]
-    })
-}
-
-/// The longest displacement that a tick must take: from one limit of the slowest block to the other.
-fn longest([largest, _]: [f64; 2]) -> f64 {
-    libm::ceil(2.0 * largest) + 1.0
-}
-
 /// The scale of `q`, a power of two: `q` and the longest displacement must not overflow together.
 fn scale(extremes: [f64; 2]) -> f64 {
     let room = f64::from(i32::MAX) / (1.0 + (longest(extremes) + 1.0) / extremes[1]);
@@ -104,9 +90,7 @@ impl<const N: usize> CountGms<N> {
             assert!(N > 0, "a Maxwell-slip model needs at least one block");
             assert!(N <= 32, "the slip flags of at most 32 blocks fit one word");
         }
-        units.check()?;
-        positive("breakaway force", breakaway)?;
-        check_blocks(blocks)?;
+        check_blocks(blocks, breakaway, units)?;
         let extremes = extremes(blocks, breakaway, units.length);
         let [largest, smallest] = extremes;
         let spread =
@@ -118,10 +102,7 @@ impl<const N: usize> CountGms<N> {
 
         let mut shares = [ShareBlock::default(); N];
         for (i, (block, share)) in blocks.iter().zip(&mut shares).enumerate() {
-            let of_block = |e: ParamError| ParamError {
-                block: Some(i + 1),
-                ..e
-            };
+            let of_block = |e: ParamError| e.of_block(i);
             let rate = one * units.length / block.yield_displacement(breakaway);
             *share = ShareBlock {
                 rate: whole("reciprocal yield displacement", rate, i32::MAX).map_err(of_block)?,

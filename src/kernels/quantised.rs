@@ -1,6 +1,6 @@
-//! The quasi-static law in whole numbers, as all slip-reserve kernels share it.
+//! Blocks in whole numbers: the quasi-static law's, as all slip-reserve kernels share it, and what the full law's two forms do.
 
-use crate::param::{Block, Bound, ParamError, Units, check_blocks, positive};
+use crate::param::{Block, Bound, ParamError, Units, check_blocks};
 
 /// One block: `2·D_i` in units of length, and `k_i` in units of force per unit of length.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -27,16 +27,11 @@ pub(super) fn quantise<const N: usize>(
     units: Units,
     range: Range,
 ) -> Result<([Reserve; N], i32), ParamError> {
-    units.check()?;
-    positive("breakaway force", breakaway)?;
-    check_blocks(blocks)?;
+    check_blocks(blocks, breakaway, units)?;
     let mut reserves = [Reserve::default(); N];
     let mut limit = 0_i64;
     for (i, (block, reserve)) in blocks.iter().zip(&mut reserves).enumerate() {
-        let of_block = |e: ParamError| ParamError {
-            block: Some(i + 1),
-            ..e
-        };
+        let of_block = |e: ParamError| e.of_block(i);
         let yields = block.yield_displacement(breakaway) / units.length;
         let yields = whole("yield displacement", yields, range.yields).map_err(of_block)?;
         let stiffness = block.weight * breakaway / units.force / f64::from(yields);
@@ -67,6 +62,20 @@ pub(super) fn finest_force(blocks: &[Block], breakaway: f64, length: f64, range:
         let yields = libm::round(block.yield_displacement(breakaway) / length).max(1.0);
         finest.max(block.weight * breakaway / yields / f64::from(range.stiffness))
     })
+}
+
+/// Largest and smallest yield displacement, in units of length.
+pub(super) fn extremes(blocks: &[Block], breakaway: f64, length: f64) -> [f64; 2] {
+    let yields = blocks.iter();
+    let yields = yields.map(|block| block.yield_displacement(breakaway) / length);
+    yields.fold([0.0, f64::INFINITY], |[largest, smallest], d| {
+        [f64::max(largest, d), f64::min(smallest, d)]
+    })
+}
+
+/// The longest displacement that a tick must take: from one limit of the slowest block to the other.
+pub(super) fn longest([largest, _]: [f64; 2]) -> f64 {
+    libm::ceil(2.0 * largest) + 1.0
 }
 
 /// The nearest whole number, refused where it is 0 or above `greatest`.

@@ -2,9 +2,9 @@
 
 use super::super::Whole;
 use super::super::curves::{Curves, upper};
-use super::super::quantised::whole;
+use super::super::quantised::{extremes, longest, whole};
 use super::{Lumped, LumpedState, Number, Spring};
-use crate::param::{at_most, check_blocks, positive};
+use crate::param::{at_most, check_blocks};
 use crate::{Block, Friction, Motion, ParamError, Sliding, Units};
 
 /// The share 1.
@@ -94,12 +94,6 @@ pub struct LumpedCountGms<const N: usize> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct LumpedCountGmsState<const N: usize>(LumpedState<N, i32>);
 
-/// Yield displacements, in units of length.
-fn yields(blocks: &[Block], breakaway: f64, length: f64) -> impl Iterator<Item = f64> {
-    let blocks = blocks.iter();
-    blocks.map(move |block| block.yield_displacement(breakaway) / length)
-}
-
 /// Parts of a unit of length: the largest yield displacement is not to exceed [`FULL`], a displacement beyond twice of it not
 /// the rest of 31 bits.
 fn parts(largest: f64) -> f64 {
@@ -116,10 +110,7 @@ fn quantise(
 ) -> Result<i32, ParamError> {
     let (mut limit, mut sum) = (0.0, 0.0);
     for (i, (block, spring)) in blocks.iter().zip(springs).enumerate() {
-        let of_block = |e: ParamError| ParamError {
-            block: Some(i + 1),
-            ..e
-        };
+        let of_block = |e: ParamError| e.of_block(i);
         let yields = block.yield_displacement(breakaway) / units.length * unit;
         let yields = whole("yield displacement", yields, FULL as i32).map_err(of_block)?;
         let weight = block.weight * breakaway / units.force;
@@ -156,12 +147,10 @@ impl<const N: usize> LumpedCountGms<N> {
             assert!(N > 0, "a Maxwell-slip model needs at least one block");
             assert!(N <= 32, "the slip flags of at most 32 blocks fit one word");
         }
-        units.check()?;
-        positive("breakaway force", breakaway)?;
-        check_blocks(blocks)?;
+        check_blocks(blocks, breakaway, units)?;
         let curves = Curves::try_new(&sliding, breakaway, sample_time, units, SHARE)?;
-        let largest = yields(blocks, breakaway, units.length).fold(0.0, f64::max);
-        let smallest = yields(blocks, breakaway, units.length).fold(f64::INFINITY, f64::min);
+        let extremes = extremes(blocks, breakaway, units.length);
+        let [largest, smallest] = extremes;
         at_most(
             "largest yield displacement, in units of length,",
             largest,
@@ -189,7 +178,7 @@ impl<const N: usize> LumpedCountGms<N> {
                 },
                 far: 4 * FULL as i32,
             },
-            longest: libm::ceil(2.0 * largest) as i32 + 1,
+            longest: longest(extremes) as i32,
             unit: unit as i32,
             // The upper word of a product is rounded down: by a unit of force a block, and by one for each lump.
             limit: limit + N as i32 + 4,
@@ -199,7 +188,8 @@ impl<const N: usize> LumpedCountGms<N> {
 
     /// The finest unit of force (N or N·m) that it accepts for these blocks at the unit of length `length` (m or rad).
     pub fn finest_force(blocks: &[Block; N], breakaway: f64, length: f64) -> f64 {
-        let unit = parts(yields(blocks, breakaway, length).fold(0.0, f64::max));
+        let [largest, _] = extremes(blocks, breakaway, length);
+        let unit = parts(largest);
         let stiffness = blocks.iter().map(|block| block.stiffness).sum::<f64>();
         // 1 % of room for the rounding of the yield displacements, and for weights that sum to a little more than 1.
         1.01 * f64::max(2.0 * stiffness * length / unit, breakaway / FULL)
