@@ -39,12 +39,14 @@ pub fn sieved(
 /// Puts the best of the better names in its place; whether there was one. Each is simpler than the last, so that this ends. Friction is found
 /// anew beside it: what it took the place of may have held a part of it, and a level refers to the whole.
 fn exchange(found: &mut Found, standings: &[Standing]) -> Option<bool> {
-    let better = standings.iter().filter(|s| s.better.is_some());
-    let Some(old) = better.max_by(|a, b| a.rival.total_cmp(&b.rival)) else {
+    let better = standings
+        .iter()
+        .filter_map(|s| Some((s.index, s.better.as_ref()?)));
+    let Some((index, (better, _))) = better.max_by(|a, b| a.1.1.total_cmp(&b.1.1)) else {
         return Some(false);
     };
     let mut terms = found.hypothesis.terms.clone();
-    terms[old.index] = old.better.clone()?;
+    terms[index] = better.clone();
     found.ground = found.ground.referred_to(&terms)?;
     found.hypothesis = found.ground.fit(&terms)?;
     Some(true)

@@ -25,6 +25,9 @@ const ROUNDS: usize = 2;
 /// Squares that a weighted fit may leave, all rows alike, over the least. Where the model is wrong a noise model may give whole
 /// frequencies no weight, and the fit may then do there what it likes.
 const SLACK: f64 = 1.5;
+/// Least share of the blocks that must hold the weight of the rows: where friction that wanders is taken for all of the noise, the few rows
+/// near its zero outweigh the rest by a thousand, and evidence, which counts blocks, is theirs alone.
+const SPREAD: f64 = 1.0 / 3.0;
 /// Floors of white noise, in deviations of what the least squares leave.
 const FLOORS: [f64; 4] = [0.1, 0.3, 1.0, 3.0];
 
@@ -112,7 +115,18 @@ impl Ground {
         ground
     }
 
-    /// The same with the mildest floor of white noise under which the weights leave no more, all rows alike, than they may.
+    /// The same recording with effects that act through the friction which `terms` themselves leave, not through what was found beside free
+    /// curves: a level refers to the friction of the model that it is stated with. The noise stays.
+    pub fn settled(&self, terms: &[Term]) -> Option<Self> {
+        let mut ground = self.with_baseline(&self.fit(terms)?);
+        for _ in 1..ROUNDS {
+            ground = ground.with_baseline(&ground.fit(terms)?);
+        }
+        Some(ground)
+    }
+
+    /// The same with the mildest floor of white noise under which the weights leave no more, all rows alike, than they may, and enough blocks
+    /// hold them.
     fn with_a_hold(mut self, terms: &[Term]) -> Option<Self> {
         let square = |h: &Hypothesis| {
             let left = h.residual(&self.rows);
@@ -123,7 +137,8 @@ impl Ground {
         let places = Places::of(&self.rows, &self.baseline);
         let estimated = self.noise.clone();
         for floor in FLOORS {
-            if square(&self.fit(terms)?) <= SLACK * least {
+            let spread = self.noise.spread(&self.rows.blocks);
+            if spread >= SPREAD && square(&self.fit(terms)?) <= SLACK * least {
                 break;
             }
             self.noise = estimated.with_floor(floor * deviation, &course(&self.rows, &places));

@@ -37,8 +37,8 @@ pub struct Standing {
     pub evidence: Evidence,
     /// Rivals that make it needless and are not clearly worse, best first.
     pub ambiguous: Vec<&'static dyn Effect>,
-    /// The rival that belongs in its place: simpler, it makes it needless and explains no less.
-    pub better: Option<Term>,
+    /// The rival that belongs in its place, with its explanation over the term's own: simpler, it makes it needless and explains no less.
+    pub better: Option<(Term, f64)>,
     /// Explanation of the best rival that makes it needless, over its own; 0 where there is none.
     pub rival: f64,
     /// Least share of its explanation that it keeps beside a change of the core.
@@ -140,11 +140,9 @@ impl Standing {
         if kept > NEEDLESS * own.evidence.share {
             return;
         }
-        if ratio > self.rival.max(1.0)
-            && self.gives_way(effect)
-            && effect.lacks(&ground.rows.s).is_none()
-        {
-            self.better = Some(rival.term.clone());
+        let best = self.better.as_ref().map_or(1.0, |better| better.1);
+        if ratio > best && self.gives_way(effect) && effect.lacks(&ground.rows.s).is_none() {
+            self.better = Some((rival.term.clone(), ratio));
         }
         self.rival = self.rival.max(ratio);
         if margin(ground, rest, own, rival) < WORSE {

@@ -319,6 +319,19 @@ impl Noise {
         out
     }
 
+    /// Share of some blocks of rows that hold the weight: 1 where all weigh alike, their reciprocal number where one has all of it.
+    pub fn spread(&self, blocks: &[Range<usize>]) -> f64 {
+        let weight = |rows: &Range<usize>| {
+            let steps = &self.steps[rows.clone()];
+            steps.iter().map(|s| s.weight.powi(2)).sum::<f64>()
+        };
+        let (sum, square) = blocks
+            .iter()
+            .map(weight)
+            .fold((0.0, 0.0), |(sum, square), w| (sum + w, square + w * w));
+        sum * sum / (square * blocks.len() as f64)
+    }
+
     /// `V⁻¹r`: what is left of a residual, weighted by how well each row is known (the filter and its adjoint).
     pub fn inverse(&self, residual: &[f64]) -> Vec<f64> {
         let mut out = self.whitened(residual);
@@ -567,6 +580,29 @@ mod tests {
         let white = noise.whitened(&r);
         let mean_square = white.iter().map(|w| w * w).sum::<f64>() / white.len() as f64;
         assert!((mean_square - 1.0).abs() < 0.1, "{mean_square}");
+    }
+
+    #[test]
+    fn rows_at_frictions_zero_outweigh_the_rest_until_white_noise_has_a_floor() {
+        let (folds, [time, path, mut friction, stiffness]) = course(2, 1000);
+        // Two stretches of a hundred rows without friction, in all of whose noise friction has no part.
+        for rows in [300..400, 1300..1400] {
+            friction[rows].fill(0.0);
+        }
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let r: Vec<f64> = friction
+            .iter()
+            .map(|f| (0.1 * f + 1e-4) * normal(&mut rng))
+            .collect();
+        let course = over(&folds, [&time, &path, &friction, &stiffness]);
+        let blocks: Vec<Range<usize>> = (0..20).map(|b| b * 100..(b + 1) * 100).collect();
+        assert!((Noise::white(&r, &course).spread(&blocks) - 1.0).abs() < 1e-9);
+        let noise = Noise::estimate(&r, &course, None);
+        // Two of twenty.
+        let own = noise.spread(&blocks);
+        assert!((own - 0.1).abs() < 0.02, "{own}");
+        let held = noise.with_floor(0.1, &course).spread(&blocks);
+        assert!(held > 0.8, "{held}");
     }
 
     #[test]

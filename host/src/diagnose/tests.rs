@@ -262,6 +262,22 @@ fn no_viscous_force_drives_the_axis_but_a_users_own_model_keeps_its_sign() {
 }
 
 #[test]
+fn a_level_refers_to_the_friction_that_it_is_stated_with() {
+    let (level, at, width) = (0.5, 0.01, 0.004);
+    let recording = made(|_, x, v| {
+        let spot = (-((x - at) / width).powi(2)).exp();
+        60.0 * v + 3.0 * level * v.signum() * spot
+    });
+    let found = diagnose(&recording, None, &Progress::new("", 0)).expect("a diagnosis");
+    let ids: Vec<&str> = found.confident().map(|e| e.id()).collect();
+    assert!(ids.contains(&"local_friction_spot"), "{ids:?}");
+    let spot = found.confident().find(|e| e.id() == "local_friction_spot");
+    let own = spot.expect("confident").parameters[0].1.value;
+    println!("level {own}");
+    assert!((own / level - 1.0).abs() < 0.05, "{own}");
+}
+
+#[test]
 fn verdicts_say_what_the_recording_says() {
     let of = |more: &dyn Fn(f64, f64, f64) -> f64| {
         let recording = made(more);

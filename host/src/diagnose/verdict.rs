@@ -29,6 +29,8 @@ const NAMED_TRANSIENT: f64 = 0.1;
 /// Least confidence of a confident name, a little above even odds; chosen after looking at made stages and trials, of which it was to keep
 /// nine names in ten right, and at injections, which a higher one silences.
 const LIKELY: f64 = 0.55;
+/// Even odds: the most that is stated of a name whose sign its own interval does not tell.
+const EVEN: f64 = 0.5;
 /// NMSE (%) on folds held out from which a model explains too little to be called consistent with anything.
 const EXPLAINS_LITTLE: f64 = 25.0;
 /// Chance below which a candidate that did not enter is at least suspected.
@@ -161,32 +163,32 @@ pub fn conclude(
         .filter_map(|s| named(&found, s, mechanics))
         .collect();
     let kept: Vec<Term> = found.hypothesis.terms[..given].to_vec();
-    let first = found.ground.fit_as_given(&kept)?;
-    let extended = shown(&found, &kept, &mut effects)?;
+    let (ground, extended) = measured(&found, &kept, &mut effects)?;
+    let first = ground.fit_as_given(&kept)?;
     // Where all names together leave much of the effort, none of them is sure.
-    let reached = extended.nmse(&found.ground.rows);
+    let reached = extended.nmse(&ground.rows);
     effects
         .iter_mut()
         .for_each(|e| e.confident &= reached.test <= EXPLAINS_LITTLE);
-    let mut baseline = first.nmse(&found.ground.rows);
-    if found.ground.core.corrects {
+    let mut baseline = first.nmse(&ground.rows);
+    if ground.core.corrects {
         // Nothing of a simulation as it is was fitted.
-        let given = found.ground.rows.nmse(&found.ground.rows.target);
+        let given = ground.rows.nmse(&ground.rows.target);
         baseline = Nmse {
             train: given,
             test: given,
         };
-        let corrections = simulation::corrections(&found.ground, &extended);
-        effects.extend(corrections.into_iter().map(|c| correction(&found, c)));
+        let corrections = simulation::corrections(&ground, &extended);
+        effects.extend(corrections.into_iter().map(|c| correction(&ground, c)));
     }
-    let shape = friction.and_then(|f| Shape::of(&found.ground, &extended, f));
+    let shape = friction.and_then(|f| Shape::of(&ground, &extended, f));
     if let Some(shape) = shape.filter(Shape::is_suspect) {
         let [own, core] = shape.nmse;
         if shape.is_wrong() {
             baseline.test += own - core;
             baseline.train += own - core;
         }
-        effects.push(hysteresis(&found, shape));
+        effects.push(hysteresis(&ground, shape));
     }
     effects.sort_by(|a, b| {
         (b.confident, b.evidence.share)
@@ -199,14 +201,14 @@ pub fn conclude(
         effects.iter().find(own).is_some_and(|n| !n.confident)
     };
     let unnamed = unnamed(&found, &standings, is_doubtful);
-    let after = if found.ground.core.corrects && !effects.iter().any(|e| e.confident) {
+    let after = if ground.core.corrects && !effects.iter().any(|e| e.confident) {
         baseline
     } else {
         reached
     };
     let verdict = verdict(&effects, likely(&unnamed), after);
     let organised = {
-        let (mut list, _) = offers(&found.ground, &first, &[]);
+        let (mut list, _) = offers(&ground, &first, &[]);
         list.retain(|o| matches!(o.term.subject, Subject::Curve(_)) && o.evidence.share > 0.0);
         list
     };
@@ -214,16 +216,16 @@ pub fn conclude(
         verdict,
         baseline,
         extended: after,
-        noise_floor: 100.0 * found.ground.noise.row_variance * found.ground.rows.force.len() as f64
-            / found.ground.rows.variation().max(1e-300),
+        noise_floor: 100.0 * ground.noise.row_variance * ground.rows.force.len() as f64
+            / ground.rows.variation().max(1e-300),
         effects,
         unnamed,
-        lacks: lacks(&found.ground.rows.s),
+        lacks: lacks(&ground.rows.s),
         organised,
         rest: found.rest,
         families: found.families,
         given,
-        ground: found.ground,
+        ground,
         states: [first, extended],
     })
 }
@@ -301,40 +303,62 @@ fn extend(found: &Found, kept: &[Term], effects: &[Named]) -> Option<Hypothesis>
     found.ground.fit(&terms)
 }
 
+/// Recording and hypothesis with the confident effects, all effects measured in them. One whose own interval does not tell its sign is no
+/// longer confident, the least first: a delay of −2 ± 4 ms contradicts its name.
+fn measured(found: &Found, kept: &[Term], effects: &mut [Named]) -> Option<(Ground, Hypothesis)> {
+    loop {
+        let terms = shown(found, kept, effects)?.terms;
+        let ground = found.ground.settled(&terms)?;
+        let extended = ground.fit(&terms)?;
+        let mut signless = Vec::new();
+        for effect in effects.iter_mut() {
+            let with = weigh(&ground, kept, &extended, effect)?;
+            measure(&ground, &with, effect);
+            if effect.confident && is_signless(effect, &with) {
+                signless.push(effect);
+            }
+        }
+        let share = |e: &Named| e.evidence.share;
+        let least = signless
+            .into_iter()
+            .min_by(|a, b| share(a).total_cmp(&share(b)));
+        let Some(least) = least else {
+            return Some((ground, extended));
+        };
+        least.confident = false;
+        least.confidence = least.confidence.min(EVEN);
+    }
+}
+
 /// The extended hypothesis, in which every confident effect improves the prediction of what is held out: one that does not is no longer
 /// confident, the worst first.
 fn shown(found: &Found, kept: &[Term], effects: &mut [Named]) -> Option<Hypothesis> {
     loop {
         let extended = extend(found, kept, effects)?;
-        let mut with = Vec::new();
         for effect in effects.iter_mut() {
-            with.push(weigh(found, kept, &extended, effect)?);
+            weigh(&found.ground, kept, &extended, effect)?;
         }
         let loss = |e: &Named| e.nmse_test[1] - e.nmse_test[0];
         let worst = effects
             .iter_mut()
             .filter(|e| e.confident && loss(e) >= 0.0)
             .max_by(|a, b| loss(a).total_cmp(&loss(b)));
-        if let Some(effect) = worst {
-            effect.confident = false;
-            continue;
-        }
-        for (effect, with) in effects.iter_mut().zip(&with) {
-            measure(&found.ground, with, effect);
-        }
-        return Some(extended);
+        let Some(effect) = worst else {
+            return Some(extended);
+        };
+        effect.confident = false;
     }
 }
 
 /// Held-out NMSE of an effect, all confident ones beside it and nothing without a name: a free curve would share its coefficients. The
 /// hypothesis with it, its own term the last.
 fn weigh(
-    found: &Found,
+    ground: &Ground,
     kept: &[Term],
     extended: &Hypothesis,
     effect: &mut Named,
 ) -> Option<Hypothesis> {
-    let (ground, own) = (&found.ground, effect.term.clone()?);
+    let own = effect.term.clone()?;
     let is_own = |t: &Term| t.is_like(&own) && t.shape == own.shape;
     let mut terms: Vec<Term> = extended.terms.clone();
     if let Some(at) = terms.iter().skip(kept.len()).position(is_own) {
@@ -358,7 +382,14 @@ fn measure(ground: &Ground, with: &Hypothesis, effect: &mut Named) {
     effect.parameters = parameters(ground, with, index);
 }
 
-fn hysteresis(found: &Found, shape: Shape) -> Named {
+/// Whether the interval of an effect's only coefficient, its first parameter, holds zero.
+fn is_signless(effect: &Named, with: &Hypothesis) -> bool {
+    let only = with.coefficients(with.terms.len() - 1).len() == 1;
+    let size = effect.parameters.first().and_then(|p| p.1.ci95);
+    only && size.is_some_and(|[low, high]| low <= 0.0 && high >= 0.0)
+}
+
+fn hysteresis(ground: &Ground, shape: Shape) -> Named {
     let [own, core] = shape.nmse;
     Named {
         name: Name::Hysteresis,
@@ -368,7 +399,7 @@ fn hysteresis(found: &Found, shape: Shape) -> Named {
         evidence: shape.evidence,
         standing: None,
         nmse_test: shape.nmse,
-        places: Place::all(&found.ground.rows, Axis::SinceReversal, &shape.force),
+        places: Place::all(&ground.rows, Axis::SinceReversal, &shape.force),
         force: shape.force,
         parameters: Vec::new(),
         source: None,
@@ -376,7 +407,7 @@ fn hysteresis(found: &Found, shape: Shape) -> Named {
     }
 }
 
-fn correction(found: &Found, corrected: Corrected) -> Named {
+fn correction(ground: &Ground, corrected: Corrected) -> Named {
     Named {
         name: Name::Correction(corrected.what),
         term: None,
@@ -385,7 +416,7 @@ fn correction(found: &Found, corrected: Corrected) -> Named {
         evidence: corrected.evidence,
         standing: None,
         nmse_test: corrected.nmse,
-        places: Place::all(&found.ground.rows, corrected.what.axis(), &corrected.force),
+        places: Place::all(&ground.rows, corrected.what.axis(), &corrected.force),
         force: corrected.force,
         parameters: vec![corrected.parameter],
         source: None,
