@@ -304,7 +304,7 @@ fn extend(found: &Found, kept: &[Term], effects: &[Named]) -> Option<Hypothesis>
 }
 
 /// Recording and hypothesis with the confident effects, all effects measured in them. One whose own interval does not tell its sign is no
-/// longer confident, the least first: a delay of −2 ± 4 ms contradicts its name.
+/// longer confident, the least first: a delay of −2 ± 4 ms may as well be one of 2 ms.
 fn measured(found: &Found, kept: &[Term], effects: &mut [Named]) -> Option<(Ground, Hypothesis)> {
     loop {
         let terms = shown(found, kept, effects)?.terms;
@@ -382,11 +382,17 @@ fn measure(ground: &Ground, with: &Hypothesis, effect: &mut Named) {
     effect.parameters = parameters(ground, with, index);
 }
 
-/// Whether the interval of an effect's only coefficient, its first parameter, holds zero.
+/// Whether the interval of an effect's only coefficient, its first parameter, holds the opposite value as well.
 fn is_signless(effect: &Named, with: &Hypothesis) -> bool {
     let only = with.coefficients(with.terms.len() - 1).len() == 1;
-    let size = effect.parameters.first().and_then(|p| p.1.ci95);
-    only && size.is_some_and(|[low, high]| low <= 0.0 && high >= 0.0)
+    let holds_opposite = |size: &Estimate| {
+        let holds = |[low, high]: [f64; 2]| (low..=high).contains(&-size.value);
+        size.ci95.is_some_and(holds)
+    };
+    only && effect
+        .parameters
+        .first()
+        .is_some_and(|p| holds_opposite(&p.1))
 }
 
 fn hysteresis(ground: &Ground, shape: Shape) -> Named {
