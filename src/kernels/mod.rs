@@ -23,6 +23,7 @@ mod curves;
 mod dsp;
 mod lumped;
 mod packed;
+mod product;
 mod quantised;
 mod slip_reserve;
 

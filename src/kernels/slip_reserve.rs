@@ -1,15 +1,14 @@
-//! The quasi-static law with one clamp, at zero, per block.
+//! The quasi-static law event by event: a tick in which no block slips costs the same with one block as with ten.
 
 use super::Whole;
-use super::quantised::{Range, Reserve, finest_force, quantise};
+use super::quantised::{Range, finest_force, quantise};
 use crate::{Block, Friction, Motion, ParamError, Units};
-use core::sync::atomic::{Ordering, compiler_fence};
 
-/// 31 bits signed: what one saturating instruction limits a displacement to.
+/// The longest displacement, 31 bits signed: with a reserve it does not overflow.
 const LARGEST: i32 = (1 << 30) - 1;
 
-/// Blocks whose loads the compiler may gather: more would not fit the registers that a function need not save.
-const TOGETHER: usize = 2;
+/// Farther than any displacement: what is left before the next block slips where none is to slip.
+const NEVER: u32 = 1 << 31;
 
 const RANGE: Range = Range {
     yields: LARGEST / 2,
@@ -18,9 +17,15 @@ const RANGE: Range = Range {
 
 /// Quasi-static GMS in `i32`: the law of [`QuasiStaticGms`](crate::QuasiStaticGms) on counts, in safe code.
 ///
-/// Each block keeps what it can still move before it slips, its *slip reserve* `w_i = D_i − dir·z_i ∈ [0, 2·D_i]`:
+/// A block is a spring between the body at `x` and a slider at `c_i`: `F = Σ k_i·(x − c_i)`, and a slipping block drags its slider
+/// along at a distance of `D_i`. What a block can still move before it slips is its *slip reserve* `w_i = D_i − dir·(x − c_i) ∈ [0, 2·D_i]`:
 ///
-/// `w_i ← max(w_i − |dx|, 0)`, `F = dir·(ΣW_i − Σ k_i·w_i)`; on a reversal `w_i ← 2·D_i − w_i`, `dir ← −dir`.
+/// `w_i ← max(w_i − |dx|, 0)`; on a reversal `w_i ← 2·D_i − w_i`, `dir ← −dir`.
+///
+/// In the order of their `D_i` the reserves never fall: `0 ≤ w_j − w_i ≤ 2·(D_j − D_i)` for `D_i ≤ D_j` holds at rest, where `w = D`, and
+/// both steps keep it. So the blocks that slip are always the first ones, and one comparison, with the reserve of the first that
+/// sticks, decides for all. Until it is used up the force grows by `|dx|·Σ k_i` of those that stick, whatever `N` is. A reversal
+/// takes a step for each block that slipped, and so does each block that begins to.
 ///
 /// Accepts `D_i` up to 2²⁹ − 1 units of length and `ΣW_i` up to 2³⁰ − 1 units of force. No displacement
 /// overflows: one longer than 2³⁰ is cut, and slips every block as it would uncut.
@@ -38,17 +43,45 @@ const RANGE: Range = Range {
 /// # Ok::<(), preslide::ParamError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[repr(C)]
 pub struct SlipReserve<const N: usize> {
     limit: i32,
-    blocks: [Reserve; N],
+    /// That of all blocks.
+    stiffness: i32,
+    /// In the order in which they slip.
+    springs: [Spring; N],
+}
+
+/// A block: `D_i` in units of length, and `k_i` in units of force per unit of length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+struct Spring {
+    yields: i32,
+    stiffness: i32,
 }
 
 /// What a [`SlipReserve`] remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[repr(C)]
 pub struct SlipReserveState<const N: usize> {
     /// 0 while the body moves forward, −1 backward: `(x ^ b) − b` is `dir·x`.
     backward: i32,
-    reserve: [i32; N],
+    /// How far to where the next block slips, at least 1.
+    left: u32,
+    /// The force along the motion, and the stiffness of the blocks that stick.
+    force: i32,
+    stiffness: i32,
+    /// How many blocks slip: the first ones.
+    slipping: usize,
+    /// Where the sliders of the others are. Places wrap around, their differences do not.
+    slider: [i32; N],
+}
+
+impl<const N: usize> SlipReserveState<N> {
+    #[inline(always)]
+    fn along(&self, x: i32) -> i32 {
+        (x ^ self.backward).wrapping_sub(self.backward)
+    }
 }
 
 impl<const N: usize> SlipReserve<N> {
@@ -59,8 +92,18 @@ impl<const N: usize> SlipReserve<N> {
     /// displacement, a stiffness or the breakaway force lies outside the range above in `units`.
     pub fn try_new(blocks: &[Block; N], breakaway: f64, units: Units) -> Result<Self, ParamError> {
         const { assert!(N > 0, "a Maxwell-slip model needs at least one block") };
-        let (blocks, limit) = quantise(blocks, breakaway, units, RANGE)?;
-        Ok(Self { limit, blocks })
+        let (reserves, limit) = quantise(blocks, breakaway, units, RANGE)?;
+        let mut springs = reserves.map(|block| Spring {
+            yields: block.full / 2,
+            stiffness: block.stiffness,
+        });
+        springs.sort_unstable_by_key(|spring| spring.yields);
+        let stiffness = springs.iter().map(|spring| spring.stiffness).sum();
+        Ok(Self {
+            limit,
+            stiffness,
+            springs,
+        })
     }
 
     /// The finest unit of force (N or N·m) that it accepts for these blocks at the unit of length `length` (m or rad).
@@ -68,15 +111,55 @@ impl<const N: usize> SlipReserve<N> {
         finest_force(blocks, breakaway, length, RANGE)
     }
 
-    /// The fence costs no instruction. It has the blocks stored here and loaded again below: kept in registers across
-    /// both ways, they would make the ordinary tick save those registers.
-    #[inline]
-    fn reverse(&self, state: &mut SlipReserveState<N>) {
-        state.backward = !state.backward;
-        for (reserve, block) in state.reserve.iter_mut().zip(&self.blocks) {
-            *reserve = block.full - *reserve;
+    /// Where the next block slips, along the motion; `None` where none is left.
+    #[inline(always)]
+    fn next(&self, state: &SlipReserveState<N>) -> Option<(i32, &Spring)> {
+        let slider = state.slider.get(state.slipping)?;
+        let spring = self.springs.get(state.slipping)?;
+        Some((state.along(*slider).wrapping_add(spring.yields), spring))
+    }
+
+    /// A tick in which the body turns or a block slips. Not inlined: the ordinary tick would save its registers.
+    #[cold]
+    #[inline(never)]
+    fn event(&self, state: &mut SlipReserveState<N>, dx: i32) {
+        let mut advance = state.along(dx.clamp(-LARGEST - 1, LARGEST));
+        // Where every block slips, any place is as good as another.
+        let mut place = self.next(state).map_or(0, |(slips, _)| {
+            slips.wrapping_sub(state.left.cast_signed())
+        });
+        if advance < 0 {
+            self.turn(state, place);
+            place = place.wrapping_neg();
+            advance = -advance;
         }
-        compiler_fence(Ordering::SeqCst);
+        place = place.wrapping_add(advance);
+        let grown = state.stiffness.wrapping_mul(advance);
+        state.force = state.force.wrapping_add(grown);
+        state.left = NEVER;
+        while let Some((slips, spring)) = self.next(state) {
+            let left = slips.wrapping_sub(place);
+            if left > 0 {
+                state.left = left.cast_unsigned();
+                break;
+            }
+            let lacking = spring.stiffness.wrapping_mul(left);
+            state.force = state.force.wrapping_add(lacking);
+            state.stiffness -= spring.stiffness;
+            state.slipping += 1;
+        }
+    }
+
+    /// The sliders that were dragged stay where they are, and every block sticks.
+    #[inline(always)]
+    fn turn(&self, state: &mut SlipReserveState<N>, place: i32) {
+        for i in 0..state.slipping.min(N) {
+            state.slider[i] = state.along(place.wrapping_sub(self.springs[i].yields));
+        }
+        state.backward = !state.backward;
+        state.force = state.force.wrapping_neg();
+        state.stiffness = self.stiffness;
+        state.slipping = 0;
     }
 }
 
@@ -87,34 +170,27 @@ impl<const N: usize> Friction for SlipReserve<N> {
     fn at_rest(&self) -> Self::State {
         SlipReserveState {
             backward: 0,
-            reserve: self.blocks.map(|block| block.full / 2),
+            left: self.springs[0].yields.cast_unsigned(),
+            force: 0,
+            stiffness: self.stiffness,
+            slipping: 0,
+            slider: [0; N],
         }
     }
 
     #[inline(always)]
     fn step(&self, state: &mut Self::State, motion: Motion<Whole>) -> Whole {
-        let dx = motion.displacement.to_bits().clamp(-LARGEST - 1, LARGEST);
-        let mut advance = (dx ^ state.backward) - state.backward;
-        if advance < 0 {
-            advance = -advance;
-            self.reverse(state);
+        let dx = motion.displacement.to_bits();
+        // Turning back is farther, as an unsigned number, than any block is away.
+        let advance = state.along(dx);
+        if advance.cast_unsigned() < state.left {
+            state.left -= advance.cast_unsigned();
+            let grown = state.stiffness.wrapping_mul(advance);
+            state.force = state.force.wrapping_add(grown);
+        } else {
+            self.event(state, dx);
         }
-        let mut lacking = 0_i32;
-        let blocks = state
-            .reserve
-            .chunks_mut(TOGETHER)
-            .zip(self.blocks.chunks(TOGETHER));
-        for (reserves, blocks) in blocks {
-            for (reserve, block) in reserves.iter_mut().zip(blocks) {
-                let left = *reserve - advance;
-                *reserve = if left > 0 { left } else { 0 };
-                lacking = lacking.wrapping_add(block.stiffness.wrapping_mul(*reserve));
-            }
-            compiler_fence(Ordering::SeqCst);
-        }
-        // Construction has proved that the sum fits.
-        let along = self.limit.wrapping_sub(lacking);
-        Whole::from_bits((along ^ state.backward).wrapping_sub(state.backward))
+        Whole::from_bits(state.along(state.force))
     }
 
     fn limit(&self) -> Option<Whole> {

@@ -63,12 +63,12 @@ pub fn built<M>(model: Result<M, ParamError>) -> M {
     }
 }
 
-fn packed_force(blocks: &[Block]) -> f64 {
+pub fn packed_force(blocks: &[Block]) -> f64 {
     PackedSlipReserve::<1>::finest_force(blocks, BREAKAWAY, COUNT)
 }
 
 /// Counts, velocity in steps of 0.1 µm/s, and the unit of force that the kernel asks for.
-const fn counts(force: f64) -> Units {
+pub const fn counts(force: f64) -> Units {
     Units {
         length: COUNT,
         force,

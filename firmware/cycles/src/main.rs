@@ -21,6 +21,7 @@ mod spent;
 mod stub;
 mod textbook;
 mod tick;
+mod translated;
 
 use core::panic::PanicInfo;
 

@@ -71,6 +71,7 @@ pub fn run_empty_tick() {
 
 pub fn run() {
     crate::textbook::run();
+    crate::translated::run();
 
     let row = single("empty_call", Units::SI);
     let call = row.run(&(), (), empty_call, |_, _, _| ());
