@@ -13,7 +13,7 @@ struct slip_reserve {
 struct slip_reserve_state {
     int32_t backward;
     uint32_t left;
-    int32_t force, stiffness;
+    int32_t force, stiffness, slips;
     uint32_t slipping;
     int32_t slider[N];
 };
@@ -25,36 +25,34 @@ static int32_t along(const struct slip_reserve_state *s, int32_t x)
 
 static __attribute__((noinline, cold)) void event(const struct slip_reserve *m, struct slip_reserve_state *s, int32_t dx)
 {
-    const int32_t longest = (1 << 30) - 1;
-    int32_t advance = along(s, dx > longest ? longest : dx < -longest - 1 ? -longest - 1 : dx);
-    int32_t place = 0;
-    uint32_t i = s->slipping;
-    if (i < N)
-        place = along(s, s->slider[i]) + m->spring[i].yields - (int32_t)s->left;
+    int32_t advance = along(s, dx < -INT32_MAX ? -INT32_MAX : dx);
+    int32_t place = s->slips - (int32_t)s->left;
     if (advance < 0) {
-        for (uint32_t j = 0; j < i; j++)
-            s->slider[j] = along(s, place - m->spring[j].yields);
+        for (uint32_t i = 0; i < s->slipping; i++)
+            s->slider[i] = along(s, place - m->spring[i].yields);
         s->backward = ~s->backward;
         s->force = -s->force;
         s->stiffness = m->stiffness;
-        i = 0;
+        s->slipping = 0;
         place = -place;
         advance = -advance;
     }
     place += advance;
-    int32_t force = s->force + s->stiffness * advance;
-    uint32_t left = UINT32_C(1) << 31;
-    for (; i < N; i++) {
+    int32_t stiffness = s->stiffness, force = s->force + stiffness * advance, left = INT32_MAX;
+    uint32_t i;
+    for (i = s->slipping; i < N; i++) {
         int32_t to = along(s, s->slider[i]) + m->spring[i].yields - place;
         if (to > 0) {
-            left = (uint32_t)to;
+            left = to;
             break;
         }
         force += m->spring[i].stiffness * to;
-        s->stiffness -= m->spring[i].stiffness;
+        stiffness -= m->spring[i].stiffness;
     }
+    s->left = (uint32_t)left;
+    s->slips = place + left;
     s->force = force;
-    s->left = left;
+    s->stiffness = stiffness;
     s->slipping = i;
 }
 

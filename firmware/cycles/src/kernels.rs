@@ -131,46 +131,16 @@ pub fn run() {
     sweep!("gms_i16f16", Gms<N, I16F16>, |_blocks| COUNTS, |blocks, units| {
         Gms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units)
     });
-    sweep!(
-        "gms_i32",
-        CountGms<N>,
-        |blocks| counts(CountGms::finest_force(blocks, BREAKAWAY, COUNT)),
-        |blocks, units| { CountGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units) }
-    );
     sweep!("lumped_f32", LumpedGms<N, f32>, |_blocks| Units::SI, |blocks, units| {
         LumpedGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units)
     });
-    sweep!(
-        "lumped_i32",
-        LumpedCountGms<N>,
-        |blocks| counts(LumpedCountGms::finest_force(blocks, BREAKAWAY, COUNT)),
-        |blocks, units| { LumpedCountGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units) }
-    );
     sweep!("quasi_static_f32", QuasiStaticGms<N, f32>, |_blocks| Units::SI, |blocks, units| {
         QuasiStaticGms::try_new(blocks, BREAKAWAY, units)
     });
     sweep!("quasi_static_i16f16", QuasiStaticGms<N, I16F16>, |_blocks| COUNTS, |blocks, units| {
         QuasiStaticGms::try_new(blocks, BREAKAWAY, units)
     });
-    // In the packed kernel's unit of force, so that the three kernels' checksums are equal.
-    sweep!(
-        "slip_reserve_i32",
-        SlipReserve<N>,
-        |blocks| counts(packed_force(blocks)),
-        |blocks, units| { SlipReserve::try_new(blocks, BREAKAWAY, units) }
-    );
-    sweep!(
-        "packed",
-        PackedSlipReserve<PAIRS>,
-        |blocks| counts(packed_force(blocks)),
-        |blocks, units| { PackedSlipReserve::try_new(blocks, BREAKAWAY, units) }
-    );
-    sweep!(
-        "constant_time",
-        ConstantTimeSlipReserve<PAIRS>,
-        |blocks| counts(packed_force(blocks)),
-        |blocks, units| { ConstantTimeSlipReserve::try_new(blocks, BREAKAWAY, units) }
-    );
+    in_whole_numbers();
     // Table 2's parameters; Dahl also with the exponent 1, which needs no power.
     stub!(
         "dahl_n1_f32",
@@ -244,6 +214,41 @@ pub fn run() {
     );
     leuven!("leuven_f32", Modified, 1 4 8);
     leuven!("leuven_original_f32", Original, 8);
+}
+
+/// Those without `f32` and without the crate `fixed`'s products.
+pub fn in_whole_numbers() {
+    sweep!(
+        "gms_i32",
+        CountGms<N>,
+        |blocks| counts(CountGms::finest_force(blocks, BREAKAWAY, COUNT)),
+        |blocks, units| { CountGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units) }
+    );
+    sweep!(
+        "lumped_i32",
+        LumpedCountGms<N>,
+        |blocks| counts(LumpedCountGms::finest_force(blocks, BREAKAWAY, COUNT)),
+        |blocks, units| { LumpedCountGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units) }
+    );
+    // In the packed kernel's unit of force, so that the three kernels' checksums are equal.
+    sweep!(
+        "slip_reserve_i32",
+        SlipReserve<N>,
+        |blocks| counts(packed_force(blocks)),
+        |blocks, units| { SlipReserve::try_new(blocks, BREAKAWAY, units) }
+    );
+    sweep!(
+        "packed",
+        PackedSlipReserve<PAIRS>,
+        |blocks| counts(packed_force(blocks)),
+        |blocks, units| { PackedSlipReserve::try_new(blocks, BREAKAWAY, units) }
+    );
+    sweep!(
+        "constant_time",
+        ConstantTimeSlipReserve<PAIRS>,
+        |blocks| counts(packed_force(blocks)),
+        |blocks, units| { ConstantTimeSlipReserve::try_new(blocks, BREAKAWAY, units) }
+    );
 }
 
 /// Steps of [`long_runs`].

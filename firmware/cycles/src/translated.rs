@@ -16,7 +16,6 @@ macro_rules! translated {
         $({
             type State = <$model<$n> as Friction>::State;
             // SAFETY: build.rs compiles the function with this N and this name; its structures are the library's, `repr(C)`.
-            #[expect(improper_ctypes, reason = "a `Whole` is an `i32`")]
             unsafe extern "C" {
                 #[link_name = concat!("cycles__", $kernel, "__", $n)]
                 fn step(model: &$model<$n>, state: &mut State, displacement: Whole, velocity: Whole) -> Whole;

@@ -211,8 +211,8 @@ fn measure(core: &Core) -> Result<(Vec<String>, Vec<Row>), String> {
                 model,
                 "state",
                 state,
-                "force_rms",
-                _,
+                "error",
+                error,
                 "checksum",
                 checksum,
             ] => {
@@ -251,6 +251,9 @@ fn measure(core: &Core) -> Result<(Vec<String>, Vec<Row>), String> {
                 row.blocks = blocks;
                 row.flash_bytes += number(model)?;
                 row.ram_bytes = Some(number(state)?);
+                if table::is_friction(kernel) {
+                    row.error = error.parse().ok();
+                }
                 if core.is_m4f {
                     row.m7_estimate = m7::estimate(&disassembly, paths);
                     row.floor = table::floor(&row);
@@ -361,6 +364,7 @@ fn price_paths(
         ram_bytes: None,
         paths: paths.len() as u32,
         calls,
+        error: None,
     })
 }
 
