@@ -44,11 +44,27 @@ mod tests {
 
     #[test]
     fn halves_give_the_upper_word_of_every_product() {
-        let edges = [0, 1, -1, 2, 0x7fff, -0x8000, 0xffff, 0x1_0000, -0x1_0000, i32::MAX, i32::MIN];
+        let edges = [
+            0,
+            1,
+            -1,
+            2,
+            0x7fff,
+            -0x8000,
+            0xffff,
+            0x1_0000,
+            -0x1_0000,
+            i32::MAX,
+            i32::MIN,
+        ];
         let mut random = 0x1727_2018_u32;
         let mut any = || {
             for (left, shift) in [(true, 13), (false, 17), (true, 5)] {
-                random ^= if left { random << shift } else { random >> shift };
+                random ^= if left {
+                    random << shift
+                } else {
+                    random >> shift
+                };
             }
             random.cast_signed() >> (random % 32)
         };

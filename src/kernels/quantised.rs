@@ -4,6 +4,7 @@ use crate::param::{Block, Bound, ParamError, Units, check_blocks};
 
 /// One block: `2·D_i` in units of length, and `k_i` in units of force per unit of length.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
 pub(super) struct Reserve {
     pub(super) full: i32,
     pub(super) stiffness: i32,

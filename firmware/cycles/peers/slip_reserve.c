@@ -4,68 +4,39 @@
 #include <stdint.h>
 
 struct slip_reserve {
-    int32_t limit, stiffness;
+    int32_t limit;
     struct {
-        int32_t yields, stiffness;
-    } spring[N];
+        int32_t full, stiffness;
+    } block[N];
 };
 
 struct slip_reserve_state {
     int32_t backward;
-    uint32_t left;
-    int32_t force, stiffness, slips;
-    uint32_t slipping;
-    int32_t slider[N];
+    int32_t reserve[N];
 };
-
-static int32_t along(const struct slip_reserve_state *s, int32_t x)
-{
-    return (x ^ s->backward) - s->backward;
-}
-
-static __attribute__((noinline, cold)) void event(const struct slip_reserve *m, struct slip_reserve_state *s, int32_t dx)
-{
-    int32_t advance = along(s, dx < -INT32_MAX ? -INT32_MAX : dx);
-    int32_t place = s->slips - (int32_t)s->left;
-    if (advance < 0) {
-        for (uint32_t i = 0; i < s->slipping; i++)
-            s->slider[i] = along(s, place - m->spring[i].yields);
-        s->backward = ~s->backward;
-        s->force = -s->force;
-        s->stiffness = m->stiffness;
-        s->slipping = 0;
-        place = -place;
-        advance = -advance;
-    }
-    place += advance;
-    int32_t stiffness = s->stiffness, force = s->force + stiffness * advance, left = INT32_MAX;
-    uint32_t i;
-    for (i = s->slipping; i < N; i++) {
-        int32_t to = along(s, s->slider[i]) + m->spring[i].yields - place;
-        if (to > 0) {
-            left = to;
-            break;
-        }
-        force += m->spring[i].stiffness * to;
-        stiffness -= m->spring[i].stiffness;
-    }
-    s->left = (uint32_t)left;
-    s->slips = place + left;
-    s->force = force;
-    s->stiffness = stiffness;
-    s->slipping = i;
-}
 
 /* Displacement of the tick [counts] in, friction force out. */
 int32_t STEP(const struct slip_reserve *m, struct slip_reserve_state *s, int32_t dx, int32_t velocity)
 {
     (void)velocity;
-    int32_t advance = along(s, dx);
-    if ((uint32_t)advance < s->left) {
-        s->left -= (uint32_t)advance;
-        s->force += s->stiffness * advance;
-    } else {
-        event(m, s, dx);
+    const int32_t longest = (1 << 30) - 1;
+    if (dx > longest)
+        dx = longest;
+    if (dx < -longest - 1)
+        dx = -longest - 1;
+    int32_t advance = (dx ^ s->backward) - s->backward;
+    if (advance < 0) {
+        advance = -advance;
+        s->backward = ~s->backward;
+        for (int i = 0; i < N; i++)
+            s->reserve[i] = m->block[i].full - s->reserve[i];
     }
-    return along(s, s->force);
+    int32_t lacking = 0;
+    for (int i = 0; i < N; i++) {
+        int32_t left = s->reserve[i] - advance;
+        s->reserve[i] = left > 0 ? left : 0;
+        lacking += m->block[i].stiffness * s->reserve[i];
+    }
+    int32_t force = m->limit - lacking;
+    return (force ^ s->backward) - s->backward;
 }

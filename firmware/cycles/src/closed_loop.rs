@@ -141,7 +141,14 @@ pub fn run<M: Model>(
     for now in 0..ticks {
         if let Some(request) = request(now) {
             let mut frame = [0; LARGEST_FRAME];
-            let length = encode(&Numbered { id: number, request }, &mut frame).unwrap_or(0);
+            let length = encode(
+                &Numbered {
+                    id: number,
+                    request,
+                },
+                &mut frame,
+            )
+            .unwrap_or(0);
             for byte in &frame[..length] {
                 let _ = ask.enqueue(*byte);
             }

@@ -2,8 +2,8 @@
 
 use fixed::types::I16F16;
 use preslide::kernels::{
-    ConstantTimeSlipReserve, CountGms, LumpedCountGms, LumpedGms, PackedSlipReserve, SlipReserve,
-    Whole,
+    ConstantTimeSlipReserve, CountGms, LumpedCountGms, LumpedGms, LumpedSlipReserve,
+    PackedSlipReserve, SlipReserve, Whole,
 };
 use preslide::{
     Block, BoucWen, Coulomb, Dahl, ElastoPlastic, Friction, Gms, Hsieh, HsiehParams, Leuven,
@@ -230,12 +230,18 @@ pub fn in_whole_numbers() {
         |blocks| counts(LumpedCountGms::finest_force(blocks, BREAKAWAY, COUNT)),
         |blocks, units| { LumpedCountGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units) }
     );
-    // In the packed kernel's unit of force, so that the three kernels' checksums are equal.
+    // In the packed kernel's unit of force, so that the four kernels' checksums are equal.
     sweep!(
         "slip_reserve_i32",
         SlipReserve<N>,
         |blocks| counts(packed_force(blocks)),
         |blocks, units| { SlipReserve::try_new(blocks, BREAKAWAY, units) }
+    );
+    sweep!(
+        "lumped_slip_reserve_i32",
+        LumpedSlipReserve<N>,
+        |blocks| counts(packed_force(blocks)),
+        |blocks, units| { LumpedSlipReserve::try_new(blocks, BREAKAWAY, units) }
     );
     sweep!(
         "packed",
@@ -267,6 +273,8 @@ pub fn long_runs(report: impl Fn(&str, u64)) {
     report("lumped_i32", long_run(&built(lumped)));
     let plain = built(SlipReserve::try_new(blocks, BREAKAWAY, slip));
     report("slip_reserve_i32", long_run(&plain));
+    let lumped = built(LumpedSlipReserve::try_new(blocks, BREAKAWAY, slip));
+    report("lumped_slip_reserve_i32", long_run(&lumped));
     let packed = built(PackedSlipReserve::<3>::try_new(blocks, BREAKAWAY, slip));
     report("packed", long_run(&packed));
     let constant = built(ConstantTimeSlipReserve::<3>::try_new(

@@ -62,7 +62,11 @@ impl Row {
             }
         }
         let error = 100.0 / BREAKAWAY * libm::sqrt(squares / TICKS as f64);
-        self.tell([size_of::<M>(), size_of::<State>()], error, checksum.value());
+        self.tell(
+            [size_of::<M>(), size_of::<State>()],
+            error,
+            checksum.value(),
+        );
         spent
     }
 

@@ -30,9 +30,12 @@ pub fn check(rows: &[Row]) -> Result<(), String> {
     run_for(&mut qemu, QEMU_LIMIT)?;
     let text = fs::read_to_string(&printed)
         .map_err(|error| format!("cannot read {}: {error}", printed.display()))?;
-    let kernels = rows.iter().filter(|row| !row.kernel.starts_with("control_task"));
+    let kernels = rows
+        .iter()
+        .filter(|row| !row.kernel.starts_with("control_task"));
     let kernels: Vec<Row> = kernels.cloned().collect();
-    let lines = compare(&text, &kernels).map_err(|reason| format!("the board's image: {reason}"))?;
+    let lines =
+        compare(&text, &kernels).map_err(|reason| format!("the board's image: {reason}"))?;
     println!(
         "the board's image links for an STM32G474 and prints {lines} rows in the table's columns (in QEMU its cycle \
          counter stands still: no cycle of it was checked)"

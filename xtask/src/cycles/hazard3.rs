@@ -134,7 +134,9 @@ impl Simulation {
 
     /// What the image prints: simulated, unless it has been before, on this very core. Where wait states are told, it measures little.
     fn printed(&self, waits: Option<[u8; 2]>) -> Result<String, String> {
-        let waits = waits.map_or(vec![], |waits| waits.map(|waits| waits.to_string()).to_vec());
+        let waits = waits.map_or(vec![], |waits| {
+            waits.map(|waits| waits.to_string()).to_vec()
+        });
         let mut name = vec![format!("printed-{}", self.fingerprint()?)];
         name.extend_from_slice(&waits);
         let file = self.folder.join(name.join("-"));

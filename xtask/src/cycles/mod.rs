@@ -11,6 +11,7 @@ mod instruction;
 mod m0plus;
 mod m7;
 pub mod nowhere;
+mod picture;
 mod price;
 mod recorder;
 mod stages;
@@ -70,15 +71,17 @@ const CORTEX_M4F: Core = Core {
 const ALL_TICKS: &str = "10000";
 
 pub fn run_command(arguments: &[String]) -> Result<(), String> {
-    let flags = ["--check", "--tick", "--m0plus", "--hazard3"];
+    let flags = ["--check", "--tick", "--m0plus", "--hazard3", "--picture"];
     match crate::given("cycles", &flags, arguments)? {
         Some("--tick") => tick(),
         Some("--m0plus") => write(&m0plus::CORE),
         Some("--hazard3") => hazard3::run_command(),
+        Some("--picture") => picture::write(),
         Some(_) => {
             check(&CORTEX_M4F)?;
             m0plus::check()?;
-            hazard3::check()
+            hazard3::check()?;
+            picture::check()
         }
         None => write(&CORTEX_M4F),
     }
