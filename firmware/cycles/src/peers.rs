@@ -71,6 +71,7 @@ pub fn run_empty_tick() {
 
 pub fn run() {
     crate::textbook::run();
+    #[cfg(not(feature = "board"))]
     crate::translated::run();
 
     let row = single("empty_call", Units::SI);
