@@ -50,16 +50,34 @@ const HAZARD3: Compiler = Compiler {
     ],
 };
 
-/// Kernel name, type, exponential, optimisation: `src/peers.rs` calls them by these names.
-const PEERS: &[(&str, &str, &str, &[&str])] = &[
-    ("textbook_float_O2", "float", "expf", &["-O2"]),
+/// Kernel name, source in `peers`, and the compiler's arguments: `src/textbook.rs` and `src/translated.rs` call them by these names.
+const PEERS: &[(&str, &str, &[&str])] = &[
+    (
+        "textbook_float_O2",
+        "gms.c",
+        &["-O2", "-DREAL=float", "-DEXP=expf"],
+    ),
     (
         "textbook_float_O3_fast",
-        "float",
-        "expf",
-        &["-O3", "-ffast-math"],
+        "gms.c",
+        &["-O3", "-ffast-math", "-DREAL=float", "-DEXP=expf"],
     ),
-    ("textbook_double_O2", "double", "exp", &["-O2"]),
+    (
+        "textbook_double_O2",
+        "gms.c",
+        &["-O2", "-DREAL=double", "-DEXP=exp"],
+    ),
+    (
+        "slip_reserve_i32_gcc_O2",
+        "slip_reserve.c",
+        &["-O2", "-fwrapv"],
+    ),
+    (
+        "lumped_slip_reserve_i32_gcc_O2",
+        "lumped_slip_reserve.c",
+        &["-O2", "-fwrapv"],
+    ),
+    ("gms_i32_gcc_O2", "gms_i32.c", &["-O2", "-fwrapv"]),
 ];
 
 fn main() -> Result<(), String> {
@@ -90,28 +108,23 @@ fn main() -> Result<(), String> {
 
 /// Every peer at every measured N.
 fn build_peers(compiler: &Compiler, crate_folder: &Path, out: &Path) -> Result<(), String> {
-    println!("cargo:rerun-if-changed=peers/gms.c");
-    let source = crate_folder.join("peers/gms.c");
+    println!("cargo:rerun-if-changed=peers");
     let mut objects = Vec::new();
     let mut names = Vec::new();
-    for (kernel, real, exp, optimisation) in PEERS {
+    for (kernel, source, arguments) in PEERS {
+        let source = crate_folder.join("peers").join(source);
         for n in [1, 2, 3, 4, 6, 8, 10] {
             let name = format!("cycles__{kernel}__{n}");
             let object = out.join(format!("{name}.o"));
             let mut gcc = compiler.gcc();
-            gcc.args(compiler.cpu).args(*optimisation).args([
+            gcc.args(compiler.cpu).args(*arguments).args([
                 "-std=c11",
                 "-Wall",
                 "-Wextra",
                 "-Werror",
                 "-ffunction-sections",
             ]);
-            gcc.args([
-                format!("-DREAL={real}"),
-                format!("-DEXP={exp}"),
-                format!("-DN={n}"),
-                format!("-DSTEP={name}"),
-            ]);
+            gcc.args([format!("-DN={n}"), format!("-DSTEP={name}")]);
             run(gcc.arg("-c").arg(&source).arg("-o").arg(&object))?;
             objects.push(object);
             names.push(name);

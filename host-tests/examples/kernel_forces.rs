@@ -5,6 +5,8 @@
 
 #[path = "../../firmware/cycles/src/checksum.rs"]
 mod checksum;
+#[path = "../../firmware/cycles/src/closed_loop.rs"]
+mod closed_loop;
 #[path = "../../firmware/cycles/src/effects.rs"]
 mod effects;
 #[path = "../../firmware/cycles/src/kernels.rs"]
@@ -13,8 +15,10 @@ mod kernels;
 mod motion;
 
 use checksum::Checksum;
+use fixed::types::I16F16;
 use motion::{Strokes, TICKS};
 use preslide::{Friction, Scalar, Units};
+use preslide_app::{Blocks, Number, STARTING_MODEL};
 
 /// The harness's macro of this name measures; this one only runs the kernel.
 #[macro_export]
@@ -56,9 +60,19 @@ fn print_checksum<F: Friction>(
     println!("{kernel} {blocks} {:016x}", checksum.value());
 }
 
+/// The codes of the whole control task.
+fn print_control_task<S: Number>(kernel: &str) {
+    let queues = Box::leak(Box::default());
+    let model = Blocks::<S>::new(STARTING_MODEL);
+    let checksum = closed_loop::run(model, queues, ticks(), |inputs, task| task.tick(inputs));
+    println!("{kernel} 4 {checksum:016x}");
+}
+
 fn main() {
     kernels::run();
     effects::run();
+    print_control_task::<f32>("control_task_f32");
+    print_control_task::<I16F16>("control_task_i16f16");
     kernels::long_runs(|kernel, checksum| {
         println!("{kernel} steps {} {checksum:016x}", kernels::LONG);
     });

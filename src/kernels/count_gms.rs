@@ -1,7 +1,8 @@
 //! The full GMS law in whole numbers: no exponential and no division in the control tick.
 
 use super::Whole;
-use super::curves::{Curves, upper};
+use super::curves::Curves;
+use super::product::upper;
 use super::quantised::{extremes, longest, whole};
 use crate::param::{at_most, check_blocks};
 use crate::{Block, Friction, Motion, ParamError, Sliding, Units};
@@ -39,6 +40,7 @@ const GREATEST_SPREAD: f64 = 1_048_576.0;
 /// # Ok::<(), preslide::ParamError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[repr(C)]
 pub struct CountGms<const N: usize> {
     blocks: [ShareBlock; N],
     /// Longest displacement of a tick.
@@ -49,6 +51,7 @@ pub struct CountGms<const N: usize> {
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
 struct ShareBlock {
     /// `1/D_i`, in the scale of `q` per unit of length.
     rate: i32,
@@ -58,6 +61,7 @@ struct ShareBlock {
 
 /// What a [`CountGms`] remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[repr(C)]
 pub struct CountGmsState<const N: usize> {
     /// 0 while the body moves forward, −1 backward: `(x ^ b) − b` is `dir·x`.
     backward: i32,

@@ -1,5 +1,6 @@
 //! The Stribeck curve and the lag in whole numbers.
 
+use super::product::{upper, whole};
 use crate::param::{at_most, positive};
 use crate::{ParamError, Sliding, Units};
 
@@ -8,6 +9,7 @@ const INTERVALS: usize = 63;
 
 /// The threshold `σ(v)` and the lag `λ(v)` of [`Gms`](crate::Gms), by a table with linear interpolation.
 #[derive(Clone, Debug, PartialEq)]
+#[repr(C)]
 pub(super) struct Curves {
     /// Intervals per unit of velocity, times 2³².
     per_velocity: u32,
@@ -16,6 +18,7 @@ pub(super) struct Curves {
 
 /// `σ` and `λ` in the middle of an interval of speed, and their differences across it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
 struct Interval {
     /// In parts of `one`.
     weakening: i32,
@@ -58,21 +61,15 @@ impl Curves {
     /// `σ(v)` in parts of `one`, and `λ(v)` times 2³¹.
     #[inline]
     pub(super) fn at(&self, velocity: i32) -> (i32, i32) {
-        let place = u64::from(velocity.unsigned_abs()) * u64::from(self.per_velocity);
-        let interval = &self.table[((place >> 32) as usize).min(INTERVALS)];
+        let [interval, part] = whole(velocity.unsigned_abs(), self.per_velocity);
+        let interval = &self.table[(interval as usize).min(INTERVALS)];
         // From the middle of the interval, −½ to ½ of it.
-        let part = (place as u32 ^ 0x8000_0000).cast_signed();
+        let part = (part ^ 0x8000_0000).cast_signed();
         (
             interval.weakening + upper(interval.weakening_step, part),
             interval.lag + upper(interval.lag_step, part),
         )
     }
-}
-
-/// The upper word of a product: one instruction.
-#[inline(always)]
-pub(super) fn upper(a: i32, b: i32) -> i32 {
-    ((i64::from(a) * i64::from(b)) >> 32) as i32
 }
 
 /// `functions(place)` gives `σ` and `λ` at the start of interval `place`.

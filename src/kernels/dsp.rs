@@ -9,6 +9,22 @@ pub(super) use instructions::*;
 #[cfg(not(dsp_instructions))]
 pub(super) use portable::*;
 
+/// Has the compiler work out `sum` here and not later, which costs no instruction. A core with eight registers would save what it waits for.
+#[inline(always)]
+pub(super) fn settled(sum: i32) -> i32 {
+    #[cfg(short_products)]
+    {
+        let settled;
+        // SAFETY: there is no instruction. It stands for one that touches memory, so that none of the next block's moves ahead of it.
+        unsafe {
+            core::arch::asm!("/* {} */", inlateout(reg) sum => settled, options(nostack, preserves_flags));
+        }
+        settled
+    }
+    #[cfg(not(short_products))]
+    sum
+}
+
 /// Two blocks, the first in the low halves: `2·D` and `k`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]

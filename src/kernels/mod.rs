@@ -6,6 +6,7 @@
 //! | [`LumpedCountGms`] | the same, event by event: cheap in the mean, dear in the worst tick | `i32` | `D_max ≤ 2²⁰`, `D_max/D_min ≤ 2¹⁶` |
 //! | [`LumpedGms`] | the same | `f32`, `f64` | what [`Gms`](crate::Gms) does |
 //! | [`SlipReserve`] | [`QuasiStaticGms`](crate::QuasiStaticGms) | `i32` | `D < 2²⁹`, `ΣW < 2³⁰` |
+//! | [`LumpedSlipReserve`] | the same, event by event: cheap in the mean, dear in the worst tick | `i32` | the same |
 //! | [`PackedSlipReserve`] | that of `SlipReserve` | two 16-bit blocks a word | `D < 2¹⁴`, `k < 2¹⁵`, `ΣW < 2³⁰` |
 //! | [`ConstantTimeSlipReserve`] | the same, on a path that no data changes | two 16-bit blocks a word | the same |
 //!
@@ -23,12 +24,16 @@ mod curves;
 mod dsp;
 mod lumped;
 mod packed;
+mod product;
 mod quantised;
 mod slip_reserve;
 
 pub use constant_time::ConstantTimeSlipReserve;
 pub use count_gms::{CountGms, CountGmsState};
-pub use lumped::{Float, LumpedCountGms, LumpedCountGmsState, LumpedGms, LumpedGmsState};
+pub use lumped::{
+    Float, LumpedCountGms, LumpedCountGmsState, LumpedGms, LumpedGmsState, LumpedSlipReserve,
+    LumpedSlipReserveState,
+};
 pub use packed::{PackedSlipReserve, PackedState};
 pub use slip_reserve::{SlipReserve, SlipReserveState};
 

@@ -4,6 +4,7 @@ use crate::param::{Block, Bound, ParamError, Units, check_blocks};
 
 /// One block: `2·D_i` in units of length, and `k_i` in units of force per unit of length.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
 pub(super) struct Reserve {
     pub(super) full: i32,
     pub(super) stiffness: i32,
@@ -17,20 +18,33 @@ pub(super) struct Range {
 }
 
 /// Rounds the blocks, and returns `ΣW_i` with them.
-///
-/// `D_i` is rounded to a whole unit of length, so that no force is left at rest and none is made by a reversal; `k_i`
-/// then follows from `W_i = k_i·D_i`: a slipping block carries its force to within the rounding of `k_i`, whatever
-/// became of `D_i`.
 pub(super) fn quantise<const N: usize>(
     blocks: &[Block; N],
     breakaway: f64,
     units: Units,
     range: Range,
 ) -> Result<([Reserve; N], i32), ParamError> {
-    check_blocks(blocks, breakaway, units)?;
     let mut reserves = [Reserve::default(); N];
+    let limit = round(blocks, breakaway, units, range, &mut reserves)?;
+    Ok((reserves, limit))
+}
+
+/// One function for every N: it is much code, for what runs once.
+///
+/// `D_i` is rounded to a whole unit of length, so that no force is left at rest and none is made by a reversal; `k_i`
+/// then follows from `W_i = k_i·D_i`: a slipping block carries its force to within the rounding of `k_i`, whatever
+/// became of `D_i`.
+#[inline(never)]
+fn round(
+    blocks: &[Block],
+    breakaway: f64,
+    units: Units,
+    range: Range,
+    reserves: &mut [Reserve],
+) -> Result<i32, ParamError> {
+    check_blocks(blocks, breakaway, units)?;
     let mut limit = 0_i64;
-    for (i, (block, reserve)) in blocks.iter().zip(&mut reserves).enumerate() {
+    for (i, (block, reserve)) in blocks.iter().zip(reserves).enumerate() {
         let of_block = |e: ParamError| e.of_block(i);
         let yields = block.yield_displacement(breakaway) / units.length;
         let yields = whole("yield displacement", yields, range.yields).map_err(of_block)?;
@@ -51,7 +65,7 @@ pub(super) fn quantise<const N: usize>(
             bound: Bound::Representable(f64::from(i32::MAX / 2)),
         });
     }
-    Ok((reserves, limit as i32))
+    Ok(limit as i32)
 }
 
 /// The finest unit of force in which [`quantise`] accepts the blocks.

@@ -1,6 +1,7 @@
 //! The quasi-static law with one clamp, at zero, per block.
 
 use super::Whole;
+use super::dsp::settled;
 use super::quantised::{Range, Reserve, finest_force, quantise};
 use crate::{Block, Friction, Motion, ParamError, Units};
 use core::sync::atomic::{Ordering, compiler_fence};
@@ -9,7 +10,7 @@ use core::sync::atomic::{Ordering, compiler_fence};
 const LARGEST: i32 = (1 << 30) - 1;
 
 /// Blocks whose loads the compiler may gather: more would not fit the registers that a function need not save.
-const TOGETHER: usize = 2;
+const TOGETHER: usize = if cfg!(short_products) { 1 } else { 2 };
 
 const RANGE: Range = Range {
     yields: LARGEST / 2,
@@ -38,6 +39,7 @@ const RANGE: Range = Range {
 /// # Ok::<(), preslide::ParamError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[repr(C)]
 pub struct SlipReserve<const N: usize> {
     limit: i32,
     blocks: [Reserve; N],
@@ -45,6 +47,7 @@ pub struct SlipReserve<const N: usize> {
 
 /// What a [`SlipReserve`] remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[repr(C)]
 pub struct SlipReserveState<const N: usize> {
     /// 0 while the body moves forward, −1 backward: `(x ^ b) − b` is `dir·x`.
     backward: i32,
@@ -109,6 +112,7 @@ impl<const N: usize> Friction for SlipReserve<N> {
                 let left = *reserve - advance;
                 *reserve = if left > 0 { left } else { 0 };
                 lacking = lacking.wrapping_add(block.stiffness.wrapping_mul(*reserve));
+                lacking = settled(lacking);
             }
             compiler_fence(Ordering::SeqCst);
         }

@@ -1,19 +1,21 @@
 // Runs a program on the verilated core: memory that answers in the next cycle on both ports, a console, an end.
 //
-// bench IMAGE: a flat binary, loaded where the core begins. A byte stored to CONSOLE is printed; a word stored to END ends the run
-// with that exit code. The program counts its cycles itself (mcycle).
+// bench IMAGE [FETCH DATA]: a flat binary, loaded where the core begins. A byte stored to CONSOLE is printed; a word stored to END ends
+// the run with that exit code. The program counts its cycles itself (mcycle). FETCH and DATA are wait states of every access to
+// instructions and to data; with them the word at BRIEF is 1.
 
 #include "Vrp2350.h"
 #include "verilated.h"
 
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <vector>
 
 static const uint32_t BASE = 0x20000000, SIZE = 4 << 20; // more than the RP2350's 520 KiB: the image holds every kernel
-static const uint32_t CONSOLE = 0xf0000000, END = 0xf0000004;
+static const uint32_t CONSOLE = 0xf0000000, END = 0xf0000004, BRIEF = 0xf0000008;
 static const uint64_t LIMIT = 20'000'000'000;
 
 static std::vector<uint8_t> memory(SIZE + 4);
@@ -29,14 +31,17 @@ static uint32_t word(uint32_t address)
 struct Access {
 	bool active, write;
 	uint32_t address, size;
+	int waits; // cycles until it is answered
 };
 
 int main(int count, char **arguments)
 {
-	if (count != 2) {
-		fprintf(stderr, "usage: bench IMAGE\n");
+	if (count != 2 && count != 4) {
+		fprintf(stderr, "usage: bench IMAGE [FETCH DATA]\n");
 		return 2;
 	}
+	const bool brief = count == 4;
+	const int fetch_waits = brief ? atoi(arguments[2]) : 0, data_waits = brief ? atoi(arguments[3]) : 0;
 	std::ifstream file(arguments[1], std::ios::binary);
 	std::vector<char> image((std::istreambuf_iterator<char>(file)), {});
 	if (!file.is_open() || image.empty() || image.size() > SIZE) {
@@ -47,14 +52,15 @@ int main(int count, char **arguments)
 
 	Vrp2350 core;
 	Access fetch = {}, data = {};
-	core.i_hready = core.d_hready = 1;
 	for (uint64_t cycle = 0; cycle < LIMIT; cycle++) {
 		core.rst_n = cycle >= 4;
+		core.i_hready = fetch.waits == 0;
+		core.d_hready = data.waits == 0;
 		core.i_hrdata = fetch.active ? word(fetch.address) : 0;
-		core.d_hrdata = data.active && !data.write ? word(data.address) : 0;
+		core.d_hrdata = !data.active || data.write ? 0 : data.address == BRIEF ? brief : word(data.address);
 		core.clk = 0;
 		core.eval();
-		if (data.active && data.write) {
+		if (data.active && data.write && core.d_hready) {
 			uint32_t value = core.d_hwdata >> 8 * (data.address & 3);
 			if (data.address == CONSOLE) {
 				putchar(value & 0xff);
@@ -70,8 +76,18 @@ int main(int count, char **arguments)
 				return 1;
 			}
 		}
-		fetch = {(core.i_htrans & 2) != 0, false, core.i_haddr, 2};
-		data = {(core.d_htrans & 2) != 0, core.d_hwrite != 0, core.d_haddr, core.d_hsize};
+		if (!core.i_hready)
+			fetch.waits--;
+		else if (core.i_htrans & 2)
+			fetch = {true, false, core.i_haddr, 2, fetch_waits};
+		else
+			fetch = {};
+		if (!core.d_hready)
+			data.waits--;
+		else if (core.d_htrans & 2)
+			data = {true, core.d_hwrite != 0, core.d_haddr, core.d_hsize, data_waits};
+		else
+			data = {};
 		core.clk = 1;
 		core.eval();
 	}

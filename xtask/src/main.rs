@@ -42,7 +42,7 @@ const COMMANDS: &[Command] = &[
     },
     Command {
         name: "cycles",
-        help: "what an update of each kernel costs on a Cortex-M4F; --check compares with the committed table, --tick lists where a control tick spends its own, --m0plus and --hazard3 measure on the cores of the RP2040 and, simulated and exact, of the RP2350's RISC-V side",
+        help: "what an update of each kernel costs on a Cortex-M4F; --check compares with the committed table, --tick lists where a control tick spends its own, --m0plus and --hazard3 measure on the cores of the RP2040 and, simulated and exact, of the RP2350's RISC-V side, --picture draws error against cycles",
         run: cycles::run_command,
     },
     Command {

@@ -2,8 +2,8 @@
 
 use fixed::types::I16F16;
 use preslide::kernels::{
-    ConstantTimeSlipReserve, CountGms, LumpedCountGms, LumpedGms, PackedSlipReserve, SlipReserve,
-    Whole,
+    ConstantTimeSlipReserve, CountGms, LumpedCountGms, LumpedGms, LumpedSlipReserve,
+    PackedSlipReserve, SlipReserve, Whole,
 };
 use preslide::{
     Block, BoucWen, Coulomb, Dahl, ElastoPlastic, Friction, Gms, Hsieh, HsiehParams, Leuven,
@@ -63,12 +63,12 @@ pub fn built<M>(model: Result<M, ParamError>) -> M {
     }
 }
 
-fn packed_force(blocks: &[Block]) -> f64 {
+pub fn packed_force(blocks: &[Block]) -> f64 {
     PackedSlipReserve::<1>::finest_force(blocks, BREAKAWAY, COUNT)
 }
 
 /// Counts, velocity in steps of 0.1 µm/s, and the unit of force that the kernel asks for.
-const fn counts(force: f64) -> Units {
+pub const fn counts(force: f64) -> Units {
     Units {
         length: COUNT,
         force,
@@ -131,46 +131,16 @@ pub fn run() {
     sweep!("gms_i16f16", Gms<N, I16F16>, |_blocks| COUNTS, |blocks, units| {
         Gms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units)
     });
-    sweep!(
-        "gms_i32",
-        CountGms<N>,
-        |blocks| counts(CountGms::finest_force(blocks, BREAKAWAY, COUNT)),
-        |blocks, units| { CountGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units) }
-    );
     sweep!("lumped_f32", LumpedGms<N, f32>, |_blocks| Units::SI, |blocks, units| {
         LumpedGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units)
     });
-    sweep!(
-        "lumped_i32",
-        LumpedCountGms<N>,
-        |blocks| counts(LumpedCountGms::finest_force(blocks, BREAKAWAY, COUNT)),
-        |blocks, units| { LumpedCountGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units) }
-    );
     sweep!("quasi_static_f32", QuasiStaticGms<N, f32>, |_blocks| Units::SI, |blocks, units| {
         QuasiStaticGms::try_new(blocks, BREAKAWAY, units)
     });
     sweep!("quasi_static_i16f16", QuasiStaticGms<N, I16F16>, |_blocks| COUNTS, |blocks, units| {
         QuasiStaticGms::try_new(blocks, BREAKAWAY, units)
     });
-    // In the packed kernel's unit of force, so that the three kernels' checksums are equal.
-    sweep!(
-        "slip_reserve_i32",
-        SlipReserve<N>,
-        |blocks| counts(packed_force(blocks)),
-        |blocks, units| { SlipReserve::try_new(blocks, BREAKAWAY, units) }
-    );
-    sweep!(
-        "packed",
-        PackedSlipReserve<PAIRS>,
-        |blocks| counts(packed_force(blocks)),
-        |blocks, units| { PackedSlipReserve::try_new(blocks, BREAKAWAY, units) }
-    );
-    sweep!(
-        "constant_time",
-        ConstantTimeSlipReserve<PAIRS>,
-        |blocks| counts(packed_force(blocks)),
-        |blocks, units| { ConstantTimeSlipReserve::try_new(blocks, BREAKAWAY, units) }
-    );
+    in_whole_numbers();
     // Table 2's parameters; Dahl also with the exponent 1, which needs no power.
     stub!(
         "dahl_n1_f32",
@@ -246,6 +216,47 @@ pub fn run() {
     leuven!("leuven_original_f32", Original, 8);
 }
 
+/// Those without `f32` and without the crate `fixed`'s products.
+pub fn in_whole_numbers() {
+    sweep!(
+        "gms_i32",
+        CountGms<N>,
+        |blocks| counts(CountGms::finest_force(blocks, BREAKAWAY, COUNT)),
+        |blocks, units| { CountGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units) }
+    );
+    sweep!(
+        "lumped_i32",
+        LumpedCountGms<N>,
+        |blocks| counts(LumpedCountGms::finest_force(blocks, BREAKAWAY, COUNT)),
+        |blocks, units| { LumpedCountGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units) }
+    );
+    // In the packed kernel's unit of force, so that the four kernels' checksums are equal.
+    sweep!(
+        "slip_reserve_i32",
+        SlipReserve<N>,
+        |blocks| counts(packed_force(blocks)),
+        |blocks, units| { SlipReserve::try_new(blocks, BREAKAWAY, units) }
+    );
+    sweep!(
+        "lumped_slip_reserve_i32",
+        LumpedSlipReserve<N>,
+        |blocks| counts(packed_force(blocks)),
+        |blocks, units| { LumpedSlipReserve::try_new(blocks, BREAKAWAY, units) }
+    );
+    sweep!(
+        "packed",
+        PackedSlipReserve<PAIRS>,
+        |blocks| counts(packed_force(blocks)),
+        |blocks, units| { PackedSlipReserve::try_new(blocks, BREAKAWAY, units) }
+    );
+    sweep!(
+        "constant_time",
+        ConstantTimeSlipReserve<PAIRS>,
+        |blocks| counts(packed_force(blocks)),
+        |blocks, units| { ConstantTimeSlipReserve::try_new(blocks, BREAKAWAY, units) }
+    );
+}
+
 /// Steps of [`long_runs`].
 pub const LONG: usize = 1_000_000;
 
@@ -262,6 +273,8 @@ pub fn long_runs(report: impl Fn(&str, u64)) {
     report("lumped_i32", long_run(&built(lumped)));
     let plain = built(SlipReserve::try_new(blocks, BREAKAWAY, slip));
     report("slip_reserve_i32", long_run(&plain));
+    let lumped = built(LumpedSlipReserve::try_new(blocks, BREAKAWAY, slip));
+    report("lumped_slip_reserve_i32", long_run(&lumped));
     let packed = built(PackedSlipReserve::<3>::try_new(blocks, BREAKAWAY, slip));
     report("packed", long_run(&packed));
     let constant = built(ConstantTimeSlipReserve::<3>::try_new(

@@ -2,13 +2,18 @@
 //!
 //! A stub is a function named `cycles__KERNEL__N` that nothing is inlined into or out of; its instruction path is
 //! what is measured. For each, one line says what the recorder cannot see:
-//! `kernel NAME N calls COUNT model BYTES state BYTES force_rms NEWTONS checksum HEX`. At the end the kernels in whole numbers
+//! `kernel NAME N calls COUNT model BYTES state BYTES error PERCENT checksum HEX`. At the end the kernels in whole numbers
 //! run on unrecorded, over a million steps: `agreement NAME steps COUNT checksum HEX`.
 
 #![no_std]
 #![no_main]
 
 mod checksum;
+// A board's flash has no room for the application and gcc's translations beside every kernel.
+#[cfg(not(feature = "board"))]
+mod closed_loop;
+#[cfg(not(feature = "board"))]
+mod control_task;
 mod effects;
 mod given;
 mod kernels;
@@ -21,6 +26,9 @@ mod spent;
 mod stub;
 mod textbook;
 mod tick;
+#[cfg(not(feature = "board"))]
+mod translated;
+mod truth;
 
 use core::panic::PanicInfo;
 
@@ -43,14 +51,22 @@ fn run() -> ! {
         );
         say!(
             "kernel,n,instructions_mean,instructions_max,cycles_mean,cycles_worst,cycles_low,cycles_high,cycles_in_tick,\
-             floor,m7_estimate,flash_bytes,ram_bytes,paths,calls"
+             floor,m7_estimate,flash_bytes,ram_bytes,paths,calls,error"
         );
     } else {
         say!("motion seed {:#x}", motion::SEED);
     }
     peers::run_empty_tick();
+    if machine::is_brief() {
+        kernels::in_whole_numbers();
+        #[cfg(not(feature = "board"))]
+        control_task::run();
+        machine::exit(true)
+    }
     kernels::run();
     effects::run();
+    #[cfg(not(feature = "board"))]
+    control_task::run();
     peers::run();
     if !machine::MEASURES {
         kernels::long_runs(|kernel, checksum| {

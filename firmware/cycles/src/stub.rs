@@ -6,10 +6,12 @@ use preslide::{Friction, Motion, Scalar, Units};
 
 use crate::checksum::Checksum;
 use crate::given::given;
+use crate::kernels::BREAKAWAY;
 use crate::machine::{MEASURES, TELLS};
 use crate::motion::TICKS;
 use crate::spent::Spent;
 use crate::tick::{Inputs, Pid, PidState};
+use crate::truth;
 
 /// A kernel's update: model, state, displacement, velocity in; force out.
 pub type Step<M, State, S> = unsafe extern "C" fn(&M, &mut State, S, S) -> S;
@@ -36,7 +38,7 @@ pub struct Row {
 impl Row {
     /// Calls `step` for every tick of the motion and, for the recorder, prints the kernel's line.
     ///
-    /// The rms of the force shows that kernels of one law compute the same thing; the checksum, that this
+    /// The error is the rms difference from [`crate::truth`] in % of the breakaway force; the checksum shows that this
     /// processor computes the same bits as another.
     pub fn run<M, State, S: Scalar>(
         &self,
@@ -49,28 +51,35 @@ impl Row {
         let mut squares = 0.0;
         let mut checksum = Checksum::new();
         let mut spent = Spent::default();
-        for tick in given(self.units) {
+        for (index, tick) in given(self.units).enumerate() {
             place(model, &mut state, tick.place);
             // SAFETY: every stub is a safe Rust function, or a C peer whose structures `textbook.rs` mirrors.
             let force = unsafe { spent.update(step, model, &mut state, tick.motion) };
             checksum.add(force.to_f64());
             if !MEASURES {
-                let newtons = force.to_f64() * self.units.force;
-                squares += newtons * newtons;
+                let missed = force.to_f64() * self.units.force - truth::forces()[index];
+                squares += missed * missed;
             }
         }
-        let (kernel, blocks, checksum) = (self.kernel, self.blocks, checksum.value());
+        let error = 100.0 / BREAKAWAY * libm::sqrt(squares / TICKS as f64);
+        self.tell(
+            [size_of::<M>(), size_of::<State>()],
+            error,
+            checksum.value(),
+        );
+        spent
+    }
+
+    /// The kernel's line for whoever compares: bytes of model and state, error and checksum.
+    pub fn tell(&self, [model, state]: [usize; 2], error: f64, checksum: u64) {
+        let (kernel, blocks) = (self.kernel, self.blocks);
         if TELLS && MEASURES {
             crate::say!("kernel {kernel} {blocks} calls {TICKS} checksum {checksum:016x}");
         } else if TELLS {
             crate::say!(
-                "kernel {kernel} {blocks} calls {TICKS} model {} state {} force_rms {:.6} checksum {checksum:016x}",
-                size_of::<M>(),
-                size_of::<State>(),
-                libm::sqrt(squares / TICKS as f64),
+                "kernel {kernel} {blocks} calls {TICKS} model {model} state {state} error {error:.4} checksum {checksum:016x}"
             );
         }
-        spent
     }
 
     /// The same motion once more, with the kernel inlined into a control tick.
@@ -118,7 +127,7 @@ impl Row {
             let without = f64::from(f32::from_bits(EMPTY_TICK.load(Ordering::Relaxed)));
             crate::machine::print(format_args!("{:.1}", ticks.mean() - without));
         }
-        crate::say!(",,,,{state},,{TICKS}");
+        crate::say!(",,,,{state},,{TICKS},");
     }
 }
 

@@ -1,7 +1,8 @@
 //! The lumped law in whole numbers.
 
 use super::super::Whole;
-use super::super::curves::{Curves, upper};
+use super::super::curves::Curves;
+use super::super::product::upper;
 use super::super::quantised::{extremes, longest, whole};
 use super::{Lumped, LumpedState, Number, Spring};
 use crate::param::{at_most, check_blocks};

@@ -2,9 +2,11 @@
 
 mod count;
 mod float;
+mod slip_reserve;
 
 pub use count::{LumpedCountGms, LumpedCountGmsState};
 pub use float::{Float, LumpedGms, LumpedGmsState};
+pub use slip_reserve::{LumpedSlipReserve, LumpedSlipReserveState};
 
 use core::ops::{Add, Neg, Sub};
 

@@ -11,7 +11,7 @@ use super::table::{COLUMNS, Row};
 use crate::process::{run, run_for};
 use crate::qemu;
 
-/// Builds the image, runs it and compares its lines with `rows`, which it must cover.
+/// Builds the image, runs it and compares its lines with `rows`, which it must cover but for the control task and gcc's translations.
 pub fn check(rows: &[Row]) -> Result<(), String> {
     let (mut build, built) = qemu::build_command("preslide-cycles")?;
     run(build.args(["--features", "board"]))?;
@@ -30,7 +30,12 @@ pub fn check(rows: &[Row]) -> Result<(), String> {
     run_for(&mut qemu, QEMU_LIMIT)?;
     let text = fs::read_to_string(&printed)
         .map_err(|error| format!("cannot read {}: {error}", printed.display()))?;
-    let lines = compare(&text, rows).map_err(|reason| format!("the board's image: {reason}"))?;
+    let is_left_out =
+        |row: &&Row| row.kernel.starts_with("control_task") || row.kernel.ends_with("_gcc_O2");
+    let kernels = rows.iter().filter(|row| !is_left_out(row));
+    let kernels: Vec<Row> = kernels.cloned().collect();
+    let lines =
+        compare(&text, &kernels).map_err(|reason| format!("the board's image: {reason}"))?;
     println!(
         "the board's image links for an STM32G474 and prints {lines} rows in the table's columns (in QEMU its cycle \
          counter stands still: no cycle of it was checked)"
@@ -64,14 +69,14 @@ mod tests {
 
     #[test]
     fn rows_in_other_columns_or_of_other_kernels_are_refused() {
-        let table = format!("{COLUMNS}\na,6,1.0,1,2.0,2,2.0,2.0,,,,8,,1,10\n");
+        let table = format!("{COLUMNS}\na,6,1.0,1,2.0,2,2.0,2.0,,,,8,,1,10,\n");
         let rows = from_csv(&table).unwrap();
         let printed = |row: &str| format!("# comment\n{COLUMNS}\n{row}");
         assert_eq!(
-            compare(&printed("a,6,,,0.0,0,,,0.0,,,,12,,10\n"), &rows),
+            compare(&printed("a,6,,,0.0,0,,,0.0,,,,12,,10,\n"), &rows),
             Ok(1)
         );
-        assert!(compare(&printed("a,8,,,0.0,0,,,0.0,,,,12,,10\n"), &rows).is_err());
+        assert!(compare(&printed("a,8,,,0.0,0,,,0.0,,,,12,,10,\n"), &rows).is_err());
         assert!(compare(&printed("a,6,,,0.0,0\n"), &rows).is_err());
         assert!(compare(&printed(""), &rows).unwrap_err().contains("0 rows"));
     }

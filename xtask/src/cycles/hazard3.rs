@@ -24,6 +24,10 @@ const RTL: &str = "../shared/hardware/hazard3/hdl";
 
 const TABLE: &str = "firmware/cycles/hazard3-rp2350.csv";
 
+/// The same core with memory that waits, and wait states of every access to instructions and to data.
+const WAITING: &str = "firmware/cycles/hazard3-waiting.csv";
+const WAITS: [[u8; 2]; 4] = [[0, 0], [1, 0], [0, 1], [1, 1]];
+
 /// The simulation takes minutes.
 const LIMIT: Duration = Duration::from_secs(3600);
 
@@ -40,11 +44,16 @@ pub fn run_command() -> Result<(), String> {
     }
     Need::Verilator.ensure()?;
     Need::RiscvGcc.ensure()?;
-    let table = Simulation::build()?.table()?;
+    let simulation = Simulation::build()?;
+    let table = simulation.table()?;
     print(&table);
-    std::fs::write(root().join(TABLE), table)
-        .map_err(|error| format!("cannot write {TABLE}: {error}"))?;
-    println!("\nwritten to {TABLE}");
+    let waiting = simulation.waiting()?;
+    println!("\n{waiting}");
+    for (file, text) in [(TABLE, table), (WAITING, waiting)] {
+        std::fs::write(root().join(file), text)
+            .map_err(|error| format!("cannot write {file}: {error}"))?;
+        println!("written to {file}");
+    }
     Ok(())
 }
 
@@ -123,15 +132,20 @@ impl Simulation {
         Ok(format!("{hash:016x}"))
     }
 
-    /// What the image prints: simulated, unless it has been before, on this very core.
-    fn printed(&self) -> Result<String, String> {
-        let file = self.folder.join(format!("printed-{}", self.fingerprint()?));
+    /// What the image prints: simulated, unless it has been before, on this very core. Where wait states are told, it measures little.
+    fn printed(&self, waits: Option<[u8; 2]>) -> Result<String, String> {
+        let waits = waits.map_or(vec![], |waits| {
+            waits.map(|waits| waits.to_string()).to_vec()
+        });
+        let mut name = vec![format!("printed-{}", self.fingerprint()?)];
+        name.extend_from_slice(&waits);
+        let file = self.folder.join(name.join("-"));
         if let Ok(printed) = std::fs::read_to_string(&file) {
             println!("simulated before: {}", file.display());
             return Ok(printed);
         }
         let bench = bench(&self.sources, &self.folder)?;
-        let (printed, _) = output_for(Command::new(bench).arg(&self.image), LIMIT)?;
+        let (printed, _) = output_for(Command::new(bench).arg(&self.image).args(&waits), LIMIT)?;
         std::fs::write(&file, &printed)
             .map_err(|error| format!("cannot write {}: {error}", file.display()))?;
         Ok(printed)
@@ -139,7 +153,7 @@ impl Simulation {
 
     /// The file: what was measured and how, the columns, and the rows that the image printed. Its forces must be the host's.
     fn table(&self) -> Result<String, String> {
-        let printed = self.printed()?;
+        let printed = self.printed(None)?;
         let (mut checksums, mut rows, mut ticks) = (BTreeMap::new(), Vec::new(), "0");
         for line in printed.lines() {
             let words: Vec<&str> = line.split(' ').collect();
@@ -161,6 +175,38 @@ impl Simulation {
         let _ = writeln!(text, "{SIMULATED}{}", self.fingerprint()?);
         for row in rows {
             let _ = writeln!(text, "{row}");
+        }
+        Ok(text)
+    }
+}
+
+impl Simulation {
+    /// What is measured under memory with wait states: one column of mean cycles for each.
+    fn waiting(&self) -> Result<String, String> {
+        let mut rows: BTreeMap<String, Vec<String>> = BTreeMap::new();
+        for waits in WAITS {
+            for line in self.printed(Some(waits))?.lines().skip(2) {
+                let cells: Vec<&str> = line.split(',').collect();
+                if let [kernel, n, _, _, cycles, ..] = cells[..]
+                    && n != "n"
+                {
+                    let row = rows.entry(format!("{kernel},{n:>2}")).or_default();
+                    row.push(cycles.to_string());
+                }
+            }
+        }
+        let mut text = String::from(
+            "# Mean cycles as in hazard3-rp2350.csv, where every access waits: of instructions (32 bits each), of data, of both.\n\
+             # Made by `cargo xtask cycles --hazard3`.\n",
+        );
+        let _ = writeln!(text, "{SIMULATED}{}", self.fingerprint()?);
+        text += "kernel,n";
+        for [fetch, data] in WAITS {
+            let _ = write!(text, ",fetch_{fetch}_data_{data}");
+        }
+        text.push('\n');
+        for (name, cycles) in rows {
+            let _ = writeln!(text, "{},{}", name.replace(' ', ""), cycles.join(","));
         }
         Ok(text)
     }

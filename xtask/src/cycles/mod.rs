@@ -11,6 +11,7 @@ mod instruction;
 mod m0plus;
 mod m7;
 pub mod nowhere;
+mod picture;
 mod price;
 mod recorder;
 mod stages;
@@ -70,15 +71,17 @@ const CORTEX_M4F: Core = Core {
 const ALL_TICKS: &str = "10000";
 
 pub fn run_command(arguments: &[String]) -> Result<(), String> {
-    let flags = ["--check", "--tick", "--m0plus", "--hazard3"];
+    let flags = ["--check", "--tick", "--m0plus", "--hazard3", "--picture"];
     match crate::given("cycles", &flags, arguments)? {
         Some("--tick") => tick(),
         Some("--m0plus") => write(&m0plus::CORE),
         Some("--hazard3") => hazard3::run_command(),
+        Some("--picture") => picture::write(),
         Some(_) => {
             check(&CORTEX_M4F)?;
             m0plus::check()?;
-            hazard3::check()
+            hazard3::check()?;
+            picture::check()
         }
         None => write(&CORTEX_M4F),
     }
@@ -211,8 +214,8 @@ fn measure(core: &Core) -> Result<(Vec<String>, Vec<Row>), String> {
                 model,
                 "state",
                 state,
-                "force_rms",
-                _,
+                "error",
+                error,
                 "checksum",
                 checksum,
             ] => {
@@ -251,6 +254,9 @@ fn measure(core: &Core) -> Result<(Vec<String>, Vec<Row>), String> {
                 row.blocks = blocks;
                 row.flash_bytes += number(model)?;
                 row.ram_bytes = Some(number(state)?);
+                if table::is_friction(kernel) {
+                    row.error = error.parse().ok();
+                }
                 if core.is_m4f {
                     row.m7_estimate = m7::estimate(&disassembly, paths);
                     row.floor = table::floor(&row);
@@ -281,6 +287,7 @@ fn compare_with_host(target: &BTreeMap<String, String>, ticks: &str) -> Result<(
             .args(["--example", "kernel_forces", "--", ticks])
             .current_dir(root()),
     )?;
+    same_in_c(target)?;
     let mut compared = 0;
     for line in printed.lines() {
         let (kernel, checksum) = line
@@ -303,6 +310,20 @@ fn compare_with_host(target: &BTreeMap<String, String>, ticks: &str) -> Result<(
         "the forces of {} kernels are the host's, bit for bit, and those of {long} over a million random steps",
         compared - long
     );
+    Ok(())
+}
+
+/// The forces of a kernel that gcc translated must be, bit for bit, those of the Rust kernel in the same run.
+fn same_in_c(target: &BTreeMap<String, String>) -> Result<(), String> {
+    for (kernel, checksum) in target {
+        let translated = kernel.split_once("_gcc_O2 ");
+        let rust = translated.map(|(name, blocks)| format!("{name} {blocks}"));
+        if rust.is_some_and(|rust| target.get(&rust) != Some(checksum)) {
+            return Err(format!(
+                "{kernel}: C computes other forces than Rust on this core"
+            ));
+        }
+    }
     Ok(())
 }
 
@@ -346,6 +367,7 @@ fn price_paths(
         ram_bytes: None,
         paths: paths.len() as u32,
         calls,
+        error: None,
     })
 }
 

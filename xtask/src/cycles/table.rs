@@ -26,10 +26,12 @@ pub struct Row {
     pub ram_bytes: Option<u32>,
     pub paths: u32,
     pub calls: u32,
+    /// Rms difference of the force from the ten-block stage's (% of `F_s`), of rows that are a friction model alone.
+    pub error: Option<f64>,
 }
 
 pub const COLUMNS: &str = "kernel,n,instructions_mean,instructions_max,cycles_mean,cycles_worst,cycles_low,cycles_high,\
-                       cycles_in_tick,floor,m7_estimate,flash_bytes,ram_bytes,paths,calls";
+                       cycles_in_tick,floor,m7_estimate,flash_bytes,ram_bytes,paths,calls,error";
 
 /// A count may grow by this much before the check fails.
 const TOLERANCE: f64 = 0.03;
@@ -42,7 +44,7 @@ pub fn to_csv(header: &[String], rows: &[Row]) -> String {
     for row in rows {
         let _ = writeln!(
             text,
-            "{},{},{:.1},{},{:.1},{},{:.1},{:.1},{},{},{},{},{},{},{}",
+            "{},{},{:.1},{},{:.1},{},{:.1},{:.1},{},{},{},{},{},{},{},{}",
             row.kernel,
             row.blocks,
             row.instructions_mean,
@@ -57,7 +59,9 @@ pub fn to_csv(header: &[String], rows: &[Row]) -> String {
             row.flash_bytes,
             whole(row.ram_bytes),
             row.paths,
-            row.calls
+            row.calls,
+            row.error
+                .map_or(String::new(), |error| format!("{error:.4}"))
         );
     }
     text
@@ -115,6 +119,7 @@ fn row(line: &str) -> Option<Row> {
         },
         paths: whole(13)?,
         calls: whole(14)?,
+        error: optional(15)?,
     })
 }
 
@@ -135,6 +140,12 @@ pub fn floor(row: &Row) -> Option<f64> {
         .then_some(12.0 + 2.5 * blocks)
 }
 
+/// Whether the row's force is a friction model's, and nothing else's.
+pub fn is_friction(kernel: &str) -> bool {
+    const OTHERS: [&str; 5] = ["with_", "control_task", "empty_call", "pid_", "idsp_"];
+    !OTHERS.iter().any(|other| kernel.starts_with(other))
+}
+
 /// Cycles in the control tick above its floor.
 fn gap(row: &Row) -> Option<f64> {
     Some(row.cycles_in_tick? - row.floor?)
@@ -142,7 +153,7 @@ fn gap(row: &Row) -> Option<f64> {
 
 pub fn print(rows: &[Row]) {
     println!(
-        "{:<30} {:>3} {:>14} {:>8} {:>6} {:>15} {:>8} {:>6} {:>7} {:>6} {:>4} {:>6}",
+        "{:<30} {:>3} {:>14} {:>8} {:>6} {:>15} {:>8} {:>6} {:>7} {:>6} {:>4} {:>6} {:>8}",
         "kernel",
         "N",
         "instructions",
@@ -154,11 +165,12 @@ pub fn print(rows: &[Row]) {
         "M7 est.",
         "flash",
         "RAM",
-        "paths"
+        "paths",
+        "error %"
     );
     for row in rows {
         println!(
-            "{:<30} {:>3} {:>7.1} {:>6} {:>8.1} {:>6} {:>7.1}…{:<7.1} {:>8} {:>6} {:>7} {:>6} {:>4} {:>6}",
+            "{:<30} {:>3} {:>7.1} {:>6} {:>8.1} {:>6} {:>7.1}…{:<7.1} {:>8} {:>6} {:>7} {:>6} {:>4} {:>6} {:>8}",
             row.kernel,
             row.blocks,
             row.instructions_mean,
@@ -172,7 +184,9 @@ pub fn print(rows: &[Row]) {
             decimal(row.m7_estimate),
             row.flash_bytes,
             whole(row.ram_bytes),
-            row.paths
+            row.paths,
+            row.error
+                .map_or(String::new(), |error| format!("{error:.4}"))
         );
     }
 }
@@ -265,6 +279,7 @@ mod tests {
             ram_bytes: (kernel == "a").then_some(24),
             paths: 17,
             calls: 10_000,
+            error: (kernel == "b").then_some(0.25),
         }
     }
 
