@@ -194,7 +194,7 @@ fn grid(svg: &mut String, index: usize) {
     for decade in CYCLES[0]..=CYCLES[1] {
         let (x, _) = place(index, (10f64.powi(decade), 1.0));
         let _ = write!(lines, "M{x:.1} {top:.1}V{bottom:.1}");
-        text(x, bottom + 15.0, "middle", &10f64.powi(decade).to_string());
+        text(x, bottom + 15.0, "middle", &format!("1e{decade}"));
     }
     for decade in ERROR[0]..=ERROR[1] {
         let (_, y) = place(index, (1.0, 10f64.powi(decade)));
