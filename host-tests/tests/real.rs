@@ -1,6 +1,9 @@
 //! `diagnose` on a real machine: the EMPS bench (ball screw, 1 kHz), with a term taken out of the model and with a force added.
 //! The tool is known here by its command line and its JSON only.
 
+use preslide_host::model::Model;
+use preslide_host::recording::{LoadOptions, load};
+use preslide_host::simulate::motion_with_inertia;
 use preslide_host_tests::judge::real::{machine, shared};
 use preslide_host_tests::judge::table::Recording;
 use preslide_host_tests::judge::tool::Tool;
@@ -94,4 +97,32 @@ fn viscous_friction_of_a_joint_is_named_though_another_term_can_cancel_it() {
     assert!(viscous.is_some_and(|e| e.confident), "{found:?}");
     let (before, after) = found.nmse_test.expect("a fit");
     assert!(after < 0.3 * before, "{before} → {after} % of the variance");
+}
+
+/// EMPS moved by its published model with 15 kg less, under the recorded force: what that simulation lacks is told from its motion alone.
+#[test]
+fn the_mass_that_a_simulation_lacks_is_measured_from_its_own_motion() {
+    const LACKING_KG: f64 = 15.0;
+    let Some(mut recording) = emps() else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let [csv, toml] = ["emps.csv", "light.toml"].map(|name| folder.path().join(name));
+    recording.parts[0].write(&csv).expect("written");
+    let model = format!(
+        "schema = \"preslide.model/1\"\nmotion = \"linear\"\ninertia = {{ mass_kg = {} }}\n\
+         friction = {{ kind = \"coulomb\", coulomb_N = 20.39, viscous_N_s_per_m = 203.5 }}\n\
+         [[effects]]\nid = \"constant_force\"\nforce_N = {OFFSET}\n",
+        95.11 - LACKING_KG
+    );
+    std::fs::write(&toml, model).expect("written");
+    let light = Model::load(&toml).unwrap_or_else(|e| panic!("{e}"));
+    let measured = load(&csv, &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+    let simulated = motion_with_inertia(&light, &measured, 20).unwrap_or_else(|e| panic!("{e}"));
+    let table = &mut recording.parts[0];
+    table.names.push("x_sim_m".into());
+    table.columns.push(simulated.position);
+    recording.model = None;
+    recording.arguments = ["--simulated", "x_sim_m"].map(String::from).to_vec();
+    let found = answer(&recording);
+    let (mass, _) = first(&found, "inertia", "mass_kg");
+    assert!((mass / LACKING_KG - 1.0).abs() < 0.1, "{mass} kg");
 }

@@ -1,5 +1,6 @@
 //! `diagnose --simulated`: what lies between a recording and a simulation that is a column of it. The machine moves as prescribed, its
-//! friction is a bristle of the machines' own laws, and the simulation is the same machine with something else in it.
+//! friction is a bristle of the machines' own laws, and the simulation is the same machine with something else in it: moved as the machine
+//! was, or by itself under the recorded force.
 
 use preslide_host::model::Model;
 use preslide_host_tests::judge::table::{Recording, Table};
@@ -13,7 +14,8 @@ const SEED: u64 = 14;
 const RATE_HZ: f64 = 1000.0;
 /// Steps of the friction law between two samples.
 const FINER: usize = 20;
-const SECONDS: f64 = 40.0;
+const STEP_S: f64 = 1.0 / (RATE_HZ * FINER as f64);
+const SAMPLES: usize = (40.0 * RATE_HZ) as usize;
 const PRESLIDING_M: f64 = 60e-6;
 const ENCODER_M: f64 = 10e-9;
 const COGGING_PERIOD_M: f64 = 8e-3;
@@ -52,56 +54,86 @@ impl Physics {
     /// The force that the motion takes, at the samples.
     fn force(&self, dice: &mut Dice) -> Vec<f64> {
         let mut bristle = Law::LuGre.start();
-        let step = 1.0 / (RATE_HZ * FINER as f64);
         let (mut level, mut last) = (1.0, motion(0.0)[0]);
         let sample = |i: usize| {
             // Friction forgets its level within a tenth of a second.
             level += (1.0 - level) * 0.01 + self.wander * (2.0 * 0.01_f64).sqrt() * dice.normal();
             let mut held = 0.0;
             for k in 0..FINER {
-                let x = motion((i * FINER + k) as f64 * step)[0];
+                let x = motion((i * FINER + k) as f64 * STEP_S)[0];
                 held = bristle.step((x - last) / PRESLIDING_M, level);
                 last = x;
             }
-            let [x, v, a] = motion(((i + 1) * FINER - 1) as f64 * step);
-            self.mass_kg * a
-                + self.friction_n * held
-                + self.viscous * v
-                + self.cogging_n * (TAU * x / COGGING_PERIOD_M).cos()
+            let [x, v, a] = motion(time(i));
+            self.mass_kg * a + self.friction_n * held + self.beside_friction(x, v)
         };
-        (0..(SECONDS * RATE_HZ) as usize).map(sample).collect()
+        (0..SAMPLES).map(sample).collect()
     }
+
+    /// The motion that a force causes, from where the machine was; the force runs straight from sample to sample.
+    fn moved_by(&self, force: &[f64]) -> Vec<f64> {
+        let mut bristle = Law::LuGre.start();
+        let [mut x, mut v, _] = motion(time(0));
+        let mut position = vec![x];
+        for pair in force.windows(2) {
+            for k in 0..FINER {
+                let u = (k as f64 + 0.5) / FINER as f64;
+                let held = bristle.step(v * STEP_S / PRESLIDING_M, 1.0);
+                let against = self.friction_n * held + self.beside_friction(x, v);
+                v += (pair[0] + u * (pair[1] - pair[0]) - against) / self.mass_kg * STEP_S;
+                x += v * STEP_S;
+            }
+            position.push(x);
+        }
+        position
+    }
+
+    fn beside_friction(&self, x: f64, v: f64) -> f64 {
+        self.viscous * v + self.cogging_n * (TAU * x / COGGING_PERIOD_M).cos()
+    }
+}
+
+/// Time of a sample (s).
+fn time(sample: usize) -> f64 {
+    ((sample + 1) * FINER - 1) as f64 * STEP_S
+}
+
+/// How the simulation was run.
+#[derive(Clone, Copy, PartialEq)]
+enum Run {
+    /// It was moved as the machine moved, and its force was logged.
+    Inverse,
+    /// It was driven by the recorded force, and its motion was logged.
+    Forward,
 }
 
 /// The recording of a machine with a simulation of it, diagnosed; and the model file.
 fn between(machine: Physics, simulation: Physics) -> (Diagnosis, Model) {
+    between_run(machine, simulation, Run::Inverse)
+}
+
+fn between_run(machine: Physics, simulation: Physics, run: Run) -> (Diagnosis, Model) {
     let mut dice = Dice::new(SEED);
     let mut force = machine.force(&mut dice);
     force.iter_mut().for_each(|f| *f += 0.01 * dice.normal());
-    let simulated = simulation.force(&mut dice);
-    let times: Vec<f64> = (0..force.len())
-        .map(|i| (((i + 1) * FINER - 1) as f64) / (RATE_HZ * FINER as f64))
-        .collect();
-    let position = times
-        .iter()
-        .map(|&t| (motion(t)[0] / ENCODER_M).round() * ENCODER_M);
+    let (name, simulated) = match run {
+        Run::Inverse => ("force_sim_mN", simulation.force(&mut dice)),
+        Run::Forward => ("x_sim_mm", simulation.moved_by(&force)),
+    };
+    let position = (0..SAMPLES).map(|i| (motion(time(i))[0] / ENCODER_M).round() * ENCODER_M);
     let table = Table {
-        names: ["t_s", "x_m", "force_N", "force_sim_mN"]
-            .map(String::from)
-            .to_vec(),
+        names: ["t_s", "x_m", "force_N", name].map(String::from).to_vec(),
         columns: vec![
-            times.clone(),
+            (0..SAMPLES).map(time).collect(),
             position.collect(),
             force,
-            simulated.iter().map(|f| 1e3 * f).collect(),
+            simulated.iter().map(|s| 1e3 * s).collect(),
         ],
     };
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("between.toml");
     let mut recording = Recording::new("simulated", table, None);
-    recording.arguments = ["--simulated", "force_sim_mN", "-o"]
-        .map(String::from)
-        .to_vec();
+    recording.arguments = ["--simulated", name, "-o"].map(String::from).to_vec();
     recording.arguments.push(file.display().to_string());
     let tool = Tool::of_workspace().unwrap_or_else(|e| panic!("{e}"));
     let found = tool.diagnose(&recording).0;
@@ -182,5 +214,30 @@ fn a_simulation_with_too_much_of_an_effect_is_told_so() {
     let (found, _) = between(machine(PLAIN), stiff);
     assert_eq!(confident(&found), ["viscous"]);
     let viscous = value(&found, "viscous", "viscous_N_s_per_m");
+    assert!((viscous / -PLAIN.viscous - 1.0).abs() < 0.05, "{viscous}");
+}
+
+/// Driven by the recorded force, a simulation comes to another motion: what is said of the force between the two must be the same.
+#[test]
+fn a_simulation_that_moves_by_itself_is_told_the_same() {
+    let exact = between_run(machine(PLAIN), PLAIN, Run::Forward).0;
+    assert_eq!(exact.verdict, "consistent", "{:?}", confident(&exact));
+
+    let cogged = Physics {
+        cogging_n: 0.2,
+        ..PLAIN
+    };
+    let lacking = between_run(machine(cogged), PLAIN, Run::Forward).0;
+    assert_eq!(confident(&lacking), ["periodic_force"]);
+    let amplitude = value(&lacking, "periodic_force", "force_N");
+    assert!((amplitude / 0.2 - 1.0).abs() < 0.05, "{amplitude}");
+
+    let stiff = Physics {
+        viscous: 2.0 * PLAIN.viscous,
+        ..PLAIN
+    };
+    let (heavy, _) = between_run(machine(PLAIN), stiff, Run::Forward);
+    assert_eq!(confident(&heavy), ["viscous"]);
+    let viscous = value(&heavy, "viscous", "viscous_N_s_per_m");
     assert!((viscous / -PLAIN.viscous - 1.0).abs() < 0.05, "{viscous}");
 }

@@ -6,7 +6,7 @@ use preslide_host::diagnose::verdict::Verdict;
 use preslide_host::diagnose::{Refusal, diagnose, diagnose_simulation, effect, experiment};
 use preslide_host::model::Model;
 use preslide_host::progress::Progress;
-use preslide_host::recording::Recording;
+use preslide_host::recording::{Recording, Simulated};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -21,9 +21,15 @@ pub struct Diagnose {
     #[arg(long, value_name = "MODEL.toml")]
     model: Option<PathBuf>,
 
-    /// Judge a simulation of your own: the column with the force or torque that it needs for the recorded motion
-    #[arg(long, value_name = "COLUMN", conflicts_with = "model")]
-    simulated: Option<String>,
+    /// Judge a simulation of your own: the column with the force or torque that it needs for the recorded motion; or with the
+    /// position that it comes to under the recorded force or torque, or under its own, which is then a second column
+    #[arg(
+        long,
+        value_name = "COLUMN[,COLUMN]",
+        value_delimiter = ',',
+        conflicts_with = "model"
+    )]
+    simulated: Vec<String>,
 
     /// Write a motion that would show what this recording cannot (a reference position, CSV)
     #[arg(long, value_name = "MOTION.csv")]
@@ -40,7 +46,7 @@ pub struct Diagnose {
 fn not_tested() -> String {
     let tested: Vec<&str> = effect::ALL.iter().map(|e| e.id()).collect();
     format!(
-        "Example: preslide diagnose recording.csv --model model.toml -o extended.toml --report diagnosis.html\n         preslide diagnose recording.csv --simulated force_sim_N\n\nTested: {}, presliding_shape.\n\nNot tested: lead_error (a second measurement of position).",
+        "Example: preslide diagnose recording.csv --model model.toml -o extended.toml --report diagnosis.html\n         preslide diagnose recording.csv --simulated force_sim_N\n         preslide diagnose recording.csv --simulated x_sim_m\n\nTested: {}, presliding_shape.\n\nNot tested: lead_error (a second measurement of position).",
         tested.join(", ")
     )
 }
@@ -73,6 +79,9 @@ impl Diagnose {
         };
         progress.finish();
         say!("{}\n", found.verdict_words(&recording));
+        if let Some(reproduced) = &found.reproduced {
+            say!("Note: {}.\n", reproduced.words(&recording));
+        }
         if !found.effects.is_empty() {
             say!("{}", found.table(&recording).to_text());
         }
@@ -89,7 +98,9 @@ impl Diagnose {
                 format!("diagnosed from {}", recording.name),
                 found.verdict_words(&recording),
             ];
-            remarks.extend(self.simulated.as_ref().map(|column| format!("the effects are what {column} lacks; inertia and friction are the recording's own, which their levels refer to")));
+            if !self.simulated.is_empty() {
+                remarks.push(format!("the effects are what {} lacks; inertia and friction are the recording's own, which their levels refer to", self.simulated.join(",")));
+            }
             write_text(path, &extended.to_toml(&remarks))?;
         }
         if let Some(path) = &self.experiment {
@@ -108,13 +119,15 @@ impl Diagnose {
         Ok(())
     }
 
-    /// The simulation's column, with what is to be said of it.
-    fn take_simulated(&self, recording: &mut Recording) -> Result<Option<Vec<f64>>, Failure> {
-        let Some(name) = &self.simulated else {
+    /// The simulation's columns, with what is to be said of them.
+    fn take_simulated(&self, recording: &mut Recording) -> Result<Option<Simulated>, Failure> {
+        if self.simulated.is_empty() {
             return Ok(None);
-        };
+        }
         let known = recording.warnings.len();
-        let values = recording.take_simulated(name).map_err(Failure::Input)?;
+        let values = recording
+            .take_simulated(&self.simulated)
+            .map_err(Failure::Input)?;
         for warning in &recording.warnings[known..] {
             eprintln!("{}: warning: {warning}", recording.name);
         }

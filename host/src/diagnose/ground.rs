@@ -178,9 +178,9 @@ impl Ground {
         }
     }
 
-    /// The recording against a simulation's effort at its samples: core and terms, of either sign, stand for what lies between the
-    /// two, and effects act through the friction that was found in the recording itself.
-    pub fn against(self, simulated: Vec<f64>) -> Option<Self> {
+    /// The recording against a simulation's effort, of which an NMSE of `missed` (%) is missed: core and terms, of either sign, stand for
+    /// what lies between the two, and effects act through the friction that was found in the recording itself.
+    pub fn against(self, simulated: &Column, missed: f64) -> Option<Self> {
         // What a hysteresis would otherwise be bent to: it is not fitted again once the simulation is taken off.
         let map = Curve {
             axis: Axis::Position,
@@ -191,11 +191,12 @@ impl Ground {
         let found = self.with_baseline(&own);
         drop((self, own));
         let mut rows = Arc::into_inner(found.rows)?;
-        let simulated = rows.weak.rows(&Column::of(simulated));
+        let simulated = rows.weak.rows(simulated);
         rows.target
             .iter_mut()
             .zip(simulated)
             .for_each(|(t, s)| *t -= s);
+        rows.missed = missed;
         let mut core = Arc::into_inner(found.core)?;
         core.corrects = true;
         let against = Self {

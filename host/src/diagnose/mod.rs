@@ -26,6 +26,7 @@ mod parameters;
 pub mod place;
 mod polish;
 mod present;
+mod reproduced;
 pub mod rows;
 pub mod search;
 pub mod signals;
@@ -41,12 +42,15 @@ pub mod words;
 
 use crate::model::Model;
 use crate::progress::Progress;
-use crate::recording::Recording;
+use crate::recording::{Recording, Simulated};
 use ground::Ground;
+use reproduced::Reproduced;
 use rows::Rows;
 use term::Term;
 use thiserror::Error;
 pub use verdict::Diagnosis;
+use verdict::Verdict;
+use weak::Column;
 
 /// Warnings of the loader that leave nothing to diagnose, with what would.
 const FATAL: [(&str, &str); 3] = [
@@ -81,23 +85,43 @@ pub fn diagnose(
     judge(recording, model, None, progress)
 }
 
-/// Diagnoses a recording against the effort that a simulation of the user's own needs for the same motion, at the samples in the
-/// effort's unit: what lies between the two is inertia, friction and effects, each of either sign.
+/// Diagnoses a recording against a simulation of the user's own: what lies between the two is inertia, friction and effects, each of
+/// either sign. One that moved by itself is reproduced by a model first.
 ///
 /// # Errors
 /// [`Refusal`], with what to do.
 pub fn diagnose_simulation(
     recording: &Recording,
-    simulated: Vec<f64>,
+    simulated: Simulated,
     progress: &Progress,
 ) -> Result<Diagnosis, Refusal> {
-    judge(recording, None, Some(simulated), progress)
+    let (position, effort) = match simulated {
+        Simulated::Effort(effort) => {
+            return judge(recording, None, Some((&Column::of(effort), 0.0)), progress);
+        }
+        Simulated::Motion { position, effort } => (position, effort),
+    };
+    let own = recording.of_simulation(&position, effort.as_deref());
+    let reproduced = Reproduced::of(&own, progress)?;
+    let effort = reproduced.effort(recording)?;
+    let mut found = judge(recording, None, Some((&effort, reproduced.nmse)), progress)?;
+    if found.verdict != Verdict::Consistent && reproduced.misses_too_much(found.baseline.test) {
+        return Err(Refusal::Data(format!(
+            "{}: {}; the mismatch is {:.3} % and may be that. Prescribe the recorded motion in the simulation instead (inverse dynamics: a motion-actuated joint of Simscape, `mj_inverse` of MuJoCo, a stiff position controller in any other) and log the {} that it takes",
+            recording.name,
+            reproduced.words(recording),
+            found.baseline.test,
+            recording.role.name()
+        )));
+    }
+    found.reproduced = Some(reproduced);
+    Ok(found)
 }
 
 fn judge(
     recording: &Recording,
     model: Option<&Model>,
-    simulated: Option<Vec<f64>>,
+    simulated: Option<(&Column, f64)>,
     progress: &Progress,
 ) -> Result<Diagnosis, Refusal> {
     check(recording, model)?;
@@ -117,8 +141,8 @@ fn judge(
         ))
     };
     let mut ground = Ground::new(rows, &given).ok_or_else(unable)?;
-    if let Some(simulated) = simulated {
-        ground = ground.against(simulated).ok_or_else(unable)?;
+    if let Some((simulated, missed)) = simulated {
+        ground = ground.against(simulated, missed).ok_or_else(unable)?;
     }
     progress.inc(1);
     let found = search::search(ground, &given, &lengths, progress).ok_or_else(unable)?;

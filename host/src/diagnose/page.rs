@@ -84,6 +84,8 @@ impl Diagnosis {
                 "No stretch of any coordinate stands out of what noise and friction's own variability leave.".to_owned(),
             );
         }
+        let reproduced = self.reproduced.as_ref().map(|r| r.words(recording));
+        paragraphs.extend(reproduced.map(|words| format!("Note: {words}.")));
         Section {
             heading: "Where model and recording differ".to_owned(),
             paragraphs,

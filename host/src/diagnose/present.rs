@@ -37,6 +37,7 @@ impl Diagnosis {
             "noise": { "friction_variability": self.ground.noise.variability(), "disturbance": self.ground.noise.disturbance() },
             "excitation": self.lacks.iter().map(|l| json!({"missing": l.missing, "hides": l.hides})).collect::<Vec<_>>(),
             "blocks": self.ground.rows.blocks.len(),
+            "reproduced_nmse": self.reproduced.as_ref().map(|r| r.nmse),
             "seconds": seconds,
         })
     }

@@ -34,6 +34,8 @@ pub struct Rows {
     pub force: Vec<f64>,
     /// What core and terms are fitted to: the measured effort, less a simulation's where the recording is judged against one.
     pub target: Vec<f64>,
+    /// What a simulation's reproduction misses of it, as an NMSE (%): nothing smaller is the machine's.
+    pub missed: f64,
     /// Measured effort at the samples.
     pub effort: Vec<f64>,
     /// Whether the effort contains inertia.
@@ -89,6 +91,7 @@ impl Rows {
         let force = weak.rows(&Column::of(recording.effort.clone()));
         Ok(Self {
             target: force.clone(),
+            missed: 0.0,
             force,
             effort: recording.effort.clone(),
             kinds: weak.centres.iter().map(|&c| kinds[c]).collect(),

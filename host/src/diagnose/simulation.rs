@@ -150,9 +150,12 @@ impl Correction {
     }
 }
 
-/// Whether a correction is stated.
-fn is_sure(found: &Evidence) -> bool {
-    found.share >= NAMED && chance(found.z, Correction::ALL.len() as f64) < ALPHA
+/// Whether a correction is stated: material, no chance, and more than the target itself is off.
+fn is_sure(corrected: &Corrected, missed: f64) -> bool {
+    let (found, [without, with]) = (&corrected.evidence, corrected.nmse);
+    found.share >= NAMED
+        && chance(found.z, Correction::ALL.len() as f64) < ALPHA
+        && without - with > missed
 }
 
 /// What inertia and friction of the simulation lack or have too much of, where that is material.
@@ -161,5 +164,5 @@ pub fn corrections(ground: &Ground, extended: &Hypothesis) -> Vec<Corrected> {
         .into_iter()
         .filter(|c| !c.columns(ground).is_empty())
         .filter_map(|c| c.judged(ground, extended));
-    judged.filter(|c| is_sure(&c.evidence)).collect()
+    judged.filter(|c| is_sure(c, ground.rows.missed)).collect()
 }

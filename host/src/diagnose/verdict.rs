@@ -12,6 +12,7 @@ use super::naming::Standing;
 use super::offer::{Offer, offers};
 use super::parameters::parameters;
 use super::place::Place;
+use super::reproduced::Reproduced;
 use super::search::Found;
 use super::signals::Signals;
 use super::simulation::{self, Corrected, Correction};
@@ -139,6 +140,8 @@ pub struct Diagnosis {
     pub ground: Ground,
     /// The hypothesis without and with the confident effects.
     pub states: [Hypothesis; 2],
+    /// The model that stands for a simulation which moved by itself.
+    pub reproduced: Option<Reproduced>,
 }
 
 impl Diagnosis {
@@ -227,6 +230,7 @@ pub fn conclude(
         given,
         ground,
         states: [first, extended],
+        reproduced: None,
     })
 }
 
@@ -330,8 +334,8 @@ fn measured(found: &Found, kept: &[Term], effects: &mut [Named]) -> Option<(Grou
     }
 }
 
-/// The extended hypothesis, in which every confident effect improves the prediction of what is held out: one that does not is no longer
-/// confident, the worst first.
+/// The extended hypothesis, in which every confident effect improves the prediction of what is held out, by more than the target itself is
+/// off: one that does not is no longer confident, the worst first.
 fn shown(found: &Found, kept: &[Term], effects: &mut [Named]) -> Option<Hypothesis> {
     loop {
         let extended = extend(found, kept, effects)?;
@@ -339,9 +343,10 @@ fn shown(found: &Found, kept: &[Term], effects: &mut [Named]) -> Option<Hypothes
             weigh(&found.ground, kept, &extended, effect)?;
         }
         let loss = |e: &Named| e.nmse_test[1] - e.nmse_test[0];
+        let missed = found.ground.rows.missed;
         let worst = effects
             .iter_mut()
-            .filter(|e| e.confident && loss(e) >= 0.0)
+            .filter(|e| e.confident && loss(e) >= -missed)
             .max_by(|a, b| loss(a).total_cmp(&loss(b)));
         let Some(effect) = worst else {
             return Some(extended);

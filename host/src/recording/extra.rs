@@ -1,8 +1,6 @@
 //! Numeric columns beyond those that a recording needs: what else the effort may follow.
 
-use super::units::Dimension;
-use super::words::quantity;
-use super::{EffortRole, Recording, Warning};
+use super::Warning;
 
 /// A further column of the file, as it is written there: no unit is changed.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,86 +9,6 @@ pub struct Extra {
     pub name: String,
     /// One value for every sample of the recording, finite and not all the same.
     pub values: Vec<f64>,
-}
-
-/// Correlation beyond which an effort of the other sign is the same effort.
-const OPPOSED: f64 = -0.5;
-
-impl Recording {
-    /// Takes the effort of a simulation out of the further columns, in the unit and with the sign of the measured one.
-    ///
-    /// # Errors
-    /// Where there is no such column, or it is no such effort: a message for the user.
-    pub fn take_simulated(&mut self, name: &str) -> Result<Vec<f64>, String> {
-        let found = self.extra.iter().position(|e| e.name == name);
-        let Some(place) = found else {
-            return Err(no_column(self, name));
-        };
-        let factor = match quantity(name).unit {
-            None => 1.0,
-            Some(unit) if unit.dimension == dimension(self.role) => unit.factor,
-            Some(unit) => return Err(other_quantity(self, name, unit.dimension)),
-        };
-        let mut values = self.extra.remove(place).values;
-        values.iter_mut().for_each(|v| *v *= factor);
-        if correlation(&values, &self.effort) < OPPOSED {
-            values.iter_mut().for_each(|v| *v = -*v);
-            self.warnings.push(Warning::new(
-                "simulated-sign",
-                format!("{name} has the sign opposite to the measured effort: taken times -1"),
-            ));
-        }
-        Ok(values)
-    }
-}
-
-fn no_column(recording: &Recording, name: &str) -> String {
-    let names: Vec<&str> = recording.extra.iter().map(|e| e.name.as_str()).collect();
-    let there = if names.is_empty() {
-        "has no further column that varies".to_owned()
-    } else {
-        format!("has {}", names.join(", "))
-    };
-    format!(
-        "--simulated {name}: no such column of numbers that vary in {}, which {there}; log the force or torque that the simulation needs for the recorded motion as one more column",
-        recording.name
-    )
-}
-
-fn other_quantity(recording: &Recording, name: &str, dimension: Dimension) -> String {
-    let (effort, unit) = (recording.role.name(), recording.effort_unit());
-    match dimension {
-        Dimension::Length | Dimension::Angle | Dimension::Speed | Dimension::AngularSpeed => {
-            format!(
-                "--simulated {name}: a simulated motion under the recorded effort says that the two differ, not by which force. Prescribe the recorded motion in the simulation instead (inverse dynamics: a motion-actuated joint of Simscape, `mj_inverse` of MuJoCo, a stiff position controller in any other), log the {effort} that it takes, and give that column, in {unit}"
-            )
-        }
-        _ => format!(
-            "--simulated {name}: its unit is none of a {effort}, which the recording is in ({unit}); log it in {unit}, or bring the recording to its unit with --map"
-        ),
-    }
-}
-
-fn dimension(role: EffortRole) -> Dimension {
-    match role {
-        EffortRole::Force | EffortRole::Friction => Dimension::Force,
-        EffortRole::Torque => Dimension::Torque,
-        EffortRole::Current => Dimension::Current,
-        EffortRole::Voltage | EffortRole::Raw => Dimension::Voltage,
-    }
-}
-
-/// Correlation about the means.
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len().max(1) as f64;
-    let (of_a, of_b) = (mean(a), mean(b));
-    let (mut product, mut square, mut other) = (0.0, 0.0, 0.0);
-    for (x, y) in a.iter().zip(b) {
-        product += (x - of_a) * (y - of_b);
-        square += (x - of_a).powi(2);
-        other += (y - of_b).powi(2);
-    }
-    product / (square * other).sqrt().max(1e-300)
 }
 
 /// A further column while the file is read.
@@ -266,29 +184,5 @@ mod tests {
             "{:?}",
             whole.warnings
         );
-    }
-
-    #[test]
-    fn a_simulated_effort_comes_in_the_unit_and_sign_of_the_measured_one() {
-        let text = "t_s,x_m,force_N,sim_mN,x_sim_m,sim_Nm,plain\n\
-            0,0,1,-1000,0,1,1\n1,1,2,-2000,1,2,2\n2,0,4,-4100,0,3,4\n";
-        let mut recording = load(text, &[]);
-        assert_eq!(recording.take_simulated("sim_mN"), Ok(vec![1.0, 2.0, 4.1]));
-        assert!(
-            recording
-                .warnings
-                .iter()
-                .any(|w| w.code == "simulated-sign")
-        );
-        assert_eq!(recording.take_simulated("plain"), Ok(vec![1.0, 2.0, 4.0]));
-        assert_eq!(names(&recording), ["x_sim_m", "sim_Nm"]);
-        for (name, part) in [
-            ("x_sim_m", "inverse dynamics"),
-            ("sim_Nm", "(N)"),
-            ("sim", "which has x_sim_m, sim_Nm"),
-        ] {
-            let error = recording.take_simulated(name).expect_err(name);
-            assert!(error.contains(part), "{name}: {error}");
-        }
     }
 }

@@ -22,6 +22,7 @@ mod names;
 mod propose;
 mod repair;
 mod segments;
+mod simulated;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -40,6 +41,7 @@ pub use extra::Extra;
 use frame::Frame;
 pub use join::{DROPPED, FLIPPED_ALIKE, RATES};
 use known::Slot;
+pub use simulated::Simulated;
 use table::{Data, Table};
 
 /// Motion along a line or about an axis.
