@@ -12,7 +12,7 @@ const LARGEST: i32 = (1 << 30) - 1;
 /// Blocks whose loads the compiler may gather: more would not fit the registers that a function need not save.
 const TOGETHER: usize = if cfg!(short_products) { 1 } else { 2 };
 
-const RANGE: Range = Range {
+pub(super) const RANGE: Range = Range {
     yields: LARGEST / 2,
     stiffness: i32::MAX,
 };

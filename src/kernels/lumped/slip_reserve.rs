@@ -1,16 +1,12 @@
 //! The quasi-static law event by event: a tick in which no block slips costs the same with one block as with ten.
 
 use super::super::Whole;
-use super::super::quantised::{Range, finest_force, quantise};
+use super::super::quantised::{finest_force, quantise};
+use super::super::slip_reserve::RANGE;
 use crate::{Block, Friction, Motion, ParamError, Units};
 
 /// Farther than any block yields: what is left before the next one slips where none is to slip.
 const NEVER: i32 = i32::MAX;
-
-const RANGE: Range = Range {
-    yields: (1 << 29) - 1,
-    stiffness: i32::MAX,
-};
 
 /// Quasi-static GMS in `i32` event by event: what [`SlipReserve`](crate::kernels::SlipReserve) computes, to the bit, cheap in the mean tick.
 ///
