@@ -18,8 +18,8 @@ struct Options {
     /// Judged cases
     #[arg(required = true, value_name = "FILE.json")]
     cases: Vec<PathBuf>,
-    /// Judged strangers and clean recordings, for what has no name; `sources --sorts stranger,clean` asks them
-    #[arg(long, required = true, value_delimiter = ',', value_name = "FILE.json")]
+    /// Judged strangers and clean recordings, for what has no name; `sources --sorts stranger,clean` asks them. Without, that stays as it is
+    #[arg(long, value_delimiter = ',', value_name = "FILE.json")]
     unnamed: Vec<PathBuf>,
     /// Write the weights into the program's source
     #[arg(long)]
@@ -34,15 +34,20 @@ fn run(o: &Options) -> Result<(), String> {
         ))
     };
     let weights = fitted(&names.names, "name")?;
-    let presence = fitted(&names.unnamed, "stranger and clean recording")?;
     println!(
         "calibration error as stated and as fitted without the group; right of those at least so sure\n"
     );
     println!("{}", left_out(&names.names, |s| s.kind().to_owned()));
     println!("{}", left_out(&names.names, |s| s.source.clone()));
     println!("{}", left_out(&names.names, |s| s.id.clone()));
-    println!("the same of what has no name: something is there\n");
-    println!("{}", left_out(&names.unnamed, |s| s.source.clone()));
+    let unnamed = if o.unnamed.is_empty() {
+        committed(&["presence", "unnamed"])?
+    } else {
+        println!("the same of what has no name: something is there\n");
+        println!("{}", left_out(&names.unnamed, |s| s.source.clone()));
+        let presence = fitted(&names.unnamed, "stranger and clean recording")?;
+        [listed(&names.unnamed, &presence), counted(&names.unnamed)]
+    };
     println!(
         "95 % intervals: true values held as stated, and widened as fitted without the source\n"
     );
@@ -52,7 +57,7 @@ fn run(o: &Options) -> Result<(), String> {
     );
     text += &listed(&names.names, &weights);
     text += "\n# Of what has no name: whether anything is there.\n[presence]\n";
-    text += &listed(&names.unnamed, &presence);
+    text += &unnamed[0];
     text += "\n# Times that an interval of an effect is widened.\n[widths]\n";
     for (effect, width) in widths(names.distances.iter()) {
         let _ = writeln!(text, "{effect} = {width:.2}");
@@ -60,12 +65,22 @@ fn run(o: &Options) -> Result<(), String> {
     text += "\n# Names that it was fitted to: right, all.\n[names]\n";
     text += &counted(&names.names);
     text += "\n# What has no name: there, all.\n[unnamed]\n";
-    text += &counted(&names.unnamed);
+    text += &unnamed[1];
     println!("{text}");
     if o.bless {
         std::fs::write(CALIBRATION, text).map_err(|e| format!("{CALIBRATION}: {e}"))?;
     }
     Ok(())
+}
+
+/// The lines of tables of the committed file.
+fn committed(tables: &[&str; 2]) -> Result<[String; 2], String> {
+    let text = std::fs::read_to_string(CALIBRATION).map_err(|e| format!("{CALIBRATION}: {e}"))?;
+    Ok(tables.map(|table| {
+        let own = text.lines().skip_while(|l| *l != format!("[{table}]"));
+        let own = own.skip(1).take_while(|l| !l.is_empty() && !l.starts_with('#'));
+        own.map(|line| format!("{line}\n")).collect()
+    }))
 }
 
 fn listed(judged: &Judged, weights: &[f64]) -> String {

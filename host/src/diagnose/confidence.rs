@@ -11,8 +11,9 @@ use std::sync::LazyLock;
 const CALIBRATION: &str = include_str!("calibration.toml");
 /// Standard deviations beyond which more say nothing more: on a machine that repeats, whatever is wrong with the model is sure.
 const SATURATED: f64 = 4.5;
-/// Standard deviations of a name at the edge.
+/// Standard deviations of a name at the edge, and those below which less says nothing more.
 const EDGE: f64 = 3.0;
+const UNSURE: f64 = 0.5;
 /// Standard deviations beyond which nothing is surer to be there, and those of chance after the search has picked it.
 const SURE: f64 = 8.0;
 const SURE_EDGE: f64 = 4.0;
@@ -47,8 +48,11 @@ pub fn features(standing: &Standing) -> BTreeMap<&'static str, f64> {
         size * (1.0 - evidence.share.clamp(0.0, 1.0))
     };
     BTreeMap::from([
-        ("share", (evidence.share.max(LEAST) / NAMED).ln()),
+        ("size", (standing.size().max(LEAST) / NAMED).ln()),
+        // By its logarithm: on a machine that repeats everything is sure, what is wrong with the model too.
+        ("sure", (evidence.z.max(UNSURE) / EDGE).ln()),
         ("agreement", evidence.agree - 0.5),
+        ("survival", standing.survival.clamp(0.0, 1.0) - 1.0),
         ("place", (standing.place as f64).ln()),
         ("terms", (standing.terms.max(1) as f64).ln()),
         ("unusual_size", unusual.min(3.0)),
