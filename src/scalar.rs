@@ -84,6 +84,19 @@ pub trait Scalar:
     /// `value / 65536`, rounded down where the type is coarser, saturating at the range's ends.
     fn from_q16(value: i32) -> Self;
 
+    /// What [`Scalar::of_q16`] is to be called on for multiples of `self`: for floats `self / 65536`, which saves them a product and, but
+    /// for numbers below the normal ones, changes no bit; `self` for fixed point.
+    #[inline]
+    fn per_q16(self) -> Self {
+        self
+    }
+
+    /// `unit · value / 65536`, where `self` is `unit.per_q16()`.
+    #[inline]
+    fn of_q16(self, value: i32) -> Self {
+        Self::from_q16(value).mul_input(self)
+    }
+
     /// The nearest integer, ties away from zero, saturating; NaN gives 0.
     fn round_to_int(self) -> i32;
 
@@ -188,6 +201,14 @@ macro_rules! float_scalar {
             #[inline]
             fn from_q16(value: i32) -> Self {
                 value as $t / 65536.0
+            }
+            #[inline]
+            fn per_q16(self) -> Self {
+                self / 65536.0
+            }
+            #[inline]
+            fn of_q16(self, value: i32) -> Self {
+                value as $t * self
             }
             #[inline]
             fn round_to_int(self) -> i32 {
@@ -350,11 +371,16 @@ macro_rules! fixed_scalar {
             }
             #[inline]
             fn round_to_int(self) -> i32 {
-                let half: $wide = (1 << Frac::U32) >> 1;
-                // A tie goes away from zero: down, where the sum below would round it up.
-                let down = if self.is_negative() && half > 0 { 1 } else { 0 };
-                let rounded = (<$wide>::from(self.to_bits()) + half - down) >> Frac::U32;
-                saturated!(rounded, $wide, i32)
+                if Frac::U32 == 0 {
+                    return saturated!(self.to_bits(), $bits, i32);
+                }
+                // A tie goes away from zero: down, where rounding halves up would take it up. A number without whole bits has no
+                // room below its least one, which is a tie.
+                let down = self.to_bits() >> (<$bits>::BITS - 1);
+                let halves = self.to_bits().saturating_add(down) >> (Frac::U32 - 1);
+                let rounded = (halves >> 1) + (halves & 1);
+                let least = Frac::U32 == <$bits>::BITS && self == Self::MIN;
+                saturated!(if least { -1 } else { rounded }, $bits, i32)
             }
             #[inline]
             fn rate(self, counts: i32, ticks: u32) -> Self {
@@ -453,6 +479,20 @@ mod tests {
         assert_eq!(I16F16::MIN.along(I16F16::ONE), I16F16::MIN);
     }
 
+    #[test]
+    fn a_part_of_a_unit_gives_floats_the_same_bits() {
+        for unit in [25e-9, 5.0e-7, 1.1, 3e8] {
+            for value in [0, 1, -1, 65_537, -123_456_789, i32::MIN, i32::MAX] {
+                let (narrow, wide) = (unit as f32, unit);
+                assert_eq!(
+                    narrow.per_q16().of_q16(value),
+                    f32::from_q16(value) * narrow
+                );
+                assert_eq!(wide.per_q16().of_q16(value), f64::from_q16(value) * wide);
+            }
+        }
+    }
+
     /// Every pair of a few hundred bit patterns: the ends, powers of two and their neighbours, and a scatter between.
     #[test]
     fn fixed_point_gives_the_bits_of_the_fixed_crate() {
@@ -477,6 +517,8 @@ mod tests {
                     assert_eq!(<$t>::from_int(whole), <$t>::saturating_from_num(whole), "{whole}");
                     let q16 = FixedI32::<U16>::from_bits(whole);
                     assert_eq!(<$t>::from_q16(whole), <$t>::saturating_from_num(q16), "{q16}");
+                    let unit = <$t>::from_bits(0x5a5a);
+                    assert_eq!(unit.per_q16().of_q16(whole), <$t>::from_q16(whole).mul_input(unit), "{q16}");
                     for &b in &patterns {
                         let y = <$t>::from_bits(b as _);
                         assert_eq!(x.mul_input(y), x.saturating_mul(y), "{x:?} {y:?}");

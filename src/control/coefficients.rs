@@ -3,6 +3,7 @@
 use super::{Axis, Compensator, Drive, Encoder, Fade, Limiter, Monitor, MotorDrive, Pace, Pid};
 use crate::param::{ParamError, to_scalar};
 use crate::{EncoderScale, Friction, Motion, Scalar, Units};
+use core::hint::cold_path;
 
 /// What a tick computes with: validated, scaled, no division left.
 ///
@@ -11,9 +12,11 @@ use crate::{EncoderScale, Friction, Motion, Scalar, Units};
 pub struct Coefficients<F: Friction> {
     pub(crate) scale: EncoderScale<F::Scalar>,
     pub(crate) length_per_count: F::Scalar,
+    /// For [`Scalar::of_q16`], as the acceleration.
+    length_per_q16: F::Scalar,
     pub(crate) velocity_per_length: F::Scalar,
     /// Of a change of the reference's speed that is still to be divided by the smoothing.
-    pub(crate) acceleration_per_change: F::Scalar,
+    acceleration_per_change: F::Scalar,
     pub(crate) pid: Pid<F::Scalar>,
     pub(crate) compensator: Compensator<F>,
     pub(crate) motor: MotorDrive<F::Scalar>,
@@ -57,18 +60,21 @@ impl<F: Friction> Coefficients<F> {
         let monitor = Monitor::<F::Scalar>::try_new(axis, units)?;
         let codes = axis.motor.supply / hardware.supply_code;
         let nominal = libm::ceil(codes);
+        let length_per_count: F::Scalar = to_scalar("length of a count", count / units.length)?;
+        let acceleration_per_change: F::Scalar = to_scalar(
+            "acceleration of a count per tick², smoothed,",
+            count / (sample_time * sample_time) / units.velocity / smoothing,
+        )?;
         let sign = |reversed| if reversed { -1 } else { 1 };
         Ok(Self {
             scale: EncoderScale::try_new(count, sample_time, window, timeout, units)?,
-            length_per_count: to_scalar("length of a count", count / units.length)?,
+            length_per_count,
+            length_per_q16: length_per_count.per_q16(),
             velocity_per_length: to_scalar(
                 "velocity per displacement of a tick",
                 units.length / sample_time / units.velocity,
             )?,
-            acceleration_per_change: to_scalar(
-                "acceleration of a count per tick², smoothed,",
-                count / (sample_time * sample_time) / units.velocity / smoothing,
-            )?,
+            acceleration_per_change: acceleration_per_change.per_q16(),
             pid: Pid::try_new(&axis.gains, sample_time, units)?,
             compensator: Compensator::try_new(friction, &axis.feed_forward, units)?,
             motor: MotorDrive::try_new(&axis.motor, hardware, units)?,
@@ -98,13 +104,13 @@ impl<F: Friction> Coefficients<F> {
     /// A length from 2⁻¹⁶ counts.
     #[inline]
     pub(super) fn length(&self, q16: i32) -> F::Scalar {
-        F::Scalar::from_q16(q16).mul_input(self.length_per_count)
+        self.length_per_q16.of_q16(q16)
     }
 
     /// The reference's acceleration, from the change of its speed (2⁻¹⁶ counts per tick², times the smoothing).
     #[inline]
     pub(super) fn acceleration(&self, q16: i32) -> F::Scalar {
-        F::Scalar::from_q16(q16).mul_input(self.acceleration_per_change)
+        self.acceleration_per_change.of_q16(q16)
     }
 
     /// The force to add to the feedback; the model advances by a tick.
@@ -114,6 +120,7 @@ impl<F: Friction> Coefficients<F> {
         let (place, motion) = match self.compensator.drive() {
             Drive::Reference => (reference, now.wanted),
             Drive::Measured => {
+                cold_path();
                 let displacement = self.scale.displacement(now.counts);
                 let velocity = now.velocity;
                 (

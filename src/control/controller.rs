@@ -10,6 +10,7 @@ use super::{
 };
 use crate::encoder::EdgeTiming;
 use crate::{Count, Friction, Motion, Scalar};
+use core::hint::cold_path;
 
 /// What a tick decided, raw, for the PWM and the telemetry.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -343,6 +344,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
         self.last = measured.count;
         self.position = self.position.wrapping_add(counts.into());
         if c.turn != 0 {
+            cold_path();
             self.place = within(self.place.wrapping_add(counts), c.turn);
         }
         let velocity = c.scale.velocity(&mut self.timing, counts);
@@ -413,6 +415,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
             }
             (code, Saturation::None)
         } else {
+            cold_path();
             self.steady = false;
             let (code, cut) = c.limiter.apply(code);
             self.cut = cut;

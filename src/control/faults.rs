@@ -48,6 +48,8 @@ pub struct Monitor<S> {
     frozen_ticks: u32,
     supply_min: u16,
     supply_max: u16,
+    /// The one less the other.
+    supply_span: u16,
     supply_ticks: u32,
     overruns: u32,
     current_max: i32,
@@ -137,13 +139,16 @@ impl<S: Scalar> Monitor<S> {
         let largest = codes("largest current", watch.current_max)?;
         let thermal = positive("thermal time", watch.thermal_time)? / sample_time;
         at_most("thermal time in ticks", thermal, 4e9)?;
+        let supply_min = libm::ceil(watch.supply_min / hardware.supply_code) as u16;
+        let supply_max = (watch.supply_max / hardware.supply_code) as u16;
         Ok(Self {
             jump: jump as u32,
             following_error: to_scalar("following error", watch.following_error / units.length)?,
             frozen_code: (watch.frozen_duty * f64::from(hardware.steps)) as i32,
             frozen_ticks: ticks("frozen time", watch.frozen_time)?,
-            supply_min: libm::ceil(watch.supply_min / hardware.supply_code) as u16,
-            supply_max: (watch.supply_max / hardware.supply_code) as u16,
+            supply_min,
+            supply_max,
+            supply_span: supply_max.saturating_sub(supply_min),
             supply_ticks: ticks("supply time", watch.supply_time)?,
             overruns: watch.overruns,
             current_max: largest as i32,
@@ -163,9 +168,10 @@ impl<S: Scalar> Monitor<S> {
         measured: &Measurement<C>,
     ) -> bool {
         let current = i32::from(measured.current) - (suspicion.offset >> 8);
-        let supply = measured.supply.wrapping_sub(self.supply_min);
+        // In words: halves would have to be made of what was computed with.
+        let supply = u32::from(measured.supply).wrapping_sub(self.supply_min.into());
         counts.unsigned_abs() <= self.jump
-            && supply <= self.supply_max - self.supply_min
+            && supply <= u32::from(self.supply_span)
             && current.unsigned_abs() <= self.calm
             && !measured.late
     }

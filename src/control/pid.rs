@@ -88,6 +88,8 @@ impl<S: Scalar> Pid<S> {
     /// The force for a position error and a velocity error; `cut` is what the limiter did last.
     #[inline]
     pub fn step(&self, state: &mut PidState<S>, error: S, velocity_error: S, cut: Saturation) -> S {
+        // Before the branch: beyond it fixed point multiplies by the error in two words.
+        let immediate = self.immediate(error, velocity_error);
         let deeper = match cut {
             Saturation::None => false,
             Saturation::Above => error > S::ZERO,
@@ -97,8 +99,7 @@ impl<S: Scalar> Pid<S> {
             let added = self.integral_per_tick.mul_input(error);
             state.integral = state.integral.add_input(added).limited(self.integral_limit);
         }
-        let force = self.immediate(error, velocity_error);
-        force.add_input(state.integral)
+        immediate.add_input(state.integral)
     }
 
     /// The force without its memory, `K_p·e + K_d·(v_ref − v)`.

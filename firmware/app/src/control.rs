@@ -64,7 +64,7 @@ pub struct Control<F: Friction + 'static> {
     seek: Option<Seek>,
     /// A status found no room, so that the next tick tells it.
     owes_status: bool,
-    /// Ticks from one sample of telemetry to the next, and to the next one.
+    /// Ticks from one sample of telemetry to the next, and to the next one; both 0 for none.
     every: u16,
     until_sample: u16,
     dropped: u32,
@@ -179,7 +179,7 @@ impl<F: Friction> Control<F> {
         let every = self.shared.every.load(Ordering::Relaxed);
         if every != self.every {
             self.every = every;
-            self.until_sample = 0;
+            self.until_sample = every.min(1);
         }
         if self.seek.is_some() {
             self.seek(&inputs);
@@ -194,23 +194,38 @@ impl<F: Friction> Control<F> {
     /// Drives the bridge, then tells.
     #[inline(always)]
     fn act(&mut self, inputs: Inputs, command: &Command, tells: bool, bridge: &mut impl Bridge) {
+        let readings = [inputs.supply, inputs.current.cast_unsigned()];
         if command.enabled {
             bridge.drive(command.code);
-            self.tell(&inputs, command, None, tells);
+            self.tell(readings, command, None, tells);
         } else {
             bridge.open();
-            self.tell_stopped(&inputs, command, tells);
+            // One by one, as the inputs above.
+            self.tell_stopped(command.position, command.fault, readings, tells);
         }
     }
 
     #[cold]
     #[inline(never)]
-    fn tell_stopped(&mut self, inputs: &Inputs, command: &Command, tells: bool) {
-        let fault = match command.fault {
+    fn tell_stopped(
+        &mut self,
+        position: i64,
+        fault: Option<Fault>,
+        [supply, current]: [u16; 2],
+        tells: bool,
+    ) {
+        let told = match fault {
             Some(fault) => Some(on_the_wire(fault)),
             None => self.broken.then_some(FaultCode::Bridge),
         };
-        self.tell(inputs, command, fault, tells);
+        let command = Command {
+            code: 0,
+            position,
+            reference: position << 16,
+            fault,
+            enabled: false,
+        };
+        self.tell([supply, current], &command, told, tells);
     }
 
     /// The next tick has something to do that no one will call for: another order, the search for the origin, a move of another epoch
@@ -282,7 +297,7 @@ impl<F: Friction> Control<F> {
     /// Looks whether the origin is reached.
     #[inline(never)]
     fn seek(&mut self, inputs: &Inputs) {
-        let (position, current) = (self.controller.position(), self.current(inputs));
+        let (position, current) = (self.controller.position(), self.current(inputs.current));
         let lag = ((self.controller.reference() >> 16) - position).abs();
         let Some(seek) = &mut self.seek else {
             return;
@@ -353,18 +368,23 @@ impl<F: Friction> Control<F> {
 
     /// Status and telemetry.
     #[inline(always)]
-    fn tell(&mut self, inputs: &Inputs, command: &Command, fault: Option<FaultCode>, tells: bool) {
+    fn tell(
+        &mut self,
+        [supply, current]: [u16; 2],
+        command: &Command,
+        fault: Option<FaultCode>,
+        tells: bool,
+    ) {
         let tick = self.status.tick.wrapping_add(1);
         self.status.tick = tick;
         if tells || tick.is_multiple_of(STATUS_TICKS) {
-            let current = self.current(inputs);
-            self.tell_status(inputs.supply, current);
+            self.tell_status(supply, self.current(current.cast_signed()));
         }
         if self.until_sample > 1 {
             self.until_sample -= 1;
-        } else if self.every > 0 {
+        } else if self.until_sample == 1 {
             self.until_sample = self.every;
-            self.tell_sample(inputs, command, fault);
+            self.tell_sample(tick, [supply, current], command, fault);
         }
     }
 
@@ -416,25 +436,29 @@ impl<F: Friction> Control<F> {
 
     /// The winding's current, less what its sense reads at rest.
     #[inline]
-    fn current(&self, inputs: &Inputs) -> i16 {
-        inputs
-            .current
-            .saturating_sub(self.controller.current_at_rest())
+    fn current(&self, read: i16) -> i16 {
+        read.saturating_sub(self.controller.current_at_rest())
     }
 
     #[inline(always)]
-    fn tell_sample(&mut self, inputs: &Inputs, command: &Command, fault: Option<FaultCode>) {
+    fn tell_sample(
+        &mut self,
+        tick: u32,
+        [supply, current]: [u16; 2],
+        command: &Command,
+        fault: Option<FaultCode>,
+    ) {
         let condition = self.controller.condition();
         let sample = |sequence| Sample {
             sequence,
             dropped: self.dropped,
-            tick: self.status.tick,
+            tick,
             position: command.position as i32,
             reference: command.reference,
             // Within ± the limiter's, which is at most 32000.
             code: command.code as i16,
-            current: self.current(inputs),
-            supply: inputs.supply,
+            current: self.current(current.cast_signed()),
+            supply,
             fault,
             range: condition.range.map(range_on_the_wire),
             level: condition.level.map_or(0, |level| {

@@ -64,17 +64,16 @@ pub fn measure(recorder: &Recorder) -> Result<Vec<Row>, String> {
 /// Prints where the cycles of the tick go, with and without float; the instructions stand in a file each.
 pub fn print_stages(recorder: &Recorder) -> Result<(), String> {
     let rig = qemu::build_rig()?;
-    let mut ticks = Vec::new();
-    for build in &BUILDS[..2] {
+    let listed = |build| {
         let tick = Tick::record(recorder, &rig, build)?;
         let breakdown = stages::of(&tick.program, &tick.disassembly, &tick.paths)?;
         let file = tick.program.with_extension("cycles");
         std::fs::write(&file, &breakdown.listing)
             .map_err(|error| format!("cannot write {}: {error}", file.display()))?;
         println!("each instruction of {}: {}", tick.kernel, file.display());
-        ticks.push((tick.kernel.to_string(), breakdown));
-    }
-    stages::print(&ticks);
+        Ok::<_, String>((tick.kernel.to_string(), breakdown))
+    };
+    stages::print(&[listed(&BUILDS[0])?, listed(&BUILDS[1])?]);
     Ok(())
 }
 

@@ -6,6 +6,7 @@
 mod board;
 mod control_task;
 mod disassembly;
+mod floor;
 mod hazard3;
 mod instruction;
 mod m0plus;

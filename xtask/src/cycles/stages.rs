@@ -10,22 +10,37 @@ use std::path::Path;
 use std::process::Command;
 
 use super::disassembly::Disassembly;
-use super::price;
 use super::recorder::TakenPath;
+use super::{floor, price};
 use crate::process::output_of;
 
-/// Exception entry and return, float registers, and registers that a function saves.
-const FRAME: &str = "interrupt, saved registers";
+/// Exception entry and return, float registers, registers that a function saves, and RTIC's priority.
+pub const FRAME: &str = "interrupt, saved registers";
+
+/// Timer, sensors, watchdog and bridge: another board, other cycles.
+pub const BOARD: &str = "timer, sensors, bridge";
+
+/// How instructions begin that belong to the frame wherever they stand.
+const FRAMING: [&str; 11] = [
+    "push",
+    "pop",
+    "vpush",
+    "vpop",
+    "stmdb\tsp!",
+    "ldmia.w\tsp!",
+    "sub\tsp",
+    "add\tsp",
+    "mrs",
+    "msr",
+    "isb",
+];
 
 /// Stages in the order of a tick, and whose code they are: a part of the source file's path, and one of the function's name. Of several that
 /// claim a function, the last one has it.
-const STAGES: &[(&str, &[(&str, &str)])] = &[
+pub const STAGES: &[(&str, &[(&str, &str)])] = &[
     (FRAME, &[]),
-    (
-        "timer, sensors, watchdog",
-        &[("boards/qemu/src/", ""), ("link/src/", "")],
-    ),
-    ("orders, moves, bridge", &[("app/src/", "")]),
+    (BOARD, &[("boards/qemu/src/", ""), ("link/src/", "")]),
+    ("orders, moves", &[("app/src/", "")]),
     ("sensing, scaling", &[("control/controller.rs", "")]),
     ("velocity tracker", &[("src/encoder.rs", "")]),
     ("monitors", &[("control/faults.rs", "")]),
@@ -38,18 +53,42 @@ const STAGES: &[(&str, &[(&str, &str)])] = &[
         ],
     ),
     ("PID", &[("control/pid.rs", "")]),
-    ("feed-forward", &[("control/compensator.rs", "")]),
+    (
+        "feed-forward",
+        &[
+            ("control/compensator.rs", ""),
+            ("control/coefficients.rs", "feed_forward"),
+        ],
+    ),
     (
         "friction",
         &[("friction/gms.rs", ""), ("friction/quasi_static.rs", "")],
     ),
     ("watch, adaptation", &[("control/learning/", "")]),
     ("cross-fade", &[("control/leaving.rs", "")]),
-    ("motor map", &[("control/motor.rs", "")]),
-    ("limiter", &[("control/limiter.rs", "")]),
+    (
+        "motor map",
+        &[
+            ("control/motor.rs", ""),
+            ("control/coefficients.rs", "boost"),
+        ],
+    ),
+    (
+        "limiter",
+        &[
+            ("control/limiter.rs", ""),
+            ("control/coefficients.rs", "is_gentle"),
+        ],
+    ),
     (
         "telemetry",
-        &[("app/src/", "tell"), ("app/src/", "on_the_wire")],
+        &[
+            ("app/src/control.rs", "tell"),
+            ("app/src/control.rs", "current"),
+            ("app/src/control.rs", "on_the_wire"),
+            ("app/src/telemetry.rs", ""),
+            ("control/faults.rs", "at_rest"),
+        ],
     ),
 ];
 
@@ -125,10 +164,7 @@ fn claims(
             address =
                 u32::from_str_radix(digits, 16).map_err(|error| format!("`{line}`: {error}"))?;
             let text = disassembly.text(address).unwrap_or_default();
-            if ["push", "pop", "vpush", "vpop"]
-                .iter()
-                .any(|name| text.starts_with(name))
-            {
+            if FRAMING.iter().any(|name| text.starts_with(name)) {
                 claims.insert(address, 0);
             }
             continue;
@@ -160,28 +196,31 @@ fn listing(disassembly: &Disassembly, spent: &BTreeMap<u32, (f64, f64, usize)>) 
     text
 }
 
-/// One column for each tick.
-pub fn print(ticks: &[(String, Breakdown)]) {
-    print!("{:<28}", "instructions and cycles");
+/// Beside each tick, what its stages take at least.
+pub fn print(ticks: &[(String, Breakdown); 2]) {
+    print!("{:<28}", "instructions, cycles, floor");
     for (kernel, _) in ticks {
-        print!(" {kernel:>22}");
+        print!(" {kernel:>30}");
     }
     println!();
-    let line = |name: &str, of: &dyn Fn(&Breakdown) -> (f64, f64)| {
+    let line = |name: &str, spent: [(f64, f64, f64); 2]| {
         print!("{name:<28}");
-        for (_, breakdown) in ticks {
-            let (instructions, cycles) = of(breakdown);
-            print!(" {instructions:>14.1} {cycles:>7.1}");
+        for (instructions, cycles, floor) in spent {
+            print!(" {instructions:>14.1} {cycles:>7.1} {floor:>7.1}");
         }
         println!();
     };
+    let mut whole = [(0.0, 0.0, 0.0); 2];
     for (index, (name, _)) in STAGES.iter().enumerate() {
-        line(name, &|tick| (tick.stages[index].1, tick.stages[index].2));
+        let floors = floor::of(name);
+        let spent = [0, 1].map(|tick| {
+            let (_, instructions, cycles) = ticks[tick].1.stages[index];
+            let sum: &mut (f64, f64, f64) = &mut whole[tick];
+            *sum = (sum.0 + instructions, sum.1 + cycles, sum.2 + floors[tick]);
+            (instructions, cycles, floors[tick])
+        });
+        line(name, spent);
     }
-    line("the whole tick", &|tick| {
-        let all = tick.stages.iter();
-        all.fold((0.0, 0.0), |sum, (_, instructions, cycles)| {
-            (sum.0 + instructions, sum.1 + cycles)
-        })
-    });
+    line("the whole tick", whole);
+    floor::print();
 }
