@@ -78,7 +78,9 @@ fn committed(tables: &[&str; 2]) -> Result<[String; 2], String> {
     let text = std::fs::read_to_string(CALIBRATION).map_err(|e| format!("{CALIBRATION}: {e}"))?;
     Ok(tables.map(|table| {
         let own = text.lines().skip_while(|l| *l != format!("[{table}]"));
-        let own = own.skip(1).take_while(|l| !l.is_empty() && !l.starts_with('#'));
+        let own = own
+            .skip(1)
+            .take_while(|l| !l.is_empty() && !l.starts_with('#'));
         own.map(|line| format!("{line}\n")).collect()
     }))
 }
