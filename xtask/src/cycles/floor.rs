@@ -4,7 +4,10 @@
 //! is waited for and nothing is spilled. Where the compiler's tick is dearer, that is what it pays. Products of fixed point saturate to
 //! the bit: multiply, two shifts joined, two to see whether it fits, two to choose. A tick of fewer cycles needs other arithmetic.
 
-use super::stages::{BOARD, FRAME};
+/// Exception entry and return, float registers, registers that a function saves, and RTIC's priority.
+pub const FRAME: &str = "interrupt, saved registers";
+/// Timer, sensors, watchdog and bridge: another board, other cycles.
+pub const BOARD: &str = "timer, sensors, bridge";
 
 /// Stage, what for, and cycles in fixed point and in `f32`.
 type Need = (&'static str, &'static str, f64, f64);

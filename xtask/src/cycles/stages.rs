@@ -10,15 +10,10 @@ use std::path::Path;
 use std::process::Command;
 
 use super::disassembly::Disassembly;
+use super::floor::{BOARD, FRAME};
 use super::recorder::TakenPath;
 use super::{floor, price};
 use crate::process::output_of;
-
-/// Exception entry and return, float registers, registers that a function saves, and RTIC's priority.
-pub const FRAME: &str = "interrupt, saved registers";
-
-/// Timer, sensors, watchdog and bridge: another board, other cycles.
-pub const BOARD: &str = "timer, sensors, bridge";
 
 /// How instructions begin that belong to the frame wherever they stand.
 const FRAMING: [&str; 11] = [
