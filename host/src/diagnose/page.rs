@@ -54,7 +54,9 @@ impl Diagnosis {
                 Subject::Curve(Curve { axis: a, odd }) if a == axis => Some(odd),
                 _ => None,
             });
-            return (axis, odd.unwrap_or(false), own.copied());
+            // A force that does not flip is not drawn flipped, whichever curve organises the mismatch.
+            let flips = self.side(&first.force).is_some();
+            return (axis, flips && odd.unwrap_or(false), own.copied());
         }
         if let Some(unknown) = self.unknown() {
             return (unknown.axis, unknown.odd, unknown.place);

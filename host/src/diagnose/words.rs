@@ -160,31 +160,38 @@ fn place_words(place: &Place, recording: &Recording) -> String {
 
 /// How large a force is: of the friction level where it goes with the direction, else in its unit.
 fn size(found: &Diagnosis, force: &[f64], recording: &Recording) -> String {
-    let rows = &found.ground.rows;
-    let direction = rows.weak.at_centres(&rows.s.direction);
-    let along: Vec<f64> = force.iter().zip(&direction).map(|(f, d)| f * d).collect();
-    let square = |side: f64| -> f64 {
-        along
-            .iter()
-            .filter(|a| **a * side > 0.0)
-            .map(|a| a * a)
-            .sum()
-    };
-    let (with, against) = (square(1.0), square(-1.0));
     let large = quantile(&force.iter().map(|f| f.abs()).collect::<Vec<_>>(), 0.98);
     let level = found.ground.baseline.level;
     let of_level = percent(large / level.max(1e-300));
     let unit = recording.effort_unit();
-    if with > WITH_DIRECTION * (with + against) {
-        format!("friction is up to {of_level} higher, in both directions")
-    } else if against > WITH_DIRECTION * (with + against) {
-        format!("friction is up to {of_level} lower, in both directions")
-    } else {
-        format!("a force of up to {} acts", quantity(large, unit))
+    match found.side(force) {
+        Some(side) if side > 0.0 => {
+            format!("friction is up to {of_level} higher, in both directions")
+        }
+        Some(_) => format!("friction is up to {of_level} lower, in both directions"),
+        None => format!("a force of up to {} acts", quantity(large, unit)),
     }
 }
 
 impl Diagnosis {
+    /// 1 where a force at the rows goes with the direction of the motion, −1 where it goes against it, `None` where it does neither.
+    pub(super) fn side(&self, force: &[f64]) -> Option<f64> {
+        let rows = &self.ground.rows;
+        let direction = rows.weak.at_centres(&rows.s.direction);
+        let along: Vec<f64> = force.iter().zip(&direction).map(|(f, d)| f * d).collect();
+        let square = |side: f64| -> f64 {
+            along
+                .iter()
+                .filter(|a| **a * side > 0.0)
+                .map(|a| a * a)
+                .sum()
+        };
+        let both = square(1.0) + square(-1.0);
+        [1.0, -1.0]
+            .into_iter()
+            .find(|side| square(*side) > WITH_DIRECTION * both)
+    }
+
     /// One sentence on an effect: where, how much, what it is, what it explains, what compensating it is worth.
     pub fn sentence(&self, effect: &Named, recording: &Recording) -> String {
         let confined = effect.places.iter().find(|p| p.share > 0.0);
