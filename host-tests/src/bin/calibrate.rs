@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use preslide_host_tests::judge::calibrate::{
-    CALIBRATION, Judged, Names, fit, held_without, left_out, widths,
+    CALIBRATION, Judged, Names, committed, fit, held_without, left_out, widths,
 };
 
 /// Fits the confidence of names and the width of intervals, each source, machine and effect left out in turn
@@ -41,7 +41,10 @@ fn run(o: &Options) -> Result<(), String> {
     println!("{}", left_out(&names.names, |s| s.source.clone()));
     println!("{}", left_out(&names.names, |s| s.id.clone()));
     let unnamed = if o.unnamed.is_empty() {
-        committed(&["presence", "unnamed"])?
+        [
+            committed("presence")?.to_string(),
+            committed("unnamed")?.to_string(),
+        ]
     } else {
         println!("the same of what has no name: something is there\n");
         println!("{}", left_out(&names.unnamed, |s| s.source.clone()));
@@ -71,18 +74,6 @@ fn run(o: &Options) -> Result<(), String> {
         std::fs::write(CALIBRATION, text).map_err(|e| format!("{CALIBRATION}: {e}"))?;
     }
     Ok(())
-}
-
-/// The lines of tables of the committed file.
-fn committed(tables: &[&str; 2]) -> Result<[String; 2], String> {
-    let text = std::fs::read_to_string(CALIBRATION).map_err(|e| format!("{CALIBRATION}: {e}"))?;
-    Ok(tables.map(|table| {
-        let own = text.lines().skip_while(|l| *l != format!("[{table}]"));
-        let own = own
-            .skip(1)
-            .take_while(|l| !l.is_empty() && !l.starts_with('#'));
-        own.map(|line| format!("{line}\n")).collect()
-    }))
 }
 
 fn listed(judged: &Judged, weights: &[f64]) -> String {

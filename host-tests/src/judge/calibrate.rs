@@ -68,14 +68,23 @@ fn width(widths: &BTreeMap<String, f64>, effect: &str) -> f64 {
     *widths.get(effect).or(widths.get(OTHERS)).unwrap_or(&1.0)
 }
 
-/// The widths of the program as it is committed.
-fn committed_widths() -> Result<BTreeMap<String, f64>, String> {
+/// A table of the program's calibration as it is committed.
+///
+/// # Errors
+/// Where it cannot be read or has no such table.
+pub fn committed(table: &str) -> Result<toml::Table, String> {
     let wrong = |reason: String| format!("{CALIBRATION}: {reason}");
     let text = std::fs::read_to_string(CALIBRATION).map_err(|e| wrong(e.to_string()))?;
-    let table: toml::Table = toml::from_str(&text).map_err(|e| wrong(e.to_string()))?;
-    let widths = table.get("widths").and_then(toml::Value::as_table);
-    let widths = widths.ok_or_else(|| wrong("no widths".into()))?;
-    Ok(widths
+    let mut all: toml::Table = toml::from_str(&text).map_err(|e| wrong(e.to_string()))?;
+    match all.remove(table) {
+        Some(toml::Value::Table(own)) => Ok(own),
+        _ => Err(wrong(format!("no table {table}"))),
+    }
+}
+
+/// The widths of the program as it is committed.
+fn committed_widths() -> Result<BTreeMap<String, f64>, String> {
+    Ok(committed("widths")?
         .iter()
         .filter_map(|(effect, width)| Some((effect.clone(), width.as_float()?)))
         .collect())

@@ -40,17 +40,17 @@ pub fn features(standing: &Standing) -> BTreeMap<&'static str, f64> {
     let Standing { evidence, term, .. } = standing;
     let flag = f64::from;
     let class = term.effect().map(|e| e.class());
-    let size = (standing.relative.max(LEAST) / USUAL).ln();
+    let relative = (standing.relative.max(LEAST) / USUAL).ln();
     // A large force that is all of the mismatch is no unusual one: a weight, a spring, gravity.
-    let unusual = if size < 0.0 {
-        -size
+    let unusual = if relative < 0.0 {
+        -relative
     } else {
-        size * (1.0 - evidence.share.clamp(0.0, 1.0))
+        relative * (1.0 - evidence.share.clamp(0.0, 1.0))
     };
     BTreeMap::from([
-        ("size", (standing.size().max(LEAST) / NAMED).ln()),
+        ("size", size(standing)),
         // By its logarithm: on a machine that repeats everything is sure, what is wrong with the model too.
-        ("sure", (evidence.z.max(UNSURE) / EDGE).ln()),
+        ("log_z", (evidence.z.max(UNSURE) / EDGE).ln()),
         ("agreement", evidence.agree - 0.5),
         ("survival", standing.survival.clamp(0.0, 1.0) - 1.0),
         ("place", (standing.place as f64).ln()),
@@ -64,10 +64,14 @@ pub fn features(standing: &Standing) -> BTreeMap<&'static str, f64> {
     ])
 }
 
+fn size(standing: &Standing) -> f64 {
+    (standing.size().max(LEAST) / NAMED).ln()
+}
+
 /// What tells that something is there, whatever it is called, from chance; about zero at the edge.
 pub fn features_of_presence(standing: &Standing) -> BTreeMap<&'static str, f64> {
     BTreeMap::from([
-        ("size", (standing.size().max(LEAST) / NAMED).ln()),
+        ("size", size(standing)),
         ("sure", standing.evidence.z.min(SURE) - SURE_EDGE),
     ])
 }

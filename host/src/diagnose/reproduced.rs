@@ -11,6 +11,7 @@ use crate::recording::Recording;
 use crate::signal::Kinematics;
 
 /// Share of the mismatch that the reproduction may miss of the simulation: half, or less of it might be the machine's than the reproduction's.
+/// (A quarter refused EMPS's simulation without its offset, which is truly missing.)
 const MISSED: f64 = 0.5;
 
 /// The model of a simulation.
@@ -91,11 +92,7 @@ impl Reproduced {
 /// The effort of a model along a recording, its inertia exact within the rows' kernel: a filtered acceleration is not.
 fn effort_of(model: &Model, recording: &Recording) -> Result<Column, Refusal> {
     let kinematics = Kinematics::of(recording);
-    let inertia = if recording.role.contains_inertia() {
-        model.inertia
-    } else {
-        0.0
-    };
+    // What acts behind the actuator acts on the inertia's force, too.
     let measured = Measured {
         t_s: Some(&recording.t_s),
         acceleration: Some(&kinematics.acceleration),
@@ -109,7 +106,11 @@ fn effort_of(model: &Model, recording: &Recording) -> Result<Column, Refusal> {
         .iter_mut()
         .zip(&kinematics.acceleration)
         .for_each(|(f, a)| *f -= model.inertia * a);
-    let curved = recording.position.iter().map(|x| inertia * x).collect();
+    let curved = recording
+        .position
+        .iter()
+        .map(|x| model.inertia * x)
+        .collect();
     Ok(Column {
         value,
         curved,

@@ -34,17 +34,23 @@ impl Recording {
     /// # Errors
     /// Where there is no such column, or it is no such quantity: a message for the user.
     pub fn take_simulated(&mut self, names: &[String]) -> Result<Simulated, String> {
-        let (mut efforts, mut positions) = (Vec::new(), Vec::new());
-        for name in names {
-            match self.take(name)? {
-                Taken::Effort(values) => efforts.push(values),
-                Taken::Position(values) => positions.push(values),
-            }
-        }
-        match (positions.pop(), efforts.pop()) {
-            (None, Some(effort)) if efforts.is_empty() => Ok(Simulated::Effort(effort)),
-            (Some(position), effort) if efforts.is_empty() && positions.is_empty() => {
-                Ok(Simulated::Motion { position, effort })
+        let taken: Vec<Taken> = names
+            .iter()
+            .map(|name| self.take(name))
+            .collect::<Result<_, _>>()?;
+        let mut taken = taken.into_iter();
+        match (taken.next(), taken.next(), taken.next()) {
+            (Some(Taken::Effort(effort)), None, _) => Ok(Simulated::Effort(effort)),
+            (Some(Taken::Position(position)), None, _) => Ok(Simulated::Motion {
+                position,
+                effort: None,
+            }),
+            (Some(Taken::Position(position)), Some(Taken::Effort(effort)), None)
+            | (Some(Taken::Effort(effort)), Some(Taken::Position(position)), None) => {
+                Ok(Simulated::Motion {
+                    position,
+                    effort: Some(effort),
+                })
             }
             _ => Err(format!(
                 "--simulated {}: give one column of an effort, one of a position, or one of each",
