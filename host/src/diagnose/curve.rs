@@ -34,15 +34,11 @@ impl Curve {
         let Some(values) = self.axis.values(scene.s) else {
             return Vec::new();
         };
-        // After a reversal the friction is still small; what acts there is not in proportion to it.
-        let load = match self.axis {
-            Axis::SinceReversal => &scene.s.direction,
-            _ => &scene.core.friction,
-        };
         let mut hats = hats(&values);
         if self.odd {
             for hat in &mut hats {
-                hat.iter_mut().zip(load).for_each(|(h, l)| *h *= l);
+                let friction = &scene.core.friction;
+                hat.iter_mut().zip(friction).for_each(|(h, f)| *h *= f);
             }
         } else if self.axis == Axis::Acceleration {
             // What is straight is inertia. The core has it, from a noisier acceleration: a curve that may be straight mends its mass.
