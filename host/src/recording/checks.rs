@@ -1,7 +1,7 @@
 //! Named warnings about the motion and the effort, and the sign of the effort.
 
 use super::segments::Strokes;
-use super::{EffortRole, Warning};
+use super::{EffortRole, Warning, balance};
 
 /// A handful of strokes at a dozen samples each: below this, fits with ten parameters are guesses.
 const FEW_SAMPLES: usize = 200;
@@ -116,14 +116,15 @@ fn closed_work(x: &[f64], effort: &[f64], strokes: &Strokes) -> Option<(f64, f64
 /// Code of the warning that the effort was turned.
 pub(super) const FLIPPED: &str = "effort-sign-flipped";
 
-/// Net work over the closed motion of all strokes, and the work exchanged.
+/// Net work over the closed motion of all strokes, and the work exchanged; where no motion closes, by the balance of energy.
 fn work(x: &[f64], effort: &[f64], strokes: &[Strokes]) -> (f64, f64) {
-    strokes
-        .iter()
-        .filter_map(|s| closed_work(x, effort, s))
-        .fold((0.0, 0.0), |(n, e), (net, exchanged)| {
-            (n + net, e + exchanged)
-        })
+    let sum = |of: fn(&[f64], &[f64], &Strokes) -> Option<(f64, f64)>| {
+        let each = strokes.iter().filter_map(|s| of(x, effort, s));
+        each.reduce(|(n, e), (net, exchanged)| (n + net, e + exchanged))
+    };
+    sum(closed_work)
+        .or_else(|| sum(balance::friction))
+        .unwrap_or((0.0, 0.0))
 }
 
 /// Whether motion and effort say by themselves which sign the effort has.
@@ -152,7 +153,7 @@ pub(super) fn sign(
         return;
     }
     let found = format!(
-        "over closed motion the {} gives back {:.0} % of the work it exchanges, where friction only takes",
+        "friction would give back {1:.0} % of the work that the {0} exchanges, and it only takes",
         role.name(),
         -100.0 * net / exchanged
     );

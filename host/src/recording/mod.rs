@@ -4,6 +4,7 @@
 //! reason and remedy; what can be used with care is a [`Warning`] with a fixed code. Nothing is
 //! dropped or repaired without one of the two.
 
+mod balance;
 mod checks;
 mod columns;
 mod csv;
