@@ -12,6 +12,7 @@ pub mod core;
 mod credible;
 pub mod curve;
 pub mod effect;
+mod event;
 pub mod evidence;
 pub mod experiment;
 mod extend;

@@ -1,6 +1,6 @@
 //! A diagnosis for machines, and its table.
 
-use super::confidence::{features, features_of_presence};
+use super::confidence::features;
 use super::offer::Offer;
 use super::place::Place;
 use super::unnamed::Unknown;
@@ -82,11 +82,11 @@ impl Diagnosis {
         json!({
             "axis": u.axis.name(&self.ground.rows.s),
             "symmetry": if u.odd { "odd" } else { "even" },
-            "core": u.change.map(|c| c.name()), "like": u.standing.term.effect().map(|e| e.id()), "confidence": u.confidence,
+            "core": u.change.map(|c| c.name()), "like": u.like.map(|e| e.id()), "confidence": u.confidence,
             "from": u.place.map(|p| p.from), "to": u.place.map(|p| p.to), "share": u.place.map(|p| p.share),
-            "unit": unit, "rms": u.rms, "share_of_mismatch": u.standing.evidence.share, "standard_errors": u.standing.evidence.z,
-            "segments": u.standing.evidence.blocks.round(), "segments_of": self.ground.rows.blocks.len(),
-            "features": features_of_presence(&u.standing),
+            "unit": unit, "rms": u.rms, "share_of_mismatch": u.evidence.share, "standard_errors": u.evidence.z,
+            "segments": u.evidence.blocks.round(), "segments_of": self.ground.rows.blocks.len(),
+            "features": u.features, "stretches_s": u.times,
         })
     }
 

@@ -296,3 +296,38 @@ fn verdicts_say_what_the_recording_says() {
     );
     assert_ne!(shaken.verdict, Verdict::Consistent);
 }
+
+#[test]
+fn what_happens_now_and_then_has_its_times_and_no_name() {
+    let times = [[6.1, 6.9], [14.2, 15.0], [23.4, 24.1]];
+    let within = |t: f64| times.iter().any(|[from, to]| (*from..*to).contains(&t));
+    // Half as much friction again while something lies in the guideway.
+    let recording = made(|t, _, v| if within(t) { 1.5 * v.signum() } else { 0.0 });
+    let found = diagnose(&recording, None, &Progress::new("", 0)).expect("a diagnosis");
+    assert_eq!(found.verdict, Verdict::UnknownPhysics);
+    let unknown = found.unknown().expect("an event");
+    let said = &unknown.times;
+    println!("{said:?} {} {}", unknown.size, unknown.evidence.z);
+    assert!(unknown.odd && unknown.size > 0.8, "{}", unknown.size);
+    assert_eq!(said.len(), times.len(), "{said:?}");
+    for (said, is) in said.iter().zip(&times) {
+        let off = (said[0] - is[0]).abs().max((said[1] - is[1]).abs());
+        assert!(off < 0.2, "{said:?} {is:?}");
+    }
+}
+
+#[test]
+fn what_recurs_with_the_motion_or_is_noise_is_no_event() {
+    let found_in = |recording: &Recording| {
+        let ground = ground(recording);
+        let alone = ground.fit(&[]).expect("a fit");
+        let rows = &ground.rows;
+        let friction = rows.weak.at_centres(&ground.baseline.friction);
+        event::event(rows, &friction, &alone.held_out_residual(rows)).map(|e| (e.share, e.z))
+    };
+    assert_eq!(found_in(&made(|_, _, _| 0.0)), None);
+    let spot = |x: f64| (-((x - 0.01) / 0.004).powi(2)).exp();
+    assert_eq!(found_in(&made(|_, x, v| 1.5 * v.signum() * spot(x))), None);
+    let once = made(|t, _, _| if (9.0..9.6).contains(&t) { 1.0 } else { 0.0 });
+    assert!(found_in(&once).is_some());
+}

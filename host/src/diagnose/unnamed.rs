@@ -2,13 +2,17 @@
 
 use super::axis::Axis;
 use super::change::Change;
-use super::confidence::presence;
+use super::confidence::{features_of_presence, presence};
 use super::effect::Effect;
+use super::event::{self, event};
+use super::evidence::Evidence;
 use super::naming::Standing;
+use super::noise::rms;
 use super::place::Place;
 use super::search::Found;
 use super::signals::mean;
 use super::term::Subject;
+use std::collections::BTreeMap;
 
 /// Share of the mismatch, weighted or all rows alike, from which what has no name is material.
 const UNNAMED: f64 = 0.05;
@@ -30,8 +34,16 @@ pub struct Unknown {
     pub change: Option<Change>,
     /// Probability that something is there.
     pub confidence: f64,
-    /// The term that explains it, which may be an effect that is too doubtful to be named.
-    pub standing: Standing,
+    /// The effect that explains it, where that is too doubtful to be named.
+    pub like: Option<&'static dyn Effect>,
+    /// What it is worth.
+    pub evidence: Evidence,
+    /// Share of the mismatch that it holds.
+    pub size: f64,
+    /// What its probability is computed from, where that is fitted.
+    pub features: Option<BTreeMap<&'static str, f64>>,
+    /// The stretches of time (s) that it is confined to, where it is an event.
+    pub times: Vec<[f64; 2]>,
     /// Where it is.
     pub place: Option<Place>,
     /// Root mean square of its force (N or N·m).
@@ -57,13 +69,50 @@ pub fn unnamed(
         Subject::Change(change) => change != Change::LateYields,
         Subject::Curve(_) => true,
     };
-    let mut material: Vec<&Standing> = standings
+    let material = standings
         .iter()
         .filter(is_unnamed)
-        .filter(|s| s.size() >= UNNAMED && s.size() * s.left >= NOTICEABLE)
+        .filter(|s| s.size() >= UNNAMED && s.size() * s.left >= NOTICEABLE);
+    let mut all: Vec<Unknown> = material.map(|s| unknown(found, s)).collect();
+    all.extend(happened(found));
+    all.sort_by(|a, b| b.size.total_cmp(&a.size));
+    all
+}
+
+/// What happened at some time and not otherwise.
+fn happened(found: &Found) -> Option<Unknown> {
+    let rows = &found.ground.rows;
+    let friction = rows.weak.at_centres(&found.ground.baseline.friction);
+    let mismatch = found.hypothesis.held_out_residual(rows);
+    let event = event(rows, &friction, &mismatch)?;
+    let left = found.hypothesis.nmse(rows).test;
+    let time = rows.weak.at_centres(&rows.s.t);
+    let reach = rows.weak.half_width_s;
+    let times = event.stretches.iter();
+    let mut times: Vec<[f64; 2]> = times
+        .map(|r| [time[r.start] - reach, time[r.end - 1] + reach])
         .collect();
-    material.sort_by(|a, b| b.size().total_cmp(&a.size()));
-    material.into_iter().map(|s| unknown(found, s)).collect()
+    times.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    (event.share * left >= NOTICEABLE).then(|| Unknown {
+        axis: Axis::Time,
+        odd: event.odd,
+        change: None,
+        like: None,
+        // Twice what stands out leaves no doubt; the probability is set by hand, no trial has calibrated it.
+        confidence: 1.0 - 0.2 * (event::STANDS_OUT / event.z).powi(2),
+        evidence: Evidence {
+            share: event.share,
+            z: event.z,
+            blocks: event.stretches.len() as f64,
+            ..Evidence::default()
+        },
+        size: event.share,
+        features: None,
+        place: Place::of(rows, Axis::Time, &event.force),
+        rms: rms(&event.force),
+        times,
+        force: event.force,
+    })
 }
 
 fn unknown(found: &Found, standing: &Standing) -> Unknown {
@@ -88,10 +137,14 @@ fn unknown(found: &Found, standing: &Standing) -> Unknown {
         axis,
         odd,
         change,
+        like: standing.term.effect(),
         confidence: presence(standing),
-        standing: standing.clone(),
+        evidence: standing.evidence,
+        size: standing.size(),
+        features: Some(features_of_presence(standing)),
+        times: Vec::new(),
         place: Place::of(rows, axis, &varying),
-        rms: (varying.iter().map(|f| f * f).sum::<f64>() / varying.len().max(1) as f64).sqrt(),
+        rms: rms(&varying),
         force: varying,
     }
 }

@@ -108,7 +108,10 @@ impl Unknown {
     /// What it asks for: the experiment of what it is most like, or eyes.
     fn advice(&self, found: &Diagnosis) -> String {
         let axis = self.axis.name(&found.ground.rows.s);
-        match self.standing.term.effect() {
+        if !self.times.is_empty() {
+            return "look at what happened then: a knock, something in the guideway, a cable that caught; or leave these stretches out.".to_owned();
+        }
+        match self.like {
             Some(effect) => format!(
                 "something that follows {axis} acts and may be {} ({}). To be sure: {}.",
                 effect.id(),
@@ -127,8 +130,11 @@ impl Unknown {
         let place = self.place.map_or(String::new(), |p| {
             format!(", largest {}", place_words(&p, recording))
         });
+        if !self.times.is_empty() {
+            return self.event_words(recording);
+        }
         let axis = self.axis.name(s);
-        let what = match (self.change, self.standing.term.effect()) {
+        let what = match (self.change, self.like) {
             (Some(change), _) => change.name().to_owned(),
             (_, Some(effect)) => format!(
                 "something that follows {axis} and is most like {}, which is too doubtful to be named",
@@ -144,7 +150,37 @@ impl Unknown {
                 "the same in both directions"
             },
             quantity(self.rms, recording.effort_unit()),
-            percent(self.standing.size()),
+            percent(self.size),
+            probability(self.confidence),
+        )
+    }
+}
+
+impl Unknown {
+    /// An event in a clause.
+    fn event_words(&self, recording: &Recording) -> String {
+        /// Stretches that are told one by one.
+        const TOLD: usize = 4;
+        let told: Vec<String> = self
+            .times
+            .iter()
+            .take(TOLD)
+            .map(|t| between(t[0], t[1], "s"))
+            .collect();
+        let more = match self.times.len().saturating_sub(TOLD) {
+            0 => String::new(),
+            more => format!(" and {more} more times"),
+        };
+        format!(
+            "something that happened {}{more} and not in like motion at other times, {}: {} RMS, {} of what is left, there with a probability of {}",
+            told.join(", "),
+            if self.odd {
+                "of the friction level"
+            } else {
+                "a force"
+            },
+            quantity(self.rms, recording.effort_unit()),
+            percent(self.size),
             probability(self.confidence),
         )
     }

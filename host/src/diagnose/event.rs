@@ -1,0 +1,180 @@
+//! What happened at some time and not otherwise: a knock, a chip in the guideway, a cable that catches.
+//!
+//! No fit that is held out can say it, since other stretches do not have it. The mismatch of every window of time is compared with
+//! that of the windows in which the axis moved most alike: what depends on the motion is there in both, what happened is not.
+
+use super::rows::Rows;
+use super::signals::quantile;
+use std::ops::Range;
+
+/// Lengths of the windows (s), from a knock to a stroke.
+const LENGTHS: [f64; 4] = [0.2, 0.4, 0.8, 1.6];
+/// Windows that moved most alike, whose median is what the motion itself makes of the mismatch.
+const ALIKE: usize = 7;
+/// Most windows of one length: every pair of them is compared.
+const MOST: usize = 3000;
+/// Fewest windows that tell what is usual.
+const FEWEST: usize = 40;
+/// Rows of a window, at least.
+const ROWS: usize = 4;
+/// Share of the usual friction below which a window does not tell of a friction level.
+const TELLS: f64 = 0.5;
+/// What nine of ten windows keep below, in standard deviations of a normal variable: events are fewer than one in ten.
+const USUAL: (f64, f64) = (0.9, 1.645);
+/// Such deviations from which a window stands out. Chance alone has 4 among 3000; friction that wanders has heavier tails.
+pub const STANDS_OUT: f64 = 8.0;
+/// Share of them that other windows must keep to be of the same kind.
+const BELONGS: f64 = 0.5;
+/// Share of the mismatch that events must hold: in recordings of nothing but wandering friction one window holds up to an eighth.
+const HELD: f64 = 0.25;
+
+/// Stretches of time in which a force acts that the motion does not explain.
+pub struct Event {
+    /// It goes with friction, not a force of its own.
+    pub odd: bool,
+    /// Deviations by which the clearest window stands out.
+    pub z: f64,
+    /// Share of the mismatch that it holds.
+    pub share: f64,
+    /// The stretches (rows), in the order of the rows.
+    pub stretches: Vec<Range<usize>>,
+    /// Its force at the rows, zero outside (N or N·m).
+    pub force: Vec<f64>,
+}
+
+/// A window of rows, with how the axis moved in it.
+struct Window {
+    rows: Range<usize>,
+    /// Coefficient of the load in the mismatch.
+    size: f64,
+    /// Position, velocity, displacement since the reversal and acceleration.
+    motion: [f64; 4],
+}
+
+/// The events that hold most of a mismatch at the rows, `friction` at the rows beside it.
+pub fn event(rows: &Rows, friction: &[f64], mismatch: &[f64]) -> Option<Event> {
+    let force = vec![1.0; mismatch.len()];
+    [(true, friction), (false, &force)]
+        .into_iter()
+        .flat_map(|kind| LENGTHS.map(|length| (kind, length)))
+        .filter_map(|((odd, load), length)| {
+            let (stretches, z) = of_length(rows, load, mismatch, length)?;
+            Some(Event::of(odd, z, stretches, load, mismatch))
+        })
+        .filter(|e| e.z >= STANDS_OUT && e.share >= HELD)
+        .max_by(|a, b| a.share.total_cmp(&b.share))
+}
+
+impl Event {
+    fn of(odd: bool, z: f64, stretches: Vec<Range<usize>>, load: &[f64], mismatch: &[f64]) -> Self {
+        let mut force = vec![0.0; mismatch.len()];
+        for rows in &stretches {
+            let size = coefficient(load, mismatch, rows).unwrap_or(0.0);
+            rows.clone().for_each(|i| force[i] = size * load[i]);
+        }
+        let square =
+            |of: &dyn Fn(usize) -> f64| (0..force.len()).map(|i| of(i).powi(2)).sum::<f64>();
+        let left = square(&|i| mismatch[i] - force[i]);
+        Self {
+            odd,
+            z,
+            share: 1.0 - left / square(&|i| mismatch[i]).max(1e-300),
+            stretches,
+            force,
+        }
+    }
+}
+
+/// Stretches whose windows of one length stand out, and by how much the clearest does.
+fn of_length(
+    rows: &Rows,
+    load: &[f64],
+    mismatch: &[f64],
+    length: f64,
+) -> Option<(Vec<Range<usize>>, f64)> {
+    let windows = windows(rows, load, mismatch, length);
+    if windows.len() < FEWEST {
+        return None;
+    }
+    let unlike = unlike(&windows, &rows.weak.at_centres(&rows.s.t), length);
+    let sizes: Vec<f64> = unlike.iter().map(|d| d.abs()).collect();
+    let usual = (quantile(&sizes, USUAL.0) / USUAL.1).max(1e-300);
+    let most = sizes.iter().fold(0.0, |most: f64, size| most.max(*size));
+    let least = (STANDS_OUT * usual).max(BELONGS * most);
+    let mut stretches: Vec<Range<usize>> = Vec::new();
+    for (window, _) in windows.iter().zip(&sizes).filter(|(_, s)| **s >= least) {
+        match stretches.last_mut() {
+            Some(last) if window.rows.start <= last.end => last.end = window.rows.end,
+            _ => stretches.push(window.rows.clone()),
+        }
+    }
+    Some((stretches, most / usual))
+}
+
+/// Windows of a length that overlap by half, each within one stretch of contiguous rows.
+fn windows(rows: &Rows, load: &[f64], mismatch: &[f64], length: f64) -> Vec<Window> {
+    let s = &rows.s;
+    let time = rows.weak.at_centres(&s.t);
+    let step = rows.weak.spacing as f64 * s.dt;
+    let count = ((length / step).round() as usize).max(ROWS);
+    let hop = (count / 2).max(mismatch.len() / MOST).max(1);
+    let motion = [&s.x, &s.v, &s.since_reversal, &s.a].map(|c| rows.weak.at_centres(c));
+    let tells = TELLS * load.iter().map(|l| l * l).sum::<f64>() / load.len().max(1) as f64;
+    let whole = |w: &Range<usize>| {
+        w.end <= time.len() && time[w.end - 1] - time[w.start] < 1.5 * count as f64 * step
+    };
+    (0..time.len())
+        .step_by(hop)
+        .map(|first| first..first + count)
+        .filter(whole)
+        .filter(|w| load[w.clone()].iter().map(|l| l * l).sum::<f64>() >= tells * count as f64)
+        .filter_map(|w| {
+            let size = coefficient(load, mismatch, &w)?;
+            let mean = |c: &Vec<f64>| c[w.clone()].iter().sum::<f64>() / count as f64;
+            Some(Window {
+                motion: [0, 1, 2, 3].map(|k| mean(&motion[k])),
+                rows: w,
+                size,
+            })
+        })
+        .collect()
+}
+
+/// Coefficient of a load in a mismatch, by least squares.
+fn coefficient(load: &[f64], mismatch: &[f64], rows: &Range<usize>) -> Option<f64> {
+    let square: f64 = load[rows.clone()].iter().map(|l| l * l).sum();
+    let product: f64 = rows.clone().map(|i| load[i] * mismatch[i]).sum();
+    (square > 0.0).then(|| product / square)
+}
+
+/// How much each window differs from the median of those that moved most alike at other times.
+fn unlike(windows: &[Window], time: &[f64], length: f64) -> Vec<f64> {
+    // By ranks: no unit, and no outlier, makes one coordinate count for more.
+    let mut ranks = vec![[0.0; 4]; windows.len()];
+    for k in 0..4 {
+        let mut order: Vec<usize> = (0..windows.len()).collect();
+        order.sort_by(|a, b| windows[*a].motion[k].total_cmp(&windows[*b].motion[k]));
+        for (rank, i) in order.into_iter().enumerate() {
+            ranks[i][k] = rank as f64;
+        }
+    }
+    let start = |i: usize| time[windows[i].rows.start];
+    (0..windows.len())
+        .map(|i| {
+            let mut near: Vec<(f64, f64)> = (0..windows.len())
+                .filter(|&j| (start(i) - start(j)).abs() > 2.0 * length)
+                .map(|j| {
+                    let far = (0..4).map(|k| (ranks[i][k] - ranks[j][k]).powi(2)).sum();
+                    (far, windows[j].size)
+                })
+                .collect();
+            let count = ALIKE.min(near.len());
+            if count == 0 {
+                return 0.0;
+            }
+            near.select_nth_unstable_by(count - 1, |a, b| a.0.total_cmp(&b.0));
+            let sizes: Vec<f64> = near[..count].iter().map(|n| n.1).collect();
+            windows[i].size - quantile(&sizes, 0.5)
+        })
+        .collect()
+}
