@@ -85,6 +85,10 @@ const PARAMETERS: [(&str, &str, &str); 12] = [
     ("vib_f", "external_vibration", "frequency_Hz"),
 ];
 
+/// The generator reads the position and then holds its command for a sample of 1 ms (`sim.py`: 20 steps with one `u`), so what it records
+/// acts half a sample later. A label's delay leaves that out.
+const HOLD_S: f64 = 0.5e-3;
+
 fn truth(effect: &Value, parameters: &Value) -> Truth {
     let id = effect["id"].as_str().unwrap_or_default();
     let id = if id == "unknown" {
@@ -92,7 +96,10 @@ fn truth(effect: &Value, parameters: &Value) -> Truth {
     } else {
         id
     };
-    let value = |key: &str| parameters[key].as_f64();
+    let value = |key: &str| {
+        let labelled = parameters[key].as_f64();
+        labelled.map(|v| if key == "delay" { v - HOLD_S } else { v })
+    };
     let place = match id {
         "stribeck" => value("str_vs").map(|v| Place::new("velocity", 0.0, 2.0 * v)),
         "local_friction_spot" => value("spot_x")
