@@ -6,8 +6,11 @@ use super::signals::bounds;
 
 /// Stretches into which a coordinate is cut.
 const BINS: usize = 60;
-/// Share of its largest mean square within which a force is said to act: half of its amplitude.
+/// Share of its largest mean square within which a force is said to be largest: half of its amplitude. A free curve is noise elsewhere.
 const LARGE: f64 = 0.25;
+/// The same within which an effect is said to act, whose form has no noise: a fifth of its amplitude. A Gaussian spot acts over 2.5 of its
+/// widths, and is at half of its amplitude over 1.7.
+const ACTS: f64 = 0.04;
 /// Fewest rows of a stretch that count.
 const ROWS: usize = 3;
 /// Share of a coordinate's range below which a force is said to be confined to it.
@@ -27,11 +30,14 @@ pub struct Place {
 }
 
 impl Place {
-    /// Where `force` (at the rows) is at least half of its largest over a coordinate; `None` where the recording does not have
-    /// the coordinate or the force.
-    ///
-    /// The mean square of each stretch counts, not its sum: an axis that dwells at a place does not make the force larger there.
+    /// Where a free curve's `force` (at the rows) is at least half of its largest over a coordinate; `None` where the recording does not
+    /// have the coordinate or the force.
     pub fn of(rows: &Rows, axis: Axis, force: &[f64]) -> Option<Self> {
+        Self::within(LARGE, rows, axis, force)
+    }
+
+    /// The mean square of each stretch counts, not its sum: an axis that dwells at a place does not make the force larger there.
+    fn within(least: f64, rows: &Rows, axis: Axis, force: &[f64]) -> Option<Self> {
         let values = rows.weak.at_centres(&axis.values(&rows.s)?);
         let (low, high) = bounds(&values);
         let total: f64 = force.iter().map(|f| f * f).sum();
@@ -52,7 +58,7 @@ impl Place {
             }
         };
         let peak = (0..BINS).max_by(|a, b| density(*a).total_cmp(&density(*b)))?;
-        let within = |i: &usize| density(*i) >= LARGE * density(peak) || counts[*i] < ROWS;
+        let within = |i: &usize| density(*i) >= least * density(peak) || counts[*i] < ROWS;
         let first = (0..=peak).rev().take_while(within).last().unwrap_or(peak);
         let last = (peak..BINS).take_while(within).last().unwrap_or(peak);
         let edge = |i: usize| low + (high - low) * i as f64 / BINS as f64;
@@ -64,7 +70,7 @@ impl Place {
         })
     }
 
-    /// The place over the force's own coordinate, and those over position, speed and time that confine it.
+    /// Where an effect acts over its own coordinate, and the stretches over position, speed and time that confine it.
     pub fn all(rows: &Rows, own: Axis, force: &[f64]) -> Vec<Self> {
         let others = [Axis::Position, Axis::Speed, Axis::Time];
         let confined = |place: &Place| {
@@ -72,13 +78,13 @@ impl Place {
             let (low, high) = bounds(&values);
             place.to - place.from < CONFINED * (high - low)
         };
-        Self::of(rows, own, force)
+        Self::within(ACTS, rows, own, force)
             .into_iter()
             .chain(
                 others
                     .into_iter()
                     .filter(|axis| *axis != own)
-                    .filter_map(|axis| Self::of(rows, axis, force))
+                    .filter_map(|axis| Self::within(ACTS, rows, axis, force))
                     .filter(confined),
             )
             .collect()
