@@ -103,7 +103,7 @@ fn never_exceeds<F: Friction + Clone>(
             for controller in [&mut controller, &mut thorough] {
                 let friction = friction.clone();
                 controller.swap(
-                    Coefficients::try_new(&settings, friction, units).expect("valid settings"),
+                    &Coefficients::try_new(&settings, friction, units).expect("valid settings"),
                 );
             }
         }
@@ -469,7 +469,7 @@ fn an_axis_enabled_again_begins_as_a_new_one() {
         axis.limits.jerk = [160.0, 625.0, 5000.0][rng.random_range(0..3)];
         let coefficients = Coefficients::try_new(&axis, friction(), Units::SI).expect("valid");
         used.disable();
-        used.swap(coefficients);
+        used.swap(&coefficients);
         for _ in 0..rng.random_range(0..5) {
             used.tick(Measurement { count, ..HEALTHY });
         }

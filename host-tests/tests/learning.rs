@@ -243,13 +243,13 @@ fn a_fault_and_new_gains_keep_what_was_learned_and_another_model_does_not() {
         let friction: Learning<_, Both<f32>> = learning(learning_settings, Units::SI);
         Coefficients::try_new(settings, friction, Units::SI).expect("valid settings")
     };
-    controller.swap(with(&stiffer, &PAPER));
+    controller.swap(&with(&stiffer, &PAPER));
     assert_eq!(controller.condition(), learned);
     let slower = LearningSettings {
         block: 504,
         ..PAPER
     };
-    controller.swap(with(&stiffer, &slower));
+    controller.swap(&with(&stiffer, &slower));
     assert_eq!(level(&controller.condition()), 1.0);
 }
 

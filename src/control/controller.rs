@@ -280,20 +280,21 @@ impl<F: Friction, C: Count> Controller<F, C> {
     /// the old ones run on beside the new ones for [`super::Axis::fade_time`]. What says what the machine is (encoder, motor,
     /// limits, watch) takes effect at once.
     #[inline(never)]
-    pub fn swap(&mut self, coefficients: Coefficients<F>) {
-        let old = core::mem::replace(&mut self.coefficients, coefficients);
-        let (new, left) = (&self.coefficients.compensator, &old.compensator);
+    // By reference, and the old parameters copied only where they run on: what is copied here is most of the longest tick.
+    pub fn swap(&mut self, coefficients: &Coefficients<F>) {
+        let (new, left) = (&coefficients.compensator, &self.coefficients.compensator);
         let memory = new.friction().take_over(left.friction(), &self.friction);
         let memory = core::mem::replace(&mut self.friction, memory);
-        let added = match &self.leaving {
-            Some(leaving) if self.fades => leaving.added(),
-            _ => F::Scalar::ZERO,
-        };
         if self.enabled {
+            let added = match &self.leaving {
+                Some(leaving) if self.fades => leaving.added(),
+                _ => F::Scalar::ZERO,
+            };
             let friction = (new != left).then_some(memory);
-            let fade = &self.coefficients.fade;
-            self.leaving = Some(Leaving::start(old, friction, fade, added));
+            let old = self.coefficients.clone();
+            self.leaving = Some(Leaving::start(old, friction, &coefficients.fade, added));
         }
+        self.coefficients.clone_from(coefficients);
         self.fades = self.enabled;
         self.steady = false;
     }
@@ -512,6 +513,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
     #[inline]
     fn off(&mut self) -> Command {
         self.forget();
+        self.reference.stop();
         Command {
             code: 0,
             position: self.position,
@@ -528,7 +530,6 @@ impl<F: Friction, C: Count> Controller<F, C> {
         self.pid = PidState::new();
         self.rounding = Rounding::new();
         self.fades = false;
-        self.reference.stop();
         let friction = self.coefficients.compensator.friction();
         friction.release(&mut self.friction);
     }

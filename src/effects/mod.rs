@@ -150,7 +150,7 @@ impl<S: Scalar> Bounds<S> {
 /// A physical effect beside the friction model: immutable parameters that advance a separate state.
 ///
 /// An effect overrides what it acts on and sets the constant of that name; the rest stays 0 and costs nothing.
-pub trait Effect<S: Scalar>: PartialEq {
+pub trait Effect<S: Scalar>: Clone + PartialEq {
     /// What it remembers.
     type State: Clone;
 

@@ -57,7 +57,7 @@ impl<S: Scalar> Motion<S> {
 /// force, so adding it to a controller's output compensates friction.
 ///
 /// Models are compared where one takes the place of another: equal parameters keep the memory ([`Friction::take_over`]).
-pub trait Friction: PartialEq {
+pub trait Friction: Clone + PartialEq {
     /// The number type that the model computes in.
     type Scalar: Scalar;
     /// The model's memory.

@@ -99,7 +99,7 @@ impl<S: Scalar> BlockMeans<S> {
 }
 
 /// Learns from blocks: [`MismatchWatch`], [`Adaptation`], both, or `()`.
-pub trait Learn<S: Scalar>: PartialEq + Sized {
+pub trait Learn<S: Scalar>: Clone + PartialEq {
     /// What was learned.
     type State: Clone;
     /// It changes the level.
