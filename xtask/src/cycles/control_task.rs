@@ -66,16 +66,21 @@ pub fn print_stages(recorder: &Recorder) -> Result<(), String> {
     let rig = qemu::build_rig()?;
     let listed = |build| {
         let tick = Tick::record(recorder, &rig, build)?;
-        let breakdown = stages::of(&tick.program, &tick.disassembly, &tick.paths)?;
-        let file = tick.program.with_extension("cycles");
-        std::fs::write(&file, &breakdown.listing)
-            .map_err(|error| format!("cannot write {}: {error}", file.display()))?;
-        println!("each instruction of {}: {}", tick.kernel, file.display());
-        Ok::<_, String>((tick.kernel.to_string(), breakdown))
+        Ok::<_, String>([
+            tick.listed(tick.kernel, &tick.paths)?,
+            tick.listed(&format!("longest {}", tick.kernel), tick.longest()?)?,
+        ])
     };
-    stages::print(&[listed(&BUILDS[0])?, listed(&BUILDS[1])?]);
+    let [fixed, longest_fixed] = listed(&BUILDS[0])?;
+    let [float, longest_float] = listed(&BUILDS[1])?;
+    stages::print(&[fixed, float]);
+    println!();
+    stages::print_longest(&[longest_fixed, longest_float]);
     Ok(())
 }
+
+/// What was recorded, and its stages.
+type Listed = (String, stages::Breakdown);
 
 /// The recorded interrupts of a build.
 struct Tick {
@@ -117,5 +122,32 @@ impl Tick {
             disassembly,
             paths,
         })
+    }
+
+    /// The stages of some of its paths; each of their instructions stands in a file.
+    fn listed(&self, what: &str, paths: &[TakenPath]) -> Result<Listed, String> {
+        let breakdown = stages::of(&self.program, &self.disassembly, paths)?;
+        let extension = if paths.len() == 1 {
+            "longest"
+        } else {
+            "cycles"
+        };
+        let file = self.program.with_extension(extension);
+        std::fs::write(&file, &breakdown.listing)
+            .map_err(|error| format!("cannot write {}: {error}", file.display()))?;
+        println!("each instruction of {what}: {}", file.display());
+        Ok((what.to_string(), breakdown))
+    }
+
+    /// The dearest path, alone.
+    fn longest(&self) -> Result<&[TakenPath], String> {
+        let (mut longest, mut worst) = (&self.paths[..0], 0);
+        for path in &self.paths {
+            let cycles = price::of_interrupt(&self.disassembly.steps(path)?).cycles;
+            if cycles > worst {
+                (longest, worst) = (std::slice::from_ref(path), cycles);
+            }
+        }
+        Ok(longest)
     }
 }
