@@ -15,6 +15,7 @@ pub mod nowhere;
 mod picture;
 mod price;
 mod recorder;
+mod sizes;
 mod stages;
 mod table;
 
