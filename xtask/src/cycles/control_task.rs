@@ -7,7 +7,7 @@
 use super::disassembly::Disassembly;
 use super::recorder::{Recorder, TakenPath, Watched};
 use super::table::Row;
-use super::{price, price_paths, stages};
+use super::{Prices, price, price_paths, stages};
 use crate::qemu::{self, LEARNING, LEARNING_FEATURES};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -49,16 +49,23 @@ const BUILDS: [Build; 6] = [
 /// `preslide_link::MOST_BLOCKS`.
 const BLOCKS: u32 = 4;
 
-pub fn measure(recorder: &Recorder) -> Result<Vec<Row>, String> {
+/// Adds the rows of every build to the table of each core.
+pub fn measure(
+    recorder: &Recorder,
+    prices: &[&Prices],
+    tables: &mut [Vec<Row>],
+) -> Result<(), String> {
     let rig = qemu::build_rig()?;
-    let row = |build| {
+    for build in &BUILDS {
         let tick = Tick::record(recorder, &rig, build)?;
-        let mut row = price_paths(&tick.disassembly, &tick.paths, price::of_interrupt)?;
-        row.kernel = format!("rtic_tick_{}", tick.kernel);
-        row.blocks = BLOCKS;
-        Ok(row)
-    };
-    BUILDS.iter().map(row).collect()
+        for (prices, rows) in prices.iter().zip(&mut *tables) {
+            let mut row = price_paths(&tick.disassembly, &tick.paths, prices.of_interrupt)?;
+            row.kernel = format!("rtic_tick_{}", tick.kernel);
+            row.blocks = BLOCKS;
+            rows.push(row);
+        }
+    }
+    Ok(())
 }
 
 /// Prints where the cycles of the tick go, with and without float; the instructions stand in a file each.
