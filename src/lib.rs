@@ -64,7 +64,7 @@ pub use friction::{
     BoucWen, BoucWenState, Coulomb, Dahl, DahlState, ElastoPlastic, ElastoPlasticState, Friction,
     Gms, GmsState, Hsieh, HsiehParams, HsiehState, Leuven, LeuvenForm, LeuvenState, LuGre,
     LuGreState, Motion, QuasiStaticGms, QuasiStaticState, REVERSALS, Sliding, TwoState,
-    TwoStateState,
+    TwoStateMemory,
 };
 pub use param::{Block, Bound, ParamError, Units, WEIGHT_SUM_TOLERANCE};
 pub use scalar::Scalar;

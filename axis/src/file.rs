@@ -2,7 +2,7 @@
 
 use super::{AxisError, OWN, SCHEMA, VARIABLE, usable};
 use preslide::control::{
-    Axis, Drive, Encoder, FeedForward, Hardware, Limits, Motor, PidGains, Watch,
+    Axis, Encoder, FaultLimits, FeedForward, Hardware, Limits, Motor, PidGains, VelocitySource,
 };
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -57,16 +57,16 @@ struct GainsTable {
 #[derive(Deserialize)]
 #[serde(remote = "FeedForward", deny_unknown_fields)]
 struct FeedForwardTable {
-    #[serde(with = "DriveName")]
-    drive: Drive,
+    #[serde(with = "VelocitySourceName")]
+    drive: VelocitySource,
     share: f64,
     limit: f64,
     mass: f64,
 }
 
 #[derive(Deserialize)]
-#[serde(remote = "Watch", deny_unknown_fields)]
-struct WatchTable {
+#[serde(remote = "FaultLimits", deny_unknown_fields)]
+struct FaultLimitsTable {
     top_speed: f64,
     following_error: f64,
     frozen_duty: f64,
@@ -82,8 +82,8 @@ struct WatchTable {
 }
 
 #[derive(Deserialize)]
-#[serde(remote = "Drive", rename_all = "snake_case")]
-enum DriveName {
+#[serde(remote = "VelocitySource", rename_all = "snake_case")]
+enum VelocitySourceName {
     Reference,
     Measured,
 }
@@ -170,8 +170,8 @@ pub struct AxisFile {
     #[serde(with = "FeedForwardTable")]
     feed_forward: FeedForward,
     limits: LimitsTable,
-    #[serde(with = "WatchTable")]
-    watch: Watch,
+    #[serde(with = "FaultLimitsTable")]
+    watch: FaultLimits,
     /// By name.
     #[serde(default)]
     boards: BTreeMap<String, Board>,

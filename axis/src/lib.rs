@@ -72,7 +72,9 @@ fn list(errors: &[String]) -> String {
 /// The axis as a Rust expression: what a build script writes for `include!`.
 pub fn rust(axis: &Axis) -> String {
     // `Debug` prints structs as they are written, and numbers so that they read back as the same bits.
-    format!("{{ #[allow(unused_imports)] use ::preslide::control::{{Drive::*, *}}; {axis:?} }}\n")
+    format!(
+        "{{ #[allow(unused_imports)] use ::preslide::control::{{VelocitySource::*, *}}; {axis:?} }}\n"
+    )
 }
 
 /// Whether a controller can be built for it, in the arithmetic that has the least room.

@@ -129,7 +129,7 @@ fn difference<F: Friction>(
     let mut last = position[0];
     let mut largest = 0.0_f64;
     for i in 0..position.len() {
-        model.place(&mut state, scalar(position[i]));
+        model.set_position(&mut state, scalar(position[i]));
         tell(&mut state, temperature[i], load[i]);
         let motion = Motion {
             displacement: scalar(position[i] - last),

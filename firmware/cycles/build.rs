@@ -86,8 +86,6 @@ fn main() -> Result<(), String> {
     if std::env::var("CARGO_CFG_TARGET_ARCH").as_deref() == Ok("riscv32") {
         let script = crate_folder.join("hazard3.x");
         println!("cargo:rustc-link-arg=-T{}", script.display());
-        // The testbench loads memory as it is.
-        println!("cargo:rustc-link-arg=--oformat=binary");
         println!("cargo:rerun-if-changed=hazard3.x");
         return build_peers(&HAZARD3, &crate_folder, &out);
     }

@@ -54,7 +54,7 @@ fn print_checksum<F: Friction>(
 ) {
     let mut checksum = Checksum::new();
     for tick in Strokes::new().take(ticks()) {
-        model.place(&mut state, tick.place(units));
+        model.set_position(&mut state, tick.place(units));
         checksum.add(model.step(&mut state, tick.motion(units)).to_f64());
     }
     println!("{kernel} {blocks} {:016x}", checksum.value());

@@ -3,8 +3,8 @@
 use fixed::types::I16F16;
 use preslide::control::learning::{Adaptation, MismatchWatch};
 use preslide::control::{
-    Axis, Coefficients, Command, Controller, Drive, Fault, Learning, LearningSettings, Measurement,
-    Move, Planner, Refused,
+    Axis, Coefficients, Command, Controller, Fault, Learning, LearningSettings, Measurement, Move,
+    Planner, Refused, VelocitySource,
 };
 use preslide::{Block, Friction, Gms, LuGre, QuasiStaticGms, Scalar, Sliding, Units};
 use rand::{Rng, RngExt, SeedableRng};
@@ -71,7 +71,7 @@ const HEALTHY: Measurement<u32> = Measurement {
 fn never_exceeds<F: Friction + Clone>(
     friction: F,
     units: Units,
-    drive: Drive,
+    drive: VelocitySource,
     ticks: usize,
     seed: u64,
 ) {
@@ -103,7 +103,7 @@ fn never_exceeds<F: Friction + Clone>(
             for controller in [&mut controller, &mut thorough] {
                 let friction = friction.clone();
                 controller.swap(
-                    Coefficients::try_new(&settings, friction, units).expect("valid settings"),
+                    &Coefficients::try_new(&settings, friction, units).expect("valid settings"),
                 );
             }
         }
@@ -150,28 +150,28 @@ fn the_command_never_exceeds_its_limit_over_ten_million_random_ticks() {
     never_exceeds(
         quasi_static::<f32>(Units::SI),
         Units::SI,
-        Drive::Reference,
+        VelocitySource::Reference,
         part,
         1,
     );
     never_exceeds(
         quasi_static::<I16F16>(COUNTS),
         COUNTS,
-        Drive::Reference,
+        VelocitySource::Reference,
         part,
         2,
     );
     never_exceeds(
         quasi_static::<I16F16>(COUNTS),
         COUNTS,
-        Drive::Measured,
+        VelocitySource::Measured,
         part,
         3,
     );
     let learning = LearningSettings::PAPER_AXIS;
     let adaptive = |units| Learning::try_new(quasi_static(units), &learning, units);
     let fixed: Learning<_, Both<I16F16>> = adaptive(COUNTS).expect("valid");
-    never_exceeds(fixed, COUNTS, Drive::Reference, part, 6);
+    never_exceeds(fixed, COUNTS, VelocitySource::Reference, part, 6);
     let learning = LearningSettings {
         block: 8,
         ..learning
@@ -179,9 +179,9 @@ fn the_command_never_exceeds_its_limit_over_ten_million_random_ticks() {
     let float = quasi_static::<f32>(Units::SI);
     let float: Learning<_, Both<f32>> =
         Learning::try_new(float, &learning, Units::SI).expect("valid");
-    never_exceeds(float, Units::SI, Drive::Measured, part, 7);
-    never_exceeds(full, Units::SI, Drive::Measured, part, 4);
-    never_exceeds(lugre, Units::SI, Drive::Measured, part, 5);
+    never_exceeds(float, Units::SI, VelocitySource::Measured, part, 7);
+    never_exceeds(full, Units::SI, VelocitySource::Measured, part, 4);
+    never_exceeds(lugre, Units::SI, VelocitySource::Measured, part, 5);
 }
 
 /// Runs until the fault; how many ticks that took.
@@ -469,7 +469,7 @@ fn an_axis_enabled_again_begins_as_a_new_one() {
         axis.limits.jerk = [160.0, 625.0, 5000.0][rng.random_range(0..3)];
         let coefficients = Coefficients::try_new(&axis, friction(), Units::SI).expect("valid");
         used.disable();
-        used.swap(coefficients);
+        used.swap(&coefficients);
         for _ in 0..rng.random_range(0..5) {
             used.tick(Measurement { count, ..HEALTHY });
         }

@@ -425,7 +425,7 @@ fn what_is_absent_costs_nothing() {
             displacement: dx,
             velocity: dx / SAMPLE_TIME as f32,
         };
-        with.place(&mut b, 1e-3);
+        with.set_position(&mut b, 1e-3);
         assert_eq!(
             bare.step(&mut a, motion).to_bits(),
             with.step(&mut b, motion).to_bits()
@@ -515,7 +515,7 @@ fn a_composition_is_the_sum_of_its_terms() {
             + (12.0 * tick.v).clamp(-0.3, 0.3)
             + 0.03 * (TAU * x / 2.857e-4 + 0.4).cos()
             + (20.0 * x).clamp(-0.1, 0.1);
-        model.place(&mut state, tick.x);
+        model.set_position(&mut state, tick.x);
         let force = model.step(
             &mut state,
             Motion {
@@ -553,7 +553,7 @@ fn no_input_breaks_the_bound() {
                 _ => scalar(good),
             };
             let dx = f64::from(step) * COUNT;
-            model.place(
+            model.set_position(
                 &mut state,
                 pick(0, (i % 20_000) as f64 * COUNT / units.length),
             );
@@ -786,7 +786,7 @@ fn effects_of_place_wait_until_the_axis_is_located() {
         [false, true].map(|placed| {
             let mut state = model.at_rest();
             if placed {
-                model.place(&mut state, 0.0);
+                model.set_position(&mut state, 0.0);
             }
             model.step(&mut state, motion)
         })

@@ -2,7 +2,7 @@
 
 use fixed::types::I16F16;
 use preslide::control::learning::{
-    Adaptation, AdaptationSettings, Block as Mean, Condition, LOOK_EVERY, Learn, MismatchSettings,
+    Adaptation, AdaptationSettings, BlockMeans, Condition, LOOK_EVERY, Learn, MismatchSettings,
     MismatchWatch, decision_interval,
 };
 use preslide::control::{
@@ -77,7 +77,7 @@ fn deviation<S: Scalar>(units: Units) -> f64 {
         let spent = truth * model + rng.random_range(-0.05..0.05);
         let scalar =
             |share: f64| S::try_from_f64(share * limit / units.force).expect("a force of the axis");
-        let mean = Mean {
+        let mean = BlockMeans {
             model: scalar(model),
             spent: scalar(spent),
             path: S::ONE,
@@ -243,13 +243,13 @@ fn a_fault_and_new_gains_keep_what_was_learned_and_another_model_does_not() {
         let friction: Learning<_, Both<f32>> = learning(learning_settings, Units::SI);
         Coefficients::try_new(settings, friction, Units::SI).expect("valid settings")
     };
-    controller.swap(with(&stiffer, &PAPER));
+    controller.swap(&with(&stiffer, &PAPER));
     assert_eq!(controller.condition(), learned);
     let slower = LearningSettings {
         block: 504,
         ..PAPER
     };
-    controller.swap(with(&stiffer, &slower));
+    controller.swap(&with(&stiffer, &slower));
     assert_eq!(level(&controller.condition()), 1.0);
 }
 

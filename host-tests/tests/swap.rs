@@ -67,7 +67,7 @@ fn codes<F: Friction>(
                 assert_eq!(controller.start(next), Ok(()));
             }
             if let Some(next) = swap(tick) {
-                controller.swap(build(&next));
+                controller.swap(&build(&next));
             }
             let command = controller.tick(Measurement {
                 count: count.cast_unsigned(),
@@ -241,7 +241,7 @@ fn errors<F: Friction>(
             assert_eq!(controller.start(next.expect("a move")), Ok(()));
         }
         if at == Some(tick) {
-            controller.swap(build(1 - first));
+            controller.swap(&build(1 - first));
         }
         controller.heard();
         let reading = stage.reading();

@@ -1,6 +1,6 @@
 //! What an axis is: one description in SI units, from which firmware, simulation and capture compute everything else.
 
-use super::{FeedForward, Grid, Hardware, Motor, PidGains, Watch};
+use super::{FaultLimits, FeedForward, Grid, Hardware, Motor, PidGains};
 use crate::param::{ParamError, at_least, at_most, not_negative, positive};
 
 /// The encoder, and how velocity is read from it (see [`crate::EncoderScale`]).
@@ -66,7 +66,7 @@ pub struct Axis {
     /// Largest |duty| (-), 0…1.
     pub duty_limit: f64,
     /// What counts as healthy.
-    pub watch: Watch,
+    pub watch: FaultLimits,
     /// How long a change of parameters takes to act fully (s).
     pub fade_time: f64,
     /// Time (s) without a word of the host ([`super::Controller::heard`]) after which a moving axis stops; 0 for never.
@@ -102,7 +102,7 @@ impl Axis {
             deadband: 30e-9,
         },
         feed_forward: FeedForward {
-            drive: super::Drive::Reference,
+            drive: super::VelocitySource::Reference,
             share: 1.0,
             limit: 5.0,
             mass: 4.05,
@@ -114,7 +114,7 @@ impl Axis {
             travel: Some((-12.5e-3, 12.5e-3)),
         },
         duty_limit: 0.38,
-        watch: Watch {
+        watch: FaultLimits {
             top_speed: 20e-3,
             following_error: 50e-6,
             frozen_duty: 0.1,

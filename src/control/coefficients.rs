@@ -1,6 +1,8 @@
 //! From an axis in SI units to the coefficients of a tick, once, outside the interrupt.
 
-use super::{Axis, Compensator, Drive, Encoder, Fade, Limiter, Monitor, MotorDrive, Pace, Pid};
+use super::{
+    Axis, Compensator, Encoder, Fade, Limiter, Monitor, MotorDrive, Pace, Pid, VelocitySource,
+};
 use crate::param::{ParamError, to_scalar};
 use crate::{EncoderScale, Friction, Motion, Scalar, Units};
 use core::hint::cold_path;
@@ -118,8 +120,8 @@ impl<F: Friction> Coefficients<F> {
     pub(super) fn feed_forward(&self, state: &mut F::State, now: &Moment<F::Scalar>) -> F::Scalar {
         let [reference, measured] = now.places;
         let (place, motion) = match self.compensator.drive() {
-            Drive::Reference => (reference, now.wanted),
-            Drive::Measured => {
+            VelocitySource::Reference => (reference, now.wanted),
+            VelocitySource::Measured => {
                 cold_path();
                 let displacement = self.scale.displacement(now.counts);
                 let velocity = now.velocity;
@@ -136,7 +138,7 @@ impl<F: Friction> Coefficients<F> {
         if now.located {
             // Whole counts do for maps and ripples, and are exact in `f32` up to 2²⁴ of them.
             let place = F::Scalar::from_int(place).mul_input(self.length_per_count);
-            self.compensator.friction().place(state, place);
+            self.compensator.friction().set_position(state, place);
         }
         self.compensator.step(state, motion, now.acceleration)
     }

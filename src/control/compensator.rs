@@ -6,11 +6,11 @@ use core::marker::PhantomData;
 
 /// Which motion drives the friction model.
 ///
-/// **Stability.** With [`Drive::Reference`] the feed-forward is a bounded function of the reference alone. It is
+/// **Stability.** With [`VelocitySource::Reference`] the feed-forward is a bounded function of the reference alone. It is
 /// outside the loop and cannot destabilise it, however wrong the model; a wrong model leaves an error that the
 /// feedback has to remove.
 ///
-/// With [`Drive::Measured`] the feed-forward closes a second loop with *positive* sign: while the blocks stick, a
+/// With [`VelocitySource::Measured`] the feed-forward closes a second loop with *positive* sign: while the blocks stick, a
 /// displacement `δ` is answered by `+g·Σk̂_i·δ`, against the true friction's `−Σk_i·δ` and the feedback's
 /// `−K_p·δ`. The loop keeps a positive stiffness if `g·Σk̂_i < K_p + Σk_i`, for which `g·Σk̂_i < K_p` is enough
 /// whatever the truth; and a delay `T_d` (a tick, the encoder's half count) turns the same stiffness into a
@@ -18,7 +18,7 @@ use core::marker::PhantomData;
 /// result is a limit cycle and not a divergence: `|F̂| ≤ g·ΣŴ` still holds. So compensate less than all
 /// (`share < 1`) when driving by the measured count, and do it where the reference is not known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Drive {
+pub enum VelocitySource {
     /// The reference's displacement and velocity: feed-forward proper.
     Reference,
     /// The measured displacement and velocity: cancellation by feedback.
@@ -29,7 +29,7 @@ pub enum Drive {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FeedForward {
     /// Which motion drives the model.
-    pub drive: Drive,
+    pub drive: VelocitySource,
     /// Share of the model's force that is applied `g` (-), 0…1.
     pub share: f64,
     /// Bound on the friction force that is applied (N or N·m); a model's own bound holds where it is smaller.
@@ -46,7 +46,7 @@ pub struct FeedForward {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compensator<F: Friction> {
     friction: F,
-    drive: Drive,
+    drive: VelocitySource,
     share: F::Scalar,
     limit: F::Scalar,
     mass: F::Scalar,
@@ -87,7 +87,7 @@ impl<F: Friction> Compensator<F> {
     }
 
     /// Which motion drives the model.
-    pub fn drive(&self) -> Drive {
+    pub fn drive(&self) -> VelocitySource {
         self.drive
     }
 

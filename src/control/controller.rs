@@ -43,8 +43,8 @@ pub struct Controller<F: Friction, C> {
     last: C,
     position: i64,
     located: bool,
-    /// Position within the turn, of an endless axis.
-    place: i32,
+    /// Position (counts) within the turn, of an endless axis.
+    turn_count: i32,
     pid: PidState<F::Scalar>,
     rounding: Rounding<F::Scalar>,
     cut: Saturation,
@@ -74,7 +74,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
             last: first,
             position: 0,
             located: false,
-            place: 0,
+            turn_count: 0,
             timing: coefficients.scale.at_rest(),
             reference: Reference::at(0, &coefficients.pace),
             pid: PidState::new(),
@@ -224,7 +224,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
         self.reference.locate(true);
         let turn = i64::from(self.coefficients.turn);
         if turn > 0 {
-            self.place = self.position.rem_euclid(turn) as i32;
+            self.turn_count = self.position.rem_euclid(turn) as i32;
         }
     }
 
@@ -280,20 +280,21 @@ impl<F: Friction, C: Count> Controller<F, C> {
     /// the old ones run on beside the new ones for [`super::Axis::fade_time`]. What says what the machine is (encoder, motor,
     /// limits, watch) takes effect at once.
     #[inline(never)]
-    pub fn swap(&mut self, coefficients: Coefficients<F>) {
-        let old = core::mem::replace(&mut self.coefficients, coefficients);
-        let (new, left) = (&self.coefficients.compensator, &old.compensator);
+    // By reference, and the old parameters copied only where they run on: what is copied here is most of the longest tick.
+    pub fn swap(&mut self, coefficients: &Coefficients<F>) {
+        let (new, left) = (&coefficients.compensator, &self.coefficients.compensator);
         let memory = new.friction().take_over(left.friction(), &self.friction);
         let memory = core::mem::replace(&mut self.friction, memory);
-        let added = match &self.leaving {
-            Some(leaving) if self.fades => leaving.added(),
-            _ => F::Scalar::ZERO,
-        };
         if self.enabled {
+            let added = match &self.leaving {
+                Some(leaving) if self.fades => leaving.added(),
+                _ => F::Scalar::ZERO,
+            };
             let friction = (new != left).then_some(memory);
-            let fade = &self.coefficients.fade;
-            self.leaving = Some(Leaving::start(old, friction, fade, added));
+            let old = self.coefficients.clone();
+            self.leaving = Some(Leaving::start(old, friction, &coefficients.fade, added));
         }
+        self.coefficients.clone_from(coefficients);
         self.fades = self.enabled;
         self.steady = false;
     }
@@ -345,7 +346,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
         self.position = self.position.wrapping_add(counts.into());
         if c.turn != 0 {
             cold_path();
-            self.place = within(self.place.wrapping_add(counts), c.turn);
+            self.turn_count = within(self.turn_count.wrapping_add(counts), c.turn);
         }
         let velocity = c.scale.velocity(&mut self.timing, counts);
         if !ORDINARY && let Some(command) = self.watch(&measured, counts) {
@@ -381,7 +382,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
         };
         let acceleration = c.acceleration(reference.change);
         let velocity_error = wanted.velocity.sub_input(velocity);
-        let (place, located) = (self.place(), self.located);
+        let (turn_count, located) = (self.turn_count(), self.located);
         // Asked for twice, so that the ordinary tick has it in registers.
         let now = || Moment {
             error,
@@ -390,7 +391,10 @@ impl<F: Friction, C: Count> Controller<F, C> {
             counts,
             velocity,
             acceleration,
-            places: [place.wrapping_add((error_q16 >> 16) as i32), place],
+            places: [
+                turn_count.wrapping_add((error_q16 >> 16) as i32),
+                turn_count,
+            ],
             located,
         };
         let cut = if ORDINARY { Saturation::None } else { self.cut };
@@ -470,9 +474,9 @@ impl<F: Friction, C: Count> Controller<F, C> {
 
     /// Position within the turn of an endless axis; the low bits of the position elsewhere.
     #[inline]
-    fn place(&self) -> i32 {
+    fn turn_count(&self) -> i32 {
         if self.coefficients.turn != 0 {
-            self.place
+            self.turn_count
         } else {
             self.position as i32
         }
@@ -509,6 +513,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
     #[inline]
     fn off(&mut self) -> Command {
         self.forget();
+        self.reference.stop();
         Command {
             code: 0,
             position: self.position,
@@ -525,20 +530,19 @@ impl<F: Friction, C: Count> Controller<F, C> {
         self.pid = PidState::new();
         self.rounding = Rounding::new();
         self.fades = false;
-        self.reference.stop();
         let friction = self.coefficients.compensator.friction();
         friction.release(&mut self.friction);
     }
 }
 
-/// A place in the turn, which is passed in one tick at most once.
+/// A count in the turn, which is passed in one tick at most once.
 #[inline]
-fn within(place: i32, turn: i32) -> i32 {
-    if place < 0 {
-        place.wrapping_add(turn)
-    } else if place >= turn {
-        place.wrapping_sub(turn)
+fn within(count: i32, turn: i32) -> i32 {
+    if count < 0 {
+        count.wrapping_add(turn)
+    } else if count >= turn {
+        count.wrapping_sub(turn)
     } else {
-        place
+        count
     }
 }

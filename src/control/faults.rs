@@ -9,22 +9,22 @@ use crate::{Scalar, Units};
 pub enum Fault {
     /// The count moved further in one tick than the axis can. Found in that tick.
     EncoderJump,
-    /// The command pushed beyond [`super::Watch::frozen_duty`] and the count came no further for [`super::Watch::frozen_time`]: it stands, or
+    /// The command pushed beyond [`super::FaultLimits::frozen_duty`] and the count came no further for [`super::FaultLimits::frozen_time`]: it stands, or
     /// goes to and fro as with one phase lost.
     EncoderFrozen,
-    /// The position error exceeded [`super::Watch::following_error`]. Found in that tick.
+    /// The position error exceeded [`super::FaultLimits::following_error`]. Found in that tick.
     FollowingError,
-    /// The supply stayed outside its range for [`super::Watch::supply_time`].
+    /// The supply stayed outside its range for [`super::FaultLimits::supply_time`].
     SupplyOutOfRange,
-    /// More than [`super::Watch::overruns`] ticks in a row came late.
+    /// More than [`super::FaultLimits::overruns`] ticks in a row came late.
     Overrun,
     /// The command was not a number. Found in that tick.
     NotANumber,
-    /// The current exceeded [`super::Watch::current_max`] in two ticks in a row.
+    /// The current exceeded [`super::FaultLimits::current_max`] in two ticks in a row.
     OverCurrent,
-    /// The winding has been above [`super::Watch::current_rated`] for too long (I²t).
+    /// The winding has been above [`super::FaultLimits::current_rated`] for too long (I²t).
     Overload,
-    /// The current sense reads more than [`super::Watch::current_offset`] while the bridge is off. Found when enabling.
+    /// The current sense reads more than [`super::FaultLimits::current_offset`] while the bridge is off. Found when enabling.
     CurrentOffset,
 }
 
@@ -39,7 +39,7 @@ pub(super) struct Readings {
     pub late: bool,
 }
 
-/// [`super::Watch`] in counts, codes and ticks.
+/// [`super::FaultLimits`] in counts, codes and ticks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Monitor<S> {
     jump: u32,

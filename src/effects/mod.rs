@@ -20,7 +20,7 @@
 //!     PeriodicForce::try_new(0.03, 2.857e-4, 0.0, Units::SI)?, // 30 mN of cogging
 //! ))?;
 //! let mut state = model.at_rest();
-//! model.place(&mut state, 0.0); // cogging needs to know where the axis is
+//! model.set_position(&mut state, 0.0); // cogging needs to know where the axis is
 //! let force = model.step(&mut state, Motion { displacement: 1e-3, velocity: 0.0 });
 //! assert!((force - (1.2 * 0.9 + 0.03)).abs() < 1e-5);
 //! # Ok::<(), preslide::ParamError>(())
@@ -150,7 +150,7 @@ impl<S: Scalar> Bounds<S> {
 /// A physical effect beside the friction model: immutable parameters that advance a separate state.
 ///
 /// An effect overrides what it acts on and sets the constant of that name; the rest stays 0 and costs nothing.
-pub trait Effect<S: Scalar>: PartialEq {
+pub trait Effect<S: Scalar>: Clone + PartialEq {
     /// What it remembers.
     type State: Clone;
 
@@ -160,7 +160,7 @@ pub trait Effect<S: Scalar>: PartialEq {
     const FORCE: bool = false;
     /// [`Effect::shift`] is not always 0.
     const SHIFT: bool = false;
-    /// It belongs to places: it acts once the model has been told where the axis is ([`crate::Friction::place`]), which a controller
+    /// It belongs to places: it acts once the model has been told where the axis is ([`crate::Friction::set_position`]), which a controller
     /// does once it is homed or zeroed. Whoever composes effects asks.
     const PLACED: bool = false;
 

@@ -15,7 +15,7 @@ use crate::{Friction, Motion, Scalar};
 /// **Bound.** `|F| ≤ (1 + Σ bound of level_i)·limit of the model + Σ bound of force_i` ([`Friction::limit`]), for any
 /// motion, position, temperature and load, NaN included.
 ///
-/// **Stability.** What [`Drive`](crate::control::Drive) says holds with that bound. Driven by the measured motion, a
+/// **Stability.** What [`VelocitySource`](crate::control::VelocitySource) says holds with that bound. Driven by the measured motion, a
 /// level adds `level·Σk_i` to the stiffness that the feedback has to exceed, a spring its own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct With<F, E> {
@@ -99,10 +99,10 @@ impl<F: Friction, E: Effect<F::Scalar>> Friction for With<F, E> {
     }
 
     #[inline]
-    fn place(&self, state: &mut Self::State, position: F::Scalar) {
+    fn set_position(&self, state: &mut Self::State, position: F::Scalar) {
         state.position = position;
         state.located = true;
-        self.friction.place(&mut state.friction, position);
+        self.friction.set_position(&mut state.friction, position);
     }
 
     #[inline(always)]

@@ -29,7 +29,7 @@ pub use lugre::{LuGre, LuGreState};
 pub use quasi_static::{QuasiStaticGms, QuasiStaticState};
 pub use stribeck::Sliding;
 pub(crate) use stribeck::SpeedTable;
-pub use two_state::{TwoState, TwoStateState};
+pub use two_state::{TwoState, TwoStateMemory};
 
 /// The motion of one control tick, in the model's [`Units`](crate::Units).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,7 +57,7 @@ impl<S: Scalar> Motion<S> {
 /// force, so adding it to a controller's output compensates friction.
 ///
 /// Models are compared where one takes the place of another: equal parameters keep the memory ([`Friction::take_over`]).
-pub trait Friction: PartialEq {
+pub trait Friction: Clone + PartialEq {
     /// The number type that the model computes in.
     type Scalar: Scalar;
     /// The model's memory.
@@ -71,7 +71,7 @@ pub trait Friction: PartialEq {
     /// Only models with effects of position ([`crate::effects::With`]) keep it; for the others it is no code. Those effects are off
     /// until it has been told once.
     #[inline]
-    fn place(&self, _state: &mut Self::State, _position: Self::Scalar) {}
+    fn set_position(&self, _state: &mut Self::State, _position: Self::Scalar) {}
 
     /// Forgets the motion, as after a fault, but not what was learned ([`crate::control::Learning`]); a model that learns
     /// nothing is at rest.

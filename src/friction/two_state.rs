@@ -30,7 +30,7 @@ pub struct TwoState<S = f32> {
 
 /// What a [`TwoState`] remembers.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TwoStateState<S = f32> {
+pub struct TwoStateMemory<S = f32> {
     /// `ζ`, at most 1.
     travelled: S,
     /// `w`.
@@ -82,10 +82,10 @@ impl<S: Scalar> TwoState<S> {
 
 impl<S: Scalar> Friction for TwoState<S> {
     type Scalar = S;
-    type State = TwoStateState<S>;
+    type State = TwoStateMemory<S>;
 
     fn at_rest(&self) -> Self::State {
-        TwoStateState {
+        TwoStateMemory {
             travelled: S::ZERO,
             level: self.breakaway,
             start: S::ZERO,

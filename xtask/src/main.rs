@@ -27,7 +27,7 @@ struct Command {
 const COMMANDS: &[Command] = &[
     Command {
         name: "test",
-        help: "everything CI runs, or the steps named, or with --changed [BASE] those that the changes since BASE (default: the last commit) touch; installs what is missing",
+        help: "everything CI runs, or the steps named, or with --changed [BASE] those that the changes since BASE (default: the last commit) touch, the emulator's beside the others unless --serial stands first; installs what is missing",
         run: test::run_steps,
     },
     Command {

@@ -1,5 +1,7 @@
-//! `cargo xtask test`: the checks of CI, in order, each with its reason, and a summary.
+//! `cargo xtask test`: the checks of CI in two lanes, each check with its reason, and a summary.
 
+use std::path::Path;
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::changed;
@@ -14,7 +16,17 @@ struct Step {
     needs: &'static [Need],
     /// What it checks: beginnings of paths, for `--changed`.
     paths: &'static [&'static str],
+    lane: Lane,
     run: fn() -> Result<(), String>,
+}
+
+/// Steps of two lanes run beside each other: fat link-time optimisation and an emulator keep one core busy, and leave another to the host's tests.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Lane {
+    /// What the workspace's crates are checked by; its output is shown as it comes.
+    Host,
+    /// What is built for microcontrollers and runs in an emulator; its output goes to a file and is shown where it failed.
+    Emulator,
 }
 
 /// The library and what the firmware builds it from.
@@ -51,13 +63,14 @@ const RIG: &[&str] = &[
 ];
 const JUDGED: &[&str] = &["src/", "host/", "sim/", "cli/", "host-tests/"];
 
-/// Cheap checks first: a formatting slip shows before a minute of compiling.
+/// In each lane cheap checks first: a formatting slip shows before a minute of compiling.
 const STEPS: &[Step] = &[
     Step {
         name: "format",
         reason: "one style, so that diffs show only what changed",
         needs: &[Need::Rustfmt],
         paths: WORKSPACE,
+        lane: Lane::Host,
         run: format,
     },
     Step {
@@ -77,6 +90,7 @@ const STEPS: &[Step] = &[
             "firmware/",
             "ARCHITECTURE.md",
         ],
+        lane: Lane::Host,
         run: || crate::imports::run_command(&[]),
     },
     Step {
@@ -84,6 +98,7 @@ const STEPS: &[Step] = &[
         reason: "the compiler's and clippy's warnings are errors, in tests, examples and benches, too",
         needs: &[Need::Clippy],
         paths: WORKSPACE,
+        lane: Lane::Host,
         run: || {
             run(&mut cargo(&[
                 "clippy",
@@ -100,6 +115,7 @@ const STEPS: &[Step] = &[
         reason: "every public item is documented and no link is broken",
         needs: &[],
         paths: WORKSPACE,
+        lane: Lane::Host,
         run: || run(cargo(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings")),
     },
     Step {
@@ -107,6 +123,7 @@ const STEPS: &[Step] = &[
         reason: "the models against the reference, the host tool on recordings and bad input",
         needs: &[],
         paths: WORKSPACE,
+        lane: Lane::Host,
         run: host_tests,
     },
     Step {
@@ -114,6 +131,7 @@ const STEPS: &[Step] = &[
         reason: "the library builds without std for the microcontroller",
         needs: &[],
         paths: LIBRARY,
+        lane: Lane::Emulator,
         run: thumb_build,
     },
     Step {
@@ -121,13 +139,15 @@ const STEPS: &[Step] = &[
         reason: "the firmware workspace builds for the microcontroller, warnings denied",
         needs: &[Need::Clippy, Need::ArmGcc],
         paths: FIRMWARE_PATHS,
+        lane: Lane::Emulator,
         run: firmware,
     },
     Step {
         name: "cycles",
         reason: "no kernel executes more instructions than the committed table says",
-        needs: &[],
+        needs: &[Need::Qemu, Need::ArmGcc],
         paths: &["src/", "build.rs", "firmware/"],
+        lane: Lane::Emulator,
         run: || cycles::run_command(&["--check".to_string()]),
     },
     Step {
@@ -135,6 +155,7 @@ const STEPS: &[Step] = &[
         reason: "the firmware in QEMU gives the host's commands, and every fault ends in the safe state",
         needs: &[Need::Qemu, Need::ArmGcc],
         paths: RIG,
+        lane: Lane::Emulator,
         run: || crate::qemu::run_command(&[]),
     },
     Step {
@@ -142,6 +163,7 @@ const STEPS: &[Step] = &[
         reason: "effects that only the stage knows of are named, compiled into the firmware and compensated",
         needs: &[Need::Qemu],
         paths: RIG,
+        lane: Lane::Emulator,
         run: crate::chain::gate,
     },
     Step {
@@ -149,6 +171,7 @@ const STEPS: &[Step] = &[
         reason: "the diagnosis on a fixed set of every source: no figure behind the committed ones by more than chance",
         needs: &[],
         paths: JUDGED,
+        lane: Lane::Host,
         run: crate::trials::gate,
     },
     Step {
@@ -156,6 +179,7 @@ const STEPS: &[Step] = &[
         reason: "the published crate holds the library and nothing else",
         needs: &[],
         paths: &["src/", "build.rs", "README.md", "CHANGELOG.md", "LICENSE"],
+        lane: Lane::Host,
         run: package_list,
     },
     Step {
@@ -163,6 +187,7 @@ const STEPS: &[Step] = &[
         reason: "the first command of the README works, and a browser draws its report",
         needs: &[Need::Chromium],
         paths: PROGRAM,
+        lane: Lane::Host,
         run: demo,
     },
     Step {
@@ -181,6 +206,7 @@ const STEPS: &[Step] = &[
             "cli/",
             "firmware/",
         ],
+        lane: Lane::Host,
         run: || crate::book::run_command(&[], has_step),
     },
 ];
@@ -190,8 +216,12 @@ pub fn has_step(name: &str) -> bool {
     STEPS.iter().any(|step| step.name == name)
 }
 
-/// Runs every step, those named, or those that `--changed [BASE]` touches, in order.
+/// Runs every step, those named, or those that `--changed [BASE]` touches; behind `--serial` one after the other.
 pub fn run_steps(arguments: &[String]) -> Result<(), String> {
+    let (serial, arguments) = match arguments {
+        [flag, rest @ ..] if flag == "--serial" => (true, rest),
+        all => (false, all),
+    };
     let names = match arguments {
         [flag, base @ ..] if flag == "--changed" => {
             let base = match base {
@@ -207,7 +237,16 @@ pub fn run_steps(arguments: &[String]) -> Result<(), String> {
         println!("nothing that a step checks has changed");
         return Ok(());
     }
-    run_named(&names)
+    let chosen = named(&names)?;
+    // Packages are installed before anything runs beside something else; what cannot be had fails its step.
+    for need in chosen.iter().flat_map(|step| step.needs) {
+        let _ = need.ensure();
+    }
+    summarise(&if serial {
+        chosen.iter().map(|step| shown(step)).collect()
+    } else {
+        in_lanes(&chosen)
+    })
 }
 
 /// The steps that the changes since `base` touch, said with the files.
@@ -226,46 +265,97 @@ fn touched_since(base: &str) -> Result<Vec<String>, String> {
 }
 
 /// Those named, or all where none is.
-fn run_named(names: &[String]) -> Result<(), String> {
-    if let Some(name) = names
-        .iter()
-        .find(|name| !STEPS.iter().any(|step| step.name == **name))
-    {
+fn named(names: &[String]) -> Result<Vec<&'static Step>, String> {
+    if let Some(name) = names.iter().find(|name| !has_step(name)) {
         let known: Vec<&str> = STEPS.iter().map(|step| step.name).collect();
         return Err(format!(
             "there is no step `{name}`; the steps are {}",
             known.join(", ")
         ));
     }
-    let chosen: Vec<&Step> = STEPS
-        .iter()
-        .filter(|step| names.is_empty() || names.iter().any(|name| name == step.name))
-        .collect();
-    let mut results = Vec::new();
-    for (index, step) in chosen.iter().enumerate() {
-        println!(
-            "\n== {}/{} {}: {}",
-            index + 1,
-            chosen.len(),
-            step.name,
-            step.reason
-        );
-        let start = Instant::now();
-        let result = step
-            .needs
-            .iter()
-            .try_for_each(|need| need.ensure())
-            .and_then(|()| (step.run)());
-        if let Err(reason) = &result {
-            println!("FAILED: {reason}");
-        }
-        results.push((step.name, start.elapsed(), result));
+    let is_meant = |step: &&Step| names.is_empty() || names.iter().any(|name| name == step.name);
+    Ok(STEPS.iter().filter(is_meant).collect())
+}
+
+/// A step's name, how long it took, and how it ended.
+type Ended = (&'static str, Duration, Result<(), String>);
+
+/// Both lanes at a time, each in its order.
+fn in_lanes(chosen: &[&'static Step]) -> Vec<Ended> {
+    let (host, emulator): (Vec<&Step>, Vec<&Step>) =
+        chosen.iter().partition(|step| step.lane == Lane::Host);
+    if host.is_empty() || emulator.is_empty() {
+        return chosen.iter().map(|step| shown(step)).collect();
     }
-    summarise(&results)
+    std::thread::scope(|scope| {
+        let beside = scope.spawn(|| emulator.iter().map(|step| logged(step)).collect::<Vec<_>>());
+        let mut ended: Vec<Ended> = host.iter().map(|step| shown(step)).collect();
+        ended.extend(beside.join().unwrap_or_default());
+        ended
+    })
+}
+
+/// Runs a step with its output as it comes.
+fn shown(step: &Step) -> Ended {
+    println!("\n== {}: {}", step.name, step.reason);
+    let start = Instant::now();
+    let needs = step.needs.iter().try_for_each(|need| need.ensure());
+    let result = needs.and_then(|()| (step.run)());
+    if let Err(reason) = &result {
+        println!("FAILED: {reason}");
+    }
+    (step.name, start.elapsed(), result)
+}
+
+/// Runs a step as a program of its own, whose output goes to a file; all of it is shown where it failed, and else what was skipped.
+fn logged(step: &Step) -> Ended {
+    let log = root().join(format!("target/test/{}.log", step.name));
+    println!("\n== beside: {}: {}", step.name, step.reason);
+    let start = Instant::now();
+    let result = into_log(step, &log);
+    let time = start.elapsed();
+    let text = std::fs::read_to_string(&log).unwrap_or_default();
+    let seconds = time.as_secs();
+    match &result {
+        Ok(()) => {
+            println!(
+                "\n== {} ended well after {seconds} s; {}",
+                step.name,
+                log.display()
+            );
+            for line in text.lines().filter(|line| line.starts_with("SKIPPED")) {
+                println!("{line}");
+            }
+        }
+        Err(_) => println!(
+            "\n== {} FAILED after {seconds} s:\n{text}\n== end of {}",
+            step.name, step.name
+        ),
+    }
+    (step.name, time, result)
+}
+
+fn into_log(step: &Step, log: &Path) -> Result<(), String> {
+    let told = |error: std::io::Error| format!("{}: {error}", log.display());
+    std::fs::create_dir_all(root().join("target/test")).map_err(told)?;
+    let file = std::fs::File::create(log).map_err(told)?;
+    let this = std::env::current_exe().map_err(told)?;
+    let mut command = Command::new(this);
+    command
+        .args(["test", "--serial", step.name])
+        .stdin(Stdio::null());
+    let status = command
+        .stdout(file.try_clone().map_err(told)?)
+        .stderr(file)
+        .status();
+    match status.map_err(told)?.success() {
+        true => Ok(()),
+        false => Err(format!("see {}", log.display())),
+    }
 }
 
 /// A later step runs even if an earlier one failed: one run shows everything that is wrong.
-fn summarise(results: &[(&str, Duration, Result<(), String>)]) -> Result<(), String> {
+fn summarise(results: &[Ended]) -> Result<(), String> {
     println!("\n{:<10} {:>8}  result", "step", "seconds");
     for (name, time, result) in results {
         let word = if result.is_ok() { "ok" } else { "FAILED" };

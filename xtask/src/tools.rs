@@ -1,13 +1,15 @@
 //! What a step needs beside cargo, and how it gets there on a fresh machine.
 
 use std::path::PathBuf;
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use crate::process::{cargo, find, output, root, run_for};
+use crate::process::{cargo, find, output, output_of, root, run_for};
 
 /// Long enough for a slow mirror, short enough that a hanging one ends in a message.
 const INSTALL_LIMIT: Duration = Duration::from_secs(15 * 60);
+
+const RISCV_GCC: &str = "riscv64-unknown-elf-gcc";
 
 /// Something a step needs beside cargo and a host C linker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,12 +55,20 @@ impl Need {
                 "the RTL of a core is simulated",
                 "  Fedora: sudo dnf install verilator\n  Arch: sudo pacman -S verilator\n  macOS: brew install verilator",
             ),
-            Need::RiscvGcc => program(
-                "riscv64-unknown-elf-gcc",
-                &["gcc-riscv64-unknown-elf", "picolibc-riscv64-unknown-elf"],
-                "the textbook model in C is built for the RISC-V core",
-                "  build riscv-gnu-toolchain with picolibc for rv32imac/ilp32",
-            ),
+            Need::RiscvGcc => {
+                let reason = "the textbook model in C is built for the RISC-V core";
+                let elsewhere = "  build riscv-gnu-toolchain with picolibc for rv32imac/ilp32";
+                program(RISCV_GCC, &["gcc-riscv64-unknown-elf"], reason, elsewhere)?;
+                // A package of its own, without which the compiler starts and finds no header.
+                let mut compile = Command::new(RISCV_GCC);
+                compile.args(["--specs=picolibc.specs", "-E", "-x", "c", "-"]);
+                compile.stderr(Stdio::null());
+                if output_of(&mut compile, "#include <math.h>\n").is_ok() {
+                    return Ok(());
+                }
+                let reason = "the C library of the RISC-V core, picolibc, is missing";
+                install(&["picolibc-riscv64-unknown-elf"], reason, elsewhere)
+            }
             Need::Chromium => program(
                 "chromium",
                 &["chromium"],

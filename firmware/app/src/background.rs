@@ -2,7 +2,7 @@
 
 use crate::control::refusal;
 use crate::parameters::{Entry, When};
-use crate::queues::{Order, Planned, Seek, Shared, Stall, Status};
+use crate::queues::{Act, Order, Planned, Seek, Shared, Stall, Status};
 use crate::{Model, Parameters, ROOM, telemetry};
 use core::sync::atomic::Ordering;
 use embedded_storage::nor_flash::NorFlash;
@@ -155,16 +155,16 @@ impl<M: Model> Background<M> {
                 self.done()
             }
             Request::Enable if self.status.fault.is_some() => return Err(Refusal::Faulted),
-            Request::Enable => return self.order(Order::Enable),
-            Request::Disable => return self.order(Order::Disable),
-            Request::Stop => return self.order(Order::Stop),
-            Request::Acknowledge => return self.order(Order::Acknowledge),
+            Request::Enable => return self.act(Act::Enable),
+            Request::Disable => return self.act(Act::Disable),
+            Request::Stop => return self.act(Act::Stop),
+            Request::Acknowledge => return self.act(Act::Acknowledge),
             Request::Home(homing) => return self.home(homing),
             Request::Zero { position_m } => return self.zero(position_m),
             Request::Jog { speed_m_s } => {
                 self.may_move()?;
                 let jog = self.planner.jog(speed_m_s.into());
-                return self.order(Order::Jog(jog.map_err(|_| Refusal::TooFast)?));
+                return self.act(Act::Jog(jog.map_err(|_| Refusal::TooFast)?));
             }
             Request::Move { .. } | Request::MoveTo { .. } | Request::Dwell { .. } => {
                 self.plan_move(request)?
@@ -194,6 +194,10 @@ impl<M: Model> Background<M> {
             Request::Forget => self.keep(memory, |slots, _| slots.forget())?,
         };
         Ok(Outcome::Now(reply))
+    }
+
+    fn act(&mut self, act: Act) -> Carried {
+        self.order(Order::Act(act))
     }
 
     fn order(&mut self, order: Order<M::Friction>) -> Carried {
@@ -334,7 +338,7 @@ impl<M: Model> Background<M> {
             stall: Stall::default(),
             back,
         };
-        self.order(Order::Seek(seek))
+        self.act(Act::Seek(seek))
     }
 
     fn zero(&mut self, position_m: f32) -> Carried {
@@ -342,7 +346,7 @@ impl<M: Model> Background<M> {
             return Err(Refusal::NotStanding);
         }
         let to = self.counts(position_m)?;
-        self.order(Order::Place(to))
+        self.act(Act::Place(to))
     }
 
     /// A position (m) in counts.

@@ -1,7 +1,7 @@
 //! The task at the control rate.
 
 use crate::Bridge;
-use crate::queues::{Order, Planned, Seek, Shared, Status};
+use crate::queues::{Act, Order, Planned, Seek, Shared, Status};
 use crate::telemetry;
 use core::sync::atomic::{Ordering, compiler_fence};
 use heapless::spsc::{Consumer, Producer};
@@ -46,7 +46,7 @@ const DROPS: usize = 4;
 ///
 /// **Deadline:** the next tick. A tick that misses it is followed at once by the one that it delayed, told by
 /// [`Inputs::late`]; the bridge holds the old code for the time between. The reference advances by ticks, so it
-/// waits with the axis and no step follows. After more than [`preslide::control::Watch::overruns`] late ticks
+/// waits with the axis and no step follows. After more than [`preslide::control::FaultLimits::overruns`] late ticks
 /// in a row the axis goes to its safe state. A task that never ends is the watchdog's business.
 pub struct Control<F: Friction + 'static> {
     controller: Controller<F, u32>,
@@ -238,16 +238,23 @@ impl<F: Friction> Control<F> {
     /// The next order. Not in the tick, which would then set aside room for it on the stack.
     #[inline(never)]
     fn obey(&mut self) {
-        if let Some(order) = self.orders.dequeue() {
-            self.status.outcome = self.carry_out(order);
-            self.status.orders = self.status.orders.wrapping_add(1);
-        }
+        let act = match self.orders.peek() {
+            None => return,
+            Some(Order::Swap(coefficients)) => {
+                self.controller.swap(coefficients);
+                None
+            }
+            Some(&Order::Act(act)) => Some(act),
+        };
+        // Done, or known: an order is as long as all parameters, and none is copied out of the queue.
+        let _ = self.orders.dequeue();
+        self.status.outcome = act.map_or(Ok(()), |act| self.carry_out(act));
+        self.status.orders = self.status.orders.wrapping_add(1);
     }
 
-    fn carry_out(&mut self, order: Order<F>) -> Result<(), Refusal> {
-        match order {
-            Order::Swap(coefficients) => self.controller.swap(coefficients),
-            Order::Enable => {
+    fn carry_out(&mut self, act: Act) -> Result<(), Refusal> {
+        match act {
+            Act::Enable => {
                 if self.broken {
                     return Err(Refusal::Faulted);
                 }
@@ -255,25 +262,25 @@ impl<F: Friction> Control<F> {
                 self.new_epoch();
                 self.controller.enable().map_err(|_| Refusal::Faulted)?;
             }
-            Order::Disable => {
+            Act::Disable => {
                 self.brake();
                 self.leaving = true;
             }
-            Order::Stop => self.brake(),
-            Order::Acknowledge => {
+            Act::Stop => self.brake(),
+            Act::Acknowledge => {
                 self.broken = false;
                 self.controller.acknowledge();
             }
-            Order::Jog(jog) => {
+            Act::Jog(jog) => {
                 self.new_epoch();
                 self.seek = None;
                 self.controller.jog(jog).map_err(refusal)?;
             }
-            Order::Place(to) => {
+            Act::Place(to) => {
                 self.new_epoch();
                 self.controller.set_position(self.controller.position(), to);
             }
-            Order::Seek(seek) => {
+            Act::Seek(seek) => {
                 self.new_epoch();
                 self.controller.jog(seek.jog).map_err(refusal)?;
                 self.seek = Some(seek);

@@ -13,11 +13,17 @@ pub const ROOM: u16 = 96;
 pub(crate) type Planned = (u8, Move);
 
 /// What the background tells the control task to do between two ticks.
-// The large variant is copied once when it is swapped in; there is no heap to box it in.
+// The large variant is copied once, from the queue to where it acts; there is no heap to box it in.
 #[allow(clippy::large_enum_variant)]
 pub(crate) enum Order<F: Friction> {
     /// Take new parameters.
     Swap(Coefficients<F>),
+    /// Anything else.
+    Act(Act),
+}
+
+#[derive(Clone, Copy)]
+pub(crate) enum Act {
     /// Hold the position.
     Enable,
     /// Stop, then open the bridge.

@@ -1,27 +1,20 @@
 //! What the whole control task costs, called as an interrupt calls it: its work, without the exception around it.
 
-use core::cell::UnsafeCell;
 use fixed::types::I16F16;
 use preslide::Units;
 use preslide::kernels::Whole;
 use preslide_app::{Blocks, Inputs, Model, Queues, STARTING_MODEL};
 
+use crate::alone::Alone;
 use crate::closed_loop::{self, Task};
 use crate::motion::TICKS;
 use crate::spent::Spent;
 use crate::stub::Row;
 
-/// Queues that are lent once.
-struct Lent<T>(UnsafeCell<T>);
-
-// SAFETY: nothing here runs beside anything else.
-unsafe impl<T> Sync for Lent<T> {}
-
 macro_rules! control_task {
     ($kernel:literal, $number:ty) => {{
         type Source = Blocks<$number>;
-        static QUEUES: Lent<Queues<<Source as Model>::Friction>> =
-            Lent(UnsafeCell::new(Queues::new()));
+        static QUEUES: Alone<Queues<<Source as Model>::Friction>> = Alone::new(Queues::new());
         // SAFETY: the symbol is this crate's own.
         #[unsafe(export_name = concat!("cycles__", $kernel, "__4"))]
         #[inline(never)]
@@ -40,7 +33,7 @@ macro_rules! control_task {
         };
         let mut spent = Spent::default();
         // SAFETY: this line runs once.
-        let queues = unsafe { &mut *QUEUES.0.get() };
+        let queues = unsafe { QUEUES.lend() };
         let step = core::hint::black_box(stub as crate::stub::Step<_, _, _>);
         let checksum = closed_loop::run(
             Source::new(STARTING_MODEL),

@@ -43,9 +43,9 @@ pub use remembered::given;
 #[cfg(target_arch = "riscv32")]
 mod remembered {
     use super::{Given, in_units};
+    use crate::alone::Alone;
     use crate::motion::{Strokes, TICKS};
     use core::any::TypeId;
-    use core::cell::UnsafeCell;
     use core::mem::MaybeUninit;
     use preslide::{Scalar, Units};
 
@@ -55,21 +55,16 @@ mod remembered {
         ticks: MaybeUninit<[Given<f64>; TICKS]>,
     }
 
-    struct Shared(UnsafeCell<Memory>);
-
-    // SAFETY: nothing here runs beside anything else.
-    unsafe impl Sync for Shared {}
-
-    static MEMORY: Shared = Shared(UnsafeCell::new(Memory {
+    static MEMORY: Alone<Memory> = Alone::new(Memory {
         of: None,
         ticks: MaybeUninit::uninit(),
-    }));
+    });
 
     /// Every tick.
     pub fn given<S: Scalar>(units: Units) -> impl Iterator<Item = Given<S>> {
         const { assert!(size_of::<S>() <= 8 && align_of::<S>() <= 8) };
-        // SAFETY: no reference outlives a line, and there is one thread.
-        let memory = unsafe { &mut *MEMORY.0.get() };
+        // SAFETY: no reference outlives this function.
+        let memory = unsafe { MEMORY.lend() };
         let ticks = memory.ticks.as_mut_ptr().cast::<Given<S>>();
         if memory.of != Some((TypeId::of::<S>(), units)) {
             for (index, tick) in Strokes::new().take(TICKS).enumerate() {

@@ -8,6 +8,7 @@
 #![no_std]
 #![no_main]
 
+mod alone;
 mod checksum;
 // A board's flash has no room for the application and gcc's translations beside every kernel.
 #[cfg(not(feature = "board"))]

@@ -74,7 +74,9 @@ impl Row {
     pub fn tell(&self, [model, state]: [usize; 2], error: f64, checksum: u64) {
         let (kernel, blocks) = (self.kernel, self.blocks);
         if TELLS && MEASURES {
-            crate::say!("kernel {kernel} {blocks} calls {TICKS} checksum {checksum:016x}");
+            crate::say!(
+                "kernel {kernel} {blocks} calls {TICKS} model {model} checksum {checksum:016x}"
+            );
         } else if TELLS {
             crate::say!(
                 "kernel {kernel} {blocks} calls {TICKS} model {model} state {state} error {error:.4} checksum {checksum:016x}"
@@ -140,7 +142,7 @@ pub fn tick<F: Friction>(
     inputs: &Inputs<F::Scalar>,
 ) -> F::Scalar {
     pid.step(pid_state, inputs.error);
-    model.place(state, inputs.position);
+    model.set_position(state, inputs.position);
     model.step(state, inputs.motion)
 }
 
@@ -182,7 +184,7 @@ macro_rules! stub {
             let $state = &mut state;
             $tell;
         }
-        let call = row.run(&model, state.clone(), stub, preslide::Friction::place);
+        let call = row.run(&model, state.clone(), stub, preslide::Friction::set_position);
         let ticks = row.run_in_tick(&model, state, in_tick);
         row.print_measured::<State>(&call, Some(&ticks));
     }};

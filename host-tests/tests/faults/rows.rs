@@ -228,7 +228,7 @@ pub fn rows() -> Vec<Row> {
                     if tick == AT - 10 {
                         let mut soft = *a;
                         soft.gains.proportional *= 0.5;
-                        c.swap(coefficients(&soft, false));
+                        c.swap(&coefficients(&soft, false));
                     }
                 }),
                 read: Some(Box::new(|tick, m| {
@@ -268,7 +268,7 @@ pub fn rows() -> Vec<Row> {
                 host: Some(|tick, c, a| {
                     c.heard();
                     if tick == AT {
-                        c.swap(coefficients(a, true));
+                        c.swap(&coefficients(a, true));
                     }
                 }),
                 ..Injection::default()
@@ -359,7 +359,7 @@ pub fn rows() -> Vec<Row> {
                     if tick == AT {
                         let mut soft = *a;
                         soft.gains.proportional *= 0.5;
-                        c.swap(coefficients(&soft, false));
+                        c.swap(&coefficients(&soft, false));
                     }
                 }),
                 ..read(move |_, m| {

@@ -11,6 +11,8 @@ pub enum Standing {
     Priced,
     /// A model of the core's pipeline; the share by which a figure may be wrong either way.
     Estimated(f64),
+    /// Between what the core could save at best and another core's prices, which stand for it.
+    Range,
 }
 
 impl Standing {
@@ -20,6 +22,7 @@ impl Standing {
             Self::Exact => "exact".to_owned(),
             Self::Priced => "priced".to_owned(),
             Self::Estimated(share) => format!("±{:.0} %", 100.0 * share),
+            Self::Range => "a range".to_owned(),
         }
     }
 }
@@ -40,8 +43,9 @@ pub struct Core {
     table: &'static str,
 }
 
-/// Written by `cargo xtask cycles`.
+/// Both written by `cargo xtask cycles`.
 const CORTEX_M4: &str = include_str!("../../../firmware/cycles/cortex-m4.csv");
+const CORTEX_M33: &str = include_str!("../../../firmware/cycles/cortex-m33.csv");
 /// Written by `cargo xtask cycles --m0plus`.
 const CORTEX_M0PLUS: &str = include_str!("../../../firmware/cycles/cortex-m0plus.csv");
 /// Written by `cargo xtask cycles --hazard3`.
@@ -84,23 +88,24 @@ pub const CORES: &[Core] = &[
         origin: "an estimate, ±40 %: the most frequent path of the Cortex-M4F's build in llvm-mca's model of the pipeline, everything in tightly coupled memory; worst paths stand at the dear end",
         table: CORTEX_M4,
     },
+    Core {
+        names: &[
+            "cortex-m33",
+            "rp2350",
+            "rp2350-arm",
+            "stm32h5",
+            "stm32u5",
+            "nrf53",
+            "nrf91",
+        ],
+        title: "Cortex-M33 (RP2350)",
+        clock: 150e6,
+        standing: Standing::Range,
+        origin: "a range: Arm publishes no timings. Its dear end, by which is chosen, has the Cortex-M4's prices with the dear answers and assumes that \
+                 no instruction takes longer; its cheap end lets short instructions pair and loads take one cycle wherever they could; no wait states, not confirmed on a board",
+        table: CORTEX_M33,
+    },
 ];
-
-/// Cores that people have and that are left out, with the reason.
-pub const LEFT_OUT: &[(&[&str], &str)] = &[(
-    &[
-        "cortex-m33",
-        "rp2350",
-        "rp2350-arm",
-        "stm32h5",
-        "stm32u5",
-        "nrf53",
-        "nrf91",
-    ],
-    "Cortex-M33: Arm publishes no instruction timings for it and no model of its pipeline is public, so that every figure would be a guess. \
-     It runs the Cortex-M4F's instructions: --cpu cortex-m4 tells the kernels' order, not the cycles; the RP2350's other side is \
-     --cpu rp2350-riscv",
-)];
 
 impl Core {
     /// The core of this name, or of the chip so named.
@@ -115,9 +120,6 @@ impl Core {
         }
         let remedy =
             "for another core run firmware/cycles on a board and give its output as --cpu FILE.csv";
-        if let Some((_, reason)) = LEFT_OUT.iter().find(|(names, _)| is(names)) {
-            return Err(format!("--cpu {name}: no figures. {reason}; {remedy}"));
-        }
         let known: Vec<String> = CORES.iter().map(|core| core.names.join(", ")).collect();
         Err(format!(
             "--cpu {name}: no figures; known are {}, and all for a comparison; {remedy}",
@@ -133,12 +135,24 @@ impl Core {
         let table = CostTable::parse(self.table, self.origin)?;
         Ok(match self.standing {
             Standing::Estimated(spread) => table.of_estimates(spread),
+            Standing::Range => table.of_range(),
             standing => CostTable { standing, ..table },
         })
     }
 }
 
 impl CostTable {
+    /// The same with the cheap end of every row told.
+    fn of_range(mut self) -> Self {
+        for row in &mut self.rows {
+            row.least = row.low;
+        }
+        Self {
+            standing: Standing::Range,
+            ..self
+        }
+    }
+
     /// The same kernels on the core that the table has estimates for: each call less the empty one, its worst path as much above the mean as
     /// in the table and at the dear end of the spread.
     fn of_estimates(mut self, spread: f64) -> Self {
@@ -183,19 +197,31 @@ mod tests {
     }
 
     #[test]
-    fn chips_lead_to_their_cores_and_what_is_left_out_says_why() {
+    fn chips_lead_to_their_cores_and_an_unknown_one_is_told_which_there_are() {
         assert_eq!(Core::named("STM32G4").unwrap().names[0], "cortex-m4");
         assert_eq!(
             Core::named("rp2350-riscv").unwrap().standing,
             Standing::Exact
         );
-        let error = Core::named("rp2350").unwrap_err();
-        assert!(error.contains("Cortex-M33") && error.contains("rp2350-riscv"));
+        assert_eq!(Core::named("rp2350").unwrap().standing, Standing::Range);
         let error = Core::named("avr").unwrap_err();
         assert!(
             error.contains("rp2040") && error.contains("--cpu FILE.csv"),
             "{error}"
         );
+    }
+
+    /// Only where a range stands for the core is its cheap end told, and chosen is by the other.
+    #[test]
+    fn a_range_has_two_ends_and_the_dear_one_counts() {
+        let cost = |cpu: &str| {
+            let costs = Core::named(cpu).unwrap().costs().unwrap();
+            costs.cost("gms_f32", 4).unwrap()
+        };
+        let (m33, m4) = (cost("rp2350"), cost("stm32g4"));
+        assert!(m33.least > 0.4 && m33.least < 1.0, "{}", m33.least);
+        assert!(m33.cycles_worst >= m4.cycles_worst);
+        assert_eq!(m4.least, 1.0);
     }
 
     /// Without a float unit `f32` is software: the order of the arithmetics turns round.

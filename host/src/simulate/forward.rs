@@ -199,7 +199,7 @@ impl<L: Friction<Scalar = f64>> Body<L> {
     /// At a place that nothing has moved it to.
     pub(super) fn at(law: &L, x: f64, v: f64) -> Self {
         let mut state = law.at_rest();
-        law.place(&mut state, x);
+        law.set_position(&mut state, x);
         Self {
             x,
             v,
@@ -212,7 +212,7 @@ impl<L: Friction<Scalar = f64>> Body<L> {
     pub(super) fn advance(&mut self, law: &L, inertia: f64, force: f64, dt: f64) {
         let (x, v) = (self.x, self.v);
         let take = |state: &mut L::State, v: f64| {
-            law.place(state, x + dt * v);
+            law.set_position(state, x + dt * v);
             law.step(
                 state,
                 Motion {
@@ -246,14 +246,14 @@ impl Visitor for Run<'_> {
     fn visit<L: Friction<Scalar = f64>>(self, law: L) -> Self::Outcome {
         let dt = self.sample_time / f64::from(self.steps);
         let mut state = law.at_rest();
-        law.place(&mut state, self.head[0]);
+        law.set_position(&mut state, self.head[0]);
         let mut positions = vec![self.head[0]];
         let mut velocities = vec![self.velocity];
         for pair in self.head.windows(2) {
             let velocity = (pair[1] - pair[0]) / self.sample_time;
             for step in 1..=self.steps {
                 let part = f64::from(step) / f64::from(self.steps);
-                law.place(&mut state, pair[0] + part * (pair[1] - pair[0]));
+                law.set_position(&mut state, pair[0] + part * (pair[1] - pair[0]));
                 let displacement = velocity * dt;
                 law.step(
                     &mut state,

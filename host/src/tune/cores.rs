@@ -1,7 +1,7 @@
 //! One model at one rate on every core: which can run it, and what each takes.
 
 use super::{Budget, Choice, Tuning};
-use crate::cost::{Core, LEFT_OUT};
+use crate::cost::Core;
 use crate::report::{Axis, Colour, Figure, Page, Section, Series, Table};
 use serde_json::{Value, json};
 
@@ -67,7 +67,7 @@ impl Comparison {
                     format!("{:.4}", c.arithmetic),
                     c.nmse_test
                         .map_or("–".to_owned(), |nmse| format!("{nmse:.3}")),
-                    format!("{:.0}", c.cost.cycles_mean),
+                    c.cost.cycles(),
                     format!("{:.0}", c.cost.cycles_worst),
                     format!("{:.2}", on.time(c.cost.cycles_worst)),
                     format!("{:.2} %", 100.0 * c.share),
@@ -89,7 +89,7 @@ impl Comparison {
         }
     }
 
-    /// Where the figures come from, why a core fits nothing, and what is left out.
+    /// Where the figures come from, and why a core fits nothing.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         for on in &self.cores {
@@ -115,11 +115,6 @@ impl Comparison {
                 format!("{}: {note}", cores.join(", "))
             }
         }));
-        notes.extend(
-            LEFT_OUT
-                .iter()
-                .map(|(_, reason)| format!("left out: {reason}")),
-        );
         notes
     }
 
@@ -137,7 +132,6 @@ impl Comparison {
         json!({
             "schema": "preslide.tuning-cores/1",
             "cores": self.cores.iter().map(core).collect::<Vec<_>>(),
-            "left_out": LEFT_OUT.iter().map(|(names, reason)| json!({ "names": names, "reason": reason })).collect::<Vec<_>>(),
             "fits": self.fits(),
             "seconds": seconds,
         })

@@ -297,6 +297,10 @@ fn tuning(
             100.0 * spread
         ));
     }
+    if costs.standing == Standing::Range {
+        notes
+            .push("the cycles are a range: the worst and the shares count the dear end".to_owned());
+    }
     if choices.iter().any(|c| c.tick.is_none()) {
         notes.push(
             "the table of costs has no whole control tick, so shares are of friction alone"

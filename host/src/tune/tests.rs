@@ -117,7 +117,9 @@ fn every_core_gets_its_own_kernel_and_what_is_left_out_is_named() {
     for (index, core) in CORES.iter().enumerate() {
         let kernel = chosen(index);
         let is_float = kernel.as_str().is_some_and(|name| name.ends_with("f32"));
-        let has_unit = core.title.contains("M4F") || core.title.contains("M7");
+        let has_unit = ["M4F", "M7", "M33"]
+            .iter()
+            .any(|name| core.title.contains(name));
         assert!(
             kernel.is_string() && (has_unit || !is_float),
             "{}: {kernel}",

@@ -2,9 +2,9 @@
 
 use super::{Axis, Step, TrackingError};
 use crate::stage::{Stage, StageConfig};
-use preslide::control::learning::{Block, Learn, MismatchSettings, MismatchWatch};
+use preslide::control::learning::{BlockMeans, Learn, MismatchSettings, MismatchWatch};
 use preslide::control::{Condition, Learning, LearningSettings, NormalRange, Settings};
-use preslide::{Block as MaxwellSlip, ParamError, QuasiStaticGms, Units};
+use preslide::{Block, ParamError, QuasiStaticGms, Units};
 use preslide_host::paper;
 use preslide_host::statistics::mean_and_half_width;
 use rayon::prelude::*;
@@ -118,7 +118,7 @@ pub struct Study {
 struct Recorder;
 
 impl Learn<f32> for Recorder {
-    type State = Vec<Block<f32>>;
+    type State = Vec<BlockMeans<f32>>;
     const LEVEL: bool = false;
 
     fn try_new(_: &LearningSettings, _: f64, _: Units) -> Result<Self, ParamError> {
@@ -129,7 +129,7 @@ impl Learn<f32> for Recorder {
         Vec::new()
     }
 
-    fn block(&self, state: &mut Self::State, block: &Block<f32>) {
+    fn block(&self, state: &mut Self::State, block: &BlockMeans<f32>) {
         state.push(*block);
     }
 
@@ -264,14 +264,14 @@ fn run(
     seed: u64,
     windows: u32,
     change: &mut dyn FnMut(f64, &mut Stage),
-) -> Result<Vec<Block<f32>>, TrackingError> {
+) -> Result<Vec<BlockMeans<f32>>, TrackingError> {
     let [_, _, four_blocks, ..] = paper::TABLE_3;
-    let mut blocks = [MaxwellSlip {
+    let mut blocks = [Block {
         stiffness: 0.0,
         weight: 0.0,
     }; 4];
     for (block, &(stiffness, weight)) in blocks.iter_mut().zip(four_blocks.blocks) {
-        *block = MaxwellSlip { stiffness, weight };
+        *block = Block { stiffness, weight };
     }
     let model = Model::try_new(&blocks, paper::BREAKAWAY, Units::SI)?;
     let model = Learning::<_, Recorder>::try_new(model, learning, Units::SI)?;
@@ -324,7 +324,7 @@ struct Judged {
 fn judge(
     learning: &LearningSettings,
     watch: MismatchSettings,
-    blocks: &[Block<f32>],
+    blocks: &[BlockMeans<f32>],
 ) -> Result<Judged, ParamError> {
     let settings = LearningSettings { watch, ..*learning };
     // As `Learning` builds it: with the model's own limit.

@@ -1,6 +1,6 @@
 //! The friction level, by recursive least squares with forgetting.
 
-use super::{Block, Learn, LearningSettings, reciprocal};
+use super::{BlockMeans, Learn, LearningSettings, reciprocal};
 use crate::friction::Condition;
 use crate::param::{ParamError, at_least, at_most, not_negative, to_positive, to_scalar};
 use crate::{Scalar, Units};
@@ -90,7 +90,7 @@ impl<S: Scalar> Learn<S> for Adaptation<S> {
     }
 
     #[inline]
-    fn block(&self, state: &mut Self::State, block: &Block<S>) {
+    fn block(&self, state: &mut Self::State, block: &BlockMeans<S>) {
         let model = block.model.mul_input(self.per_limit);
         let spent = block.spent.mul_input(self.per_limit);
         let news = model.mul_input(model).sub_input(state.information);

@@ -1,6 +1,6 @@
 //! The watch on the model: is what the drive spends on friction still what it was at commissioning?
 
-use super::{Block, Learn, LearningSettings, decision_interval};
+use super::{BlockMeans, Learn, LearningSettings, decision_interval};
 use crate::friction::{Condition, NormalRange};
 use crate::param::{ParamError, at_least, at_most, positive, to_positive, to_scalar};
 use crate::{Scalar, Units};
@@ -188,7 +188,7 @@ impl<S: Scalar> Learn<S> for MismatchWatch<S> {
     }
 
     #[inline]
-    fn block(&self, state: &mut Self::State, block: &Block<S>) {
+    fn block(&self, state: &mut Self::State, block: &BlockMeans<S>) {
         let part = block.path.mul_input(self.per_window);
         let mismatch = block.spent.sub_input(block.model);
         state.part = state.part.add_input(part);

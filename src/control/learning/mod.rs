@@ -15,13 +15,13 @@
 //!
 //! What a motor constant or the winding's resistance changes looks like friction: the spent force is computed from the command.
 //!
-//! **Stability.** With [`super::Drive::Reference`] the feed-forward with adaptation is `level·F̂(reference)`,
+//! **Stability.** With [`super::VelocitySource::Reference`] the feed-forward with adaptation is `level·F̂(reference)`,
 //! `1 − r ≤ level ≤ 1 + r`, whatever was measured. The axis is therefore the one without adaptation under a disturbance of at most
 //! `r·limit`: a loop that is stable under bounded disturbances stays so, and its error grows by at most that disturbance's. This is
 //! proven, for any input. Not proven, and not claimed, is that the level settles: while the axis slides, it integrates
 //! the feedback's force at the rate `1/memory` (at most `1/(excitation²·memory)`), which takes the phase `atan(rate/ω_c)` from the
 //! loop at its crossover `ω_c`. For the paper's axis (10 rad/s, at most 27; some 150 rad/s) that is 4°, at most 10°. With
-//! [`super::Drive::Measured`] the level multiplies the stiffness that the feedback has to exceed: take `(1 + r)·share` for the share.
+//! [`super::VelocitySource::Measured`] the level multiplies the stiffness that the feedback has to exceed: take `(1 + r)·share` for the share.
 
 mod adaptation;
 mod mismatch;
@@ -81,7 +81,7 @@ pub const LOOK_EVERY: u32 = 7;
 
 /// Means over a block, in the model's units.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Block<S> {
+pub struct BlockMeans<S> {
     /// The model's force along the motion.
     pub model: S,
     /// What was spent along the motion.
@@ -90,7 +90,7 @@ pub struct Block<S> {
     pub path: S,
 }
 
-impl<S: Scalar> Block<S> {
+impl<S: Scalar> BlockMeans<S> {
     const EMPTY: Self = Self {
         model: S::ZERO,
         spent: S::ZERO,
@@ -99,7 +99,7 @@ impl<S: Scalar> Block<S> {
 }
 
 /// Learns from blocks: [`MismatchWatch`], [`Adaptation`], both, or `()`.
-pub trait Learn<S: Scalar>: PartialEq + Sized {
+pub trait Learn<S: Scalar>: Clone + PartialEq {
     /// What was learned.
     type State: Clone;
     /// It changes the level.
@@ -115,7 +115,7 @@ pub trait Learn<S: Scalar>: PartialEq + Sized {
     fn start(&self) -> Self::State;
 
     /// Takes an excited block.
-    fn block(&self, state: &mut Self::State, block: &Block<S>);
+    fn block(&self, state: &mut Self::State, block: &BlockMeans<S>);
 
     /// What the model's force is multiplied by.
     #[inline]
@@ -144,7 +144,7 @@ impl<S: Scalar> Learn<S> for () {
     fn start(&self) {}
 
     #[inline]
-    fn block(&self, _state: &mut (), _block: &Block<S>) {}
+    fn block(&self, _state: &mut (), _block: &BlockMeans<S>) {}
 
     fn tell(&self, _state: &(), _condition: &mut Condition<S>) {}
 }
@@ -165,7 +165,7 @@ impl<S: Scalar, A: Learn<S>, B: Learn<S>> Learn<S> for (A, B) {
     }
 
     #[inline]
-    fn block(&self, state: &mut Self::State, block: &Block<S>) {
+    fn block(&self, state: &mut Self::State, block: &BlockMeans<S>) {
         self.0.block(&mut state.0, block);
         self.1.block(&mut state.1, block);
     }
@@ -216,7 +216,7 @@ pub struct LearningState<M, B, S> {
     force: S,
     displacement: S,
     /// Of the running block: sums over its looks, and their number.
-    block: Block<S>,
+    block: BlockMeans<S>,
     looks: u32,
     /// Ticks to the next look, or to the block's end.
     wait: u32,
@@ -229,7 +229,7 @@ impl<M, B, S: Scalar> LearningState<M, B, S> {
     }
 
     fn drop_block(&mut self) {
-        self.block = Block::EMPTY;
+        self.block = BlockMeans::EMPTY;
         self.looks = 0;
     }
 }
@@ -278,7 +278,7 @@ impl<F: Friction, L: Learn<F::Scalar>> Learning<F, L> {
     /// large and does not tell it. A function of its own, so that the registers it needs are not saved in every tick.
     #[inline(never)]
     fn end_block(&self, state: &mut LearningState<F::State, L::State, F::Scalar>) {
-        let block = Block {
+        let block = BlockMeans {
             model: state.block.model.limited(self.limit),
             spent: state.block.spent.limited(self.most),
             path: (state.block.path).mul_input(F::Scalar::from_int(LOOK_EVERY as i32)),
@@ -300,7 +300,7 @@ impl<F: Friction, L: Learn<F::Scalar>> Friction for Learning<F, L> {
             learned: self.learner.start(),
             force: F::Scalar::ZERO,
             displacement: F::Scalar::ZERO,
-            block: Block::EMPTY,
+            block: BlockMeans::EMPTY,
             looks: 0,
             wait: 0,
         }
@@ -324,8 +324,8 @@ impl<F: Friction, L: Learn<F::Scalar>> Friction for Learning<F, L> {
     }
 
     #[inline]
-    fn place(&self, state: &mut Self::State, position: F::Scalar) {
-        self.friction.place(&mut state.friction, position);
+    fn set_position(&self, state: &mut Self::State, position: F::Scalar) {
+        self.friction.set_position(&mut state.friction, position);
     }
 
     #[inline(always)]

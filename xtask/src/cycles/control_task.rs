@@ -7,7 +7,7 @@
 use super::disassembly::Disassembly;
 use super::recorder::{Recorder, TakenPath, Watched};
 use super::table::Row;
-use super::{price, price_paths, stages};
+use super::{Prices, price, price_paths, stages};
 use crate::qemu::{self, LEARNING, LEARNING_FEATURES};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -49,16 +49,23 @@ const BUILDS: [Build; 6] = [
 /// `preslide_link::MOST_BLOCKS`.
 const BLOCKS: u32 = 4;
 
-pub fn measure(recorder: &Recorder) -> Result<Vec<Row>, String> {
+/// Adds the rows of every build to the table of each core.
+pub fn measure(
+    recorder: &Recorder,
+    prices: &[&Prices],
+    tables: &mut [Vec<Row>],
+) -> Result<(), String> {
     let rig = qemu::build_rig()?;
-    let row = |build| {
+    for build in &BUILDS {
         let tick = Tick::record(recorder, &rig, build)?;
-        let mut row = price_paths(&tick.disassembly, &tick.paths, price::of_interrupt)?;
-        row.kernel = format!("rtic_tick_{}", tick.kernel);
-        row.blocks = BLOCKS;
-        Ok(row)
-    };
-    BUILDS.iter().map(row).collect()
+        for (prices, rows) in prices.iter().zip(&mut *tables) {
+            let mut row = price_paths(&tick.disassembly, &tick.paths, prices.of_interrupt)?;
+            row.kernel = format!("rtic_tick_{}", tick.kernel);
+            row.blocks = BLOCKS;
+            rows.push(row);
+        }
+    }
+    Ok(())
 }
 
 /// Prints where the cycles of the tick go, with and without float; the instructions stand in a file each.
@@ -66,16 +73,21 @@ pub fn print_stages(recorder: &Recorder) -> Result<(), String> {
     let rig = qemu::build_rig()?;
     let listed = |build| {
         let tick = Tick::record(recorder, &rig, build)?;
-        let breakdown = stages::of(&tick.program, &tick.disassembly, &tick.paths)?;
-        let file = tick.program.with_extension("cycles");
-        std::fs::write(&file, &breakdown.listing)
-            .map_err(|error| format!("cannot write {}: {error}", file.display()))?;
-        println!("each instruction of {}: {}", tick.kernel, file.display());
-        Ok::<_, String>((tick.kernel.to_string(), breakdown))
+        Ok::<_, String>([
+            tick.listed(tick.kernel, &tick.paths)?,
+            tick.listed(&format!("longest {}", tick.kernel), tick.longest()?)?,
+        ])
     };
-    stages::print(&[listed(&BUILDS[0])?, listed(&BUILDS[1])?]);
+    let [fixed, longest_fixed] = listed(&BUILDS[0])?;
+    let [float, longest_float] = listed(&BUILDS[1])?;
+    stages::print(&[fixed, float]);
+    println!();
+    stages::print_longest(&[longest_fixed, longest_float]);
     Ok(())
 }
+
+/// What was recorded, and its stages.
+type Listed = (String, stages::Breakdown);
 
 /// The recorded interrupts of a build.
 struct Tick {
@@ -117,5 +129,32 @@ impl Tick {
             disassembly,
             paths,
         })
+    }
+
+    /// The stages of some of its paths; each of their instructions stands in a file.
+    fn listed(&self, what: &str, paths: &[TakenPath]) -> Result<Listed, String> {
+        let breakdown = stages::of(&self.program, &self.disassembly, paths)?;
+        let extension = if paths.len() == 1 {
+            "longest"
+        } else {
+            "cycles"
+        };
+        let file = self.program.with_extension(extension);
+        std::fs::write(&file, &breakdown.listing)
+            .map_err(|error| format!("cannot write {}: {error}", file.display()))?;
+        println!("each instruction of {what}: {}", file.display());
+        Ok((what.to_string(), breakdown))
+    }
+
+    /// The dearest path, alone.
+    fn longest(&self) -> Result<&[TakenPath], String> {
+        let (mut longest, mut worst) = (&self.paths[..0], 0);
+        for path in &self.paths {
+            let cycles = price::of_interrupt(&self.disassembly.steps(path)?).cycles;
+            if cycles > worst {
+                (longest, worst) = (std::slice::from_ref(path), cycles);
+            }
+        }
+        Ok(longest)
     }
 }

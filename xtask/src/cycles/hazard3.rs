@@ -10,8 +10,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
+use super::sizes::Sizes;
 use super::table::{COLUMNS, Counts, grown};
-use super::{BUILD, compare_with_host, nowhere, version_of};
+use super::{BUILD, PREFIX, compare_with_host, nowhere, version_of};
 use crate::process::{cargo, find, output_for, root, run_for};
 use crate::tools::Need;
 
@@ -114,6 +115,8 @@ fn absent(programs: &[&str]) -> Option<String> {
 /// What is simulated, and what runs on it.
 struct Simulation {
     folder: PathBuf,
+    /// The measuring program, and what of it is loaded.
+    program: PathBuf,
     image: PathBuf,
     sources: Vec<PathBuf>,
 }
@@ -123,8 +126,10 @@ impl Simulation {
         let folder = root().join("firmware/target/hazard3");
         let told = |error| format!("{}: {error}", folder.display());
         std::fs::create_dir_all(&folder).map_err(told)?;
+        let program = program(&folder)?;
         Ok(Self {
-            image: image(&folder)?,
+            image: image(&program)?,
+            program,
             sources: sources(&folder)?,
             folder,
         })
@@ -166,20 +171,34 @@ impl Simulation {
     /// The file: what was measured and how, the columns, and the rows that the image printed. Its forces must be the host's.
     fn table(&self) -> Result<String, String> {
         let printed = self.printed(None)?;
-        let (mut checksums, mut rows, mut ticks) = (BTreeMap::new(), Vec::new(), "0");
+        let sizes = Sizes::of(&self.program)?;
+        let (mut checksums, mut models) = (BTreeMap::new(), BTreeMap::new());
+        let (mut rows, mut ticks) = (Vec::new(), "0");
         for line in printed.lines() {
             let words: Vec<&str> = line.split(' ').collect();
             match words[..] {
-                ["kernel", kernel, n, "calls", calls, "checksum", checksum] => {
+                [
+                    "kernel",
+                    kernel,
+                    n,
+                    "calls",
+                    calls,
+                    "model",
+                    model,
+                    "checksum",
+                    checksum,
+                ] => {
                     checksums.insert(format!("{kernel} {n}"), checksum.to_string());
+                    models.insert(format!("{kernel}__{n}"), model);
                     ticks = calls;
                 }
                 ["#", ..] => {}
-                [row] if row.contains(',') => rows.push(row),
+                [COLUMNS] => rows.push(COLUMNS.to_string()),
+                [row] if row.contains(',') => rows.push(with_flash(row, &sizes, &models)?),
                 _ => return Err(format!("the image printed `{line}`")),
             }
         }
-        if rows.first() != Some(&COLUMNS) {
+        if rows.first().is_none_or(|first| first != COLUMNS) {
             return Err(format!("the image's columns are not `{COLUMNS}`"));
         }
         compare_with_host(&checksums, ticks)?;
@@ -235,6 +254,7 @@ fn header(ticks: &str) -> Result<String, String> {
         "cycles_mean and cycles_worst are of a call and its return, and nothing else; instructions hold the call and one reading of",
         "the counter: take 2 off for the function alone. cycles_in_tick is by how much a control tick",
         "(PID in f32, sensors in memory) grows with the kernel inlined. Empty columns are not measured.",
+        "flash_bytes: code of the kernel and of all that it can call, called or not, and the parameters. Tables are not counted.",
     ] {
         let _ = writeln!(text, "# {line}");
     }
@@ -328,8 +348,35 @@ fn files(folder: &Path, ending: &str) -> Result<Vec<PathBuf>, String> {
     Ok(files)
 }
 
-/// The measuring image, as memory holds it.
-fn image(folder: &Path) -> Result<PathBuf, String> {
+/// The row with its flash: the kernel's function with all that it can call, and its parameters.
+fn with_flash(row: &str, sizes: &Sizes, models: &BTreeMap<String, &str>) -> Result<String, String> {
+    let mut cells: Vec<String> = row.split(',').map(str::to_string).collect();
+    let [kernel, n, ..] = &cells[..] else {
+        return Err(format!("the image printed `{row}`"));
+    };
+    let name = format!("{kernel}__{n}");
+    let model = models
+        .get(&name)
+        .and_then(|model| model.parse::<u32>().ok());
+    let model = model.ok_or_else(|| format!("the image did not tell the parameters of {name}"))?;
+    let flash = sizes.reached_from(&format!("{PREFIX}{name}"))? + model;
+    let column = COLUMNS.split(',').position(|name| name == "flash_bytes");
+    if let Some(cell) = column.and_then(|at| cells.get_mut(at)) {
+        *cell = flash.to_string();
+    }
+    Ok(cells.join(","))
+}
+
+/// What of the measuring program memory holds.
+fn image(program: &Path) -> Result<PathBuf, String> {
+    let image = program.with_extension("bin");
+    let mut copy = Command::new("riscv64-unknown-elf-objcopy");
+    run_for(copy.args(["-O", "binary"]).arg(program).arg(&image), LIMIT)?;
+    Ok(image)
+}
+
+/// The measuring program.
+fn program(folder: &Path) -> Result<PathBuf, String> {
     let mut build = cargo(&BUILD);
     build
         .args(["--target", TARGET, "--target-dir"])

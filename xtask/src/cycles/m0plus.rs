@@ -6,24 +6,29 @@
 
 use super::instruction::{Class, Instruction};
 use super::price::Price;
-use super::{Core, check as check_core};
+use super::{Core, Prices, check as check_core};
 use crate::process::output;
 use std::path::Path;
 use std::process::Command;
 
 pub const CORE: Core = Core {
     target: "thumbv6m-none-eabi",
-    table: "firmware/cycles/cortex-m0plus.csv",
     command: "cargo xtask cycles --m0plus",
-    header: &[
-        "Cost of one update on a Cortex-M0+ with the single-cycle multiplier, as in the RP2040, made by `cargo xtask cycles --m0plus`.",
-        "QEMU gives the exact instruction paths, and the core's manual has one price for each instruction. Without wait states: code in",
-        "flash behind a cache that misses, or two masters at one bank of memory, takes longer. No board has confirmed these figures.",
-        "A row's cycles include call and return (`empty_call`). No float unit, no DSP instructions: f32 is software.",
-        "cycles_in_tick: by how much a control tick (PID in f32, sensors in memory) grows with the kernel inlined.",
-        "calls: the first of the motion of cortex-m4.csv. The C peers are gcc's for this core. Empty columns are not measured.",
-    ],
-    price: of_path,
+    prices: Prices {
+        table: "firmware/cycles/cortex-m0plus.csv",
+        header: &[
+            "Cost of one update on a Cortex-M0+ with the single-cycle multiplier, as in the RP2040, made by `cargo xtask cycles --m0plus`.",
+            "QEMU gives the exact instruction paths, and the core's manual has one price for each instruction. Without wait states: code in",
+            "flash behind a cache that misses, or two masters at one bank of memory, takes longer. No board has confirmed these figures.",
+            "A row's cycles include call and return (`empty_call`). No float unit, no DSP instructions: f32 is software.",
+            "cycles_in_tick: by how much a control tick (PID in f32, sensors in memory) grows with the kernel inlined.",
+            "calls: the first of the motion of cortex-m4.csv. The C peers are gcc's for this core. Empty columns are not measured.",
+        ],
+        of_path,
+        // No interrupt is recorded on it.
+        of_interrupt: of_path,
+    },
+    others: None,
     is_m4f: false,
 };
 
@@ -34,7 +39,7 @@ pub fn check() -> Result<(), String> {
     if !query.is_ok_and(|folder| Path::new(folder.trim()).is_dir()) {
         println!(
             "\nSKIPPED: {} was not checked: no Rust target {target}; rustup target add {target}",
-            CORE.table,
+            CORE.prices.table,
             target = CORE.target
         );
         return Ok(());

@@ -10,11 +10,13 @@ mod floor;
 mod hazard3;
 mod instruction;
 mod m0plus;
+mod m33;
 mod m7;
 pub mod nowhere;
 mod picture;
 mod price;
 mod recorder;
+mod sizes;
 mod stages;
 mod table;
 
@@ -37,34 +39,48 @@ const PREFIX: &str = "cycles__";
 /// A core whose instruction paths QEMU gives.
 struct Core {
     target: &'static str,
-    table: &'static str,
-    /// What writes the table.
+    /// What writes the tables.
     command: &'static str,
-    /// What the table's header says before the compilers.
-    header: &'static [&'static str],
-    price: fn(&[(u32, Instruction)]) -> Price,
+    prices: Prices,
+    /// Of another core that executes the same code.
+    others: Option<Prices>,
     /// It has the FPU and the DSP instructions that the firmware, the board's image, the floor and llvm-mca's estimate are about.
     is_m4f: bool,
 }
 
+/// What a core asks for a path, and where that is written.
+struct Prices {
+    table: &'static str,
+    /// What the table's header says before the compilers.
+    header: &'static [&'static str],
+    of_path: PriceOf,
+    of_interrupt: PriceOf,
+}
+
+type PriceOf = fn(&[(u32, Instruction)]) -> Price;
+
 const CORTEX_M4F: Core = Core {
     target: TARGET,
-    table: "firmware/cycles/cortex-m4.csv",
     command: "cargo xtask cycles",
-    header: &[
-        "Cost of one update on a Cortex-M4F without wait states, made by `cargo xtask cycles`.",
-        "QEMU is not cycle accurate: it gives the exact instruction paths, and the cycle table of the core's manual",
-        "prices them. No board has confirmed these figures. A row's cycles include call and return (`empty_call`).",
-        "cycles_low and cycles_high: the mean, where the manual leaves the cost open (xtask/src/cycles/price.rs).",
-        "cycles_in_tick: by how much a control tick (PID, sensors in memory) grows with the kernel inlined, saved registers",
-        "included. floor: the least that the quasi-static law takes by argument (xtask/src/cycles/table.rs); compare it with",
-        "cycles_in_tick. m7_estimate: llvm-mca's Cortex-M7 on the most frequent path, an ESTIMATE, ±40 %, empty without it.",
-        "with_EFFECT_SCALAR: `With<Gms<4>, (Effect,)>`; compare cycles_in_tick with that of gms_SCALAR. with_nothing: `()`.",
-        "rtic_tick_KERNEL: the whole interrupt of the QEMU firmware's control task with that friction model, exception entry",
-        "and return included (firmware/cycles/README.md says what else).",
-        "flash_bytes: code of all functions on the paths and the parameters; libraries' constant tables not counted.",
-    ],
-    price: price::of_path,
+    prices: Prices {
+        table: "firmware/cycles/cortex-m4.csv",
+        header: &[
+            "Cost of one update on a Cortex-M4F without wait states, made by `cargo xtask cycles`.",
+            "QEMU is not cycle accurate: it gives the exact instruction paths, and the cycle table of the core's manual",
+            "prices them. No board has confirmed these figures. A row's cycles include call and return (`empty_call`).",
+            "cycles_low and cycles_high: the mean, where the manual leaves the cost open (xtask/src/cycles/price.rs).",
+            "cycles_in_tick: by how much a control tick (PID, sensors in memory) grows with the kernel inlined, saved registers",
+            "included. floor: the least that the quasi-static law takes by argument (xtask/src/cycles/table.rs); compare it with",
+            "cycles_in_tick. m7_estimate: llvm-mca's Cortex-M7 on the most frequent path, an ESTIMATE, ±40 %, empty without it.",
+            "with_EFFECT_SCALAR: `With<Gms<4>, (Effect,)>`; compare cycles_in_tick with that of gms_SCALAR. with_nothing: `()`.",
+            "rtic_tick_KERNEL: the whole interrupt of the QEMU firmware's control task with that friction model, exception entry",
+            "and return included (firmware/cycles/README.md says what else).",
+            "flash_bytes: code of all functions on the paths and the parameters; libraries' constant tables not counted.",
+        ],
+        of_path: price::of_path,
+        of_interrupt: price::of_interrupt,
+    },
+    others: Some(m33::PRICES),
     is_m4f: true,
 };
 
@@ -88,47 +104,56 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     }
 }
 
-/// Measures, prints the table and writes it.
+/// Measures, prints the core's table and writes it and the other.
 fn write(core: &Core) -> Result<(), String> {
-    let table = core.table;
-    let (header, rows) = measured(core)?;
-    std::fs::write(root().join(table), table::to_csv(&header, &rows))
-        .map_err(|error| format!("cannot write {table}: {error}"))?;
-    println!("\nwritten to {table}");
+    for Table { file, header, rows } in measured(core)? {
+        std::fs::write(root().join(file), table::to_csv(&header, &rows))
+            .map_err(|error| format!("cannot write {file}: {error}"))?;
+        println!("\nwritten to {file}");
+    }
     Ok(())
 }
 
-/// Measures, and compares with the committed table.
+/// Measures, and compares with the committed tables.
 fn check(core: &Core) -> Result<(), String> {
-    let table = core.table;
-    let (_, rows) = measured(core)?;
-    let text = std::fs::read_to_string(root().join(table))
-        .map_err(|error| format!("cannot read {table}: {error}"))?;
-    let committed = table::from_csv(&text).map_err(|error| format!("{table}: {error}"))?;
-    let regressions = table::regressions(&committed, &rows);
-    if regressions.is_empty() {
-        println!("\nno instruction count grew by more than 3 % over {table}");
-        return Ok(());
+    for Table { file, rows, .. } in measured(core)? {
+        let text = std::fs::read_to_string(root().join(file))
+            .map_err(|error| format!("cannot read {file}: {error}"))?;
+        let committed = table::from_csv(&text).map_err(|error| format!("{file}: {error}"))?;
+        let regressions = table::regressions(&committed, &rows);
+        if !regressions.is_empty() {
+            return Err(format!(
+                "worse than {file}:\n  {}\nIf that is meant (or the compilers differ from those in its header), run `{}` and commit the table",
+                regressions.join("\n  "),
+                core.command
+            ));
+        }
+        println!("\nno instruction count grew by more than 3 % over {file}");
     }
-    Err(format!(
-        "worse than {table}:\n  {}\nIf that is meant (or the compilers differ from those in its header), run `{}` and commit the table",
-        regressions.join("\n  "),
-        core.command
-    ))
+    Ok(())
 }
 
-/// Header and rows, printed.
-fn measured(core: &Core) -> Result<(Vec<String>, Vec<Row>), String> {
-    let (header, rows) = measure(core)?;
-    println!();
-    for line in &header {
-        println!("{line}");
+/// What was measured, as one of the cores prices it.
+struct Table {
+    file: &'static str,
+    header: Vec<String>,
+    rows: Vec<Row>,
+}
+
+/// The tables, of which the core's own is printed.
+fn measured(core: &Core) -> Result<Vec<Table>, String> {
+    let tables = measure(core)?;
+    if let Some(Table { header, rows, .. }) = tables.first() {
+        println!();
+        for line in header {
+            println!("{line}");
+        }
+        println!();
+        table::print(rows);
+        println!();
+        table::print_effects(rows);
     }
-    println!();
-    table::print(&rows);
-    println!();
-    table::print_effects(&rows);
-    Ok((header, rows))
+    Ok(tables)
 }
 
 /// Prints where the cycles of the control tick go.
@@ -180,7 +205,7 @@ fn build(core: &Core) -> Result<(PathBuf, String), String> {
 }
 
 /// Builds the harness, runs it under the recorder, and prices what was recorded.
-fn measure(core: &Core) -> Result<(Vec<String>, Vec<Row>), String> {
+fn measure(core: &Core) -> Result<Vec<Table>, String> {
     Need::ArmGcc.ensure()?;
     Need::Qemu.ensure()?;
     let (program, version) = build(core)?;
@@ -198,7 +223,8 @@ fn measure(core: &Core) -> Result<(Vec<String>, Vec<Row>), String> {
     };
     let (recording, printed) = recorder.record(&program, &watched)?;
 
-    let mut rows = Vec::new();
+    let prices: Vec<&Prices> = std::iter::once(&core.prices).chain(&core.others).collect();
+    let mut tables = vec![Vec::new(); prices.len()];
     let (mut seed, mut ticks) = ("", 0);
     let mut checksums = BTreeMap::new();
     for line in printed.lines() {
@@ -233,36 +259,40 @@ fn measure(core: &Core) -> Result<(Vec<String>, Vec<Row>), String> {
                 let name = format!("{kernel}__{blocks}");
                 let paths = recorded(&name)
                     .ok_or_else(|| format!("no call of {PREFIX}{name} was recorded"))?;
-                let mut row = price_paths(&disassembly, paths, core.price)?;
-                if row.calls != calls {
-                    // The linker folds functions of equal code: their calls cannot be told apart.
-                    return Err(format!(
-                        "{name}: {calls} calls were made, {} recorded",
-                        row.calls
-                    ));
-                }
-                if let (Some(with), Some(without)) = (
-                    recorded(&format!("tick__{name}")),
-                    recorded("tick__empty_call__1"),
-                ) {
-                    let with = price_paths(&disassembly, with, core.price)?.cycles_mean;
-                    let without = price_paths(&disassembly, without, core.price)?.cycles_mean;
-                    row.cycles_in_tick = Some(with - without);
+                for (prices, rows) in prices.iter().zip(&mut tables) {
+                    let mut row = price_paths(&disassembly, paths, prices.of_path)?;
+                    if row.calls != calls {
+                        // The linker folds functions of equal code: their calls cannot be told apart.
+                        return Err(format!(
+                            "{name}: {calls} calls were made, {} recorded",
+                            row.calls
+                        ));
+                    }
+                    if let (Some(with), Some(without)) = (
+                        recorded(&format!("tick__{name}")),
+                        recorded("tick__empty_call__1"),
+                    ) {
+                        let mean = |paths| {
+                            price_paths(&disassembly, paths, prices.of_path)
+                                .map(|row| row.cycles_mean)
+                        };
+                        row.cycles_in_tick = Some(mean(with)? - mean(without)?);
+                    }
+                    row.kernel = kernel.to_string();
+                    row.blocks = blocks;
+                    row.flash_bytes += number(model)?;
+                    row.ram_bytes = Some(number(state)?);
+                    if table::is_friction(kernel) {
+                        row.error = error.parse().ok();
+                    }
+                    if core.is_m4f && std::ptr::eq(*prices, &core.prices) {
+                        row.m7_estimate = m7::estimate(&disassembly, paths);
+                        row.floor = table::floor(&row);
+                    }
+                    rows.push(row);
                 }
                 ticks = calls;
                 checksums.insert(format!("{kernel} {blocks}"), checksum.to_string());
-                row.kernel = kernel.to_string();
-                row.blocks = blocks;
-                row.flash_bytes += number(model)?;
-                row.ram_bytes = Some(number(state)?);
-                if table::is_friction(kernel) {
-                    row.error = error.parse().ok();
-                }
-                if core.is_m4f {
-                    row.m7_estimate = m7::estimate(&disassembly, paths);
-                    row.floor = table::floor(&row);
-                }
-                rows.push(row);
             }
             ["agreement", kernel, "steps", steps, "checksum", checksum] => {
                 checksums.insert(format!("{kernel} steps {steps}"), checksum.to_string());
@@ -270,15 +300,25 @@ fn measure(core: &Core) -> Result<(Vec<String>, Vec<Row>), String> {
             _ => return Err(format!("the harness printed `{line}`")),
         }
     }
-    if rows.is_empty() {
+    if ticks == 0 {
         return Err("the harness measured nothing".to_string());
     }
     compare_with_host(&checksums, &ticks.to_string())?;
     if core.is_m4f {
-        board::check(&rows)?;
-        rows.extend(control_task::measure(&recorder)?);
+        board::check(&tables[0])?;
+        control_task::measure(&recorder, &prices, &mut tables)?;
     }
-    Ok((header(core, &version, seed)?, rows))
+    prices
+        .iter()
+        .zip(tables)
+        .map(|(prices, rows)| {
+            Ok(Table {
+                file: prices.table,
+                header: header(prices, &version, seed)?,
+                rows,
+            })
+        })
+        .collect()
 }
 
 /// The forces that every kernel computed on the target in so many ticks must be, bit for bit, those it computes here.
@@ -332,7 +372,7 @@ fn same_in_c(target: &BTreeMap<String, String>) -> Result<(), String> {
 fn price_paths(
     disassembly: &Disassembly,
     paths: &[TakenPath],
-    price_of: fn(&[(u32, Instruction)]) -> Price,
+    price_of: PriceOf,
 ) -> Result<Row, String> {
     let mut functions = BTreeSet::new();
     let (mut calls, mut instructions, mut longest, mut worst) = (0, 0, 0, 0);
@@ -372,8 +412,8 @@ fn price_paths(
     })
 }
 
-fn header(core: &Core, version: &str, seed: &str) -> Result<Vec<String>, String> {
-    let mut lines: Vec<String> = core.header.iter().map(ToString::to_string).collect();
+fn header(prices: &Prices, version: &str, seed: &str) -> Result<Vec<String>, String> {
+    let mut lines: Vec<String> = prices.header.iter().map(ToString::to_string).collect();
     lines.push(format!("motion seed: {seed}"));
     lines.push(format!("rustc: {version}"));
     lines.push(format!("gcc: {}", version_of("arm-none-eabi-gcc")?));

@@ -219,3 +219,28 @@ pub fn print(ticks: &[(String, Breakdown); 2]) {
     line("the whole tick", whole);
     floor::print();
 }
+
+/// The longest tick of each, which no floor is known of.
+pub fn print_longest(ticks: &[(String, Breakdown); 2]) {
+    print!("{:<28}", "instructions, cycles");
+    for (kernel, _) in ticks {
+        print!(" {kernel:>30}");
+    }
+    println!();
+    let line = |name: &str, spent: [(f64, f64); 2]| {
+        let [fixed, float] =
+            spent.map(|(instructions, cycles)| format!("{instructions:>22.0} {cycles:>7.0}"));
+        println!("{name:<28} {fixed} {float}");
+    };
+    let mut whole = [(0.0, 0.0); 2];
+    for (index, (name, _)) in STAGES.iter().enumerate() {
+        let spent = [0, 1].map(|tick| {
+            let (_, instructions, cycles) = ticks[tick].1.stages[index];
+            let sum: &mut (f64, f64) = &mut whole[tick];
+            *sum = (sum.0 + instructions, sum.1 + cycles);
+            (instructions, cycles)
+        });
+        line(name, spent);
+    }
+    line("the longest tick", whole);
+}

@@ -2,7 +2,7 @@
 
 /// Bounds of what counts as healthy (SI).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Watch {
+pub struct FaultLimits {
     /// Fastest motion the axis can make (m/s or rad/s).
     pub top_speed: f64,
     /// Largest position error (m or rad).
