@@ -70,12 +70,10 @@ pub type Output<'a> = (&'static str, Option<&'a PathBuf>);
 ///
 /// # Errors
 /// Each option with its path, the reason and the remedy.
-pub fn check(
-    inputs: &[&Path],
-    own: &[Output],
-    others: Option<&OutputArgs>,
-) -> Result<(), Failure> {
-    let given = own.iter().filter_map(|(option, path)| Some((*option, (*path)?.clone())));
+pub fn check(inputs: &[&Path], own: &[Output], others: Option<&OutputArgs>) -> Result<(), Failure> {
+    let given = own
+        .iter()
+        .filter_map(|(option, path)| Some((*option, (*path)?.clone())));
     let mut outputs: Vec<(&str, PathBuf)> = given.collect();
     outputs.extend(others.map(OutputArgs::listed).unwrap_or_default());
     let (mut wrong, mut unwritable) = (Vec::new(), Vec::new());
