@@ -87,8 +87,13 @@ pub fn check(inputs: &[&Path], own: &[Output], others: Option<&OutputArgs>) -> R
                 input.display()
             ));
         } else if let Some((other, _)) = outputs[..i].iter().find(|(_, other)| same(other)) {
+            let page = if option.contains("--report") {
+                ", a page .html"
+            } else {
+                ""
+            };
             wrong.push(format!(
-                "{named}: {other} goes there already; name another file"
+                "{named}: {other} goes there already; name another file{page}"
             ));
         } else if let Err(reason) = writable(path) {
             unwritable.push(format!(
