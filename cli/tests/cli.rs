@@ -351,6 +351,10 @@ fn no_output_overwrites_an_input_or_another_output() {
     preslide(&["identify", &path, "-o", &link]).fails(2, &["link.csv", "this is the input"]);
     preslide(&["identify", &path, "-o", &model, "--json", &model])
         .fails(2, &["--json", "goes there already"]);
+    preslide(&["diagnose", &path, "--experiment", &path])
+        .fails(2, &["--experiment", "this is the input"]);
+    preslide(&["diagnose", &path, "-o", &model, "--experiment", &model])
+        .fails(2, &["--experiment", "-o goes there already"]);
     let nowhere = folder.path("no/where.json");
     preslide(&["identify", &path, "-o", &link, "--json", &nowhere]).fails(
         2,

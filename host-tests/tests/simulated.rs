@@ -19,6 +19,9 @@ const SAMPLES: usize = (40.0 * RATE_HZ) as usize;
 const PRESLIDING_M: f64 = 60e-6;
 const ENCODER_M: f64 = 10e-9;
 const COGGING_PERIOD_M: f64 = 8e-3;
+/// The simulation's own controller (N/m, N·s/m): it follows to a tenth of a millimetre.
+const STIFFNESS: f64 = 50e3;
+const DAMPING: f64 = 500.0;
 
 /// A machine or its simulation.
 #[derive(Clone, Copy)]
@@ -88,6 +91,28 @@ impl Physics {
         position
     }
 
+    /// Position and force where a controller of its own makes it follow the recorded motion.
+    fn followed(&self) -> (Vec<f64>, Vec<f64>) {
+        let mut bristle = Law::LuGre.start();
+        let [mut x, mut v, _] = motion(time(0));
+        let (mut position, mut force) = (Vec::new(), Vec::new());
+        for i in 0..SAMPLES {
+            for k in 0..FINER {
+                let [wanted, speed, _] = motion(time(i) + k as f64 * STEP_S);
+                let driven = STIFFNESS * (wanted - x) + DAMPING * (speed - v);
+                if k == 0 {
+                    position.push(x);
+                    force.push(driven);
+                }
+                let held = bristle.step(v * STEP_S / PRESLIDING_M, 1.0);
+                let against = self.friction_n * held + self.beside_friction(x, v);
+                v += (driven - against) / self.mass_kg * STEP_S;
+                x += v * STEP_S;
+            }
+        }
+        (position, force)
+    }
+
     fn beside_friction(&self, x: f64, v: f64) -> f64 {
         self.viscous * v + self.cogging_n * (TAU * x / COGGING_PERIOD_M).cos()
     }
@@ -105,6 +130,8 @@ enum Run {
     Inverse,
     /// It was driven by the recorded force, and its motion was logged.
     Forward,
+    /// It followed the recorded motion by its own controller, and both were logged.
+    Followed,
 }
 
 /// The recording of a machine with a simulation of it, diagnosed; and the model file.
@@ -116,24 +143,34 @@ fn between_run(machine: Physics, simulation: Physics, run: Run) -> (Diagnosis, M
     let mut dice = Dice::new(SEED);
     let mut force = machine.force(&mut dice);
     force.iter_mut().for_each(|f| *f += 0.01 * dice.normal());
-    let (name, simulated) = match run {
-        Run::Inverse => ("force_sim_mN", simulation.force(&mut dice)),
-        Run::Forward => ("x_sim_mm", simulation.moved_by(&force)),
+    let simulated = match run {
+        Run::Inverse => vec![("force_sim_mN", simulation.force(&mut dice))],
+        Run::Forward => vec![("x_sim_mm", simulation.moved_by(&force))],
+        Run::Followed => {
+            let (position, own) = simulation.followed();
+            vec![("x_sim_mm", position), ("force_sim_mN", own)]
+        }
     };
+    let names: Vec<&str> = simulated.iter().map(|s| s.0).collect();
     let position = (0..SAMPLES).map(|i| (motion(time(i))[0] / ENCODER_M).round() * ENCODER_M);
+    let measured = vec![(0..SAMPLES).map(time).collect(), position.collect(), force];
+    let thousands = simulated
+        .iter()
+        .map(|s| s.1.iter().map(|s| 1e3 * s).collect());
     let table = Table {
-        names: ["t_s", "x_m", "force_N", name].map(String::from).to_vec(),
-        columns: vec![
-            (0..SAMPLES).map(time).collect(),
-            position.collect(),
-            force,
-            simulated.iter().map(|s| 1e3 * s).collect(),
-        ],
+        names: [&["t_s", "x_m", "force_N"], &names[..]]
+            .concat()
+            .into_iter()
+            .map(String::from)
+            .collect(),
+        columns: measured.into_iter().chain(thousands).collect(),
     };
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("between.toml");
     let mut recording = Recording::new("simulated", table, None);
-    recording.arguments = ["--simulated", name, "-o"].map(String::from).to_vec();
+    recording.arguments = ["--simulated", &names.join(","), "-o"]
+        .map(String::from)
+        .to_vec();
     recording.arguments.push(file.display().to_string());
     let tool = Tool::of_workspace().unwrap_or_else(|e| panic!("{e}"));
     let found = tool.diagnose(&recording).0;
@@ -240,4 +277,25 @@ fn a_simulation_that_moves_by_itself_is_told_the_same() {
     assert_eq!(confident(&heavy), ["viscous"]);
     let viscous = value(&heavy, "viscous", "viscous_N_s_per_m");
     assert!((viscous / -PLAIN.viscous - 1.0).abs() < 0.05, "{viscous}");
+}
+
+/// A simulation that a controller keeps beside the recorded motion logs both its position and its force.
+#[test]
+fn a_simulation_that_follows_by_its_own_controller_is_told_the_same() {
+    let (exact, _) = between_run(machine(PLAIN), PLAIN, Run::Followed);
+    assert_eq!(exact.verdict, "consistent", "{:?}", confident(&exact));
+
+    let cogged = Physics {
+        cogging_n: 0.2,
+        ..PLAIN
+    };
+    let (lacking, model) = between_run(machine(cogged), PLAIN, Run::Followed);
+    assert_eq!(confident(&lacking), ["periodic_force"]);
+    let (before, after) = lacking.nmse_test.expect("NMSE");
+    assert!(after < 0.2 * before, "{before} {after}");
+    let amplitude = value(&lacking, "periodic_force", "force_N");
+    let period = value(&lacking, "periodic_force", "period_m");
+    assert!((amplitude / 0.2 - 1.0).abs() < 0.05, "{amplitude}");
+    assert!((period / COGGING_PERIOD_M - 1.0).abs() < 0.01, "{period}");
+    assert_eq!(model.effects.len(), 1);
 }

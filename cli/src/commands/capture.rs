@@ -1,6 +1,6 @@
 //! `preslide capture`.
 
-use super::{AxisArgs, Failure, parse_frequency, write_text};
+use super::{AxisArgs, Failure, outputs, parse_frequency, write_text};
 use clap::Args;
 use preslide_host::capture::{CaptureError, End, Scale, Summary, capture, open};
 use preslide_host::progress::Progress;
@@ -147,6 +147,8 @@ impl Capture {
             .seconds
             .map(|seconds| ((seconds / row_s).round() as u64).max(1));
 
+        let own = [("-o", Some(&self.output)), ("--json", self.json.as_ref())];
+        outputs::check(&[], &own, None)?;
         let source = open(&self.source, self.wait)?;
         let file = create(&self.output, self.overwrite)?;
         let progress = Progress::new("capture, rows", rows.unwrap_or(0));

@@ -27,7 +27,7 @@ impl Compare {
     /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
         let start = Instant::now();
-        self.recordings.check_outputs(None, None, &self.outputs)?;
+        self.recordings.check_outputs(None, &[], &self.outputs)?;
         let recording = self.recordings.load()?;
         let recording = self.shorten(thin(recording));
         let options = self.split.options(&recording)?;

@@ -55,8 +55,12 @@ impl Diagnose {
     /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
         let start = Instant::now();
+        let own = [
+            ("-o", self.output.as_ref()),
+            ("--experiment", self.experiment.as_ref()),
+        ];
         self.recordings
-            .check_outputs(self.model.as_ref(), self.output.as_ref(), &self.outputs)?;
+            .check_outputs(self.model.as_ref(), &own, &self.outputs)?;
         let model = self.model.as_deref().map(Model::load).transpose()?;
         let mut recording = thin(self.recordings.load()?);
         let simulated = self.take_simulated(&mut recording)?;

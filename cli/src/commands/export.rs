@@ -43,7 +43,7 @@ impl Export {
     pub fn run(self) -> Result<(), Failure> {
         let mut inputs = vec![self.model.as_path()];
         inputs.extend(self.recording.iter().map(PathBuf::as_path));
-        outputs::check(&inputs, self.output.as_deref(), None)?;
+        outputs::check(&inputs, &[("-o", self.output.as_ref())], None)?;
         let file = self.model.display().to_string();
         let text = read(&self.model).map_err(|source| ModelError::Unreadable {
             file: file.clone(),

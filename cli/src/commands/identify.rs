@@ -42,7 +42,7 @@ impl Identify {
     pub fn run(self) -> Result<(), Failure> {
         let start = Instant::now();
         self.recordings
-            .check_outputs(None, self.output.as_ref(), &self.outputs)?;
+            .check_outputs(None, &[("-o", self.output.as_ref())], &self.outputs)?;
         let recording = self.recordings.load()?;
         let recording = thin(recording);
         let options = self.split.options(&recording)?;

@@ -28,7 +28,7 @@ use preslide_host::model::ModelError;
 use preslide_host::recording::{self, LoadOptions, Needs, Problem, Recording, RecordingError};
 use preslide_host::report::Page;
 use preslide_host::signal::{Window, check_windows, parse_window};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Why a command ended without its answer; decides the exit code.
 #[derive(Debug)]
@@ -100,6 +100,11 @@ impl AxisArgs {
         AxisFile::chosen(self.axis.as_deref()).map_err(|error| Failure::Input(error.to_string()))
     }
 
+    /// The file that was named, none or one.
+    pub fn file(&self) -> Vec<&Path> {
+        self.axis.iter().map(PathBuf::as_path).collect()
+    }
+
     /// Somebody chose it.
     pub fn is_chosen(&self) -> bool {
         self.axis.is_some() || std::env::var_os(preslide_axis::VARIABLE).is_some()
@@ -123,12 +128,12 @@ impl RecordingArgs {
     pub fn check_outputs(
         &self,
         model: Option<&PathBuf>,
-        output: Option<&PathBuf>,
+        own: &[outputs::Output],
         others: &OutputArgs,
     ) -> Result<(), Failure> {
         let inputs = self.recordings.iter().chain(model);
         let inputs: Vec<_> = inputs.map(PathBuf::as_path).collect();
-        outputs::check(&inputs, output.map(PathBuf::as_path), Some(others))
+        outputs::check(&inputs, own, Some(others))
     }
 
     /// Loads every recording and joins them into one.
@@ -330,7 +335,16 @@ pub fn parse_frequency(text: &str) -> Result<f64, String> {
     found.ok_or_else(|| "give a frequency above zero, such as 170MHz, 20kHz or 8000".to_owned())
 }
 
-/// The command line, for the foot of a report.
+/// An argument as a shell wants it.
+fn quoted(argument: String) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./,:=+%@".contains(c);
+    match argument.chars().all(plain) && !argument.is_empty() {
+        true => argument,
+        false => format!("'{}'", argument.replace('\'', "'\\''")),
+    }
+}
+
+/// The command line, for the foot of a report and for what would work.
 pub fn command_line() -> String {
     std::env::args()
         .enumerate()
@@ -338,7 +352,7 @@ pub fn command_line() -> String {
             if i == 0 {
                 "preslide".to_owned()
             } else {
-                argument
+                quoted(argument)
             }
         })
         .collect::<Vec<_>>()

@@ -63,17 +63,18 @@ impl OutputArgs {
     }
 }
 
+/// An option that names a file to write, and the file where it was given.
+pub type Output<'a> = (&'static str, Option<&'a PathBuf>);
+
 /// Sees to it that every output can be written and is no input and no other output. All that is wrong is said at once.
 ///
 /// # Errors
 /// Each option with its path, the reason and the remedy.
-pub fn check(
-    inputs: &[&Path],
-    output: Option<&Path>,
-    others: Option<&OutputArgs>,
-) -> Result<(), Failure> {
-    let mut outputs: Vec<(&str, PathBuf)> =
-        output.iter().map(|p| ("-o", p.to_path_buf())).collect();
+pub fn check(inputs: &[&Path], own: &[Output], others: Option<&OutputArgs>) -> Result<(), Failure> {
+    let given = own
+        .iter()
+        .filter_map(|(option, path)| Some((*option, (*path)?.clone())));
+    let mut outputs: Vec<(&str, PathBuf)> = given.collect();
     outputs.extend(others.map(OutputArgs::listed).unwrap_or_default());
     let (mut wrong, mut unwritable) = (Vec::new(), Vec::new());
     for (i, (option, path)) in outputs.iter().enumerate() {
@@ -86,8 +87,13 @@ pub fn check(
                 input.display()
             ));
         } else if let Some((other, _)) = outputs[..i].iter().find(|(_, other)| same(other)) {
+            let page = if option.contains("--report") {
+                ", a page .html"
+            } else {
+                ""
+            };
             wrong.push(format!(
-                "{named}: {other} goes there already; name another file, a page .html"
+                "{named}: {other} goes there already; name another file{page}"
             ));
         } else if let Err(reason) = writable(path) {
             unwritable.push(format!(

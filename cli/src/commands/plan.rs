@@ -1,6 +1,6 @@
 //! `preslide plan`.
 
-use super::{AxisArgs, Failure, parse_frequency, write_text};
+use super::{AxisArgs, Failure, outputs, parse_frequency, write_text};
 use clap::{Args, ValueEnum};
 use preslide::control::Limits;
 use preslide_drive::quantity;
@@ -92,6 +92,7 @@ impl Plan {
             repeats: self.repeats,
             rate: self.rate,
         };
+        outputs::check(&self.axis.file(), &[("-o", Some(&self.output))], None)?;
         let planned = plan(&wish).map_err(Failure::Input)?;
         write_text(&self.output, &planned.csv(self.rotary))?;
         let unit = if self.rotary { "rad" } else { "m" };

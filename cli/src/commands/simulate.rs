@@ -75,7 +75,11 @@ impl Simulate {
             self.controller.as_ref(),
         ];
         let inputs: Vec<&Path> = inputs.into_iter().flatten().map(PathBuf::as_path).collect();
-        outputs::check(&inputs, self.output.as_deref(), Some(&self.outputs))?;
+        outputs::check(
+            &inputs,
+            &[("-o", self.output.as_ref())],
+            Some(&self.outputs),
+        )?;
         let model = Model::load(&self.model)?;
         let (found, name) = self.simulate(&model)?;
 

@@ -87,7 +87,7 @@ impl Tune {
         let start = Instant::now();
         let inputs = std::iter::once(&self.model).chain(&self.recording);
         let inputs: Vec<&Path> = inputs.map(PathBuf::as_path).collect();
-        outputs::check(&inputs, None, Some(&self.outputs))?;
+        outputs::check(&inputs, &[], Some(&self.outputs))?;
         let model = Model::load(&self.model)?;
         let plans = self.plans().map_err(Failure::Input)?;
         let known = model

@@ -6,7 +6,7 @@ use super::{Candidate, Identification, Method};
 use crate::progress::Progress;
 use crate::recording::Recording;
 use crate::signal::Kinematics;
-use crate::statistics::nmse;
+use crate::statistics::{Estimate, nmse};
 
 /// Difference between training and test NMSE that wants an explanation.
 const WORTH_EXPLAINING: f64 = 0.15;
@@ -18,6 +18,11 @@ const UNEXPLAINED: f64 = 50.0;
 
 /// NMSE of Coulomb + viscous friction (%) above which the motion hardly slides.
 const MOSTLY_PRESLIDING: f64 = 30.0;
+
+/// A block that yields only beyond this share of half of the longest stroke hardly slips …
+const SOFT: f64 = 0.8;
+/// … and where such blocks hold more than this share of the friction, it is said.
+const MOSTLY_SOFT: f64 = 0.5;
 
 /// How the friction level of one fold differs from the model's: `effort ≈ gain·friction + rest + offset`.
 #[derive(Clone, Copy, Debug)]
@@ -219,13 +224,30 @@ impl Identification {
         }
     }
 
+    /// The share of the breakaway force that blocks hold which hardly ever slip, where it is most of it.
+    fn soft_share(&self) -> Option<f64> {
+        let held = |(k, d): &(Estimate, Estimate)| k.value * d.value;
+        let blocks = &self.best().blocks;
+        let soft = blocks
+            .iter()
+            .filter(|b| b.1.value > SOFT * self.yield_range.1);
+        let share = soft.map(held).sum::<f64>() / blocks.iter().map(held).sum::<f64>();
+        (share > MOSTLY_SOFT).then_some(share)
+    }
+
     /// What the user should know, besides the recording's own warnings.
     pub fn notes(&self, recording: &Recording) -> Vec<String> {
         let unit = recording.position_unit();
         let (baseline, lowest) = self.extremes();
         let best = self.best();
         let mut notes = self.search_notes.clone();
-        if baseline > MOSTLY_PRESLIDING && lowest < 0.5 * baseline {
+        if let Some(share) = self.soft_share() {
+            notes.push(format!(
+                "{:.0} % of the friction yields only beyond {:.0} % of the longest stroke: what hardly ever slips is a spring, a weight or another force that follows the position as much as hysteresis; `preslide diagnose` tells which, a longer motion would",
+                100.0 * share,
+                50.0 * SOFT
+            ));
+        } else if baseline > MOSTLY_PRESLIDING && lowest < 0.5 * baseline {
             notes.push(format!(
                 "Coulomb + viscous friction leaves {baseline:.0} %: most of this motion is pre-sliding, where it says nothing"
             ));
@@ -326,5 +348,47 @@ impl Identification {
             self.nmse_with_own_levels(recording, best.nmse_train < best.nmse_test),
             self.nmse_with_own_levels(recording, best.nmse_train >= best.nmse_test),
         ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Options, identify};
+    use crate::progress::Progress;
+    use crate::recording::{LoadOptions, load_csv};
+
+    /// Notes on an arm that swings against friction of 0.2 N·m and this weight.
+    fn notes(weight: f64) -> String {
+        let (mut text, mut z, mut last) = ("t_s,q_rad,torque_Nm\n".to_owned(), 0.0_f64, 0.0);
+        for i in 0..4000 {
+            let t = f64::from(i) * 0.005;
+            let waves = [(1.2, 1.3, 0.0), (0.4, 4.4, 1.0)].map(|(a, w, p): (f64, f64, f64)| {
+                let (sin, cos) = (w * t + p).sin_cos();
+                [a * sin, a * w * cos, -a * w * w * sin]
+            });
+            let [q, v, a] = [0, 1, 2].map(|j| waves.iter().map(|w| w[j]).sum::<f64>());
+            z = (z + q - last).clamp(-0.01, 0.01);
+            last = q;
+            let torque = 0.02 * a + 0.02 * v + 20.0 * z + weight * (q - 0.3).sin();
+            text += &format!("{t:.3},{q:.5},{torque:.5}\n");
+        }
+        let recording = load_csv(text.as_bytes(), "arm.csv", &LoadOptions::default())
+            .unwrap_or_else(|e| panic!("{e}"));
+        let progress = Progress::new("identify", 0);
+        let found = identify(&recording, &Options::default(), &progress);
+        let found = found.unwrap_or_else(|e| panic!("{e}"));
+        found.notes(&recording).join("\n")
+    }
+
+    #[test]
+    fn a_weight_that_blocks_stand_in_for_is_no_hysteresis() {
+        let said = notes(3.0);
+        assert!(said.contains("a spring, a weight"), "{said}");
+        assert!(
+            !said.contains("most of this motion is pre-sliding"),
+            "{said}"
+        );
+        let said = notes(0.0);
+        assert!(!said.contains("a spring, a weight"), "{said}");
     }
 }

@@ -275,7 +275,7 @@ mod tests {
             "time_of_day",
             "x2_m",
             "run",
-            "temp_C",
+            "temp_raw",
             "x",
             "velocity",
             "x_furlong",
@@ -292,11 +292,19 @@ mod tests {
             ("speed (mm/s)", "v_m_s", 1e-3),
             ("x_ref_mm", "x_ref_m", 1e-3),
             ("temperature_K", "temperature_C", 1.0),
+            ("temp_C", "temperature_C", 1.0),
             ("pressure_bar", "pressure_Pa", 1e5),
             ("Load [kN]", "normal_N", 1e3),
         ] {
             assert_eq!(taken(name), Some((target, factor)), "{name}");
         }
+        let german = plan_of("Zeit [ms],Istposition [mm],Istkraft [N]", &[]).expect("names");
+        assert_eq!(german.sources.len(), 3);
+        let plan = plan_of(
+            "t_s,Position [counts],force_N",
+            &[("x_m", "Position[counts]*25e-9")],
+        );
+        assert_eq!(plan.expect("a blank more or less").sources[0].factor, 25e-9);
         let plan = plan_of("Time [ms],Position (deg),torque_mNm", &[]).expect("a scope's names");
         assert_eq!(
             (plan.kind, plan.role),
@@ -371,6 +379,7 @@ mod tests {
             (vec![("force", "f")], "force_N"),
             (vec![("force_N", "g")], "t_s, x_m, f"),
             (vec![("force_N", "2")], "FACTOR*COLUMN"),
+            (vec![("force_N", "f[counts]")], "force_N=FACTOR*f[counts]"),
             (vec![("force_N", "")], "no column ``"),
             (
                 vec![("force_N", "f"), ("friction_N", "f")],

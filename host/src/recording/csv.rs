@@ -11,11 +11,15 @@ use super::labels::Labels;
 use super::layout::{self, Layout, Squeezed, io_problem};
 use super::names::Names;
 use super::table::{Data, Location, Table};
+use super::twincat;
 
 /// Reads the header and every sample below it.
 pub(super) fn read(input: impl Read, options: &LoadOptions) -> Result<Table, Problem> {
     let mut input = layout::text(input);
     let head = layout::head(&mut input)?;
+    if twincat::is_export(&head) {
+        return twincat::read(&head, input, options);
+    }
     let layout = layout::of(&head)?;
     let plan = columns::plan(&Names {
         columns: &layout.names,
@@ -255,7 +259,8 @@ fn cell(record: &::csv::ByteRecord, column: usize) -> &[u8] {
     inside.unwrap_or(cell).trim_ascii()
 }
 
-fn number(cell: &[u8], comma: bool) -> Result<f64, String> {
+/// The number in a cell, or what it is instead; `comma` allows a decimal comma.
+pub(super) fn number(cell: &[u8], comma: bool) -> Result<f64, String> {
     if cell.is_empty() {
         return Err("the cell is empty".into());
     }
@@ -305,7 +310,8 @@ fn ragged(line: u64, record: &::csv::ByteRecord, columns: usize, separator: u8) 
     }
 }
 
-fn csv_problem(error: ::csv::Error, line: u64) -> Problem {
+/// What is wrong with reading the text.
+pub(super) fn csv_problem(error: ::csv::Error, line: u64) -> Problem {
     match error.into_kind() {
         ::csv::ErrorKind::Io(e) => io_problem(e, line),
         // The reader is flexible and takes bytes: it has no other kinds of error to give.

@@ -11,16 +11,20 @@ use crate::statistics::quantile;
 /// sample rate does not notice.
 const EVEN: f64 = 0.05;
 
-/// Steps that differ from the median by this share of it are not of the usual length.
-const UNUSUAL: f64 = 0.5;
+/// Steps that differ from the median by more than this share of it are not of the usual length; a step of three units of a
+/// coarse clock beside one of two is.
+const UNUSUAL: f64 = 0.51;
 
 /// Distance of rounded stamps from the true times, in steps of their resolution: half, and some slack for the fitted line.
 const ROUNDED: f64 = 0.55;
 
 /// Most different lengths of steps that a coarse clock shows: two, and two more where single precision becomes coarser on the
-/// way. Jitter shows more. And the share of steps that it makes unequal.
+/// way. Jitter shows more.
 const COARSE_STEPS: usize = 4;
+/// Where fewer steps than this are unequal, they must be multiples of a resolution that is finer than this share of a step:
+/// a lost sample adds a whole one.
 const COARSE_SHARE: f64 = 0.05;
+const COARSE_FINE: f64 = 0.6;
 
 /// Most samples that a piece may have on its even grid for each that was recorded.
 const MOST_GROWTH: f64 = 3.0;
@@ -64,16 +68,17 @@ fn coarse(t: &[f64]) -> Option<(f64, f64, f64)> {
         .iter()
         .filter(|s| (**s - median).abs() > 1e-3 * mean)
         .count();
-    if (unequal as f64) < COARSE_SHARE * steps.len() as f64 {
+    if unequal == 0 {
         return None;
     }
     steps.sort_by(f64::total_cmp);
     let bin = |step: &f64| (step / (1e-3 * mean)).round() as i64;
-    let lengths = 1 + steps
+    let jumps = steps
         .windows(2)
-        .filter(|pair| bin(&pair[0]) != bin(&pair[1]))
-        .count();
-    if lengths > COARSE_STEPS {
+        .filter(|pair| bin(&pair[0]) != bin(&pair[1]));
+    let jumps: Vec<f64> = jumps.map(|pair| pair[1] - pair[0]).collect();
+    let rare = (unequal as f64) < COARSE_SHARE * steps.len() as f64;
+    if jumps.len() >= COARSE_STEPS || rare && !are_multiples(&steps, &jumps, median) {
         return None;
     }
     // Least squares, with indices about their middle.
@@ -95,6 +100,13 @@ fn coarse(t: &[f64]) -> Option<(f64, f64, f64)> {
         .map(|(i, stamp)| (stamp - first - step * i as f64).abs())
         .fold(0.0, f64::max);
     (step > 0.0 && worst <= ROUNDED * resolution).then_some((first, step, resolution))
+}
+
+/// Whether all steps are multiples of the smallest difference between two of them, as those of stamps rounded to it are.
+fn are_multiples(steps: &[f64], differences: &[f64], median: f64) -> bool {
+    let quantum = differences.iter().copied().fold(f64::INFINITY, f64::min);
+    let whole = |step: &f64| ((step / quantum).round() * quantum - step).abs() < 0.02 * quantum;
+    quantum < COARSE_FINE * median && steps.iter().all(whole)
 }
 
 /// Brings every piece whose samples are not even to even times at its usual rate, and says so.
@@ -277,6 +289,11 @@ mod tests {
                 "single precision",
                 stamps(&|t| f64::from((t + 1e4) as f32) - 1e4),
                 5.5e-4,
+            ),
+            (
+                "single precision that is nearly fine enough",
+                stamps(&|t| f64::from((t * 10.0 / 7.0 + 5e3) as f32) * 0.7),
+                2.5e-4,
             ),
         ] {
             let mut now = given.clone();

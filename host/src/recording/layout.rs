@@ -129,10 +129,10 @@ pub(super) struct Layout {
     pub(super) first_line: u64,
 }
 
-struct Line {
-    text: String,
-    number: u64,
-    start: usize,
+pub(super) struct Line {
+    pub(super) text: String,
+    pub(super) number: u64,
+    pub(super) start: usize,
     end: usize,
 }
 
@@ -160,7 +160,8 @@ pub(super) fn io_problem(error: io::Error, line: u64) -> Problem {
     }
 }
 
-fn lines(head: &[u8]) -> Vec<Line> {
+/// The lines of the head, as many as the layout is told from.
+pub(super) fn lines(head: &[u8]) -> Vec<Line> {
     let mut start = 0;
     let mut found = Vec::new();
     for (number, bytes) in (1..).zip(head.split_inclusive(|&b| b == b'\n').take(HEAD_LINES)) {
@@ -185,7 +186,7 @@ fn lines(head: &[u8]) -> Vec<Line> {
 }
 
 /// The cells of a line of the head, without quotes.
-fn cells(line: &str, separator: u8) -> Vec<String> {
+pub(super) fn cells(line: &str, separator: u8) -> Vec<String> {
     if separator == b' ' {
         return line.split_whitespace().map(unquoted).collect();
     }

@@ -28,6 +28,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 mod timing;
+mod twincat;
 mod units;
 mod variables;
 mod words;

@@ -49,7 +49,14 @@ impl Names<'_> {
             map: map.into(),
             reason,
         };
-        let find = |name: &str| self.columns.iter().position(|c| c == name);
+        let find = |name: &str| {
+            let exact = self.columns.iter().position(|c| c == name);
+            // `Position[counts]` for `Position [counts]`, where only one is called so.
+            let tight = |name: &str| name.replace(' ', "");
+            let wanted = tight(name);
+            let mut alike = (0..self.columns.len()).filter(|&i| tight(&self.columns[i]) == wanted);
+            exact.or_else(|| alike.next().filter(|_| alike.next().is_none()))
+        };
         let text = text.trim();
         let mut source = Source {
             known,
@@ -58,6 +65,7 @@ impl Names<'_> {
             columns: Vec::new(),
             mapped: true,
         };
+        let mut unscaled = None;
         if let Some(i) = find(text) {
             source.columns.push(i);
             return Ok(source);
@@ -77,7 +85,7 @@ impl Names<'_> {
                         source.factor *= u.factor;
                         source.offset = u.offset;
                     }
-                    None if units::is_unscaled(unit) => {}
+                    None if units::is_unscaled(unit) => unscaled = Some(part),
                     _ => {
                         return Err(fail(format!(
                             "`{unit}` is no unit of `{}`; give the unit that the column is in, or a factor",
@@ -96,6 +104,12 @@ impl Names<'_> {
             return Err(fail(
                 "names no column; write COLUMN or FACTOR*COLUMN to the right of `=`".into(),
             ));
+        }
+        if let Some(part) = unscaled.filter(|_| known.dimension.is_some() && source.factor == 1.0) {
+            return Err(fail(format!(
+                "what one unit of `{part}` is worth is not said; give it as a factor: {}=FACTOR*{part}",
+                known.name
+            )));
         }
         if known.slot.is_label() && (source.columns.len() > 1 || source.factor != 1.0) {
             return Err(fail(

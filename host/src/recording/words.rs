@@ -5,19 +5,19 @@ use super::units::{self, Unit};
 
 /// Words of quantities: as they stand alone or before a unit.
 #[rustfmt::skip]
-pub(super) const WORDS: [(&str, Slot); 51] = [
+pub(super) const WORDS: [(&str, Slot); 59] = [
     ("t", Slot::Time), ("time", Slot::Time), ("timestamp", Slot::Time), ("zeit", Slot::Time),
     ("x", Slot::Position), ("q", Slot::Position), ("pos", Slot::Position), ("position", Slot::Position), ("angle", Slot::Position),
     ("theta", Slot::Position), ("displacement", Slot::Position), ("weg", Slot::Position), ("lage", Slot::Position), ("winkel", Slot::Position),
-    ("actual_position", Slot::Position), ("position_actual", Slot::Position),
+    ("istposition", Slot::Position), ("istlage", Slot::Position), ("actual_position", Slot::Position), ("position_actual", Slot::Position),
     ("v", Slot::Velocity), ("qd", Slot::Velocity), ("dq", Slot::Velocity), ("vel", Slot::Velocity), ("velocity", Slot::Velocity), ("speed", Slot::Velocity),
     ("omega", Slot::Velocity), ("actual_velocity", Slot::Velocity), ("geschwindigkeit", Slot::Velocity), ("drehzahl", Slot::Velocity),
     ("x_ref", Slot::Reference), ("q_ref", Slot::Reference), ("position_ref", Slot::Reference), ("pos_ref", Slot::Reference), ("target_position", Slot::Reference),
     ("setpoint", Slot::Reference),
     ("f", Slot::Effort), ("effort", Slot::Effort), ("force", Slot::Effort), ("torque", Slot::Effort), ("friction", Slot::Effort), ("current", Slot::Effort), ("voltage", Slot::Effort),
     ("tau", Slot::Effort), ("iq", Slot::Effort), ("moment", Slot::Effort), ("kraft", Slot::Effort), ("drehmoment", Slot::Effort),
-    ("strom", Slot::Effort), ("actual_torque", Slot::Effort), ("actual_current", Slot::Effort),
-    ("temperature", Slot::Temperature), ("normal", Slot::Load), ("load", Slot::Load), ("pressure", Slot::Pressure),
+    ("strom", Slot::Effort), ("istkraft", Slot::Effort), ("istmoment", Slot::Effort), ("istdrehmoment", Slot::Effort), ("iststrom", Slot::Effort), ("actual_torque", Slot::Effort), ("actual_current", Slot::Effort),
+    ("temperature", Slot::Temperature), ("temp", Slot::Temperature), ("temperatur", Slot::Temperature), ("normal", Slot::Load), ("load", Slot::Load), ("pressure", Slot::Pressure),
 ];
 
 /// What a name says.
