@@ -26,9 +26,12 @@ const FILETIME_MS: f64 = 1e-4;
 /// Whether the text begins like an export.
 pub(super) fn is_export(head: &[u8]) -> bool {
     let start = head.split(|&b| b == b'\n').take(6);
-    start
-        .into_iter()
-        .any(|line| line.starts_with(MARK.as_bytes()))
+    // Between blanks it stands in quotes.
+    start.into_iter().any(|line| {
+        line.strip_prefix(b"\"")
+            .unwrap_or(line)
+            .starts_with(MARK.as_bytes())
+    })
 }
 
 /// Channels that share a column of times.
@@ -359,7 +362,9 @@ mod tests {
         );
         let commas = error(&export(",", "each", milliseconds), &MAP);
         assert!(commas.contains("tabs or semicolons"), "{commas}");
-        let blank = error(&export(" ", "each", milliseconds), &MAP);
+        let blank = export(" ", "each", milliseconds)
+            .replace("Starttime of export", "\"Starttime of export\"");
+        let blank = error(&blank, &MAP);
         assert!(blank.contains("tabs or semicolons"), "{blank}");
         let short = text.lines().take(8).collect::<Vec<_>>().join("\n");
         assert!(error(&short, &MAP).contains("0 samples"));
