@@ -11,16 +11,10 @@ use super::labels::Labels;
 use super::layout::{self, Layout, Squeezed, io_problem};
 use super::names::Names;
 use super::table::{Data, Location, Table};
-use super::twincat;
 
-/// Reads the header and every sample below it.
-pub(super) fn read(input: impl Read, options: &LoadOptions) -> Result<Table, Problem> {
-    let mut input = layout::text(input);
-    let head = layout::head(&mut input)?;
-    if twincat::is_export(&head) {
-        return twincat::read(&head, input, options);
-    }
-    let layout = layout::of(&head)?;
+/// Reads the header and every sample below it, of a text that begins with `head` and goes on with `rest`.
+pub(super) fn read(head: &[u8], rest: impl Read, options: &LoadOptions) -> Result<Table, Problem> {
+    let layout = layout::of(head)?;
     let plan = columns::plan(&Names {
         columns: &layout.names,
         units: &layout.units,
@@ -29,7 +23,7 @@ pub(super) fn read(input: impl Read, options: &LoadOptions) -> Result<Table, Pro
         ignore: &options.ignore,
         needs: options.needs,
     })?;
-    let samples = head.get(layout.skip..).unwrap_or_default().chain(input);
+    let samples = head.get(layout.skip..).unwrap_or_default().chain(rest);
     let table = Rows::new(plan, layout);
     // Quotes are taken off cell by cell: an unclosed one must not swallow the rest of the file.
     let mut builder = ::csv::ReaderBuilder::new();

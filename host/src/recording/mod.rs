@@ -462,12 +462,22 @@ pub fn load_csv(
     name: &str,
     options: &LoadOptions,
 ) -> Result<Recording, RecordingError> {
-    csv::read(input, options)
+    text_table(input, options)
         .and_then(|table| assemble(table, name, options))
         .map_err(|problem| RecordingError {
             file: name.into(),
             problem,
         })
+}
+
+/// The table of a text file, by what its beginning tells.
+fn text_table(input: impl Read, options: &LoadOptions) -> Result<Table, Problem> {
+    let mut rest = layout::text(input);
+    let head = layout::head(&mut rest)?;
+    match twincat::is_export(&head) {
+        true => twincat::read(&head, rest, options),
+        false => csv::read(&head, rest, options),
+    }
 }
 
 /// Reads a MATLAB v5 file from any stream; `name` stands in messages.
