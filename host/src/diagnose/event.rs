@@ -150,21 +150,24 @@ fn coefficient(load: &[f64], mismatch: &[f64], rows: &Range<usize>) -> Option<f6
 /// How much each window differs from the median of those that moved most alike at other times.
 fn unlike(windows: &[Window], time: &[f64], length: f64) -> Vec<f64> {
     // By ranks: no unit, and no outlier, makes one coordinate count for more.
-    let mut ranks = vec![[0.0; 4]; windows.len()];
-    for k in 0..4 {
+    let by_rank = |k: usize| {
         let mut order: Vec<usize> = (0..windows.len()).collect();
         order.sort_by(|a, b| windows[*a].motion[k].total_cmp(&windows[*b].motion[k]));
-        for (rank, i) in order.into_iter().enumerate() {
-            ranks[i][k] = rank as f64;
-        }
-    }
+        let mut ranks = vec![0.0; windows.len()];
+        order
+            .into_iter()
+            .enumerate()
+            .for_each(|(rank, i)| ranks[i] = rank as f64);
+        ranks
+    };
+    let ranks = [0, 1, 2, 3].map(by_rank);
     let start = |i: usize| time[windows[i].rows.start];
     (0..windows.len())
         .map(|i| {
             let mut near: Vec<(f64, f64)> = (0..windows.len())
                 .filter(|&j| (start(i) - start(j)).abs() > 2.0 * length)
                 .map(|j| {
-                    let far = (0..4).map(|k| (ranks[i][k] - ranks[j][k]).powi(2)).sum();
+                    let far = ranks.iter().map(|r| (r[i] - r[j]).powi(2)).sum();
                     (far, windows[j].size)
                 })
                 .collect();

@@ -83,7 +83,8 @@ pub fn diagnose(
     model: Option<&Model>,
     progress: &Progress,
 ) -> Result<Diagnosis, Refusal> {
-    judge(recording, model, None, progress)
+    // The weak form has one kernel for all pieces.
+    judge(&recording.at_one_rate(), model, None, progress)
 }
 
 /// Diagnoses a recording against a simulation of the user's own: what lies between the two is inertia, friction and effects, each of

@@ -118,12 +118,15 @@ pub(super) const FLIPPED: &str = "effort-sign-flipped";
 
 /// Net work over the closed motion of all strokes, and the work exchanged; where no motion closes, by the balance of energy.
 fn work(x: &[f64], effort: &[f64], strokes: &[Strokes]) -> (f64, f64) {
-    let sum = |of: fn(&[f64], &[f64], &Strokes) -> Option<(f64, f64)>| {
-        let each = strokes.iter().filter_map(|s| of(x, effort, s));
+    let sum = |each: &mut dyn Iterator<Item = (f64, f64)>| {
         each.reduce(|(n, e), (net, exchanged)| (n + net, e + exchanged))
     };
-    sum(closed_work)
-        .or_else(|| sum(balance::friction))
+    sum(&mut strokes.iter().filter_map(|s| closed_work(x, effort, s)))
+        .or_else(|| {
+            sum(&mut strokes
+                .iter()
+                .filter_map(|s| balance::friction(x, effort, s)))
+        })
         .unwrap_or((0.0, 0.0))
 }
 

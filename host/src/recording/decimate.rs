@@ -77,7 +77,7 @@ impl Recording {
 }
 
 /// The filter's weights from the middle to its end; all of them together sum to 1.
-fn blackman_sinc(factor: usize) -> Vec<f64> {
+pub(super) fn blackman_sinc(factor: usize) -> Vec<f64> {
     let half = HALF * factor;
     let weight = |i: usize| {
         let place = i as f64 / (half + 1) as f64;
@@ -92,7 +92,7 @@ fn blackman_sinc(factor: usize) -> Vec<f64> {
 }
 
 /// The low-passed values at every `factor`-th sample, continued at the ends by point reflection.
-fn low_passed(values: &[f64], factor: usize, weights: &[f64]) -> Vec<f64> {
+pub(super) fn low_passed(values: &[f64], factor: usize, weights: &[f64]) -> Vec<f64> {
     let Some(last) = values.len().checked_sub(1) else {
         return Vec::new();
     };

@@ -178,8 +178,8 @@ pub(super) fn resample(frame: &mut Frame, warnings: &mut Vec<Warning>) {
     frame.pieces = ends.windows(2).map(|e| e[0]..e[1]).collect();
 }
 
-/// An even grid over the uneven samples of one piece.
-struct Grid {
+/// An even grid over the samples of one piece.
+pub(super) struct Grid {
     step: f64,
     length: usize,
     /// Where the samples stand on it, ascending, the first at 0.
@@ -217,7 +217,24 @@ impl Grid {
         })
     }
 
-    fn times(&self, first: f64) -> Vec<f64> {
+    /// A grid of a given step over all of the samples.
+    pub(super) fn at(t: &[f64], step: f64) -> Self {
+        let places: Vec<f64> = t.iter().map(|t_i| (t_i - t[0]) / step).collect();
+        Self {
+            length: places
+                .last()
+                .map_or(0, |last| (last + 1e-6).floor() as usize + 1),
+            step,
+            places,
+            lost: 0,
+        }
+    }
+
+    pub(super) fn length(&self) -> usize {
+        self.length
+    }
+
+    pub(super) fn times(&self, first: f64) -> Vec<f64> {
         (0..self.length)
             .map(|i| first + self.step * i as f64)
             .collect()
@@ -237,7 +254,7 @@ impl Grid {
     }
 
     /// The cubic through the samples with the slope at each of the parabola through it and its neighbours.
-    fn cubic(&self, values: &[f64]) -> Vec<f64> {
+    pub(super) fn cubic(&self, values: &[f64]) -> Vec<f64> {
         let slope = |i: usize| {
             let chord =
                 |a: usize, b: usize| (values[b] - values[a]) / (self.places[b] - self.places[a]);
@@ -268,7 +285,7 @@ impl Grid {
         self.between().map(at).collect()
     }
 
-    fn last(&self, labels: &[u32]) -> Vec<u32> {
+    pub(super) fn last(&self, labels: &[u32]) -> Vec<u32> {
         let at = |(i, u): (usize, f64)| labels[if u < 1.0 { i } else { i + 1 }];
         self.between().map(at).collect()
     }

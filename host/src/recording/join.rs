@@ -44,7 +44,7 @@ impl Recording {
                 whole.warnings.push(Warning::new(
                     RATES,
                     format!(
-                        "{} is sampled every {:.3e} s, {} every {:.3e} s: each keeps its rate, and a second of it counts as one of the other",
+                        "{} is sampled every {:.3e} s, {} every {:.3e} s: each keeps its rate, and a second of it counts as one of the other; a diagnosis brings them to one, and leaves out what is sampled three times slower",
                         whole.name, whole.sample_time_s, next.name, next.sample_time_s
                     ),
                 ));

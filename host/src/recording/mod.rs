@@ -21,6 +21,7 @@ mod layout;
 mod mat;
 mod names;
 mod propose;
+mod rate;
 mod repair;
 mod segments;
 mod simulated;
