@@ -1,7 +1,6 @@
 //! A force in proportion to a further column, its velocity, its direction or its acceleration: gravity, viscous coupling, friction or
 //! inertia of another axis.
 
-use super::readout::known;
 use super::{Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::{bounds, mean};
@@ -9,8 +8,8 @@ use crate::diagnose::weak::Column;
 use crate::model::Model;
 use crate::statistics::Estimate;
 
-/// Forms: 0 the value, 1 its velocity, 2 the direction, 3 its acceleration.
-const FORMS: u8 = 4;
+/// Forms, by their number, in front of the column's name.
+const FORMS: [&str; 4] = ["", "velocity_of_", "direction_of_", "acceleration_of_"];
 /// Share of the highest speed over which a direction changes.
 const SMALL: f64 = 0.02;
 
@@ -58,7 +57,7 @@ impl Effect for AxisCoupling {
         let columns = scene.s.extra.iter().enumerate();
         columns
             .filter(|(_, (_, values))| moves(values))
-            .flat_map(|(i, _)| (0..FORMS).map(move |form| vec![i as f64, f64::from(form)]))
+            .flat_map(|(i, _)| (0..FORMS.len()).map(move |form| vec![i as f64, form as f64]))
             .collect()
     }
 
@@ -83,10 +82,13 @@ impl Effect for AxisCoupling {
     }
 
     fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
-        let mut values = vec![fitted.entry("coupling", 0)];
-        let keys = self.shape().iter().zip(fitted.shape);
-        values.extend(keys.map(|((key, _), value)| known(key, *value)));
-        values
+        let &[column, form] = fitted.shape else {
+            return Vec::new();
+        };
+        let name = fitted.scene.s.extra.get(column as usize);
+        let name = name.map_or("further column", |extra| &extra.0);
+        let of = FORMS[form as usize % FORMS.len()];
+        vec![fitted.entry(&format!("coupling_to_{of}{name}"), 0)]
     }
 
     fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {

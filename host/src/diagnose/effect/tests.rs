@@ -277,7 +277,12 @@ fn model_files_take_the_parameters_and_give_the_shape_back() {
             );
             let entered = effect.extend(&values, &mut model);
             match effect.id() {
-                "axis_coupling" => assert!(entered.is_err()),
+                "axis_coupling" => {
+                    assert!(entered.is_err());
+                    let extra = &scene.s.extra;
+                    let told = extra.iter().any(|(name, _)| values[0].0.ends_with(name));
+                    assert!(told, "{values:?}");
+                }
                 "viscous" => assert_eq!(model.viscous, 0.01),
                 "constant_force" => assert_eq!(model.constant_force, 0.01),
                 id => {
