@@ -290,7 +290,11 @@ fn in_lanes(chosen: &[&'static Step]) -> Vec<Ended> {
     std::thread::scope(|scope| {
         let beside = scope.spawn(|| emulator.iter().map(|step| logged(step)).collect::<Vec<_>>());
         let mut ended: Vec<Ended> = host.iter().map(|step| shown(step)).collect();
-        ended.extend(beside.join().unwrap_or_default());
+        ended.extend(
+            beside
+                .join()
+                .unwrap_or_else(|panic| std::panic::resume_unwind(panic)),
+        );
         ended
     })
 }

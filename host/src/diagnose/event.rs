@@ -45,6 +45,8 @@ pub struct Event {
 /// A window of rows, with how the axis moved in it.
 struct Window {
     rows: Range<usize>,
+    /// Its beginning (s).
+    start: f64,
     /// Coefficient of the load in the mismatch.
     size: f64,
     /// Position, velocity, displacement since the reversal and acceleration.
@@ -96,7 +98,7 @@ fn of_length(
     if windows.len() < FEWEST {
         return None;
     }
-    let unlike = unlike(&windows, &rows.weak.at_centres(&rows.s.t), length);
+    let unlike = unlike(&windows, length);
     let sizes: Vec<f64> = unlike.iter().map(|d| d.abs()).collect();
     let usual = (quantile(&sizes, USUAL.0) / USUAL.1).max(1e-300);
     let most = sizes.iter().fold(0.0, |most: f64, size| most.max(*size));
@@ -133,6 +135,7 @@ fn windows(rows: &Rows, load: &[f64], mismatch: &[f64], length: f64) -> Vec<Wind
             let mean = |c: &Vec<f64>| c[w.clone()].iter().sum::<f64>() / count as f64;
             Some(Window {
                 motion: [0, 1, 2, 3].map(|k| mean(&motion[k])),
+                start: time[w.start],
                 rows: w,
                 size,
             })
@@ -148,7 +151,7 @@ fn coefficient(load: &[f64], mismatch: &[f64], rows: &Range<usize>) -> Option<f6
 }
 
 /// How much each window differs from the median of those that moved most alike at other times.
-fn unlike(windows: &[Window], time: &[f64], length: f64) -> Vec<f64> {
+fn unlike(windows: &[Window], length: f64) -> Vec<f64> {
     // By ranks: no unit, and no outlier, makes one coordinate count for more.
     let by_rank = |k: usize| {
         let mut order: Vec<usize> = (0..windows.len()).collect();
@@ -161,11 +164,10 @@ fn unlike(windows: &[Window], time: &[f64], length: f64) -> Vec<f64> {
         ranks
     };
     let ranks = [0, 1, 2, 3].map(by_rank);
-    let start = |i: usize| time[windows[i].rows.start];
     (0..windows.len())
         .map(|i| {
             let mut near: Vec<(f64, f64)> = (0..windows.len())
-                .filter(|&j| (start(i) - start(j)).abs() > 2.0 * length)
+                .filter(|&j| (windows[i].start - windows[j].start).abs() > 2.0 * length)
                 .map(|j| {
                     let far = ranks.iter().map(|r| (r[i] - r[j]).powi(2)).sum();
                     (far, windows[j].size)

@@ -127,12 +127,12 @@ impl Unknown {
     /// What is left, in a clause.
     pub fn words(&self, found: &Diagnosis, recording: &Recording) -> String {
         let s = &found.ground.rows.s;
-        let place = self.place.map_or(String::new(), |p| {
-            format!(", largest {}", place_words(&p, recording))
-        });
         if !self.times.is_empty() {
             return self.event_words(recording);
         }
+        let place = self.place.map_or(String::new(), |p| {
+            format!(", largest {}", place_words(&p, recording))
+        });
         let axis = self.axis.name(s);
         let what = match (self.change, self.like) {
             (Some(change), _) => change.name().to_owned(),
@@ -154,9 +154,7 @@ impl Unknown {
             probability(self.confidence),
         )
     }
-}
 
-impl Unknown {
     /// An event in a clause.
     fn event_words(&self, recording: &Recording) -> String {
         /// Stretches that are told one by one.

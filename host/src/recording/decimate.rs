@@ -4,7 +4,8 @@ use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-use super::{Extra, Recording, Warning, ranges};
+use super::samples::ranges;
+use super::{Recording, Warning};
 
 /// Half of the filter's length, in samples that are kept.
 const HALF: usize = 6;
@@ -25,54 +26,28 @@ impl Recording {
             let of = |piece: &Range<usize>| low_passed(&values[piece.clone()], factor, &weights);
             self.pieces.iter().flat_map(of).collect()
         };
-        let kept = || self.pieces.iter().flat_map(|p| p.clone().step_by(factor));
-        let some = |column: &Option<Vec<f64>>| column.as_deref().map(numbers);
+        fn kept<T: Copy>(values: &[T], pieces: &[Range<usize>], factor: usize) -> Vec<T> {
+            let of = |p: &Range<usize>| values[p.clone()].iter().copied().step_by(factor);
+            pieces.iter().flat_map(of).collect()
+        }
+        let t_s = kept(&self.t_s, &self.pieces, factor);
+        let labels = |values: &[u32]| kept(values, &self.pieces, factor);
         let pieces = ranges(&self.pieces, |piece| piece.len().div_ceil(factor));
         let joined = ranges(&self.joined, |run| {
             let of_run = self.pieces.iter().filter(|p| run.contains(&p.start));
             of_run.map(|p| p.len().div_ceil(factor)).sum()
         });
-        let mut warnings = self.warnings.clone();
-        warnings.push(Warning::new(
+        let mut fewer = self.with_samples(t_s, pieces, joined, numbers, labels);
+        fewer.sample_time_s *= factor as f64;
+        fewer.warnings.push(Warning::new(
             "decimated",
             format!(
                 "every {factor}th of {} samples is kept, low-passed: {:.4e} s apart",
                 self.len(),
-                self.sample_time_s * factor as f64
+                fewer.sample_time_s
             ),
         ));
-        let columns: Vec<Vec<f64>> = [&self.position, &self.effort]
-            .into_par_iter()
-            .map(|c| numbers(c))
-            .collect();
-        let [position, effort] = columns.try_into().unwrap_or_default();
-        Recording {
-            name: self.name.clone(),
-            t_s: kept().map(|i| self.t_s[i]).collect(),
-            position,
-            effort,
-            reference: some(&self.reference),
-            velocity: some(&self.velocity),
-            temperature_c: some(&self.temperature_c),
-            load_n: some(&self.load_n),
-            pressure_pa: some(&self.pressure_pa),
-            extra: self
-                .extra
-                .iter()
-                .map(|extra| Extra {
-                    name: extra.name.clone(),
-                    values: numbers(&extra.values),
-                })
-                .collect(),
-            constant_extra: self.constant_extra.clone(),
-            segment: kept().map(|i| self.segment[i]).collect(),
-            repeat: kept().map(|i| self.repeat[i]).collect(),
-            pieces,
-            joined,
-            warnings,
-            sample_time_s: self.sample_time_s * factor as f64,
-            ..*self
-        }
+        fewer
     }
 }
 

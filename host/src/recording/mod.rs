@@ -23,6 +23,7 @@ mod names;
 mod propose;
 mod rate;
 mod repair;
+mod samples;
 mod segments;
 mod simulated;
 mod table;
@@ -237,111 +238,6 @@ impl Recording {
             )
         })
     }
-
-    /// The samples with `from ≤ t < to` (s), so that adjoining windows share none. Segments and
-    /// repeats keep their numbers, warnings are those of the whole file.
-    ///
-    /// # Errors
-    /// [`Problem::Window`] where fewer than two samples lie in the window.
-    pub fn slice_time(&self, from: f64, to: f64) -> Result<Recording, RecordingError> {
-        let inside: Vec<bool> = self.t_s.iter().map(|&t| from <= t && t < to).collect();
-        if inside.iter().filter(|&&i| i).count() < 2 {
-            let bound =
-                |pick: fn(f64, f64) -> f64| self.t_s.iter().copied().reduce(pick).unwrap_or(0.0);
-            return Err(RecordingError {
-                file: self.name.clone(),
-                problem: Problem::Window {
-                    from,
-                    to,
-                    start: bound(f64::min),
-                    end: bound(f64::max),
-                },
-            });
-        }
-        Ok(self.masked(&inside))
-    }
-
-    /// Stretches of equal length spread evenly over the recording, `total` samples of it; the whole where it has no more.
-    pub fn stretches(&self, count: usize, total: usize) -> Recording {
-        if self.len() <= total {
-            return self.clone();
-        }
-        let (period, length) = (self.len() / count, total / count);
-        let inside: Vec<bool> = (0..self.len())
-            .map(|i| i / period < count && i % period < length)
-            .collect();
-        let mut kept = self.masked(&inside);
-        kept.warnings.push(Warning::new(
-            "stretches",
-            format!(
-                "{count} stretches of {:.3} s each are used, spread evenly over {} samples",
-                length as f64 * self.sample_time_s,
-                self.len()
-            ),
-        ));
-        kept
-    }
-
-    /// The samples that are `inside`, in pieces of neighbours.
-    fn masked(&self, inside: &[bool]) -> Recording {
-        fn keep<T: Copy>(values: &[T], inside: &[bool]) -> Vec<T> {
-            values
-                .iter()
-                .zip(inside)
-                .filter(|(_, i)| **i)
-                .map(|(v, _)| *v)
-                .collect()
-        }
-        let some = |column: &Option<Vec<f64>>| column.as_ref().map(|c| keep(c, inside));
-        let mut start = 0;
-        let mut pieces = Vec::new();
-        for piece in &self.pieces {
-            for run in inside[piece.clone()].split(|inside| !inside) {
-                if !run.is_empty() {
-                    pieces.push(start..start + run.len());
-                    start += run.len();
-                }
-            }
-        }
-        Recording {
-            name: self.name.clone(),
-            t_s: keep(&self.t_s, inside),
-            position: keep(&self.position, inside),
-            reference: some(&self.reference),
-            velocity: some(&self.velocity),
-            effort: keep(&self.effort, inside),
-            temperature_c: some(&self.temperature_c),
-            load_n: some(&self.load_n),
-            pressure_pa: some(&self.pressure_pa),
-            extra: self
-                .extra
-                .iter()
-                .map(|extra| Extra {
-                    name: extra.name.clone(),
-                    values: keep(&extra.values, inside),
-                })
-                .collect(),
-            constant_extra: self.constant_extra.clone(),
-            segment: keep(&self.segment, inside),
-            repeat: keep(&self.repeat, inside),
-            pieces,
-            joined: ranges(&self.joined, |run| {
-                inside[run.clone()].iter().filter(|i| **i).count()
-            }),
-            warnings: self.warnings.clone(),
-            ..*self
-        }
-    }
-}
-
-/// Neighbouring ranges, as long as `length` says of each of `old`.
-fn ranges(old: &[Range<usize>], length: impl Fn(&Range<usize>) -> usize) -> Vec<Range<usize>> {
-    let mut start = 0;
-    let next = |range: &Range<usize>| {
-        let end = start + length(range);
-        std::mem::replace(&mut start, end)..end
-    };
-    old.iter().map(next).collect()
 }
 
 /// What a file must hold to be of use.

@@ -3,9 +3,10 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
+use super::Recording;
 use super::decimate::{blackman_sinc, low_passed};
 use super::even::Grid;
-use super::{Extra, Recording, ranges};
+use super::samples::ranges;
 
 /// Sample times within this share of each other are one; an inertia that is taken by a wrong one is off by twice as much.
 const SAME: f64 = 5e-4;
@@ -64,45 +65,22 @@ impl Recording {
     }
 
     fn at(&self, step: f64, plans: &[Plan]) -> Recording {
-        let numbers =
-            |values: &[f64]| -> Vec<f64> { plans.iter().flat_map(|p| p.numbers(values)).collect() };
-        let labels =
-            |values: &[u32]| -> Vec<u32> { plans.iter().flat_map(|p| p.labels(values)).collect() };
-        let some = |column: &Option<Vec<f64>>| column.as_deref().map(numbers);
         let length = |within: &Range<usize>| -> usize {
             let inside = plans.iter().filter(|p| within.contains(&p.piece.start));
             inside.map(|p| p.grid.length()).sum()
         };
         let of_plans: Vec<Range<usize>> = plans.iter().map(|p| p.piece.clone()).collect();
+        let times = |p: &Plan| p.grid.times(self.t_s[p.piece.start]);
+        let even = self.with_samples(
+            plans.iter().flat_map(times).collect(),
+            ranges(&of_plans, length),
+            ranges(&self.joined, length),
+            |values| plans.iter().flat_map(|p| p.numbers(values)).collect(),
+            |values| plans.iter().flat_map(|p| p.labels(values)).collect(),
+        );
         Recording {
-            name: self.name.clone(),
-            t_s: plans
-                .iter()
-                .flat_map(|p| p.grid.times(self.t_s[p.piece.start]))
-                .collect(),
-            position: numbers(&self.position),
-            effort: numbers(&self.effort),
-            reference: some(&self.reference),
-            velocity: some(&self.velocity),
-            temperature_c: some(&self.temperature_c),
-            load_n: some(&self.load_n),
-            pressure_pa: some(&self.pressure_pa),
-            extra: self
-                .extra
-                .iter()
-                .map(|extra| Extra {
-                    name: extra.name.clone(),
-                    values: numbers(&extra.values),
-                })
-                .collect(),
-            constant_extra: self.constant_extra.clone(),
-            segment: labels(&self.segment),
-            repeat: labels(&self.repeat),
-            pieces: ranges(&of_plans, length),
-            joined: ranges(&self.joined, length),
-            warnings: self.warnings.clone(),
             sample_time_s: step,
-            ..*self
+            ..even
         }
     }
 }

@@ -25,9 +25,9 @@ const FILETIME_MS: f64 = 1e-4;
 
 /// Whether the text begins like an export.
 pub(super) fn is_export(head: &[u8]) -> bool {
-    let start = head.split(|&b| b == b'\n').take(6);
+    let mut start = head.split(|&b| b == b'\n').take(6);
     // Between blanks it stands in quotes.
-    start.into_iter().any(|line| {
+    start.any(|line| {
         line.strip_prefix(b"\"")
             .unwrap_or(line)
             .starts_with(MARK.as_bytes())
@@ -69,13 +69,11 @@ pub(super) fn read(head: &[u8], rest: impl Read, options: &LoadOptions) -> Resul
 /// The groups that the header names, and the first line of samples.
 fn groups(lines: &[Line], separator: u8) -> Result<(Vec<Group>, &Line), Problem> {
     let row = |key: &str| {
-        let cells = lines
+        let mut cells = lines
             .iter()
             .skip(1)
             .map(|l| layout::cells(&l.text, separator));
-        cells
-            .into_iter()
-            .find(|c| c.first().is_some_and(|c| c == key))
+        cells.find(|c| c.first().is_some_and(|c| c == key))
     };
     let sample = |l: &&Line| {
         let first = layout::cells(&l.text, separator).swap_remove(0);
@@ -193,16 +191,17 @@ fn merged(groups: Vec<Group>) -> Result<(Vec<Variable>, String), Problem> {
     let (mut between, mut left) = (Vec::new(), Vec::new());
     let mut found = vec![Variable::column("Time [ms]", milliseconds(&times))];
     for group in groups {
+        let own = group.t_ms == times;
         for (name, values) in group.names.into_iter().zip(group.values) {
             let mut channel = Variable::column(&name, Vec::new());
             channel.dimensions = vec![times.len()];
-            channel.values = match group.t_ms == times {
+            channel.values = match own {
                 true => Ok(values),
                 false => at(&times, &group.t_ms, &values),
             };
             match &channel.values {
                 Err(why) => left.push(format!("{name} ({why})")),
-                Ok(_) if group.t_ms != times => between.push(name),
+                Ok(_) if !own => between.push(name),
                 Ok(_) => {}
             }
             found.push(channel);

@@ -100,7 +100,7 @@ fn a_clock_too_slow_for_the_whole_tick_fits_nothing_though_friction_alone_would(
 }
 
 #[test]
-fn every_core_gets_its_own_kernel_and_what_is_left_out_is_named() {
+fn every_core_gets_its_own_kernel() {
     let cores = CORES.iter().map(|core| {
         let costs = core.costs().unwrap();
         let budget = budget_on(core, None, 20e3, 0.05);

@@ -290,6 +290,18 @@ fn register(word: &str) -> Registers {
     }
 }
 
+/// Instructions as (size, mnemonic, operands), one behind the other from `start`.
+#[cfg(test)]
+pub fn path(start: u32, lines: &[(u32, &str, &str)]) -> Vec<(u32, Instruction)> {
+    let mut next = start;
+    let step = |&(size, mnemonic, operands): &(u32, &str, &str)| {
+        let instruction = Instruction::parse(size, mnemonic, operands, false).unwrap();
+        next += size;
+        (next - size, instruction)
+    };
+    lines.iter().map(step).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::{Class, Instruction, PC, SP};

@@ -86,28 +86,22 @@ fn of_step(now: &Instruction, jumps: bool) -> Price {
 #[cfg(test)]
 mod tests {
     use super::of_path;
-    use crate::cycles::instruction::Instruction;
+    use crate::cycles::instruction::path;
 
     #[test]
     fn a_path_costs_what_the_manual_says() {
-        let lines = [
-            (2, "push", "{r4, r5, lr}"),
-            (2, "ldr", "r0, [r1, #0]"),
-            (2, "muls", "r0, r2"),
-            (2, "bne.n", "20"),
-            (4, "bl", "40"),
-            (2, "str", "r0, [r1, #4]"),
-            (2, "pop", "{r4, r5, pc}"),
-        ];
-        let mut address = 0;
-        let path: Vec<_> = lines
-            .iter()
-            .map(|(size, mnemonic, operands)| {
-                address += size;
-                let instruction = Instruction::parse(*size, mnemonic, operands, false).unwrap();
-                (address - size, instruction)
-            })
-            .collect();
+        let path = path(
+            0,
+            &[
+                (2, "push", "{r4, r5, lr}"),
+                (2, "ldr", "r0, [r1, #0]"),
+                (2, "muls", "r0, r2"),
+                (2, "bne.n", "20"),
+                (4, "bl", "40"),
+                (2, "str", "r0, [r1, #4]"),
+                (2, "pop", "{r4, r5, pc}"),
+            ],
+        );
         let price = of_path(&path);
         assert_eq!(
             (price.cycles, price.low),

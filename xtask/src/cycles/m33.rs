@@ -75,26 +75,20 @@ fn alone(now: &Instruction, jumps: bool) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::of_path;
-    use crate::cycles::instruction::Instruction;
+    use crate::cycles::instruction::path;
 
     #[test]
     fn short_instructions_pair_and_the_dear_end_is_the_cortex_m4() {
-        let lines = [
-            (2, "ldr", "r0, [r1, #0]"),
-            (2, "adds", "r0, r0, r2"),
-            (2, "adds", "r0, r0, r3"),
-            (4, "mul.w", "r0, r0, r2"),
-            (2, "bx", "lr"),
-        ];
-        let mut address = 0;
-        let path: Vec<_> = lines
-            .iter()
-            .map(|(size, mnemonic, operands)| {
-                address += size;
-                let instruction = Instruction::parse(*size, mnemonic, operands, false).unwrap();
-                (address - size, instruction)
-            })
-            .collect();
+        let path = path(
+            0,
+            &[
+                (2, "ldr", "r0, [r1, #0]"),
+                (2, "adds", "r0, r0, r2"),
+                (2, "adds", "r0, r0, r3"),
+                (4, "mul.w", "r0, r0, r2"),
+                (2, "bx", "lr"),
+            ],
+        );
         let price = of_path(&path);
         assert_eq!((price.low, price.high), (1 + 1 + 1 + 2, 2 + 1 + 1 + 1 + 2));
         assert_eq!(price.cycles, price.high);

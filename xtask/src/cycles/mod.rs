@@ -285,11 +285,13 @@ fn measure(core: &Core) -> Result<Vec<Table>, String> {
                     if table::is_friction(kernel) {
                         row.error = error.parse().ok();
                     }
-                    if core.is_m4f && std::ptr::eq(*prices, &core.prices) {
-                        row.m7_estimate = m7::estimate(&disassembly, paths);
-                        row.floor = table::floor(&row);
-                    }
                     rows.push(row);
+                }
+                if core.is_m4f
+                    && let Some(row) = tables[0].last_mut()
+                {
+                    row.m7_estimate = m7::estimate(&disassembly, paths);
+                    row.floor = table::floor(row);
                 }
                 ticks = calls;
                 checksums.insert(format!("{kernel} {blocks}"), checksum.to_string());

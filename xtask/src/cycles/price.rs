@@ -182,20 +182,10 @@ fn load(before: Option<&Instruction>, now: &Instruction) -> Price {
 #[cfg(test)]
 mod tests {
     use super::{Price, of_interrupt, of_path};
-    use crate::cycles::instruction::Instruction;
+    use crate::cycles::instruction::{Instruction, path};
 
-    /// Instructions as (size, mnemonic, operands), one behind the other from `start`.
     fn price(start: u32, lines: &[(u32, &str, &str)]) -> Price {
-        let mut address = start;
-        let path: Vec<_> = lines
-            .iter()
-            .map(|(size, mnemonic, operands)| {
-                let instruction = Instruction::parse(*size, mnemonic, operands, false).unwrap();
-                address += size;
-                (address - size, instruction)
-            })
-            .collect();
-        of_path(&path)
+        of_path(&path(start, lines))
     }
 
     const RETURN: (u32, &str, &str) = (2, "bx", "lr");
