@@ -5,7 +5,7 @@
 
 use preslide_host::compare::{compare, shortened};
 use preslide_host::diagnose::diagnose;
-use preslide_host::identify::{Options, identify, thinned};
+use preslide_host::identify::{MANY, Options, identify, thinned};
 use preslide_host::progress::Progress;
 use preslide_host::recording::{LoadOptions, Recording, load_csv};
 use rand::{RngExt, SeedableRng};
@@ -64,7 +64,7 @@ fn cpu_s() -> f64 {
 fn read(text: &str) -> Result<Recording, String> {
     let whole = load_csv(text.as_bytes(), "made.csv", &LoadOptions::default())
         .map_err(|e| e.to_string())?;
-    Ok(thinned(&whole).unwrap_or(whole))
+    Ok(thinned(&whole, MANY).unwrap_or(whole))
 }
 
 /// What is done with a recording, with the duration and CPU time of each step (s).

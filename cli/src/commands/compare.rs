@@ -3,6 +3,7 @@
 use super::{Failure, OutputArgs, RecordingArgs, SplitArgs, command_line, thin};
 use clap::Args;
 use preslide_host::compare::{compare, shortened, steps};
+use preslide_host::identify::MANY;
 use preslide_host::progress::Progress;
 use preslide_host::recording::Recording;
 use std::time::Instant;
@@ -29,7 +30,7 @@ impl Compare {
         let start = Instant::now();
         self.recordings.check_outputs(None, &[], &self.outputs)?;
         let recording = self.recordings.load()?;
-        let recording = self.shorten(thin(recording));
+        let recording = self.shorten(thin(recording, MANY));
         let options = self.split.options(&recording)?;
         let progress = Progress::new("compare", steps());
         let found = compare(&recording, &options, &progress).map_err(Failure::Data)?;

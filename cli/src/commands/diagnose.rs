@@ -62,7 +62,8 @@ impl Diagnose {
         self.recordings
             .check_outputs(self.model.as_ref(), &own, &self.outputs)?;
         let model = self.model.as_deref().map(Model::load).transpose()?;
-        let mut recording = thin(self.recordings.load()?);
+        // However many samples there are: what is said must not turn on the length of the recording.
+        let mut recording = thin(self.recordings.load()?, 0);
         let simulated = self.take_simulated(&mut recording)?;
         let progress = Progress::new("diagnose, steps of the search", 0);
         let found = match simulated {

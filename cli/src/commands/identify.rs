@@ -3,7 +3,7 @@
 use super::{Failure, OutputArgs, RecordingArgs, SplitArgs, command_line, thin, write_text};
 use clap::Args;
 use preslide_host::identify::family::Family;
-use preslide_host::identify::{Identification, STEPS, identify};
+use preslide_host::identify::{Identification, MANY, STEPS, identify};
 use preslide_host::progress::Progress;
 use preslide_host::recording::Recording;
 use std::path::PathBuf;
@@ -44,7 +44,7 @@ impl Identify {
         self.recordings
             .check_outputs(None, &[("-o", self.output.as_ref())], &self.outputs)?;
         let recording = self.recordings.load()?;
-        let recording = thin(recording);
+        let recording = thin(recording, MANY);
         let options = self.split.options(&recording)?;
         let more = if self.friction.is_some() { 2 } else { 0 };
         let progress = Progress::new("identify", STEPS + more);

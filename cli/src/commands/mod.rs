@@ -185,6 +185,7 @@ impl ReadingArgs {
         }
         let whole = Recording::join(recordings).map_err(Failure::Input)?;
         let of_joining = [
+            recording::COPIES,
             recording::DROPPED,
             recording::RATES,
             recording::FLIPPED_ALIKE,
@@ -200,9 +201,9 @@ impl ReadingArgs {
     }
 }
 
-/// The recording with as many samples as its band needs, and a line that says so.
-pub fn thin(recording: Recording) -> Recording {
-    let Some(thinned) = preslide_host::identify::thinned(&recording) else {
+/// The recording, from so many samples on, with as many as its band needs, and a line that says so.
+pub fn thin(recording: Recording, from: usize) -> Recording {
+    let Some(thinned) = preslide_host::identify::thinned(&recording, from) else {
         return recording;
     };
     if let Some(warning) = thinned.warnings.last() {

@@ -5,7 +5,7 @@ use super::{
 };
 use clap::Args;
 use preslide_host::cost::{CORES, Core, CostTable, DEFAULT};
-use preslide_host::identify::identify;
+use preslide_host::identify::{MANY, identify};
 use preslide_host::model::Model;
 use preslide_host::progress::Progress;
 use preslide_host::recording::Needs;
@@ -111,7 +111,7 @@ impl Tune {
                 tunings.push(of_model(&model, count, costs, *budget).map_err(Failure::Input)?);
             }
         } else {
-            let recording = thin(self.reading.load(&self.recording, Needs::Both)?);
+            let recording = thin(self.reading.load(&self.recording, Needs::Both)?, MANY);
             same_axis(&model, recording.kind, &recording.name).map_err(Failure::Input)?;
             let options = self.split.options(&recording)?;
             let progress = Progress::new("tune", 20);

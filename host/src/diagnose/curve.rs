@@ -66,11 +66,19 @@ fn bend(column: &mut [f64], over: &[f64]) {
 /// Hat functions over quantiles of a coordinate, without the last one (all together are a constant); none where it has too
 /// few values.
 pub fn hats(values: &[f64]) -> Vec<Vec<f64>> {
-    let mut knots: Vec<f64> = (0..KNOTS)
+    let knots: Vec<f64> = (0..KNOTS)
         .map(|k| quantile(values, k as f64 / (KNOTS - 1) as f64))
         .collect();
-    let span = knots[KNOTS - 1] - knots[0];
-    knots.dedup_by(|a, b| *a - *b < CLOSE * span);
+    let (low, high) = (knots[0], knots[KNOTS - 1]);
+    let span = high - low;
+    let apart = |a: &f64, b: &f64| b - a >= CLOSE * span;
+    // Where it dwells several fall together: the ends stay, whichever way the axis is called positive.
+    let one = |close: &[f64]| match (close[0] == low, close[close.len() - 1] == high) {
+        (true, _) => low,
+        (_, true) => high,
+        _ => mean(close),
+    };
+    let knots: Vec<f64> = knots.chunk_by(|a, b| !apart(a, b)).map(one).collect();
     if span <= 0.0 || knots.len() < 4 {
         return Vec::new();
     }

@@ -19,12 +19,14 @@ const FEWEST: usize = 40;
 const ROWS: usize = 4;
 /// Share of the usual friction below which a window does not tell of a friction level.
 const TELLS: f64 = 0.5;
-/// What nine of ten windows keep below, in standard deviations of a normal variable: events are fewer than one in ten.
+/// What nine of ten of the windows that are of no event keep below, in standard deviations of a normal variable.
 const USUAL: (f64, f64) = (0.9, 1.645);
 /// Such deviations from which a window stands out. Chance alone has 4 among 3000; friction that wanders has heavier tails.
 pub const STANDS_OUT: f64 = 8.0;
 /// Share of them that other windows must keep to be of the same kind.
 const BELONGS: f64 = 0.5;
+/// What more than this share of the windows have is no event.
+const RARE: f64 = 0.25;
 /// Share of the mismatch that events must hold: in recordings of nothing but wandering friction one window holds up to an eighth.
 const HELD: f64 = 0.25;
 
@@ -98,19 +100,31 @@ fn of_length(
     if windows.len() < FEWEST {
         return None;
     }
-    let unlike = unlike(&windows, length);
-    let sizes: Vec<f64> = unlike.iter().map(|d| d.abs()).collect();
-    let usual = (quantile(&sizes, USUAL.0) / USUAL.1).max(1e-300);
-    let most = sizes.iter().fold(0.0, |most: f64, size| most.max(*size));
-    let least = (STANDS_OUT * usual).max(BELONGS * most);
+    let (first, _) = standing_out(&unlike(&windows, length, &vec![false; windows.len()]))?;
+    // Compared with an event, what is like all others stands out.
+    let (told, z) = standing_out(&unlike(&windows, length, &first))?;
     let mut stretches: Vec<Range<usize>> = Vec::new();
-    for (window, _) in windows.iter().zip(&sizes).filter(|(_, s)| **s >= least) {
+    for (window, _) in windows.iter().zip(&told).filter(|(_, told)| **told) {
         match stretches.last_mut() {
             Some(last) if window.rows.start <= last.end => last.end = window.rows.end,
             _ => stretches.push(window.rows.clone()),
         }
     }
-    Some((stretches, most / usual))
+    Some((stretches, z))
+}
+
+/// Which windows stand out, and by how much the clearest does.
+fn standing_out(unlike: &[f64]) -> Option<(Vec<bool>, f64)> {
+    let sizes: Vec<f64> = unlike.iter().map(|d| d.abs()).collect();
+    let most = sizes.iter().fold(0.0, |most: f64, size| most.max(*size));
+    let least = BELONGS * most;
+    let others: Vec<f64> = sizes.iter().copied().filter(|s| *s < least).collect();
+    if (others.len() as f64) < (1.0 - RARE) * sizes.len() as f64 {
+        return None;
+    }
+    let usual = (quantile(&others, USUAL.0) / USUAL.1).max(1e-300);
+    let told = sizes.iter().map(|s| *s >= least).collect();
+    Some((told, most / usual))
 }
 
 /// Windows of a length that overlap by half, each within one stretch of contiguous rows.
@@ -150,8 +164,8 @@ fn coefficient(load: &[f64], mismatch: &[f64], rows: &Range<usize>) -> Option<f6
     (square > 0.0).then(|| product / square)
 }
 
-/// How much each window differs from the median of those that moved most alike at other times.
-fn unlike(windows: &[Window], length: f64) -> Vec<f64> {
+/// How much each window differs from the median of those that moved most alike at other times, `told` ones apart.
+fn unlike(windows: &[Window], length: f64, told: &[bool]) -> Vec<f64> {
     // By ranks: no unit, and no outlier, makes one coordinate count for more.
     let by_rank = |k: usize| {
         let mut order: Vec<usize> = (0..windows.len()).collect();
@@ -167,7 +181,7 @@ fn unlike(windows: &[Window], length: f64) -> Vec<f64> {
     (0..windows.len())
         .map(|i| {
             let mut near: Vec<(f64, f64)> = (0..windows.len())
-                .filter(|&j| (windows[i].start - windows[j].start).abs() > 2.0 * length)
+                .filter(|&j| !told[j] && (windows[i].start - windows[j].start).abs() > 2.0 * length)
                 .map(|j| {
                     let far = ranks.iter().map(|r| (r[i] - r[j]).powi(2)).sum();
                     (far, windows[j].size)

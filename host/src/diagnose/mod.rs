@@ -47,6 +47,7 @@ use crate::recording::{Recording, Simulated};
 use ground::Ground;
 use reproduced::Reproduced;
 use rows::Rows;
+use std::ops::Range;
 use term::Term;
 use thiserror::Error;
 pub use verdict::Diagnosis;
@@ -127,8 +128,6 @@ fn judge(
     progress: &Progress,
 ) -> Result<Diagnosis, Refusal> {
     check(recording, model)?;
-    let rows = Rows::new(recording).map_err(Refusal::Data)?;
-    progress.inc(1);
     let given = model.map(given).unwrap_or_default();
     let mechanics = model.map(|m| m.mechanics.clone()).unwrap_or_default();
     let periods: Vec<(String, f64)> = mechanics
@@ -142,13 +141,31 @@ fn judge(
             recording.name
         ))
     };
-    let mut ground = Ground::new(rows, &given).ok_or_else(unable)?;
-    if let Some((simulated, missed)) = simulated {
-        ground = ground.against(simulated, missed).ok_or_else(unable)?;
+    let searched = |outside: &[Range<usize>]| {
+        let rows = Rows::new(recording, outside).map_err(Refusal::Data)?;
+        progress.inc(1);
+        let mut ground = Ground::new(rows, &given).ok_or_else(unable)?;
+        if let Some((simulated, missed)) = simulated {
+            ground = ground.against(simulated, missed).ok_or_else(unable)?;
+        }
+        progress.inc(1);
+        search::search(ground, &given, &lengths, progress).ok_or_else(unable)
+    };
+    let mut found = searched(&[])?;
+    let event = unnamed::happened(&found);
+    // An event belongs to no effect, and pulls at all of them.
+    let outside = event.as_ref().and_then(|e| e.happened.as_ref());
+    if let Some(without) = outside.and_then(|h| searched(&h.samples).ok()) {
+        found = without;
     }
-    progress.inc(1);
-    let found = search::search(ground, &given, &lengths, progress).ok_or_else(unable)?;
-    verdict::conclude(found, given.len(), &periods, model.map(|m| &m.friction)).ok_or_else(unable)
+    verdict::conclude(
+        found,
+        event,
+        given.len(),
+        &periods,
+        model.map(|m| &m.friction),
+    )
+    .ok_or_else(unable)
 }
 
 /// Refuses what is no recording of motion and effort, or not the model's kind of axis.

@@ -5,6 +5,7 @@ use super::curve::Curve;
 use super::place::Place;
 use super::signals::{bounds, quantile};
 use super::term::Subject;
+use super::unnamed::Happened;
 use super::verdict::Diagnosis;
 use super::words::{between, quantity};
 use crate::recording::Recording;
@@ -58,7 +59,7 @@ impl Diagnosis {
             let flips = self.side(&first.force).is_some();
             return (axis, flips && odd.unwrap_or(false), own.copied());
         }
-        if let Some(unknown) = self.unknown() {
+        if let Some(unknown) = self.unknown().filter(|u| u.happened.is_none()) {
             return (unknown.axis, unknown.odd, unknown.place);
         }
         let best = self.organised.iter().find_map(|o| match o.term.subject {
@@ -86,17 +87,54 @@ impl Diagnosis {
                 "No stretch of any coordinate stands out of what noise and friction's own variability leave.".to_owned(),
             );
         }
+        let event = self.unnamed.iter().find_map(|u| u.happened.as_ref());
+        let alone = event.is_some() && self.confident().next().is_none();
+        let first = self.mismatch_over(axis, odd, place, recording);
+        let figures = first.filter(|_| !alone).into_iter();
+        let figures = figures
+            .chain(event.map(|e| self.mismatch_with(e, recording)))
+            .collect();
         let reproduced = self.reproduced.as_ref().map(|r| r.words(recording));
         paragraphs.extend(reproduced.map(|words| format!("Note: {words}.")));
         Section {
             heading: "Where model and recording differ".to_owned(),
             paragraphs,
-            figures: self
-                .mismatch_over(axis, odd, place, recording)
-                .into_iter()
-                .collect(),
+            figures,
             ..Section::default()
         }
+    }
+
+    /// The mismatch over time with all that happened, which is left out of every other figure.
+    fn mismatch_with(&self, happened: &Happened, recording: &Recording) -> Figure {
+        let [time, mismatch] = &happened.mismatch;
+        let (low, high) = bounds(mismatch);
+        let step = time.len().div_ceil(POINTS).max(1);
+        let thin = |v: &[f64]| v.iter().copied().step_by(step).collect::<Vec<_>>();
+        let marks = |[from, to]: &[f64; 2]| [*from, *from, *to, *to, f64::NAN];
+        let x = happened.times.iter().flat_map(marks).collect();
+        let y = happened
+            .times
+            .iter()
+            .flat_map(|_| [low, high, high, low, f64::NAN]);
+        let mut figure = Figure::new(
+            "Mismatch over time, with what happened",
+            report::Axis::new("time", "s"),
+            report::Axis::new("measured − model", unit_of(recording)),
+        )
+        .with(
+            Series::points("every row", thin(time), thin(mismatch))
+                .colour(Colour::Sky)
+                .emphasis(Emphasis::Faint),
+        )
+        .with(
+            Series::line("what happened", x, y.collect())
+                .style(Style::Dashed)
+                .colour(Colour::Black),
+        );
+        figure.note =
+            "What lies between dashed lines is left out of all else that is said and drawn."
+                .to_owned();
+        figure
     }
 
     /// Mean mismatch over a coordinate before and after, the place marked.
@@ -158,7 +196,12 @@ impl Diagnosis {
                     .colour(Colour::Black),
             );
             figure.note = format!(
-                "The dashed lines mark where the effect has more than half of its largest force: {}.",
+                "The dashed lines mark where it has more than {} of its largest force: {}.",
+                if self.confident().next().is_some() {
+                    "a fifth"
+                } else {
+                    "half"
+                },
                 between(place.from, place.to, &x_unit)
             );
         }

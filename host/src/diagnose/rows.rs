@@ -1,6 +1,6 @@
 //! The rows that are fitted: which instants of a recording can tell, in blocks that every decision is a paired statistic of.
 
-use super::signals::{Signals, bounds, quantile};
+use super::signals::{Signals, quantile};
 use super::weak::{Column, Weak};
 use crate::recording::Recording;
 use std::collections::BTreeSet;
@@ -49,19 +49,21 @@ pub struct Rows {
 }
 
 impl Rows {
-    /// Chooses the rows of a recording.
+    /// Chooses the rows of a recording, none of them within the samples `outside`.
     ///
     /// # Errors
     /// What the recording lacks, and what to record.
-    pub fn new(recording: &Recording) -> Result<Self, String> {
+    pub fn new(recording: &Recording, outside: &[Range<usize>]) -> Result<Self, String> {
         let mut s = Signals::of(recording);
         let inertial = recording.role.contains_inertia();
         let still = resting(&s);
         let unsettled = unsettled(&s);
-        let again = repeated(&s, &recording.effort);
-        let usable: Vec<bool> = (0..still.len())
-            .map(|i| !still[i] && !unsettled[i] && !again[i])
+        let mut usable: Vec<bool> = (0..still.len())
+            .map(|i| !still[i] && !unsettled[i])
             .collect();
+        outside
+            .iter()
+            .for_each(|range| usable[range.clone()].fill(false));
         let block = blocks_of(&s, &usable);
         let count = block.iter().max().map_or(0, |b| b + 1);
         s.fold = block.iter().map(|b| b / PER_FOLD).collect();
@@ -116,9 +118,6 @@ impl Rows {
     }
 }
 
-/// Share of the range by which a copy may differ: what resampling to even times later by the clock makes of it.
-const ROUNDED: f64 = 1e-6;
-
 /// Where the axis rests: any force below breakaway is admissible there, whatever the model.
 fn resting(s: &Signals) -> Vec<bool> {
     let half = ((STILL_S / s.dt).round() as usize).max(2);
@@ -157,30 +156,6 @@ fn unsettled(s: &Signals) -> Vec<bool> {
     unsettled
 }
 
-/// Pieces that are given twice: a copy proves nothing, and would be fitted and held out at once. No motion repeats itself so closely that
-/// every sample of position and effort is the same.
-fn repeated(s: &Signals, effort: &[f64]) -> Vec<bool> {
-    let mut again = vec![false; s.x.len()];
-    let rounded = |values: &[f64]| {
-        let (low, high) = bounds(values);
-        ROUNDED * (high - low)
-    };
-    let columns = [(&s.x[..], rounded(&s.x)), (effort, rounded(effort))];
-    for (i, piece) in s.pieces.iter().enumerate() {
-        let same = |other: &Range<usize>| {
-            other.len() == piece.len()
-                && columns.iter().all(|(values, rounded)| {
-                    let pairs = values[other.clone()].iter().zip(&values[piece.clone()]);
-                    pairs.into_iter().all(|(a, b)| (a - b).abs() <= *rounded)
-                })
-        };
-        if s.pieces[..i].iter().any(same) {
-            again[piece.clone()].fill(true);
-        }
-    }
-    again
-}
-
 /// The files of a recording, if what acts in each can be told from the others' folds; where they are many and short, one clock is better
 /// than none.
 fn sessions(files: &[Range<usize>], fold: &[usize], usable: &[bool]) -> Option<Vec<Range<usize>>> {
@@ -189,7 +164,7 @@ fn sessions(files: &[Range<usize>], fold: &[usize], usable: &[bool]) -> Option<V
         usable.map(|i| fold[i]).collect::<BTreeSet<usize>>().len()
     };
     let with_folds = files.iter().map(|file| (file.clone(), folds_in(file)));
-    // A copy has no rows, and no fold.
+    // A copy, or what only rests, has no fold.
     let (told, folds): (Vec<_>, Vec<usize>) = with_folds.filter(|(_, folds)| *folds > 0).unzip();
     let enough = told.len() > 1 && folds.iter().all(|folds| *folds >= OWN_FOLDS);
     enough.then_some(told)

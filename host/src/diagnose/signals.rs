@@ -312,12 +312,17 @@ pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-/// The value below which the share `q` of `values` lies.
+/// The value below which the share `q` of `values` lies, between ranks by a straight line: of mirrored values the mirrored one.
 pub fn quantile(values: &[f64], q: f64) -> f64 {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     if sorted.is_empty() {
         return 0.0;
     }
-    let place = ((sorted.len() - 1) as f64 * q.clamp(0.0, 1.0)) as usize;
-    *sorted.select_nth_unstable_by(place, f64::total_cmp).1
+    let place = (sorted.len() - 1) as f64 * q.clamp(0.0, 1.0);
+    let (_, below, above) = sorted.select_nth_unstable_by(place as usize, f64::total_cmp);
+    let next = above.iter().copied().fold(f64::INFINITY, f64::min);
+    match place.fract() {
+        0.0 => *below,
+        part => *below + part * (next - *below),
+    }
 }

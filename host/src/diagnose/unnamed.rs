@@ -13,6 +13,7 @@ use super::search::Found;
 use super::signals::mean;
 use super::term::Subject;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Share of the mismatch, weighted or all rows alike, from which what has no name is material.
 const UNNAMED: f64 = 0.05;
@@ -42,14 +43,23 @@ pub struct Unknown {
     pub size: f64,
     /// What its probability is computed from, where that is fitted.
     pub features: Option<BTreeMap<&'static str, f64>>,
-    /// The stretches of time (s) that it is confined to, where it is an event.
-    pub times: Vec<[f64; 2]>,
+    /// When it happened, where it is an event.
+    pub happened: Option<Happened>,
     /// Where it is.
     pub place: Option<Place>,
     /// Root mean square of its force (N or N·m).
     pub rms: f64,
-    /// Its force at the rows.
-    pub force: Vec<f64>,
+}
+
+/// When an event was, and the mismatch that tells it.
+#[derive(Clone)]
+pub struct Happened {
+    /// Stretches of time (s).
+    pub times: Vec<[f64; 2]>,
+    /// Their samples, which say nothing of anything else.
+    pub samples: Vec<Range<usize>>,
+    /// Time (s) and mismatch (N or N·m) of all rows, these among them.
+    pub mismatch: [Vec<f64>; 2],
 }
 
 /// The first that is likely there.
@@ -57,9 +67,10 @@ pub fn likely(unnamed: &[Unknown]) -> Option<&Unknown> {
     unnamed.iter().find(|u| u.confidence >= LIKELY)
 }
 
-/// All that are material, largest first; `is_doubtful` tells of an effect whether it is suspected only.
+/// All that are material, largest first, beside an event; `is_doubtful` tells of an effect whether it is suspected only.
 pub fn unnamed(
     found: &Found,
+    event: Option<Unknown>,
     standings: &[Standing],
     is_doubtful: impl Fn(&dyn Effect) -> bool,
 ) -> Vec<Unknown> {
@@ -74,25 +85,34 @@ pub fn unnamed(
         .filter(is_unnamed)
         .filter(|s| s.size() >= UNNAMED && s.size() * s.left >= NOTICEABLE);
     let mut all: Vec<Unknown> = material.map(|s| unknown(found, s)).collect();
-    all.extend(happened(found));
+    all.extend(event);
     all.sort_by(|a, b| b.size.total_cmp(&a.size));
     all
 }
 
 /// What happened at some time and not otherwise.
-fn happened(found: &Found) -> Option<Unknown> {
+pub fn happened(found: &Found) -> Option<Unknown> {
     let rows = &found.ground.rows;
     let friction = rows.weak.at_centres(&found.ground.baseline.friction);
     let mismatch = found.hypothesis.held_out_residual(rows);
     let event = event(rows, &friction, &mismatch)?;
     let left = found.hypothesis.nmse(rows).test;
-    let time = rows.weak.at_centres(&rows.s.t);
-    let reach = rows.weak.half_width_s;
-    let times = event.stretches.iter();
-    let mut times: Vec<[f64; 2]> = times
-        .map(|r| [time[r.start] - reach, time[r.end - 1] + reach])
-        .collect();
+    let reach = (rows.weak.half_width_s / rows.s.dt).ceil() as usize;
+    let samples = |r: &Range<usize>| {
+        let [first, last] = [r.start, r.end - 1].map(|row| rows.weak.centres[row]);
+        let piece = rows.s.pieces.iter().find(|p| p.contains(&first));
+        let piece = piece.cloned().unwrap_or(first..last + 1);
+        first.saturating_sub(reach).max(piece.start)..(last + reach + 1).min(piece.end)
+    };
+    let samples: Vec<Range<usize>> = event.stretches.iter().map(samples).collect();
+    let time = |s: &Range<usize>| [rows.s.t[s.start], rows.s.t[s.end - 1]];
+    let mut times: Vec<[f64; 2]> = samples.iter().map(time).collect();
     times.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let happened = Happened {
+        times,
+        samples,
+        mismatch: [rows.weak.at_centres(&rows.s.t), mismatch],
+    };
     (event.share * left >= NOTICEABLE).then(|| Unknown {
         axis: Axis::Time,
         odd: event.odd,
@@ -110,8 +130,7 @@ fn happened(found: &Found) -> Option<Unknown> {
         features: None,
         place: Place::of(rows, Axis::Time, &event.force),
         rms: rms(&event.force),
-        times,
-        force: event.force,
+        happened: Some(happened),
     })
 }
 
@@ -142,9 +161,8 @@ fn unknown(found: &Found, standing: &Standing) -> Unknown {
         evidence: standing.evidence,
         size: standing.size(),
         features: Some(features_of_presence(standing)),
-        times: Vec::new(),
+        happened: None,
         place: Place::of(rows, axis, &varying),
         rms: rms(&varying),
-        force: varying,
     }
 }

@@ -151,9 +151,10 @@ impl Diagnosis {
     }
 }
 
-/// Draws the conclusions.
+/// Draws the conclusions, beside an event that the search was made without.
 pub fn conclude(
     mut found: Found,
+    event: Option<Unknown>,
     given: usize,
     mechanics: &[(String, f64)],
     friction: Option<&FrictionModel>,
@@ -203,7 +204,7 @@ pub fn conclude(
         let own = |n: &&Named| matches!(n.name, Name::Entry(e) if e.id() == effect.id());
         effects.iter().find(own).is_some_and(|n| !n.confident)
     };
-    let unnamed = unnamed(&found, &standings, is_doubtful);
+    let unnamed = unnamed(&found, event, &standings, is_doubtful);
     let after = if ground.core.corrects && !effects.iter().any(|e| e.confident) {
         baseline
     } else {

@@ -30,7 +30,7 @@ impl Weak {
     /// a row may be centred at.
     pub fn new(s: &Signals, inertial: bool, usable: &[bool]) -> Self {
         let by_band = if inertial { 0.62 / s.band_hz } else { 0.0 };
-        // What no row is centred at, a copy or a rest, must not blur the others.
+        // What no row is centred at, as a rest, must not blur the others.
         let moving = usable.iter().filter(|u| **u).count();
         let by_rows = moving as f64 * s.dt / ROWS as f64;
         let half_s = by_band.max(12.5e-3).max(by_rows);

@@ -108,8 +108,8 @@ impl Unknown {
     /// What it asks for: the experiment of what it is most like, or eyes.
     fn advice(&self, found: &Diagnosis) -> String {
         let axis = self.axis.name(&found.ground.rows.s);
-        if !self.times.is_empty() {
-            return "look at what happened then: a knock, something in the guideway, a cable that caught; or leave these stretches out.".to_owned();
+        if self.happened.is_some() {
+            return "look at what happened then: a knock, something in the guideway, a cable that caught. All else is said without these stretches.".to_owned();
         }
         match self.like {
             Some(effect) => format!(
@@ -127,8 +127,8 @@ impl Unknown {
     /// What is left, in a clause.
     pub fn words(&self, found: &Diagnosis, recording: &Recording) -> String {
         let s = &found.ground.rows.s;
-        if !self.times.is_empty() {
-            return self.event_words(recording);
+        if let Some(happened) = &self.happened {
+            return self.event_words(&happened.times, recording);
         }
         let place = self.place.map_or(String::new(), |p| {
             format!(", largest {}", place_words(&p, recording))
@@ -156,16 +156,15 @@ impl Unknown {
     }
 
     /// An event in a clause.
-    fn event_words(&self, recording: &Recording) -> String {
+    fn event_words(&self, times: &[[f64; 2]], recording: &Recording) -> String {
         /// Stretches that are told one by one.
         const TOLD: usize = 4;
-        let told: Vec<String> = self
-            .times
+        let told: Vec<String> = times
             .iter()
             .take(TOLD)
             .map(|t| between(t[0], t[1], "s"))
             .collect();
-        let more = match self.times.len().saturating_sub(TOLD) {
+        let more = match times.len().saturating_sub(TOLD) {
             0 => String::new(),
             more => format!(" and {more} more times"),
         };

@@ -187,8 +187,8 @@ const FINEST: f64 = 1e-5;
 /// measured on all of them.
 const MOST_SCORED: usize = 25_000;
 
-/// Samples from which on a recording is thinned.
-const THINNED_FROM: usize = 60_000;
+/// Samples from which on a recording is thinned that models are compared on.
+pub const MANY: usize = 60_000;
 
 /// Sample rate that is kept, in cut-offs of the filter that the effort goes through anyway.
 const KEPT_RATE: f64 = 10.0;
@@ -199,9 +199,10 @@ const MOST_KEPT: usize = 100_000;
 /// The recording with as many samples as its band needs, where it has many more; `None` where it is best left as it is.
 ///
 /// The band is that of the zero-phase filter through which effort and motion are compared ([`ZeroPhase`](crate::signal::ZeroPhase)). A recorded
-/// friction goes through no filter: only what is more than anything could use is taken off it.
-pub fn thinned(recording: &Recording) -> Option<Recording> {
-    if recording.len() < THINNED_FROM {
+/// friction goes through no filter: only what is more than anything could use is taken off it. A recording of fewer samples than `from` is
+/// left as it is.
+pub fn thinned(recording: &Recording, from: usize) -> Option<Recording> {
+    if recording.len() < from {
         return None;
     }
     let by_band = if recording.role.contains_inertia() {

@@ -18,7 +18,7 @@ const SAME_RATE: f64 = 1.1;
 impl Recording {
     /// Joins recordings of one machine, in order; segments and repeats are numbered on.
     ///
-    /// A column that not all of them have is left out of the whole.
+    /// A column that not all of them have is left out of the whole, and so is what is given twice.
     ///
     /// # Errors
     /// Which two recordings do not belong together, and why.
@@ -100,7 +100,7 @@ impl Recording {
             whole.warnings.extend(next.warnings);
         }
         whole.sample_time_s = timing::sample_time(&whole.t_s, &whole.pieces);
-        Ok(whole)
+        Ok(whole.without_copies())
     }
 }
 

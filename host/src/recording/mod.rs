@@ -7,6 +7,7 @@
 mod balance;
 mod checks;
 mod columns;
+mod copies;
 mod csv;
 mod decimate;
 mod error;
@@ -40,6 +41,7 @@ use std::io::{Read, Seek};
 use std::ops::Range;
 use std::path::Path;
 
+pub use copies::COPIES;
 pub use error::{Problem, RecordingError};
 pub use extra::Extra;
 use frame::Frame;

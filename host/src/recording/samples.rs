@@ -49,7 +49,7 @@ impl Recording {
     }
 
     /// The samples that are `inside`, in pieces of neighbours.
-    fn masked(&self, inside: &[bool]) -> Recording {
+    pub(super) fn masked(&self, inside: &[bool]) -> Recording {
         fn keep<T: Copy>(values: &[T], inside: &[bool]) -> Vec<T> {
             values
                 .iter()
