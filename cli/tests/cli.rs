@@ -339,6 +339,23 @@ fn outputs_that_cannot_be_written_say_so() {
 }
 
 #[test]
+fn what_explains_nothing_is_no_model() {
+    let folder = Folder::new();
+    let (mut text, mut seed) = ("t_s,x_m,force_N\n".to_owned(), 7_u32);
+    for i in 0..8000 {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let t = f64::from(i) * 1e-3;
+        let noise = f64::from(seed >> 8) / f64::from(1 << 24) - 0.5;
+        text += &format!("{t:.3},{:.6},{noise:.5}\n", 0.01 * (5.0 * t).sin());
+    }
+    let path = folder.file("noise.csv", text);
+    let (model, json) = (folder.path("model.toml"), folder.path("noise.json"));
+    preslide(&["identify", &path, "-o", &model, "--json", &json])
+        .fails(3, &["noise.csv", "explains nothing", "no model is written"]);
+    assert!(!std::path::Path::new(&model).exists() && std::path::Path::new(&json).exists());
+}
+
+#[test]
 fn no_output_overwrites_an_input_or_another_output() {
     let folder = Folder::new();
     let path = folder.file("good.csv", recording(HEADER));

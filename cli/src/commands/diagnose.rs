@@ -87,6 +87,9 @@ impl Diagnose {
         if let Some(reproduced) = &found.reproduced {
             say!("Note: {}.\n", reproduced.words(&recording));
         }
+        if let Some(per) = recording.per_unit() {
+            say!("Note: {per}.\n");
+        }
         if !found.effects.is_empty() {
             say!("{}", found.table(&recording).to_text());
         }
@@ -103,6 +106,7 @@ impl Diagnose {
                 format!("diagnosed from {}", recording.name),
                 found.verdict_words(&recording),
             ];
+            remarks.extend(recording.per_unit());
             if !self.simulated.is_empty() {
                 remarks.push(format!("the effects are what {} lacks; inertia and friction are the recording's own, which their levels refer to", self.simulated.join(",")));
             }

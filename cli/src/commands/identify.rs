@@ -61,13 +61,22 @@ impl Identify {
 
         print(&found, &recording);
 
-        if let Some(path) = &self.output {
+        let nothing = found.explains_nothing();
+        if let Some(path) = self.output.as_ref().filter(|_| !nothing) {
             write_text(path, &model_text(&found, &recording))?;
         }
         let seconds = start.elapsed().as_secs_f64();
-        self.outputs.write(&found.to_json(&recording, seconds), || {
-            found.page(&recording, command_line())
-        })
+        self.outputs
+            .write(&found.to_json(&recording, seconds), || {
+                found.page(&recording, command_line())
+            })?;
+        if nothing {
+            return Err(Failure::Data(format!(
+                "{}: the best model explains nothing of what is held out, so no model is written",
+                recording.name
+            )));
+        }
+        Ok(())
     }
 }
 

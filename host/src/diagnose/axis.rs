@@ -70,6 +70,8 @@ impl Axis {
             Axis::Time => "time",
             Axis::Path => "path",
             Axis::Temperature => "temperature",
+            // Where none was recorded, what the drive passes on besides friction stands for it.
+            Axis::Load if s.load.is_none() => "transmitted load",
             Axis::Load => "load",
             Axis::Column(i) => column(i),
             Axis::ColumnVelocity(i) => return format!("velocity of {}", column(i)),

@@ -95,7 +95,8 @@ impl Diagnosis {
             .chain(event.map(|e| self.mismatch_with(e, recording)))
             .collect();
         let reproduced = self.reproduced.as_ref().map(|r| r.words(recording));
-        paragraphs.extend(reproduced.map(|words| format!("Note: {words}.")));
+        let notes = reproduced.into_iter().chain(recording.per_unit());
+        paragraphs.extend(notes.map(|words| format!("Note: {words}.")));
         Section {
             heading: "Where model and recording differ".to_owned(),
             paragraphs,

@@ -420,11 +420,14 @@ fn hysteresis(ground: &Ground, shape: Shape) -> Named {
 }
 
 fn correction(ground: &Ground, corrected: Corrected) -> Named {
+    let sure = confidence::of_evidence(&corrected.evidence);
+    let holds_zero = |[low, high]: [f64; 2]| low <= 0.0 && 0.0 <= high;
+    let doubtful = corrected.parameter.1.ci95.is_some_and(holds_zero);
     Named {
         name: Name::Correction(corrected.what),
         term: None,
-        confident: true,
-        confidence: confidence::of_evidence(&corrected.evidence),
+        confident: !doubtful,
+        confidence: if doubtful { sure.min(EVEN) } else { sure },
         evidence: corrected.evidence,
         standing: None,
         nmse_test: corrected.nmse,

@@ -16,6 +16,9 @@ const FEW_FOLDS: usize = 6;
 /// Held-out NMSE of the best model (%) above which it explains nothing.
 const UNEXPLAINED: f64 = 50.0;
 
+/// NMSE held out (%) from which a model is none: it says less of the effort than that it stays what it is on average, or hardly more.
+const NOTHING: f64 = 95.0;
+
 /// NMSE of Coulomb + viscous friction (%) above which the motion hardly slides.
 const MOSTLY_PRESLIDING: f64 = 30.0;
 
@@ -233,6 +236,11 @@ impl Identification {
             .filter(|b| b.1.value > SOFT * self.yield_range.1);
         let share = soft.map(held).sum::<f64>() / blocks.iter().map(held).sum::<f64>();
         (share > MOSTLY_SOFT).then_some(share)
+    }
+
+    /// Whether the best model explains nothing of what is held out.
+    pub fn explains_nothing(&self) -> bool {
+        self.best().nmse_test >= NOTHING
     }
 
     /// What the user should know, besides the recording's own warnings.
