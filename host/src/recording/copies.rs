@@ -1,5 +1,6 @@
 //! Pieces that are given twice: a copy proves nothing, and would be fitted and held out at once.
 
+use super::repair::extremes;
 use super::{Recording, Warning};
 use std::ops::Range;
 
@@ -11,16 +12,16 @@ pub const COPIES: &str = "copies";
 const ROUNDED: f64 = 1e-6;
 
 impl Recording {
-    /// Without the pieces whose position and effort are those of an earlier piece, which a warning names.
+    /// Without the pieces whose position, effort and further columns are those of an earlier piece, which a warning names.
     pub(super) fn without_copies(self) -> Recording {
-        let columns = [&self.position, &self.effort].map(|column| {
-            let (low, high) = column
-                .iter()
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| {
-                    (low.min(v), high.max(v))
-                });
-            (column, ROUNDED * (high - low))
-        });
+        let further = self.extra.iter().map(|extra| &extra.values);
+        let columns = [&self.position, &self.effort].into_iter().chain(further);
+        let columns: Vec<(&Vec<f64>, f64)> = columns
+            .map(|column| {
+                let (low, high) = extremes(column);
+                (column, ROUNDED * (high - low))
+            })
+            .collect();
         let same = |a: &Range<usize>, b: &Range<usize>| {
             a.len() == b.len()
                 && columns.iter().all(|(values, rounded)| {

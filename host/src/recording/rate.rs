@@ -54,14 +54,16 @@ impl Recording {
                 .copied()
                 .step_by(factor)
                 .collect();
-            Plan {
+            // A single sample has no rate.
+            (kept.len() > 1).then(|| Plan {
                 grid: Grid::at(&kept, common),
                 weights: blackman_sinc(factor),
                 factor,
                 piece,
-            }
+            })
         };
-        Cow::Owned(self.at(common, &steps.into_iter().map(plan).collect::<Vec<_>>()))
+        let plans: Vec<Plan> = steps.into_iter().filter_map(plan).collect();
+        Cow::Owned(self.at(common, &plans))
     }
 
     fn at(&self, step: f64, plans: &[Plan]) -> Recording {
@@ -108,8 +110,12 @@ mod tests {
 
     /// A sine of 3 Hz, sampled for 10 s.
     fn sampled(hertz: f64) -> Recording {
+        samples((10.0 * hertz) as usize, hertz)
+    }
+
+    fn samples(count: usize, hertz: f64) -> Recording {
         let mut text = String::from("t_s,x_m,force_N\n");
-        for i in 0..(10.0 * hertz) as usize {
+        for i in 0..count {
             let t = i as f64 / hertz;
             let (sin, cos) = (std::f64::consts::TAU * 3.0 * t).sin_cos();
             text += &format!("{t:.9},{:.9},{:.9}\n", 0.01 * sin, cos);
@@ -121,6 +127,11 @@ mod tests {
     fn pieces_of_unlike_rates_come_to_one_and_keep_what_they_say() {
         let same = Recording::join(vec![sampled(1000.0), sampled(1000.2)]).expect("joined");
         assert!(matches!(same.at_one_rate(), Cow::Borrowed(_)));
+
+        // Of three samples at four times the rate one is left, and of one alone there is no rate.
+        let few = Recording::join(vec![sampled(1000.0), samples(3, 4000.0)]).expect("joined");
+        let few = few.at_one_rate();
+        assert_eq!((few.len(), few.pieces.len()), (10_000, 1));
 
         let files = [1000.0, 980.0, 4000.0, 90.0].map(sampled).to_vec();
         let whole = Recording::join(files).expect("joined");

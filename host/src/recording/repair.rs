@@ -81,7 +81,7 @@ pub(super) fn repair(
     }
 }
 
-fn extremes(values: &[f64]) -> (f64, f64) {
+pub(super) fn extremes(values: &[f64]) -> (f64, f64) {
     let widen = |(low, high): (f64, f64), &v: &f64| (low.min(v), high.max(v));
     values
         .iter()
