@@ -71,14 +71,16 @@ pub fn hats(values: &[f64]) -> Vec<Vec<f64>> {
         .collect();
     let (low, high) = (knots[0], knots[KNOTS - 1]);
     let span = high - low;
-    let apart = |a: &f64, b: &f64| b - a >= CLOSE * span;
     // Where it dwells several fall together: the ends stay, whichever way the axis is called positive.
     let one = |close: &[f64]| match (close[0] == low, close[close.len() - 1] == high) {
         (true, _) => low,
         (_, true) => high,
         _ => mean(close),
     };
-    let knots: Vec<f64> = knots.chunk_by(|a, b| !apart(a, b)).map(one).collect();
+    let knots: Vec<f64> = knots
+        .chunk_by(|a, b| b - a < CLOSE * span)
+        .map(one)
+        .collect();
     if span <= 0.0 || knots.len() < 4 {
         return Vec::new();
     }

@@ -106,11 +106,8 @@ impl Ground {
             }
             let mut next = from.with_baseline(&fitted);
             let places = Places::of(&next.rows, &next.baseline);
-            next.noise = Noise::estimate(
-                &fitted.residual(&next.rows),
-                &course(&next.rows, &places),
-                None,
-            );
+            next.noise =
+                Noise::estimate(&fitted.residual(&next.rows), &course(&next.rows, &places));
             ground = Some(next.with_a_hold(&all)?);
         }
         ground

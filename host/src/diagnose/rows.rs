@@ -61,9 +61,9 @@ impl Rows {
         let mut usable: Vec<bool> = (0..still.len())
             .map(|i| !still[i] && !unsettled[i])
             .collect();
-        outside
-            .iter()
-            .for_each(|range| usable[range.clone()].fill(false));
+        for range in outside {
+            usable[range.clone()].fill(false);
+        }
         let block = blocks_of(&s, &usable);
         let count = block.iter().max().map_or(0, |b| b + 1);
         s.fold = block.iter().map(|b| b / PER_FOLD).collect();

@@ -57,8 +57,8 @@ struct Bounds {
 }
 
 impl Noise {
-    /// Finds the parameters that make `residual` most likely, from those of `before` where it is given.
-    pub fn estimate(residual: &[f64], course: &Course, before: Option<&Noise>) -> Self {
+    /// Finds the parameters that make `residual` most likely.
+    pub fn estimate(residual: &[f64], course: &Course) -> Self {
         let rms = rms(residual).max(1e-300);
         // A course without friction or stiffness has no process that acts through it, whatever its deviation.
         let or_one = |size: f64| if size > 0.0 { size } else { 1.0 };
@@ -118,29 +118,24 @@ impl Noise {
         ]
         .map(f64::ln);
         let bounds = Bounds { low, high };
-        let start = match before {
-            Some(before) => before.parameters,
-            // The likelihood has several hills: friction that wanders, a disturbance, or both. A part of the rows tells which is
-            // the highest; the processes are the same on it.
-            None => {
-                let part = Part::of(course, residual);
-                let hills = [(0.3, 0.3), (0.5, 0.05), (0.05, 0.5)].map(|(level, force)| {
-                    let mut start = set(level);
-                    start.length = lengths;
-                    start.white = (force * rms).ln();
-                    start.deviation[4..].fill(start.white);
-                    start
-                });
-                let climbed = hills.into_par_iter().map(|start| {
-                    let of = |p: &Parameters| likelihood(p, &part.residual, &part.course());
-                    let top = climb(start, &bounds, &[1.5, 0.7, 0.35], of);
-                    (of(&top), top)
-                });
-                climbed
-                    .max_by(|a, b| a.0.total_cmp(&b.0))
-                    .map_or(set(0.3), |best| best.1)
-            }
-        };
+        // The likelihood has several hills: friction that wanders, a disturbance, or both. A part of the rows tells which is
+        // the highest; the processes are the same on it.
+        let part = Part::of(course, residual);
+        let hills = [(0.3, 0.3), (0.5, 0.05), (0.05, 0.5)].map(|(level, force)| {
+            let mut start = set(level);
+            start.length = lengths;
+            start.white = (force * rms).ln();
+            start.deviation[4..].fill(start.white);
+            start
+        });
+        let climbed = hills.into_par_iter().map(|start| {
+            let of = |p: &Parameters| likelihood(p, &part.residual, &part.course());
+            let top = climb(start, &bounds, &[1.5, 0.7, 0.35], of);
+            (of(&top), top)
+        });
+        let start = climbed
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+            .map_or(set(0.3), |best| best.1);
         let best = climb(start, &bounds, &[0.5, 0.25], |p| {
             likelihood(p, residual, course)
         });

@@ -364,7 +364,7 @@ mod tests {
             }
         }
         let course = over(&folds, [&time, &path, &friction, &stiffness]);
-        let noise = Noise::estimate(&r, &course, None);
+        let noise = Noise::estimate(&r, &course);
         assert!(
             (noise.variability() / 0.1 - 1.0).abs() < 0.5,
             "{}",
@@ -396,7 +396,7 @@ mod tests {
         let course = over(&folds, [&time, &path, &friction, &stiffness]);
         let blocks: Vec<Range<usize>> = (0..20).map(|b| b * 100..(b + 1) * 100).collect();
         assert!((Noise::white(&r, &course).spread(&blocks) - 1.0).abs() < 1e-9);
-        let noise = Noise::estimate(&r, &course, None);
+        let noise = Noise::estimate(&r, &course);
         // Two of twenty.
         let own = noise.spread(&blocks);
         assert!((own - 0.1).abs() < 0.02, "{own}");
@@ -415,7 +415,7 @@ mod tests {
         };
         let (a, b) = (draw(), draw());
         let course = over(&folds, [&time, &path, &friction, &stiffness]);
-        let noise = Noise::estimate(&a, &course, None);
+        let noise = Noise::estimate(&a, &course);
         let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let (left, right) = (
             product(&b, &noise.inverse(&a)),
