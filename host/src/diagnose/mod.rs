@@ -153,10 +153,9 @@ fn judge(
     };
     let mut found = searched(&[])?;
     let event = unnamed::happened(&found);
-    // An event belongs to no effect, and pulls at all of them.
-    let outside = event.as_ref().and_then(|e| e.happened.as_ref());
-    if let Some(without) = outside.and_then(|h| searched(&h.samples).ok()) {
-        found = without;
+    // An event belongs to no effect, and pulls at all of them: all else is said without it, or not at all.
+    if let Some(happened) = event.as_ref().and_then(|e| e.happened.as_ref()) {
+        found = searched(&happened.samples)?;
     }
     verdict::conclude(
         found,

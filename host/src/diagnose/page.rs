@@ -59,7 +59,7 @@ impl Diagnosis {
             let flips = self.side(&first.force).is_some();
             return (axis, flips && odd.unwrap_or(false), own.copied());
         }
-        if let Some(unknown) = self.unknown().filter(|u| u.happened.is_none()) {
+        if let Some(unknown) = self.nameless().find(|u| u.happened.is_none()) {
             return (unknown.axis, unknown.odd, unknown.place);
         }
         let best = self.organised.iter().find_map(|o| match o.term.subject {
@@ -76,19 +76,17 @@ impl Diagnosis {
             .confident()
             .map(|e| format!("{}.", self.sentence(e, recording)))
             .collect();
-        if let Some(unknown) = self.unknown() {
-            paragraphs.push(format!(
-                "Without a name: {}.",
-                unknown.words(self, recording)
-            ));
-        }
+        let nameless = self.nameless().map(|u| u.words(self, recording));
+        paragraphs.extend(nameless.map(|words| format!("Without a name: {words}.")));
         if paragraphs.is_empty() {
             paragraphs.push(
                 "No stretch of any coordinate stands out of what noise and friction's own variability leave.".to_owned(),
             );
         }
         let event = self.unnamed.iter().find_map(|u| u.happened.as_ref());
-        let alone = event.is_some() && self.confident().next().is_none();
+        let alone = event.is_some()
+            && self.confident().next().is_none()
+            && self.nameless().all(|u| u.happened.is_some());
         let first = self.mismatch_over(axis, odd, place, recording);
         let figures = first.filter(|_| !alone).into_iter();
         let figures = figures
@@ -109,8 +107,6 @@ impl Diagnosis {
     fn mismatch_with(&self, happened: &Happened, recording: &Recording) -> Figure {
         let [time, mismatch] = &happened.mismatch;
         let (low, high) = bounds(mismatch);
-        let step = time.len().div_ceil(POINTS).max(1);
-        let thin = |v: &[f64]| v.iter().copied().step_by(step).collect::<Vec<_>>();
         let marks = |[from, to]: &[f64; 2]| [*from, *from, *to, *to, f64::NAN];
         let x = happened.times.iter().flat_map(marks).collect();
         let y = happened
@@ -157,8 +153,6 @@ impl Diagnosis {
         };
         let [before, after] = [signed(&residuals[0]), signed(&residuals[1])];
         let means = [means_over(&values, &before), means_over(&values, &after)];
-        let step = values.len().div_ceil(POINTS).max(1);
-        let thin = |v: &[f64]| v.iter().copied().step_by(step).collect::<Vec<_>>();
         let name = axis.name(&rows.s);
         let mut figure = Figure::new(
             format!("Mismatch over {name}"),
@@ -363,6 +357,12 @@ fn unit_of(recording: &Recording) -> &'static str {
         "Nm" => "N·m",
         other => other,
     }
+}
+
+/// As many values as a cloud has points.
+fn thin(values: &[f64]) -> Vec<f64> {
+    let step = values.len().div_ceil(POINTS).max(1);
+    values.iter().copied().step_by(step).collect()
 }
 
 /// Means of `values` over stretches of a coordinate: centre and mean of those that hold any.

@@ -64,7 +64,12 @@ pub struct Happened {
 
 /// The first that is likely there.
 pub fn likely(unnamed: &[Unknown]) -> Option<&Unknown> {
-    unnamed.iter().find(|u| u.confidence >= LIKELY)
+    unnamed.iter().find(|u| is_likely(u))
+}
+
+/// Whether it is likely there.
+pub fn is_likely(unknown: &Unknown) -> bool {
+    unknown.confidence >= LIKELY
 }
 
 /// All that are material, largest first, beside an event; `is_doubtful` tells of an effect whether it is suspected only.

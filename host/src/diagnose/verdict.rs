@@ -17,7 +17,7 @@ use super::search::Found;
 use super::signals::Signals;
 use super::simulation::{self, Corrected, Correction};
 use super::term::{Subject, Term};
-use super::unnamed::{Unknown, likely, unnamed};
+use super::unnamed::{Unknown, is_likely, likely, unnamed};
 use crate::friction::FrictionModel;
 use crate::statistics::Estimate;
 
@@ -148,6 +148,14 @@ impl Diagnosis {
     /// What is left and has no name.
     pub fn unknown(&self) -> Option<&Unknown> {
         likely(&self.unnamed)
+    }
+
+    /// What is stated without a name: the largest that follows something, and what happened, which all else is said without.
+    pub fn nameless(&self) -> impl Iterator<Item = &Unknown> {
+        let (events, others): (Vec<_>, Vec<_>) =
+            self.unnamed.iter().partition(|u| u.happened.is_some());
+        let first = others.into_iter().find(|u| is_likely(u));
+        first.into_iter().chain(events)
     }
 }
 

@@ -266,7 +266,7 @@ impl Diagnosis {
                 self.extended.test
             ),
         };
-        if let Some(unknown) = self.unknown() {
+        for unknown in self.nameless() {
             text += &format!("; without a name: {}", unknown.words(self, recording));
         }
         text
