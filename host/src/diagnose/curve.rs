@@ -2,6 +2,7 @@
 
 use super::axis::Axis;
 use super::effect::Scene;
+use super::normal::dot;
 use super::signals::{Signals, mean, quantile};
 use super::weak::Column;
 
@@ -35,31 +36,49 @@ impl Curve {
             return Vec::new();
         };
         let mut hats = hats(&values);
+        let friction = &scene.core.friction;
         if self.odd {
             for hat in &mut hats {
-                let friction = &scene.core.friction;
                 hat.iter_mut().zip(friction).for_each(|(h, f)| *h *= f);
             }
-        } else if self.axis == Axis::Acceleration {
-            // What is straight is inertia. The core has it, from a noisier acceleration: a curve that may be straight mends its mass.
-            hats.iter_mut().for_each(|hat| bend(hat, &values));
         }
+        // What others have: friction's level is the core's, and would be lost to what acts through it; a constant is a force of its own;
+        // the inertia is better known from the core than from a noisier acceleration.
+        let one = vec![1.0; values.len()];
+        let others: Vec<&[f64]> = match self.axis {
+            _ if self.odd => vec![friction],
+            Axis::Velocity => vec![&one, friction],
+            Axis::Acceleration => vec![&one, &values],
+            _ => vec![&one],
+        };
+        let others = orthonormal(&others);
+        hats.iter_mut().for_each(|hat| rid(hat, &others));
         hats.into_iter().map(Column::of).collect()
     }
 }
 
-/// Takes a constant and what is in proportion to a coordinate out of a column, by least squares.
-fn bend(column: &mut [f64], over: &[f64]) {
-    let (centre, level) = (mean(over), mean(column));
-    let square: f64 = over.iter().map(|v| (v - centre).powi(2)).sum();
-    let product: f64 = over
-        .iter()
-        .zip(&*column)
-        .map(|(v, c)| (v - centre) * c)
-        .sum();
-    let slope = product / square.max(1e-300);
-    for (c, v) in column.iter_mut().zip(over) {
-        *c -= level + slope * (v - centre);
+/// An orthonormal basis of what some columns span (Gram and Schmidt); nothing of a column that is no more than the others.
+fn orthonormal(columns: &[&[f64]]) -> Vec<Vec<f64>> {
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for column in columns {
+        let mut own = column.to_vec();
+        rid(&mut own, &basis);
+        let size = dot(&own, &own).sqrt();
+        if size > 1e-6 * dot(column, column).sqrt() {
+            own.iter_mut().for_each(|v| *v /= size);
+            basis.push(own);
+        }
+    }
+    basis
+}
+
+/// Takes what an orthonormal basis spans out of a column.
+fn rid(column: &mut [f64], basis: &[Vec<f64>]) {
+    for direction in basis {
+        let part = dot(column, direction);
+        for (c, d) in column.iter_mut().zip(direction) {
+            *c -= part * d;
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use super::axis::Axis;
 use super::change::{Change, late_yields};
 use super::core::Core;
 use super::curve::Curve;
-use super::effect::{self, Baseline, Scene, viscous};
+use super::effect::{self, Baseline, Scene, constant_force, viscous};
 use super::noise::{Course, Noise};
 use super::normal::{Bound, Normal};
 use super::rows::Rows;
@@ -93,16 +93,17 @@ impl Ground {
         ground.referred_to(given)
     }
 
-    /// The same recording with friction and noise found beside `terms` and plain effects.
+    /// The same recording with friction and noise found beside `terms` and plain effects, in what least squares leave of all rows alike:
+    /// what weights leave is more where they are small, and the noise that is found in it makes them smaller still.
     pub fn referred_to(&self, terms: &[Term]) -> Option<Self> {
         let all: Vec<Term> = terms.iter().cloned().chain(plain()).collect();
         let mut ground: Option<Self> = None;
         for _ in 0..ROUNDS {
             let from = ground.as_ref().unwrap_or(self);
-            let mut fitted = from.fit(&all)?;
+            let mut fitted = from.fit_unweighted(&all)?;
             let lines = from.strongest_lines(&fitted);
             if !lines.is_empty() {
-                fitted = from.fit(&[all.as_slice(), &lines].concat())?;
+                fitted = from.fit_unweighted(&[all.as_slice(), &lines].concat())?;
             }
             let mut next = from.with_baseline(&fitted);
             let places = Places::of(&next.rows, &next.baseline);
@@ -412,8 +413,8 @@ fn course<'a>(rows: &'a Rows, places: &'a Places) -> Course<'a> {
     }
 }
 
-/// Free curves that stand beside the core while friction and noise are found: physics that is not in the hypothesis yet must
-/// not be taken for noise.
+/// A constant and free curves that stand beside the core while friction and noise are found: physics that is not in the hypothesis yet
+/// must not be taken for noise.
 fn plain() -> impl Iterator<Item = Term> {
     let curves = [
         (Axis::Position, false),
@@ -421,7 +422,9 @@ fn plain() -> impl Iterator<Item = Term> {
         (Axis::Velocity, false),
         (Axis::Speed, true),
     ];
-    curves
-        .into_iter()
-        .map(|(axis, odd)| Term::new(Subject::Curve(Curve { axis, odd }), &[]))
+    let curves = curves.map(|(axis, odd)| Subject::Curve(Curve { axis, odd }));
+    let constant = Subject::Effect(&constant_force::ConstantForce);
+    std::iter::once(constant)
+        .chain(curves)
+        .map(|subject| Term::new(subject, &[]))
 }

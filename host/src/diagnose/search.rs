@@ -65,13 +65,13 @@ pub fn search(
     };
     let mut hypothesis = ground.fit(&first)?;
     let visible = SEEN.min(MATERIAL * hypothesis.nmse(&ground.rows).test);
-    let mut barred: Vec<String> = Vec::new();
+    let mut barred: Vec<Term> = Vec::new();
     loop {
         let (mut list, families) = offers(&ground, &hypothesis, periods);
         progress.inc(1);
         lead(&ground, &hypothesis, &mut list);
         let left = hypothesis.nmse(&ground.rows).test;
-        list.retain(|o| !barred.contains(&o.term.subject.key()) && !is_harmless(&ground, o));
+        list.retain(|o| !barred.iter().any(|b| b.is_near(&o.term)) && !is_harmless(&ground, o));
         let full = hypothesis.terms.len() >= first.len() + MOST;
         let least = MATERIAL.max(visible / left);
         let Some(next) = pick(&ground, &list, families, least)
@@ -102,12 +102,11 @@ fn sifted(
     ground: &Ground,
     mut hypothesis: Hypothesis,
     given: usize,
-    barred: &mut Vec<String>,
+    barred: &mut Vec<Term>,
 ) -> Option<Hypothesis> {
     while let Some(index) = needless(ground, &hypothesis, given) {
-        barred.push(hypothesis.terms[index].subject.key());
         let mut terms = hypothesis.terms.clone();
-        terms.remove(index);
+        barred.push(terms.remove(index));
         hypothesis = ground.fit(&terms)?;
     }
     Some(hypothesis)

@@ -18,6 +18,9 @@ pub enum Subject {
     Change(Change),
 }
 
+/// Relative difference of shapes below which two ripples, vibrations or spots are one: two fits of one differ by less.
+const NEAR: f64 = 0.05;
+
 /// A subject of a given shape.
 #[derive(Clone)]
 pub struct Term {
@@ -50,6 +53,14 @@ impl Term {
     /// Whether both are the same effect, curve or change, of whatever shape.
     pub fn is_like(&self, other: &Term) -> bool {
         self.subject.key() == other.subject.key()
+    }
+
+    /// Whether both are the same one: another ripple of a machine has another period.
+    pub fn is_near(&self, other: &Term) -> bool {
+        let own = self.shape.iter().zip(&other.shape);
+        let alike = |(a, b): (&f64, &f64)| (a - b).abs() <= NEAR * a.abs().max(b.abs());
+        let recurs = self.effect().is_some_and(|e| e.recurs());
+        self.is_like(other) && (!recurs || own.into_iter().all(alike))
     }
 
     /// Columns at the samples.

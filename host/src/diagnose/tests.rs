@@ -1,5 +1,6 @@
 //! The stages, on a small made machine: 2 kg on three Maxwell-slip blocks, what is added to it, and noise.
 
+use super::axis::Axis;
 use super::credible::sieved;
 use super::curve::Curve;
 use super::effect;
@@ -91,6 +92,32 @@ fn blocks_have_equal_shares() {
     // Time and path share a block: a slow stretch has up to twice the rows of the mean.
     assert!(sizes.iter().all(|n| *n < 2.0 * mean), "{sizes:?}");
     assert!(rows.blocks.windows(2).all(|b| b[0].end == b[1].start));
+}
+
+/// A force over velocity may have friction's step at rest, and a level over speed may be alike everywhere: neither takes from the core what
+/// effects and noise act through.
+#[test]
+fn a_free_curve_leaves_friction_to_the_core() {
+    let recording = made(|_, _, v| 4.0 * v * v.abs());
+    let alone = ground(&recording);
+    for (axis, odd) in [(Axis::Velocity, false), (Axis::Speed, true)] {
+        let curve = Term::new(Subject::Curve(Curve { axis, odd }), &[]);
+        let beside = alone.referred_to(&[curve]).expect("a fit");
+        let level = beside.baseline.level / 3.0;
+        assert!((level - 1.0).abs() < 0.03, "{axis:?}: {level} of 3 N");
+    }
+}
+
+/// What was found needless keeps its like away, and no other ripple.
+#[test]
+fn another_period_is_another_ripple() {
+    let ripple = |period: f64| Term::new(by_id("periodic_friction").subject, &[period]);
+    assert!(ripple(0.0020).is_near(&ripple(0.00205)));
+    assert!(!ripple(0.0020).is_near(&ripple(0.0040)));
+    // A machine has one viscous friction, and one creep, whatever its time constant.
+    assert!(by_id("viscous").is_near(&by_id("viscous")));
+    let creep = |constant: f64| Term::new(by_id("creep").subject, &[constant]);
+    assert!(creep(0.1).is_near(&creep(10.0)));
 }
 
 #[test]
