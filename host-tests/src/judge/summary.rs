@@ -111,118 +111,23 @@ pub fn stated<'a>(cases: impl Iterator<Item = &'a Case>) -> Vec<(f64, bool)> {
 
 /// Names and figures of one source, one a row.
 pub fn rows(cases: &[&Case]) -> Vec<(String, String)> {
-    let of = |sort: Sort| cases.iter().filter(move |c| c.sort == sort);
-    let mut rows: Vec<(String, String)> = Vec::new();
-    let mut row = |name: &str, share: Share| {
-        if share.whole > 0 {
-            rows.push((name.to_owned(), share.to_string()));
-        }
-    };
-    row("without an answer", Share::of(cases, |c| c.answer.is_err()));
-    row(
-        "clean: false names",
-        Share::of(of(Sort::Clean), |c| c.false_names().next().is_some()),
-    );
-    row(
-        "clean: called unknown",
-        Share::of(of(Sort::Clean), |c| c.verdict() == "unknown-physics"),
-    );
-    let mut strengths: Vec<f64> = of(Sort::Single).map(|c| c.strength).collect();
-    strengths.sort_by(f64::total_cmp);
-    strengths.dedup();
-    for strength in strengths {
-        let own = || of(Sort::Single).filter(move |c| c.strength == strength);
-        let declared = |c: &&&Case| c.truth.iter().all(|t| c.finds_or_declares(t));
-        row(
-            &format!("×{strength}: first name right"),
-            Share::of(own(), |c| c.first_right()),
-        );
-        row(
-            &format!("×{strength}: named or declared"),
-            Share::of(own(), declared),
-        );
-        row(
-            &format!("×{strength}: named or declared, where an oracle sees it"),
-            Share::of(own().filter(|c| c.there == Some(true)), declared),
-        );
-    }
-    row(
-        "in a corner or on a wrong model: first name right",
-        Share::of(of(Sort::Hidden), |c| c.first_right()),
-    );
-    for (sort, name) in [(Sort::Pair, "pair"), (Sort::Masked, "masked")] {
-        row(
-            &format!("{name}: both named"),
-            Share::of(of(sort), |c| c.truth.iter().all(|t| c.finds(t))),
-        );
-        row(
-            &format!("{name}: one named"),
-            Share::of(of(sort), |c| c.truth.iter().any(|t| c.finds(t))),
-        );
-    }
-    row(
-        "strangers: unknown",
-        Share::of(of(Sort::Stranger), |c| c.verdict() == "unknown-physics"),
-    );
-    row(
-        "strangers: named",
-        Share::of(of(Sort::Stranger), |c| c.confident().next().is_some()),
-    );
-    row(
-        "strangers: consistent",
-        Share::of(of(Sort::Stranger), |c| c.verdict() == "consistent"),
-    );
-    let known = of(Sort::Machine).flat_map(|c| c.truth.iter().map(move |t| (c, t)));
-    row(
-        "machines: known effects named or declared",
-        Share::of(known, |(c, t)| c.finds_or_declares(t)),
-    );
-    let verdicts = of(Sort::Machine).filter_map(|c| c.verdict_right());
-    row(
-        "machines: right verdict where one is known",
-        Share::of(verdicts, |right| *right),
-    );
-    row(
-        "machines: nothing absent named",
-        Share::of(of(Sort::Machine), |c| c.false_names().next().is_none()),
-    );
-    let judged = || {
-        let cases = cases.iter().filter(|c| c.sort != Sort::Stranger);
-        cases.flat_map(|c| {
-            c.confident()
-                .filter_map(|n| Some((n.confidence, c.judges(n)?)))
-        })
-    };
-    row(
-        "precision of confident names",
-        Share::of(judged(), |(_, right)| *right),
-    );
-    row(
-        "  of those at ≥ 0.9",
-        Share::of(judged().filter(|(p, _)| *p >= 0.9), |(_, right)| *right),
-    );
-    row(
-        "recordings with a false name",
-        Share::of(cases.iter().filter(|c| c.sort != Sort::Stranger), |c| {
-            c.false_names().next().is_some()
-        }),
-    );
-    let places: Vec<(bool, bool)> = cases.iter().flat_map(|c| c.places()).collect();
-    row(
-        "named effects with a place: stated",
-        Share::of(&places, |p| p.0),
-    );
-    row(
-        "named effects with a place: overlaps by half",
-        Share::of(&places, |p| p.1),
-    );
-    let distances: Vec<(String, f64)> = cases.iter().flat_map(|c| c.distances()).collect();
-    row(
-        "95 % intervals that hold the truth",
-        Share::of(&distances, |d| d.1 <= 1.0),
-    );
-    let level = distances.iter().filter(|d| d.0 == "stribeck.level");
-    row("  Stribeck's level", Share::of(level, |d| d.1 <= 1.0));
+    let asked = Asked(cases);
+    let shares = [
+        asked.clean(),
+        asked.single_effects(),
+        asked.several_effects(),
+        asked.strangers(),
+        asked.machines(),
+        asked.names(),
+        asked.places(),
+        asked.intervals(),
+    ];
+    let mut rows: Vec<(String, String)> = shares
+        .into_iter()
+        .flatten()
+        .filter(|(_, share)| share.whole > 0)
+        .map(|(name, share)| (name, share.to_string()))
+        .collect();
     let stated = stated(cases.iter().copied());
     if !stated.is_empty() {
         let error = format!("{:.3} of {}", calibration_error(&stated), stated.len());
@@ -235,6 +140,186 @@ pub fn rows(cases: &[&Case]) -> Vec<(String, String)> {
         format!("{:.1}, {longest:.1}", median(seconds)),
     ));
     rows
+}
+
+/// A row, before its share is written out.
+type Figure = (String, Share);
+
+fn figure(name: &str, share: Share) -> Figure {
+    (name.to_owned(), share)
+}
+
+/// The cases of one source.
+struct Asked<'a>(&'a [&'a Case]);
+
+impl<'a> Asked<'a> {
+    fn of(&self, sort: Sort) -> impl Iterator<Item = &'a &'a Case> + use<'a> {
+        self.0.iter().filter(move |c| c.sort == sort)
+    }
+
+    /// Those of which it is known whether a name is false.
+    fn known(&self) -> impl Iterator<Item = &'a &'a Case> + use<'a> {
+        self.0.iter().filter(|c| c.sort != Sort::Stranger)
+    }
+
+    /// Refusals, and what is said where nothing is concealed.
+    fn clean(&self) -> Vec<Figure> {
+        let clean = || self.of(Sort::Clean);
+        vec![
+            figure(
+                "without an answer",
+                Share::of(self.0, |c| c.answer.is_err()),
+            ),
+            figure(
+                "clean: false names",
+                Share::of(clean(), |c| c.false_names().next().is_some()),
+            ),
+            figure(
+                "clean: called unknown",
+                Share::of(clean(), |c| c.verdict() == "unknown-physics"),
+            ),
+        ]
+    }
+
+    /// One effect, by strength, and where it hides.
+    fn single_effects(&self) -> Vec<Figure> {
+        let mut strengths: Vec<f64> = self.of(Sort::Single).map(|c| c.strength).collect();
+        strengths.sort_by(f64::total_cmp);
+        strengths.dedup();
+        let declared = |c: &&&Case| c.truth.iter().all(|t| c.finds_or_declares(t));
+        let mut figures = Vec::new();
+        for strength in strengths {
+            let own = || {
+                self.of(Sort::Single)
+                    .filter(move |c| c.strength == strength)
+            };
+            figures.extend([
+                (
+                    format!("×{strength}: first name right"),
+                    Share::of(own(), |c| c.first_right()),
+                ),
+                (
+                    format!("×{strength}: named or declared"),
+                    Share::of(own(), declared),
+                ),
+                (
+                    format!("×{strength}: named or declared, where an oracle sees it"),
+                    Share::of(own().filter(|c| c.there == Some(true)), declared),
+                ),
+            ]);
+        }
+        figures.push(figure(
+            "in a corner or on a wrong model: first name right",
+            Share::of(self.of(Sort::Hidden), |c| c.first_right()),
+        ));
+        figures
+    }
+
+    fn several_effects(&self) -> Vec<Figure> {
+        let figures = [(Sort::Pair, "pair"), (Sort::Masked, "masked")].map(|(sort, name)| {
+            let found = |c: &&&Case| c.truth.iter().all(|t| c.finds(t));
+            let one = |c: &&&Case| c.truth.iter().any(|t| c.finds(t));
+            [
+                (
+                    format!("{name}: both named"),
+                    Share::of(self.of(sort), found),
+                ),
+                (format!("{name}: one named"), Share::of(self.of(sort), one)),
+            ]
+        });
+        figures.concat()
+    }
+
+    /// What is in no catalogue.
+    fn strangers(&self) -> Vec<Figure> {
+        let strangers = || self.of(Sort::Stranger);
+        vec![
+            figure(
+                "strangers: unknown",
+                Share::of(strangers(), |c| c.verdict() == "unknown-physics"),
+            ),
+            figure(
+                "strangers: named",
+                Share::of(strangers(), |c| c.confident().next().is_some()),
+            ),
+            figure(
+                "strangers: consistent",
+                Share::of(strangers(), |c| c.verdict() == "consistent"),
+            ),
+        ]
+    }
+
+    /// Machines as they are.
+    fn machines(&self) -> Vec<Figure> {
+        let machines = || self.of(Sort::Machine);
+        let known = machines().flat_map(|c| c.truth.iter().map(move |t| (c, t)));
+        let verdicts = machines().filter_map(|c| c.verdict_right());
+        vec![
+            figure(
+                "machines: known effects named or declared",
+                Share::of(known, |(c, t)| c.finds_or_declares(t)),
+            ),
+            figure(
+                "machines: right verdict where one is known",
+                Share::of(verdicts, |right| *right),
+            ),
+            figure(
+                "machines: nothing absent named",
+                Share::of(machines(), |c| c.false_names().next().is_none()),
+            ),
+        ]
+    }
+
+    /// How far confident names can be trusted.
+    fn names(&self) -> Vec<Figure> {
+        let judged = || {
+            self.known().flat_map(|c| {
+                c.confident()
+                    .filter_map(|n| Some((n.confidence, c.judges(n)?)))
+            })
+        };
+        vec![
+            figure(
+                "precision of confident names",
+                Share::of(judged(), |(_, right)| *right),
+            ),
+            figure(
+                "  of those at ≥ 0.9",
+                Share::of(judged().filter(|(p, _)| *p >= 0.9), |(_, right)| *right),
+            ),
+            figure(
+                "recordings with a false name",
+                Share::of(self.known(), |c| c.false_names().next().is_some()),
+            ),
+        ]
+    }
+
+    fn places(&self) -> Vec<Figure> {
+        let places: Vec<(bool, bool)> = self.0.iter().flat_map(|c| c.places()).collect();
+        vec![
+            figure(
+                "named effects with a place: stated",
+                Share::of(&places, |p| p.0),
+            ),
+            figure(
+                "named effects with a place: overlaps by half",
+                Share::of(&places, |p| p.1),
+            ),
+        ]
+    }
+
+    /// Whether stated intervals hold the truth.
+    fn intervals(&self) -> Vec<Figure> {
+        let distances: Vec<(String, f64)> = self.0.iter().flat_map(|c| c.distances()).collect();
+        let level = distances.iter().filter(|d| d.0 == "stribeck.level");
+        vec![
+            figure(
+                "95 % intervals that hold the truth",
+                Share::of(&distances, |d| d.1 <= 1.0),
+            ),
+            figure("  Stribeck's level", Share::of(level, |d| d.1 <= 1.0)),
+        ]
+    }
 }
 
 /// The sources in the order of their first case.

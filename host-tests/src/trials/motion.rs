@@ -129,43 +129,130 @@ impl Path {
     }
 }
 
+/// What is drawn of a motion before it is made. Slow and small parts are made at several stations, so that they do not all see the
+/// same stretch of the guide.
+struct Plan {
+    half_travel: f64,
+    /// Where triangles, slides, rests and sines are made (m).
+    stations: [f64; 4],
+    /// Factor on times (-).
+    unhurried: f64,
+    /// Of the triangles (m), longest first.
+    sizes: Vec<f64>,
+    /// Triangles per second (Hz).
+    triangle_rates: [f64; 2],
+    /// Of the slides (m/s).
+    speeds: Vec<f64>,
+    /// (s).
+    rests: [f64; 4],
+    stroke_speeds: [f64; 2],
+    /// Of the sines: amplitude (m), frequency (Hz), phase (rad).
+    lines: Vec<(f64, f64, f64)>,
+}
+
+/// Speed (m/s) between the parts.
+const TRANSIT: f64 = 30e-3;
+
+impl Plan {
+    /// The order of the draws is part of every seed's motion. `half_travel` and `unhurried` are drawn before.
+    fn draw(draw: &mut Draw, half_travel: f64, unhurried: f64) -> Self {
+        Self {
+            half_travel,
+            unhurried,
+            stations: std::array::from_fn(|_| draw.uniform(-0.85, 0.85) * half_travel),
+            sizes: [500e-6, 160e-6, 50e-6, 16e-6, 5e-6]
+                .iter()
+                .map(|s| s * draw.uniform(0.7, 1.4))
+                .collect(),
+            triangle_rates: [draw.uniform(0.5, 1.0), draw.uniform(2.0, 4.0)],
+            speeds: [0.06e-3, 0.25e-3, 1e-3, 4e-3, 15e-3, 40e-3]
+                .iter()
+                .map(|v| v * draw.uniform(0.7, 1.4))
+                .collect(),
+            rests: [0.1, 1.0, 0.3, 2.5].map(|t: f64| t * draw.uniform(0.7, 1.4) * unhurried),
+            stroke_speeds: [draw.uniform(7e-3, 14e-3), draw.uniform(30e-3, 60e-3)],
+            lines: [0.37, 0.9, 2.1, 4.7, 8.3, 13.0]
+                .iter()
+                .map(|f| {
+                    let rate = TAU * f * draw.uniform(0.85, 1.15);
+                    let amplitude = (5e-3 / rate)
+                        .min(0.22 / (rate * rate))
+                        .min(0.1 * half_travel);
+                    (amplitude, rate / TAU, draw.uniform(0.0, TAU))
+                })
+                .collect(),
+        }
+    }
+
+    /// Every part once, from wherever the path is to the middle.
+    fn repeat(&self, path: &mut Path) {
+        path.here.segment = 0;
+        path.go(self.stations[0], TRANSIT);
+        path.rest(0.1);
+        self.triangles(path);
+        path.here.segment = 1;
+        path.go(self.stations[1], TRANSIT);
+        self.slides(path);
+        path.here.segment = 2;
+        path.go(self.stations[2], TRANSIT);
+        self.rests(path);
+        path.here.segment = 3;
+        for speed in self.stroke_speeds {
+            path.go(self.half_travel, speed);
+            path.go(-self.half_travel, speed);
+        }
+        path.here.segment = 4;
+        path.go(self.stations[3], TRANSIT);
+        path.sines(2.5 * self.unhurried, &self.lines);
+        path.go(0.0, TRANSIT);
+        path.rest(0.2);
+    }
+
+    /// Each triangle inside the one before it: the loops nest.
+    fn triangles(&self, path: &mut Path) {
+        for rate in self.triangle_rates {
+            for size in &self.sizes {
+                let around = path.here.x;
+                for end in [around + size, around, around + size, around] {
+                    path.go(end, 2.0 * size * rate / self.unhurried);
+                }
+            }
+        }
+    }
+
+    /// Forth and back at every speed, within the travel.
+    fn slides(&self, path: &mut Path) {
+        let station = self.stations[1];
+        for &speed in &self.speeds {
+            let length = (speed * 0.8 * self.unhurried).min(self.half_travel - station.abs());
+            path.go(station + length, speed);
+            path.go(station, speed);
+        }
+    }
+
+    /// Rests, each followed by a short way to the other side.
+    fn rests(&self, path: &mut Path) {
+        for (i, &seconds) in self.rests.iter().enumerate() {
+            let side = if i % 2 == 0 { 1.0 } else { -1.0 };
+            path.rest(seconds);
+            path.go(path.here.x + side * 60e-6, 0.15e-3);
+        }
+    }
+}
+
 impl Motion {
-    /// A motion of 3 to 6 repeats, 40 to 180 s in all. Slow and small parts are made at several
-    /// stations, so that they do not all see the same stretch of the guide.
+    /// A motion of 3 to 6 repeats, 40 to 180 s in all.
     pub fn draw(draw: &mut Draw, tick_s: f64) -> Self {
         let half_travel = draw.uniform(8e-3, 20e-3);
         let asked = draw.whole(4, 7) as u32;
         let unhurried = draw.uniform(0.5, 1.6);
-        let mut station = || draw.uniform(-0.85, 0.85) * half_travel;
-        let stations: [f64; 4] = std::array::from_fn(|_| station());
-        let sizes: Vec<f64> = [500e-6, 160e-6, 50e-6, 16e-6, 5e-6]
-            .iter()
-            .map(|s| s * draw.uniform(0.7, 1.4))
-            .collect();
-        let triangle_rates = [draw.uniform(0.5, 1.0), draw.uniform(2.0, 4.0)];
-        let speeds: Vec<f64> = [0.06e-3, 0.25e-3, 1e-3, 4e-3, 15e-3, 40e-3]
-            .iter()
-            .map(|v| v * draw.uniform(0.7, 1.4))
-            .collect();
-        let rests = [0.1, 1.0, 0.3, 2.5].map(|t: f64| t * draw.uniform(0.7, 1.4) * unhurried);
-        let stroke_speeds = [draw.uniform(7e-3, 14e-3), draw.uniform(30e-3, 60e-3)];
-        let lines: Vec<(f64, f64, f64)> = [0.37, 0.9, 2.1, 4.7, 8.3, 13.0]
-            .iter()
-            .map(|f| {
-                let rate = TAU * f * draw.uniform(0.85, 1.15);
-                let amplitude = (5e-3 / rate)
-                    .min(0.22 / (rate * rate))
-                    .min(0.1 * half_travel);
-                (amplitude, rate / TAU, draw.uniform(0.0, TAU))
-            })
-            .collect();
+        let plan = Plan::draw(draw, half_travel, unhurried);
         let mut path = Path {
             ticks: Vec::new(),
             tick_s,
             acceleration: draw.uniform(0.3, 0.6),
             here: Reference::default(),
         };
-        let transit = 30e-3;
         // All repeats take as long as the first, but for the way to its start.
         let longest = (LONGEST_S / tick_s) as usize;
         let mut repeats = 0;
@@ -175,42 +262,7 @@ impl Motion {
         {
             path.here.repeat = repeats;
             repeats += 1;
-            path.here.segment = 0;
-            path.go(stations[0], transit);
-            path.rest(0.1);
-            for rate in triangle_rates {
-                // Each triangle inside the one before it: the loops nest.
-                for size in &sizes {
-                    let around = path.here.x;
-                    for end in [around + size, around, around + size, around] {
-                        path.go(end, 2.0 * size * rate / unhurried);
-                    }
-                }
-            }
-            path.here.segment = 1;
-            path.go(stations[1], transit);
-            for &speed in &speeds {
-                let length = (speed * 0.8 * unhurried).min(half_travel - stations[1].abs());
-                path.go(stations[1] + length, speed);
-                path.go(stations[1], speed);
-            }
-            path.here.segment = 2;
-            path.go(stations[2], transit);
-            for (i, &seconds) in rests.iter().enumerate() {
-                let side = if i % 2 == 0 { 1.0 } else { -1.0 };
-                path.rest(seconds);
-                path.go(path.here.x + side * 60e-6, 0.15e-3);
-            }
-            path.here.segment = 3;
-            for speed in stroke_speeds {
-                path.go(half_travel, speed);
-                path.go(-half_travel, speed);
-            }
-            path.here.segment = 4;
-            path.go(stations[3], transit);
-            path.sines(2.5 * unhurried, &lines);
-            path.go(0.0, transit);
-            path.rest(0.2);
+            plan.repeat(&mut path);
         }
         Motion {
             half_travel,

@@ -187,27 +187,11 @@ pub(super) fn checked(
     let Some(&&(id, keys)) = sets.iter().find(|entry| telling(entry.1)).or(sets.first()) else {
         return Err(unknown(id));
     };
-    let named = |keys: Keys| {
-        keys.iter()
-            .map(|(key, _)| match key.split_once('*') {
-                Some((before, after)) => {
-                    let first = said(&format!("{before}1{after}"));
-                    let second = said(&format!("{before}2{after}"));
-                    format!("{first}, {second}, …")
-                }
-                None => said(key),
-            })
-            .collect::<Vec<_>>()
-            .join(", ")
-    };
-    let has = sets
-        .iter()
-        .map(|entry| named(entry.1))
-        .collect::<Vec<_>>()
-        .join("; or ");
+    let has = sets.iter().map(|entry| named(entry.1, said));
+    let has = format!("{id} has {}", has.collect::<Vec<_>>().join("; or "));
     for (key, value) in given {
         let Some((_, range)) = keys.iter().find(|(pattern, _)| fits(key, pattern)) else {
-            return Err(format!("{}: unknown key; {id} has {has}", said(key)));
+            return Err(format!("{}: unknown key; {has}", said(key)));
         };
         if let Some(wanted) = range.refuses(*value) {
             return Err(format!("{}: {value} must be {wanted}", said(key)));
@@ -220,24 +204,12 @@ pub(super) fn checked(
     for (pattern, _) in keys {
         let mut own: Vec<_> = given.iter().filter(|(key, _)| fits(key, pattern)).collect();
         own.sort_by_key(|(key, _)| order(key, pattern));
-        let first = pattern.replacen('*', "1", 1);
         if own.is_empty() {
-            return Err(format!("{}: missing; {id} has {has}", said(&first)));
+            let first = pattern.replacen('*', "1", 1);
+            return Err(format!("{}: missing; {has}", said(&first)));
         }
         if pattern.contains('*') {
-            let name = |j: usize| pattern.replacen('*', &j.to_string(), 1);
-            if let Some(j) = (1..=own.len()).find(|&j| own[j - 1].0 != name(j)) {
-                return Err(format!(
-                    "{}: missing; the cosines are numbered from 1 without a gap (0 is a value)",
-                    said(&name(j))
-                ));
-            }
-            if own.len() > MOST_TERMS {
-                return Err(format!(
-                    "{}: at most {MOST_TERMS} cosines; remove those above",
-                    said(&name(MOST_TERMS + 1))
-                ));
-            }
+            numbered(pattern, &own, said)?;
         }
         values.extend(
             own.into_iter()
@@ -257,4 +229,39 @@ pub(super) fn checked(
     // The library is the last judge of what it computes. The sample time is known later; 10 µs suits all that is plausible.
     terms::library(&effect, 1e-5).map_err(|e| format!("{id}: {e}"))?;
     Ok(effect)
+}
+
+/// A set of keys as an error names it.
+fn named(keys: Keys, said: &dyn Fn(&str) -> String) -> String {
+    let name = |(key, _): &(&str, Range)| match key.split_once('*') {
+        Some((before, after)) => {
+            let first = said(&format!("{before}1{after}"));
+            let second = said(&format!("{before}2{after}"));
+            format!("{first}, {second}, …")
+        }
+        None => said(key),
+    };
+    keys.iter().map(name).collect::<Vec<_>>().join(", ")
+}
+
+/// Refuses cosines in order that are not numbered from 1 without a gap, or are too many.
+fn numbered(
+    pattern: &str,
+    cosines: &[&(&str, f64)],
+    said: &dyn Fn(&str) -> String,
+) -> Result<(), String> {
+    let name = |j: usize| pattern.replacen('*', &j.to_string(), 1);
+    if let Some(j) = (1..=cosines.len()).find(|&j| cosines[j - 1].0 != name(j)) {
+        return Err(format!(
+            "{}: missing; the cosines are numbered from 1 without a gap (0 is a value)",
+            said(&name(j))
+        ));
+    }
+    if cosines.len() > MOST_TERMS {
+        return Err(format!(
+            "{}: at most {MOST_TERMS} cosines; remove those above",
+            said(&name(MOST_TERMS + 1))
+        ));
+    }
+    Ok(())
 }

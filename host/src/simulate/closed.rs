@@ -5,11 +5,10 @@
 //! following error no longer changes.
 
 use super::forward::{Body, acting, one_body};
-use super::{Following, PositionError, Simulation};
+use super::{Following, Simulation, position_error};
 use crate::friction::Visitor;
 use crate::model::{self, Model};
 use crate::recording::Recording;
-use crate::statistics::nmse;
 use preslide::control::{Pid, PidGains, PidState, Saturation};
 use preslide::{Friction, Units};
 use serde::Deserialize;
@@ -157,15 +156,8 @@ pub fn motion_in_loop(
     stable(&found, &wanted, reference, tick, &recording.name)?;
     let of = |values: &[f64]| sampled(t_s, values, tick);
     let position = of(&found.x);
-    let position_error = recording.reference.is_some().then(|| {
-        let rows: Vec<usize> = (0..t_s.len()).collect();
-        let squares = position.iter().zip(measured).map(|(a, b)| (a - b).powi(2));
-        PositionError {
-            rmse: (squares.sum::<f64>() / t_s.len() as f64).sqrt(),
-            nmse: nmse(measured, &position, &rows),
-            given: 0,
-        }
-    });
+    let position_error =
+        (recording.reference.is_some()).then(|| position_error(&position, measured, 0));
     Ok(Simulation {
         kind: recording.kind,
         t_s: t_s.to_vec(),

@@ -3,12 +3,11 @@
 //! `M·(v₁ − v₀)/dt = F − R(x₀ + dt·v₁, v₁)`, `x₁ = x₀ + dt·v₁`: the velocity at the end of the step is the root, so a stiff
 //! contact and standstill need no small steps. First order in `dt`; the step is halved until the motion no longer changes.
 
-use super::{PositionError, Simulation};
+use super::{Simulation, position_error};
 use crate::effects::Effect;
 use crate::friction::Visitor;
 use crate::model::Model;
 use crate::recording::Recording;
-use crate::statistics::nmse;
 use preslide::{Friction, Motion};
 
 /// Steps within a sample that are tried first, and most of them.
@@ -55,7 +54,7 @@ pub fn motion_with_inertia(
         Some(head) => (head.to_vec(), end_slope(head, sample_time)),
         None => (vec![0.0], 0.0),
     };
-    let run = |steps: u32| {
+    let settled = settled(|steps: u32| {
         let run = Run {
             inertia: model.inertia,
             force: &force,
@@ -65,46 +64,26 @@ pub fn motion_with_inertia(
             steps,
         };
         model.forward_law(sample_time / f64::from(steps), run)
-    };
-    let mut steps = FIRST;
-    let mut found = run(steps)?;
-    let mut change = f64::INFINITY;
-    while steps < MOST {
-        steps *= 2;
-        let finer = run(steps)?;
-        let apart = found.0.iter().zip(&finer.0).map(|(a, b)| (a - b).abs());
-        let [low, high] = super::present::range(&finer.0);
-        change = apart.fold(0.0, f64::max) / (high - low);
-        found = finer;
-        if change <= SETTLED || change.is_nan() {
-            break;
-        }
-    }
-    let x = recording.position_unit();
+    })?;
+    let (position, velocity) = settled.motion;
     notes.push(format!(
-        "Forward dynamics with {steps} steps a sample; half as many move the position by {:.1e} of its travel",
-        if change.is_nan() { 0.0 } else { change }
+        "Forward dynamics with {} steps a sample; half as many move the position by {:.1e} of its travel",
+        settled.steps, settled.change
     ));
-    let position_error = (measured.len() > given).then(|| {
-        let rows: Vec<usize> = (given..measured.len()).collect();
-        let squares = rows.iter().map(|&i| (found.0[i] - measured[i]).powi(2));
-        PositionError {
-            rmse: (squares.sum::<f64>() / rows.len() as f64).sqrt(),
-            nmse: nmse(measured, &found.0, &rows),
-            given,
-        }
-    });
+    let position_error =
+        (measured.len() > given).then(|| position_error(&position, measured, given));
     if let Some(error) = &position_error {
         notes.push(format!(
-            "Started from the first {given} measured positions; the rest is simulated without looking at them: {:.4e} {x} RMSE",
-            error.rmse
+            "Started from the first {given} measured positions; the rest is simulated without looking at them: {:.4e} {} RMSE",
+            error.rmse,
+            recording.position_unit()
         ));
     }
     Ok(Simulation {
         kind: recording.kind,
         t_s: t_s.to_vec(),
-        position: found.0,
-        velocity: Some(found.1),
+        position,
+        velocity: Some(velocity),
         force: recording.effort[..t_s.len()].to_vec(),
         from_force: true,
         agreement: None,
@@ -112,6 +91,40 @@ pub fn motion_with_inertia(
         following: None,
         breakaway: None,
         notes,
+    })
+}
+
+/// A motion that finer steps no longer change.
+struct Settled {
+    /// Position and velocity at every sample.
+    motion: (Vec<f64>, Vec<f64>),
+    /// Steps within a sample.
+    steps: u32,
+    /// What half as many steps change of the position, relative to the travel.
+    change: f64,
+}
+
+/// Doubles the steps of `run` until the position no longer changes.
+fn settled<E>(run: impl Fn(u32) -> Result<(Vec<f64>, Vec<f64>), E>) -> Result<Settled, E> {
+    let mut steps = FIRST;
+    let mut motion = run(steps)?;
+    let mut change = f64::INFINITY;
+    while steps < MOST {
+        steps *= 2;
+        let finer = run(steps)?;
+        let apart = motion.0.iter().zip(&finer.0).map(|(a, b)| (a - b).abs());
+        let [low, high] = super::present::range(&finer.0);
+        change = apart.fold(0.0, f64::max) / (high - low);
+        motion = finer;
+        if change <= SETTLED || change.is_nan() {
+            break;
+        }
+    }
+    Ok(Settled {
+        motion,
+        steps,
+        // A body that does not move has no travel.
+        change: if change.is_nan() { 0.0 } else { change },
     })
 }
 

@@ -130,47 +130,9 @@ pub fn force_of_motion(model: &Model, recording: &Recording) -> Result<Simulatio
             format!("Compared as it is, which takes a model identified from the same column: {per}")
         }));
     }
-    let agreement = if !recording.effort.is_empty() {
-        let (measured, simulated) = if recording.role.contains_inertia() {
-            // What comes from velocity and acceleration has been through the filter already.
-            let rigid: Vec<f64> = kinematics
-                .velocity
-                .iter()
-                .zip(&kinematics.acceleration)
-                .map(|(v, a)| model.inertia * a + model.viscous * v + model.constant_force)
-                .collect();
-            let rest: Vec<f64> = force.iter().zip(&rigid).map(|(f, r)| f - r).collect();
-            let simulated = filter
-                .smooth(&rest)
-                .iter()
-                .zip(&rigid)
-                .map(|(f, r)| f + r)
-                .collect();
-            (filter.smooth(&recording.effort), simulated)
-        } else {
-            let friction = Measured {
-                acceleration: None,
-                ..measured
-            };
-            (
-                recording.effort.clone(),
-                model.force_along(path, &friction)?,
-            )
-        };
-        let rows: Vec<usize> = (0..measured.len()).collect();
-        let error = measured
-            .iter()
-            .zip(&simulated)
-            .map(|(m, s)| (m - s).powi(2));
-        Some(Agreement {
-            nmse: nmse(&measured, &simulated, &rows),
-            rms: (error.sum::<f64>() / measured.len() as f64).sqrt(),
-            measured,
-            simulated,
-        })
-    } else {
-        None
-    };
+    let agreement = (!recording.effort.is_empty())
+        .then(|| agreement(model, recording, &kinematics, &measured, &force))
+        .transpose()?;
     Ok(Simulation {
         kind: recording.kind,
         t_s: recording.t_s.clone(),
@@ -184,6 +146,64 @@ pub fn force_of_motion(model: &Model, recording: &Recording) -> Result<Simulatio
         breakaway: None,
         notes,
     })
+}
+
+/// The measured effort beside `force`, the simulated one: filtered alike where it contains inertia, and friction beside friction where
+/// it does not.
+fn agreement(
+    model: &Model,
+    recording: &Recording,
+    kinematics: &Kinematics,
+    columns: &Measured,
+    force: &[f64],
+) -> Result<Agreement, String> {
+    let (measured, simulated) = if recording.role.contains_inertia() {
+        let filter = &kinematics.filter;
+        // What comes from velocity and acceleration has been through the filter already.
+        let rigid: Vec<f64> = kinematics
+            .velocity
+            .iter()
+            .zip(&kinematics.acceleration)
+            .map(|(v, a)| model.inertia * a + model.viscous * v + model.constant_force)
+            .collect();
+        let rest: Vec<f64> = force.iter().zip(&rigid).map(|(f, r)| f - r).collect();
+        let simulated = filter
+            .smooth(&rest)
+            .iter()
+            .zip(&rigid)
+            .map(|(f, r)| f + r)
+            .collect();
+        (filter.smooth(&recording.effort), simulated)
+    } else {
+        let friction = Measured {
+            acceleration: None,
+            ..*columns
+        };
+        let simulated = model.force_along(kinematics.path(recording), &friction)?;
+        (recording.effort.clone(), simulated)
+    };
+    let rows: Vec<usize> = (0..measured.len()).collect();
+    let error = measured
+        .iter()
+        .zip(&simulated)
+        .map(|(m, s)| (m - s).powi(2));
+    Ok(Agreement {
+        nmse: nmse(&measured, &simulated, &rows),
+        rms: (error.sum::<f64>() / measured.len() as f64).sqrt(),
+        measured,
+        simulated,
+    })
+}
+
+/// A simulated position against the measured one, from `given` samples on.
+fn position_error(simulated: &[f64], measured: &[f64], given: usize) -> PositionError {
+    let rows: Vec<usize> = (given..measured.len()).collect();
+    let squares = rows.iter().map(|&i| (simulated[i] - measured[i]).powi(2));
+    PositionError {
+        rmse: (squares.sum::<f64>() / rows.len() as f64).sqrt(),
+        nmse: nmse(measured, simulated, &rows),
+        given,
+    }
 }
 
 /// The motion that a slowly varying force causes, from rest at 0 in a body that was never moved: inertia and viscous

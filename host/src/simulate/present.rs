@@ -130,74 +130,9 @@ impl Simulation {
 
     /// The report.
     pub fn page(&self, name: &str, command: String) -> Page {
-        let (x, f) = self.units();
-        let loops = Figure::new(
-            "Force–displacement",
-            Axis::new("displacement", x),
-            Axis::new("force", f),
-        );
-        let over_time = Figure::new(
-            "Force over time",
-            Axis::new("time", "s"),
-            Axis::new("force", f),
-        );
-        let (measured, simulated) = match &self.agreement {
-            Some(a) => (Some(&a.measured), &a.simulated),
-            None => (None, &self.force),
-        };
-        let both = |mut figure: Figure, abscissa: &[f64]| {
-            if let Some(measured) = measured {
-                figure = figure.with(
-                    Series::line("measured", abscissa.to_vec(), measured.clone())
-                        .colour(Colour::Black),
-                );
-            }
-            figure.with(
-                Series::line("simulated", abscissa.to_vec(), simulated.clone())
-                    .colour(Colour::Vermillion)
-                    .emphasis(Emphasis::Strong),
-            )
-        };
-        let mut figures = vec![
-            both(loops, &self.position),
-            both(over_time, &self.t_s),
-            Figure::new(
-                "Position over time",
-                Axis::new("time", "s"),
-                Axis::new("position", x),
-            )
-            .with(Series::line(
-                "position",
-                self.t_s.clone(),
-                self.position.clone(),
-            )),
-        ];
-        if let Some(velocity) = &self.velocity {
-            figures.push(
-                Figure::new(
-                    "Velocity over time",
-                    Axis::new("time", "s"),
-                    Axis::new("velocity", format!("{x}/s")),
-                )
-                .with(Series::line("velocity", self.t_s.clone(), velocity.clone())),
-            );
-        }
-        if let Some(a) = &self.agreement {
-            let residual = a
-                .measured
-                .iter()
-                .zip(&a.simulated)
-                .map(|(m, s)| m - s)
-                .collect();
-            figures.push(
-                Figure::new(
-                    "What the model leaves",
-                    Axis::new("time", "s"),
-                    Axis::new("measured − simulated", f),
-                )
-                .with(Series::line("residual", self.t_s.clone(), residual)),
-            );
-        }
+        let mut figures = Vec::from(self.force_figures());
+        figures.extend(self.motion_figures());
+        figures.extend(self.residual_figure());
         Page {
             title: format!("Simulation of {name}"),
             lead: self.conclusion(),
@@ -209,6 +144,75 @@ impl Simulation {
                 figures,
             }],
         }
+    }
+
+    /// The force over displacement and over time, beside the measured one where there is one.
+    fn force_figures(&self) -> [Figure; 2] {
+        let (x, f) = self.units();
+        let (measured, simulated) = match &self.agreement {
+            Some(a) => (Some(&a.measured), &a.simulated),
+            None => (None, &self.force),
+        };
+        let figure = |title: &str, abscissa: Axis, values: &[f64]| {
+            let mut figure = Figure::new(title, abscissa, Axis::new("force", f));
+            if let Some(measured) = measured {
+                figure = figure.with(
+                    Series::line("measured", values.to_vec(), measured.clone())
+                        .colour(Colour::Black),
+                );
+            }
+            figure.with(
+                Series::line("simulated", values.to_vec(), simulated.clone())
+                    .colour(Colour::Vermillion)
+                    .emphasis(Emphasis::Strong),
+            )
+        };
+        [
+            figure(
+                "Force–displacement",
+                Axis::new("displacement", x),
+                &self.position,
+            ),
+            figure("Force over time", Axis::new("time", "s"), &self.t_s),
+        ]
+    }
+
+    /// Position and, where there is one, velocity over time.
+    fn motion_figures(&self) -> Vec<Figure> {
+        let (x, _) = self.units();
+        let over_time =
+            |title: &str, what: &str, unit: String, values: &[f64]| {
+                Figure::new(title, Axis::new("time", "s"), Axis::new(what, unit))
+                    .with(Series::line(what, self.t_s.clone(), values.to_vec()))
+            };
+        let position = over_time(
+            "Position over time",
+            "position",
+            x.to_owned(),
+            &self.position,
+        );
+        let velocity = self.velocity.iter().map(|velocity| {
+            over_time("Velocity over time", "velocity", format!("{x}/s"), velocity)
+        });
+        std::iter::once(position).chain(velocity).collect()
+    }
+
+    /// What is left of the measured effort.
+    fn residual_figure(&self) -> Option<Figure> {
+        let a = self.agreement.as_ref()?;
+        let residual = a
+            .measured
+            .iter()
+            .zip(&a.simulated)
+            .map(|(m, s)| m - s)
+            .collect();
+        let (_, f) = self.units();
+        let figure = Figure::new(
+            "What the model leaves",
+            Axis::new("time", "s"),
+            Axis::new("measured − simulated", f),
+        );
+        Some(figure.with(Series::line("residual", self.t_s.clone(), residual)))
     }
 }
 

@@ -3,6 +3,7 @@
 pub mod cores;
 pub mod kernel;
 mod present;
+mod recommend;
 #[cfg(test)]
 mod tests;
 
@@ -14,6 +15,8 @@ use crate::identify::{Identification, Method};
 use crate::model::Model;
 use crate::recording::Recording;
 use kernel::{Counts, Kernel};
+use preslide::ParamError;
+use recommend::recommend;
 use std::ops::Range;
 
 /// What the controller gives.
@@ -81,13 +84,6 @@ struct Sized {
     model: Model,
     nmse_test: Option<f64>,
 }
-
-/// Another block is worth its cycles if it takes away a tenth of the error…
-const WORTH: f64 = 0.1;
-/// …and at least this much of it (percentage points of NMSE).
-const LEAST_WORTH: f64 = 0.05;
-/// Arithmetic may add this much (% of `F_s`, rms) before a dearer kernel is taken.
-const ARITHMETIC: f64 = 0.5;
 
 /// Tunes the model's own number of blocks, along strokes made up for it.
 ///
@@ -170,6 +166,21 @@ impl Motion {
             sample_time: self.sample_time,
         }
     }
+
+    /// What the model gives along it in `f64` (N or N·m).
+    fn force_of(&self, friction: &FrictionModel) -> Result<Vec<f64>, ParamError> {
+        let position: Vec<f64> = self
+            .position
+            .iter()
+            .map(|&c| c as f64 * self.count)
+            .collect();
+        friction.force(Path {
+            position: &position,
+            velocity: &self.velocity,
+            pieces: &self.pieces,
+            sample_time: self.sample_time,
+        })
+    }
 }
 
 /// Strokes forth and back whose length shrinks from four times the longest yield displacement to a count: they take every
@@ -221,6 +232,7 @@ fn made_up_strokes(
     })
 }
 
+/// Every kernel tried with every model, and the one to take.
 fn tuning(
     models: &[Sized],
     with_effects: &Model,
@@ -229,68 +241,103 @@ fn tuning(
     costs: &CostTable,
     budget: Budget,
 ) -> Result<Tuning, String> {
-    let position: Vec<f64> = motion
-        .position
-        .iter()
-        .map(|&c| c as f64 * motion.count)
-        .collect();
-    let path = Path {
-        position: &position,
-        velocity: &motion.velocity,
-        pieces: &motion.pieces,
-        sample_time: motion.sample_time,
-    };
     let refused = refused(with_effects);
     let mut effects = carried(with_effects);
     effects.retain(|effect| refused.iter().all(|(id, _)| *id != effect.id));
-    let (mut choices, mut notes) = (Vec::new(), effects_notes(&effects, &refused, costs));
+    let bench = Bench {
+        motion,
+        variance,
+        effects: &effects,
+        costs,
+        budget,
+    };
+    let mut notes = effects_notes(&effects, &refused, costs);
+    let mut choices = Vec::new();
     for sized in models {
+        for tried in bench.choices(sized)? {
+            match tried {
+                Ok(choice) => choices.push(choice),
+                Err(note) => notes.push(note),
+            }
+        }
+    }
+    notes.extend(cycles_notes(costs, &choices));
+    Ok(Tuning {
+        recommended: recommend(&choices, budget),
+        choices,
+        notes,
+        budget,
+        origin: costs.origin.clone(),
+        recorded: variance.is_some(),
+    })
+}
+
+/// What kernels are tried on.
+struct Bench<'a> {
+    motion: &'a Motion,
+    /// Of the recorded effort (N² or N²·m²).
+    variance: Option<f64>,
+    /// Those beside the friction model that a controller can use.
+    effects: &'a [Effect],
+    costs: &'a CostTable,
+    budget: Budget,
+}
+
+impl Bench<'_> {
+    /// The model in each kernel that has its law; in place of a choice, why there is none.
+    fn choices(&self, sized: &Sized) -> Result<Vec<Result<Choice, String>>, String> {
+        let friction = &sized.model.friction;
         let FrictionModel::Gms {
             breakaway, blocks, ..
-        } = &sized.model.friction
+        } = friction
         else {
-            continue;
+            return Ok(Vec::new());
         };
-        let exact = sized
-            .model
-            .friction
-            .force(path)
-            .map_err(|e| e.to_string())?;
-        for kernel in Kernel::ALL {
-            let Some(cost) = costs.cost(kernel.name(), blocks.len()) else {
-                notes.push(format!(
-                    "{} with N = {} is not in the table of costs",
-                    kernel.name(),
-                    blocks.len()
-                ));
-                continue;
-            };
-            let force = match kernel.force_of(&sized.model.friction, &motion.counts()) {
-                Some(Ok(force)) => force,
-                Some(Err(reason)) => {
-                    notes.push(format!(
-                        "{} with N = {} cannot run this model: {reason}",
-                        kernel.name(),
-                        blocks.len()
-                    ));
-                    continue;
-                }
-                None => continue,
-            };
+        let exact = self.motion.force_of(friction).map_err(|e| e.to_string())?;
+        let choice = |kernel: Kernel, force: &[f64], alone: Cost| {
             let squares: f64 = force.iter().zip(&exact).map(|(a, b)| (a - b).powi(2)).sum();
-            let cost = costs.effects(&effects, kernel.arithmetic()).beside(cost);
             let mean_square = squares / force.len().max(1) as f64;
-            let added = variance.map_or(0.0, |variance| 100.0 * mean_square / variance);
-            choices.push(Choice {
+            let added = self.variance.map_or(0.0, |v| 100.0 * mean_square / v);
+            let effects = self.costs.effects(self.effects, kernel.arithmetic());
+            let cost = effects.beside(alone);
+            Choice {
                 kernel,
-                share: budget.share_of(cost.cycles_worst),
-                tick: costs.whole_tick(kernel.arithmetic(), &cost),
+                share: self.budget.share_of(cost.cycles_worst),
+                tick: self.costs.whole_tick(kernel.arithmetic(), &cost),
                 cost,
                 nmse_test: sized.nmse_test.map(|nmse| nmse + added),
                 arithmetic: 100.0 * mean_square.sqrt() / breakaway,
-            });
-        }
+            }
+        };
+        let tried = Kernel::ALL.into_iter().filter_map(|kernel| {
+            let run = self.run(kernel, friction, blocks.len())?;
+            Some(run.map(|(force, cost)| choice(kernel, &force, cost)))
+        });
+        Ok(tried.collect())
     }
+
+    /// What a kernel computes along the motion (N or N·m) and costs alone; `None` where it does not have the law.
+    fn run(
+        &self,
+        kernel: Kernel,
+        friction: &FrictionModel,
+        blocks: usize,
+    ) -> Option<Result<(Vec<f64>, Cost), String>> {
+        let named = format!("{} with N = {blocks}", kernel.name());
+        let Some(cost) = self.costs.cost(kernel.name(), blocks) else {
+            return Some(Err(format!("{named} is not in the table of costs")));
+        };
+        let force = kernel.force_of(friction, &self.motion.counts())?;
+        Some(match force {
+            Ok(force) => Ok((force, cost)),
+            Err(reason) => Err(format!("{named} cannot run this model: {reason}")),
+        })
+    }
+}
+
+/// What the cycles of the table are worth, and what they leave out.
+fn cycles_notes(costs: &CostTable, choices: &[Choice]) -> Vec<String> {
+    let mut notes = Vec::new();
     if let Standing::Estimated(spread) = costs.standing {
         notes.push(format!(
             "the cycles are estimates, ±{:.0} %: the worst and the shares count the dear end",
@@ -312,15 +359,7 @@ fn tuning(
             "the table of costs has calls only: its cycles include the call, and inlined it takes less".to_owned(),
         );
     }
-    let recommended = recommend(&choices, budget);
-    Ok(Tuning {
-        choices,
-        recommended,
-        notes,
-        budget,
-        origin: costs.origin.clone(),
-        recorded: variance.is_some(),
-    })
+    notes
 }
 
 /// Whose cycles are in the figures, and whose are not.
@@ -357,87 +396,4 @@ fn effects_notes(
         notes.push(format!("{id} is not counted: {reason}"));
     }
     notes
-}
-
-/// The fewest blocks after which no more are worth their cycles, in the cheapest arithmetic that adds little.
-fn recommend(choices: &[Choice], budget: Budget) -> Result<(usize, String), String> {
-    let percent = |share: f64| format!("{:.2} %", 100.0 * share);
-    let cheapest = choices.iter().min_by(|a, b| a.share.total_cmp(&b.share));
-    let Some(cheapest) = cheapest else {
-        return Err("no kernel can run this model; see the notes".to_owned());
-    };
-    if cheapest.share > budget.share {
-        let name = cheapest.kernel.name();
-        return Err(format!(
-            "nothing fits: the cheapest, {name} with N = {}, takes {} of the processor, the budget is {}; lower --rate to {:.0} Hz or allow --budget {:.2}%",
-            cheapest.cost.blocks,
-            percent(cheapest.share),
-            percent(budget.share),
-            budget.rate * budget.share / cheapest.share,
-            100.0 * cheapest.share,
-        ));
-    }
-    let fitting: Vec<&Choice> = choices.iter().filter(|c| c.fits(budget)).collect();
-    let shortest = choices.iter().filter_map(|c| c.tick.map(|tick| tick.worst));
-    let shortest = shortest.fold(f64::INFINITY, f64::min);
-    if fitting.is_empty() {
-        return Err(format!(
-            "nothing fits: the whole control tick takes {shortest:.0} cycles at worst with the cheapest kernel, and {:.0} lie between two ticks; lower --rate to {:.0} Hz",
-            budget.clock / budget.rate,
-            budget.clock / shortest,
-        ));
-    }
-    let sound = |c: &&Choice| c.arithmetic <= ARITHMETIC;
-    let pool: Vec<&Choice> = match fitting.iter().copied().filter(sound).collect::<Vec<_>>() {
-        sound if sound.is_empty() => fitting,
-        sound => sound,
-    };
-    let best = pool
-        .iter()
-        .filter_map(|c| c.nmse_test)
-        .fold(f64::INFINITY, f64::min);
-    let enough = |c: &&&Choice| {
-        c.nmse_test
-            .is_none_or(|nmse| nmse <= best + (WORTH * best).max(LEAST_WORTH))
-    };
-    let chosen = pool.iter().filter(enough).min_by(|a, b| {
-        let blocks = a.cost.blocks.cmp(&b.cost.blocks);
-        blocks.then(a.share.total_cmp(&b.share))
-    });
-    let Some(chosen) = chosen else {
-        return Err("no choice has a finite error; see the notes".to_owned());
-    };
-    let index = choices
-        .iter()
-        .position(|c| std::ptr::eq(c, *chosen))
-        .unwrap_or(0);
-    let blocks = chosen.cost.blocks;
-    let accuracy = match chosen.nmse_test {
-        Some(nmse) if blocks == 1 => {
-            format!(
-                "N = 1 is enough here: it leaves {nmse:.2} % NMSE on motion that was not fitted, and no larger model that fits leaves less than {best:.2} %"
-            )
-        }
-        Some(nmse) => format!(
-            "N = {blocks} leaves {nmse:.2} % NMSE on motion that was not fitted; more blocks that fit the budget reach {best:.2} % at best, fewer leave more than a tenth more"
-        ),
-        None => format!("the model has N = {blocks}; give --recording to have N chosen as well"),
-    };
-    let whole = chosen.tick.map_or(String::new(), |tick| {
-        format!(
-            "; the whole control tick then takes {} at worst, {:.0} cycles",
-            percent(budget.share_of(tick.worst)),
-            tick.worst
-        )
-    });
-    let reason = format!(
-        "{accuracy}; {} ({}) is the cheapest arithmetic that adds at most {ARITHMETIC} % of F_s (it adds {:.3} %) and takes {} of the processor at worst, {:.0} cycles a tick, of {} allowed{whole}",
-        chosen.kernel.name(),
-        chosen.kernel.description(),
-        chosen.arithmetic,
-        percent(chosen.share),
-        chosen.cost.cycles_worst,
-        percent(budget.share),
-    );
-    Ok((index, reason))
 }

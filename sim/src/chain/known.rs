@@ -1,7 +1,6 @@
 //! What a controller could know of the stage at best: the stage's own parameters, in the words of a model file.
 
 use super::Trial;
-use crate::stage::FrictionConfig;
 use crate::stage::concealed::{Concealed, HALF_TRAVEL_M};
 use preslide::Block;
 use preslide_host::effects::Effect;
@@ -22,91 +21,105 @@ const POINTS: usize = 2000;
 /// # Errors
 /// Where the stage or the catalogue refuses a value.
 pub fn known(trial: &Trial) -> Result<Model, String> {
-    let (effect, config) = (&trial.effect, &trial.config);
-    let FrictionConfig {
-        breakaway_n,
-        viscous_n_s_per_m,
-        ..
-    } = config.friction;
+    let config = &trial.config;
     let stage = trial.stage(0).map_err(|e| e.to_string())?;
-    let mut gain = stage.friction().repeat_gain();
-    let mut model = Model {
+    let truth = Truth::of(&trial.effect, config.friction.stribeck_exponent);
+    let gain = stage.friction().repeat_gain() * truth.gain;
+    let blocks = paper::REFERENCE.blocks.iter();
+    let friction = FrictionModel::Gms {
+        breakaway: config.friction.breakaway_n * gain,
+        blocks: blocks
+            .map(|&(stiffness, weight)| Block {
+                stiffness: stiffness * gain,
+                weight,
+            })
+            .collect(),
+        sliding: None,
+    };
+    let keys = truth.keys.iter();
+    let keys: Vec<(&str, f64)> = keys.map(|(k, v)| (k.as_str(), *v)).collect();
+    Ok(Model {
         inertia: config.mass_kg,
-        viscous: viscous_n_s_per_m,
-        ..Model::of_friction(
-            MotionKind::Linear,
-            FrictionModel::Gms {
-                breakaway: breakaway_n,
-                blocks: paper::REFERENCE
-                    .blocks
-                    .iter()
-                    .map(|&(stiffness, weight)| Block { stiffness, weight })
-                    .collect(),
-                sliding: None,
+        viscous: config.friction.viscous_n_s_per_m,
+        constant_force: truth.constant_force,
+        effects: vec![Effect::new(trial.effect.id(), &keys)?],
+        ..Model::of_friction(MotionKind::Linear, friction)
+    })
+}
+
+/// A concealed effect as the catalogue has it, and what of it is the model's own.
+struct Truth {
+    /// Keys and values of the effect.
+    keys: Vec<(String, f64)>,
+    /// Factor on the friction (-).
+    gain: f64,
+    /// Force (N) that is the same everywhere.
+    constant_force: f64,
+}
+
+impl Truth {
+    fn of(effect: &Concealed, stribeck_exponent: f64) -> Self {
+        let alone = |keys: &[(&str, f64)]| Self {
+            keys: named(keys),
+            gain: 1.0,
+            constant_force: 0.0,
+        };
+        match *effect {
+            Concealed::PeriodicForce {
+                force_n,
+                period_m,
+                phase_rad,
+            } => alone(&[
+                ("force_N", force_n),
+                ("period_m", period_m),
+                ("phase_rad", phase_rad),
+            ]),
+            Concealed::LocalFrictionSpot {
+                level,
+                position_m,
+                width_m,
+            } => alone(&[
+                ("level", level),
+                ("position_m", position_m),
+                ("width_m", width_m),
+            ]),
+            Concealed::PeriodicFriction {
+                level,
+                period_m,
+                phase_rad,
+            } => alone(&[
+                ("level", level),
+                ("period_m", period_m),
+                ("phase_rad", phase_rad),
+            ]),
+            Concealed::Stribeck { drop, velocity_m_s } => Self {
+                // The catalogue's level is that above sliding friction, the stage's drop that below breakaway.
+                gain: 1.0 - drop,
+                ..alone(&[
+                    ("level", drop / (1.0 - drop)),
+                    ("velocity_m_s", velocity_m_s),
+                    ("exponent", stribeck_exponent),
+                ])
             },
-        )
-    };
-    let values = match *effect {
-        Concealed::PeriodicForce {
-            force_n,
-            period_m,
-            phase_rad,
-        } => named(&[
-            ("force_N", force_n),
-            ("period_m", period_m),
-            ("phase_rad", phase_rad),
-        ]),
-        Concealed::LocalFrictionSpot {
-            level,
-            position_m,
-            width_m,
-        } => named(&[
-            ("level", level),
-            ("position_m", position_m),
-            ("width_m", width_m),
-        ]),
-        Concealed::PeriodicFriction {
-            level,
-            period_m,
-            phase_rad,
-        } => named(&[
-            ("level", level),
-            ("period_m", period_m),
-            ("phase_rad", phase_rad),
-        ]),
-        Concealed::Stribeck { drop, velocity_m_s } => {
-            // The catalogue's level is that above sliding friction, the stage's drop that below breakaway.
-            gain *= 1.0 - drop;
-            named(&[
-                ("level", drop / (1.0 - drop)),
-                ("velocity_m_s", velocity_m_s),
-                ("exponent", config.friction.stribeck_exponent),
-            ])
-        }
-        Concealed::PositionForce { .. } => {
-            let (mean, shape) = cosines(|x| effect.force_n(x));
-            model.constant_force = mean;
-            map(shape, "_N")
-        }
-        Concealed::PositionFriction { .. } => {
-            // The mean of a level is a matter of the friction.
-            let (mean, shape) = cosines(|x| effect.level(x));
-            gain *= mean;
-            map(shape.map(|cosine| cosine / mean), "")
-        }
-    };
-    if let FrictionModel::Gms {
-        breakaway, blocks, ..
-    } = &mut model.friction
-    {
-        *breakaway *= gain;
-        for block in blocks {
-            block.stiffness *= gain;
+            Concealed::PositionForce { .. } => {
+                let (mean, shape) = cosines(|x| effect.force_n(x));
+                Self {
+                    keys: map(shape, "_N"),
+                    constant_force: mean,
+                    gain: 1.0,
+                }
+            }
+            Concealed::PositionFriction { .. } => {
+                // The mean of a level is a matter of the friction.
+                let (mean, shape) = cosines(|x| effect.level(x));
+                Self {
+                    keys: map(shape.map(|cosine| cosine / mean), ""),
+                    gain: mean,
+                    constant_force: 0.0,
+                }
+            }
         }
     }
-    let values: Vec<(&str, f64)> = values.iter().map(|(k, v)| (k.as_str(), *v)).collect();
-    model.effects = vec![Effect::new(effect.id(), &values)?];
-    Ok(model)
 }
 
 fn named(values: &[(&str, f64)]) -> Vec<(String, f64)> {

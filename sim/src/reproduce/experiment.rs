@@ -88,6 +88,34 @@ pub struct Experiment {
     pub sizes: Vec<Size>,
 }
 
+/// NMSE (%) of each repeat under parameters from the average of the other half of the repeats, by number of blocks; NaN where
+/// that average has no fit.
+fn predicted_by_others(repeats: &[Ramp]) -> Result<Vec<Vec<f64>>, String> {
+    let half = |odd: usize| -> Result<Vec<Option<MaxwellSlipFit>>, String> {
+        let ramps: Vec<&Ramp> = repeats.iter().skip(odd).step_by(2).collect();
+        averaged(&ramps).fits()
+    };
+    // Each half predicts the other.
+    let halves = [half(1)?, half(0)?];
+    let errors = (0..SIZES.len()).map(|j| {
+        let errors = repeats.iter().enumerate().map(|(i, repeat)| {
+            let fit = halves[i % 2].get(j).and_then(Option::as_ref);
+            fit.map_or(Ok(f64::NAN), |fit| repeat.error(fit))
+        });
+        errors.collect()
+    });
+    errors.collect()
+}
+
+/// The errors of the number of blocks whose mean is the least.
+fn least(others: &[Vec<f64>]) -> Option<&Vec<f64>> {
+    let mean = |errors: &[f64]| errors.iter().sum::<f64>() / errors.len() as f64;
+    others
+        .iter()
+        .filter(|errors| mean(errors).is_finite())
+        .min_by(|a, b| mean(a).total_cmp(&mean(b)))
+}
+
 impl Experiment {
     /// Simulates and identifies.
     ///
@@ -109,28 +137,9 @@ impl Experiment {
             })
             .collect::<Result<_, String>>()?;
         let of_average = average.fits()?;
-        // Each half predicts the other.
-        let half = |odd: usize| -> Result<Vec<Option<MaxwellSlipFit>>, String> {
-            let ramps: Vec<&Ramp> = repeats.iter().skip(odd).step_by(2).collect();
-            averaged(&ramps).fits()
-        };
-        let halves = [half(1)?, half(0)?];
+        let others = predicted_by_others(&repeats)?;
         progress.inc(1);
-        let mut others = Vec::new();
-        for j in 0..SIZES.len() {
-            let errors = repeats.iter().enumerate().map(|(i, repeat)| {
-                let fit = halves[i % 2].get(j).and_then(Option::as_ref);
-                fit.map_or(Ok(f64::NAN), |fit| repeat.error(fit))
-            });
-            others.push(errors.collect::<Result<Vec<f64>, String>>()?);
-        }
-        let mean = |errors: &[f64]| errors.iter().sum::<f64>() / errors.len() as f64;
-        let best = others
-            .iter()
-            .filter(|errors| mean(errors).is_finite())
-            .min_by(|a, b| mean(a).total_cmp(&mean(b)))
-            .ok_or("no number of blocks fits the average of the repeats")?
-            .clone();
+        let best = least(&others).ok_or("no number of blocks fits the average of the repeats")?;
         let mut sizes = Vec::new();
         for ((j, n), of_average) in SIZES.enumerate().zip(of_average) {
             let Some(of_average) = of_average else {
@@ -145,7 +154,7 @@ impl Experiment {
                 .iter()
                 .map(|(i, fit)| repeats[*i].error(fit))
                 .collect::<Result<Vec<f64>, String>>()?;
-            let loss: Vec<f64> = others[j].iter().zip(&best).map(|(a, b)| a - b).collect();
+            let loss: Vec<f64> = others[j].iter().zip(best).map(|(a, b)| a - b).collect();
             sizes.push(Size {
                 n,
                 identified: fits.len(),

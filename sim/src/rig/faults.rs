@@ -285,33 +285,41 @@ impl Injection {
     pub fn tell(&self, elf: &Path, undisturbed: &Record) -> Result<String, RigError> {
         let record = run(elf, &(self.script)(), self.listener)?;
         let mut text = format!("{}\n", self.story);
-        let (mut fault, mut first_fault) = (None, None);
-        let (mut last, mut sequence, mut missing) = (None, 0, 0);
-        for report in &record.remains.reports {
-            match report {
-                Report::Sample(sample) => {
-                    if sample.fault != fault {
-                        fault = sample.fault;
-                        first_fault = first_fault.or(Some(sample.tick));
-                        // Ticks are counted from 1, the injection's from 0.
-                        let after = i64::from(sample.tick) - AT as i64;
-                        let _ = writeln!(
-                            text,
-                            "tick {} (injection {after:+}): {fault:?}, code {}",
-                            sample.tick, sample.code
-                        );
-                    }
-                    missing += u64::from(sample.sequence.wrapping_sub(sequence));
-                    sequence = sample.sequence.wrapping_add(1);
-                    last = Some(*sample);
-                }
-                other => {
-                    let _ = writeln!(text, "{other:?}");
-                }
-            }
+        let seen = Seen::told(&record.remains.reports, &mut text);
+        if let Some(verdict) = self.verdict(seen.fault_after) {
+            let _ = writeln!(text, "safe state: {verdict}");
         }
-        let reached = first_fault.map(|tick| i64::from(tick) - AT as i64);
-        let verdict = match (self.within, reached) {
+        seen.tell_losses(&mut text);
+        if self.unlike_undisturbed {
+            let code = record.codes.last().copied().unwrap_or(0);
+            let _ = writeln!(text, "last code: {code}");
+        }
+        let ended = if record.broke_off {
+            "broken off"
+        } else {
+            "to the end"
+        };
+        let _ = writeln!(text, "lock step: {ended}");
+        if !self.unlike_undisturbed {
+            let mut both = record.codes.iter().zip(&undisturbed.codes);
+            let same = if both.all(|(a, b)| a == b) {
+                "yes"
+            } else {
+                "no"
+            };
+            let _ = writeln!(text, "commands as without the fault: {same}");
+        }
+        // The stack's use is the build's, not the fault's.
+        let told = |line: &&str| !line.is_empty() && !line.starts_with("stack");
+        for line in record.remains.log.lines().filter(told) {
+            let _ = writeln!(text, "log: {line}");
+        }
+        Ok(text)
+    }
+
+    /// Whether the safe state, reached so many ticks after the injection, came when it should.
+    fn verdict(&self, reached: Option<i64>) -> Option<String> {
+        match (self.within, reached) {
             (Some(limit), Some(after)) => {
                 let met = (0..=i64::from(limit)).contains(&after);
                 Some(format!(
@@ -322,52 +330,66 @@ impl Injection {
             (Some(limit), None) => Some(format!("within {limit} ticks: NO, not at all")),
             (None, Some(_)) => Some("reached, and should NOT be".to_owned()),
             (None, None) => None,
+        }
+    }
+}
+
+/// What the samples of a run show.
+struct Seen {
+    /// Ticks from the injection to the first fault.
+    fault_after: Option<i64>,
+    /// Samples that the last one counts as dropped; none where there is no sample.
+    dropped: Option<u32>,
+    /// Samples that are missing without being counted.
+    missing: u64,
+}
+
+impl Seen {
+    /// Reads the reports and writes into `text` every change of the fault, and what is no sample.
+    fn told(reports: &[Report], text: &mut String) -> Self {
+        let mut seen = Self {
+            fault_after: None,
+            dropped: None,
+            missing: 0,
         };
-        if let Some(verdict) = verdict {
-            let _ = writeln!(text, "safe state: {verdict}");
-        }
-        if let Some(last) = last {
-            let _ = writeln!(
-                text,
-                "samples dropped: {}",
-                if last.dropped > 0 {
-                    "some, and counted"
-                } else {
-                    "none"
-                }
-            );
-            let _ = writeln!(text, "samples missing without being counted: {missing}");
-        }
-        if self.unlike_undisturbed {
-            let code = record.codes.last().copied().unwrap_or(0);
-            let _ = writeln!(text, "last code: {code}");
-        }
-        let _ = writeln!(
-            text,
-            "lock step: {}",
-            if record.broke_off {
-                "broken off"
-            } else {
-                "to the end"
+        let (mut fault, mut sequence) = (None, 0);
+        for report in reports {
+            let Report::Sample(sample) = report else {
+                let _ = writeln!(text, "{report:?}");
+                continue;
+            };
+            if sample.fault != fault {
+                fault = sample.fault;
+                // Ticks are counted from 1, the injection's from 0.
+                let after = i64::from(sample.tick) - AT as i64;
+                seen.fault_after = seen.fault_after.or(Some(after));
+                let _ = writeln!(
+                    text,
+                    "tick {} (injection {after:+}): {fault:?}, code {}",
+                    sample.tick, sample.code
+                );
             }
-        );
-        if !self.unlike_undisturbed {
-            let same = record
-                .codes
-                .iter()
-                .zip(&undisturbed.codes)
-                .all(|(a, b)| a == b);
+            seen.missing += u64::from(sample.sequence.wrapping_sub(sequence));
+            sequence = sample.sequence.wrapping_add(1);
+            seen.dropped = Some(sample.dropped);
+        }
+        seen
+    }
+
+    /// Writes what of the samples was lost.
+    fn tell_losses(&self, text: &mut String) {
+        if let Some(dropped) = self.dropped {
+            let counted = if dropped > 0 {
+                "some, and counted"
+            } else {
+                "none"
+            };
+            let _ = writeln!(text, "samples dropped: {counted}");
             let _ = writeln!(
                 text,
-                "commands as without the fault: {}",
-                if same { "yes" } else { "no" }
+                "samples missing without being counted: {}",
+                self.missing
             );
         }
-        // The stack's use is the build's, not the fault's.
-        let told = |line: &&str| !line.is_empty() && !line.starts_with("stack");
-        for line in record.remains.log.lines().filter(told) {
-            let _ = writeln!(text, "log: {line}");
-        }
-        Ok(text)
     }
 }

@@ -351,6 +351,13 @@ impl FrictionConfig {
     /// The first key that is out of range, with the reason and what to set.
     pub fn validate(&self) -> Result<(), StageError> {
         positive("friction.breakaway_n", self.breakaway_n)?;
+        self.validate_virgin_curve()?;
+        self.validate_elements()?;
+        self.validate_sliding()?;
+        self.validate_variability()
+    }
+
+    fn validate_virgin_curve(&self) -> Result<(), StageError> {
         if self.virgin_curve.is_empty() {
             return Err(StageError::Empty {
                 key: "friction.virgin_curve",
@@ -371,7 +378,10 @@ impl FrictionConfig {
             (weights - 1.0).abs() <= 0.01,
             "the weights must add up to 1",
             "so that they do (to 0.01)",
-        )?;
+        )
+    }
+
+    fn validate_elements(&self) -> Result<(), StageError> {
         check(
             "friction.elements",
             self.elements as f64,
@@ -385,7 +395,10 @@ impl FrictionConfig {
             (0.0..=0.99).contains(&self.elastic_share),
             "yielding must be smooth",
             "within 0..0.99",
-        )?;
+        )
+    }
+
+    fn validate_sliding(&self) -> Result<(), StageError> {
         check(
             "friction.stribeck_drop",
             self.stribeck_drop,
@@ -401,7 +414,11 @@ impl FrictionConfig {
             "no such Stribeck curve is published",
             "within 0.5..4 (1 or 2 is usual)",
         )?;
-        not_negative("friction.viscous_n_s_per_m", self.viscous_n_s_per_m)?;
+        not_negative("friction.viscous_n_s_per_m", self.viscous_n_s_per_m)
+    }
+
+    /// A gain that wanders must not let the contact return energy.
+    fn validate_variability(&self) -> Result<(), StageError> {
         let variability = &self.variability;
         check(
             "friction.variability.bound",

@@ -75,6 +75,80 @@ pub struct Trajectory {
     duration_s: f64,
 }
 
+/// The first thing that makes vertices no trajectory.
+fn refuse(vertices: &[(f64, f64)], corner_s: f64) -> Result<(), TrajectoryError> {
+    if vertices.len() < 2 {
+        return Err(TrajectoryError::TooShort(vertices.len()));
+    }
+    in_range(
+        "corner_s",
+        corner_s,
+        corner_s >= 0.0,
+        "zero or more, and finite",
+    )?;
+    for &(t, x) in vertices {
+        in_range("time of a vertex", t, true, "finite")?;
+        in_range("position of a vertex", x, true, "finite")?;
+    }
+    for (vertex, gap_s) in gaps(vertices).enumerate() {
+        if gap_s < 0.0 {
+            return Err(TrajectoryError::Backwards { vertex: vertex + 1 });
+        }
+        // Half a corner at either end; a hair for rounding.
+        if gap_s > 0.0 && gap_s < corner_s * (1.0 - 1e-9) {
+            return Err(TrajectoryError::CornersOverlap {
+                vertex,
+                gap_s,
+                corner_s,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Slope into each vertex and out of the last, at rest before and after; `None` is a jump.
+fn slopes(vertices: &[(f64, f64)]) -> Vec<Option<f64>> {
+    let rest = std::iter::once(Some(0.0));
+    let between = vertices
+        .iter()
+        .zip(vertices.iter().skip(1))
+        .map(|(&(t0, x0), &(t1, x1))| (t1 > t0).then(|| (x1 - x0) / (t1 - t0)));
+    rest.clone().chain(between).chain(rest).collect()
+}
+
+/// The lines between the vertices, with a parabola over `corner_s` in place of each corner.
+fn rounded(vertices: &[(f64, f64)], corner_s: f64) -> Vec<Piece> {
+    let mut pieces = Vec::with_capacity(2 * vertices.len());
+    for (&(t, x), slopes) in vertices.iter().zip(slopes(vertices).windows(2)) {
+        match *slopes {
+            [Some(before), Some(after)] if before != after && corner_s > 0.0 => {
+                let half = 0.5 * corner_s;
+                pieces.push(Piece {
+                    start_s: t - half,
+                    x: x - before * half,
+                    v: before,
+                    a: (after - before) / corner_s,
+                });
+                pieces.push(Piece {
+                    start_s: t + half,
+                    x: x + after * half,
+                    v: after,
+                    a: 0.0,
+                });
+            }
+            [_, Some(after)] => pieces.push(Piece {
+                start_s: t,
+                x,
+                v: after,
+                a: 0.0,
+            }),
+            // The vertex after the jump starts the next piece.
+            _ => {}
+        }
+    }
+    pieces
+}
+
 impl Trajectory {
     /// Straight lines between `(time \[s\], position \[m\])`, corners rounded over `corner_s` (0: sharp). Two vertices at the
     /// same time are a jump, which is not rounded.
@@ -86,72 +160,7 @@ impl Trajectory {
         else {
             return Err(TrajectoryError::TooShort(0));
         };
-        if vertices.len() < 2 {
-            return Err(TrajectoryError::TooShort(vertices.len()));
-        }
-        in_range(
-            "corner_s",
-            corner_s,
-            corner_s >= 0.0,
-            "zero or more, and finite",
-        )?;
-        for &(t, x) in vertices {
-            in_range("time of a vertex", t, true, "finite")?;
-            in_range("position of a vertex", x, true, "finite")?;
-        }
-        for (vertex, gap_s) in gaps(vertices).enumerate() {
-            if gap_s < 0.0 {
-                return Err(TrajectoryError::Backwards { vertex: vertex + 1 });
-            }
-            // Half a corner at either end; a hair for rounding.
-            if gap_s > 0.0 && gap_s < corner_s * (1.0 - 1e-9) {
-                return Err(TrajectoryError::CornersOverlap {
-                    vertex,
-                    gap_s,
-                    corner_s,
-                });
-            }
-        }
-        // Slope into each vertex and out of the last; `None` is a jump.
-        let rest = std::iter::once(Some(0.0));
-        let slopes: Vec<Option<f64>> = rest
-            .clone()
-            .chain(
-                vertices
-                    .iter()
-                    .zip(vertices.iter().skip(1))
-                    .map(|(&(t0, x0), &(t1, x1))| (t1 > t0).then(|| (x1 - x0) / (t1 - t0))),
-            )
-            .chain(rest)
-            .collect();
-        let mut pieces = Vec::with_capacity(2 * vertices.len());
-        for (&(t, x), slopes) in vertices.iter().zip(slopes.windows(2)) {
-            match *slopes {
-                [Some(before), Some(after)] if before != after && corner_s > 0.0 => {
-                    let half = 0.5 * corner_s;
-                    pieces.push(Piece {
-                        start_s: t - half,
-                        x: x - before * half,
-                        v: before,
-                        a: (after - before) / corner_s,
-                    });
-                    pieces.push(Piece {
-                        start_s: t + half,
-                        x: x + after * half,
-                        v: after,
-                        a: 0.0,
-                    });
-                }
-                [_, Some(after)] => pieces.push(Piece {
-                    start_s: t,
-                    x,
-                    v: after,
-                    a: 0.0,
-                }),
-                // The vertex after the jump starts the next piece.
-                _ => {}
-            }
-        }
+        refuse(vertices, corner_s)?;
         let duration_s = if last_s > first_s {
             last_s + 0.5 * corner_s
         } else {
@@ -159,7 +168,7 @@ impl Trajectory {
         };
         Ok(Self {
             origin,
-            pieces,
+            pieces: rounded(vertices, corner_s),
             duration_s,
         })
     }

@@ -149,7 +149,6 @@ pub fn study(
     progress: impl Fn(usize, usize) + Sync,
 ) -> Result<Study, TrackingError> {
     let watch = learning.watch;
-    let commissioning = 2 * watch.commissioning;
     let (done, all) = (
         AtomicUsize::new(0),
         (normal_stages + changed_stages * CHANGES.len() as u64) as usize,
@@ -159,32 +158,14 @@ pub fn study(
     let normal = (0..normal_stages)
         .into_par_iter()
         .map(|seed| {
-            let windows = commissioning + NORMAL;
+            let windows = 2 * watch.commissioning + NORMAL;
             let blocks = run(settings, learning, 1000 + seed, windows, &mut |_, _| {});
             tell();
             blocks
         })
         .collect::<Result<Vec<_>, TrackingError>>()?;
-    let rates = RATES.iter().map(|&asked| {
-        let with = MismatchSettings {
-            false_alarms: asked,
-            ..watch
-        };
-        let judged = normal
-            .iter()
-            .map(|blocks| judge(learning, with, blocks))
-            .collect::<Result<Vec<_>, ParamError>>()?;
-        let per_window = judged.iter().map(|stage| {
-            let windows = stage.values.len() - commissioning as usize;
-            stage.alarms.len() as f64 / windows as f64
-        });
-        Ok(Rate {
-            asked,
-            alarms: judged.iter().map(|stage| stage.alarms.len()).sum(),
-            measured: mean_and_half_width(&per_window.collect::<Vec<_>>()),
-        })
-    });
-    let rates = rates.collect::<Result<Vec<_>, TrackingError>>()?;
+    let rates = RATES.iter().map(|asked| rate(learning, *asked, &normal));
+    let rates = rates.collect::<Result<Vec<_>, ParamError>>()?;
     let delays = CHANGES.iter().map(|change| {
         let found = (0..changed_stages)
             .into_par_iter()
@@ -194,18 +175,7 @@ pub fn study(
                 found
             })
             .collect::<Result<Vec<_>, TrackingError>>()?;
-        let mut late: Vec<usize> = found.iter().flatten().copied().flatten().collect();
-        late.sort_unstable();
-        Ok(Delay {
-            name: change.name,
-            stages: found.len(),
-            noticed: late.len(),
-            windows: [
-                late.get(late.len() / 2).copied().unwrap_or(0),
-                late.last().copied().unwrap_or(0),
-            ],
-            early: found.iter().filter(|stage| **stage == Some(None)).count(),
-        })
+        Ok(delay(change.name, &found))
     });
     let delays = delays.collect::<Result<Vec<_>, TrackingError>>()?;
     let correlations = normal
@@ -219,6 +189,47 @@ pub fn study(
         delays,
         watch,
     })
+}
+
+/// False alarms on normal stages of a watch that is asked for so many.
+fn rate(
+    learning: &LearningSettings,
+    asked: f64,
+    normal: &[Vec<BlockMeans<f32>>],
+) -> Result<Rate, ParamError> {
+    let with = MismatchSettings {
+        false_alarms: asked,
+        ..learning.watch
+    };
+    let judged = normal
+        .iter()
+        .map(|blocks| judge(learning, with, blocks))
+        .collect::<Result<Vec<_>, ParamError>>()?;
+    let per_window = judged.iter().map(|stage| {
+        let windows = stage.values.len() - 2 * with.commissioning as usize;
+        stage.alarms.len() as f64 / windows as f64
+    });
+    Ok(Rate {
+        asked,
+        alarms: judged.iter().map(|stage| stage.alarms.len()).sum(),
+        measured: mean_and_half_width(&per_window.collect::<Vec<_>>()),
+    })
+}
+
+/// How late a change was noticed, from the answers of [`noticed`] on every stage.
+fn delay(name: &'static str, found: &[Option<Option<usize>>]) -> Delay {
+    let mut late: Vec<usize> = found.iter().flatten().copied().flatten().collect();
+    late.sort_unstable();
+    Delay {
+        name,
+        stages: found.len(),
+        noticed: late.len(),
+        windows: [
+            late.get(late.len() / 2).copied().unwrap_or(0),
+            late.last().copied().unwrap_or(0),
+        ],
+        early: found.iter().filter(|stage| **stage == Some(None)).count(),
+    }
 }
 
 /// Windows that ended from the change to the flag, on one stage; none if the flag came earlier.

@@ -9,6 +9,7 @@ mod disassembly;
 mod floor;
 mod hazard3;
 mod instruction;
+mod labels;
 mod m0plus;
 mod m33;
 mod m7;

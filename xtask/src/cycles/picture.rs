@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use super::labels::{self, Area, Point};
 use crate::process::root;
 
 const PICTURE: &str = "docs/src/frontier.svg";
@@ -70,16 +71,16 @@ const FAMILIES: [(&str, &str, &str, &str); 19] = [
     ("gms_i32_gcc_O2", "full law, i32, by gcc", "#009e73", "1 3"),
 ];
 
-/// Kernel, how it is called, and how far the name stands above its cross, so that names do not overlap.
-const RIVALS: [(&str, &str, f64); 8] = [
-    ("coulomb_f32", "Coulomb", 3.0),
-    ("dahl_n1_f32", "Dahl, n = 1", 13.0),
-    ("dahl_n1.6_f32", "Dahl, n = 1.6", 3.0),
-    ("two_state_f32", "two-state", -12.0),
-    ("bouc_wen_f32", "Bouc-Wen", -9.0),
-    ("lugre_f32", "LuGre", 3.0),
-    ("elasto_plastic_f32", "elasto-plastic", 3.0),
-    ("hsieh_f32", "Hsieh", 3.0),
+/// Kernel and how it is called.
+const RIVALS: [(&str, &str); 8] = [
+    ("coulomb_f32", "Coulomb"),
+    ("dahl_n1_f32", "Dahl, n = 1"),
+    ("dahl_n1.6_f32", "Dahl, n = 1.6"),
+    ("two_state_f32", "two-state"),
+    ("bouc_wen_f32", "Bouc-Wen"),
+    ("lugre_f32", "LuGre"),
+    ("elasto_plastic_f32", "elasto-plastic"),
+    ("hsieh_f32", "Hsieh"),
 ];
 
 /// Kernel and N.
@@ -183,10 +184,12 @@ fn panel(svg: &mut String, index: usize, costs: &BTreeMap<Name, (f64, f64)>) {
     let at = |cost: &(f64, f64)| place(index, *cost);
     let frontier: Vec<_> = frontier(costs.values().copied()).iter().map(at).collect();
     polyline(svg, &frontier, BEST);
+    let mut curves = along(&frontier);
     for (kernel, _, colour, dashes) in FAMILIES {
         let family = costs.iter().filter(|((name, _), _)| name == kernel);
         let points: Vec<_> = family.map(|(_, cost)| at(cost)).collect();
         polyline(svg, &points, &stroke(colour, dashes));
+        curves.extend(along(&points));
         for (x, y) in points {
             let _ = writeln!(
                 svg,
@@ -194,19 +197,54 @@ fn panel(svg: &mut String, index: usize, costs: &BTreeMap<Name, (f64, f64)>) {
             );
         }
     }
-    for (kernel, title, above) in RIVALS {
-        if let Some(cost) = costs.get(&(kernel.to_string(), 1)) {
-            let (x, y) = at(cost);
+    let marks = RIVALS.iter().filter_map(|(kernel, title)| {
+        let cost = costs.get(&(kernel.to_string(), 1))?;
+        Some((at(cost), *title))
+    });
+    rivals(svg, &marks.collect::<Vec<_>>(), &curves, index);
+}
+
+/// A cross each with its name, and a line between the two where they are apart.
+fn rivals(svg: &mut String, marks: &[(Point, &str)], curves: &[Point], index: usize) {
+    let (left, bottom) = place(index, (10f64.powi(CYCLES[0]), 10f64.powi(ERROR[0])));
+    let (right, top) = place(index, (10f64.powi(CYCLES[1]), 10f64.powi(ERROR[1])));
+    let panel = Area {
+        left,
+        top,
+        right,
+        bottom,
+    };
+    let names = labels::placed(marks, curves, &panel);
+    for (((x, y), title), name) in marks.iter().zip(names) {
+        let (near_x, near_y) = name.nearest((*x, *y));
+        if (near_x - x).hypot(near_y - y) > labels::FAR {
             let _ = writeln!(
                 svg,
-                "<path d='M{:.1} {:.1}l6 6m0 -6l-6 6' stroke='black'/><text x='{:.1}' y='{:.1}'>{title}</text>",
-                x - 3.0,
-                y - 3.0,
-                x + 6.0,
-                y - above
+                "<path d='M{x:.1} {y:.1}L{near_x:.1} {near_y:.1}' stroke='#888888' stroke-width='0.7'/>"
             );
         }
+        let _ = writeln!(
+            svg,
+            "<path d='M{:.1} {:.1}l6 6m0 -6l-6 6' stroke='black'/><text x='{:.1}' y='{:.1}' text-anchor='middle'>{title}</text>",
+            x - 3.0,
+            y - 3.0,
+            0.5 * (name.left + name.right),
+            name.bottom - 2.5
+        );
     }
+}
+
+/// Points along a line, close enough that none passes unseen under a name.
+fn along(points: &[Point]) -> Vec<Point> {
+    const STEPS: u32 = 40;
+    let between = points.windows(2).flat_map(|pair| {
+        let ((x0, y0), (x1, y1)) = (pair[0], pair[1]);
+        (0..=STEPS).map(move |i| {
+            let part = f64::from(i) / f64::from(STEPS);
+            (x0 + part * (x1 - x0), y0 + part * (y1 - y0))
+        })
+    });
+    between.chain(points.iter().copied()).collect()
 }
 
 /// Frame, title, decades.

@@ -1,0 +1,197 @@
+//! Effects along a recording, against closed forms and laws integrated anew.
+
+use super::*;
+use std::f64::consts::PI;
+
+#[test]
+fn gravity_holds_an_arm_by_the_sine_of_its_angle_and_no_linear_axis() {
+    let arm = Model {
+        motion: MotionKind::Rotary,
+        ..model(vec![gravity()])
+    };
+    let position: Vec<f64> = (0..400).map(|i| f64::from(i) * 0.05 - 9.0).collect();
+    let rest = vec![0.0; position.len()];
+    let path = Path {
+        position: &position,
+        velocity: &rest,
+        pieces: std::slice::from_ref(&(0..400)),
+        sample_time: 1e-3,
+    };
+    let with = arm.resistance(path).expect("needs nothing more");
+    let without = model(vec![]).resistance(path).expect("needs nothing more");
+    for ((with, without), q) in with.iter().zip(&without).zip(&position) {
+        let error = with - without - 3.31 * (q - 0.2).sin();
+        assert!(error.abs() < 1e-5, "{error} N·m at {q} rad");
+    }
+    let text = arm.to_toml(&[]).replace("rotary", "linear");
+    let text = text
+        .replace("_Nm_s_per_rad", "_N_s_per_m")
+        .replace("inertia_kg_m2", "mass_kg")
+        .replace("_Nm", "_N");
+    let error = Model::parse(&text).expect_err("linear");
+    assert!(error.contains("constant_force"), "{error}");
+}
+
+#[test]
+fn effects_along_a_recording_are_their_formulas() {
+    let [t, x, v, a] = sine();
+    let coulomb = FrictionModel::Coulomb { coulomb: 0.8 };
+    let friction = |i: usize| 0.8 * v[i].signum();
+    let rest = |i: usize| 2.0 * a[i] + 3.0 * v[i] + 0.05;
+    let exp = |i: usize, d: f64| (-(v[i].abs() / 5e-3).powf(d)).exp();
+    let map = |i: usize, terms: &[f64]| -> f64 {
+        let u = ((x[i] + 0.01) / 0.03).clamp(0.0, 1.0);
+        (1..)
+            .zip(terms)
+            .map(|(j, c)| c * (f64::from(j) * PI * u).cos())
+            .sum()
+    };
+    let every = every();
+    let pick = |n: usize| along(vec![every[n].clone()], coulomb.clone());
+    let near = |n: usize, tolerance: f64, wanted: &dyn Fn(usize) -> f64| {
+        let off = difference(&pick(n), 0, |i| wanted(i) + rest(i));
+        eprintln!("{}: {off:.1e} N", every[n].id);
+        assert!(off < tolerance, "{}: {off:e}", every[n].id);
+    };
+    let plain = difference(&along(vec![], coulomb.clone()), 0, |i| {
+        friction(i) + rest(i)
+    });
+    assert!(plain < 1e-12, "{plain:e}");
+    near(0, 1e-12, &|i| friction(i) * (1.0 + 0.1 * v[i].signum()));
+    near(1, 1e-12, &|i| friction(i) + 40.0 * v[i] * v[i].abs());
+    near(2, 3e-4, &|i| friction(i) * (1.0 + 0.3 * exp(i, 2.0)));
+    near(4, 1e-12, &|i| friction(i) + 12.0 * (x[i] - 1.0 / 3.0));
+    near(5, 1e-6, &|i| friction(i) + map(i, &[0.1, 0.0, -0.05]));
+    near(6, 1e-6, &|i| friction(i) * (1.0 + map(i, &[0.1, 0.05])));
+    near(7, 4e-4, &|i| {
+        friction(i) * (1.0 + 0.5 * (-((x[i] - 4e-3) / 1e-3).powi(2)).exp())
+    });
+    near(8, 1e-6, &|i| {
+        friction(i) + 0.05 * (TAU * x[i] / 1.3e-3 + 0.4).cos()
+    });
+    near(9, 1e-6, &|i| {
+        friction(i) * (1.0 + 0.1 * (TAU * x[i] / 2e-3 - 1.0).cos())
+    });
+    near(11, 1e-6, &|i| {
+        friction(i) + 0.1 * (TAU * 17.0 * t[i] + 0.3).sin()
+    });
+    near(15, 1e-12, &|i| friction(i) * (1.0 - 0.02 * t[i]));
+    near(16, 1e-3, &|i| {
+        friction(i) * (1.0 + 0.2 * (-t[i] / 1.5).exp())
+    });
+    near(19, 1e-12, &|i| friction(i) * (1.0 + 0.02 * t[i]));
+    near(21, 1e-12, &|i| {
+        (friction(i) + rest(i)).clamp(-0.7, 0.7) - rest(i)
+    });
+    near(20, 1e-12, &|i| {
+        friction(i) + 0.1 * (friction(i) + rest(i)).signum()
+    });
+    // The encoder's error comes back out: to first order in 2πe/p = 0.13.
+    let k = TAU / 1e-4;
+    near(10, 2e-2, &|i| {
+        let angle = k * x[i] + 0.7;
+        let slope = 1.0 + 2e-6 * k * angle.sin();
+        friction(i)
+            + 2.0 * (a[i] * (slope - 1.0) + 2e-6 * k * k * angle.cos() * v[i] * v[i])
+            + 3.0 * v[i] * (slope - 1.0)
+    });
+    let path = |i: usize| (0..=i).map(|n| v[n].abs() * STEP).sum::<f64>();
+    let off = (0..4000).step_by(37).map(|i| {
+        let wanted = friction(i) * (1.0 + 0.2 * (-path(i) / 0.05).exp()) + rest(i);
+        (pick(17)[i] - wanted).abs()
+    });
+    assert!(off.fold(0.0, f64::max) < 1e-3);
+    // All levels at once: m = 1 + Σ(m_i − 1), and forces beside them.
+    let all = along(
+        [0, 6, 9, 8, 4].map(|n| every[n].clone()).to_vec(),
+        coulomb.clone(),
+    );
+    let off = difference(&all, 0, |i| {
+        let m = 1.0
+            + 0.1 * v[i].signum()
+            + map(i, &[0.1, 0.05])
+            + 0.1 * (TAU * x[i] / 2e-3 - 1.0).cos();
+        m * friction(i)
+            + 0.05 * (TAU * x[i] / 1.3e-3 + 0.4).cos()
+            + 12.0 * (x[i] - 1.0 / 3.0)
+            + rest(i)
+    });
+    assert!(off < 2e-6, "{off:e}");
+    // A level is not below 0.
+    let none = Effect::new(
+        "position_friction",
+        &[("from_m", -1.0), ("to_m", 9.0), ("cosine1", -5.0)],
+    )
+    .expect("valid");
+    assert!(difference(&along(vec![none], coulomb), 0, rest) < 1e-12);
+}
+
+/// The history of effects with memory, integrated anew.
+#[test]
+fn effects_with_memory_follow_their_laws() {
+    let [t, _, v, a] = sine();
+    let coulomb = FrictionModel::Coulomb { coulomb: 0.8 };
+    let every = every();
+    let rest = |i: usize| 2.0 * a[i] + 3.0 * v[i] + 0.05;
+    let (mut lag, mut age) = (vec![0.0; 4000], vec![0.0; 4000]);
+    let (mut level, mut theta) = (0.2, 0.0);
+    for i in 0..4000 {
+        if i == 2000 {
+            // The gap: at rest.
+            theta += t[i] - t[i - 1] - STEP;
+            level = 0.2 + (level - 0.2) * (-(t[i] - t[i - 1] - STEP) / 0.02_f64).exp();
+        }
+        let now = 0.2 * (-v[i].abs() / 5e-3).exp();
+        level = now + (level - now) * (-STEP / 0.02_f64).exp();
+        lag[i] = level;
+        let rate = v[i].abs() / 1e-4;
+        theta = if rate > 1e-9 {
+            1.0 / rate + (theta - 1.0 / rate) * (-rate * STEP).exp()
+        } else {
+            theta + STEP
+        };
+        age[i] = 0.05 * (1.0 + theta / 0.1).log10();
+    }
+    for (n, tolerance, levels) in [(3, 1e-3, lag), (18, 4e-3, age)] {
+        let found = along(vec![every[n].clone()], coulomb.clone());
+        let off = difference(&found, 0, |i| {
+            0.8 * v[i].signum() * (1.0 + levels[i]) + rest(i)
+        });
+        eprintln!("{}: {off:.1e} N", every[n].id);
+        assert!(off < tolerance, "{}: {off:e}", every[n].id);
+    }
+}
+
+/// What a recording does not hold is said, not left out.
+#[test]
+fn a_missing_column_is_an_error() {
+    let [_, x, v, _] = sine();
+    let path = Path {
+        position: &x,
+        velocity: &v,
+        pieces: &[0..2000, 2000..4000],
+        sample_time: STEP,
+    };
+    for (n, column) in [(15, "temperature_C"), (19, "load_N")] {
+        let error = model(vec![every()[n].clone()])
+            .resistance(path)
+            .expect_err(column);
+        assert!(error.contains(column) && error.contains("--map"), "{error}");
+    }
+    assert!(model(vec![every()[16].clone()]).resistance(path).is_ok());
+    // A vibration that the samples cannot show.
+    let fast = Effect::new(
+        "external_vibration",
+        &[
+            ("force_N", 0.1),
+            ("frequency_Hz", 900.0),
+            ("phase_rad", 0.0),
+        ],
+    )
+    .expect("valid");
+    let error = model(vec![fast]).resistance(path).expect_err("aliased");
+    assert!(
+        error.contains("external_vibration") && error.contains("500"),
+        "{error}"
+    );
+}
