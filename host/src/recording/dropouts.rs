@@ -23,6 +23,8 @@ const EFFORT_USUAL: f64 = 2.0;
 /// A coarse effort stays at every level longer than at zero, which it passes as the motion turns: there a dropout is this many times
 /// longer than half of its stays.
 const ZERO_USUAL: f64 = 5.0;
+/// Within this share of its range from an end an effort may be at its limit.
+const LIMIT: f64 = 0.05;
 /// The motion takes another effort than the one that is written where the two differ by this many times the usual misfit. An axis that
 /// coasts with its motor off reaches 0.75.
 const OTHER: f64 = 1.2;
@@ -71,8 +73,9 @@ fn of_effort(
     kind: MotionKind,
 ) -> Vec<Range<usize>> {
     let (low, high) = extremes(f);
-    // A saturated effort stays at its limit. Zero is none: an axis that carries a weight never gets there.
-    let limited = |v: f64| v != 0.0 && (v == low || v == high);
+    // A saturated effort stays at its limit, which sags with the supply. Zero is none: an axis that carries a weight never gets there.
+    let limit = LIMIT * (high - low);
+    let limited = |v: f64| v != 0.0 && (v - low <= limit || high - v <= limit);
     let travel = extremes(x).1 - extremes(x).0;
     let fast = MOVING * usual_step(x);
     let moves = |r: &Range<usize>| {
