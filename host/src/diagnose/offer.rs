@@ -184,7 +184,11 @@ impl Lines {
         let (slowest, fastest) = spectra::in_time(&ground.rows);
         let in_position = (finest * travel).max(1.0);
         let in_time = (fastest * duration).max(1.0);
-        let invert = |lines: Vec<f64>| lines.into_iter().map(|nu| 1.0 / nu).collect();
+        let comb = spectra::comb(&x, lowest, finest);
+        let invert = |lines| {
+            let lines = spectra::with_aliases(lines, comb, lowest);
+            lines.into_iter().map(|nu| 1.0 / nu).collect()
+        };
         Self(BTreeMap::from([
             (
                 Line::Force as u8,

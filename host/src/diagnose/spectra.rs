@@ -6,6 +6,9 @@ use realfft::RealFftPlanner;
 
 /// Peaks kept of one spectrum.
 const PEAKS: usize = 4;
+/// Share of the whole that the places' own spectrum has at the teeth of a comb: of places that lie anywhere it has next to nothing, of
+/// those that a sine passes less than a tenth.
+const COMB: f64 = 0.25;
 /// Most bins.
 const MOST: usize = 1 << 18;
 
@@ -20,41 +23,78 @@ pub fn in_time(rows: &Rows) -> (f64, f64) {
     )
 }
 
+/// Power over frequency.
+struct Spectrum {
+    power: Vec<f64>,
+    /// Frequency of the first one, and from each to the next.
+    from: f64,
+    step: f64,
+}
+
+impl Spectrum {
+    /// Of `weights` at the places or times `at`, between two frequencies (periods per unit of `at`); `None` where there is none.
+    fn of(at: &[f64], weights: &[f64], from: f64, to: f64) -> Option<Self> {
+        let (low, high) = bounds(at);
+        let span = high - low;
+        if span <= 0.0 || to <= from || !to.is_finite() {
+            return None;
+        }
+        // Summed into bins of a quarter of the shortest period and padded to three times the span.
+        let bin = 0.25 / to;
+        let size = ((3.0 * span / bin).ceil() as usize)
+            .clamp(64, MOST)
+            .next_power_of_two();
+        let bin = bin.max(3.0 * span / size as f64);
+        let step = 1.0 / (size as f64 * bin);
+        let mut binned = vec![0.0; size];
+        for (x, w) in at.iter().zip(weights) {
+            let place = (x - low) / bin;
+            let (left, part) = (place.floor(), place.fract());
+            binned[left as usize % size] += w * (1.0 - part);
+            binned[(left as usize + 1) % size] += w * part;
+        }
+        let forward = RealFftPlanner::<f64>::new().plan_fft_forward(size);
+        let mut spectrum = forward.make_output_vec();
+        forward.process(&mut binned, &mut spectrum).ok()?;
+        let (first, last) = ((from / step).ceil() as usize, (to / step) as usize);
+        let inside = spectrum.get(first..=last.min(size / 2))?;
+        Some(Self {
+            power: inside.iter().map(|c| c.norm_sqr()).collect(),
+            from: first as f64 * step,
+            step,
+        })
+    }
+}
+
+/// The comb (periods per unit) on which places stand that a scan in steps stopped at; `None` where they lie anywhere.
+pub fn comb(at: &[f64], from: f64, to: f64) -> Option<f64> {
+    let Spectrum { power, from, step } = Spectrum::of(at, &vec![1.0; at.len()], from, to)?;
+    let whole = (at.len() as f64).powi(2);
+    // The first of its harmonics.
+    let first = power.iter().position(|p| *p > COMB * whole)?;
+    let tooth = &power[first..];
+    let fall = tooth.windows(2).position(|p| p[1] < p[0])?;
+    Some(from + (first + fall) as f64 * step)
+}
+
+/// Lines, and what they are aliases of: on places of a comb a line looks like one at its distance from the nearest tooth, and at its
+/// distance from the next one. All are tried, and what happens between the teeth tells them apart.
+pub fn with_aliases(mut lines: Vec<f64>, comb: Option<f64>, from: f64) -> Vec<f64> {
+    let Some(comb) = comb else { return lines };
+    for line in lines.clone() {
+        let near = (line - (line / comb).round() * comb).abs();
+        lines.extend([near, comb - near].into_iter().filter(|nu| *nu >= from));
+    }
+    lines
+}
+
 /// Frequencies at which `weights` (the mismatch, at the places or times `at`) has lines: those whose power stands highest
 /// above its neighbourhood. `from..to` in periods per unit of `at`.
 pub fn lines(at: &[f64], weights: &[f64], from: f64, to: f64) -> Vec<f64> {
-    let (low, high) = bounds(at);
-    let span = high - low;
-    if span <= 0.0 || to <= from || !to.is_finite() {
+    let Some(Spectrum { power, from, step }) = Spectrum::of(at, weights, from, to) else {
         return Vec::new();
-    }
-    // Summed into bins of a quarter of the shortest period and padded to three times the span.
-    let bin = 0.25 / to;
-    let size = ((3.0 * span / bin).ceil() as usize)
-        .clamp(64, MOST)
-        .next_power_of_two();
-    let bin = bin.max(3.0 * span / size as f64);
-    let step = 1.0 / (size as f64 * bin);
-    let mut binned = vec![0.0; size];
-    for (x, w) in at.iter().zip(weights) {
-        let place = (x - low) / bin;
-        let (left, part) = (place.floor(), place.fract());
-        binned[left as usize % size] += w * (1.0 - part);
-        binned[(left as usize + 1) % size] += w * part;
-    }
-    let forward = RealFftPlanner::<f64>::new().plan_fft_forward(size);
-    let mut spectrum = forward.make_output_vec();
-    if forward.process(&mut binned, &mut spectrum).is_err() {
-        return Vec::new();
-    }
-    let (first, last) = ((from / step).ceil() as usize, (to / step) as usize);
-    let power: Vec<f64> = spectrum
-        .get(first..=last.min(size / 2))
-        .unwrap_or_default()
-        .iter()
-        .map(|c| c.norm_sqr())
-        .collect();
-    let (count, from) = (power.len(), first as f64 * step);
+    };
+    let count = power.len();
     if count < 8 {
         return Vec::new();
     }
@@ -98,5 +138,21 @@ mod tests {
             (found[0] / expected - 1.0).abs() < 0.01,
             "{found:?}, not {expected}"
         );
+    }
+
+    #[test]
+    fn what_stands_on_a_comb_has_aliases_and_other_places_have_none() {
+        // Steps of 0.05, a hundredth of that off; a wave of period 0.08.
+        let at: Vec<f64> = (0..600)
+            .map(|i| f64::from(i / 10) * 0.05 + 5e-4 * (f64::from(i) * 0.7).sin())
+            .collect();
+        let found = comb(&at, 0.5, 500.0).expect("a comb");
+        assert!((found / 20.0 - 1.0).abs() < 0.01, "{found}");
+        let lines = with_aliases(vec![367.5], Some(20.0), 0.5);
+        assert_eq!(lines, [367.5, 7.5, 12.5]);
+        let swing: Vec<f64> = (0..4000)
+            .map(|i| 5.0 * (f64::from(i) * 0.003).sin())
+            .collect();
+        assert_eq!(comb(&swing, 0.15, 40.0), None);
     }
 }

@@ -1,6 +1,6 @@
 //! Pieces that are given twice: a copy proves nothing, and would be fitted and held out at once.
 
-use super::repair::extremes;
+use super::dropouts::extremes;
 use super::{Recording, Warning};
 use std::ops::Range;
 

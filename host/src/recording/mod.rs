@@ -10,6 +10,7 @@ mod columns;
 mod copies;
 mod csv;
 mod decimate;
+mod dropouts;
 mod error;
 mod even;
 mod extra;

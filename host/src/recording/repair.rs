@@ -1,9 +1,10 @@
-//! What sensors and loggers do to a signal: wrapped counters, spikes, dropouts. Found, said with the line, and put right where
+//! What sensors and loggers do to a signal: wrapped counters, spikes, dropouts (`dropouts`). Found, said with the line, and put right where
 //! that is safe.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
 
+use super::dropouts::{dropouts, extremes};
 use super::frame::Frame;
 use super::known::Slot;
 use super::table::Table;
@@ -23,15 +24,6 @@ const JUMP_ALONE: f64 = 10.0;
 const AROUND: usize = 3;
 /// Wraps of one counter agree within this share.
 const SAME_WRAP: f64 = 0.05;
-/// Samples for which a signal stays exactly as it is while it drops out …
-const DROPOUT: usize = 20;
-/// … and how many times longer that is than the signal usually stays.
-const DROPOUT_USUAL: usize = 5;
-/// A signal that comes back from a dropout steps by this many times what all but 1 % of its steps are …
-const JUMP_HELD: f64 = 5.0;
-/// … and a position that drops out was moving: the step before exceeds this share of that. An axis that comes to rest and is then told
-/// where it is jumps, too.
-const MOVING: f64 = 0.1;
 /// Where more than this share of the recording would be left out, it is another thing than dropouts.
 const MOST_LEFT_OUT: f64 = 0.3;
 
@@ -52,7 +44,7 @@ pub(super) fn repair(
         let cuts = unwrap(position, &pieces, kind, table, warnings);
         frame.cut(&cuts);
     }
-    let dropped = dropouts(frame, &pieces);
+    let dropped = dropouts(frame, &pieces, kind);
     if dropped.is_empty() {
         return;
     }
@@ -79,13 +71,6 @@ pub(super) fn repair(
         ));
         frame.leave_out(&dropped);
     }
-}
-
-pub(super) fn extremes(values: &[f64]) -> (f64, f64) {
-    let widen = |(low, high): (f64, f64), &v: &f64| (low.min(v), high.max(v));
-    values
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), widen)
 }
 
 /// All but 1 % of the values are within these bounds.
@@ -238,160 +223,4 @@ fn unwrap(
         ),
     ));
     Vec::new()
-}
-
-/// Stretches of the `pieces` in which one signal stays exactly as it is, beyond its habit, and jumps as it comes back; the effort may jump
-/// as it stops instead.
-fn dropouts(frame: &mut Frame, pieces: &[Range<usize>]) -> Vec<Range<usize>> {
-    let position = frame.column(Slot::Position).cloned();
-    let mut found = Vec::new();
-    if let Some(x) = &position {
-        let (jumps, moves) = (
-            steps_over(JUMP_HELD, x, pieces),
-            steps_over(MOVING, x, pieces),
-        );
-        found.extend(held(x, pieces, |r| moves(r.start) && jumps(r.end)));
-        let travel = extremes(x);
-        let moves = |r: &Range<usize>| {
-            let (low, high) = extremes(&x[r.clone()]);
-            high - low > 0.01 * (travel.1 - travel.0)
-        };
-        if let Some(f) = frame.column(Slot::Effort) {
-            let extreme = extremes(f);
-            // A saturated effort stays at its limit.
-            let limited = |v: f64| v == extreme.0 || v == extreme.1;
-            let jumps = steps_over(JUMP_HELD, f, pieces);
-            found.extend(held(f, pieces, |r| {
-                moves(r) && !limited(f[r.start]) && (jumps(r.start) || jumps(r.end))
-            }));
-        }
-    }
-    found.sort_by_key(|r| r.start);
-    let mut merged: Vec<Range<usize>> = Vec::new();
-    for range in found {
-        match merged.last_mut() {
-            Some(last) if range.start <= last.end => last.end = last.end.max(range.end),
-            _ => merged.push(range),
-        }
-    }
-    merged
-}
-
-fn held(
-    values: &[f64],
-    pieces: &[Range<usize>],
-    wanted: impl Fn(&Range<usize>) -> bool,
-) -> Vec<Range<usize>> {
-    let mut runs: Vec<Range<usize>> = Vec::new();
-    for piece in pieces {
-        let mut start = piece.start;
-        for i in piece.start + 1..=piece.end {
-            if i == piece.end || values[i] != values[start] {
-                runs.push(start..i);
-                start = i;
-            }
-        }
-    }
-    let mut lengths: Vec<f64> = runs.iter().map(|r| r.len() as f64).collect();
-    let habit = quantile(&mut lengths, 0.99).unwrap_or(0.0) as usize;
-    let fewest = DROPOUT.max(DROPOUT_USUAL * habit);
-    runs.retain(|r| r.len() >= fewest && wanted(r));
-    runs
-}
-
-/// Tells of a sample whether the step to it exceeds `times` what all but 1 % of the steps are. Where a piece begins or ends it tells
-/// nothing: what stands still there may rest.
-fn steps_over<'a>(
-    times: f64,
-    values: &'a [f64],
-    pieces: &'a [Range<usize>],
-) -> impl Fn(usize) -> bool + 'a {
-    let mut steps: Vec<f64> = values.windows(2).map(|p| (p[1] - p[0]).abs()).collect();
-    let long = times * quantile(&mut steps, 0.99).unwrap_or(0.0);
-    let inside = |i: usize| pieces.iter().any(|p| p.start < i && i < p.end);
-    move |i| inside(i) && (values[i] - values[i - 1]).abs() > long
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::{LoadOptions, Recording, load_csv};
-
-    /// A swing of 20 mm against 5 N and noise of 20 mN at 1 kHz, `change` put upon it.
-    fn load(change: impl Fn(usize, &mut [f64; 2])) -> Recording {
-        let mut seed = 14_u32;
-        let mut text = "t_s,x_m,force_N\n".to_owned();
-        for i in 0..10_000_usize {
-            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            let phase = i as f64 * 0.003;
-            let noise = 0.04 * (f64::from(seed) / f64::from(u32::MAX) - 0.5);
-            let mut row = [
-                0.02 * phase.sin(),
-                5.0 * (20.0 * phase.cos()).tanh() + noise,
-            ];
-            change(i, &mut row);
-            text += &format!("{:.3},{:.8},{:.5}\n", i as f64 * 1e-3, row[0], row[1]);
-        }
-        load_csv(text.as_bytes(), "swing.csv", &LoadOptions::default())
-            .unwrap_or_else(|e| panic!("{e}"))
-    }
-
-    #[test]
-    fn half_a_second_of_nothing_is_left_out_whatever_nothing_is() {
-        let lost = 4000..4500_usize;
-        let phase = 4000.0 * 0.003;
-        let held = [
-            0.02 * f64::sin(phase),
-            5.0 * (20.0 * f64::cos(phase)).tanh(),
-        ];
-        let both = |to: [f64; 2]| {
-            let lost = lost.clone();
-            move |i: usize, row: &mut [f64; 2]| {
-                if lost.contains(&i) {
-                    *row = to;
-                }
-            }
-        };
-        // The effort comes back where it is zero anyway: it jumps as it stops only.
-        let effort = |i: usize, row: &mut [f64; 2]| match i {
-            4000..4500 => row[1] = 0.0,
-            4500..4520 => row[1] *= 0.05 * (i - 4499) as f64,
-            _ => (),
-        };
-        for (name, recording) in [
-            ("zero", load(both([0.0; 2]))),
-            ("held", load(both(held))),
-            ("effort", load(effort)),
-        ] {
-            let said = recording.warnings.iter().find(|w| w.code == "dropout");
-            let said = said.unwrap_or_else(|| panic!("{name}: {:?}", recording.warnings));
-            assert!(
-                said.message.contains("from line 4002 to line 4501"),
-                "{name}: {}",
-                said.message
-            );
-            assert_eq!(
-                (recording.len(), recording.pieces.len()),
-                (9500, 2),
-                "{name}"
-            );
-        }
-        assert!(load(|_, _| ()).warnings.iter().all(|w| w.code != "dropout"));
-        // It slows down, rests at a reversal, and is told where it is.
-        let homed = load(|i, row| {
-            let phase = match i {
-                0..4712 => i as f64 * 0.003,
-                _ => 4712.0 * 0.003,
-            };
-            if i < 6000 {
-                row[0] = 0.02 * phase.sin();
-            } else {
-                row[0] += 0.3;
-            }
-        });
-        assert!(
-            homed.warnings.iter().all(|w| w.code != "dropout"),
-            "{:?}",
-            homed.warnings
-        );
-    }
 }

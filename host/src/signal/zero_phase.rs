@@ -224,8 +224,17 @@ impl ZeroPhase {
             sample_time,
             lowest,
         );
+        // A piece that is cut out of a motion ends elsewhere than it begins: without the line between them, which has no acceleration,
+        // the circle would close with a jump.
+        let position = &recording.position[longest.clone()];
+        let (first, last) = (position[0], position[position.len() - 1]);
+        let slope = (last - first) / (position.len().max(2) - 1) as f64;
+        let level: Vec<f64> = (0..)
+            .zip(position)
+            .map(|(i, x)| x - slope * f64::from(i))
+            .collect();
         let power: Vec<f64> = piece
-            .spectrum(&recording.position[longest.clone()])
+            .spectrum(&level)
             .iter()
             .map(|c| c.norm_sqr())
             .collect();
