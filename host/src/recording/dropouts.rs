@@ -428,7 +428,7 @@ mod tests {
                 let force = match (name, i % 5000) {
                     ("coasting", 0..400) => 0.0,
                     ("coasting", _) => 8000.0 * (wave - x) - 300.0 * v,
-                    _ if (i / 2000) % 2 == 0 => 2.0 * (std::f64::consts::TAU * t).sin(),
+                    _ if (i / 2000).is_multiple_of(2) => 2.0 * (std::f64::consts::TAU * t).sin(),
                     _ => 0.0,
                 };
                 let free = v + dt * (force - viscous * v) / 3.0;
