@@ -21,6 +21,9 @@ struct Options {
     /// Judged strangers and clean recordings, for what has no name; `sources --sorts stranger,clean` asks them. Without, that stays as it is
     #[arg(long, value_delimiter = ',', value_name = "FILE.json")]
     unnamed: Vec<PathBuf>,
+    /// Fit the suspicions alone; names and intervals stay as they are
+    #[arg(long)]
+    hints_only: bool,
     /// Write the weights into the program's source
     #[arg(long)]
     bless: bool,
@@ -33,47 +36,74 @@ fn run(o: &Options) -> Result<(), String> {
             "no {what} with features and a known truth in these files; write them with `cargo xtask sources --json FILE`"
         ))
     };
+    let kept = |table: &str| committed(table).map(|t| t.to_string());
     let weights = fitted(&names.names, "name")?;
-    println!(
-        "calibration error as stated and as fitted without the group; right of those at least so sure\n"
-    );
-    println!("{}", left_out(&names.names, |s| s.kind().to_owned()));
-    println!("{}", left_out(&names.names, |s| s.source.clone()));
-    println!("{}", left_out(&names.names, |s| s.id.clone()));
-    let unnamed = if o.unnamed.is_empty() {
+    let hints = fitted(&names.hints, "suspicion")?;
+    print_left_out(&names);
+    let [weights, widths, counts] = if o.hints_only {
+        [kept("weights")?, kept("widths")?, kept("names")?]
+    } else {
+        let widths = widths(names.distances.iter()).into_iter();
+        let line = |(effect, width)| format!("{effect} = {width:.2}\n");
+        let counts = counted(&names.names);
         [
-            committed("presence")?.to_string(),
-            committed("unnamed")?.to_string(),
+            listed(&names.names, &weights),
+            widths.map(line).collect(),
+            counts,
         ]
+    };
+    let [presence, unnamed] = if o.unnamed.is_empty() {
+        [kept("presence")?, kept("unnamed")?]
     } else {
         println!("the same of what has no name: something is there\n");
         println!("{}", left_out(&names.unnamed, |s| s.source.clone()));
         let presence = fitted(&names.unnamed, "stranger and clean recording")?;
         [listed(&names.unnamed, &presence), counted(&names.unnamed)]
     };
-    println!(
-        "95 % intervals: true values held as stated, and widened as fitted without the source\n"
-    );
-    println!("{}", held_without(&names));
+    let [hints, suspected] = [listed(&names.hints, &hints), counted(&names.hints)];
+    let tables = [
+        ("weights", "Of a name that entered.", weights),
+        ("hints", "Of a suspicion, which did not.", hints),
+        (
+            "presence",
+            "Of what has no name: whether anything is there.",
+            presence,
+        ),
+        (
+            "widths",
+            "Times that an interval of an effect is widened.",
+            widths,
+        ),
+        ("names", "Names that it was fitted to: right, all.", counts),
+        ("suspected", "Suspicions: right, all.", suspected),
+        ("unnamed", "What has no name: there, all.", unnamed),
+    ];
     let mut text = String::from(
-        "# Written by `cargo xtask calibrate --bless`: weights of the logistic behind a stated confidence, and widths of intervals.\n\n[weights]\n",
+        "# Written by `cargo xtask calibrate --bless`: weights of the logistics behind what is stated as sure, and widths of intervals.\n",
     );
-    text += &listed(&names.names, &weights);
-    text += "\n# Of what has no name: whether anything is there.\n[presence]\n";
-    text += &unnamed[0];
-    text += "\n# Times that an interval of an effect is widened.\n[widths]\n";
-    for (effect, width) in widths(names.distances.iter()) {
-        let _ = writeln!(text, "{effect} = {width:.2}");
+    for (key, words, lines) in tables {
+        let _ = write!(text, "\n# {words}\n[{key}]\n{lines}");
     }
-    text += "\n# Names that it was fitted to: right, all.\n[names]\n";
-    text += &counted(&names.names);
-    text += "\n# What has no name: there, all.\n[unnamed]\n";
-    text += &unnamed[1];
     println!("{text}");
     if o.bless {
         std::fs::write(CALIBRATION, text).map_err(|e| format!("{CALIBRATION}: {e}"))?;
     }
     Ok(())
+}
+
+fn print_left_out(names: &Names) {
+    println!(
+        "calibration error as stated and as fitted without the group; right of those at least so sure\n"
+    );
+    println!("{}", left_out(&names.names, |s| s.kind().to_owned()));
+    println!("{}", left_out(&names.names, |s| s.source.clone()));
+    println!("{}", left_out(&names.names, |s| s.id.clone()));
+    println!("the same of suspicions\n");
+    println!("{}", left_out(&names.hints, |s| s.kind().to_owned()));
+    println!(
+        "95 % intervals: true values held as stated, and widened as fitted without the source\n"
+    );
+    println!("{}", held_without(names));
 }
 
 fn listed(judged: &Judged, weights: &[f64]) -> String {

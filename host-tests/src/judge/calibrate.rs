@@ -19,6 +19,8 @@ const STEPS: usize = 50;
 const HELD: f64 = 0.95;
 /// True values from which an effect's intervals have a width of their own: one in twenty may be outside.
 const ENOUGH: usize = 20;
+/// A feature that suspicions have, and names have not.
+const OF_HINTS: &str = "evidence";
 /// The key of all other effects' intervals.
 const OTHERS: &str = "others";
 
@@ -49,6 +51,8 @@ pub struct Judged {
 pub struct Names {
     /// Names that were stated.
     pub names: Judged,
+    /// Suspicions, of what did not enter the model.
+    pub hints: Judged,
     /// What may be there without a name: right where something is.
     pub unnamed: Judged,
     /// By source and effect: how far a true value is from the middle of its interval, in half widths before widening.
@@ -99,6 +103,7 @@ impl Names {
     pub fn read(files: &[PathBuf], unnamed: &[PathBuf]) -> Result<Self, String> {
         let mut names = Self {
             names: Judged::default(),
+            hints: Judged::default(),
             unnamed: Judged::default(),
             distances: Vec::new(),
             widened: committed_widths()?,
@@ -143,9 +148,15 @@ impl Names {
             ));
         }
         let names = case["names"].as_array().ok_or("a case without names")?;
-        names
-            .iter()
-            .try_for_each(|name| self.names.add(&source, name))
+        names.iter().try_for_each(|name| {
+            let is_hint = name["features"].get(OF_HINTS).is_some();
+            let judged = if is_hint {
+                &mut self.hints
+            } else {
+                &mut self.names
+            };
+            judged.add(&source, name)
+        })
     }
 
     fn add_unnamed(&mut self, case: &Value) -> Result<(), String> {

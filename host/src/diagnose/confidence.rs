@@ -28,6 +28,8 @@ pub(super) struct Calibration {
     pub(super) weights: BTreeMap<String, f64>,
     /// The same of what has no name, against [`features_of_presence`].
     pub(super) presence: BTreeMap<String, f64>,
+    /// The same of suspicions, against [`features_of_a_hint`].
+    pub(super) hints: BTreeMap<String, f64>,
     /// By effect, and `others`.
     widths: BTreeMap<String, f64>,
 }
@@ -103,20 +105,29 @@ fn logistic(x: f64) -> f64 {
     1.0 / (1.0 + (-x).exp())
 }
 
-/// The same for the user's hysteresis, from the held-out NMSE (%) with it and with the core.
-pub fn of_hysteresis(own: f64, core: f64, wrong: bool) -> f64 {
-    let ratio = (own / core.max(1e-12)).max(1.0);
-    let sure = (1.0 - 0.5 / ratio).clamp(0.5, 0.99);
-    if wrong { sure } else { 0.5 * sure }
+/// What tells a right suspicion of what did not enter from a false one; about zero at the edge, where the user's hysteresis is taken to be:
+/// another statistic suspects it.
+pub fn features_of_a_hint(evidence: Option<&Evidence>) -> BTreeMap<&'static str, f64> {
+    BTreeMap::from([("evidence", evidence.map_or(0.0, log_odds))])
 }
 
-/// The same for a candidate that did not enter.
-pub fn of_a_hint(evidence: &Evidence) -> f64 {
-    0.5 * of_evidence(evidence)
+/// The same for a suspicion.
+pub fn of_a_hint(evidence: Option<&Evidence>) -> f64 {
+    weighed(&FITTED.hints, features_of_a_hint(evidence))
+}
+
+/// The same for a hysteresis of the user's that is wrong, from the held-out NMSE (%) with it and with the core.
+pub fn of_hysteresis(own: f64, core: f64) -> f64 {
+    let ratio = (own / core.max(1e-12)).max(1.0);
+    (1.0 - 0.5 / ratio).clamp(0.5, 0.99)
 }
 
 /// The same from share and deviations alone; set by hand, not calibrated.
 pub fn of_evidence(evidence: &Evidence) -> f64 {
+    logistic(log_odds(evidence))
+}
+
+fn log_odds(evidence: &Evidence) -> f64 {
     let share = (evidence.share.max(LEAST) / NAMED).ln();
-    logistic(share + 0.25 * (evidence.z.min(SATURATED) - EDGE))
+    share + 0.25 * (evidence.z.min(SATURATED) - EDGE)
 }

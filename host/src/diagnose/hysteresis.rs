@@ -1,9 +1,13 @@
 //! Whether the user's own hysteresis is what is wrong: `presliding_shape`, which has no term of its own.
 
 use super::blocks::{FINER, between_samples};
+use super::effect::Effect;
+use super::effect::backlash::Backlash;
+use super::effect::drive_compliance::DriveCompliance;
 use super::evidence::{Evidence, evidence};
 use super::ground::{Ground, Hypothesis};
 use super::normal::{Bound, Normal};
+use super::signals::Signals;
 use super::weak::Column;
 use crate::friction::{FrictionModel, Path};
 
@@ -23,6 +27,15 @@ pub const NAME: &str = "shape of the hysteresis";
 pub const WORDS: &str = "a hysteresis that the model's friction law does not have";
 /// The experiment that tells it from its rivals.
 pub const EXPERIMENT: &str = "reversals of 5, 20 and 100 µm at one slow speed";
+
+/// A gap or a spring in the drive stretches the first path after a reversal, as a softer hysteresis does.
+static RIVALS: [&dyn Effect; 2] = [&Backlash, &DriveCompliance];
+
+/// Effects that a recording does not tell from a wrong hysteresis.
+pub fn rivals(s: &Signals) -> Vec<&'static dyn Effect> {
+    let can_be = |e: &&dyn Effect| e.lacks(s).is_none();
+    RIVALS.into_iter().filter(can_be).collect()
+}
 
 /// The user's hysteresis against the core's.
 pub struct Shape {

@@ -1,6 +1,5 @@
 //! A diagnosis for machines, and its table.
 
-use super::confidence::features;
 use super::offer::Offer;
 use super::place::Place;
 use super::unnamed::Unknown;
@@ -66,14 +65,13 @@ impl Diagnosis {
             .flat_map(|s| &s.tried)
             .map(|(key, ratio)| json!({"id": key, "of_its_own": ratio}))
             .collect();
-        let features = e.standing.as_ref().map(features);
         json!({
             "id": e.id(), "name": e.name.name(), "rank": index + 1, "level": e.level(), "confidence": e.confidence,
             "share_of_mismatch": e.evidence.share, "standard_errors": e.evidence.z, "blocks": e.evidence.blocks,
             "nmse_test_without": finite(e.nmse_test[0]), "nmse_test_with": finite(e.nmse_test[1]),
             "where": place, "parameters": parameters, "source": e.source,
             "ambiguous_with": e.ambiguous.iter().map(|a| a.id()).collect::<Vec<_>>(),
-            "would_tell_apart": e.name.experiment(), "rivals": rivals, "features": features,
+            "would_tell_apart": e.name.experiment(), "rivals": rivals, "features": e.features(),
         })
     }
 

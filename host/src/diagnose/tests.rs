@@ -206,6 +206,8 @@ fn the_effect_itself_is_no_rival_and_a_curve_that_holds_it_makes_it_needless() {
     );
     let presence = confidence::features_of_presence(own);
     assert!(keys(&fitted.presence).iter().eq(presence.keys()));
+    let hint = confidence::features_of_a_hint(Some(&own.evidence));
+    assert!(keys(&fitted.hints).iter().eq(hint.keys()));
     assert!(confidence::presence(own) > 0.99, "{presence:?}");
 
     let curve = Curve {

@@ -7,7 +7,7 @@ use super::credible::sieved;
 use super::effect::{self, Effect};
 use super::evidence::{Evidence, NAMED};
 use super::ground::{Ground, Hypothesis, Nmse};
-use super::hysteresis::Shape;
+use super::hysteresis::{self, Shape};
 use super::naming::Standing;
 use super::offer::{Offer, offers};
 use super::parameters::parameters;
@@ -20,6 +20,7 @@ use super::term::{Subject, Term};
 use super::unnamed::{Unknown, is_likely, likely, unnamed};
 use crate::friction::FrictionModel;
 use crate::statistics::Estimate;
+use std::collections::BTreeMap;
 
 /// The same where it is beyond doubt that something is there.
 const NAMED_SURELY: f64 = 0.015;
@@ -88,7 +89,7 @@ pub struct Named {
     pub confidence: f64,
     /// What it explains, everything else given.
     pub evidence: Evidence,
-    /// What the confidence is computed from; `None` for the hysteresis and for hints that did not enter.
+    /// What the confidence is computed from; `None` for the hysteresis, corrections, and hints that did not enter.
     pub standing: Option<Standing>,
     /// Held-out NMSE (%) without and with it.
     pub nmse_test: [f64; 2],
@@ -102,6 +103,19 @@ pub struct Named {
     pub source: Option<String>,
     /// Effects that explain it as well.
     pub ambiguous: Vec<&'static dyn Effect>,
+}
+
+impl Named {
+    /// What its confidence is computed from, where that is fitted.
+    pub fn features(&self) -> Option<BTreeMap<&'static str, f64>> {
+        match (&self.standing, self.name) {
+            (Some(standing), _) => Some(confidence::features(standing)),
+            (None, Name::Correction(_)) => None,
+            (None, _) if self.confident => None,
+            (None, Name::Hysteresis) => Some(confidence::features_of_a_hint(None)),
+            (None, Name::Entry(_)) => Some(confidence::features_of_a_hint(Some(&self.evidence))),
+        }
+    }
 }
 
 /// What the recording lacks, and what it therefore cannot show.
@@ -200,7 +214,7 @@ pub fn conclude(
             baseline.test += own - core;
             baseline.train += own - core;
         }
-        effects.push(hysteresis(&ground, shape));
+        effects.push(wrong_shape(&ground, shape));
     }
     effects.sort_by(|a, b| {
         (b.confident, b.evidence.share)
@@ -409,13 +423,18 @@ fn is_signless(effect: &Named, with: &Hypothesis) -> bool {
         .is_some_and(|p| holds_opposite(&p.1))
 }
 
-fn hysteresis(ground: &Ground, shape: Shape) -> Named {
+fn wrong_shape(ground: &Ground, shape: Shape) -> Named {
     let [own, core] = shape.nmse;
+    let confident = shape.is_wrong();
     Named {
         name: Name::Hysteresis,
         term: None,
-        confident: shape.is_wrong(),
-        confidence: confidence::of_hysteresis(own, core, shape.is_wrong()),
+        confident,
+        confidence: if confident {
+            confidence::of_hysteresis(own, core)
+        } else {
+            confidence::of_a_hint(None)
+        },
         evidence: shape.evidence,
         standing: None,
         nmse_test: shape.nmse,
@@ -423,7 +442,7 @@ fn hysteresis(ground: &Ground, shape: Shape) -> Named {
         force: shape.force,
         parameters: Vec::new(),
         source: None,
-        ambiguous: Vec::new(),
+        ambiguous: hysteresis::rivals(&ground.rows.s),
     }
 }
 
@@ -464,7 +483,7 @@ fn hint(found: &Found, effects: &mut Vec<Named>) {
             name: Name::Entry(effect),
             term: Some(offer.term.clone()),
             confident: false,
-            confidence: confidence::of_a_hint(&offer.evidence),
+            confidence: confidence::of_a_hint(Some(&offer.evidence)),
             evidence: offer.evidence,
             standing: None,
             nmse_test: [f64::NAN; 2],
