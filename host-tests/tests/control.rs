@@ -6,7 +6,8 @@ use preslide::control::{
     Axis, Coefficients, Command, Controller, Fault, Learning, LearningSettings, Measurement, Move,
     Planner, Refused, VelocitySource,
 };
-use preslide::{Block, Friction, Gms, LuGre, QuasiStaticGms, Scalar, Sliding, Units};
+use preslide::{Friction, Gms, LuGre, QuasiStaticGms, Scalar, Sliding, Units};
+use preslide_host_tests::table3;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -19,22 +20,6 @@ const COUNTS: Units = Units {
     velocity: 1e-3,
 };
 
-/// Table 3, three blocks.
-const BLOCKS: [Block; 3] = [
-    Block {
-        stiffness: 325_379.0,
-        weight: 0.352,
-    },
-    Block {
-        stiffness: 40_535.0,
-        weight: 0.307,
-    },
-    Block {
-        stiffness: 7_886.0,
-        weight: 0.341,
-    },
-];
-
 fn sliding() -> Sliding {
     Sliding {
         coulomb: 0.81,
@@ -45,7 +30,7 @@ fn sliding() -> Sliding {
 }
 
 fn quasi_static<S: Scalar>(units: Units) -> QuasiStaticGms<3, S> {
-    QuasiStaticGms::try_new(&BLOCKS, 0.9, units).expect("Table 3 is valid")
+    QuasiStaticGms::try_new(&table3::blocks::<3>(), 0.9, units).expect("Table 3 is valid")
 }
 
 fn controller<F: Friction>(settings: &Axis, friction: F, units: Units) -> Controller<F, u32> {
@@ -143,8 +128,8 @@ fn never_exceeds<F: Friction + Clone>(
 #[test]
 fn the_command_never_exceeds_its_limit_over_ten_million_random_ticks() {
     let part = 10_000_000 / 7;
-    let full =
-        Gms::<3>::try_new(&BLOCKS, 0.9, sliding(), 50e-6, Units::SI).expect("Table 3 is valid");
+    let full = Gms::<3>::try_new(&table3::blocks::<3>(), 0.9, sliding(), 50e-6, Units::SI)
+        .expect("Table 3 is valid");
     let lugre =
         LuGre::<f32>::try_new(195e3, 4416.0, 0.9, sliding(), Units::SI).expect("Table 2 is valid");
     never_exceeds(

@@ -9,6 +9,7 @@ use preslide::{
     Block, BoucWen, Coulomb, Dahl, ElastoPlastic, Friction, Gms, Hsieh, HsiehParams, Leuven,
     LeuvenForm, LuGre, QuasiStaticGms, Sliding, TwoState, Units,
 };
+use preslide_host_tests::table3;
 use preslide_sim::stage::{Stage, StageConfig};
 use proptest::prelude::*;
 
@@ -17,22 +18,6 @@ const COUNTS: Units = Units {
     force: 1e-3,
     velocity: 1e-3,
 };
-
-/// Table 3, three blocks.
-const BLOCKS: [Block; 3] = [
-    Block {
-        stiffness: 325_379.0,
-        weight: 0.352,
-    },
-    Block {
-        stiffness: 40_535.0,
-        weight: 0.307,
-    },
-    Block {
-        stiffness: 7_886.0,
-        weight: 0.341,
-    },
-];
 
 const SLIDING: Sliding = Sliding {
     coulomb: 0.81,
@@ -133,9 +118,11 @@ fn same<F: Friction>(name: &str, model: impl Fn() -> F, units: Units, at: u32, s
 
 fn every_model(at: u32, speed: f64) {
     let u = Units::SI;
-    let gms = || Gms::<3>::try_new(&BLOCKS, 0.9, SLIDING, 50e-6, u).expect("valid");
-    let quasi = || QuasiStaticGms::<3>::try_new(&BLOCKS, 0.9, u).expect("valid");
-    let fixed = || QuasiStaticGms::<3, I16F16>::try_new(&BLOCKS, 0.9, COUNTS).expect("valid");
+    let gms = || Gms::<3>::try_new(&table3::blocks::<3>(), 0.9, SLIDING, 50e-6, u).expect("valid");
+    let quasi = || QuasiStaticGms::<3>::try_new(&table3::blocks::<3>(), 0.9, u).expect("valid");
+    let fixed = || {
+        QuasiStaticGms::<3, I16F16>::try_new(&table3::blocks::<3>(), 0.9, COUNTS).expect("valid")
+    };
     same("none", NoFriction::<f32>::new, u, at, speed);
     same("gms", gms, u, at, speed);
     same("quasi-static gms", quasi, u, at, speed);
@@ -165,7 +152,8 @@ fn every_model(at: u32, speed: f64) {
     same("two-state", two_state, u, at, speed);
     let leuven = || {
         let form = LeuvenForm::Modified;
-        Leuven::<3, f32>::try_new(form, &BLOCKS, 0.9, 1.0, 100.0, SLIDING, u).expect("valid")
+        Leuven::<3, f32>::try_new(form, &table3::blocks::<3>(), 0.9, 1.0, 100.0, SLIDING, u)
+            .expect("valid")
     };
     same("leuven", leuven, u, at, speed);
     let hsieh = || {
@@ -347,13 +335,13 @@ fn no_swap_costs_tracking() {
     gains.gains.derivative *= 1.3;
     let mut mass = axis;
     mass.feed_forward.share = 0.8;
-    let quasi = || QuasiStaticGms::<3>::try_new(&BLOCKS, 0.9, u).expect("valid");
-    let scaled = BLOCKS.map(|block| Block {
+    let quasi = || QuasiStaticGms::<3>::try_new(&table3::blocks::<3>(), 0.9, u).expect("valid");
+    let scaled = table3::blocks::<3>().map(|block| Block {
         stiffness: 1.3 * block.stiffness,
         ..block
     });
     let stiffer = || QuasiStaticGms::<3>::try_new(&scaled, 0.8, u).expect("valid");
-    let full = || Gms::<3>::try_new(&BLOCKS, 0.9, SLIDING, 50e-6, u).expect("valid");
+    let full = || Gms::<3>::try_new(&table3::blocks::<3>(), 0.9, SLIDING, 50e-6, u).expect("valid");
     let full_stiffer = || Gms::<3>::try_new(&scaled, 0.82, SLIDING, 50e-6, u).expect("valid");
     let lugre = || LuGre::<f32>::try_new(195e3, 0.0, 0.9, SLIDING, u).expect("valid");
     let other = || LuGre::<f32>::try_new(150e3, 0.0, 0.85, SLIDING, u).expect("valid");

@@ -207,7 +207,8 @@ fn no_input_breaks_the_bound() {
 #[test]
 fn surroundings_are_told_through_the_state() {
     let u = Units::SI;
-    let friction = QuasiStaticGms::<3, f64>::try_new(&BLOCKS, 0.9, u).expect("valid");
+    let friction =
+        QuasiStaticGms::<3, f64>::try_new(&table3::blocks::<3>(), 0.9, u).expect("valid");
     let drift = ThermalDrift::try_new(-0.02, 20.0, 0.5).expect("valid");
     let load = LoadDependentFriction::try_new(0.01, 30.0, 0.5, u).expect("valid");
     let model = With::try_new(friction, (drift, load)).expect("fits");

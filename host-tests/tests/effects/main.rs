@@ -5,8 +5,9 @@ mod formulas;
 mod place;
 mod refusals;
 
-use preslide::{Block, Gms, Scalar, Sliding, Units};
+use preslide::{Gms, Scalar, Sliding, Units};
 use preslide_host_tests::path::{COUNT, SAMPLE_TIME, random_reversals};
+use preslide_host_tests::table3;
 
 const COUNTS: Units = Units {
     length: COUNT,
@@ -53,21 +54,6 @@ fn scalar<S: Scalar>(value: f64) -> S {
     S::try_from_f64(value).expect("in range")
 }
 
-const BLOCKS: [Block; 3] = [
-    Block {
-        stiffness: 325_379.0,
-        weight: 0.352,
-    },
-    Block {
-        stiffness: 40_535.0,
-        weight: 0.307,
-    },
-    Block {
-        stiffness: 7_886.0,
-        weight: 0.341,
-    },
-];
-
 fn gms<S: Scalar>(units: Units) -> Gms<3, S> {
     let sliding = Sliding {
         coulomb: 0.81,
@@ -75,5 +61,5 @@ fn gms<S: Scalar>(units: Units) -> Gms<3, S> {
         stribeck_exponent: 2.0,
         attraction: 20.0,
     };
-    Gms::try_new(&BLOCKS, 0.9, sliding, SAMPLE_TIME, units).expect("valid")
+    Gms::try_new(&table3::blocks::<3>(), 0.9, sliding, SAMPLE_TIME, units).expect("valid")
 }

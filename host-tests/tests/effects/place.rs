@@ -13,7 +13,8 @@ fn the_controller_places_the_model() {
     let settings = Settings::PAPER_AXIS;
     let u = Units::SI;
     let force = |x0: i32, homed: bool| {
-        let friction = QuasiStaticGms::<3, f32>::try_new(&BLOCKS, 0.9, u).expect("valid");
+        let friction =
+            QuasiStaticGms::<3, f32>::try_new(&table3::blocks::<3>(), 0.9, u).expect("valid");
         let model = With::try_new(
             friction,
             PositionSpring::try_new(500.0, 0.0, 2.0, u).expect("valid"),
@@ -57,7 +58,9 @@ fn the_controller_places_the_model() {
 /// What belongs to a place acts once the place is known: alone, in a tuple, in a nested tuple; what does not acts at once.
 #[test]
 fn effects_of_place_wait_until_the_axis_is_located() {
-    let gms = || QuasiStaticGms::<3, f64>::try_new(&BLOCKS, 0.9, Units::SI).expect("valid");
+    let gms = || {
+        QuasiStaticGms::<3, f64>::try_new(&table3::blocks::<3>(), 0.9, Units::SI).expect("valid")
+    };
     let cogging = || PeriodicForce::<f64>::try_new(0.03, 2.857e-4, 0.0, Units::SI).expect("valid");
     let spot = || LocalFrictionSpot::<f64>::try_new(0.5, 0.0, 1e-4, Units::SI).expect("valid");
     let constant = || ConstantForce::<f64>::try_new(0.2, Units::SI).expect("valid");

@@ -4,7 +4,8 @@
 //! short-circuited, as by a bridge with both low sides on; an open one lets it coast a little further.
 
 use preslide::control::{Axis, Coefficients, Controller, Fault, Measurement, Move};
-use preslide::{Block, Friction, Motion, QuasiStaticGms, Units};
+use preslide::{Friction, Motion, QuasiStaticGms, Units};
+use preslide_host_tests::table3;
 use preslide_sim::stage::{Stage, StageConfig};
 
 mod drive;
@@ -67,9 +68,7 @@ impl Friction for Model {
 }
 
 fn model(poisoned: bool) -> Model {
-    let blocks = [(325_379.0, 0.352), (40_535.0, 0.307), (7_886.0, 0.341)];
-    let blocks = blocks.map(|(stiffness, weight)| Block { stiffness, weight });
-    let gms = QuasiStaticGms::try_new(&blocks, 0.9, Units::SI).expect("Table 3");
+    let gms = QuasiStaticGms::try_new(&table3::blocks::<3>(), 0.9, Units::SI).expect("Table 3");
     Model { gms, poisoned }
 }
 
