@@ -46,7 +46,7 @@ pub struct Diagnose {
 fn not_tested() -> String {
     let tested: Vec<&str> = effect::ALL.iter().map(|e| e.id()).collect();
     format!(
-        "Example: preslide diagnose recording.csv --model model.toml -o extended.toml --report diagnosis.html\n         preslide diagnose recording.csv --simulated force_sim_N\n         preslide diagnose recording.csv --simulated x_sim_m\n\nTested: {}, presliding_shape.\n\nNot tested: lead_error (a second measurement of position).",
+        "Example: preslide diagnose recording.csv --model model.toml -o extended.toml --report diagnosis.html\n         preslide diagnose recording.csv --simulated force_sim_N\n         preslide diagnose recording.csv --simulated x_sim_m\n\nTested: {}, presliding_shape.\n\nlead_error: told where a further column measures the position, too.",
         tested.join(", ")
     )
 }
@@ -92,6 +92,9 @@ impl Diagnose {
         }
         if !found.effects.is_empty() {
             say!("{}", found.table(&recording).to_text());
+        }
+        for second in &found.second_positions {
+            say!("Second position: {}.", second.words(&recording));
         }
         for lack in &found.lacks {
             say!("Cannot show {}: {}.", lack.hides.join(", "), lack.missing);

@@ -30,6 +30,7 @@ mod present;
 mod reproduced;
 pub mod rows;
 pub mod search;
+pub mod second_position;
 pub mod signals;
 pub mod simulation;
 mod spectra;
@@ -164,6 +165,10 @@ fn judge(
         &periods,
         model.map(|m| &m.friction),
     )
+    .map(|found| Diagnosis {
+        second_positions: second_position::of(recording),
+        ..found
+    })
     .ok_or_else(unable)
 }
 

@@ -3,6 +3,7 @@
 use super::axis::Axis;
 use super::curve::Curve;
 use super::place::Place;
+use super::second_position::SecondPosition;
 use super::signals::{bounds, quantile};
 use super::term::Subject;
 use super::unnamed::Happened;
@@ -18,6 +19,21 @@ const BINS: usize = 48;
 /// Stretches of a map, each way.
 const CELLS: usize = 24;
 
+impl SecondPosition {
+    /// The difference over the travel, for the page.
+    pub fn figure(&self, recording: &Recording) -> Option<Figure> {
+        let curve = &self.lead.as_ref()?.curve;
+        let (x, y) = curve.iter().map(|[x, d]| (*x, *d)).unzip();
+        let unit = recording.position_unit();
+        let figure = Figure::new(
+            format!("`{}` less the position", self.column),
+            report::Axis::new("position", unit),
+            report::Axis::new("difference", unit),
+        );
+        Some(figure.with(Series::line("lead error", x, y).colour(Colour::Blue)))
+    }
+}
+
 impl Diagnosis {
     /// The report page.
     pub fn page(&self, recording: &Recording, command: String) -> Page {
@@ -29,21 +45,37 @@ impl Diagnosis {
                 self.recommendation()
             ),
             command,
-            sections: vec![
-                self.located(recording),
-                self.missing(recording),
-                self.maps(recording),
-                Section {
-                    heading: "What this recording cannot show".to_owned(),
-                    paragraphs: self
-                        .lacks
-                        .iter()
-                        .map(|l| format!("{}: hides {}.", l.missing, l.hides.join(", ")))
-                        .collect(),
-                    ..Section::default()
-                },
-            ],
+            sections: [self.located(recording), self.missing(recording)]
+                .into_iter()
+                .chain(self.second_position(recording))
+                .chain([
+                    self.maps(recording),
+                    Section {
+                        heading: "What this recording cannot show".to_owned(),
+                        paragraphs: self
+                            .lacks
+                            .iter()
+                            .map(|l| format!("{}: hides {}.", l.missing, l.hides.join(", ")))
+                            .collect(),
+                        ..Section::default()
+                    },
+                ])
+                .collect(),
         }
+    }
+
+    /// What second measurements of the position say.
+    fn second_position(&self, recording: &Recording) -> Option<Section> {
+        let all = &self.second_positions;
+        (!all.is_empty()).then(|| Section {
+            heading: "The second position".to_owned(),
+            paragraphs: all
+                .iter()
+                .map(|p| format!("{}.", p.words(recording)))
+                .collect(),
+            figures: all.iter().filter_map(|p| p.figure(recording)).collect(),
+            ..Section::default()
+        })
     }
 
     /// The coordinate that organises the mismatch, whether it flips with direction, and where it is.

@@ -2,6 +2,7 @@
 
 use super::offer::Offer;
 use super::place::Place;
+use super::second_position::SecondPosition;
 use super::unnamed::Unknown;
 use super::verdict::{Diagnosis, Named};
 use super::words::{ids, probability};
@@ -15,6 +16,21 @@ fn digits(value: f64) -> String {
         format!("{value:.4}")
     } else {
         format!("{value:.3e}")
+    }
+}
+
+impl SecondPosition {
+    /// For machines.
+    pub fn to_json(&self, recording: &Recording) -> Value {
+        let unit = recording.position_unit();
+        json!({
+            "column": self.column, "unit": unit, "ratio": self.ratio, "passes": self.passes, "rms_left": self.left,
+            "lost_motion": self.lost_motion, "compliance_per_effort": self.compliance,
+            "effects": self.lead.iter().map(|lead| json!({
+                "id": "lead_error", "slope": lead.slope, "bow": lead.bow, "lowest_at": lead.lowest_at, "highest_at": lead.highest_at,
+                "share_of_difference": lead.share, "standard_errors": lead.z, "curve": lead.curve,
+            })).collect::<Vec<_>>(),
+        })
     }
 }
 
@@ -37,6 +53,7 @@ impl Diagnosis {
             "excitation": self.lacks.iter().map(|l| json!({"missing": l.missing, "hides": l.hides})).collect::<Vec<_>>(),
             "blocks": self.ground.rows.blocks.len(),
             "reproduced_nmse": self.reproduced.as_ref().map(|r| r.nmse),
+            "second_positions": self.second_positions.iter().map(|p| p.to_json(recording)).collect::<Vec<_>>(),
             "seconds": seconds,
         })
     }

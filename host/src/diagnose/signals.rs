@@ -7,6 +7,8 @@ use std::ops::Range;
 
 /// A reversal counts once the motion came back by this share of the travel, or by six times the encoder's noise.
 const HYSTERESIS: f64 = 0.003;
+/// The same in deviations of the position's noise, and not less.
+const TURN: f64 = 6.0;
 /// Strokes end at the same places where the ends scatter by less than this share of the travel.
 const SAME_ENDS: f64 = 0.03;
 /// Speeds below this share of the highest are rest.
@@ -75,7 +77,7 @@ impl Signals {
             .sum::<f64>()
             / x.len() as f64)
             .sqrt();
-        let threshold = (HYSTERESIS * (high - low)).max(6.0 * noise);
+        let threshold = (HYSTERESIS * (high - low)).max(TURN * noise);
         let dt = recording.sample_time_s();
         let n = x.len();
         let mut s = Self {
@@ -115,6 +117,14 @@ impl Signals {
         s.smooth = smooth;
         s.paths(REST * s.top_speed());
         s
+    }
+
+    /// The same with every turn that stands out of the position's noise, however short the way back.
+    pub fn with_every_turn(mut self) -> Self {
+        let smooth = std::mem::take(&mut self.smooth);
+        self.strokes(&smooth, TURN * self.position_noise);
+        self.smooth = smooth;
+        self
     }
 
     /// Direction and displacement since reversal, with hysteresis.

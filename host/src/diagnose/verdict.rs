@@ -14,6 +14,7 @@ use super::parameters::parameters;
 use super::place::Place;
 use super::reproduced::Reproduced;
 use super::search::Found;
+use super::second_position::SecondPosition;
 use super::signals::Signals;
 use super::simulation::{self, Corrected, Correction};
 use super::term::{Subject, Term};
@@ -156,6 +157,8 @@ pub struct Diagnosis {
     pub states: [Hypothesis; 2],
     /// The model that stands for a simulation which moved by itself.
     pub reproduced: Option<Reproduced>,
+    /// What further columns say that measure the position, too.
+    pub second_positions: Vec<SecondPosition>,
 }
 
 impl Diagnosis {
@@ -254,6 +257,7 @@ pub fn conclude(
         ground,
         states: [first, extended],
         reproduced: None,
+        second_positions: Vec::new(),
     })
 }
 

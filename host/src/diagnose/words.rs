@@ -3,11 +3,13 @@
 use super::effect::Effect;
 use super::hysteresis;
 use super::place::Place;
+use super::second_position::SecondPosition;
 use super::signals::quantile;
 use super::unnamed::Unknown;
 use super::verdict::{Diagnosis, Name, Named, Verdict};
 use crate::recording::Recording;
 use crate::report::display_unit;
+use crate::statistics::Estimate;
 
 /// A force is called a change of the friction level where this share of its squares goes with, or against, the direction.
 const WITH_DIRECTION: f64 = 0.8;
@@ -203,6 +205,64 @@ fn size(found: &Diagnosis, force: &[f64], recording: &Recording) -> String {
         }
         Some(_) => format!("friction is up to {of_level} lower, in both directions"),
         None => format!("a force of up to {} acts", quantity(large, unit)),
+    }
+}
+
+impl SecondPosition {
+    /// In words, without a full stop.
+    pub fn words(&self, recording: &Recording) -> String {
+        let unit = recording.position_unit();
+        let column = &self.column;
+        let sure = |e: &Estimate, unit: &str| {
+            let reach = e.ci95.map_or(0.0, |[a, b]| 0.5 * (b - a));
+            format!("{} ± {}", quantity(e.value, unit), quantity(reach, unit))
+        };
+        let mut said = match &self.lead {
+            None => vec![format!(
+                "`{column}` measures the position, too; no lead_error: over {} passes their difference has no smooth course over the travel",
+                self.passes
+            )],
+            Some(lead) => {
+                let slope = match (&lead.slope, self.ratio) {
+                    (Some(slope), _) => {
+                        let reach = slope.ci95.map_or(0.0, |[a, b]| 0.5 * (b - a));
+                        format!(
+                            "grows by {:.1} ± {:.1} ppm of the travel and ",
+                            1e6 * slope.value,
+                            1e6 * reach
+                        )
+                    }
+                    (None, Some(ratio)) => format!(
+                        "(taken at its own {ratio:.6} times the position, so that no slope can be told) "
+                    ),
+                    (None, None) => String::new(),
+                };
+                vec![format!(
+                    "lead_error: `{column}` less the position {slope}bends by {}, lowest at {} and highest at {}; on passes held out this takes {:.1} % of the difference, at {:.1} standard errors over {} passes",
+                    quantity(lead.bow, unit),
+                    quantity(lead.lowest_at, unit),
+                    quantity(lead.highest_at, unit),
+                    100.0 * lead.share,
+                    lead.z,
+                    self.passes
+                )]
+            }
+        };
+        said.extend(self.lost_motion.as_ref().map(|e| {
+            format!(
+                "at reversals it stays behind by {} (backlash or lost motion)",
+                sure(e, unit)
+            )
+        }));
+        said.extend(self.compliance.as_ref().map(|e| {
+            let of = format!("{unit}/{}", recording.effort_unit());
+            format!(
+                "it stays behind the effort by {:.3e} {of} (compliance)",
+                e.value
+            )
+        }));
+        said.push(format!("{} RMS is left", quantity(self.left, unit)));
+        said.join("; ")
     }
 }
 

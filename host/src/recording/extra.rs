@@ -1,6 +1,7 @@
 //! Numeric columns beyond those that a recording needs: what else the effort may follow.
 
-use super::Warning;
+use super::units::Dimension;
+use super::{MotionKind, Warning, words};
 
 /// A further column of the file, as it is written there: no unit is changed.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,6 +10,18 @@ pub struct Extra {
     pub name: String,
     /// One value for every sample of the recording, finite and not all the same.
     pub values: Vec<f64>,
+}
+
+impl Extra {
+    /// What its values are multiplied by to be positions of that kind in SI (m or rad), where its name ends in a unit of one.
+    pub fn position_factor(&self, kind: MotionKind) -> Option<f64> {
+        let wanted = match kind {
+            MotionKind::Linear => Dimension::Length,
+            MotionKind::Rotary => Dimension::Angle,
+        };
+        let unit = words::quantity(&self.name).unit?;
+        (unit.dimension == wanted).then_some(unit.factor)
+    }
 }
 
 /// A further column while the file is read.
