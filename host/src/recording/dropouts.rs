@@ -33,11 +33,12 @@ const STRETCHES: usize = 1000;
 /// … and the fewest, in coefficients.
 const FEWEST: usize = 5;
 
-/// Stretches of the `pieces` in which position or effort drops out, ascending and apart.
+/// Stretches of the `pieces` in which position or effort drops out, ascending and apart. Where the drive is `off` no effort does.
 pub(super) fn dropouts(
     frame: &mut Frame,
     pieces: &[Range<usize>],
     kind: MotionKind,
+    off: &[Range<usize>],
 ) -> Vec<Range<usize>> {
     let Some(x) = frame.column(Slot::Position).cloned() else {
         return Vec::new();
@@ -51,7 +52,9 @@ pub(super) fn dropouts(
     let is_long = |r: &Range<usize>| r.len() >= POSITION && r.len() as f64 >= usual;
     found.retain(|r| is_long(r) && moves(r.start) && jumps(r.end));
     if let Some(f) = frame.column(Slot::Effort).cloned() {
-        found.extend(of_effort(&frame.t_s, &x, &f, pieces, kind));
+        let is_off = |r: &Range<usize>| off.iter().any(|o| o.start < r.end && r.start < o.end);
+        let lost = of_effort(&frame.t_s, &x, &f, pieces, kind).into_iter();
+        found.extend(lost.filter(|r| !is_off(r)));
     }
     found.sort_by_key(|r| r.start);
     let mut merged: Vec<Range<usize>> = Vec::new();

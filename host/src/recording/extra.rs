@@ -94,6 +94,18 @@ pub(super) fn sort(readings: Vec<Reading>, samples: usize, warnings: &mut Vec<Wa
     (extra, constant)
 }
 
+/// Makes constants of the columns that have come to be, where samples were left out.
+pub(super) fn move_constant((extra, constant): (&mut Vec<Extra>, &mut Vec<(String, f64)>)) {
+    extra.retain(|e| {
+        let first = e.values.first().copied().unwrap_or(0.0);
+        let varies = e.values.iter().any(|&v| v != first);
+        if !varies {
+            constant.push((e.name.clone(), first));
+        }
+        varies
+    });
+}
+
 /// Joins the further columns of two recordings of `samples.0` and `samples.1` samples: those that both have. One that is constant in
 /// a recording is a column there too. Returns the names that only one of them has.
 pub(super) fn join((first, second): (&mut Sorted, Sorted), samples: (usize, usize)) -> Vec<String> {

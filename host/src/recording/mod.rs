@@ -10,6 +10,7 @@ mod columns;
 mod copies;
 mod csv;
 mod decimate;
+mod drive_off;
 mod dropouts;
 mod error;
 mod even;
@@ -411,9 +412,10 @@ fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recor
         return Err(Problem::Sign(sign));
     }
     let mut warnings = std::mem::take(&mut table.plan.warnings);
-    let (mut frame, constant_extra) = frame_of(&mut table, &mut warnings)?;
+    let (mut frame, mut constant_extra) = frame_of(&mut table, &mut warnings)?;
     let (kind, role) = (table.plan.kind, table.plan.role);
-    repair::repair(&mut frame, kind, &table, &mut warnings);
+    repair::repair(&mut frame, (kind, role), &table, &mut warnings);
+    extra::move_constant((&mut frame.extra, &mut constant_extra));
     even::resample(&mut frame, &mut warnings);
     let samples = frame.t_s.len();
     if samples < 2 {

@@ -4,11 +4,12 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
+use super::drive_off::{DriveOff, drive_off};
 use super::dropouts::{dropouts, extremes};
 use super::frame::Frame;
 use super::known::Slot;
 use super::table::Table;
-use super::{MotionKind, Warning};
+use super::{EffortRole, MotionKind, Warning};
 use crate::statistics::quantile;
 
 /// A spike leaves the range of all but 1 % of the samples by as much as that range is wide …
@@ -30,7 +31,7 @@ const MOST_LEFT_OUT: f64 = 0.3;
 /// Repairs position and effort.
 pub(super) fn repair(
     frame: &mut Frame,
-    kind: MotionKind,
+    (kind, role): (MotionKind, EffortRole),
     table: &Table,
     warnings: &mut Vec<Warning>,
 ) {
@@ -44,33 +45,77 @@ pub(super) fn repair(
         let cuts = unwrap(position, &pieces, kind, table, warnings);
         frame.cut(&cuts);
     }
-    let dropped = dropouts(frame, &pieces, kind);
-    if dropped.is_empty() {
-        return;
+    let off = drive_off(frame, &pieces);
+    let no_channel_lost = off.as_ref().map_or(&[][..], |off| &off.ranges);
+    let mut out = dropouts(frame, &pieces, kind, no_channel_lost);
+    if !dropouts_said(&out, frame.t_s.len(), table, warnings) {
+        out.clear();
     }
+    if let Some(off) = off
+        && drive_off_said(&off, role, table, warnings)
+    {
+        out.extend(off.ranges);
+        out.sort_by_key(|r| r.start);
+    }
+    if !out.is_empty() {
+        frame.leave_out(&out);
+    }
+}
+
+/// Says where signals drop out, and whether that is left out.
+fn dropouts_said(
+    dropped: &[Range<usize>],
+    samples: usize,
+    table: &Table,
+    warnings: &mut Vec<Warning>,
+) -> bool {
+    let Some(first) = dropped.first() else {
+        return false;
+    };
     let count: usize = dropped.iter().map(|d| d.len()).sum();
-    let first = &dropped[0];
-    let place = format!(
-        "{} to {}",
-        table.place.of(first.start),
-        table.place.of(first.end - 1)
-    );
-    let found = format!(
-        "position or effort stands still for {count} samples in {} places where the other one moves on, first from {place}",
-        dropped.len()
-    );
-    if count as f64 > MOST_LEFT_OUT * frame.t_s.len() as f64 {
-        warnings.push(Warning::new(
-            "dropout",
-            format!("{found}: too much to leave out, so it is kept; do not trust what comes of it"),
-        ));
+    let left_out = count as f64 <= MOST_LEFT_OUT * samples as f64;
+    let what = if left_out {
+        "these samples are left out"
     } else {
-        warnings.push(Warning::new(
-            "dropout",
-            format!("{found}: these samples are left out"),
-        ));
-        frame.leave_out(&dropped);
-    }
+        "too much to leave out, so it is kept; do not trust what comes of it"
+    };
+    warnings.push(Warning::new(
+        "dropout",
+        format!(
+            "position or effort stands still for {count} samples in {} places where the other one moves on, first from {} to {}: {what}",
+            dropped.len(),
+            table.place.of(first.start),
+            table.place.of(first.end - 1)
+        ),
+    ));
+    left_out
+}
+
+/// Says where the drive is off, and whether that is left out: no force acts then, but what the open coils do is in no voltage.
+fn drive_off_said(
+    off: &DriveOff,
+    role: EffortRole,
+    table: &Table,
+    warnings: &mut Vec<Warning>,
+) -> bool {
+    let left_out = role == EffortRole::Voltage;
+    let what = if left_out {
+        "left out, for no voltage acts on coils that are open"
+    } else {
+        "kept, as an effort of zero"
+    };
+    let count: usize = off.ranges.iter().map(|r| r.len()).sum();
+    warnings.push(Warning::new(
+        "drive-off",
+        format!(
+            "`{}` tells that the drive is off for {count} samples in {} places, first from {} to {}: {what}",
+            off.column,
+            off.ranges.len(),
+            table.place.of(off.ranges[0].start),
+            table.place.of(off.ranges[0].end - 1)
+        ),
+    ));
+    left_out
 }
 
 /// All but 1 % of the values are within these bounds.

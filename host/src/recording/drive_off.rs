@@ -1,0 +1,146 @@
+//! Stretches in which a column of two values, such as `torque_enabled`, tells that the drive was off: the effort is zero there and no
+//! channel was lost.
+
+use std::ops::Range;
+
+use super::frame::Frame;
+use super::known::Slot;
+
+/// Beside the drive's being on, an effort is zero at fewer than this share of samples: more, and the column tells something else.
+const ZERO_WHEN_ON: f64 = 0.5;
+/// The fewest samples that the drive is off in all.
+const FEWEST: usize = 8;
+
+/// The column that tells it, and where the drive is off, within the `pieces`.
+pub(super) struct DriveOff {
+    pub(super) column: String,
+    pub(super) ranges: Vec<Range<usize>>,
+}
+
+/// Where a further column tells that the drive is off.
+pub(super) fn drive_off(frame: &Frame, pieces: &[Range<usize>]) -> Option<DriveOff> {
+    let effort = &frame.numbers.iter().find(|c| c.0 == Slot::Effort)?.1;
+    frame.extra.iter().find_map(|extra| {
+        let off = off_value(&extra.values, effort)?;
+        let is_off = |&i: &usize| extra.values[i] == off;
+        let ranges = pieces.iter().flat_map(|p| stretches(p.clone(), is_off));
+        Some(DriveOff {
+            column: extra.name.clone(),
+            ranges: ranges.collect(),
+        })
+    })
+}
+
+/// Of a column with two values the one at which the effort is always zero; at the other it mostly is not.
+fn off_value(flag: &[f64], effort: &[f64]) -> Option<f64> {
+    let first = *flag.first()?;
+    let second = *flag.iter().find(|v| **v != first)?;
+    if flag.iter().any(|v| *v != first && *v != second) {
+        return None;
+    }
+    let zero_share = |value: f64| {
+        let at = flag.iter().zip(effort).filter(|(v, _)| **v == value);
+        let (zeros, all) = at.fold((0, 0), |(zeros, all), (_, f)| {
+            (zeros + usize::from(*f == 0.0), all + 1)
+        });
+        (zeros as f64 / f64::from(all), all as usize)
+    };
+    [(first, second), (second, first)]
+        .into_iter()
+        .find(|&(off, on)| {
+            let (zeros, samples) = zero_share(off);
+            zeros == 1.0 && samples >= FEWEST && zero_share(on).0 < ZERO_WHEN_ON
+        })
+        .map(|(off, _)| off)
+}
+
+/// The longest ranges of `within` whose samples all are so.
+fn stretches(within: Range<usize>, so: impl Fn(&usize) -> bool) -> Vec<Range<usize>> {
+    let mut found: Vec<Range<usize>> = Vec::new();
+    for i in within.filter(so) {
+        match found.last_mut() {
+            Some(last) if last.end == i => last.end = i + 1,
+            _ => found.push(i..i + 1),
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{LoadOptions, Recording, load_csv};
+
+    /// A swing at 1 kHz whose drive is off for 1.5 of 4 s, and coasts; `effort` names the column, `flag` that of the drive.
+    fn load(effort: &str, flag: &str) -> Recording {
+        let row = |i: usize| {
+            let phase = i as f64 * 0.003;
+            let on = !(1000..2500).contains(&i);
+            let f = if on {
+                5.0 * (20.0 * phase.cos()).tanh()
+            } else {
+                0.0
+            };
+            let x = 0.02 * phase.sin();
+            format!("{:.3},{x:.8},{f:.5},{}\n", i as f64 * 1e-3, i32::from(on))
+        };
+        let rows: String = (0..4000).map(row).collect();
+        let text = format!("t_s,x_m,{effort},{flag}\n{rows}");
+        load_csv(text.as_bytes(), "swing.csv", &LoadOptions::default())
+            .unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    fn codes(recording: &Recording) -> Vec<&str> {
+        recording.warnings.iter().map(|w| w.code).collect()
+    }
+
+    #[test]
+    fn a_drive_that_is_off_is_no_dropout() {
+        let force = load("force_N", "drive_enabled");
+        assert_eq!(force.len(), 4000);
+        assert!(codes(&force).contains(&"drive-off"), "{:?}", force.warnings);
+        assert!(!codes(&force).contains(&"dropout"), "{:?}", force.warnings);
+    }
+
+    #[test]
+    fn a_voltage_of_a_drive_that_is_off_is_left_out() {
+        let voltage = load("voltage_V", "torque_enabled");
+        assert!(
+            !codes(&voltage).contains(&"dropout"),
+            "{:?}",
+            voltage.warnings
+        );
+        let said = voltage.warnings.iter().find(|w| w.code == "drive-off");
+        let said = said.map_or("", |w| &w.message);
+        assert!(said.contains("`torque_enabled`"), "{said}");
+        assert!(
+            said.contains("1500 samples in 1 places, first from line 1002 to line 2501"),
+            "{said}"
+        );
+        assert_eq!((voltage.len(), voltage.pieces.len()), (2500, 2));
+        assert!(voltage.extra.is_empty(), "it is on in all that is left");
+    }
+
+    #[test]
+    fn a_column_that_tells_something_else_is_not_believed() {
+        // What is off for as long, but not where the effort is zero.
+        let mut rows = String::from("t_s,x_m,force_N,valve\n");
+        for i in 0..4000_usize {
+            let phase = i as f64 * 0.003;
+            let f = if (1000..2500).contains(&i) {
+                0.0
+            } else {
+                5.0 * (20.0 * phase.cos()).tanh()
+            };
+            let valve = i32::from(!(900..2500).contains(&i));
+            rows += &format!(
+                "{:.3},{:.8},{f:.5},{valve}\n",
+                i as f64 * 1e-3,
+                0.02 * phase.sin()
+            );
+        }
+        let read = load_csv(rows.as_bytes(), "swing.csv", &LoadOptions::default());
+        let read = read.unwrap_or_else(|e| panic!("{e}"));
+        assert!(!codes(&read).contains(&"drive-off"), "{:?}", read.warnings);
+        assert!(codes(&read).contains(&"dropout"), "{:?}", read.warnings);
+    }
+}
