@@ -101,7 +101,7 @@ impl Diagnosis {
             "from": u.place.map(|p| p.from), "to": u.place.map(|p| p.to), "share": u.place.map(|p| p.share),
             "unit": unit, "rms": u.rms, "share_of_mismatch": u.evidence.share, "standard_errors": u.evidence.z,
             "segments": u.evidence.blocks.round(), "segments_of": self.ground.rows.blocks.len(),
-            "features": u.features, "stretches_s": u.happened.as_ref().map_or(&[][..], |h| &h.times),
+            "wanders": u.wanders, "features": u.features, "stretches_s": u.happened.as_ref().map_or(&[][..], |h| &h.times),
         })
     }
 

@@ -20,6 +20,8 @@ const UNNAMED: f64 = 0.05;
 /// Least part of the effort's variance (%) that it takes off: 1 % of the effort is near what makes a controller better, and a fifth of what
 /// machines' friction changes by itself. A name below it can be put into a model; what has none cannot.
 const NOTICEABLE: f64 = 0.01;
+/// Share of the friction by which every machine's friction wanders in time and along its path: that is none of its physics left out.
+const WANDERS: f64 = 0.05;
 /// Least probability that it is there at all. More than even: fitted without the other source, the probability is too high, since what a
 /// hysteresis that parallel blocks cannot follow leaves looks like it. Set after the second generator's clean machines were seen as a count.
 const LIKELY: f64 = 0.8;
@@ -49,6 +51,8 @@ pub struct Unknown {
     pub place: Option<Place>,
     /// Root mean square of its force (N or N·m).
     pub rms: f64,
+    /// It is friction that wanders in time or along its path, by no more than every machine's does.
+    pub wanders: bool,
 }
 
 /// When an event was, and the mismatch that tells it.
@@ -67,9 +71,16 @@ pub fn likely(unnamed: &[Unknown]) -> Option<&Unknown> {
     unnamed.iter().find(|u| is_likely(u))
 }
 
-/// Whether it is likely there.
+/// Whether it is likely there, and more than friction's own variability.
 pub fn is_likely(unknown: &Unknown) -> bool {
-    unknown.confidence >= LIKELY
+    unknown.is_sure() && !unknown.wanders
+}
+
+impl Unknown {
+    /// Whether it is likely there, however small.
+    pub fn is_sure(&self) -> bool {
+        self.confidence >= LIKELY
+    }
 }
 
 /// All that are material, largest first, beside an event; `is_doubtful` tells of an effect whether it is suspected only.
@@ -135,6 +146,7 @@ pub fn happened(found: &Found) -> Option<Unknown> {
         features: None,
         place: Place::of(rows, Axis::Time, &event.force),
         rms: rms(&event.force),
+        wanders: false,
         happened: Some(happened),
     })
 }
@@ -157,6 +169,8 @@ fn unknown(found: &Found, standing: &Standing) -> Unknown {
         .iter()
         .map(|f| f - if odd { 0.0 } else { level })
         .collect();
+    let own = rms(&varying);
+    let friction = rms(&rows.weak.at_centres(&found.ground.baseline.friction));
     Unknown {
         axis,
         odd,
@@ -168,6 +182,7 @@ fn unknown(found: &Found, standing: &Standing) -> Unknown {
         features: Some(features_of_presence(standing)),
         happened: None,
         place: Place::of(rows, axis, &varying),
-        rms: rms(&varying),
+        rms: own,
+        wanders: odd && matches!(axis, Axis::Time | Axis::Path) && own <= WANDERS * friction,
     }
 }

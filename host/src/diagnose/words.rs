@@ -329,6 +329,13 @@ impl Diagnosis {
         for unknown in self.nameless() {
             text += &format!("; without a name: {}", unknown.words(self, recording));
         }
+        if let Some(wanders) = self.unnamed.iter().find(|u| u.wanders && u.is_sure()) {
+            text += &format!(
+                "; friction wanders over {} by {} RMS, as every machine's does",
+                wanders.axis.name(&self.ground.rows.s),
+                quantity(wanders.rms, recording.effort_unit())
+            );
+        }
         text
     }
 
