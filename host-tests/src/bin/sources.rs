@@ -8,7 +8,8 @@ use preslide_host_tests::judge::baseline;
 use preslide_host_tests::judge::beside::{self, Answers};
 use preslide_host_tests::judge::case::{Case, Sort};
 use preslide_host_tests::judge::naive::Recipe;
-use preslide_host_tests::judge::source::{bench, injection, machines, stage, trials, write_json};
+use preslide_host_tests::judge::source::generated::{self, AXES, Generator, STAGE};
+use preslide_host_tests::judge::source::{bench, injection, machines, trials, write_json};
 use preslide_host_tests::judge::summary;
 use preslide_host_tests::judge::tool::Tool;
 use preslide_host_tests::trials::{catalogue_plan, clean_plan};
@@ -23,6 +24,8 @@ enum Source {
     Trials,
     /// `../shared/generators/stage`
     Stage,
+    /// Axes of all kinds, by a generator whose author had read nothing of the project
+    Axes,
     /// The second generator: ball screws, joints, spindles, belts
     Machines,
     /// Known effects in real recordings
@@ -42,7 +45,7 @@ struct Options {
     #[arg(
         long,
         value_delimiter = ',',
-        default_value = "trials,stage,machines,injection,benches",
+        default_value = "trials,stage,axes,machines,injection,benches",
         value_name = "SOURCES"
     )]
     only: Vec<Source>,
@@ -58,7 +61,7 @@ struct Options {
     /// Clean trials besides, over all families and laws
     #[arg(long, default_value_t = 0, value_name = "N")]
     clean: usize,
-    /// Sorts of question in trials, stage and machines [default: all]
+    /// Sorts of question in trials, stage, axes and machines [default: all]
     #[arg(long, value_delimiter = ',', value_name = "SORTS")]
     sorts: Vec<Sort>,
     /// Seeds of `../shared/generators/stage`, 76 trials each
@@ -69,7 +72,10 @@ struct Options {
         value_name = "SEEDS"
     )]
     stage: Vec<u64>,
-    /// A set of that generator that is there already, instead of the seeds
+    /// Seeds of `host-tests/generators/axes`, 76 trials each
+    #[arg(long, value_delimiter = ',', default_value = "1", value_name = "SEEDS")]
+    axes: Vec<u64>,
+    /// A set of `stage` that is there already, instead of the seeds
     #[arg(long, value_name = "FOLDER")]
     stage_folder: Option<PathBuf>,
     /// A Python with numpy and numba [default: an environment made under target/judge]
@@ -132,15 +138,23 @@ fn ask(o: &Options, tool: &Tool) -> Result<Vec<Case>, String> {
             .collect();
         cases.extend(machines::cases(tool, &seeds, sorts, o.jobs));
     }
-    if wants(Source::Stage) && shared {
-        if let Some(folder) = &o.stage_folder {
-            cases.extend(stage::cases(tool, folder, o.every, sorts, o.jobs)?);
-        } else {
-            for seed in &o.stage {
-                let folder = stage::folder(*seed, o.python.as_deref())?;
-                cases.extend(stage::cases(tool, &folder, o.every, sorts, o.jobs)?);
-            }
-        }
+    let mut sets: Vec<(&Generator, PathBuf)> = Vec::new();
+    let mut generate = |generator: &'static Generator, seeds: &[u64]| {
+        seeds.iter().try_for_each(|seed| {
+            sets.push((generator, generator.folder(*seed, o.python.as_deref())?));
+            Ok::<(), String>(())
+        })
+    };
+    if wants(Source::Axes) {
+        generate(&AXES, &o.axes)?;
+    }
+    if wants(Source::Stage) && shared && o.stage_folder.is_none() {
+        generate(&STAGE, &o.stage)?;
+    }
+    sets.extend(o.stage_folder.iter().map(|folder| (&STAGE, folder.clone())));
+    for (generator, folder) in &sets {
+        let of = (generator.source, folder.as_path());
+        cases.extend(generated::cases(tool, of, o.every, sorts, o.jobs)?);
     }
     if wants(Source::Injection) && shared {
         let pairs = injection::pairs(|_, _| true, 0, o.every);

@@ -7,7 +7,8 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use super::case::{Case, Sort};
-use super::source::{bench, injection, machines, stage, trials};
+use super::source::generated::{self, STAGE};
+use super::source::{bench, injection, machines, trials};
 use super::summary::{Share, at_most};
 use super::tool::Tool;
 use crate::trials::catalogue_plan;
@@ -54,8 +55,14 @@ pub fn cases(tool: &Tool, jobs: usize) -> Result<Vec<Case>, String> {
         cases.extend(injection::cases(tool, &pairs, &[20.0], jobs)?);
         cases.extend(bench::cases(tool, |name| BENCHES.contains(&name), jobs)?);
         // Generated in some minutes where it is not kept: only where someone did so before.
-        if let Some(folder) = stage::kept_folder(777_001) {
-            cases.extend(stage::cases(tool, &folder, 6, |_| true, jobs)?);
+        if let Some(folder) = STAGE.kept_folder(777_001) {
+            cases.extend(generated::cases(
+                tool,
+                (STAGE.source, &folder),
+                6,
+                |_| true,
+                jobs,
+            )?);
         } else {
             eprintln!("SKIPPED: stage, which `cargo xtask sources --only stage` generates");
         }

@@ -1,9 +1,9 @@
 //! Sources of recordings with a known truth, each asked of the tool.
 
 pub mod bench;
+pub mod generated;
 pub mod injection;
 pub mod machines;
-pub mod stage;
 pub mod trials;
 
 use std::path::Path;

@@ -1,4 +1,5 @@
-//! The independent generator of stages in `../shared/generators/stage`: a Python program, run once for each seed and kept under `target/`.
+//! Generators of trials that are Python programs, run once for each seed and kept under `target/`: that of stages in
+//! `../shared/generators/stage`, and that of all kinds of axis in `host-tests/generators/axes`.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -9,6 +10,29 @@ use crate::judge::case::{Case, Place, Sort, Truth};
 use crate::judge::real::shared;
 use crate::judge::table::{Recording, Table};
 use crate::judge::tool::{Tool, parallel};
+
+/// A program that makes trials: `NNN/rec.csv`, `base.toml` and `label.json` in a folder.
+pub struct Generator {
+    /// Name of the source.
+    pub source: &'static str,
+    script: fn() -> Option<PathBuf>,
+    /// What makes 76 trials.
+    arguments: &'static [&'static str],
+}
+
+/// Nanometre stages.
+pub const STAGE: Generator = Generator {
+    source: "stage",
+    script: || Some(shared()?.join("generators/stage/trials.py")),
+    arguments: &["--n-per", "1"],
+};
+
+/// Axes from 0.5 to 200 kg under eight laws of hysteresis, by somebody who had read neither the diagnosis nor another generator.
+pub const AXES: Generator = Generator {
+    source: "axes",
+    script: || Some(Path::new(env!("CARGO_MANIFEST_DIR")).join("generators/axes/trials.py")),
+    arguments: &["--n-clean", "30", "--n-effect", "34", "--n-strange", "12"],
+};
 
 /// Where generated sets and the Python environment are kept.
 fn kept() -> PathBuf {
@@ -39,37 +63,42 @@ fn python(given: Option<&Path>) -> Result<PathBuf, String> {
     Ok(python)
 }
 
-/// The folder of the trials of a seed, where they were generated before.
-pub fn kept_folder(seed: u64) -> Option<PathBuf> {
-    let folder = kept().join(format!("stage-{seed}"));
-    folder.join("complete").exists().then_some(folder)
-}
-
-/// The folder of the trials of a seed, generated where it is not there.
-///
-/// # Errors
-/// Where the generator is absent or fails.
-pub fn folder(seed: u64, given: Option<&Path>) -> Result<PathBuf, String> {
-    let generator = shared()
-        .ok_or("../shared is absent")?
-        .join("generators/stage/trials.py");
-    let folder = kept().join(format!("stage-{seed}"));
-    let done = folder.join("complete");
-    if !done.exists() {
-        let python = python(given)?;
-        let mut command = Command::new(python);
-        // The generator's folder is read-only.
-        command
-            .env("PYTHONDONTWRITEBYTECODE", "1")
-            .arg(&generator)
-            .arg(&folder);
-        run(command.args(["--n-per", "1", "--seed", &seed.to_string()]))?;
-        std::fs::write(&done, "").map_err(|e| format!("{}: {e}", done.display()))?;
+impl Generator {
+    fn folder_of(&self, seed: u64) -> PathBuf {
+        kept().join(format!("{}-{seed}", self.source))
     }
-    Ok(folder)
+
+    /// The folder of the trials of a seed, where they were generated before.
+    pub fn kept_folder(&self, seed: u64) -> Option<PathBuf> {
+        let folder = self.folder_of(seed);
+        folder.join("complete").exists().then_some(folder)
+    }
+
+    /// The folder of the trials of a seed, generated where it is not there.
+    ///
+    /// # Errors
+    /// Where the generator is absent or fails.
+    pub fn folder(&self, seed: u64, given: Option<&Path>) -> Result<PathBuf, String> {
+        let script = (self.script)().ok_or("../shared is absent")?;
+        let folder = self.folder_of(seed);
+        let done = folder.join("complete");
+        if !done.exists() {
+            let mut command = Command::new(python(given)?);
+            // The generator's folder may be read-only, and is no place for what is compiled.
+            command
+                .env("PYTHONDONTWRITEBYTECODE", "1")
+                .env("NUMBA_CACHE_DIR", kept().join("numba"))
+                .arg(&script)
+                .arg(&folder)
+                .args(self.arguments);
+            run(command.args(["--seed", &seed.to_string()]))?;
+            std::fs::write(&done, "").map_err(|e| format!("{}: {e}", done.display()))?;
+        }
+        Ok(folder)
+    }
 }
 
-/// What a label calls a parameter, whose effect it is, and what the tool calls it.
+/// What a label of the stage calls a parameter, whose effect it is, and what the tool calls it.
 const PARAMETERS: [(&str, &str, &str); 12] = [
     ("bias", "constant_force", "force_N"),
     ("asym", "coulomb_asymmetry", "asymmetry"),
@@ -85,7 +114,7 @@ const PARAMETERS: [(&str, &str, &str); 12] = [
     ("vib_f", "external_vibration", "frequency_Hz"),
 ];
 
-/// The generator reads the position and then holds its command for a sample of 1 ms (`sim.py`: 20 steps with one `u`), so what it records
+/// That generator reads the position and then holds its command for a sample of 1 ms (`sim.py`: 20 steps with one `u`), so what it records
 /// acts half a sample later. A label's delay leaves that out.
 const HOLD_S: f64 = 0.5e-3;
 
@@ -147,13 +176,13 @@ fn question(folder: &Path) -> Result<(Recording, Sort, f64, Vec<Truth>), String>
     ))
 }
 
-/// Asks the tool of every `every`th trial in a folder whose sort is wanted.
+/// Asks the tool of every `every`th trial in a folder of the source whose sort is wanted.
 ///
 /// # Errors
 /// Where a trial cannot be read.
 pub fn cases(
     tool: &Tool,
-    folder: &Path,
+    (source, folder): (&'static str, &Path),
     every: usize,
     wanted: impl Fn(Sort) -> bool + Sync,
     jobs: usize,
@@ -170,7 +199,7 @@ pub fn cases(
         }
         let (answer, seconds) = tool.diagnose(&recording);
         let case = Case {
-            source: "stage",
+            source,
             name: recording.name,
             sort,
             strength,
