@@ -21,6 +21,7 @@ use preslide_sim::rig::{
 use preslide_sim::tracking::FIXED_UNITS;
 use std::cell::RefCell;
 use std::path::Path;
+use std::process::ExitCode;
 
 /// What the firmware starts with: the paper's Table 3, four blocks, through the command link's single precision.
 fn blocks() -> ([Block; 4], f64) {
@@ -43,11 +44,20 @@ const FLOAT_BOUND: u32 = 1;
 /// Ticks that the motion takes, but for the rest at its end.
 const MOVING: u64 = 10_000;
 
-fn main() -> anyhow::Result<()> {
+/// The reason stands last, where CI's tail shows it: no backtrace behind it.
+fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let Err(error) = asked(&words) else {
+        return ExitCode::SUCCESS;
+    };
+    eprintln!("{error:#}");
+    ExitCode::FAILURE
+}
+
+fn asked(words: &[&str]) -> anyhow::Result<()> {
     let (blocks, breakaway) = blocks();
-    match words[..] {
+    match *words {
         [kind @ ("fixed" | "float"), elf] => {
             let elf = Path::new(elf);
             let (agreement, record) = if kind == "fixed" {
@@ -161,17 +171,33 @@ fn faults(elf: &Path, folder: &Path, bless: bool) -> anyhow::Result<()> {
         let golden = folder.join(format!("{}.txt", injection.name));
         if bless {
             std::fs::write(&golden, text).with_context(|| golden.display().to_string())?;
-        } else if std::fs::read_to_string(&golden).unwrap_or_default() != text {
-            different.push(injection.name);
+        } else {
+            let expected = std::fs::read_to_string(&golden).unwrap_or_default();
+            if expected != text {
+                different.push(difference(injection.name, &expected, &text));
+            }
         }
     }
     if !different.is_empty() {
         bail!(
-            "unlike the golden files: {}; look at the output above, and `cargo xtask qemu --bless` if it is right",
-            different.join(", ")
+            "unlike the golden files (- expected, + got):\n{}`cargo xtask qemu --bless` if what was got is right",
+            different.concat()
         );
     }
     Ok(())
+}
+
+/// The lines that one of two texts has and the other has not.
+fn difference(name: &str, expected: &str, got: &str) -> String {
+    let only = |of: &str, not: &str, sign: char| -> String {
+        let alone = of.lines().filter(|line| not.lines().all(|l| l != *line));
+        alone.map(|line| format!("{sign} {line}\n")).collect()
+    };
+    format!(
+        "{name}:\n{}{}",
+        only(expected, got, '-'),
+        only(got, expected, '+')
+    )
 }
 
 /// Between two looks at the stage's friction: its gains wander over 100 µm of path, a second of this motion.

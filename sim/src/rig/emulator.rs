@@ -6,9 +6,10 @@ use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
+use tempfile::TempDir;
 
 /// QEMU connects and ends within this time.
 const PATIENCE: Duration = Duration::from_secs(20);
@@ -65,7 +66,8 @@ pub struct Emulator {
     exchanges: u64,
     listener: Option<JoinHandle<Vec<Report>>>,
     paused: Arc<AtomicBool>,
-    folder: PathBuf,
+    heard: Arc<AtomicU32>,
+    folder: TempDir,
 }
 
 /// What is left of a run.
@@ -82,16 +84,16 @@ impl Emulator {
     /// # Errors
     /// [`RigError`] where QEMU does not start or does not connect.
     pub fn start(elf: &Path, listener: Listener, plugin: Option<&str>) -> Result<Self, RigError> {
-        static RUNS: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0);
-        let run = RUNS.fetch_add(1, Ordering::Relaxed);
-        let folder =
-            std::env::temp_dir().join(format!("preslide-rig-{}-{run}", std::process::id()));
-        let file = |error| RigError::File(folder.clone(), error);
-        std::fs::create_dir_all(&folder).map_err(file)?;
-        let link_path = folder.join("link");
-        let link = UnixListener::bind(&link_path).map_err(file)?;
+        let folder = tempfile::Builder::new().prefix("preslide-rig-").tempdir();
+        let folder = folder.map_err(|error| RigError::File(std::env::temp_dir(), error))?;
+        let link_path = folder.path().join("link");
+        let link = UnixListener::bind(&link_path)
+            .map_err(|error| RigError::File(link_path.clone(), error))?;
         let telemetry = match listener {
-            Listener::File => format!("file,id=link,path={}", folder.join(TELEMETRY).display()),
+            Listener::File => format!(
+                "file,id=link,path={}",
+                folder.path().join(TELEMETRY).display()
+            ),
             Listener::Line => format!("socket,id=link,path={}", link_path.display()),
             Listener::Tcp(port) => {
                 format!("socket,id=link,host=127.0.0.1,port={port},server=on,wait=on")
@@ -127,13 +129,13 @@ impl Emulator {
             // Either way it is gone after the wait.
             let _ = child.kill();
             let log = output(&mut child);
-            let _ = std::fs::remove_dir_all(&folder);
             return Err(RigError::Connect(log));
         };
         let paused = Arc::new(AtomicBool::new(false));
+        let heard = Arc::new(AtomicU32::new(0));
         let listener = link.map(|link| {
-            let paused = Arc::clone(&paused);
-            std::thread::spawn(move || listen(link, &paused))
+            let (paused, heard) = (Arc::clone(&paused), Arc::clone(&heard));
+            std::thread::spawn(move || listen(link, &paused, &heard))
         });
         Ok(Self {
             child,
@@ -142,6 +144,7 @@ impl Emulator {
             exchanges: 0,
             listener,
             paused,
+            heard,
             folder,
         })
     }
@@ -173,6 +176,11 @@ impl Emulator {
         self.paused.store(paused, Ordering::Relaxed);
     }
 
+    /// The tick of the newest sample that [`Listener::Line`] has brought.
+    pub fn heard(&self) -> u64 {
+        self.heard.load(Ordering::Relaxed).into()
+    }
+
     /// Waits for QEMU's end and collects what is left.
     pub fn finish(mut self) -> Remains {
         self.pause_listening(false);
@@ -187,8 +195,8 @@ impl Emulator {
         let reports = match self.listener.take() {
             Some(thread) => thread.join().unwrap_or_default(),
             None => {
-                let file = std::fs::File::open(self.folder.join(TELEMETRY));
-                file.map_or(Vec::new(), |file| listen(file, &self.paused))
+                let file = std::fs::File::open(self.folder.path().join(TELEMETRY));
+                file.map_or(Vec::new(), |file| listen(file, &self.paused, &self.heard))
             }
         };
         Remains { reports, log }
@@ -207,7 +215,6 @@ impl Drop for Emulator {
         // It has ended already unless a run broke off.
         let _ = self.child.kill();
         let _ = self.child.wait();
-        let _ = std::fs::remove_dir_all(&self.folder);
     }
 }
 
@@ -235,7 +242,7 @@ fn output(child: &mut Child) -> String {
     text
 }
 
-fn listen(mut link: impl Read, paused: &AtomicBool) -> Vec<Report> {
+fn listen(mut link: impl Read, paused: &AtomicBool, heard: &AtomicU32) -> Vec<Report> {
     let mut deframer = Deframer::new();
     let mut reports = Vec::new();
     let mut buffer = [0; 4096];
@@ -249,6 +256,9 @@ fn listen(mut link: impl Read, paused: &AtomicBool) -> Vec<Report> {
             Ok(length) => {
                 let bytes = buffer.iter().take(length);
                 reports.extend(bytes.filter_map(|&byte| deframer.push::<Report>(byte)?.ok()));
+                if let Some(Report::Sample(sample)) = reports.last() {
+                    heard.store(sample.tick, Ordering::Relaxed);
+                }
             }
         }
     }

@@ -250,6 +250,8 @@ fn supply_sag() -> Script<'static> {
 fn telemetry_unread() -> Script<'static> {
     let mut script = moving(14_000);
     script.listening = Box::new(|tick| !(500..12_000).contains(&tick));
+    // What the line held is from before; the losses are counted in a later one.
+    script.until_heard = 12_000;
     script
 }
 
