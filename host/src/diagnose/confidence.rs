@@ -55,6 +55,10 @@ pub fn features(standing: &Standing) -> BTreeMap<&'static str, f64> {
         ("log_z", (evidence.z.max(UNSURE) / EDGE).ln()),
         ("agreement", evidence.agree - 0.5),
         ("survival", standing.survival.clamp(0.0, 1.0) - 1.0),
+        (
+            "at_its_largest",
+            standing.at_its_largest.clamp(0.0, 1.0) - 1.0,
+        ),
         ("place", (standing.place as f64).ln()),
         ("terms", (standing.terms.max(1) as f64).ln()),
         ("unusual_size", unusual.min(3.0)),

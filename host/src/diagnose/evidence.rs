@@ -67,6 +67,27 @@ pub fn evidence(force: &[f64], residual: &[f64], blocks: &[Range<usize>]) -> Evi
     }
 }
 
+/// Share of a force's squares that its largest values hold, over which [`at_its_largest`] looks.
+const LARGEST: f64 = 0.2;
+
+/// The coefficient of a force held out on what is there, where the force is largest. In a closed loop whatever pushes the carriage moves it,
+/// and the effort that answers is taken for a term by as much as the two go together (Söderström and Stoica 1989, chapter 10): while
+/// little else moves, so that the coefficient falls where the motion asked for makes the force large. What is there keeps it.
+pub fn at_its_largest(force: &[f64], residual: &[f64]) -> f64 {
+    let square: f64 = force.iter().map(|f| f * f).sum();
+    let mut rows: Vec<usize> = (0..force.len()).collect();
+    rows.sort_by(|&a, &b| force[b].abs().total_cmp(&force[a].abs()));
+    let (mut product, mut own) = (0.0, 0.0);
+    for i in rows {
+        if own >= LARGEST * square {
+            break;
+        }
+        product += force[i] * residual[i];
+        own += force[i] * force[i];
+    }
+    if own > 0.0 { product / own } else { 0.0 }
+}
+
 /// The normal deviate that is as rare as Student's `t` with so many degrees of freedom.
 fn as_normal(t: f64, freedom: f64) -> f64 {
     /// Beyond it the distributions' tails are no longer told apart in double precision.
@@ -116,6 +137,15 @@ mod tests {
         let share = |n: usize| n as f64 / f64::from(runs);
         assert!((share(beyond) - 0.05).abs() < 0.015, "{}", share(beyond));
         assert!(share(beyond_more) < 0.01, "{}", share(beyond_more));
+    }
+
+    #[test]
+    fn a_coefficient_that_falls_with_the_force_is_seen() {
+        let force: Vec<f64> = (0..1000).map(|i| (f64::from(i) * 0.1).sin()).collect();
+        let bounded: Vec<f64> = force.iter().map(|f| f.clamp(-0.3, 0.3)).collect();
+        assert!((at_its_largest(&force, &force) - 1.0).abs() < 1e-12);
+        assert!(at_its_largest(&force, &bounded) < 0.35);
+        assert_eq!(at_its_largest(&[0.0; 4], &[1.0; 4]), 0.0);
     }
 
     #[test]

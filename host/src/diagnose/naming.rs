@@ -7,7 +7,7 @@ use super::axis::Axis;
 use super::change::Change;
 use super::curve::hats;
 use super::effect::{ALWAYS_FREE, Class, Effect, rank};
-use super::evidence::{Evidence, evidence};
+use super::evidence::{Evidence, at_its_largest, evidence};
 use super::ground::{Ground, Hypothesis};
 use super::offer::{Offer, offer_of, offers, refined};
 use super::search::{Found, MATERIAL, beside};
@@ -43,6 +43,8 @@ pub struct Standing {
     pub rival: f64,
     /// Least share of its explanation that it keeps beside a change of the core.
     pub survival: f64,
+    /// Its coefficient where its force is largest.
+    pub at_its_largest: f64,
     /// The coordinate over which its size changes though the catalogue's does not, and what that change explains over its own.
     pub form: Option<(Axis, f64)>,
     /// Held-out NMSE (%) without it.
@@ -85,6 +87,7 @@ fn standing(found: &Found, given: usize, index: usize, periods: &[f64]) -> Optio
         better: None,
         rival: 0.0,
         survival: survival(ground, [&rest, &with], &term, &own),
+        at_its_largest: at_its_largest(&own.trial.force, &rest.normal.held_out),
         form: form(found, index, &own),
         tried: Vec::new(),
         left,

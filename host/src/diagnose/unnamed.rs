@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::change::Change;
 use super::confidence::{features_of_presence, presence};
-use super::effect::Effect;
+use super::effect::{ALWAYS_FREE, Effect};
 use super::event::{self, event};
 use super::evidence::Evidence;
 use super::naming::Standing;
@@ -91,7 +91,8 @@ pub fn unnamed(
     is_doubtful: impl Fn(&dyn Effect) -> bool,
 ) -> Vec<Unknown> {
     let is_unnamed = |s: &&Standing| match s.term.subject {
-        Subject::Effect(effect) => is_doubtful(effect),
+        // A delay is none of the machine's physics, and a doubtful one mostly the loop's answer to friction that wanders.
+        Subject::Effect(effect) => effect.id() != ALWAYS_FREE.id() && is_doubtful(effect),
         // It widens the core, and stays in it.
         Subject::Change(change) => change != Change::LateYields,
         Subject::Curve(_) => true,
