@@ -6,8 +6,9 @@ machine's own law at amplitudes from below to far above its presliding distance.
 
 import math
 
-import laws
 import numpy as np
+
+import laws
 from machines import sig
 
 
@@ -84,19 +85,45 @@ def fit(m, rng):
     return w / w.sum() * 1.0, total * (w / w.sum()) / d, total, err
 
 
-def text(m, rng):
-    """base.toml of this machine and the fit's error."""
+def along(m, w, k, total, x, tick):
+    """RMS of blocks minus law along a machine's own run, as a force."""
+    v = np.gradient(x, tick)
+    law = laws.walk(m["code"], m["lawp"], m["bw"], m["bd"], x, v, tick)
+    p = np.zeros(8)
+    p[4] = w.size
+    bw, bd = np.zeros(laws.NB), np.ones(laws.NB)
+    bw[: w.size], bd[: w.size] = w * total / m["level"], w * total / k
+    blocks = laws.walk(9, p, bw, bd, x, v, tick)
+    return m["level"] * float(np.sqrt(np.mean((law - blocks) ** 2)))
+
+
+def text(m, rng, x, tick):
+    """base.toml of this machine, the fit's error, and its error along x as a force."""
     w, k, total, err = fit(m, rng)
+    rest = along(m, w, k, total, x, tick)
     rot = m["rotary"]
     fu, su, vu = ("Nm", "Nm_per_rad", "Nm_s_per_rad") if rot else ("N", "N_per_m", "N_s_per_m")
     lu = "rad" if rot else "m"
     mass = m["mass"] * (1 + rng.normal(0, 0.008))
     w = [sig(q) for q in w]
     w[int(np.argmax(w))] += 1.0 - sum(w)
-    blocks = [f"  {{ stiffness_{su} = {sig(q, 6):.6g}, weight = {b:.4g} }}," for q, b in zip(k, w, strict=True)]
+    blocks = [
+        f"  {{ stiffness_{su} = {sig(q, 6):.6g}, weight = {b:.4g} }}," for q, b in zip(k, w, strict=True)
+    ]
     lines = ['schema = "preslide.model/1"', f'motion = "{"rotary" if rot else "linear"}"', "", "[inertia]"]
-    lines += [f"inertia_kg_m2 = {mass:.5g}" if rot else f"mass_kg = {mass:.5g}", "", "[friction]", 'kind = "gms"']
-    lines += [f"breakaway_{fu} = {total:.5g}", "blocks = [", *blocks, "]", f"viscous_{vu} = {float(m['viscous']):.6g}"]
+    lines += [
+        f"inertia_kg_m2 = {mass:.5g}" if rot else f"mass_kg = {mass:.5g}",
+        "",
+        "[friction]",
+        'kind = "gms"',
+    ]
+    lines += [
+        f"breakaway_{fu} = {total:.5g}",
+        "blocks = [",
+        *blocks,
+        "]",
+        f"viscous_{vu} = {float(m['viscous']):.6g}",
+    ]
     mech = []
     if m["kind"] in ("ball_screw_table", "lead_screw_nut"):
         mech.append(f"screw_lead_m = {m['lead']:.6g}")
@@ -109,7 +136,7 @@ def text(m, rng):
     if mech:
         lines += ["", "[mechanics]", *mech]
     out = "\n".join(lines) + "\n"
-    return fix_floats(out), err
+    return fix_floats(out), err, rest
 
 
 def fix_floats(s):

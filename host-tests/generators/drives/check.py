@@ -11,9 +11,10 @@ shares of the effect.
 import argparse
 from collections import Counter
 
-import build
-import motions
 import numpy as np
+
+import motions
+import sizing
 import trials
 
 
@@ -28,23 +29,33 @@ def main():
     rows = []
     for i, what, wanted, r, _ in trials.make(a.seed, a.n_clean, a.n_effect, a.n_strange, Counter()):
         s, out = r["s"], r["out"]
-        fine = build.run(s, r["effects"], 2)
+        fine = sizing.run(s, r["effects"], 2)
         w = max(1, int(0.002 / s["cfg"]["tick"]))
         x, xf = out[:, 0], fine[:, 0]
         u, uf = motions.smooth(out[:, 3], w), motions.smooth(fine[:, 3], w)
-        dx, du = build.rms(x - xf), build.rms(u - uf) / np.std(u)
-        q, qf = r["total"], build.share(s, fine, r["effects"])
-        rest = build.share(s, r["base"], [])
+        dx, du = sizing.rms(x - xf), sizing.rms(u - uf) / np.std(u)
+        q, qf = r["total"], sizing.share(s, fine, r["effects"])
+        rest = sizing.share(s, r["base"], [])
         names = "+".join(n for n, _ in wanted)
         rows.append((dx / np.std(x), du, abs(qf / q - 1) if wanted else 0.0))
         m = s["m"]
+        head = f"{i:3d} {what:7s} {m['kind']:18s} {m['law']:14s} {names:34s} {s['cfg']['mode']:8s}"
         print(
-            f"{i:3d} {what:7s} {m['kind']:18s} {m['law']:14s} {names:34s} {s['cfg']['mode']:8s} | {dx / np.std(x):.1e} {dx / m['xs']:.1e} {du:.1e} {q:.4f} {qf:.4f} {rest:.1e}",
+            head,
+            f"| {dx / np.std(x):.1e} {dx / m['xs']:.1e} {du:.1e} {q:.4f} {qf:.4f} {rest:.1e}",
             flush=True,
         )
     rows = np.array(rows)
     for name, c in zip(("dx/std", "du/std", "share"), rows.T, strict=True):
-        print(name, "median", f"{np.median(c):.1e}", "90 %", f"{np.quantile(c, 0.9):.1e}", "max", f"{c.max():.1e}")
+        print(
+            name,
+            "median",
+            f"{np.median(c):.1e}",
+            "90 %",
+            f"{np.quantile(c, 0.9):.1e}",
+            "max",
+            f"{c.max():.1e}",
+        )
 
 
 if __name__ == "__main__":

@@ -2,12 +2,21 @@
 
 import math
 
-import motions
 import numpy as np
+
+import motions
 from machines import logu
 
-ANY = ["ball_screw_table", "lead_screw_nut", "belt_axis", "nano_stage", "rack_pinion", "voice_coil_flexure",
-       "geared_joint", "rotary_table"]  # fmt: skip
+ANY = [
+    "ball_screw_table",
+    "lead_screw_nut",
+    "belt_axis",
+    "nano_stage",
+    "rack_pinion",
+    "voice_coil_flexure",
+    "geared_joint",
+    "rotary_table",
+]
 FAST = ["ball_screw_table", "belt_axis", "rack_pinion", "geared_joint", "rotary_table", "voice_coil_flexure"]
 GEARED = ["ball_screw_table", "lead_screw_nut", "belt_axis", "rack_pinion", "geared_joint"]
 VARIED, LONG, HARD = motions.VARIED, motions.LONG, motions.HARD
@@ -25,7 +34,10 @@ PLACE = {
     "position_friction": (ANY, LONG),
     "local_friction_spot": (ANY, LONG),
     "periodic_force": (ANY + ["spindle"], LONG),
-    "periodic_friction": (["ball_screw_table", "lead_screw_nut", "belt_axis", "geared_joint", "rotary_table"], LONG),
+    "periodic_friction": (
+        ["ball_screw_table", "lead_screw_nut", "belt_axis", "geared_joint", "rotary_table"],
+        LONG,
+    ),
     "encoder_error": (ANY, LONG + ["sines"]),
     "channel_delay": (ANY, HARD),
     "drive_compliance": (GEARED, HARD + ["scurve"]),
@@ -48,7 +60,10 @@ PLACE = {
     "gain_fading": (ANY, HARD),
     "eddy_drag_peak": (FAST + ["spindle"], ["jog", "random", "sines"]),
     "sloshing_tank": (["ball_screw_table", "belt_axis", "rack_pinion"], HARD + ["trap"]),
-    "chip_heap": (["ball_screw_table", "rack_pinion", "belt_axis", "lead_screw_nut"], ["trap", "scurve", "sines"]),
+    "chip_heap": (
+        ["ball_screw_table", "rack_pinion", "belt_axis", "lead_screw_nut"],
+        ["trap", "scurve", "sines"],
+    ),
     "leaking_air_spring": (ANY[:-2], LONG),
     "magnetic_hysteresis": (["voice_coil_flexure", "rotary_table", "nano_stage"], HARD),
     "amplifier_dropout": (ANY, VARIED),
@@ -59,15 +74,33 @@ PLACE = {
     "seal_adhesion": (ANY, ["trap", "random", "steps"]),
 }
 PAIRS = [
-    ("viscous", "position_force"), ("stribeck", "viscous"), ("gravity", "viscous"), ("gravity", "stribeck"),
-    ("constant_force", "stribeck"), ("periodic_force", "viscous"), ("position_spring", "viscous"),
-    ("position_spring", "constant_force"), ("local_friction_spot", "constant_force"), ("quadratic_drag", "periodic_friction"),
-    ("external_vibration", "stribeck"), ("axis_coupling", "viscous"), ("backlash", "viscous"), ("gravity", "load_dependent_friction"),
-    ("drive_compliance", "constant_force"), ("thermal_drift", "position_force"), ("channel_delay", "constant_force"),
-    ("periodic_force", "coulomb_asymmetry"), ("run_in", "viscous"), ("encoder_error", "constant_force"),
-    ("actuator_dead_zone", "viscous"), ("axis_coupling", "position_friction"), ("position_spring", "external_vibration"),
-    ("gravity", "periodic_force"), ("dwell_aging", "constant_force"), ("position_friction", "viscous"),
-]  # fmt: skip
+    ("viscous", "position_force"),
+    ("stribeck", "viscous"),
+    ("gravity", "viscous"),
+    ("gravity", "stribeck"),
+    ("constant_force", "stribeck"),
+    ("periodic_force", "viscous"),
+    ("position_spring", "viscous"),
+    ("position_spring", "constant_force"),
+    ("local_friction_spot", "constant_force"),
+    ("quadratic_drag", "periodic_friction"),
+    ("external_vibration", "stribeck"),
+    ("axis_coupling", "viscous"),
+    ("backlash", "viscous"),
+    ("gravity", "load_dependent_friction"),
+    ("drive_compliance", "constant_force"),
+    ("thermal_drift", "position_force"),
+    ("channel_delay", "constant_force"),
+    ("periodic_force", "coulomb_asymmetry"),
+    ("run_in", "viscous"),
+    ("encoder_error", "constant_force"),
+    ("actuator_dead_zone", "viscous"),
+    ("axis_coupling", "position_friction"),
+    ("position_spring", "external_vibration"),
+    ("gravity", "periodic_force"),
+    ("dwell_aging", "constant_force"),
+    ("position_friction", "viscous"),
+]
 
 
 def bump_shape(p, rng, m):
@@ -80,7 +113,7 @@ def bump_shape(p, rng, m):
     p[7], p[8] = 0.5 * (m["lo"] + m["hi"]), 0.5 * s
 
 
-def shape(name, rng, m, ref, tick, base):
+def shape(name, rng, m, ref, tick, base, fs):
     """Fixed numbers `p` of an effect; `base` is the run without it."""
     p = np.zeros(12)
     v = base[:, 5]
@@ -108,6 +141,7 @@ def shape(name, rng, m, ref, tick, base):
             q = m["grating"]
         if q > s / 2.5:
             q = s / rng.uniform(4.0, 15.0)
+        q = max(q, vr / min(0.1 * fs, 40.0))  # slow enough for the logger and the loop
         p[0], p[1] = q, rng.uniform(0, 6.28)
         if rng.random() < 0.5:
             p[2], p[3] = rng.uniform(0.1, 0.5), rng.uniform(0, 6.28)
@@ -139,7 +173,12 @@ def shape(name, rng, m, ref, tick, base):
     elif name == "sloshing_tank":
         p[0], p[1] = 2 * math.pi * rng.uniform(0.8, 3.0), rng.uniform(0.02, 0.08)
     elif name == "chip_heap":
-        p[0], p[1], p[2], p[3] = s * rng.uniform(0.03, 0.12), s * rng.uniform(0.03, 0.1), 0.4 * s, 0.5 * (m["lo"] + m["hi"])
+        p[0], p[1], p[2], p[3] = (
+            s * rng.uniform(0.03, 0.12),
+            s * rng.uniform(0.03, 0.1),
+            0.4 * s,
+            0.5 * (m["lo"] + m["hi"]),
+        )
     elif name == "leaking_air_spring":
         p[0], p[1] = 0.3 * s, rng.uniform(1.0, 5.0)
     elif name == "magnetic_hysteresis":
@@ -173,7 +212,9 @@ def outside(name, rng, m, n, tick):
     other = None
     if name == "external_vibration":
         f = logu(rng, 4.0, 45.0)
-        y = np.sin(2 * math.pi * f * t + 0.3 * np.sin(2 * math.pi * 0.11 * t)) * (1 + 0.25 * np.sin(2 * math.pi * t * 0.07 + 1))
+        y = np.sin(2 * math.pi * f * t + 0.3 * np.sin(2 * math.pi * 0.11 * t)) * (
+            1 + 0.25 * np.sin(2 * math.pi * t * 0.07 + 1)
+        )
     elif name == "axis_coupling":
         other = other_axis(rng, m, n, tick)
         vel = np.gradient(other, tick)
@@ -212,7 +253,9 @@ def outside(name, rng, m, n, tick):
 def other_axis(rng, m, n, tick):
     """Motion of a neighbouring axis, in metres or radians."""
     size = (m["hi"] - m["lo"]) * rng.uniform(0.3, 1.5)
-    q = dict(m, lo=-0.5 * size, hi=0.5 * size, v=m["v"] * rng.uniform(0.5, 1.5), a=m["a"] * rng.uniform(0.5, 2.0))
+    q = dict(
+        m, lo=-0.5 * size, hi=0.5 * size, v=m["v"] * rng.uniform(0.5, 1.5), a=m["a"] * rng.uniform(0.5, 2.0)
+    )
     kinds = list(rng.choice(["trap", "random", "sines", "multisine"], 2, replace=False))
     ref, _, _ = motions.reference(rng, q, tick, n * tick, kinds)
     y = motions.smooth(ref[0][:n], int(0.01 / tick))

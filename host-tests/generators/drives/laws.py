@@ -26,12 +26,19 @@ NAMES = [
 NB = 24  # room for states
 
 
-@njit(inline="never")
+@njit
+def micro(p, dz, v, dt):
+    """Damping of the junction, which fades as soon as it slides."""
+    r = v / p[6]
+    return p[1] * dz / dt * math.exp(-r * r)
+
+
+@njit
 def law_step(code, p, bw, bd, z, dx, v, dt, level):
     """Advance by dx; returns the force, updates z in place.
 
     p[0] presliding distance, p[1] micro damping time (s), p[2], p[3] shape,
-    p[4] number of blocks, p[5] velocity of the regularisation.
+    p[4] number of blocks, p[5] velocity of the regularisation, p[6] of the damping's fading.
     """
     if code == 0 or code == 1 or code == 9:
         n = int(p[4])
@@ -56,7 +63,7 @@ def law_step(code, p, bw, bd, z, dx, v, dt, level):
         z[0] = lim + (old - lim) * math.exp(-xi / level)
         if code == 2:
             return z[0]
-        return z[0] + p[1] * (z[0] - old) / dt
+        return z[0] + micro(p, z[0] - old, v, dt)
     if code == 4:
         q = 1.0 - s * z[0] / level
         q = max(q, 0.0)
@@ -120,10 +127,7 @@ def law_step(code, p, bw, bd, z, dx, v, dt, level):
             z[0] += s * h * (1.0 - g)
             f = z[0]
     if p[1] > 0.0 and code != 7:
-        if code == 6:
-            f += p[1] * (z[0] - old) / dt
-        else:
-            f += p[1] * (z[0] - old) / dt
+        f += micro(p, z[0] - old, v, dt)
     return f
 
 
@@ -171,6 +175,7 @@ def draw(name, rng, xs, mass, level, v_max, dt_hint):
         p[1] = 2.0 * rng.uniform(0.15, 0.7) / wn
         if name == "leuven" or name == "elastoplastic":
             p[1] *= 0.5
+        p[6] = rng.uniform(0.2, 0.5) * xs / p[1]
     return code, p, bw, bd, stiff
 
 

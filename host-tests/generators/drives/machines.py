@@ -2,49 +2,131 @@
 
 import math
 
-import laws
 import numpy as np
+
+import laws
 
 # mass (kg or kg m^2), sliding level (N or N m), presliding distance, stroke, top speed,
 # encoder count, control bandwidth (Hz), screw lead / motor pole pitch, encoder period
 KINDS = {
     "ball_screw_table": dict(
-        rot=False, mass=(60, 320), level=(40, 240), xs=(3e-6, 3e-5), stroke=(0.08, 0.5), v=(0.05, 0.3),
-        count=(5e-8, 1e-6), bw=(12, 32), lead=[0.005, 0.01, 0.016, 0.02], poles=5, grating=[2e-5, 4e-5],
+        rot=False,
+        mass=(60, 320),
+        level=(40, 240),
+        xs=(3e-6, 3e-5),
+        stroke=(0.08, 0.5),
+        v=(0.05, 0.3),
+        count=(5e-8, 1e-6),
+        bw=(12, 32),
+        lead=[0.005, 0.01, 0.016, 0.02],
+        poles=5,
+        grating=[2e-5, 4e-5],
     ),
     "lead_screw_nut": dict(
-        rot=False, mass=(3, 25), level=(3, 28), xs=(4e-6, 6e-5), stroke=(0.01, 0.09), v=(0.004, 0.04),
-        count=(2e-8, 5e-7), bw=(15, 40), lead=[0.001, 0.002, 0.00254, 0.004], poles=7, grating=[1e-5, 2e-5],
+        rot=False,
+        mass=(3, 25),
+        level=(3, 28),
+        xs=(4e-6, 6e-5),
+        stroke=(0.01, 0.09),
+        v=(0.004, 0.04),
+        count=(2e-8, 5e-7),
+        bw=(15, 40),
+        lead=[0.001, 0.002, 0.00254, 0.004],
+        poles=7,
+        grating=[1e-5, 2e-5],
     ),
     "belt_axis": dict(
-        rot=False, mass=(1.0, 9.0), level=(3, 26), xs=(2.5e-5, 4e-4), stroke=(0.2, 0.9), v=(0.15, 1.4),
-        count=(2e-6, 2e-5), bw=(7, 20), lead=[0.06, 0.075, 0.1, 0.12], poles=4, grating=[1e-4, 1e-3],
+        rot=False,
+        mass=(1.0, 9.0),
+        level=(3, 26),
+        xs=(2.5e-5, 4e-4),
+        stroke=(0.2, 0.9),
+        v=(0.15, 1.4),
+        count=(2e-6, 2e-5),
+        bw=(7, 20),
+        lead=[0.06, 0.075, 0.1, 0.12],
+        poles=4,
+        grating=[1e-4, 1e-3],
     ),
     "nano_stage": dict(
-        rot=False, mass=(0.6, 6.0), level=(0.35, 5.0), xs=(1e-6, 5e-5), stroke=(0.002, 0.04), v=(0.002, 0.06),
-        count=(1e-9, 2e-8), bw=(25, 70), lead=[0.024, 0.03, 0.032, 0.0004, 0.0006], poles=1, grating=[4e-6, 1e-5, 2e-5],
+        rot=False,
+        mass=(0.6, 6.0),
+        level=(0.35, 5.0),
+        xs=(1e-6, 5e-5),
+        stroke=(0.002, 0.04),
+        v=(0.002, 0.06),
+        count=(1e-9, 2e-8),
+        bw=(25, 70),
+        lead=[0.024, 0.03, 0.032, 0.0004, 0.0006],
+        poles=1,
+        grating=[4e-6, 1e-5, 2e-5],
     ),
     "rack_pinion": dict(
-        rot=False, mass=(40, 260), level=(50, 420), xs=(2e-5, 2.5e-4), stroke=(0.4, 2.0), v=(0.2, 1.2),
-        count=(1e-6, 8e-6), bw=(7, 16), lead=[0.02, 0.05, 0.1], poles=4, grating=[1e-4, 4e-5],
+        rot=False,
+        mass=(40, 260),
+        level=(50, 420),
+        xs=(2e-5, 2.5e-4),
+        stroke=(0.4, 2.0),
+        v=(0.2, 1.2),
+        count=(1e-6, 8e-6),
+        bw=(7, 16),
+        lead=[0.02, 0.05, 0.1],
+        poles=4,
+        grating=[1e-4, 4e-5],
     ),
     "voice_coil_flexure": dict(
-        rot=False, mass=(0.05, 0.8), level=(0.08, 1.2), xs=(2e-6, 8e-5), stroke=(0.0015, 0.018), v=(0.008, 0.15),
-        count=(5e-9, 2e-7), bw=(20, 60), lead=[0.004, 0.01], poles=1, grating=[4e-6, 2e-5],
+        rot=False,
+        mass=(0.05, 0.8),
+        level=(0.08, 1.2),
+        xs=(2e-6, 8e-5),
+        stroke=(0.0015, 0.018),
+        v=(0.008, 0.15),
+        count=(5e-9, 2e-7),
+        bw=(20, 60),
+        lead=[0.004, 0.01],
+        poles=1,
+        grating=[4e-6, 2e-5],
     ),
     "geared_joint": dict(
-        rot=True, mass=(0.25, 6.0), level=(1.2, 18.0), xs=(5e-5, 1.2e-3), stroke=(0.6, 3.0), v=(0.3, 2.6),
-        count=(4e-6, 6e-5), bw=(6, 18), lead=[0.0628318, 0.1256637, 0.0785398], poles=4, grating=[1e-3, 3.07e-3],
+        rot=True,
+        mass=(0.25, 6.0),
+        level=(1.2, 18.0),
+        xs=(5e-5, 1.2e-3),
+        stroke=(0.6, 3.0),
+        v=(0.3, 2.6),
+        count=(4e-6, 6e-5),
+        bw=(6, 18),
+        lead=[0.0628318, 0.1256637, 0.0785398],
+        poles=4,
+        grating=[1e-3, 3.07e-3],
     ),
     "rotary_table": dict(
-        rot=True, mass=(0.01, 1.8), level=(0.05, 4.5), xs=(1.5e-5, 5e-4), stroke=(0.5, 9.0), v=(0.3, 7.0),
-        count=(2e-7, 2e-6), bw=(15, 45), lead=[0.2855993, 0.3926991, 0.5711987], poles=1, grating=[3.4907e-4, 6.9813e-4],
+        rot=True,
+        mass=(0.01, 1.8),
+        level=(0.05, 4.5),
+        xs=(1.5e-5, 5e-4),
+        stroke=(0.5, 9.0),
+        v=(0.3, 7.0),
+        count=(2e-7, 2e-6),
+        bw=(15, 45),
+        lead=[0.2855993, 0.3926991, 0.5711987],
+        poles=1,
+        grating=[3.4907e-4, 6.9813e-4],
     ),
     "spindle": dict(
-        rot=True, mass=(0.002, 0.06), level=(0.05, 0.8), xs=(3e-4, 5e-3), stroke=(4.0, 60.0), v=(8.0, 90.0),
-        count=(5e-6, 1e-4), bw=(6, 18), lead=[1.5707963, 2.0943951], poles=1, grating=[0.01227185, 0.0061359],
+        rot=True,
+        mass=(0.002, 0.06),
+        level=(0.05, 0.8),
+        xs=(3e-4, 5e-3),
+        stroke=(4.0, 60.0),
+        v=(8.0, 90.0),
+        count=(5e-6, 1e-4),
+        bw=(6, 18),
+        lead=[1.5707963, 2.0943951],
+        poles=1,
+        grating=[0.01227185, 0.0061359],
     ),
-}  # fmt: skip
+}
 
 
 def logu(rng, lo, hi):
@@ -69,6 +151,8 @@ def draw(kind, law, rng):
     m["v"] = sig(logu(rng, *k["v"]), 3)
     ratio = logu(rng, 0.35, 4.0)
     m["a"] = sig(ratio * m["level"] / m["mass"], 3)
+    if kind != "spindle":
+        stroke = min(stroke, rng.uniform(2.0, 6.0) * m["v"])
     # the top speed has to be reached within the travel
     m["v"] = min(m["v"], math.sqrt(0.3 * stroke * m["a"]))
     m["lo"], m["hi"] = -0.5 * stroke, 0.5 * stroke

@@ -82,7 +82,8 @@ def piece(kind, plan, rng, m, until):
             to = plan.x + size * (1 if rng.random() < 0.5 else -1)
             if not lo <= to <= hi:
                 to = rng.uniform(lo, hi)
-            plan.move(to, v * np.exp(rng.uniform(np.log(0.06), 0.0)), a * rng.uniform(0.4, 1.0))
+            sp = max(v * np.exp(rng.uniform(np.log(0.06), 0.0)), abs(to - plan.x) / rng.uniform(1.5, 5.0))
+            plan.move(to, min(sp, v), a * rng.uniform(0.4, 1.0))
             plan.dwell(rng.exponential(0.12) + 0.01)
         elif kind == "sines":
             amp = 0.42 * stroke * np.exp(rng.uniform(np.log(0.01), 0.0))
@@ -105,11 +106,13 @@ def piece(kind, plan, rng, m, until):
             fr = f1 * np.sort(rng.uniform(0.1, 1.3, n))
             dur = min(max(left, 3.0), 20.0)
             t = np.arange(1, int(dur / plan.tick)) * plan.tick
-            y = sum(amp * (0.5 + 0.5 * fr[0] / f) * np.sin(2 * np.pi * f * t + rng.uniform(0, 6.28)) for f in fr)
+            y = sum(
+                amp * (0.5 + 0.5 * fr[0] / f) * np.sin(2 * np.pi * f * t + rng.uniform(0, 6.28)) for f in fr
+            )
             plan.wave(t, y, min(1.0, dur / 6))
         elif kind == "jog":
             for sp in np.exp(np.linspace(np.log(0.08), 0.0, int(rng.integers(4, 8)))):
-                d = min(stroke, max(0.1 * stroke, sp * v * rng.uniform(1.0, 2.2)))
+                d = min(stroke, max(0.05 * stroke, sp * v * rng.uniform(1.0, 2.2)))
                 to = mid + 0.5 * d * (1 if plan.x < mid else -1)
                 plan.move(to, sp * v, a)
                 plan.dwell(0.15)
@@ -163,15 +166,16 @@ def reference(rng, m, tick, seconds, kinds):
     plan.dwell(0.5)
     if plan.n < n:
         plan.dwell((n - plan.n) * tick)
-    x = np.concatenate(plan.parts)[:n]
-    if len(x) < n:
-        x = np.concatenate([x, np.full(n - len(x), x[-1])])
-    soft = rng.uniform(0.02, 0.12) * m["v"] / m["a"] if "scurve" not in kinds else rng.uniform(0.3, 0.8) * m["v"] / m["a"]
-    x = smooth(smooth(x, int(min(soft, 0.15) / tick)), int(min(soft, 0.1) / tick / 3))
+    x = np.concatenate(plan.parts)
+    gain = rng.uniform(0.3, 0.8) if "scurve" in kinds else rng.uniform(0.02, 0.12)
+    soft = gain * m["v"] / m["a"]
+    x = smooth(smooth(x, int(min(soft, 0.15) / tick)), int(min(soft, 0.1) / tick / 3))[: n + 2]
+    x = np.concatenate([x, np.full(max(0, n + 2 - x.size), x[-1])])
     ref = np.zeros((4, n))
-    ref[0] = x
-    ref[1] = np.gradient(x, tick)
-    ref[2] = np.gradient(ref[1], tick)
+    ref[0] = x[:n]
+    v = np.gradient(x, tick)
+    ref[1] = v[:n]
+    ref[2] = np.gradient(v, tick)[:n]
     pad = lambda q: np.resize(np.concatenate(q), n) if plan.n < n else np.concatenate(q)[:n]  # noqa: E731
     return ref, pad(plan.seg), pad(plan.rep)
 
@@ -200,7 +204,12 @@ def spinning(rng, m, tick, seconds):
             f = rng.uniform(0.5, 3.0)
             t = np.arange(e2 - e) * tick
             w = min(0.3 * abs(to), 0.6 * m["a"] / (2 * np.pi * f))
-            v[e:e2] += w * np.sin(2 * np.pi * f * t) * np.clip(t / 0.2, 0, 1) * np.clip((t[-1] - t if t.size else t) / 0.2, 0, 1)
+            v[e:e2] += (
+                w
+                * np.sin(2 * np.pi * f * t)
+                * np.clip(t / 0.2, 0, 1)
+                * np.clip((t[-1] - t if t.size else t) / 0.2, 0, 1)
+            )
         seg[i:e2] = k
         i, cur = e2, to
     v = smooth(v, int(0.02 / tick))
@@ -228,7 +237,9 @@ def pushing(rng, m, tick, seconds, level):
         y = np.sin(2 * np.pi * f0 * t)
         if rng.random() < 0.6:
             for _ in range(int(rng.integers(1, 5))):
-                y += rng.uniform(0.2, 0.7) * np.sin(2 * np.pi * f0 * rng.uniform(0.6, 4.0) * t + rng.uniform(0, 6.28))
+                y += rng.uniform(0.2, 0.7) * np.sin(
+                    2 * np.pi * f0 * rng.uniform(0.6, 4.0) * t + rng.uniform(0, 6.28)
+                )
             y /= 1.3
         w = np.clip(np.minimum(t, t[-1] - t + tick) / 0.4, 0, 1)
         u[i:e] = amp * y * w

@@ -9,9 +9,10 @@ that model does not explain is column 4 of `out`.
 import math
 
 import numpy as np
+from numba import njit
+
 from effects import effect_step
 from laws import NB, law_step
-from numba import njit
 
 # out: 0 load position, 1 encoder before quantisation, 2 command, 3 current (as force),
 #      4 unexplained force, 5 load velocity, 6 the drive's velocity estimate
@@ -123,9 +124,7 @@ def simulate(nsub, tick, ref, levt, aux, mech, mode, ctl, lawc, lawp, bw, bd, co
             for q in range(2):
                 if codes[q] > 0:
                     a = (1.0 - r) * aux[q, k] + r * aux[q, k1]
-                    d1, f1, g1 = effect_step(
-                        codes[q], amps[q], ep[q], es[q], x, v, acc, dt, ucur, fr, net, a
-                    )
+                    d1, f1, g1 = effect_step(codes[q], amps[q], ep[q], es[q], x, v, acc, dt, ucur, fr, net, a)
                     lv += d1
                     fa += f1
                     g *= g1

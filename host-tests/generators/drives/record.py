@@ -22,7 +22,7 @@ def stamps(rng, n, fs, how):
     true, log = t.copy(), t.copy()
     keep = np.ones(n, dtype=bool)
     if "jitter" in how:
-        e = rng.uniform(0.01, 0.12) / fs * np.clip(rng.normal(0, 1, n), -2.5, 2.5)
+        e = rng.uniform(0.005, 0.06) / fs * np.clip(rng.normal(0, 1, n), -2.5, 2.5)
         log += e
         if how["jitter"] == "true":
             true += e
@@ -58,7 +58,9 @@ def sample(m, cfg, out, ref, rng, delay):
     lsb = 2.6 * float(np.max(np.abs(u))) / 2 ** cfg["bits"]
     u = np.floor(u / lsb + 0.5) * lsb
     rot = m["rotary"]
-    pos, eff, vel, pref = ("q_rad", "torque_Nm", "qd_rad_s", "q_ref_rad") if rot else ("x_m", "force_N", "v_m_s", "x_ref_m")
+    pos, eff, vel, pref = (
+        ("q_rad", "torque_Nm", "qd_rad_s", "q_ref_rad") if rot else ("x_m", "force_N", "v_m_s", "x_ref_m")
+    )
     cols = {"t_s": (log, "%.7f" if "jitter" in cfg["how"] else "%.6f"), pos: (x, "%.12g"), eff: (u, "%.7g")}
     add = cfg["columns"]
     if "ref" in add:
@@ -73,7 +75,10 @@ def sample(m, cfg, out, ref, rng, delay):
         v = held(out[:, 6], true, tick)
         cols["voltage_V"] = (u / kt * cfg["ohm"] + kt * v + rng.normal(0, 0.01 * dev / kt, n), "%.5g")
     if "temperature" in add:
-        cols["temperature_C"] = (np.floor((held(cfg["heat"], true, tick) + rng.normal(0, 0.03, n)) / 0.0625 + 0.5) * 0.0625, "%.4f")
+        cols["temperature_C"] = (
+            np.floor((held(cfg["heat"], true, tick) + rng.normal(0, 0.03, n)) / 0.0625 + 0.5) * 0.0625,
+            "%.4f",
+        )
     if cfg["other"] is not None:
         q = cfg["other_count"]
         cols["y_m"] = (np.floor(held(cfg["other"], true, tick) / q + 0.5) * q, "%.9g")

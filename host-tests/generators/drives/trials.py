@@ -15,12 +15,14 @@ from collections import Counter
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+import numpy as np
+
 import build
 import choose
 import laws
 import machines
-import numpy as np
 import record
+import sizing
 from catalogue import KNOWN, STRANGE
 
 SEVERITIES = [0.5, 1.0, 2.0]
@@ -42,7 +44,9 @@ def plan(rng, n_clean, n_effect, n_strange):
     for name, q in zip(cycle(rng, KNOWN, n_effect - n_pair), sev, strict=False):
         jobs.append(("single", [(name, q)]))
     for pair in cycle(rng, choose.PAIRS, n_pair):
-        jobs.append(("pair", [(pair[0], float(rng.choice([1.0, 2.0]))), (pair[1], float(rng.choice([1.0, 2.0])))]))
+        jobs.append(
+            ("pair", [(pair[0], float(rng.choice([1.0, 2.0]))), (pair[1], float(rng.choice([1.0, 2.0])))])
+        )
     for name, q in zip(cycle(rng, STRANGE, n_strange), cycle(rng, SEVERITIES, n_strange), strict=True):
         jobs.append(("unknown", [(name, q)]))
     return [jobs[i] for i in rng.permutation(len(jobs))]
@@ -59,15 +63,48 @@ def label(what, wanted, r):
     m, cfg = r["s"]["m"], r["s"]["cfg"]
     effects = []
     for (name, sev), eff, q in zip(wanted, r["effects"], r["shares"], strict=True):
-        effects.append({"id": "unknown" if what == "unknown" else name, "raw": name, "severity": sev, "size": float(f"{eff[1]:.6g}"), "share": round(q, 4)})
+        effects.append(
+            {
+                "id": "unknown" if what == "unknown" else name,
+                "raw": name,
+                "severity": sev,
+                "size": float(f"{eff[1]:.6g}"),
+                "share": round(q, 4),
+            }
+        )
     lu = "rad" if m["rotary"] else "m"
     keys = ["mass", "level", "xs", "viscous", "count", "lead", "v", "a", "lo", "hi", "wander"]
     params = {k: float(f"{m[k]:.6g}") for k in keys}
-    params |= {"length_unit": lu, "motor_period": m["lead"] / m["poles"], "rate_Hz": cfg["fs"], "seconds": cfg["sec"], "loop_Hz": 1 / cfg["tick"]}
-    params |= {"law_numbers": [float(f"{q:.6g}") for q in m["lawp"]], "bandwidth_rad_s": float(f"{m['wb']:.5g}"), "stamps": cfg["how"]}
-    params |= {"effort": cfg["effort"], "noise": float(f"{cfg['noise']:.3g}"), "base_fit": None if r["fit"] is None else round(r["fit"], 4)}
-    params |= {"effect_numbers": [[float(f"{q:.6g}") for q in e[2]] for e in r["effects"]], "joint_share": round(r["total"], 4)}
-    return {"kind": what, "law": m["law"], "effects": effects, "machine": m["kind"], "controller": cfg["mode"], "motion": cfg["kinds"], "params": params}
+    params |= {
+        "length_unit": lu,
+        "motor_period": m["lead"] / m["poles"],
+        "rate_Hz": cfg["fs"],
+        "seconds": cfg["sec"],
+        "loop_Hz": 1 / cfg["tick"],
+    }
+    params |= {
+        "law_numbers": [float(f"{q:.6g}") for q in m["lawp"]],
+        "bandwidth_rad_s": float(f"{m['wb']:.5g}"),
+        "stamps": cfg["how"],
+    }
+    params |= {
+        "effort": cfg["effort"],
+        "noise": float(f"{cfg['noise']:.3g}"),
+        "base_fit": None if r["fit"] is None else round(r["fit"], 4),
+    }
+    params |= {
+        "effect_numbers": [[float(f"{q:.6g}") for q in e[2]] for e in r["effects"]],
+        "joint_share": round(r["total"], 4),
+    }
+    return {
+        "kind": what,
+        "law": m["law"],
+        "effects": effects,
+        "machine": m["kind"],
+        "controller": cfg["mode"],
+        "motion": cfg["kinds"],
+        "params": params,
+    }
 
 
 def make(seed, n_clean, n_effect, n_strange, refused, verbose=False):
@@ -84,7 +121,7 @@ def make(seed, n_clean, n_effect, n_strange, refused, verbose=False):
             try:
                 r = build.trial(own, kind, law_list[i], wanted)
                 break
-            except build.Reject as e:
+            except sizing.Reject as e:
                 refused[f"{e}"] += 1
                 if verbose:
                     print(i, kind, law_list[i], wanted, e, flush=True)
@@ -117,15 +154,20 @@ def main():
         counts.update([what, lab["machine"], lab["law"]])
         counts["with base.toml"] += r["toml"] is not None
         if a.verbose:
-            print(i, what, lab["machine"], lab["law"], cfg_line(lab), f"{time.time() - begin:.0f} s", flush=True)
-    print(f"{sum(counts[k] for k in ('clean', 'single', 'pair', 'unknown'))} trials in {time.time() - begin:.0f} s")
+            print(
+                i, what, lab["machine"], lab["law"], cfg_line(lab), f"{time.time() - begin:.0f} s", flush=True
+            )
+    n = a.n_clean + a.n_effect + a.n_strange
+    print(f"{n} trials in {time.time() - begin:.0f} s")
     print(dict(sorted(counts.items())))
     print("refused draws:", dict(refused))
 
 
 def cfg_line(lab):
     e = [(q["raw"], q["severity"], q["share"]) for q in lab["effects"]]
-    return f"{lab['controller']} {lab['motion']} {lab['params']['rate_Hz']:.0f} Hz {lab['params']['seconds']} s {e} fit {lab['params']['base_fit']}"
+    p = lab["params"]
+    how = f"{lab['controller']} {lab['motion']} {p['rate_Hz']:.0f} Hz {p['seconds']} s"
+    return f"{how} {e} fit {p['base_fit']}"
 
 
 if __name__ == "__main__":
