@@ -8,7 +8,7 @@ import baseline
 import choose
 import machines
 import motions
-from sizing import MECHANICAL, run, sane, share, size, spread
+from sizing import MECHANICAL, run, sane, settled, share, size, spread
 
 DRAGS = ("viscous", "quadratic_drag", "film_memory", "eddy_drag_peak", "stribeck", "frictional_lag")
 
@@ -31,7 +31,12 @@ def setup(rng, kind, law, names, seconds=None):
     loop = fs * math.ceil((4000 if fine else 2000) / fs)
     sec = min(rng.uniform(15, 90), 130e3 / fs) if seconds is None else seconds
     sec = max(15.0, round(sec, 1))
+    if set(names) & {"thermal_drift", "run_in", "gain_fading", "payload_change"}:
+        sec = max(sec, 35.0)
+    elif names:
+        sec = max(sec, 22.0)
     tick = 1.0 / loop
+    m["f_max"] = min(fs / 25, 0.4 * m["wb"] / (2 * math.pi))
     cfg.update(fs=fs, tick=tick, sec=sec)
     w_drive = 2 * math.pi * 150 if any(q in MECHANICAL for q in names) else 0.0
     step = min(1e-4, 0.1 / m["wk"], 0.08 / w_drive if w_drive else 1.0, 1.5e-4 * 300 / m["wb"])
@@ -159,6 +164,7 @@ def trial(rng, kind, law, wanted):
     total = share(s, out, effects)
     if wanted:
         spread(s, out, names)
+    settled(s, out, effects, total)
     if "thermal_drift" in names:
         p = effects[names.index("thermal_drift")][2]
         heat = np.abs(out[:, 3] * out[:, 5])

@@ -55,9 +55,9 @@ class Plan:
         self.add(self.x + y * (w * w * (3 - 2 * w)))
 
 
-def freq_for(rng, amp, v, a):
-    """A frequency at which this amplitude stays within speed and acceleration."""
-    w = min(v / amp, np.sqrt(a / amp))
+def freq_for(rng, amp, v, a, f_max):
+    """A frequency at which this amplitude stays within speed, acceleration and the loop's band."""
+    w = min(v / amp, np.sqrt(a / amp), 2 * np.pi * f_max)
     return w * rng.uniform(0.45, 1.0) / (2 * np.pi)
 
 
@@ -82,18 +82,18 @@ def piece(kind, plan, rng, m, until):
             to = plan.x + size * (1 if rng.random() < 0.5 else -1)
             if not lo <= to <= hi:
                 to = rng.uniform(lo, hi)
-            sp = max(v * np.exp(rng.uniform(np.log(0.06), 0.0)), abs(to - plan.x) / rng.uniform(1.5, 5.0))
+            sp = max(v * np.exp(rng.uniform(np.log(0.06), 0.0)), abs(to - plan.x) / rng.uniform(0.8, 3.5))
             plan.move(to, min(sp, v), a * rng.uniform(0.4, 1.0))
             plan.dwell(rng.exponential(0.12) + 0.01)
         elif kind == "sines":
             amp = 0.42 * stroke * np.exp(rng.uniform(np.log(0.01), 0.0))
-            f = freq_for(rng, amp, v, a)
+            f = freq_for(rng, amp, v, a, m["f_max"])
             dur = min(max(6 / f, 2.0), max(left, 2 / f), 14.0)
             t = np.arange(1, int(dur / plan.tick)) * plan.tick
             plan.wave(t, amp * np.sin(2 * np.pi * f * t), min(1.5 / f, dur / 4))
         elif kind == "chirp":
             amp = 0.3 * stroke * np.exp(rng.uniform(np.log(0.03), 0.0))
-            f1 = freq_for(rng, amp, v, a)
+            f1 = freq_for(rng, amp, v, a, m["f_max"])
             f0 = f1 * rng.uniform(0.03, 0.2)
             dur = min(max(left, 4.0), 25.0)
             t = np.arange(1, int(dur / plan.tick)) * plan.tick
@@ -102,7 +102,7 @@ def piece(kind, plan, rng, m, until):
         elif kind == "multisine":
             n = int(rng.integers(3, 8))
             amp = 0.35 * stroke * np.exp(rng.uniform(np.log(0.05), 0.0)) / np.sqrt(n)
-            f1 = freq_for(rng, amp * np.sqrt(n), v, a)
+            f1 = freq_for(rng, amp * np.sqrt(n), v, a, m["f_max"])
             fr = f1 * np.sort(rng.uniform(0.1, 1.3, n))
             dur = min(max(left, 3.0), 20.0)
             t = np.arange(1, int(dur / plan.tick)) * plan.tick
@@ -233,7 +233,7 @@ def pushing(rng, m, tick, seconds, level):
         e = min(n, i + int(dur / tick))
         t = np.arange(e - i) * tick
         amp = level * np.exp(rng.uniform(np.log(0.5), np.log(3.0)))
-        f0 = max(f_lo * np.exp(rng.uniform(0.7, 2.5)), 1.5 / dur)
+        f0 = min(max(f_lo * np.exp(rng.uniform(0.7, 2.5)), 1.5 / dur), 0.4 * m["f_max"])
         y = np.sin(2 * np.pi * f0 * t)
         if rng.random() < 0.6:
             for _ in range(int(rng.integers(1, 5))):

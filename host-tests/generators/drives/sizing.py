@@ -113,6 +113,17 @@ def sane(s, out, loose=False):
         raise Reject("counts")
 
 
+def settled(s, out, effects, total):
+    """The same run at half the step has to tell the same story."""
+    fine = run(s, effects, 2)
+    w = max(1, int(0.002 / s["cfg"]["tick"]))
+    u, uf = motions.smooth(out[:, 3], w), motions.smooth(fine[:, 3], w)
+    if not np.isfinite(fine).all() or rms(u - uf) > 0.03 * np.std(u):
+        raise Reject("half step")
+    if effects and abs(share(s, fine, effects) / total - 1) > 0.03:
+        raise Reject("half step")
+
+
 def first_guess(name, goal, s, base, p):
     m = s["m"]
     std = float(np.std(base[:, 3]))
@@ -182,7 +193,7 @@ def cap(name, s, p):
         "local_friction_spot": 6.0,
         "periodic_friction": 0.75,
         "position_friction": 1.2,
-        "encoder_error": 0.12 * p[0],
+        "encoder_error": min(0.06 * p[0], 0.008 * stroke),
         "drive_compliance": 1.0 / (red * (2 * math.pi * 14.0) ** 2),
         "backlash": 0.02 * stroke,
         "actuator_dead_zone": 0.8 * m["level"],
@@ -206,6 +217,8 @@ def size(s, name, sev, rng, base):
         p[0], p[1], p[2] = rng.uniform(0.03, 0.1), float(rng.random() < 0.25), rng.uniform(90, 140)
         p[3] = float(rng.random() < 0.25) if name == "drive_compliance" else 0.0
     course, other = choose.outside(name, rng, s["m"], s["n"], s["cfg"]["tick"])
+    if name == "gravity" and np.ptp(base[:, 0]) < 0.9:
+        raise Reject("too short a swing")
     sign = 1.0
     if name in ("constant_force", "coulomb_asymmetry", "channel_delay", "supply_sag", "axis_coupling"):
         sign = rng.choice([-1.0, 1.0]) if name != "supply_sag" else 1.0

@@ -2,7 +2,7 @@
 
     python trials.py OUT --n-clean 30 --n-effect 34 --n-strange 12 --seed 1
 
-The order is shuffled.  The same seed gives the same bytes.
+The order is shuffled.  The same seed gives the same bytes.  Needs numpy and numba.
 """
 
 import argparse
