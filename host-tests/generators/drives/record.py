@@ -22,7 +22,7 @@ def stamps(rng, n, fs, how):
     true, log = t.copy(), t.copy()
     keep = np.ones(n, dtype=bool)
     if "jitter" in how:
-        e = rng.uniform(0.005, 0.06) / fs * np.clip(rng.normal(0, 1, n), -2.5, 2.5)
+        e = min(rng.uniform(0.005, 0.06) / fs, 1e-4) * np.clip(rng.normal(0, 1, n), -2.5, 2.5)
         log += e
         if how["jitter"] == "true":
             true += e
