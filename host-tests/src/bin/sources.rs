@@ -8,7 +8,7 @@ use preslide_host_tests::judge::baseline;
 use preslide_host_tests::judge::beside::{self, Answers};
 use preslide_host_tests::judge::case::{Case, Sort};
 use preslide_host_tests::judge::naive::Recipe;
-use preslide_host_tests::judge::source::generated::{self, AXES, Generator, STAGE};
+use preslide_host_tests::judge::source::generated::{self, AXES, DRIVES, Generator, STAGE};
 use preslide_host_tests::judge::source::{bench, injection, machines, trials, write_json};
 use preslide_host_tests::judge::summary;
 use preslide_host_tests::judge::tool::Tool;
@@ -26,6 +26,8 @@ enum Source {
     Stage,
     /// Axes of all kinds, by a generator whose author had read nothing of the project
     Axes,
+    /// Nine kinds of machine with motors, by a generator whose author had read nothing of the project
+    Drives,
     /// The second generator: ball screws, joints, spindles, belts
     Machines,
     /// Known effects in real recordings
@@ -45,7 +47,7 @@ struct Options {
     #[arg(
         long,
         value_delimiter = ',',
-        default_value = "trials,stage,axes,machines,injection,benches",
+        default_value = "trials,stage,axes,drives,machines,injection,benches",
         value_name = "SOURCES"
     )]
     only: Vec<Source>,
@@ -61,7 +63,7 @@ struct Options {
     /// Clean trials besides, over all families and laws
     #[arg(long, default_value_t = 0, value_name = "N")]
     clean: usize,
-    /// Sorts of question in trials, stage, axes and machines [default: all]
+    /// Sorts of question in trials, stage, axes, drives and machines [default: all]
     #[arg(long, value_delimiter = ',', value_name = "SORTS")]
     sorts: Vec<Sort>,
     /// Seeds of `../shared/generators/stage`, 76 trials each
@@ -75,6 +77,9 @@ struct Options {
     /// Seeds of `host-tests/generators/axes`, 76 trials each
     #[arg(long, value_delimiter = ',', default_value = "1", value_name = "SEEDS")]
     axes: Vec<u64>,
+    /// Seeds of `host-tests/generators/drives`, 76 trials each
+    #[arg(long, value_delimiter = ',', default_value = "1", value_name = "SEEDS")]
+    drives: Vec<u64>,
     /// A set of `stage` that is there already, instead of the seeds
     #[arg(long, value_name = "FOLDER")]
     stage_folder: Option<PathBuf>,
@@ -147,6 +152,9 @@ fn ask(o: &Options, tool: &Tool) -> Result<Vec<Case>, String> {
     };
     if wants(Source::Axes) {
         generate(&AXES, &o.axes)?;
+    }
+    if wants(Source::Drives) {
+        generate(&DRIVES, &o.drives)?;
     }
     if wants(Source::Stage) && shared && o.stage_folder.is_none() {
         generate(&STAGE, &o.stage)?;
