@@ -7,6 +7,7 @@ use super::propose::{propose, without_unit};
 use super::units::Unit;
 use super::words::quantity;
 use super::{EffortRole, MotionKind, Needs, Warning};
+use std::cmp::Ordering;
 
 /// Largest magnitude that any physical quantity has in SI; what is beyond is a broken number.
 const ABSURD: f64 = 1e15;
@@ -61,16 +62,38 @@ pub(super) fn plan(names: &Names) -> Result<Plan, Problem> {
         let Some(k) = KNOWN.iter().find(|k| k.name == names.columns[i]) else {
             return true;
         };
-        match sources.iter().find(|s| s.known.slot == k.slot) {
-            None => sources.push(Source::new(k, i, None)),
-            Some(first) if first.mapped => return true,
-            Some(first) => complaints.push(format!(
-                "columns `{}` and `{}` both give the {}; choose one with `--map {0}={0}` or `--map {1}={1}`",
-                first.known.name,
-                k.name,
-                k.slot.words()
-            )),
+        let Some(first) = sources.iter_mut().find(|s| s.known.slot == k.slot) else {
+            sources.push(Source::new(k, i, None));
+            return false;
+        };
+        if first.mapped {
+            return true;
         }
+        let mut left = k.name;
+        match k.steps_to_the_load().cmp(&first.known.steps_to_the_load()) {
+            Ordering::Equal => {
+                complaints.push(format!(
+                    "columns `{}` and `{}` both give the {}; choose one with `--map {0}={0}` or `--map {1}={1}`",
+                    first.known.name,
+                    k.name,
+                    k.slot.words()
+                ));
+                return false;
+            }
+            Ordering::Less => {
+                left = first.known.name;
+                *first = Source::new(k, i, None);
+            }
+            Ordering::Greater => {}
+        }
+        warnings.push(Warning::new(
+            "effort-chosen",
+            format!(
+                "`{}` is the {}; `{left}` gives it too, and is left out (`--map {left}={left}` takes it instead)",
+                first.known.name,
+                k.slot.words()
+            ),
+        ));
         false
     });
     by_unit(names, &mut sources, &mut open, &mut warnings);

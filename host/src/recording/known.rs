@@ -69,6 +69,18 @@ const fn known(
 const LINEAR: Option<MotionKind> = Some(MotionKind::Linear);
 const ROTARY: Option<MotionKind> = Some(MotionKind::Rotary);
 
+impl Known {
+    /// How far from the load an effort is measured: of a force and the current that makes it, the force is the effort. 0 for all else.
+    pub(super) fn steps_to_the_load(&self) -> u8 {
+        match self.role {
+            Some(EffortRole::Current) => 1,
+            Some(EffortRole::Voltage) => 2,
+            Some(EffortRole::Raw) => 3,
+            Some(EffortRole::Force | EffortRole::Friction | EffortRole::Torque) | None => 0,
+        }
+    }
+}
+
 /// The format's column names (design, "Recording").
 #[rustfmt::skip]
 pub(super) const KNOWN: [Known; 19] = [

@@ -1,0 +1,326 @@
+//! The recordings of real machines.
+
+use std::path::Path;
+
+use preslide_host_tests::{recordings, shared};
+
+use super::*;
+
+#[test]
+fn every_real_csv_loads_or_says_why() {
+    let Some(root) = recordings() else { return };
+    let mut seen = 0;
+    for folder in std::fs::read_dir(&root)
+        .expect("folder")
+        .flatten()
+        .filter(|f| f.path().is_dir())
+    {
+        for file in std::fs::read_dir(folder.path()).expect("folder").flatten() {
+            let path = file.path();
+            if path.extension().is_none_or(|e| e != "csv") {
+                continue;
+            }
+            seen += 1;
+            let name = path
+                .strip_prefix(&root)
+                .expect("inside")
+                .display()
+                .to_string();
+            let plain = load(&path, &LoadOptions::default());
+            let map: &[(&str, &str)] = if name.contains("stribeck_map") {
+                let e = plain.expect_err(&name).to_string();
+                assert!(
+                    e.contains("no time (`t_s`)") && e.contains("torque_mean_Nm"),
+                    "{e}"
+                );
+                continue;
+            } else if name.contains("steady_state") {
+                let e = plain.expect_err(&name);
+                assert!(
+                    matches!(
+                        e.problem,
+                        Problem::Time {
+                            how: "runs backwards",
+                            ..
+                        }
+                    ),
+                    "{e}"
+                );
+                assert!(
+                    e.to_string().contains("line 502")
+                        && e.to_string().contains("--map segment=run"),
+                    "{e}"
+                );
+                &[("segment", "run")]
+            } else if name.contains("laas_cogging") {
+                let e = plain.expect_err(&name).to_string();
+                assert!(e.contains("no effort") && e.contains("current_iq_A"), "{e}");
+                &[("current_A", "current_iq_A")]
+            } else {
+                &[]
+            };
+            let r = load(&path, &options(map)).unwrap_or_else(|e| panic!("{e}"));
+            assert_eq!(r.position.len(), r.len());
+            assert_eq!(
+                (r.effort.len(), r.segment.len(), r.repeat.len()),
+                (r.len(), r.len(), r.len())
+            );
+            assert_eq!(r.pieces.iter().map(|p| p.len()).sum::<usize>(), r.len());
+            assert!(r.sample_time_s() > 0.0);
+            let codes: Vec<_> = r.warnings.iter().map(|w| w.code).collect();
+            let strokes = r.segment.iter().max().map_or(0, |m| m + 1);
+            let repeats = r.repeat.iter().max().map_or(0, |m| m + 1);
+            println!(
+                "{name}: {} samples, {} pieces, {strokes} segments, {repeats} repeats, {codes:?}",
+                r.len(),
+                r.pieces.len()
+            );
+            let has = |code: &str| codes.contains(&code);
+            assert_eq!(
+                has("position-integrated"),
+                name.contains("screw_drives"),
+                "{name}"
+            );
+            assert_eq!(
+                has("one-way-motion"),
+                name.contains("rolling") || name.contains("speed_control"),
+                "{name}"
+            );
+            assert_eq!(
+                has("effort-sign-flipped"),
+                name.contains("tribometer"),
+                "{name}"
+            );
+            assert_eq!(
+                has("time-restarts"),
+                name.contains("steady_state"),
+                "{name}"
+            );
+            if name.contains("pneumatic_seal") {
+                assert!(has("time-jitter"), "{name}");
+                assert_eq!(has("gap"), !name.contains("X-ring257_7bar"), "{name}");
+            }
+        }
+    }
+    assert_eq!(seen, 33, "files of the folder");
+}
+
+#[test]
+fn emps_has_four_cycles_of_two_strokes() {
+    let Some(root) = recordings() else { return };
+    let r = real_file(&root, "emps/emps_tracking.csv", &[]);
+    assert_eq!(
+        (r.len(), r.kind, r.role),
+        (24_841, MotionKind::Linear, EffortRole::Force)
+    );
+    assert!((r.sample_time_s() - 1e-3).abs() < 1e-9);
+    assert_eq!((r.segment.last(), r.repeat.last()), (Some(&7), Some(&3)));
+    assert!(r.repeats_found && r.segments_found && r.reference.is_some());
+    let codes: Vec<_> = r.warnings.iter().map(|w| w.code).collect();
+    assert_eq!(codes, ["extra-columns"], "voltage_cmd_V alone");
+}
+
+#[test]
+fn the_emps_originals_agree_with_their_csv() {
+    let Some(root) = recordings() else { return };
+    let e = load(&root.join("emps/DATA_EMPS.mat"), &LoadOptions::default())
+        .expect_err("other names")
+        .to_string();
+    for part in ["gtau 1×1", "qm 24841×1", "vir 24841×1", "--map t_s=t"] {
+        assert!(e.contains(part), "{e} lacks {part}");
+    }
+    let csv = real_file(&root, "emps/emps_tracking.csv", &[]);
+    let map = [("t_s", "t"), ("x_m", "qm"), ("x_ref_m", "qg")];
+    let product = real_file(
+        &root,
+        "emps/DATA_EMPS.mat",
+        &[&map[..], &[("force_N", "gtau*vir")]].concat(),
+    );
+    let factor = real_file(
+        &root,
+        "emps/DATA_EMPS.mat",
+        &[&map[..], &[("force_N", "35.1507*vir")]].concat(),
+    );
+    for r in [product, factor] {
+        assert_eq!(r.len(), csv.len());
+        assert_eq!(r.repeat, csv.repeat);
+        for (a, b) in r.effort.iter().zip(&csv.effort) {
+            assert!((a - b).abs() < 1e-3, "{a} {b}");
+        }
+        for (a, b) in r
+            .position
+            .iter()
+            .zip(&csv.position)
+            .chain(r.t_s.iter().zip(&csv.t_s))
+        {
+            assert!((a - b).abs() < 1e-7, "{a} {b}");
+        }
+    }
+    let r = real_file(
+        &root,
+        "emps/DATA_EMPS_PULSES.mat",
+        &[&map[..], &[("voltage_V", "vir")]].concat(),
+    );
+    assert_eq!((r.role, r.effort_unit()), (EffortRole::Voltage, "V"));
+}
+
+#[test]
+fn a_damaged_emps_original_never_panics_and_never_loses_a_variable_unnoticed() {
+    let Some(root) = recordings() else { return };
+    let bytes = std::fs::read(root.join("emps/DATA_EMPS.mat")).expect("readable");
+    let options = options(&[("t_s", "t"), ("x_m", "qm"), ("voltage_V", "vir")]);
+    for k in 0..200 {
+        let length = if k < 150 {
+            k * 2
+        } else {
+            bytes.len() * (k - 149) / 51
+        };
+        assert!(
+            load_mat(&bytes[..length], "cut.mat", &options).is_err(),
+            "cut at {length}"
+        );
+    }
+    assert!(load_mat(&bytes[..bytes.len() - 1], "cut.mat", &options).is_err());
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let mut refused = 0;
+    for _ in 0..300 {
+        let mut damaged = bytes.clone();
+        let at = rng.random_range(0..damaged.len());
+        damaged[at] ^= rng.random_range(1..=255u8);
+        refused += usize::from(load_mat(damaged.as_slice(), "bad.mat", &options).is_err());
+    }
+    assert!(
+        refused > 290,
+        "zlib's checksum guards all but the headers, {refused} refused"
+    );
+}
+
+#[test]
+fn the_tribometer_has_a_hundred_strokes_and_the_opposite_sign() {
+    let Some(root) = recordings() else { return };
+    let r = real_file(&root, "tribometer_reciprocating/reciprocating_5N.csv", &[]);
+    assert!(warns(&r, "effort-sign-flipped"));
+    assert_eq!((r.segment.last(), r.repeat.last()), (Some(&99), Some(&49)));
+    assert!(r.repeats_found && r.load_n.is_some());
+    let path = root.join("tribometer_reciprocating/reciprocating_5N.csv");
+    let signed = |sign| {
+        load(
+            &path,
+            &LoadOptions {
+                sign: Some(sign),
+                ..LoadOptions::default()
+            },
+        )
+        .expect("loads")
+    };
+    let (minus, plus) = (signed(-1.0), signed(1.0));
+    assert_eq!(minus.effort, r.effort);
+    assert!(!warns(&minus, "effort-sign-flipped") && !warns(&minus, "negative-work"));
+    assert!(warns(&plus, "negative-work"));
+    assert_eq!(plus.effort.iter().map(|f| -f).collect::<Vec<_>>(), r.effort);
+
+    let (train, test) = (
+        r.slice_time(100.0, 145.0).expect("train"),
+        r.slice_time(145.0, 190.0).expect("test"),
+    );
+    assert_eq!((train.len(), test.len()), (9000, 9000));
+    assert_eq!(train.pieces, vec![0..9000]);
+    assert!(train.t_s.last() < test.t_s.first());
+}
+
+#[test]
+fn the_gap_of_the_o_ring_is_named_and_splits_the_pieces() {
+    let Some(root) = recordings() else { return };
+    let r = real_file(&root, "pneumatic_seal/O-ring_3bar.csv", &[]);
+    let gap = r.warnings.iter().find(|w| w.code == "gap").expect("a gap");
+    assert!(
+        gap.message.contains("2.6600 s at line 14") && gap.message.contains("line 3743"),
+        "{}",
+        gap.message
+    );
+    let inner = r.pieces[1].clone();
+    assert_eq!((r.pieces.len(), r.pieces[2].end), (3, r.len()));
+    assert!((12..3741).contains(&inner.start) || inner.start == 12);
+    assert!(r.segment[inner.start - 1] < r.segment[inner.start]);
+}
+
+#[test]
+fn words_in_a_run_column_become_numbers_and_restarts_become_pieces() {
+    let Some(root) = recordings() else { return };
+    let r = real_file(
+        &root,
+        "screw_drives/drive3_steady_state.csv",
+        &[("segment", "run")],
+    );
+    assert_eq!(r.pieces.len(), 46);
+    assert_eq!(r.segment.last(), Some(&45));
+    assert!(warns(&r, "labels-numbered") && !r.segments_found);
+    for piece in &r.pieces {
+        assert_eq!(r.position[piece.start], 0.0);
+    }
+}
+
+/// Every bench loads with the command that its README's columns suggest.
+#[test]
+fn every_bench_loads() {
+    let Some(root) = shared("benches") else {
+        return;
+    };
+    let pendulum = [
+        ("t_s", "time"),
+        ("q_rad", "position"),
+        ("qd_rad_s", "velocity"),
+        ("torque_Nm", "torque"),
+    ];
+    let joint = [("q_rad", "joint_q_rad"), ("effort_raw", "motor_torque_raw")];
+    let all = [
+        ("q_rad", "qm4_motor_rad"),
+        ("effort_raw", "torque_or_current4"),
+    ];
+    let mut seen = 0;
+    for folder in [
+        "staubli_tx40",
+        "brfd_damper",
+        "bam_xl330",
+        "dfki_pendulum",
+        "odrive_cogging",
+    ] {
+        for file in std::fs::read_dir(root.join(folder))
+            .expect("folder")
+            .flatten()
+        {
+            let name = file.file_name().to_string_lossy().into_owned();
+            let map: &[(&str, &str)] = match (folder, name.as_str()) {
+                (_, "static_hold_maps.csv") => continue,
+                ("dfki_pendulum", _) => &pendulum,
+                (_, "all_joints_2500Hz.csv") => &all,
+                ("staubli_tx40", _) => &joint,
+                ("odrive_cogging", _) => &[("current_A", "current_iq_A")],
+                _ => &[],
+            };
+            if map.is_empty() || !name.ends_with(".csv") {
+                if !name.ends_with(".csv") {
+                    continue;
+                }
+            } else if folder == "dfki_pendulum" {
+                let e = load(&file.path(), &LoadOptions::default())
+                    .expect_err(&name)
+                    .to_string();
+                assert!(
+                    e.contains("--map t_s=time --map q_rad=position --map torque_Nm=torque"),
+                    "{e}"
+                );
+            }
+            let r = real_file(&root, &format!("{folder}/{name}"), map);
+            check_invariants(&r);
+            println!(
+                "{folder}/{name}: {} samples, {} pieces, {:?}",
+                r.len(),
+                r.pieces.len(),
+                r.warnings
+            );
+            seen += 1;
+        }
+    }
+    assert!(seen > 20, "{seen}");
+}

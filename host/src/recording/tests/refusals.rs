@@ -1,0 +1,193 @@
+//! Bad files, and random ones: refused by name, or loaded soundly.
+
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::*;
+
+#[test]
+fn time_must_advance() {
+    for (t, how, place) in [
+        ([0.0, 1.0, 0.5], "runs backwards", "line 4"),
+        ([0.0, 1.0, 1.0], "stands still", "line 4"),
+    ] {
+        let e = text(&table(t.map(|t| (t, t, 1.0))), &[])
+            .expect_err(how)
+            .to_string();
+        assert!(
+            e.contains(how) && e.contains(place) && e.contains("test.csv"),
+            "{e}"
+        );
+    }
+    // Blank lines count in the message.
+    let e = text("t_s,x_m,force_N\n0,0,1\n\n1,0,1\n1,0,1\n", &[])
+        .expect_err("still")
+        .to_string();
+    assert!(e.contains("line 5"), "{e}");
+}
+
+#[test]
+fn the_clock_may_start_again_with_a_new_segment_only() {
+    let rows = "t_s,x_m,force_N,segment,lot\n0,0,1,0,a\n1,1,1,0,a\n2,2,1,0,a\n0,0,1,1,b\n1,1,1,1,b\n2,2,1,1,b\n";
+    let r = text(rows, &[]).expect("two segments");
+    assert_eq!(r.pieces, vec![0..3, 3..6]);
+    assert!(warns(&r, "time-restarts") && !r.segments_found);
+    let e = text(&rows.replace("segment", "other"), &[])
+        .expect_err("no segment")
+        .to_string();
+    assert!(
+        e.contains("--map segment=other") && e.contains("line 5"),
+        "{e}"
+    );
+    let r = text(&rows.replace("segment", "other"), &[("segment", "lot")]).expect("words");
+    assert_eq!(r.segment, [0, 0, 0, 1, 1, 1]);
+    let e = text(&rows.replace("0,a", "0.5,a"), &[])
+        .expect_err("half a segment")
+        .to_string();
+    assert!(e.contains("`segment`") && e.contains("whole number"), "{e}");
+}
+
+#[test]
+fn position_comes_from_velocity_where_there_is_none() {
+    let rows: String = (0..300).fold("t_s,qd_rad_s,torque_Nm\n".into(), |mut out, i| {
+        let t = f64::from(i) * 0.01;
+        writeln!(out, "{t},{},0", 2.0 * t).expect("memory");
+        out
+    });
+    let r = text(&rows, &[]).expect("velocity");
+    assert!(
+        r.position_integrated && warns(&r, "position-integrated") && warns(&r, "constant-effort")
+    );
+    assert_eq!(r.kind, MotionKind::Rotary);
+    for (t, q) in r.t_s.iter().zip(&r.position) {
+        assert!((q - t * t).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn a_file_over_a_gigabyte_is_refused_at_once() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    for (name, limit) in [("big.csv", 1u64 << 30), ("big.mat", 1 << 29)] {
+        let path = folder.path().join(name);
+        let file = File::create(&path).expect("create");
+        file.set_len(limit + 1).expect("sparse");
+        let e = load(&path, &LoadOptions::default()).expect_err("too large");
+        assert!(matches!(e.problem, Problem::TooLarge { .. }), "{e}");
+        // One that passes for its size is all zero bytes: no text, and found out in its first line.
+        file.set_len(limit).expect("sparse");
+        let e = load(
+            &path,
+            &LoadOptions {
+                max_bytes: 1 << 30,
+                ..LoadOptions::default()
+            },
+        )
+        .expect_err("zeros");
+        assert!(
+            matches!(e.problem, Problem::NotText { .. } | Problem::Mat { .. }),
+            "{e}"
+        );
+    }
+    let e = load(&folder.path().join("absent.csv"), &LoadOptions::default())
+        .expect_err("absent")
+        .to_string();
+    assert!(
+        e.contains("absent.csv") && e.contains("check the path"),
+        "{e}"
+    );
+    let e = load(folder.path(), &LoadOptions::default()).expect_err("a folder");
+    assert!(matches!(e.problem, Problem::Io(_)), "{e}");
+}
+
+#[test]
+fn signs_maps_and_windows_that_make_no_sense() {
+    let csv = table((0..9).map(|i| (f64::from(i), f64::from(i), 1.0)));
+    let bad = LoadOptions {
+        sign: Some(2.0),
+        ..LoadOptions::default()
+    };
+    assert!(matches!(
+        load_csv(csv.as_bytes(), "s", &bad).map_err(|e| e.problem),
+        Err(Problem::Sign(_))
+    ));
+    for bad in ["force_N", "=x", "force_N=", ""] {
+        assert!(parse_map(bad).is_err_and(|e| e.contains("NAME=COLUMN")));
+    }
+    assert_eq!(
+        parse_map("force_N= 2*a")
+            .as_ref()
+            .map(|(a, b)| (a.as_str(), b.as_str())),
+        Ok(("force_N", "2*a"))
+    );
+    let r = text(&csv, &[]).expect("loads");
+    assert_eq!(r.slice_time(2.0, 5.0).expect("inside").t_s, [2.0, 3.0, 4.0]);
+    for (from, to) in [(5.0, 2.0), (20.0, 30.0), (2.0, 2.5), (f64::NAN, 3.0)] {
+        let e = r
+            .slice_time(from, to)
+            .expect_err("nothing inside")
+            .to_string();
+        assert!(e.contains("covers 0 s to 8 s"), "{e}");
+    }
+}
+
+#[test]
+fn random_bytes_and_random_damage_never_panic() {
+    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    let good =
+        table((0..60).map(|i| (f64::from(i) * 0.01, f64::from(i).sin(), f64::from(i).cos())))
+            .into_bytes();
+    let alphabet = b"0123456789.,-+eE\n\r\"#;\t nNaif\0\xff_tsxm";
+    let mut loaded = 0;
+    for round in 0..6000 {
+        let mut bytes = good.clone();
+        if round % 10 == 0 {
+            bytes.resize(rng.random_range(0..400), 0);
+            rng.fill_bytes(&mut bytes);
+        } else {
+            for _ in 0..rng.random_range(1..4) {
+                let at = rng.random_range(0..bytes.len());
+                let byte = alphabet[rng.random_range(0..alphabet.len())];
+                match rng.random_range(0..4) {
+                    0 => bytes.insert(at, byte),
+                    1 => drop(bytes.remove(at)),
+                    2 => bytes.truncate(at.max(1)),
+                    _ => bytes[at] = byte,
+                }
+            }
+        }
+        for result in [
+            load_csv(bytes.as_slice(), "random.csv", &LoadOptions::default()),
+            load_mat(bytes.as_slice(), "random.mat", &LoadOptions::default()),
+        ] {
+            match result {
+                Ok(r) => {
+                    check_invariants(&r);
+                    loaded += 1;
+                }
+                Err(e) => assert!(e.to_string().starts_with("random."), "{e}"),
+            }
+        }
+    }
+    assert!(
+        loaded > 500,
+        "the damage must leave some readable: {loaded}"
+    );
+}
+
+#[test]
+fn extreme_numbers_are_refused_by_name_or_loaded() {
+    for (huge, loads) in [(1e308, false), (1e288, false), (9e14, true), (5e-324, true)] {
+        let values = [0.0, huge, -huge, 0.5 * huge, -0.1 * huge];
+        let csv = table((0..400).map(|i| {
+            let at = |i: i32| values[i as usize % 5];
+            (f64::from(i), at(i), at(i / 6))
+        }));
+        match text(&csv, &[]) {
+            Ok(r) => check_invariants(&r),
+            Err(e) => assert!(
+                !loads && e.to_string().contains("no sensor"),
+                "{huge:e}: {e}"
+            ),
+        }
+    }
+}
