@@ -1,4 +1,7 @@
-//! The blocks of the over-resolved core: their yields, and their deflections along the path between the samples.
+//! Blocks and bristles of the over-resolved core: their lengths, and their deflections along the path between the samples.
+//!
+//! Parallel blocks remember every reversal, and their stiffness after one is that of the first loading. Dahl's law forgets, and is twice as
+//! stiff after a reversal; LuGre's does too, and Bouc and Wen's, and elasto-plastic ones in part. `F = Σ k_i·z_i` is linear with either.
 
 use super::effect::grid::spread;
 use super::rows::LATE;
@@ -9,6 +12,12 @@ use std::ops::Range;
 /// Blocks of the over-resolved core: error of the hysteresis core is the main impostor of other physics, and an earlier engine named
 /// 45 % of simulated effects with the paper's six blocks, 71 % with 24.
 const CORE: usize = 24;
+/// Bristles beside them.
+const BRISTLES: usize = 12;
+/// Longest yield displacement over the longest relaxation length: a bristle slips after some three of its lengths.
+const RELAXED: f64 = 3.0;
+/// Blocks that stand for one bristle in a model of blocks.
+const FOR_A_BRISTLE: usize = 4;
 /// Points of the path for each sample.
 pub const FINER: usize = 4;
 
@@ -38,6 +47,45 @@ pub fn deflection(fine: &[f64], pieces: &[Range<usize>], d: f64) -> Vec<f64> {
     z.into_iter().step_by(FINER).collect()
 }
 
+/// Deflection of a bristle of relaxation length `d` at the samples: `dz/dx = 1 − sgn(v)·z/d` (Dahl 1968, exponent 1), exact between two
+/// points of the path.
+pub fn bend(fine: &[f64], pieces: &[Range<usize>], d: f64) -> Vec<f64> {
+    let mut bent = Vec::with_capacity(fine.len() / FINER);
+    let mut z = 0.0;
+    for piece in pieces {
+        let mut last = fine[piece.start];
+        for (i, &x) in fine[piece.clone()].iter().enumerate() {
+            let end = d.copysign(x - last);
+            z = end + (z - end) * (-(x - last).abs() / d).exp();
+            last = x;
+            if i % FINER == 0 {
+                bent.push(z);
+            }
+        }
+    }
+    bent
+}
+
+/// The blocks, each of stiffness and yield displacement, whose force is that of a bristle of stiffness `k` and length `d` after a reversal
+/// in sliding, `2kd·(1 − e^(−u/d)) − kd`: parts of its curve with equal changes of slope, each by the mean of its yields `u/2`.
+pub fn as_blocks((k, d): (f64, f64)) -> impl Iterator<Item = (f64, f64)> {
+    let n = FOR_A_BRISTLE as f64;
+    // Mean of `−ln p` over `from < p < to`, times the part's width `1/n`.
+    let integral = |p: f64| if p > 0.0 { p * (1.0 - p.ln()) } else { 0.0 };
+    (0..FOR_A_BRISTLE).map(move |i| {
+        let (from, to) = (i as f64 / n, (i + 1) as f64 / n);
+        (2.0 * k / n, 0.5 * d * n * (integral(to) - integral(from)))
+    })
+}
+
+/// Log-spaced relaxation lengths beside blocks of such yields.
+pub fn lengths(yields: &[f64]) -> Vec<f64> {
+    let ends = yields.first().zip(yields.last());
+    ends.map_or(Vec::new(), |(short, long)| {
+        spread(2.0 * short, long / RELAXED, BRISTLES)
+    })
+}
+
 /// Log-spaced yields from what a typical sample moves to the share [`LATE`] of the travel.
 pub fn yields(s: &Signals) -> Vec<f64> {
     let steps: Vec<f64> =
@@ -51,4 +99,54 @@ pub fn yields(s: &Signals) -> Vec<f64> {
         .min(long / 10.0)
         .max(long / 3e4);
     spread(short, long, CORE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A bristle and the blocks that stand for it agree after reversals in sliding, and in sliding exactly.
+    #[test]
+    fn blocks_stand_for_a_bristle() {
+        let (k, d) = (3.0, 2e-3);
+        let fine: Vec<f64> = (0..4000)
+            .map(|i| 0.02 * (f64::from(i) * std::f64::consts::TAU / 4000.0).sin())
+            .collect();
+        let pieces = [0..fine.len()];
+        let bristle: Vec<f64> = bend(&fine, &pieces, d).iter().map(|z| k * z).collect();
+        let mut blocks = vec![0.0; bristle.len()];
+        for (k, d) in as_blocks((k, d)) {
+            let own = deflection(&fine, &pieces, d);
+            blocks.iter_mut().zip(own).for_each(|(b, z)| *b += k * z);
+        }
+        // From the first reversal on, over a quarter of the sine.
+        let settled = bristle.len() / 4..bristle.len();
+        let apart = |i: usize| (bristle[i] - blocks[i]) / (k * d);
+        let largest = settled.clone().map(|i| apart(i).abs()).fold(0.0, f64::max);
+        let square: f64 = settled.clone().map(|i| apart(i).powi(2)).sum();
+        let rms = (square / settled.len() as f64).sqrt();
+        let bias = settled.clone().map(apart).sum::<f64>() / settled.len() as f64;
+        assert!(
+            largest < 0.08 && rms < 0.02 && bias.abs() < 0.005,
+            "largest {largest}, RMS {rms}, bias {bias}"
+        );
+        let before_reversal = 3 * bristle.len() / 4 - 1;
+        assert!(apart(before_reversal).abs() < 1e-3);
+    }
+
+    /// After a reversal in sliding a bristle is twice as stiff as from rest.
+    #[test]
+    fn a_bristle_is_twice_as_stiff_after_a_reversal() {
+        let d = 1e-3;
+        let step = 1e-6;
+        let up = (0..20_000).map(|i| f64::from(i) * step);
+        let down = (1..=8).map(|i| (19_999.0 - f64::from(i)) * step);
+        let fine: Vec<f64> = up.chain(down).collect();
+        let z = bend(&fine, std::slice::from_ref(&(0..fine.len())), d);
+        let way = FINER as f64 * step;
+        assert!((z[1] / way - 1.0).abs() < 0.01, "{}", z[1] / way);
+        let last = z.len() - 1;
+        let slope = (z[last - 1] - z[last]) / way;
+        assert!((slope - 2.0).abs() < 0.02, "{slope}");
+    }
 }

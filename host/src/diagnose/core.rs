@@ -1,6 +1,6 @@
-//! The over-resolved core: inertia and a fine set of Maxwell-slip blocks, and the friction that effects act through.
+//! The over-resolved core: inertia, a fine set of Maxwell-slip blocks and one of Dahl's bristles, and the friction that effects act through.
 
-use super::blocks::{between_samples, deflection, yields};
+use super::blocks::{as_blocks, bend, between_samples, deflection, lengths, yields};
 use super::effect::{Baseline, Scene};
 use super::normal::Bound;
 use super::rows::Rows;
@@ -13,27 +13,29 @@ use std::sync::Arc;
 /// Share of a block's yield beyond which it is said to slip.
 const SLIPS: f64 = 0.999;
 
-/// Inertia and blocks.
+/// Inertia, blocks and bristles.
 pub struct Core {
-    /// Yield displacements (m or rad).
-    pub yields: Vec<f64>,
-    /// Inertia where the effort contains it, then the blocks, at the rows.
+    /// Yield displacements of the blocks (m or rad).
+    yields: Vec<f64>,
+    /// Relaxation lengths of the bristles (m or rad).
+    bristles: Vec<f64>,
+    /// Inertia where the effort contains it, then the blocks, then the bristles, at the rows.
     pub rows: Arc<Vec<Vec<f64>>>,
     /// It stands for what a simulation's inertia and friction lack, which may be less than nothing.
     pub corrects: bool,
-    /// Deflections of the blocks at the samples.
+    /// Deflections of blocks and bristles at the samples.
     deflections: Vec<Vec<f64>>,
 }
 
 impl Core {
-    /// The blocks whose yields lie between two displacements.
+    /// Blocks and bristles whose lengths a recording can tell.
     pub fn new(rows: &Rows) -> Self {
         let yields = yields(&rows.s);
+        let bristles = lengths(&yields);
         let (fine, pieces) = between_samples(&rows.s);
-        let deflections: Vec<Vec<f64>> = yields
-            .par_iter()
-            .map(|&d| deflection(&fine, &pieces, d))
-            .collect();
+        let blocks = yields.par_iter().map(|&d| deflection(&fine, &pieces, d));
+        let bent = bristles.par_iter().map(|&d| bend(&fine, &pieces, d));
+        let deflections: Vec<Vec<f64>> = blocks.chain(bent).collect();
         let mut columns: Vec<Vec<f64>> = deflections
             .par_iter()
             .map(|z| rows.weak.rows(&Column::of(z.clone())))
@@ -50,10 +52,37 @@ impl Core {
         }
         Self {
             yields,
+            bristles,
             rows: Arc::new(columns),
             corrects: false,
             deflections,
         }
+    }
+
+    /// The same for what a simulation lacks: blocks alone, since with either sign bristles would cancel them.
+    pub fn correcting(self) -> Self {
+        let blocks = self.yields.len();
+        let mut rows = Arc::unwrap_or_clone(self.rows);
+        rows.truncate(rows.len() - self.bristles.len());
+        let mut deflections = self.deflections;
+        deflections.truncate(blocks);
+        Self {
+            yields: self.yields,
+            bristles: Vec::new(),
+            rows: Arc::new(rows),
+            corrects: true,
+            deflections,
+        }
+    }
+
+    /// Its first column of friction, behind the inertia's where the effort contains it.
+    pub fn first_of_friction(&self) -> usize {
+        self.rows.len() - self.deflections.len()
+    }
+
+    /// What each column of friction reaches in sliding, for a stiffness of one (m or rad).
+    pub fn reaches(&self) -> impl Iterator<Item = f64> {
+        self.yields.iter().chain(&self.bristles).copied()
     }
 
     /// Inertia and stiffness are not negative; their errors may be.
@@ -66,15 +95,15 @@ impl Core {
         vec![bound; self.rows.len()]
     }
 
-    /// Blocks that take part, from the coefficients of the core's columns: stiffness and yield displacement.
+    /// Blocks that take part, from the coefficients of the core's columns: stiffness and yield displacement. Bristles stand for as many
+    /// as follow them after long strokes.
     pub fn blocks(&self, coefficients: &[f64]) -> Vec<(f64, f64)> {
-        let first = self.rows.len() - self.yields.len();
-        let stiffness = coefficients[first..self.rows.len()].iter();
-        stiffness
-            .zip(&self.yields)
-            .map(|(k, d)| (*k, *d))
-            .filter(|b| b.0 > 0.0)
-            .collect()
+        let stiffness = &coefficients[self.first_of_friction()..self.rows.len()];
+        let (blocks, bristles) = stiffness.split_at(self.yields.len());
+        let active = |(k, d): (&f64, &f64)| (*k > 0.0).then_some((*k, *d));
+        let blocks = blocks.iter().zip(&self.yields).filter_map(active);
+        let bristles = bristles.iter().zip(&self.bristles).filter_map(active);
+        blocks.chain(bristles.flat_map(as_blocks)).collect()
     }
 
     /// The model that effects act through, from the coefficients of the core's columns and of `terms` behind them.
@@ -86,13 +115,13 @@ impl Core {
         before: &Baseline,
     ) -> Baseline {
         let s = &rows.s;
-        let first = self.rows.len() - self.yields.len();
+        let first = self.first_of_friction();
         let mass = if rows.inertial { coefficients[0] } else { 0.0 };
         let n = s.x.len();
         let (mut friction, mut slipping, mut stiffness) =
             (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-        for (j, z) in self.deflections.iter().enumerate() {
-            let (k, d) = (coefficients[first + j], self.yields[j]);
+        for ((j, z), d) in self.deflections.iter().enumerate().zip(self.reaches()) {
+            let k = coefficients[first + j];
             if k <= 0.0 {
                 continue;
             }

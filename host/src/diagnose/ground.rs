@@ -195,11 +195,10 @@ impl Ground {
             .zip(simulated)
             .for_each(|(t, s)| *t -= s);
         rows.missed = missed;
-        let mut core = Arc::into_inner(found.core)?;
-        core.corrects = true;
+        let core = Arc::into_inner(found.core)?;
         let against = Self {
             rows: Arc::new(rows),
-            core: Arc::new(core),
+            core: Arc::new(core.correcting()),
             cache: Mutex::default(),
             ..found
         };

@@ -74,7 +74,7 @@ impl Shape {
             .map(|t| ground.columns(t))
             .collect::<Vec<_>>();
         let core = &ground.core.rows;
-        let inertia = core.len() - ground.core.yields.len();
+        let inertia = ground.core.first_of_friction();
         let mut columns: Vec<&[f64]> = vec![own.as_slice()];
         columns.extend(core[..inertia].iter().map(Vec::as_slice));
         columns.extend(terms.iter().flat_map(|c| c.iter()).map(Vec::as_slice));

@@ -78,7 +78,7 @@ impl Correction {
 
     /// Its columns among the core's.
     fn columns(self, ground: &Ground) -> Range<usize> {
-        let first = ground.core.rows.len() - ground.core.yields.len();
+        let first = ground.core.first_of_friction();
         match self {
             Self::Inertia => 0..first,
             Self::Friction => first..ground.core.rows.len(),
@@ -91,7 +91,7 @@ impl Correction {
         match self {
             Self::Inertia => own[0],
             Self::Friction => {
-                let blocks = own.iter().zip(&ground.core.yields);
+                let blocks = own.iter().zip(ground.core.reaches());
                 blocks.map(|(k, d)| k * d).sum()
             }
         }
