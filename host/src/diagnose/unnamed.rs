@@ -20,7 +20,8 @@ const UNNAMED: f64 = 0.05;
 /// Least part of the effort's variance (%) that it takes off: 1 % of the effort is near what makes a controller better, and a fifth of what
 /// machines' friction changes by itself. A name below it can be put into a model; what has none cannot.
 const NOTICEABLE: f64 = 0.01;
-/// Share of the friction by which every machine's friction wanders in time and along its path: that is none of its physics left out.
+/// Share of the friction by which every machine's friction wanders in time, along its path and over its travel: that is none of its physics
+/// left out.
 const WANDERS: f64 = 0.05;
 /// Least probability that it is there at all. More than even: fitted without the other source, the probability is too high, since what a
 /// hysteresis that parallel blocks cannot follow leaves looks like it. Set after the second generator's clean machines were seen as a count.
@@ -51,7 +52,7 @@ pub struct Unknown {
     pub place: Option<Place>,
     /// Root mean square of its force (N or N·m).
     pub rms: f64,
-    /// It is friction that wanders in time or along its path, by no more than every machine's does.
+    /// It is friction that wanders in time, along its path or over the travel, by no more than every machine's does.
     pub wanders: bool,
 }
 
@@ -184,6 +185,8 @@ fn unknown(found: &Found, standing: &Standing) -> Unknown {
         happened: None,
         place: Place::of(rows, axis, &varying),
         rms: own,
-        wanders: odd && matches!(axis, Axis::Time | Axis::Path) && own <= WANDERS * friction,
+        wanders: odd
+            && matches!(axis, Axis::Time | Axis::Path | Axis::Position)
+            && own <= WANDERS * friction,
     }
 }
