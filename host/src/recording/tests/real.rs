@@ -1,8 +1,8 @@
 //! The recordings of real machines.
 
-use std::path::Path;
-
 use preslide_host_tests::{recordings, shared};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 
 use super::*;
 
