@@ -17,10 +17,9 @@ use std::ops::Range;
 
 /// Share of the mismatch, weighted or all rows alike, from which what has no name is material.
 const UNNAMED: f64 = 0.05;
-/// Least part of the effort's variance (%) that it takes off: 2.2 % of the effort's deviation, half of what machines' friction changes by
-/// itself. A name below it can be put into a model; what has none cannot. Chosen after looking at clean machines and strangers of drives 1
-/// and 2, axes 1 to 3 and stage 777001: but for laws that depend on speed the clean ones had at most 0.06, three strangers in four more.
-const NOTICEABLE: f64 = 0.05;
+/// Least part of the effort's variance (%) that it takes off: 1 % of the effort is near what makes a controller better, and a fifth of what
+/// machines' friction changes by itself. A name below it can be put into a model; what has none cannot.
+const NOTICEABLE: f64 = 0.01;
 /// Share of the friction by which every machine's friction wanders in time, along its path and over its travel: that is none of its physics
 /// left out.
 const WANDERS: f64 = 0.05;
