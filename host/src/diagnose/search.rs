@@ -165,11 +165,10 @@ fn pick<'a>(ground: &Ground, list: &'a [Offer], families: usize, least: f64) -> 
         o.term.effect().is_some_and(|e| e.class() == Class::Plain)
             && o.evidence.share >= ahead * best.evidence.share
     };
-    // Among plain physics the catalogue's order says nothing: a drag that explains more than viscous friction is a drag.
-    let first = fit.iter().find(|o| can(o) && plain(o)).copied();
-    let good = || fit.iter().find(|o| can(o) && good(o));
+    let first = fit.iter().find(|o| can(o) && plain(o));
     first
-        .or_else(|| good().map(|o| simplest(o, &fit)))
+        .or_else(|| fit.iter().find(|o| can(o) && good(o)))
+        .map(|o| simplest(o, &fit))
         .or(Some(best))
 }
 
