@@ -60,19 +60,13 @@ impl Core {
     }
 
     /// The same for what a simulation lacks: blocks alone, since with either sign bristles would cancel them.
-    pub fn correcting(self) -> Self {
-        let blocks = self.yields.len();
-        let mut rows = Arc::unwrap_or_clone(self.rows);
-        rows.truncate(rows.len() - self.bristles.len());
-        let mut deflections = self.deflections;
-        deflections.truncate(blocks);
-        Self {
-            yields: self.yields,
-            bristles: Vec::new(),
-            rows: Arc::new(rows),
-            corrects: true,
-            deflections,
-        }
+    pub fn correcting(mut self) -> Self {
+        let kept = self.rows.len() - self.bristles.len();
+        Arc::make_mut(&mut self.rows).truncate(kept);
+        self.deflections.truncate(self.yields.len());
+        self.bristles.clear();
+        self.corrects = true;
+        self
     }
 
     /// Its first column of friction, behind the inertia's where the effort contains it.
