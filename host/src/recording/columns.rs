@@ -89,7 +89,7 @@ pub(super) fn plan(names: &Names) -> Result<Plan, Problem> {
         warnings.push(Warning::new(
             "effort-chosen",
             format!(
-                "`{}` is the {}; `{left}` gives it too, and is left out (`--map {left}={left}` takes it instead)",
+                "`{0}` is the {1}; `{left}` gives it too, and is left out (`--map {left}={left} --ignore {0}` takes it instead)",
                 first.known.name,
                 k.slot.words()
             ),
