@@ -410,7 +410,7 @@ mod tests {
 
     /// 60 s over 0.24 m against 4 N and 20 N·s/m, 3 kg; `second` tells a second position from the first, the effort and the play of a
     /// backlash of 10 µm, beside 0.3 µm of noise. `scale` is what its column is multiplied by.
-    fn made(name: &str, scale: f64, second: impl Fn(f64, f64, f64) -> f64) -> Vec<SecondPosition> {
+    fn recorded(name: &str, scale: f64, second: impl Fn(f64, f64, f64) -> f64) -> Recording {
         const SEED: u32 = 5;
         println!("seed {SEED}");
         let mut seed = SEED;
@@ -435,7 +435,12 @@ mod tests {
             text += &format!("{t:.3},{x:.8},{force:.4},{:.9}\n", scale * y + 0.4);
         }
         let recording = load_csv(text.as_bytes(), "made.csv", &LoadOptions::default());
-        let recording = recording.unwrap_or_else(|e| panic!("{e}"));
+        recording.unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    /// What is found in such a recording.
+    fn made(name: &str, scale: f64, second: impl Fn(f64, f64, f64) -> f64) -> Vec<SecondPosition> {
+        let recording = recorded(name, scale, second);
         let all = of(&recording);
         all.iter().for_each(|p| println!("{}", p.words(&recording)));
         all
@@ -469,6 +474,44 @@ mod tests {
             (compliance * 4e6 - 1.0).abs() < 0.1,
             "compliance {compliance}"
         );
+    }
+
+    #[test]
+    fn the_words_tell_backlash_and_compliance_with_their_intervals() {
+        let recording = recorded("x_scale_m", 1.0, |_, f, play| play - f / 4e6);
+        let found = only(of(&recording));
+        let words = found.words(&recording);
+        println!("{words}");
+        // The value and what stands behind ± in the clause that ends in `end`, in the unit `unit`.
+        let told = |start: &str, end: &str, units: &[(&str, f64)]| -> [f64; 2] {
+            let clause = words.split(start).nth(1).expect(start);
+            let clause = clause.split(end).next().expect(end);
+            let (value, reach) = clause.split_once(" ± ").expect("an interval");
+            let number = |text: &str| {
+                let mut parts = text.split_whitespace();
+                let figure: f64 = parts.next().and_then(|f| f.parse().ok()).expect("a figure");
+                let unit = parts.next();
+                let factor = units.iter().find(|(u, _)| Some(*u) == unit);
+                figure * factor.map_or(1.0, |(_, f)| *f)
+            };
+            [number(value), number(reach)]
+        };
+        let units = [("µm", 1e-6), ("nm", 1e-9), ("m/N", 1.0)];
+        for (estimate, [value, reach]) in [
+            (
+                found.compliance.expect("compliance"),
+                told("behind the effort by ", " (compliance)", &units),
+            ),
+            (
+                found.lost_motion.expect("backlash"),
+                told("it stays behind by ", " (backlash", &units),
+            ),
+        ] {
+            let [low, high] = estimate.ci95.expect("an interval");
+            // Two figures of the interval, three of the value.
+            assert!((value / estimate.value - 1.0).abs() < 6e-3, "{value}");
+            assert!((2.0 * reach / (high - low) - 1.0).abs() < 0.06, "{reach}");
+        }
     }
 
     #[test]

@@ -256,8 +256,11 @@ impl SecondPosition {
         }));
         said.extend(self.compliance.as_ref().map(|e| {
             let of = format!("{unit}/{}", recording.effort_unit());
+            let reach = e
+                .ci95
+                .map_or(String::new(), |[a, b]| format!(" ± {:.1e}", 0.5 * (b - a)));
             format!(
-                "it stays behind the effort by {:.3e} {of} (compliance)",
+                "it stays behind the effort by {:.3e}{reach} {of} (compliance)",
                 e.value
             )
         }));
