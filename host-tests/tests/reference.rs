@@ -1,10 +1,10 @@
 //! The reference: what is planned is reached, and no limit is exceeded whatever is asked when.
 
-use preslide::Units;
 use preslide::control::{
     Axis, Coefficients, Controller, MOST_SMOOTHED, Measurement, Move, NoFriction, Pace, Planner,
     Reference, Refused,
 };
+use preslide::{ParamError, Units};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -75,82 +75,120 @@ impl Judge<'_> {
     }
 }
 
-/// Moves, jogs, stops, streams and dwells at random times, most of them before what went before has ended.
-fn replan(axis: &Axis, replans: u32, seed: u64) -> Extremes {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let friction = NoFriction::<f32>::new();
-    let coefficients = Coefficients::try_new(axis, friction, Units::SI).expect("a valid axis");
-    let mut controller = Controller::new(coefficients, 0_u32);
-    assert_eq!(controller.enable(), Ok(()));
-    controller.set_position(0, 0);
-    let mut planner = Planner::try_new(axis).expect("a valid axis");
-    let grid = axis.grid();
-    let mut judge = Judge {
-        axis,
-        position: 0,
-        speed: 0,
-        acceleration: 0,
-        seen: Extremes::default(),
-    };
-    let pace = controller.pace().clone();
-    let mut reference = Reference::at(0, &pace);
-    reference.locate(true);
-    let limits = axis.limits;
-    let (mut started, mut refused) = (0, 0);
-    for _ in 0..replans {
-        let part = |rng: &mut ChaCha8Rng| 10_f64.powf(rng.random_range(-3.0..0.0));
-        let answer = match rng.next_u32() % 8 {
-            0..4 => {
-                let distance = rng.random_range(-1.0..1.0_f64).powi(3) * 3e-3;
-                let (speed, ramp) = (
-                    limits.speed * part(&mut rng),
-                    limits.acceleration * part(&mut rng),
-                );
-                Move::plan(distance, speed, ramp, grid).map(|next| reference.start(next, &pace))
-            }
+/// An axis whose plans are changed at random, under a judge's eyes.
+struct Restless<'a> {
+    rng: ChaCha8Rng,
+    axis: &'a Axis,
+    pace: Pace,
+    planner: Planner,
+    reference: Reference,
+    judge: Judge<'a>,
+}
+
+/// What became of an order: refused by the reference, or already when it was planned.
+type Answer = Result<Result<(), Refused>, ParamError>;
+
+impl<'a> Restless<'a> {
+    fn new(axis: &'a Axis, seed: u64) -> Self {
+        let pace = pace(axis);
+        let mut reference = Reference::at(0, &pace);
+        reference.locate(true);
+        Self {
+            rng: ChaCha8Rng::seed_from_u64(seed),
+            axis,
+            pace,
+            planner: Planner::try_new(axis).expect("a valid axis"),
+            reference,
+            judge: Judge {
+                axis,
+                position: 0,
+                speed: 0,
+                acceleration: 0,
+                seen: Extremes::default(),
+            },
+        }
+    }
+
+    /// Of eight orders four are moves; one each a jog, a stop, a dwell and a stream.
+    fn order(&mut self) -> Answer {
+        match self.rng.next_u32() % 8 {
+            0..4 => self.move_by_some(),
             4 => {
-                let jog = planner.jog(limits.speed * rng.random_range(-1.0..1.0));
+                let limit = self.axis.limits.speed;
+                let jog = self.planner.jog(limit * self.rng.random_range(-1.0..1.0));
                 jog.map(|jog| {
-                    reference.jog(jog, &pace);
+                    self.reference.jog(jog, &self.pace);
                     Ok(())
                 })
             }
             5 => {
-                reference.stop();
+                self.reference.stop();
                 Ok(Ok(()))
             }
-            6 => Move::dwell(rng.random_range(1e-4..5e-3), grid.sample_time)
-                .map(|next| reference.start(next, &pace)),
-            _ => {
-                // A stream of three points that may join what went before, or not, and runs dry.
-                planner.stands((judge.position >> 32) + rng.random_range(-1..2), true);
-                let at = planner.end();
-                (1..4)
-                    .map(|i| planner.point(at + f64::from(i * i) * 1e-7, 40))
-                    .collect::<Result<Vec<_>, _>>()
-                    .map(|points| {
-                        points.into_iter().try_for_each(|point| {
-                            while !reference.is_idle() {
-                                judge.take(reference.step(&pace).position);
-                            }
-                            reference.start(point, &pace)
-                        })
-                    })
-            }
-        };
-        match answer {
-            Ok(Ok(())) => started += 1,
-            Ok(Err(_)) | Err(_) => refused += 1,
+            6 => Move::dwell(
+                self.rng.random_range(1e-4..5e-3),
+                self.axis.grid().sample_time,
+            )
+            .map(|next| self.reference.start(next, &self.pace)),
+            _ => self.stream(),
         }
-        let long = if rng.next_u32().is_multiple_of(10) {
+    }
+
+    fn move_by_some(&mut self) -> Answer {
+        let part = |rng: &mut ChaCha8Rng| 10_f64.powf(rng.random_range(-3.0..0.0));
+        let limits = &self.axis.limits;
+        let distance = self.rng.random_range(-1.0..1.0_f64).powi(3) * 3e-3;
+        let speed = limits.speed * part(&mut self.rng);
+        let ramp = limits.acceleration * part(&mut self.rng);
+        Move::plan(distance, speed, ramp, self.axis.grid())
+            .map(|next| self.reference.start(next, &self.pace))
+    }
+
+    /// Three points that may join what went before, or not, and run dry.
+    fn stream(&mut self) -> Answer {
+        let count = (self.judge.position >> 32) + self.rng.random_range(-1..2);
+        self.planner.stands(count, true);
+        let at = self.planner.end();
+        let points = (1..4)
+            .map(|i| self.planner.point(at + f64::from(i * i) * 1e-7, 40))
+            .collect::<Result<Vec<_>, _>>()?;
+        Ok(points.into_iter().try_for_each(|point| {
+            while !self.reference.is_idle() {
+                self.tick();
+            }
+            self.reference.start(point, &self.pace)
+        }))
+    }
+
+    /// Mostly too short for the order to be carried out.
+    fn wait(&mut self) {
+        let long = if self.rng.next_u32().is_multiple_of(10) {
             600
         } else {
             60
         };
-        for _ in 0..rng.next_u32() % long {
-            judge.take(reference.step(&pace).position);
+        for _ in 0..self.rng.next_u32() % long {
+            self.tick();
         }
     }
+
+    fn tick(&mut self) {
+        self.judge.take(self.reference.step(&self.pace).position);
+    }
+}
+
+/// Moves, jogs, stops, streams and dwells at random times, most of them before what went before has ended.
+fn replan(axis: &Axis, replans: u32, seed: u64) -> Extremes {
+    let mut restless = Restless::new(axis, seed);
+    let (mut started, mut refused) = (0, 0);
+    for _ in 0..replans {
+        match restless.order() {
+            Ok(Ok(())) => started += 1,
+            Ok(Err(_)) | Err(_) => refused += 1,
+        }
+        restless.wait();
+    }
+    let judge = restless.judge;
     println!(
         "seed {seed}: {started} started, {refused} refused; largest speed, acceleration, jerk of their limits {:.6} {:.6} {:.6}, \
          {:.2} nm from the end of travel",

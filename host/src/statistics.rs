@@ -54,10 +54,25 @@ pub fn nmse(measured: &[f64], modelled: &[f64], rows: &[usize]) -> f64 {
     100.0 * error / variation
 }
 
-/// The `q`-quantile (nearest rank); reorders the values.
+/// The `q`-quantile by nearest rank, one of the values; reorders them. `None` without values.
 pub fn quantile(values: &mut [f64], q: f64) -> Option<f64> {
     let rank = ((values.len().checked_sub(1)?) as f64 * q).round() as usize;
     Some(*values.select_nth_unstable_by(rank, f64::total_cmp).1)
+}
+
+/// The `q`-quantile, between ranks by a straight line: of mirrored values the mirrored one. Of finite values only; 0 without any.
+pub fn quantile_between_ranks(values: &[f64], q: f64) -> f64 {
+    let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    if sorted.is_empty() {
+        return 0.0;
+    }
+    let place = (sorted.len() - 1) as f64 * q.clamp(0.0, 1.0);
+    let (_, below, above) = sorted.select_nth_unstable_by(place as usize, f64::total_cmp);
+    let next = above.iter().copied().fold(f64::INFINITY, f64::min);
+    match place.fract() {
+        0.0 => *below,
+        part => *below + part * (next - *below),
+    }
 }
 
 /// The mean, and half its 95 % interval's width by the normal law; 0 of a single value.

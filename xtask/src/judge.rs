@@ -3,7 +3,7 @@
 use crate::process::{cargo, run};
 
 /// Builds the tool, unless another is named with `--preslide`, and runs a judge with the arguments of the program behind it.
-fn judge(program: &str, arguments: &[String]) -> Result<(), String> {
+pub fn judge(program: &str, arguments: &[String]) -> Result<(), String> {
     let named = |argument: &String| argument.starts_with("--preslide") || argument == "--help";
     if !arguments.iter().any(named) {
         run(&mut cargo(&[

@@ -1,5 +1,6 @@
 //! Asks whether `preslide diagnose` says the same of a recording that was changed in ways that change nothing about the machine.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -9,6 +10,7 @@ use preslide_host_tests::judge::real::machine;
 use preslide_host_tests::judge::table::Recording;
 use preslide_host_tests::judge::tool::{Tool, parallel};
 use preslide_host_tests::trials::effect::{Id, Strength};
+use preslide_host_tests::trials::score::{Diagnosis, Named};
 use preslide_host_tests::trials::{Kind, repeatable, trial};
 
 /// Answers that must not flip: made and real recordings, each changed in fifteen ways
@@ -103,6 +105,80 @@ fn stages(o: &Options, tool: &Tool) -> (usize, usize) {
     (lines.iter().filter(|right| **right).count(), lines.len())
 }
 
+/// An answer in a line.
+fn said(answer: &Result<Diagnosis, String>) -> String {
+    let d = match answer {
+        Err(reason) => return reason.clone(),
+        Ok(d) => d,
+    };
+    let name = |e: &Named| format!("{}{}", e.id, if e.confident { "" } else { "?" });
+    let names: Vec<String> = d.effects.iter().map(name).collect();
+    format!("{} [{}]", d.verdict, names.join(", "))
+}
+
+/// Asks of one recording as it is and changed; nothing where it is refused as it is.
+fn ask(o: &Options, tool: &Tool, recording: &Recording, of: &[Property]) -> Vec<Outcome> {
+    let (before, seconds) = tool.diagnose(recording);
+    println!("{}: {} ({seconds:.1} s)", recording.name, said(&before));
+    if before.is_err() {
+        return Vec::new();
+    }
+    parallel(of, o.jobs, |property| {
+        let outcome = match property.apply(recording) {
+            None => Outcome::NotAsked,
+            Some(changed) => compare(*property, &before, &tool.diagnose(&changed).0),
+        };
+        let (word, what) = outcome.words();
+        println!("  {:<26} {word:<8} {what}", property.name());
+        outcome
+    })
+}
+
+/// Outcomes counted.
+#[derive(Default)]
+struct Tally {
+    /// How many agree, and of how many, beside each of [`PROPERTIES`].
+    totals: [[usize; 2]; PROPERTIES.len()],
+    /// How many outcomes are called what.
+    words: BTreeMap<&'static str, usize>,
+}
+
+impl Tally {
+    fn add(&mut self, property: Property, outcome: &Outcome) {
+        if *outcome == Outcome::NotAsked {
+            return;
+        }
+        let place = PROPERTIES.iter().position(|p| *p == property).unwrap_or(0);
+        self.totals[place][0] += usize::from(outcome.agrees(property));
+        self.totals[place][1] += 1;
+        *self.words.entry(outcome.words().0).or_default() += 1;
+    }
+
+    /// How many agree, and of how many.
+    fn sum(&self) -> (usize, usize) {
+        let sum = |i: usize| self.totals.iter().map(|t| t[i]).sum();
+        (sum(0), sum(1))
+    }
+
+    fn print(&self) {
+        println!("\n{:<26} agree of", "property");
+        let asked = PROPERTIES.iter().zip(&self.totals);
+        for (property, [agree, of]) in asked.filter(|(_, t)| t[1] > 0) {
+            println!("{:<26} {agree:>5} {of}", property.name());
+        }
+    }
+}
+
+/// Why nothing was asked.
+fn nothing_is_called_so() -> String {
+    let names: Vec<&str> = PROPERTIES.iter().map(|p| p.name()).collect();
+    format!(
+        "--only: no recording and no property is called so; properties are {}, recordings {}, effects of made ones, and `stages`",
+        names.join(", "),
+        REAL.join(", ")
+    )
+}
+
 fn run(o: &Options) -> Result<(), String> {
     let tool = Tool::new(o.preslide.as_deref())?;
     let (mut held, mut asked) = (0, 0);
@@ -111,70 +187,26 @@ fn run(o: &Options) -> Result<(), String> {
         (held, asked) = stages(o, &tool);
         println!("consistent: {held} of {asked}\n");
     }
-    let properties: Vec<Property> = PROPERTIES.to_vec();
-    let mut totals = vec![[0usize; 2]; properties.len()];
-    let mut words = std::collections::BTreeMap::<&str, usize>::new();
+    let mut tally = Tally::default();
     for recording in recordings(o)? {
         let own = wanted(&o.only, &recording.name);
-        let asked_of: Vec<Property> = properties
-            .iter()
-            .copied()
-            .filter(|p| own || wanted(&o.only, p.name()))
-            .collect();
-        if asked_of.is_empty() {
+        let mut of = PROPERTIES.to_vec();
+        of.retain(|p| own || wanted(&o.only, p.name()));
+        if of.is_empty() {
             continue;
         }
-        let (before, seconds) = tool.diagnose(&recording);
-        let said = match &before {
-            Err(reason) => reason.clone(),
-            Ok(d) => {
-                let name = |e: &preslide_host_tests::trials::score::Named| {
-                    format!("{}{}", e.id, if e.confident { "" } else { "?" })
-                };
-                format!(
-                    "{} [{}]",
-                    d.verdict,
-                    d.effects.iter().map(name).collect::<Vec<_>>().join(", ")
-                )
-            }
-        };
-        println!("{}: {said} ({seconds:.1} s)", recording.name);
-        if before.is_err() {
-            continue;
-        }
-        let outcomes = parallel(&asked_of, o.jobs, |property| {
-            let outcome = match property.apply(&recording) {
-                None => Outcome::NotAsked,
-                Some(changed) => compare(*property, &before, &tool.diagnose(&changed).0),
-            };
-            let (word, what) = outcome.words();
-            println!("  {:<26} {word:<8} {what}", property.name());
-            outcome
-        });
-        for (property, outcome) in asked_of.iter().zip(&outcomes) {
-            if *outcome == Outcome::NotAsked {
-                continue;
-            }
-            let place = properties.iter().position(|p| p == property).unwrap_or(0);
-            totals[place][0] += usize::from(outcome.agrees(*property));
-            totals[place][1] += 1;
-            *words.entry(outcome.words().0).or_default() += 1;
+        let outcomes = ask(o, &tool, &recording, &of);
+        for (property, outcome) in of.iter().zip(&outcomes) {
+            tally.add(*property, outcome);
         }
     }
-    if asked + totals.iter().map(|t| t[1]).sum::<usize>() == 0 {
-        let names: Vec<&str> = properties.iter().map(|p| p.name()).collect();
-        return Err(format!(
-            "--only: no recording and no property is called so; properties are {}, recordings {}, effects of made ones, and `stages`",
-            names.join(", "),
-            REAL.join(", ")
-        ));
+    let (agree, of) = tally.sum();
+    (held, asked) = (held + agree, asked + of);
+    if asked == 0 {
+        return Err(nothing_is_called_so());
     }
-    println!("\n{:<26} agree of", "property");
-    for (property, [agree, of]) in properties.iter().zip(&totals).filter(|(_, t)| t[1] > 0) {
-        println!("{:<26} {agree:>5} {of}", property.name());
-        (held, asked) = (held + agree, asked + of);
-    }
-    println!("\n{held} of {asked} hold; {words:?}");
+    tally.print();
+    println!("\n{held} of {asked} hold; {:?}", tally.words);
     match o.at_least {
         Some(least) if held < least => Err(format!(
             "{held} answers hold where {least} did; the lines above tell which do not"

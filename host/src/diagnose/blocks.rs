@@ -5,8 +5,9 @@
 
 use super::effect::grid::spread;
 use super::rows::LATE;
-use super::signals::{Signals, quantile};
+use super::signals::Signals;
 use crate::signal::Deflection;
+use crate::statistics::quantile_between_ranks;
 use std::ops::Range;
 
 /// Blocks of the over-resolved core: error of the hysteresis core is the main impostor of other physics, and an earlier engine named
@@ -94,8 +95,8 @@ pub fn yields(s: &Signals) -> Vec<f64> {
             .filter(|d| *d > 0.0)
             .collect();
     let long = LATE * s.travel();
-    let short = (0.5 * quantile(&steps, 0.1))
-        .max(quantile(&steps, 0.0))
+    let short = (0.5 * quantile_between_ranks(&steps, 0.1))
+        .max(quantile_between_ranks(&steps, 0.0))
         .min(long / 10.0)
         .max(long / 3e4);
     spread(short, long, CORE)

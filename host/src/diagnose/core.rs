@@ -4,9 +4,9 @@ use super::blocks::{as_blocks, bend, between_samples, deflection, lengths, yield
 use super::effect::{Baseline, Scene};
 use super::normal::Bound;
 use super::rows::Rows;
-use super::signals::quantile;
 use super::term::Term;
 use super::weak::Column;
+use crate::statistics::quantile_between_ranks;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -155,7 +155,7 @@ impl Core {
         Baseline {
             mass,
             blocks: self.blocks(coefficients),
-            level: quantile(&size, 0.9).max(1e-300),
+            level: quantile_between_ranks(&size, 0.9).max(1e-300),
             friction,
             slipping,
             stiffness,

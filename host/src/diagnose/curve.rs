@@ -3,8 +3,9 @@
 use super::axis::Axis;
 use super::effect::Scene;
 use super::normal::dot;
-use super::signals::{Signals, mean, quantile};
+use super::signals::{Signals, mean};
 use super::weak::Column;
+use crate::statistics::quantile_between_ranks;
 
 /// Knots of the smooth curve over a coordinate.
 const KNOTS: usize = 8;
@@ -86,7 +87,7 @@ fn rid(column: &mut [f64], basis: &[Vec<f64>]) {
 /// few values.
 pub fn hats(values: &[f64]) -> Vec<Vec<f64>> {
     let knots: Vec<f64> = (0..KNOTS)
-        .map(|k| quantile(values, k as f64 / (KNOTS - 1) as f64))
+        .map(|k| quantile_between_ranks(values, k as f64 / (KNOTS - 1) as f64))
         .collect();
     let (low, high) = (knots[0], knots[KNOTS - 1]);
     let span = high - low;

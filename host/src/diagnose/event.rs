@@ -4,7 +4,7 @@
 //! that of the windows in which the axis moved most alike: what depends on the motion is there in both, what happened is not.
 
 use super::rows::Rows;
-use super::signals::quantile;
+use crate::statistics::quantile_between_ranks;
 use std::ops::Range;
 
 /// Lengths of the windows (s), from a knock to a stroke.
@@ -122,7 +122,7 @@ fn standing_out(unlike: &[f64]) -> Option<(Vec<bool>, f64)> {
     if (others.len() as f64) < (1.0 - RARE) * sizes.len() as f64 {
         return None;
     }
-    let usual = (quantile(&others, USUAL.0) / USUAL.1).max(1e-300);
+    let usual = (quantile_between_ranks(&others, USUAL.0) / USUAL.1).max(1e-300);
     let told = sizes.iter().map(|s| *s >= least).collect();
     Some((told, most / usual))
 }
@@ -193,7 +193,7 @@ fn unlike(windows: &[Window], length: f64, told: &[bool]) -> Vec<f64> {
             }
             near.select_nth_unstable_by(count - 1, |a, b| a.0.total_cmp(&b.0));
             let sizes: Vec<f64> = near[..count].iter().map(|n| n.1).collect();
-            windows[i].size - quantile(&sizes, 0.5)
+            windows[i].size - quantile_between_ranks(&sizes, 0.5)
         })
         .collect()
 }

@@ -8,10 +8,10 @@ use super::effect::{self, Baseline, Scene, constant_force, viscous};
 use super::noise::{Course, Noise};
 use super::normal::{Bound, Normal};
 use super::rows::Rows;
-use super::signals::quantile;
 use super::spectra;
 use super::term::{Subject, Term};
 use super::weak::Column;
+use crate::statistics::quantile_between_ranks;
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -396,7 +396,7 @@ impl Places {
             path: rows.weak.at_centres(&rows.s.path),
             friction: at(&baseline.friction),
             stiffness: at(&baseline.stiffness),
-            stroke: quantile(&rows.s.last_stroke, 0.9),
+            stroke: quantile_between_ranks(&rows.s.last_stroke, 0.9),
         }
     }
 }

@@ -4,13 +4,14 @@ use super::axis::Axis;
 use super::curve::Curve;
 use super::place::Place;
 use super::second_position::SecondPosition;
-use super::signals::{bounds, quantile};
+use super::signals::bounds;
 use super::term::Subject;
 use super::unnamed::Happened;
 use super::verdict::Diagnosis;
 use super::words::{between, quantity};
 use crate::recording::Recording;
 use crate::report::{self, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
+use crate::statistics::quantile_between_ranks;
 
 /// Points of a figure's cloud.
 const POINTS: usize = 6000;
@@ -214,7 +215,10 @@ impl Diagnosis {
                 .emphasis(Emphasis::Strong),
         );
         if let Some(place) = place {
-            let (low, high) = (quantile(&before, 0.002), quantile(&before, 0.998));
+            let (low, high) = (
+                quantile_between_ranks(&before, 0.002),
+                quantile_between_ranks(&before, 0.998),
+            );
             let x = vec![place.from, place.from, f64::NAN, place.to, place.to];
             let y = vec![low, high, f64::NAN, low, high];
             figure = figure.with(

@@ -1,8 +1,9 @@
 //! The rows that are fitted: which instants of a recording can tell, in blocks that every decision is a paired statistic of.
 
-use super::signals::{Signals, quantile};
+use super::signals::Signals;
 use super::weak::{Column, Weak};
 use crate::recording::Recording;
+use crate::statistics::quantile_between_ranks;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
@@ -127,7 +128,7 @@ fn resting(s: &Signals) -> Vec<bool> {
             .filter(|d| *d > 0.0)
             .collect();
     // A count of the encoder, or its noise, is no motion.
-    let moved = 1.5 * quantile(&steps, 0.02).max(s.position_noise);
+    let moved = 1.5 * quantile_between_ranks(&steps, 0.02).max(s.position_noise);
     let mut still = vec![false; s.x.len()];
     for piece in &s.pieces {
         for i in piece.clone() {

@@ -3,6 +3,7 @@
 use crate::recording::{MotionKind, Recording};
 use crate::signal::Kinematics;
 use crate::signal::ZeroPhase;
+use crate::statistics::quantile_between_ranks;
 use std::ops::Range;
 
 /// A reversal counts once the motion came back by this share of the travel, or by six times the encoder's noise.
@@ -196,7 +197,7 @@ impl Signals {
         let still = REST * self.top_speed();
         let speeds = self.v.iter().map(|v| v.abs());
         let moving: Vec<f64> = speeds.filter(|v| *v > still).collect();
-        quantile(&moving, q)
+        quantile_between_ranks(&moving, q)
     }
 
     /// Low and high speed of the moving samples: the 5 % and 95 % quantiles (m/s or rad/s).
@@ -320,19 +321,4 @@ pub fn bounds(values: &[f64]) -> (f64, f64) {
 /// Mean of some values.
 pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
-}
-
-/// The value below which the share `q` of `values` lies, between ranks by a straight line: of mirrored values the mirrored one.
-pub fn quantile(values: &[f64], q: f64) -> f64 {
-    let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
-    if sorted.is_empty() {
-        return 0.0;
-    }
-    let place = (sorted.len() - 1) as f64 * q.clamp(0.0, 1.0);
-    let (_, below, above) = sorted.select_nth_unstable_by(place as usize, f64::total_cmp);
-    let next = above.iter().copied().fold(f64::INFINITY, f64::min);
-    match place.fract() {
-        0.0 => *below,
-        part => *below + part * (next - *below),
-    }
 }

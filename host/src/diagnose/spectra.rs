@@ -1,7 +1,8 @@
 //! Periods in position and in time that stand out of the mismatch.
 
 use super::rows::Rows;
-use super::signals::{bounds, quantile};
+use super::signals::bounds;
+use crate::statistics::quantile_between_ranks;
 use realfft::RealFftPlanner;
 
 /// Peaks kept of one spectrum.
@@ -112,7 +113,7 @@ pub fn lines(at: &[f64], weights: &[f64], from: f64, to: f64) -> Vec<f64> {
                 0.0
             };
             (
-                power[i] / quantile(near, 0.5).max(1e-300),
+                power[i] / quantile_between_ranks(near, 0.5).max(1e-300),
                 from + (i as f64 + off.clamp(-0.5, 0.5)) * step,
             )
         })

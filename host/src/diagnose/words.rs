@@ -4,12 +4,11 @@ use super::effect::Effect;
 use super::hysteresis;
 use super::place::Place;
 use super::second_position::SecondPosition;
-use super::signals::quantile;
 use super::unnamed::Unknown;
 use super::verdict::{Diagnosis, Name, Named, Verdict};
 use crate::recording::Recording;
 use crate::report::display_unit;
-use crate::statistics::Estimate;
+use crate::statistics::{Estimate, quantile_between_ranks};
 
 /// A force is called a change of the friction level where this share of its squares goes with, or against, the direction.
 const WITH_DIRECTION: f64 = 0.8;
@@ -195,7 +194,7 @@ fn place_words(place: &Place, recording: &Recording) -> String {
 
 /// How large a force is: of the friction level where it goes with the direction, else in its unit.
 fn size(found: &Diagnosis, force: &[f64], recording: &Recording) -> String {
-    let large = quantile(&force.iter().map(|f| f.abs()).collect::<Vec<_>>(), 0.98);
+    let large = quantile_between_ranks(&force.iter().map(|f| f.abs()).collect::<Vec<_>>(), 0.98);
     let level = found.ground.baseline.level;
     let of_level = percent(large / level.max(1e-300));
     let unit = recording.effort_unit();

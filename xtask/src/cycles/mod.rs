@@ -7,6 +7,7 @@ mod board;
 mod control_task;
 mod disassembly;
 mod floor;
+mod harness;
 mod hazard3;
 mod instruction;
 mod labels;
@@ -29,9 +30,10 @@ use crate::process::{cargo, output, root, run};
 use crate::thumb::{TARGET, Toolchain};
 use crate::tools::Need;
 use disassembly::Disassembly;
+use harness::Run;
 use instruction::Instruction;
 use price::Price;
-use recorder::{Recorder, TakenPath, Watched};
+use recorder::{Recorder, TakenPath};
 use table::Row;
 
 /// Every measured function is called this, its kernel's name, `__` and N (`firmware/cycles/src/stub.rs`).
@@ -210,103 +212,18 @@ fn measure(core: &Core) -> Result<Vec<Table>, String> {
     Need::ArmGcc.ensure()?;
     Need::Qemu.ensure()?;
     let (program, version) = build(core)?;
-
-    let disassembly = Disassembly::of(&program)?;
-    let entries: Vec<u32> = disassembly
-        .functions_named(PREFIX)
-        .map(|(address, _)| address)
-        .collect();
     let recorder = Recorder::build(recordings())?;
-    let watched = Watched {
-        entries: &entries,
-        skipped: &[],
-        ends_inside: false,
-    };
-    let (recording, printed) = recorder.record(&program, &watched)?;
+    let run = Run::of(&program, &recorder)?;
 
     let prices: Vec<&Prices> = std::iter::once(&core.prices).chain(&core.others).collect();
-    let mut tables = vec![Vec::new(); prices.len()];
-    let (mut seed, mut ticks) = ("", 0);
-    let mut checksums = BTreeMap::new();
-    for line in printed.lines() {
-        let words: Vec<&str> = line.split(' ').collect();
-        match words[..] {
-            ["motion", "seed", value] => seed = value,
-            [
-                "kernel",
-                kernel,
-                blocks,
-                "calls",
-                calls,
-                "model",
-                model,
-                "state",
-                state,
-                "error",
-                error,
-                "checksum",
-                checksum,
-            ] => {
-                let number = |text: &str| {
-                    text.parse::<u32>()
-                        .map_err(|error| format!("`{line}`: {error}"))
-                };
-                let (blocks, calls) = (number(blocks)?, number(calls)?);
-                let recorded = |name: &str| {
-                    let mut functions = disassembly.functions_named(PREFIX);
-                    let (entry, _) = functions.find(|(_, found)| *found == name)?;
-                    recording.get(&entry)
-                };
-                let name = format!("{kernel}__{blocks}");
-                let paths = recorded(&name)
-                    .ok_or_else(|| format!("no call of {PREFIX}{name} was recorded"))?;
-                for (prices, rows) in prices.iter().zip(&mut tables) {
-                    let mut row = price_paths(&disassembly, paths, prices.of_path)?;
-                    if row.calls != calls {
-                        // The linker folds functions of equal code: their calls cannot be told apart.
-                        return Err(format!(
-                            "{name}: {calls} calls were made, {} recorded",
-                            row.calls
-                        ));
-                    }
-                    if let (Some(with), Some(without)) = (
-                        recorded(&format!("tick__{name}")),
-                        recorded("tick__empty_call__1"),
-                    ) {
-                        let mean = |paths| {
-                            price_paths(&disassembly, paths, prices.of_path)
-                                .map(|row| row.cycles_mean)
-                        };
-                        row.cycles_in_tick = Some(mean(with)? - mean(without)?);
-                    }
-                    row.kernel = kernel.to_string();
-                    row.blocks = blocks;
-                    row.flash_bytes += number(model)?;
-                    row.ram_bytes = Some(number(state)?);
-                    if table::is_friction(kernel) {
-                        row.error = error.parse().ok();
-                    }
-                    rows.push(row);
-                }
-                if core.is_m4f
-                    && let Some(row) = tables[0].last_mut()
-                {
-                    row.m7_estimate = m7::estimate(&disassembly, paths);
-                    row.floor = table::floor(row);
-                }
-                ticks = calls;
-                checksums.insert(format!("{kernel} {blocks}"), checksum.to_string());
-            }
-            ["agreement", kernel, "steps", steps, "checksum", checksum] => {
-                checksums.insert(format!("{kernel} steps {steps}"), checksum.to_string());
-            }
-            _ => return Err(format!("the harness printed `{line}`")),
-        }
+    let mut tables = prices
+        .iter()
+        .map(|prices| run.rows(prices.of_path))
+        .collect::<Result<Vec<_>, _>>()?;
+    if core.is_m4f {
+        run.add_m4f(&mut tables[0])?;
     }
-    if ticks == 0 {
-        return Err("the harness measured nothing".to_string());
-    }
-    compare_with_host(&checksums, &ticks.to_string())?;
+    compare_with_host(&run.printed.checksums, &run.printed.ticks().to_string())?;
     if core.is_m4f {
         board::check(&tables[0])?;
         control_task::measure(&recorder, &prices, &mut tables)?;
@@ -317,7 +234,7 @@ fn measure(core: &Core) -> Result<Vec<Table>, String> {
         .map(|(prices, rows)| {
             Ok(Table {
                 file: prices.table,
-                header: header(prices, &version, seed)?,
+                header: header(prices, &version, &run.printed.seed)?,
                 rows,
             })
         })

@@ -4,10 +4,9 @@ use super::grid::one;
 use super::readout::enter;
 use super::{Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
-use crate::diagnose::signals::quantile;
 use crate::diagnose::weak::Column;
 use crate::model::Model;
-use crate::statistics::Estimate;
+use crate::statistics::{Estimate, quantile_between_ranks};
 
 /// Share of the samples that stay below the limit at least: the column is made of the measured effort, and with a limit below most of
 /// it the effort would explain itself.
@@ -109,5 +108,5 @@ fn accelerates(scene: &Scene, least: f64) -> bool {
 /// The effort that the share `q` of the samples stays below (N or N·m).
 fn exceeded(scene: &Scene, q: f64) -> f64 {
     let size: Vec<f64> = scene.effort.iter().map(|f| f.abs()).collect();
-    quantile(&size, q)
+    quantile_between_ranks(&size, q)
 }

@@ -4,10 +4,10 @@ use super::grid::spread;
 use super::readout::enter;
 use super::{Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
-use crate::diagnose::signals::{Signals, bounds, quantile};
+use crate::diagnose::signals::{Signals, bounds};
 use crate::diagnose::weak::Column;
 use crate::model::Model;
-use crate::statistics::Estimate;
+use crate::statistics::{Estimate, quantile_between_ranks};
 
 /// Ages from which the level grows that are tried (s): rests that a recording has last as long.
 const TIME_CONSTANTS_S: [f64; 2] = [0.1, 0.5];
@@ -65,7 +65,7 @@ impl Effect for DwellAging {
         if most <= 0.05 || most < 1.5 * least {
             return Vec::new();
         }
-        let erased = quantile(&scene.s.last_stroke, 0.5);
+        let erased = quantile_between_ranks(&scene.s.last_stroke, 0.5);
         let paths = spread(erased / 300.0, erased, 5);
         TIME_CONSTANTS_S
             .iter()

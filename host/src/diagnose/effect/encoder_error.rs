@@ -2,7 +2,7 @@
 
 use super::displaced::displaced;
 use super::readout::enter;
-use super::wave::{PHASE, amplitude_and_phase, wave};
+use super::wave::{amplitude_phase_and_shape, wave};
 use super::{Class, Effect, Fitted, Line, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
@@ -63,9 +63,7 @@ impl Effect for EncoderError {
     }
 
     fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
-        let mut values = amplitude_and_phase("error_m", PHASE, fitted);
-        values.extend(fitted.shape_of(self));
-        values
+        amplitude_phase_and_shape("error_m", self, fitted)
     }
 
     fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {

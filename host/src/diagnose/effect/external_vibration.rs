@@ -1,7 +1,7 @@
 //! `A·cos(2πft + φ)`, with a phase of each file's own: no clock runs from one to the next.
 
 use super::readout::enter;
-use super::wave::{PHASE, amplitude_and_phase, wave};
+use super::wave::{PHASE, amplitude_phase_and_shape, wave};
 use super::{Class, Effect, Fitted, Line, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
@@ -74,9 +74,7 @@ impl Effect for ExternalVibration {
     }
 
     fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
-        let mut values = amplitude_and_phase("force_N", PHASE, fitted);
-        values.extend(fitted.shape_of(self));
-        values
+        amplitude_phase_and_shape("force_N", self, fitted)
     }
 
     fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {

@@ -3,11 +3,11 @@
 use super::readout::{enter, known};
 use super::{Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
-use crate::diagnose::signals::{Signals, bounds, mean, quantile};
+use crate::diagnose::signals::{Signals, bounds, mean};
 use crate::diagnose::weak::Column;
 use crate::effects::Effect as Entry;
 use crate::model::Model;
-use crate::statistics::Estimate;
+use crate::statistics::{Estimate, quantile_between_ranks};
 
 /// Key of the friction that a unit of transmitted effort brings (-), as in a gear.
 const SHARE: &str = "share_of_transmitted";
@@ -63,7 +63,7 @@ impl Effect for LoadDependentFriction {
             return vec![Vec::new()];
         }
         let load = transmitted(scene);
-        let varies = quantile(&load, 0.95) - quantile(&load, 0.05);
+        let varies = quantile_between_ranks(&load, 0.95) - quantile_between_ranks(&load, 0.05);
         let told = varies > LEAST * scene.core.level;
         told.then(|| vec![1.0]).into_iter().collect()
     }

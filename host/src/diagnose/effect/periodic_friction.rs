@@ -2,7 +2,7 @@
 
 use super::lack::both_directions;
 use super::readout::enter;
-use super::wave::{PHASE, amplitude_and_phase, wave};
+use super::wave::{amplitude_phase_and_shape, wave};
 use super::{Class, Effect, Fitted, Line, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
@@ -73,9 +73,7 @@ impl Effect for PeriodicFriction {
     }
 
     fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
-        let mut values = amplitude_and_phase("level", PHASE, fitted);
-        values.extend(fitted.shape_of(self));
-        values
+        amplitude_phase_and_shape("level", self, fitted)
     }
 
     fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {

@@ -1,10 +1,10 @@
 //! Every effect of the catalogue on a small made motion.
 
 use super::*;
-use crate::diagnose::signals::quantile;
 use crate::friction::FrictionModel;
 use crate::recording::{LoadOptions, MotionKind, Recording, load_csv};
 use crate::signal::Deflection;
+use crate::statistics::quantile_between_ranks;
 use std::collections::HashSet;
 use std::fmt::Write as _;
 
@@ -63,7 +63,7 @@ impl Stage {
         let core = Baseline {
             mass,
             blocks,
-            level: quantile(&size, 0.9),
+            level: quantile_between_ranks(&size, 0.9),
             slipping,
             stiffness: vec![0.0; n],
             fitted: (0..n).map(|i| friction[i] + mass * s.a[i]).collect(),

@@ -1,7 +1,7 @@
 //! Waves: a cosine and a sine, read as amplitude and phase.
 
-use super::Fitted;
 use super::readout::Values;
+use super::{Effect, Fitted};
 use std::f64::consts::TAU;
 
 /// Key of the phase in model files.
@@ -32,6 +32,13 @@ pub(super) fn amplitude_and_phase(key: &str, phase_key: &str, fitted: &Fitted) -
         ),
         (phase_key.to_owned(), fitted.estimate((-b).atan2(a), reach)),
     ]
+}
+
+/// The same of an effect with a phase in its model file, and its shape: the period or the frequency.
+pub(super) fn amplitude_phase_and_shape(key: &str, effect: &dyn Effect, fitted: &Fitted) -> Values {
+    let mut values = amplitude_and_phase(key, PHASE, fitted);
+    values.extend(fitted.shape_of(effect));
+    values
 }
 
 /// Of the wave whose cosine has the coefficient `at`, with its standard error.
