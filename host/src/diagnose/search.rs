@@ -1,7 +1,7 @@
 //! Which terms a recording asks for: forward and backward, by what they explain of rows that their fit has not seen.
 
 use super::change::Change;
-use super::effect::{self, Class};
+use super::effect::{self, Class, Effect};
 use super::ground::{Ground, Hypothesis};
 use super::offer::{Offer, offer_of, offers, refined};
 use super::polish::polished;
@@ -168,14 +168,23 @@ fn pick<'a>(ground: &Ground, list: &'a [Offer], families: usize, least: f64) -> 
     let first = fit.iter().find(|o| can(o) && plain(o));
     first
         .or_else(|| fit.iter().find(|o| can(o) && good(o)))
-        .map(|o| simplest(o, &fit))
+        .map(|o| simplest(ground, o, &fit))
         .or(Some(best))
 }
 
-/// The simplest effect, in the catalogue's order, that explains nearly as much as `leader`.
-fn simplest<'a>(leader: &'a Offer, fit: &[&'a Offer]) -> &'a Offer {
-    let near =
-        |o: &&Offer| o.term.effect().is_some() && o.evidence.share >= TIE * leader.evidence.share;
+/// The simplest effect, in the catalogue's order, that explains nearly as much as `leader`. Plain physics is all as simple: there the order
+/// decides between equivalents only, and a drag that explains more is no viscous friction.
+fn simplest<'a>(ground: &Ground, leader: &'a Offer, fit: &[&'a Offer]) -> &'a Offer {
+    let plain = leader.term.effect().filter(|e| e.class() == Class::Plain);
+    let rival = |effect: &dyn Effect| {
+        plain.is_none_or(|leader| {
+            let equivalents = leader.equivalents(&ground.rows.s);
+            effect.id() == leader.id() || equivalents.iter().any(|e| e.id() == effect.id())
+        })
+    };
+    let near = |o: &&Offer| {
+        o.term.effect().is_some_and(rival) && o.evidence.share >= TIE * leader.evidence.share
+    };
     fit.iter()
         .copied()
         .filter(near)
