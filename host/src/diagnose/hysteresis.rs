@@ -18,7 +18,12 @@ const TOLERATED: f64 = 3.0;
 const NOTICED: f64 = 0.84;
 /// Times the core's held-out error that it must leave at least.
 const WORSE: f64 = 2.0;
+/// Steps of half an octave by which the user's displacements are shortened, to a quarter: fitted to a first loading, blocks stand for Dahl's
+/// law with twice the displacements that it has after reversals. Longer ones are not tried, for a gap and a spring lengthen them.
+const STEPS: u32 = 4;
 
+/// What the user's displacements are to be multiplied by (-), where that mends the hysteresis.
+pub const DISPLACEMENT_FACTOR: &str = "displacement_factor";
 /// Id of the effect.
 pub const ID: &str = "presliding_shape";
 /// Its name for a person.
@@ -41,6 +46,8 @@ pub fn rivals(s: &Signals) -> Vec<&'static dyn Effect> {
 pub struct Shape {
     /// Held-out NMSE (%) with the user's friction, and with the core.
     pub nmse: [f64; 2],
+    /// What the user's displacements are to be multiplied by, and the held-out NMSE (%) then.
+    pub shorter: (f64, f64),
     /// What the core explains beside the user's friction.
     pub evidence: Evidence,
     /// What the core changes, at the rows (N or N·m).
@@ -48,18 +55,29 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// Whether the user's hysteresis is materially wrong.
+    /// Whether the user's hysteresis is materially wrong as it is.
+    pub fn misleads(&self) -> bool {
+        self.is_worse_by(TOLERATED, self.nmse[0])
+    }
+
+    /// Whether it is with shorter displacements, too.
     pub fn is_wrong(&self) -> bool {
-        self.is_worse_by(TOLERATED)
+        self.is_worse_by(TOLERATED, self.shorter.1)
     }
 
     /// Whether it may be.
     pub fn is_suspect(&self) -> bool {
-        self.is_worse_by(NOTICED)
+        self.is_worse_by(NOTICED, self.nmse[0])
     }
 
-    fn is_worse_by(&self, tolerated: f64) -> bool {
-        let [own, core] = self.nmse;
+    /// What its displacements are to be multiplied by where that mends it: a parameter is wrong, not the shape.
+    pub fn displacement_factor(&self) -> Option<f64> {
+        let (factor, left) = self.shorter;
+        (!self.is_wrong() && self.nmse[0] - left > NOTICED).then_some(factor)
+    }
+
+    fn is_worse_by(&self, tolerated: f64, own: f64) -> bool {
+        let core = self.nmse[1];
         own - core > tolerated && own > WORSE * core
     }
 
@@ -67,41 +85,61 @@ impl Shape {
     /// trusts its noise model. `None` where the library refuses a parameter.
     pub fn of(ground: &Ground, hypothesis: &Hypothesis, friction: &FrictionModel) -> Option<Self> {
         let rows = &ground.rows;
-        let own = own_friction(ground, friction)?;
-        let terms = hypothesis
-            .terms
-            .iter()
-            .map(|t| ground.columns(t))
-            .collect::<Vec<_>>();
-        let core = &ground.core.rows;
-        let inertia = ground.core.first_of_friction();
-        let mut columns: Vec<&[f64]> = vec![own.as_slice()];
-        columns.extend(core[..inertia].iter().map(Vec::as_slice));
-        columns.extend(terms.iter().flat_map(|c| c.iter()).map(Vec::as_slice));
-        let bounds = vec![Bound::Free; columns.len()];
-        let white = ground.unweighted();
-        let fit = Normal::new(&white, &rows.weak.folds, &columns, &bounds, &rows.target)?;
-        let residual = fit.held_out_residual(&columns, &rows.target);
+        let beside = beside(ground, hypothesis);
+        let residual = |factor: f64| {
+            let own = own_friction(ground, friction, factor)?;
+            let columns: Vec<&[f64]> = std::iter::once(&own)
+                .chain(&beside)
+                .map(Vec::as_slice)
+                .collect();
+            let bounds = vec![Bound::Free; columns.len()];
+            let white = ground.unweighted();
+            let fit = Normal::new(&white, &rows.weak.folds, &columns, &bounds, &rows.target)?;
+            Some(fit.held_out_residual(&columns, &rows.target))
+        };
+        let as_it_is = residual(1.0)?;
         let with_core = ground
             .fit_unweighted(&hypothesis.terms)?
             .held_out_residual(rows);
-        let force: Vec<f64> = residual
+        let force: Vec<f64> = as_it_is
             .iter()
             .zip(&with_core)
             .map(|(a, b)| a - b)
             .collect();
-        Some(Self {
-            nmse: [rows.nmse(&residual), rows.nmse(&with_core)],
-            evidence: evidence(&force, &residual, &rows.blocks),
+        let nmse = [rows.nmse(&as_it_is), rows.nmse(&with_core)];
+        let mut shape = Self {
+            nmse,
+            shorter: (1.0, nmse[0]),
+            evidence: evidence(&force, &as_it_is, &rows.blocks),
             force,
-        })
+        };
+        if shape.is_suspect() {
+            for step in 1..=STEPS {
+                let factor = 0.5_f64.powf(f64::from(step) / 2.0);
+                let left = rows.nmse(&residual(factor)?);
+                if left < shape.shorter.1 {
+                    shape.shorter = (factor, left);
+                }
+            }
+        }
+        Some(shape)
     }
 }
 
-/// The user's friction along the recording, at the rows.
-fn own_friction(ground: &Ground, friction: &FrictionModel) -> Option<Vec<f64>> {
+/// What stands beside the user's friction: inertia, constants and the terms.
+fn beside(ground: &Ground, hypothesis: &Hypothesis) -> Vec<Vec<f64>> {
+    let core = &ground.core.rows[..ground.core.first_of_friction()];
+    let terms = hypothesis.terms.iter().map(|t| ground.columns(t));
+    let terms: Vec<_> = terms.collect();
+    let terms = terms.iter().flat_map(|c| c.iter().cloned());
+    core.iter().cloned().chain(terms).collect()
+}
+
+/// The user's friction along the recording, at the rows, its displacements times a factor.
+fn own_friction(ground: &Ground, friction: &FrictionModel, factor: f64) -> Option<Vec<f64>> {
     let s = &ground.rows.s;
-    let (fine, pieces) = between_samples(s);
+    let (mut fine, pieces) = between_samples(s);
+    fine.iter_mut().for_each(|x| *x /= factor);
     let velocity: Vec<f64> =
         s.v.iter()
             .flat_map(|v| std::iter::repeat_n(*v, FINER))

@@ -10,7 +10,8 @@ use super::search::{Found, search};
 use super::term::Subject;
 use super::verdict::Verdict;
 use super::*;
-use crate::recording::{LoadOptions, load_csv};
+use crate::friction::FrictionModel;
+use crate::recording::{LoadOptions, MotionKind, load_csv};
 use crate::signal::Deflection;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -32,6 +33,11 @@ const MOTION: [(f64, f64); 3] = [(1.9, 0.03), (4.3, 0.008), (0.31, 0.012)];
 
 /// A recording of the machine with `more` (N) added, from time, position and velocity.
 fn made(more: impl Fn(f64, f64, f64) -> f64) -> Recording {
+    made_of(&BLOCKS, more)
+}
+
+/// The same on other blocks.
+fn made_of(blocks: &[(f64, f64)], more: impl Fn(f64, f64, f64) -> f64) -> Recording {
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
     let mut noise = || {
         let uniform = |bits: u64| (bits >> 11) as f64 / (1u64 << 53) as f64 - 0.5;
@@ -50,7 +56,7 @@ fn made(more: impl Fn(f64, f64, f64) -> f64) -> Recording {
     let x: Vec<f64> = (0..SAMPLES).map(|i| of(i, 0)).collect();
     let pieces = std::slice::from_ref(&(0..SAMPLES)).to_vec();
     let mut force: Vec<f64> = (0..SAMPLES).map(|i| MASS_KG * of(i, 2)).collect();
-    for (k, d) in BLOCKS {
+    for &(k, d) in blocks {
         let z = Deflection::along(&x, &pieces, d).z;
         force.iter_mut().zip(z).for_each(|(f, z)| *f += k * z);
     }
@@ -371,4 +377,39 @@ fn what_happens_now_and_then_does_not_pull_at_what_is_always_there() {
     println!("{alone} {beside} N·s/m");
     assert!((alone / 20.0 - 1.0).abs() < 0.05, "{alone}");
     assert!((beside / alone - 1.0).abs() < 0.02, "{beside} {alone}");
+}
+
+/// The machine's blocks with their displacements times a factor, the friction the same.
+fn stretched(factor: f64) -> [(f64, f64); 3] {
+    BLOCKS.map(|(k, d)| (k / factor, d * factor))
+}
+
+#[test]
+fn a_hysteresis_that_is_too_soft_is_a_parameter_and_one_that_is_too_stiff_may_be_a_gap() {
+    // Pre-sliding over a good part of the strokes: displacements would hardly matter otherwise.
+    let recording = made_of(&stretched(10.0), |_, _, _| 0.0);
+    let friction = |factor: f64| {
+        let blocks = stretched(10.0 * factor);
+        FrictionModel::maxwell_slip(&blocks.map(|b| b.0), &blocks.map(|b| b.1))
+    };
+    let told = |factor: f64| {
+        let model = Model::of_friction(MotionKind::Linear, friction(factor));
+        let found = diagnose(&recording, Some(&model), &Progress::new("", 0)).expect("a diagnosis");
+        println!("{factor}: {}", found.verdict_words(&recording));
+        let id = found.confident().next().map(verdict::Named::id);
+        (found.verdict, id, found.displacement_factor())
+    };
+    assert_eq!(told(1.0), (Verdict::Consistent, None, None));
+    assert_eq!(told(4.0), (Verdict::Consistent, None, Some(0.25)));
+
+    // Nothing beside it: late blocks would stand in for what it lacks.
+    let ground = ground(&recording);
+    let alone = ground.fit(&[]).expect("a fit");
+    let shape = |factor: f64| {
+        let shape = hysteresis::Shape::of(&ground, &alone, &friction(factor)).expect("a shape");
+        println!("{factor}: {:?} % {:?}", shape.nmse, shape.shorter);
+        (shape.is_wrong(), shape.displacement_factor())
+    };
+    assert_eq!(shape(1.0), (false, None));
+    assert_eq!(shape(0.01), (true, None));
 }

@@ -213,7 +213,7 @@ pub fn conclude(
     let shape = friction.and_then(|f| Shape::of(&ground, &extended, f));
     if let Some(shape) = shape.filter(Shape::is_suspect) {
         let [own, core] = shape.nmse;
-        if shape.is_wrong() {
+        if shape.misleads() {
             baseline.test += own - core;
             baseline.train += own - core;
         }
@@ -428,14 +428,15 @@ fn is_signless(effect: &Named, with: &Hypothesis) -> bool {
 }
 
 fn wrong_shape(ground: &Ground, shape: Shape) -> Named {
-    let [own, core] = shape.nmse;
+    let [_, core] = shape.nmse;
     let confident = shape.is_wrong();
+    let factor = shape.displacement_factor();
     Named {
         name: Name::Hysteresis,
         term: None,
         confident,
         confidence: if confident {
-            confidence::of_hysteresis(own, core)
+            confidence::of_hysteresis(shape.shorter.1, core)
         } else {
             confidence::of_a_hint(None)
         },
@@ -444,7 +445,15 @@ fn wrong_shape(ground: &Ground, shape: Shape) -> Named {
         nmse_test: shape.nmse,
         places: Place::all(&ground.rows, Axis::SinceReversal, &shape.force),
         force: shape.force,
-        parameters: Vec::new(),
+        parameters: factor
+            .map(|value| {
+                (
+                    hysteresis::DISPLACEMENT_FACTOR.to_owned(),
+                    Estimate { value, ci95: None },
+                )
+            })
+            .into_iter()
+            .collect(),
         source: None,
         ambiguous: hysteresis::rivals(&ground.rows.s),
     }

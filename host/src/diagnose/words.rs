@@ -328,6 +328,11 @@ impl Diagnosis {
                 self.extended.test
             ),
         };
+        if let Some(factor) = self.displacement_factor() {
+            text += &format!(
+                "; the model's hysteresis is too soft: it fits with its displacements × {factor:.2}"
+            );
+        }
         for unknown in self.nameless() {
             text += &format!("; without a name: {}", unknown.words(self, recording));
         }
@@ -374,8 +379,23 @@ impl Diagnosis {
         }
     }
 
+    /// What the displacements of the model's hysteresis are to be multiplied by, where that mends it.
+    pub(super) fn displacement_factor(&self) -> Option<f64> {
+        let own = self
+            .effects
+            .iter()
+            .filter(|e| matches!(e.name, Name::Hysteresis));
+        let mut parameters = own.flat_map(|e| &e.parameters);
+        parameters
+            .find(|p| p.0 == hysteresis::DISPLACEMENT_FACTOR)
+            .map(|p| p.1.value)
+    }
+
     /// Where nothing material is missing; the likeliest suspicion is worth an experiment at most.
     fn keep(&self) -> String {
+        if self.displacement_factor().is_some() {
+            return "identify the model's hysteresis again (`preslide identify`); its kind can stay.".to_owned();
+        }
         let keep = format!(
             "keep the {}; what is left is noise and friction's own variability.",
             self.model_word()
