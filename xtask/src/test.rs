@@ -127,6 +127,17 @@ const STEPS: &[Step] = &[
         run: host_tests,
     },
     Step {
+        name: "formats",
+        reason: "the optional readers (HDF5, Parquet, MCAP, …) read files that other tools wrote",
+        needs: &[],
+        paths: &["host/src/recording/", "host/tests/", "host/Cargo.toml"],
+        lane: Lane::Host,
+        run: || {
+            let readers = ["--features", "formats", "--test", "formats"];
+            run(cargo(&["test", "-p", "preslide-host"]).args(readers))
+        },
+    },
+    Step {
         name: "thumb",
         reason: "the library builds without std for the microcontroller",
         needs: &[],
@@ -211,12 +222,15 @@ const STEPS: &[Step] = &[
     },
 ];
 
+/// Steps that run where they are named or touched, and not with the whole: the optional readers take ten minutes of one core to compile.
+const APART: &[&str] = &["formats"];
+
 /// Whether CI has a step of this name.
 pub fn has_step(name: &str) -> bool {
     STEPS.iter().any(|step| step.name == name)
 }
 
-/// Runs every step, those named, or those that `--changed [BASE]` touches; behind `--serial` one after the other.
+/// Runs every step but those of [`APART`], those named, or those that `--changed [BASE]` touches; behind `--serial` one after the other.
 pub fn run_steps(arguments: &[String]) -> Result<(), String> {
     let (serial, arguments) = match arguments {
         [flag, rest @ ..] if flag == "--serial" => (true, rest),
@@ -264,7 +278,7 @@ fn touched_since(base: &str) -> Result<Vec<String>, String> {
     Ok(names(&chosen))
 }
 
-/// Those named, or all where none is.
+/// Those named, or all but those of [`APART`] where none is.
 fn named(names: &[String]) -> Result<Vec<&'static Step>, String> {
     if let Some(name) = names.iter().find(|name| !has_step(name)) {
         let known: Vec<&str> = STEPS.iter().map(|step| step.name).collect();
@@ -273,7 +287,10 @@ fn named(names: &[String]) -> Result<Vec<&'static Step>, String> {
             known.join(", ")
         ));
     }
-    let is_meant = |step: &&Step| names.is_empty() || names.iter().any(|name| name == step.name);
+    let is_meant = |step: &&Step| match names {
+        [] => !APART.contains(&step.name),
+        names => names.iter().any(|name| name == step.name),
+    };
     Ok(STEPS.iter().filter(is_meant).collect())
 }
 
