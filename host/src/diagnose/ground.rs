@@ -4,10 +4,12 @@ use super::axis::Axis;
 use super::change::{Change, late_yields};
 use super::core::Core;
 use super::curve::Curve;
-use super::effect::{self, Baseline, Scene, constant_force, viscous};
+use super::effect::thermal_drift::ThermalDrift;
+use super::effect::{self, Baseline, Effect, Scene, constant_force, viscous};
 use super::noise::{Course, Noise};
 use super::normal::{Bound, Normal};
 use super::rows::Rows;
+use super::signals::Signals;
 use super::spectra;
 use super::term::{Subject, Term};
 use super::weak::Column;
@@ -96,7 +98,9 @@ impl Ground {
     /// The same recording with friction and noise found beside `terms` and plain effects, in what least squares leave of all rows alike:
     /// what weights leave is more where they are small, and the noise that is found in it makes them smaller still.
     pub fn referred_to(&self, terms: &[Term]) -> Option<Self> {
-        let all: Vec<Term> = terms.iter().cloned().chain(plain()).collect();
+        let warming = warming(&self.rows.s).filter(|w| !terms.iter().any(|t| t.is_like(w)));
+        let beside = plain().chain(warming);
+        let all: Vec<Term> = terms.iter().cloned().chain(beside).collect();
         let mut ground: Option<Self> = None;
         for _ in 0..ROUNDS {
             let from = ground.as_ref().unwrap_or(self);
@@ -426,4 +430,11 @@ fn plain() -> impl Iterator<Item = Term> {
     std::iter::once(constant)
         .chain(curves)
         .map(|subject| Term::new(subject, &[]))
+}
+
+/// Friction that follows a measured temperature: the noise would take it for friction that wanders, as slowly as it goes.
+fn warming(s: &Signals) -> Option<Term> {
+    let drift: &'static dyn Effect = &ThermalDrift;
+    let told = drift.lacks(s).is_none();
+    told.then(|| Term::new(Subject::Effect(drift), &[]))
 }

@@ -413,3 +413,73 @@ fn a_hysteresis_that_is_too_soft_is_a_parameter_and_one_that_is_too_stiff_may_be
     assert_eq!(shape(1.0), (false, None));
     assert_eq!(shape(0.01), (true, None));
 }
+
+#[test]
+fn friction_that_follows_a_measured_temperature_is_named_though_friction_wanders() {
+    let temperature = |t: f64| 22.0 + 3.0 * (1.0 - (0.4 * t).cos());
+    let told = |per_kelvin: f64| {
+        let mut recording = made(|_, _, _| 0.0);
+        let level = wandering(&recording.position);
+        let level = level.iter().enumerate().map(|(i, wander)| {
+            let drift = per_kelvin * (temperature(i as f64 * STEP_S) - 25.0);
+            drift + 0.04 * wander
+        });
+        let level: Vec<f64> = level.collect();
+        let pieces = std::slice::from_ref(&(0..SAMPLES)).to_vec();
+        for (k, d) in BLOCKS {
+            let z = Deflection::along(&recording.position, &pieces, d).z;
+            let more = z.iter().zip(&level).map(|(z, level)| level * k * z);
+            recording
+                .effort
+                .iter_mut()
+                .zip(more)
+                .for_each(|(f, more)| *f += more);
+        }
+        let times = (0..SAMPLES).map(|i| i as f64 * STEP_S);
+        recording.temperature_c = Some(times.map(temperature).collect());
+        let found = diagnose(&recording, None, &Progress::new("", 0)).expect("a diagnosis");
+        println!("{per_kelvin}: {}", found.verdict_words(&recording));
+        let drift = found.confident().find(|e| e.id() == "thermal_drift");
+        drift.map(|e| e.parameters[0].1)
+    };
+    let drift = told(-0.03).expect("a drift");
+    let [low, high] = drift.ci95.expect("an interval");
+    println!("{} ({low} … {high}) 1/K", drift.value);
+    // Half a minute of a level that wanders by 4 % over 60 reaches: the interval says how well that tells.
+    assert!(low <= -0.03 && -0.03 <= high && high < -0.015 && low > -0.06);
+    assert!(told(0.0).is_none());
+}
+
+#[test]
+fn a_machine_that_only_warms_does_not_tell_run_in_from_warming() {
+    let declared = |temperature: &dyn Fn(f64) -> f64| {
+        let mut recording = made(|_, _, _| 0.0);
+        let times = (0..SAMPLES).map(|i| i as f64 * STEP_S);
+        recording.temperature_c = Some(times.map(temperature).collect());
+        let rows = Rows::new(&recording, &[]).expect("rows");
+        let of = |id: &str| {
+            let effect = effect::by_id(id).expect("in the catalogue");
+            effect.equivalents(&rows.s).first().map(|e| e.id())
+        };
+        [of("run_in"), of("thermal_drift")]
+    };
+    let both = [Some("thermal_drift"), Some("run_in")];
+    assert_eq!(declared(&|t| 29.0 - 7.0 * (-t / 10.0).exp()), both);
+    assert_eq!(declared(&|t| 25.0 - 3.0 * (0.4 * t).cos()), [None, None]);
+}
+
+/// A level of deviation one that wanders along the path, correlated over 20 mm.
+fn wandering(position: &[f64]) -> Vec<f64> {
+    const REACH_M: f64 = 0.02;
+    let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+    let (mut now, mut before) = (0.0, position[0]);
+    let next = |&x: &f64| {
+        let kept = (-(x - before).abs() / REACH_M).exp();
+        // A uniform deviate of variance one.
+        let fresh = 12.0_f64.sqrt() * ((rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64 - 0.5);
+        now = kept * now + (1.0 - kept * kept).sqrt() * fresh;
+        before = x;
+        now
+    };
+    position.iter().map(next).collect()
+}

@@ -34,10 +34,11 @@ const CRATES: [&str; 11] = [
 
 /// Siblings that may name each other: effects that one recording cannot tell apart. Each lists the other by its type; nothing is
 /// computed in a circle.
-const ALIKE: [(&str, &str, &str); 3] = [
+const ALIKE: [(&str, &str, &str); 4] = [
     ("diagnose::effect", "constant_force", "coulomb_asymmetry"),
     ("diagnose::effect", "stribeck", "frictional_lag"),
     ("diagnose::effect", "gravity", "position_spring"),
+    ("diagnose::effect", "run_in", "thermal_drift"),
 ];
 
 /// The page that gives the order.

@@ -2,6 +2,7 @@
 
 use super::grid::one;
 use super::readout::enter;
+use super::thermal_drift::{ThermalDrift, goes_one_way};
 use super::{Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
@@ -40,6 +41,14 @@ impl Effect for RunIn {
     fn lacks(&self, s: &Signals) -> Option<&'static str> {
         let path = s.path.last().copied().unwrap_or(0.0);
         (path < 10.0 * s.travel()).then_some("a long run")
+    }
+
+    fn equivalents(&self, s: &Signals) -> &'static [&'static dyn Effect] {
+        if goes_one_way(s) {
+            &[&ThermalDrift]
+        } else {
+            &[]
+        }
     }
 
     fn shape(&self) -> &'static [(&'static str, Scale)] {

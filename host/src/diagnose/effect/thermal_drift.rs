@@ -3,6 +3,7 @@
 use super::grid::one;
 use super::readout::enter;
 use super::readout::known;
+use super::run_in::RunIn;
 use super::{Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::{Signals, bounds, mean};
@@ -32,7 +33,7 @@ impl Effect for ThermalDrift {
     }
 
     fn axis(&self) -> Axis {
-        Axis::Time
+        Axis::Temperature
     }
 
     fn experiment(&self) -> &'static str {
@@ -45,6 +46,10 @@ impl Effect for ThermalDrift {
             Some(t) if bounds(t).1 - bounds(t).0 < 1.0 => Some("temperature range"),
             Some(_) => None,
         }
+    }
+
+    fn equivalents(&self, s: &Signals) -> &'static [&'static dyn Effect] {
+        if goes_one_way(s) { &[&RunIn] } else { &[] }
     }
 
     fn shape(&self) -> &'static [(&'static str, Scale)] {
@@ -90,4 +95,15 @@ impl Effect for ThermalDrift {
     fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
         enter(self.id(), values, &[], model)
     }
+}
+
+/// Whether a measured temperature only rises or only falls: what runs in goes the same way.
+pub(super) fn goes_one_way(s: &Signals) -> bool {
+    /// Of the range, between the ends.
+    const ONE_WAY: f64 = 0.9;
+    let ends = s.temperature.as_deref().and_then(|t| {
+        let (low, high) = bounds(t);
+        Some((t.last()? - t.first()?).abs() >= ONE_WAY * (high - low))
+    });
+    ends.unwrap_or(false)
 }
