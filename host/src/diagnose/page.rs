@@ -2,12 +2,12 @@
 
 use super::axis::Axis;
 use super::curve::Curve;
-use super::place::Place;
+use super::place::{Place, means_over};
 use super::second_position::SecondPosition;
 use super::signals::bounds;
 use super::term::Subject;
 use super::unnamed::Happened;
-use super::verdict::Diagnosis;
+use super::verdict::{Diagnosis, Name};
 use super::words::{between, quantity};
 use crate::recording::Recording;
 use crate::report::{self, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
@@ -15,8 +15,6 @@ use crate::statistics::quantile_between_ranks;
 
 /// Points of a figure's cloud.
 const POINTS: usize = 6000;
-/// Stretches over which a mean is drawn.
-const BINS: usize = 48;
 /// Stretches of a map, each way.
 const CELLS: usize = 24;
 
@@ -89,7 +87,7 @@ impl Diagnosis {
                 _ => None,
             });
             // A force that does not flip is not drawn flipped, whichever curve organises the mismatch.
-            let flips = self.side(&first.force).is_some();
+            let flips = self.flips(axis, &first.force);
             return (axis, flips && odd.unwrap_or(false), own.copied());
         }
         if let Some(unknown) = self.nameless().find(|u| u.happened.is_none()) {
@@ -252,9 +250,10 @@ impl Diagnosis {
         let rows = &self.ground.rows;
         let evidence = self.effects.iter().map(|e| {
             let Some(standing) = &e.standing else {
+                let soft = matches!(e.name, Name::Hysteresis).then(|| self.too_soft()).flatten();
                 return format!(
                     "{} ({}): {}. It would explain {:.1} % of what is left, at {:.1} standard errors.",
-                    e.id(), e.level(), e.name.words(), 100.0 * e.evidence.share, e.evidence.z
+                    e.id(), e.level(), soft.unwrap_or_else(|| e.name.words().to_owned()), 100.0 * e.evidence.share, e.evidence.z
                 );
             };
             let tried: Vec<String> = standing
@@ -399,21 +398,4 @@ fn unit_of(recording: &Recording) -> &'static str {
 fn thin(values: &[f64]) -> Vec<f64> {
     let step = values.len().div_ceil(POINTS).max(1);
     values.iter().copied().step_by(step).collect()
-}
-
-/// Means of `values` over stretches of a coordinate: centre and mean of those that hold any.
-fn means_over(at: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
-    let (low, high) = bounds(at);
-    let mut sums = [(0.0, 0usize); BINS];
-    for (a, v) in at.iter().zip(values) {
-        let u = (a - low) / (high - low).max(1e-300);
-        let sum = &mut sums[((u * BINS as f64) as usize).min(BINS - 1)];
-        *sum = (sum.0 + v, sum.1 + 1);
-    }
-    let held = sums.iter().enumerate().filter(|(_, s)| s.1 > 2);
-    held.map(|(i, s)| {
-        let centre = low + (high - low) * (i as f64 + 0.5) / BINS as f64;
-        (centre, s.0 / s.1 as f64)
-    })
-    .unzip()
 }

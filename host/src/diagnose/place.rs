@@ -6,6 +6,8 @@ use super::signals::bounds;
 
 /// Stretches into which a coordinate is cut.
 const BINS: usize = 60;
+/// The same for the mean force over it.
+const MEANS: usize = 48;
 /// Share of its largest mean square within which a force is said to be largest: half of its amplitude. A free curve is noise elsewhere.
 const LARGE: f64 = 0.25;
 /// The same within which an effect is said to act, whose form has no noise: a fifth of its amplitude. A Gaussian spot acts over 2.5 of its
@@ -89,4 +91,21 @@ impl Place {
             )
             .collect()
     }
+}
+
+/// Means of `values` over stretches of a coordinate: centre and mean of those that hold any.
+pub fn means_over(at: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let (low, high) = bounds(at);
+    let mut sums = [(0.0, 0usize); MEANS];
+    for (a, v) in at.iter().zip(values) {
+        let u = (a - low) / (high - low).max(1e-300);
+        let sum = &mut sums[((u * MEANS as f64) as usize).min(MEANS - 1)];
+        *sum = (sum.0 + v, sum.1 + 1);
+    }
+    let held = sums.iter().enumerate().filter(|(_, s)| s.1 >= ROWS);
+    held.map(|(i, s)| {
+        let centre = low + (high - low) * (i as f64 + 0.5) / MEANS as f64;
+        (centre, s.0 / s.1 as f64)
+    })
+    .unzip()
 }

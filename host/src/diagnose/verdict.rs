@@ -455,7 +455,11 @@ fn wrong_shape(ground: &Ground, shape: Shape) -> Named {
             .into_iter()
             .collect(),
         source: None,
-        ambiguous: hysteresis::rivals(&ground.rows.s),
+        // A gap and a spring make it softer, not stiffer.
+        ambiguous: match factor {
+            Some(_) => Vec::new(),
+            None => hysteresis::rivals(&ground.rows.s),
+        },
     }
 }
 

@@ -1,8 +1,9 @@
 //! A diagnosis in sentences, in the machine's own units.
 
+use super::axis::Axis;
 use super::effect::Effect;
 use super::hysteresis;
-use super::place::Place;
+use super::place::{Place, means_over};
 use super::second_position::SecondPosition;
 use super::unnamed::Unknown;
 use super::verdict::{Diagnosis, Name, Named, Verdict};
@@ -192,8 +193,9 @@ fn place_words(place: &Place, recording: &Recording) -> String {
     )
 }
 
-/// How large a force is: of the friction level where it goes with the direction, else in its unit.
-fn size(found: &Diagnosis, force: &[f64], recording: &Recording) -> String {
+/// How large an effect's force is: of the friction level where it goes with the direction, else in its unit.
+fn size(found: &Diagnosis, effect: &Named, recording: &Recording) -> String {
+    let force = &effect.force;
     let large = quantile_between_ranks(&force.iter().map(|f| f.abs()).collect::<Vec<_>>(), 0.98);
     let level = found.ground.baseline.level;
     let of_level = percent(large / level.max(1e-300));
@@ -203,6 +205,13 @@ fn size(found: &Diagnosis, force: &[f64], recording: &Recording) -> String {
             format!("friction is up to {of_level} higher, in both directions")
         }
         Some(_) => format!("friction is up to {of_level} lower, in both directions"),
+        None if effect
+            .places
+            .first()
+            .is_some_and(|p| found.flips(p.axis, force)) =>
+        {
+            format!("friction is up to {of_level} higher or lower, in both directions")
+        }
         None => format!("a force of up to {} acts", quantity(large, unit)),
     }
 }
@@ -287,6 +296,20 @@ impl Diagnosis {
             .find(|side| square(*side) > WITH_DIRECTION * both)
     }
 
+    /// Whether a force at the rows has opposite signs in the two directions at the same place of a coordinate, whichever goes with the motion
+    /// there: a friction level that is higher at one end and lower at the other.
+    pub(super) fn flips(&self, axis: Axis, force: &[f64]) -> bool {
+        let rows = &self.ground.rows;
+        let Some(values) = axis.values(&rows.s) else {
+            return false;
+        };
+        let values = rows.weak.at_centres(&values);
+        let direction = rows.weak.at_centres(&rows.s.direction);
+        let along: Vec<f64> = force.iter().zip(&direction).map(|(f, d)| f * d).collect();
+        let held = |f: &[f64]| -> f64 { means_over(&values, f).1.iter().map(|m| m * m).sum() };
+        held(&along) > held(force)
+    }
+
     /// One sentence on an effect: where, how much, what it is, what it explains, what compensating it is worth.
     pub fn sentence(&self, effect: &Named, recording: &Recording) -> String {
         let confined = effect.places.iter().find(|p| p.share > 0.0);
@@ -299,7 +322,7 @@ impl Diagnosis {
         };
         let text = format!(
             "{place}{}: {}. It explains {} of what is left without it; compensated, {} RMS of disturbance are gone",
-            size(self, &effect.force, recording),
+            size(self, effect, recording),
             effect.name.name(),
             percent(effect.evidence.share),
             quantity(rms, recording.effort_unit())
@@ -328,10 +351,8 @@ impl Diagnosis {
                 self.extended.test
             ),
         };
-        if let Some(factor) = self.displacement_factor() {
-            text += &format!(
-                "; the model's hysteresis is too soft: it fits with its displacements × {factor:.2}"
-            );
+        if let Some(words) = self.too_soft() {
+            text += &format!("; {words}");
         }
         for unknown in self.nameless() {
             text += &format!("; without a name: {}", unknown.words(self, recording));
@@ -356,6 +377,9 @@ impl Diagnosis {
         let advice = match (self.verdict, self.unknown(), self.effects.first()) {
             (Verdict::MissingPhysics, _, Some(first)) => self.advice(first),
             (Verdict::InsufficientData, ..) => "record strokes over the whole travel at several speeds, in both directions, with the effort of the motor (`preslide diagnose … --experiment motion.csv` writes such a motion).".to_owned(),
+            _ if self.displacement_factor().is_some() => {
+                "identify the model's hysteresis again (`preslide identify`); its kind can stay.".to_owned()
+            }
             (Verdict::UnknownPhysics, Some(unknown), _) => unknown.advice(self),
             _ => self.keep(),
         };
@@ -391,11 +415,17 @@ impl Diagnosis {
             .map(|p| p.1.value)
     }
 
+    /// The same in a clause.
+    pub(super) fn too_soft(&self) -> Option<String> {
+        self.displacement_factor().map(|factor| {
+            format!(
+                "the model's hysteresis is too soft: it fits with its displacements × {factor:.2}"
+            )
+        })
+    }
+
     /// Where nothing material is missing; the likeliest suspicion is worth an experiment at most.
     fn keep(&self) -> String {
-        if self.displacement_factor().is_some() {
-            return "identify the model's hysteresis again (`preslide identify`); its kind can stay.".to_owned();
-        }
         let keep = format!(
             "keep the {}; what is left is noise and friction's own variability.",
             self.model_word()
