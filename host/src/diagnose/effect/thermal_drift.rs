@@ -99,11 +99,16 @@ impl Effect for ThermalDrift {
 
 /// Whether a measured temperature only rises or only falls: what runs in goes the same way.
 pub(super) fn goes_one_way(s: &Signals) -> bool {
-    /// Of the range, between the ends.
-    const ONE_WAY: f64 = 0.9;
-    let ends = s.temperature.as_deref().and_then(|t| {
-        let (low, high) = bounds(t);
-        Some((t.last()? - t.first()?).abs() >= ONE_WAY * (high - low))
-    });
-    ends.unwrap_or(false)
+    /// Of its range, that it may have gone back: noise.
+    const BACK: f64 = 0.1;
+    let Some(temperature) = &s.temperature else {
+        return false;
+    };
+    let (low, high) = bounds(temperature);
+    let (mut lowest, mut highest, mut fallen, mut risen) = (high, low, 0.0_f64, 0.0_f64);
+    for t in temperature {
+        (lowest, highest) = (lowest.min(*t), highest.max(*t));
+        (fallen, risen) = (fallen.max(highest - t), risen.max(t - lowest));
+    }
+    fallen.min(risen) <= BACK * (high - low)
 }
