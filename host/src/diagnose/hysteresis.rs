@@ -85,11 +85,13 @@ impl Shape {
     /// trusts its noise model. `None` where the library refuses a parameter.
     pub fn of(ground: &Ground, hypothesis: &Hypothesis, friction: &FrictionModel) -> Option<Self> {
         let rows = &ground.rows;
-        let beside = beside(ground, hypothesis);
+        let core = &ground.core.rows[..ground.core.first_of_friction()];
+        let terms: Vec<_> = hypothesis.terms.iter().map(|t| ground.columns(t)).collect();
         let residual = |factor: f64| {
             let own = own_friction(ground, friction, factor)?;
             let columns: Vec<&[f64]> = std::iter::once(&own)
-                .chain(&beside)
+                .chain(core)
+                .chain(terms.iter().flat_map(|c| c.iter()))
                 .map(Vec::as_slice)
                 .collect();
             let bounds = vec![Bound::Free; columns.len()];
@@ -124,15 +126,6 @@ impl Shape {
         }
         Some(shape)
     }
-}
-
-/// What stands beside the user's friction: inertia, constants and the terms.
-fn beside(ground: &Ground, hypothesis: &Hypothesis) -> Vec<Vec<f64>> {
-    let core = &ground.core.rows[..ground.core.first_of_friction()];
-    let terms = hypothesis.terms.iter().map(|t| ground.columns(t));
-    let terms: Vec<_> = terms.collect();
-    let terms = terms.iter().flat_map(|c| c.iter().cloned());
-    core.iter().cloned().chain(terms).collect()
 }
 
 /// The user's friction along the recording, at the rows, its displacements times a factor.

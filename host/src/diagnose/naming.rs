@@ -116,11 +116,6 @@ impl Standing {
         self.evidence.share.max(self.gain)
     }
 
-    /// Part of the effort's variance (%) that it takes off.
-    pub fn worth(&self) -> f64 {
-        self.size() * self.left
-    }
-
     /// Whether a rival is simpler. Plain physics stays, which every machine may have, and a delay, which every recording may have.
     fn gives_way(&self, rival: &dyn Effect) -> bool {
         let stays = |e: &dyn Effect| e.class() == Class::Plain || e.id() == ALWAYS_FREE.id();

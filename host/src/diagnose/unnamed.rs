@@ -103,7 +103,7 @@ pub fn unnamed(
     let material = standings
         .iter()
         .filter(is_unnamed)
-        .filter(|s| s.size() >= UNNAMED && s.worth() >= NOTICEABLE);
+        .filter(|s| s.size() >= UNNAMED && s.size() * s.left >= NOTICEABLE);
     let mut all: Vec<Unknown> = material.map(|s| unknown(found, s)).collect();
     all.extend(event);
     all.sort_by(|a, b| b.size.total_cmp(&a.size));
