@@ -37,6 +37,23 @@ def table():
         file.attrs["rig"] = "made"
 
 
+def types():
+    """Every type of real numbers in both byte orders, both orders of a table, and what is no real number."""
+    signed, unsigned = np.arange(-3, 4), np.arange(7)
+    arrays = {}
+    for order, mark in [("little", "<"), ("big", ">")]:
+        for kind in ["f4", "f8", "i1", "i2", "i4", "i8"]:
+            arrays[f"{order}_{kind}"] = signed.astype(mark + kind)
+        for kind in ["u1", "u2", "u4", "u8"]:
+            arrays[f"{order}_{kind}"] = unsigned.astype(mark + kind)
+        arrays[f"{order}_m8"] = signed.astype(f"{mark}m8[ns]")
+    pair = np.column_stack([signed, unsigned])
+    record = np.zeros(2, [("a, 'b'", "<f8"), ("c", "<i2", (2,))])
+    np.savez_compressed(HERE / "types.npz", **arrays, bool=unsigned.astype(bool), rows=pair, columns=np.asfortranarray(pair),
+                        text=np.array(["a", "b"]), complex=1j * signed, record=record, half=signed.astype("f2"), scalar=np.array(50.0),
+                        empty=np.array([]))
+
+
 def matlab73():
     """The layout of `save -v7.3`: a user block of 512 bytes, columns as 1 x N, a class on each variable."""
     path = HERE / "v73.mat"
@@ -82,5 +99,6 @@ def bags():
 
 
 table()
+types()
 matlab73()
 bags()

@@ -6,6 +6,7 @@ mod db3;
 mod hdf5;
 #[cfg(feature = "mcap")]
 mod mcap;
+mod npy;
 mod npz;
 #[cfg(feature = "parquet")]
 mod parquet;
