@@ -29,6 +29,60 @@ pub enum Kind {
     Spindle,
 }
 
+/// What a kind's sizes lie between (SI for a line or a turn), and the steps that its encoders have.
+struct Ranges {
+    inertia: [f64; 2],
+    friction: [f64; 2],
+    presliding: [f64; 2],
+    travel: [f64; 2],
+    speed: [f64; 2],
+    acceleration: [f64; 2],
+    counts: [f64; 2],
+}
+
+impl Kind {
+    fn ranges(self) -> Ranges {
+        match self {
+            Kind::Screw => Ranges {
+                inertia: [20.0, 120.0],
+                friction: [15.0, 60.0],
+                presliding: [5e-6, 40e-6],
+                travel: [0.1, 0.4],
+                speed: [0.04, 0.25],
+                acceleration: [0.5, 3.0],
+                counts: [1e-7, 1e-6],
+            },
+            Kind::Belt => Ranges {
+                inertia: [1.0, 8.0],
+                friction: [4.0, 20.0],
+                presliding: [1e-4, 6e-4],
+                travel: [0.3, 1.0],
+                speed: [0.15, 1.0],
+                acceleration: [2.0, 8.0],
+                counts: [5e-6, 2e-5],
+            },
+            Kind::Servo => Ranges {
+                inertia: [4e-3, 0.05],
+                friction: [0.05, 0.5],
+                presliding: [5e-3, 0.03],
+                travel: [2.0, 5.0],
+                speed: [1.0, 6.0],
+                acceleration: [10.0, 40.0],
+                counts: [5e-5, 2e-4],
+            },
+            Kind::Spindle => Ranges {
+                inertia: [1e-3, 1e-2],
+                friction: [0.02, 0.1],
+                presliding: [0.01, 0.05],
+                travel: [300.0, 900.0],
+                speed: [8.0, 50.0],
+                acceleration: [10.0, 60.0],
+                counts: [5e-5, 2e-4],
+            },
+        }
+    }
+}
+
 /// Random numbers of a machine.
 pub struct Dice(ChaCha12Rng);
 
@@ -46,6 +100,19 @@ impl Dice {
     /// Uniform in the logarithm.
     pub fn scale(&mut self, low: f64, high: f64) -> f64 {
         self.between(low.ln(), high.ln()).exp()
+    }
+
+    /// Uniform in the logarithm, of a range.
+    fn scale_in(&mut self, [low, high]: [f64; 2]) -> f64 {
+        self.scale(low, high)
+    }
+
+    /// What is drawn with a probability, and else nothing.
+    fn sometimes(&mut self, probability: f64, draw: impl FnOnce(&mut Self) -> f64) -> f64 {
+        match self.chance(probability) {
+            true => draw(self),
+            false => 0.0,
+        }
     }
 
     /// One of several.
@@ -110,46 +177,13 @@ impl Machine {
             Kind::Servo,
             Kind::Spindle,
         ]);
-        let [inertia, friction, presliding, travel, speed, acceleration] = match kind {
-            Kind::Screw => [
-                (20.0, 120.0),
-                (15.0, 60.0),
-                (5e-6, 40e-6),
-                (0.1, 0.4),
-                (0.04, 0.25),
-                (0.5, 3.0),
-            ],
-            Kind::Belt => [
-                (1.0, 8.0),
-                (4.0, 20.0),
-                (1e-4, 6e-4),
-                (0.3, 1.0),
-                (0.15, 1.0),
-                (2.0, 8.0),
-            ],
-            Kind::Servo => [
-                (4e-3, 0.05),
-                (0.05, 0.5),
-                (5e-3, 0.03),
-                (2.0, 5.0),
-                (1.0, 6.0),
-                (10.0, 40.0),
-            ],
-            Kind::Spindle => [
-                (1e-3, 1e-2),
-                (0.02, 0.1),
-                (0.01, 0.05),
-                (300.0, 900.0),
-                (8.0, 50.0),
-                (10.0, 60.0),
-            ],
-        }
-        .map(|(low, high)| dice.scale(low, high));
-        let counts = match kind {
-            Kind::Screw => [1e-7, 1e-6],
-            Kind::Belt => [5e-6, 2e-5],
-            Kind::Servo | Kind::Spindle => [5e-5, 2e-4],
-        };
+        let ranges = kind.ranges();
+        let inertia = dice.scale_in(ranges.inertia);
+        let friction = dice.scale_in(ranges.friction);
+        let presliding = dice.scale_in(ranges.presliding);
+        let travel = dice.scale_in(ranges.travel);
+        let speed = dice.scale_in(ranges.speed);
+        let acceleration = dice.scale_in(ranges.acceleration);
         Self {
             kind,
             inertia,
@@ -159,20 +193,12 @@ impl Machine {
             speed,
             // A drive is sized for its friction as well as its mass.
             acceleration: acceleration.min(5.0 * friction / inertia),
-            count: dice.pick(&counts),
+            count: dice.pick(&ranges.counts),
             rate_hz: dice.pick(&[250.0, 500.0, 1000.0, 1000.0]),
             seconds: dice.between(35.0, 90.0),
             law: Law::draw(dice),
-            jitter: if dice.chance(0.4) {
-                dice.between(0.05, 0.25)
-            } else {
-                0.0
-            },
-            lost: if dice.chance(0.3) {
-                dice.scale(5e-4, 1e-2)
-            } else {
-                0.0
-            },
+            jitter: dice.sometimes(0.4, |dice| dice.between(0.05, 0.25)),
+            lost: dice.sometimes(0.3, |dice| dice.scale(5e-4, 1e-2)),
             noise: dice.scale(3e-3, 2e-2),
             wander: dice.between(0.01, 0.05),
         }
