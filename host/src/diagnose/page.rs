@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::curve::Curve;
 use super::place::{Place, means_over};
-use super::second_position::SecondPosition;
+use super::second_position::{Lead, Periodic, SecondPosition};
 use super::signals::bounds;
 use super::term::Subject;
 use super::unnamed::Happened;
@@ -17,19 +17,48 @@ use crate::statistics::quantile_between_ranks;
 const POINTS: usize = 6000;
 /// Stretches of a map, each way.
 const CELLS: usize = 24;
+/// Parts of the line over one period.
+const PERIOD: usize = 72;
 
 impl SecondPosition {
-    /// The difference over the travel, for the page.
-    pub fn figure(&self, recording: &Recording) -> Option<Figure> {
-        let curve = &self.lead.as_ref()?.curve;
-        let (x, y) = curve.iter().map(|[x, d]| (*x, *d)).unzip();
+    /// The difference over the travel and over each period, for the page.
+    pub fn figures(&self, recording: &Recording) -> Vec<Figure> {
+        let smooth = self.lead.as_ref().map(|l| self.smooth_figure(l, recording));
+        let periodic = self.periodic.iter();
+        let periodic = periodic.map(|p| self.periodic_figure(p, recording));
+        smooth.into_iter().chain(periodic).collect()
+    }
+
+    fn smooth_figure(&self, lead: &Lead, recording: &Recording) -> Figure {
+        let (x, y) = lead.curve.iter().map(|[x, d]| (*x, *d)).unzip();
         let unit = recording.position_unit();
-        let figure = Figure::new(
+        Figure::new(
             format!("`{}` less the position", self.column),
             report::Axis::new("position", unit),
             report::Axis::new("difference", unit),
-        );
-        Some(figure.with(Series::line("lead error", x, y).colour(Colour::Blue)))
+        )
+        .with(Series::line("lead error", x, y).colour(Colour::Blue))
+    }
+
+    fn periodic_figure(&self, found: &Periodic, recording: &Recording) -> Figure {
+        let unit = recording.position_unit();
+        let period = found.period.value;
+        let x: Vec<f64> = (0..=PERIOD)
+            .map(|k| period * k as f64 / PERIOD as f64)
+            .collect();
+        let y = x.iter().map(|x| found.at(*x)).collect();
+        let (place, mean) = found.folded.iter().map(|[x, d]| (*x, *d)).unzip();
+        Figure::new(
+            format!(
+                "`{}` less the position, over a period of {}",
+                self.column,
+                quantity(period, unit)
+            ),
+            report::Axis::new("position from the last multiple of the period", unit),
+            report::Axis::new("difference", unit),
+        )
+        .with(Series::points("mean there", place, mean).colour(Colour::Sky))
+        .with(Series::line("periodic lead error", x, y).colour(Colour::Blue))
     }
 }
 
@@ -72,7 +101,7 @@ impl Diagnosis {
                 .iter()
                 .map(|p| format!("{}.", p.words(recording)))
                 .collect(),
-            figures: all.iter().filter_map(|p| p.figure(recording)).collect(),
+            figures: all.iter().flat_map(|p| p.figures(recording)).collect(),
             ..Section::default()
         })
     }

@@ -23,13 +23,20 @@ impl SecondPosition {
     /// For machines.
     pub fn to_json(&self, recording: &Recording) -> Value {
         let unit = recording.position_unit();
+        let smooth = self.lead.iter().map(|lead| json!({
+            "id": "lead_error", "slope": lead.slope, "bow": lead.bow, "lowest_at": lead.lowest_at, "highest_at": lead.highest_at,
+            "share_of_difference": lead.share, "standard_errors": lead.z, "curve": lead.curve,
+        }));
+        let periodic = self.periodic.iter().map(|p| json!({
+            "id": "periodic_lead_error", "period": p.period, "amplitude": p.amplitude, "highest_at": p.highest_at,
+            "share_of_difference": p.passes.share, "standard_errors": p.passes.z,
+            "share_on_stretches": p.stretches.share, "standard_errors_on_stretches": p.stretches.z,
+            "folded": p.folded, "ambiguous_with": ["encoder_error"],
+        }));
         json!({
             "column": self.column, "unit": unit, "ratio": self.ratio, "passes": self.passes, "rms_left": self.left,
             "lost_motion": self.lost_motion, "compliance_per_effort": self.compliance,
-            "effects": self.lead.iter().map(|lead| json!({
-                "id": "lead_error", "slope": lead.slope, "bow": lead.bow, "lowest_at": lead.lowest_at, "highest_at": lead.highest_at,
-                "share_of_difference": lead.share, "standard_errors": lead.z, "curve": lead.curve,
-            })).collect::<Vec<_>>(),
+            "effects": smooth.chain(periodic).collect::<Vec<_>>(),
         })
     }
 }

@@ -65,6 +65,28 @@ impl Spectrum {
             step,
         })
     }
+
+    /// Frequency of the peak at or beside a value, by a parabola through the logarithms of three points.
+    fn frequency(&self, i: usize) -> f64 {
+        let l = |k: usize| self.power.get(k).map_or(f64::NAN, |p| p.max(1e-300).ln());
+        let [before, at, after] = [i.wrapping_sub(1), i, i + 1].map(l);
+        let bend = before - 2.0 * at + after;
+        let off = if bend < 0.0 {
+            0.5 * (before - after) / bend
+        } else {
+            0.0
+        };
+        self.from + (i as f64 + off.clamp(-0.5, 0.5)) * self.step
+    }
+}
+
+/// The frequency at which `weights` have most power, however much there is around it. Places that many passes have in common make aliases
+/// of a line that stand higher above quieter neighbourhoods, and never higher themselves.
+pub fn strongest(at: &[f64], weights: &[f64], from: f64, to: f64) -> Option<f64> {
+    let spectrum = Spectrum::of(at, weights, from, to)?;
+    let power = spectrum.power.iter().enumerate();
+    let (most, _) = power.max_by(|a, b| a.1.total_cmp(b.1))?;
+    Some(spectrum.frequency(most))
 }
 
 /// The comb (periods per unit) on which places stand that a scan in steps stopped at; `None` where they lie anywhere.
@@ -92,9 +114,10 @@ pub fn with_aliases(mut lines: Vec<f64>, comb: Option<f64>, from: f64) -> Vec<f6
 /// Frequencies at which `weights` (the mismatch, at the places or times `at`) has lines: those whose power stands highest
 /// above its neighbourhood. `from..to` in periods per unit of `at`.
 pub fn lines(at: &[f64], weights: &[f64], from: f64, to: f64) -> Vec<f64> {
-    let Some(Spectrum { power, from, step }) = Spectrum::of(at, weights, from, to) else {
+    let Some(spectrum) = Spectrum::of(at, weights, from, to) else {
         return Vec::new();
     };
+    let power = &spectrum.power;
     let count = power.len();
     if count < 8 {
         return Vec::new();
@@ -104,17 +127,9 @@ pub fn lines(at: &[f64], weights: &[f64], from: f64, to: f64) -> Vec<f64> {
         .filter(|&i| power[i] >= power[i - 1] && power[i] >= power[i + 1])
         .map(|i| {
             let near = &power[i.saturating_sub(around)..(i + around).min(count)];
-            // Parabola through the logarithms of three points.
-            let l = |k: usize| power[k].max(1e-300).ln();
-            let bend = l(i - 1) - 2.0 * l(i) + l(i + 1);
-            let off = if bend < 0.0 {
-                0.5 * (l(i - 1) - l(i + 1)) / bend
-            } else {
-                0.0
-            };
             (
                 power[i] / quantile_between_ranks(near, 0.5).max(1e-300),
-                from + (i as f64 + off.clamp(-0.5, 0.5)) * step,
+                spectrum.frequency(i),
             )
         })
         .collect();

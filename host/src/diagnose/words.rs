@@ -4,7 +4,7 @@ use super::axis::Axis;
 use super::effect::Effect;
 use super::hysteresis;
 use super::place::{Place, means_over};
-use super::second_position::SecondPosition;
+use super::second_position::{Periodic, SecondPosition};
 use super::unnamed::Unknown;
 use super::verdict::{Diagnosis, Name, Named, Verdict};
 use crate::recording::Recording;
@@ -18,6 +18,17 @@ const WITH_DIRECTION: f64 = 0.8;
 pub fn quantity(value: f64, unit: &str) -> String {
     let shown = display_unit(unit, value);
     format!("{} {}", three(value * shown.factor), shown.unit)
+}
+
+/// A value and how far it may be off, to two figures of that, in the prefix that suits the value: `5.0002 ± 0.0011 mm`.
+fn within(value: f64, reach: f64, unit: &str) -> String {
+    /// Decimals that a double still has.
+    const MOST: f64 = 9.0;
+    let shown = display_unit(unit, value);
+    let reach = reach * shown.factor;
+    let decimals = (1.0 - reach.max(1e-300).log10().floor()).clamp(0.0, MOST) as usize;
+    let value = format!("{:.decimals$}", value * shown.factor).replace('-', "−");
+    format!("{value} ± {reach:.decimals$} {}", shown.unit)
 }
 
 /// Two values in the prefix that suits the larger: `−0.5 and 0.1 mm`.
@@ -216,6 +227,26 @@ fn size(found: &Diagnosis, effect: &Named, recording: &Recording) -> String {
     }
 }
 
+impl Periodic {
+    /// In words, without a full stop.
+    fn words(&self, unit: &str) -> String {
+        let sure = |e: &Estimate| {
+            let reach = e.ci95.map_or(0.0, |[a, b]| 0.5 * (b - a));
+            within(e.value, reach, unit)
+        };
+        format!(
+            "periodic_lead_error: periodic lead error, period {}, amplitude {} to either side, highest at {}; it takes {:.1} % of what all else leaves on passes held out and {:.1} % on stretches of the travel, at {:.1} and {:.1} standard errors; it belongs to the drive between the two or to one of the two scales, which cannot be told apart: compare the period with a turn of the screw or gear, with its balls and teeth, and with the pitch of either scale (encoder_error)",
+            sure(&self.period),
+            sure(&self.amplitude),
+            quantity(self.highest_at, unit),
+            100.0 * self.passes.share,
+            100.0 * self.stretches.share,
+            self.passes.z,
+            self.stretches.z
+        )
+    }
+}
+
 impl SecondPosition {
     /// In words, without a full stop.
     pub fn words(&self, recording: &Recording) -> String {
@@ -227,7 +258,12 @@ impl SecondPosition {
         };
         let mut said = match &self.lead {
             None => vec![format!(
-                "`{column}` measures the position, too; no lead_error: over {} passes their difference has no smooth course over the travel",
+                "`{column}` measures the position, too; no {}lead_error: over {} passes their difference has no smooth course over the travel",
+                if self.periodic.is_empty() {
+                    ""
+                } else {
+                    "smooth "
+                },
                 self.passes
             )],
             Some(lead) => {
@@ -256,6 +292,7 @@ impl SecondPosition {
                 )]
             }
         };
+        said.extend(self.periodic.iter().map(|p| p.words(unit)));
         said.extend(self.lost_motion.as_ref().map(|e| {
             format!(
                 "at reversals it stays behind by {} (backlash or lost motion)",

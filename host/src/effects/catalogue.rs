@@ -127,7 +127,7 @@ const CATALOGUE: [(&str, Keys); 25] = [
 fn unknown(id: &str) -> String {
     match id {
         "viscous" => "id: viscous friction is the key viscous_N_s_per_m (rotary: viscous_Nm_s_per_rad) of [friction]; move it there".to_owned(),
-        "lead_error" => "id: lead_error shows against a reference only and has no term here; correct the encoder's calibration and remove it".to_owned(),
+        "lead_error" | "periodic_lead_error" => format!("id: {id} shows against a reference only and has no term here; correct the encoder's calibration and remove it"),
         "presliding_shape" => "id: presliding_shape has no term of its own; identify with more blocks and remove it".to_owned(),
         _ => {
             let mut known: Vec<&str> = CATALOGUE.iter().map(|entry| entry.0).collect();

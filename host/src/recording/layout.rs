@@ -283,21 +283,24 @@ pub(super) fn of(head: &[u8]) -> Result<Layout, Problem> {
     let Some(sample) = sample else {
         return Ok(layout(separator, first, None, first.end, first.number + 1));
     };
+    let is_units = |l: &Line| {
+        let found = cells(&l.text, separator);
+        found.iter().all(|c| c.is_empty() || units::is_unit(c))
+    };
     let fits = |l: &&&Line| {
         let found = cells(&l.text, separator);
         let named = found.iter().filter(|c| !c.is_empty()).count();
+        // Columns without a unit leave their cells of the row of units blank.
+        let wide = if is_units(l) { found.len() } else { named };
         let words = found.iter().all(|c| parse(c, true).is_none());
-        named.abs_diff(width) <= 1 && named >= 2 && words
+        wide.abs_diff(width) <= 1 && named >= 2 && words
     };
     let above = || plain[..sample].iter().rev().take(LINES_BETWEEN);
     let data = plain[sample];
     if let Some(header) = above().find(fits) {
-        let is_units = cells(&header.text, separator)
-            .iter()
-            .all(|c| c.is_empty() || units::is_unit(c));
         let upper = above().skip_while(|l| l.number >= header.number).find(fits);
         return Ok(match upper {
-            Some(names) if is_units => {
+            Some(names) if is_units(header) => {
                 layout(separator, names, Some(header), data.start, data.number)
             }
             _ => layout(separator, header, None, data.start, data.number),
@@ -383,6 +386,13 @@ mod tests {
                 "Time Pos Torque",
                 "ms mm %",
                 6,
+            ),
+            (
+                b"time,position,force,repeat,note\ns,mm,N,,\n0,1,2,1,a\n1,2,3,1,b\n",
+                b',',
+                "time position force repeat note",
+                "s mm N  ",
+                3,
             ),
             (b"t_s,x_m\r0,1\r1,2\r", b',', "t_s x_m", "", 2),
             (b"t_s,x_m\r\n0,1\r\n1,2\r\n", b',', "t_s x_m", "", 2),

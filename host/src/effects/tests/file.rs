@@ -61,6 +61,10 @@ fn what_is_wrong_is_named_with_the_remedy() {
             &["effects[2].id", "viscous_N_s_per_m", "[friction]"],
         ),
         ("id = \"lead_error\"", &["lead_error", "calibration"]),
+        (
+            "id = \"periodic_lead_error\"",
+            &["periodic_lead_error", "calibration"],
+        ),
         ("id = \"presliding_shape\"", &["more blocks"]),
         (
             "id = \"run_in\"\nlevel = 0.1",
