@@ -1,4 +1,4 @@
-//! Estimates with their confidence, the paper's measure of fit, quantiles.
+//! Estimates with their confidence, the jackknife, the paper's measure of fit, quantiles.
 
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -33,6 +33,20 @@ impl Estimate {
             ci95: reach.map(|reach| [value * (-reach).exp(), value * reach.exp()]),
         }
     }
+
+    /// Half the width of its interval: what follows a ±.
+    pub fn reach(&self) -> Option<f64> {
+        self.ci95.map(|[low, high]| 0.5 * (high - low))
+    }
+}
+
+/// The jackknife's standard error of a value, from what it is without each group in turn (Efron and Tibshirani, An introduction to the
+/// bootstrap, 1993, eq. 11.5).
+pub fn jackknife(without: &[f64]) -> f64 {
+    let n = without.len() as f64;
+    let mean = without.iter().sum::<f64>() / n;
+    let scatter: f64 = without.iter().map(|v| (v - mean).powi(2)).sum();
+    ((n - 1.0) / n * scatter).sqrt()
 }
 
 /// The 97.5 % quantile of Student's t with `folds − 1` degrees of freedom.

@@ -5,7 +5,7 @@ use super::effect::Fitted;
 use super::ground::{Ground, Hypothesis};
 use super::polish::slopes;
 use super::term::Term;
-use crate::statistics::Estimate;
+use crate::statistics::{Estimate, jackknife};
 
 /// Parameters of term `index` with 95 % intervals, all other coefficients and shapes free. The interval is the widest that
 /// blocks of the recording, its folds, or its kinds of strokes give: where a form is wrong, other motions give other values,
@@ -76,14 +76,6 @@ pub fn parameters(
         widen(estimate, confidence::width(effect.id()));
     }
     own
-}
-
-/// Standard error of a value from what it is with each fold left out in turn (Tukey 1958).
-pub(super) fn jackknife(left_out: &[f64]) -> f64 {
-    let n = left_out.len() as f64;
-    let mean = left_out.iter().sum::<f64>() / n;
-    let spread: f64 = left_out.iter().map(|v| (v - mean).powi(2)).sum();
-    (spread * (n - 1.0) / n).sqrt()
 }
 
 /// Widens an interval `times`, by a factor where it is of one sign: it stays so.

@@ -123,9 +123,9 @@ impl Diagnosis {
     pub fn table(&self, recording: &Recording) -> Table {
         let row = |e: &Named| {
             let value = |(name, p): &(String, crate::statistics::Estimate)| {
-                let reach = p.ci95.map_or(String::new(), |[a, b]| {
-                    format!(" ± {}", digits(0.5 * (b - a)))
-                });
+                let reach = p
+                    .reach()
+                    .map_or(String::new(), |r| format!(" ± {}", digits(r)));
                 format!(
                     "{} {}{reach}",
                     key_of(recording.kind, name),

@@ -5,10 +5,9 @@ use super::effect::ALWAYS_FREE;
 use super::evidence::{Evidence, NAMED, chance, evidence};
 use super::ground::{Ground, Hypothesis};
 use super::normal::{Bound, Normal};
-use super::parameters::jackknife;
 use super::search::ALPHA;
 use super::term::{Subject, Term};
-use crate::statistics::Estimate;
+use crate::statistics::{Estimate, jackknife};
 use std::ops::Range;
 
 /// A part of the core.

@@ -230,10 +230,7 @@ fn size(found: &Diagnosis, effect: &Named, recording: &Recording) -> String {
 impl Periodic {
     /// In words, without a full stop.
     fn words(&self, unit: &str) -> String {
-        let sure = |e: &Estimate| {
-            let reach = e.ci95.map_or(0.0, |[a, b]| 0.5 * (b - a));
-            within(e.value, reach, unit)
-        };
+        let sure = |e: &Estimate| within(e.value, e.reach().unwrap_or(0.0), unit);
         format!(
             "periodic_lead_error: periodic lead error, period {}, amplitude {} to either side, highest at {}; it takes {:.1} % of what all else leaves on passes held out and {:.1} % on stretches of the travel, at {:.1} and {:.1} standard errors; it belongs to the drive between the two or to one of the two scales, which cannot be told apart: compare the period with a turn of the screw or gear, with its balls and teeth, and with the pitch of either scale (encoder_error)",
             sure(&self.period),
@@ -253,7 +250,7 @@ impl SecondPosition {
         let unit = recording.position_unit();
         let column = &self.column;
         let sure = |e: &Estimate, unit: &str| {
-            let reach = e.ci95.map_or(0.0, |[a, b]| 0.5 * (b - a));
+            let reach = e.reach().unwrap_or(0.0);
             format!("{} ± {}", quantity(e.value, unit), quantity(reach, unit))
         };
         let mut said = match &self.lead {
@@ -269,7 +266,7 @@ impl SecondPosition {
             Some(lead) => {
                 let slope = match (&lead.slope, self.ratio) {
                     (Some(slope), _) => {
-                        let reach = slope.ci95.map_or(0.0, |[a, b]| 0.5 * (b - a));
+                        let reach = slope.reach().unwrap_or(0.0);
                         format!(
                             "grows by {:.1} ± {:.1} ppm of the travel and ",
                             1e6 * slope.value,
@@ -301,9 +298,7 @@ impl SecondPosition {
         }));
         said.extend(self.compliance.as_ref().map(|e| {
             let of = format!("{unit}/{}", recording.effort_unit());
-            let reach = e
-                .ci95
-                .map_or(String::new(), |[a, b]| format!(" ± {:.1e}", 0.5 * (b - a)));
+            let reach = e.reach().map_or(String::new(), |r| format!(" ± {r:.1e}"));
             format!(
                 "it stays behind the effort by {:.3e}{reach} {of} (compliance)",
                 e.value

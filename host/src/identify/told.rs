@@ -2,6 +2,7 @@
 
 use crate::recording::{MotionKind, Recording};
 use crate::signal::Kinematics;
+use crate::statistics::jackknife;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -158,10 +159,7 @@ impl Fits {
 
     /// The jackknife's standard error.
     fn error(&self, j: usize) -> f64 {
-        let n = self.without.len() as f64;
-        let mean = self.without.iter().map(|fit| fit[j]).sum::<f64>() / n;
-        let scatter: f64 = self.without.iter().map(|fit| (fit[j] - mean).powi(2)).sum();
-        ((n - 1.0) / n * scatter).sqrt()
+        jackknife(&self.without.iter().map(|fit| fit[j]).collect::<Vec<_>>())
     }
 }
 

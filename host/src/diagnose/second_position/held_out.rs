@@ -2,7 +2,7 @@
 
 use super::samples::{COLUMNS, CONSTANT, Samples};
 use super::{CERTAIN, MATERIAL};
-use crate::statistics::Estimate;
+use crate::statistics::{Estimate, jackknife};
 use nalgebra::{DMatrix, DVector, DVectorView};
 
 /// Sums of one group of samples.
@@ -99,14 +99,6 @@ impl Taken {
     pub fn is_stated(self) -> bool {
         self.z > CERTAIN && self.share > MATERIAL
     }
-}
-
-/// The standard error of what is estimated without each group in turn.
-pub fn jackknife(others: &[f64]) -> f64 {
-    let n = others.len() as f64;
-    let mean = others.iter().sum::<f64>() / n;
-    let squares = others.iter().map(|c| (c - mean).powi(2));
-    ((n - 1.0) / n * squares.sum::<f64>()).sqrt()
 }
 
 /// A fit to all groups, and to all but each.

@@ -7,9 +7,9 @@
 
 use super::super::spectra;
 use super::FEWEST;
-use super::held_out::{Sums, Taken, jackknife};
+use super::held_out::{Sums, Taken};
 use super::samples::{BESIDE, COLUMNS, Samples};
-use crate::statistics::Estimate;
+use crate::statistics::{Estimate, jackknife};
 use nalgebra::DVector;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -117,8 +117,8 @@ fn next(samples: &Samples, band: [f64; 2], groups: usize) -> Option<(Sine, Perio
 
 /// The one with the wider interval: what differs between passes and what differs along the travel are both of an estimate's error.
 fn wider(a: Estimate, b: Estimate) -> Estimate {
-    let width = |e: &Estimate| e.ci95.map_or(f64::INFINITY, |[low, high]| high - low);
-    if width(&a) < width(&b) { b } else { a }
+    let reach = |e: &Estimate| e.reach().unwrap_or(f64::INFINITY);
+    if reach(&a) < reach(&b) { b } else { a }
 }
 
 /// The sines of all samples but each group of them, and what they take on it.

@@ -7,8 +7,7 @@ use crate::progress::Progress;
 use crate::recording::Recording;
 use crate::signal::Kinematics;
 use crate::signal::Split;
-use crate::statistics::Estimate;
-use crate::statistics::nmse;
+use crate::statistics::{Estimate, jackknife, nmse};
 use rayon::prelude::*;
 
 /// Seed of the starts.
@@ -87,7 +86,7 @@ impl<'a> Bench<'a> {
         };
         let known: Option<Vec<&Fit>> = refits.iter().map(Option::as_ref).collect();
         let estimate = |of: &dyn Fn(&Fit) -> f64| match &known {
-            Some(known) => jackknife(
+            Some(known) => jackknifed(
                 of(&best),
                 &known.iter().map(|fit| of(fit)).collect::<Vec<_>>(),
             ),
@@ -148,23 +147,16 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// A value with the confidence that leaving out one group after the other gives it (Efron and Tibshirani, An introduction
-/// to the bootstrap, 1993, eq. 11.5); none where nothing was fitted.
-fn jackknife(value: f64, left_out: &[f64]) -> Estimate {
-    let groups = left_out.len() as f64;
-    let error = |values: &[f64]| {
-        let mean = values.iter().sum::<f64>() / groups;
-        let scatter: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-        ((groups - 1.0) / groups * scatter).sqrt()
-    };
+/// A value with the confidence that leaving out one group after the other gives it; none where nothing was fitted.
+fn jackknifed(value: f64, left_out: &[f64]) -> Estimate {
     if left_out.iter().all(|v| *v == value) {
         return Estimate::new(value, None, 0);
     }
     if value > 0.0 && left_out.iter().all(|v| *v > 0.0) {
         let logarithms: Vec<f64> = left_out.iter().map(|v| v.ln()).collect();
-        return Estimate::logarithmic(value, Some(error(&logarithms)), left_out.len());
+        return Estimate::logarithmic(value, Some(jackknife(&logarithms)), left_out.len());
     }
-    Estimate::new(value, Some(error(left_out)), left_out.len())
+    Estimate::new(value, Some(jackknife(left_out)), left_out.len())
 }
 
 #[cfg(test)]
@@ -180,10 +172,10 @@ mod tests {
         let variance: f64 = samples.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
         let without: Vec<f64> = samples.iter().map(|x| (n * mean - x) / (n - 1.0)).collect();
         let reach = 2.570_582 * (variance / n).sqrt();
-        let found = jackknife(mean, &without).ci95.unwrap();
+        let found = jackknifed(mean, &without).ci95.unwrap();
         assert!((found[1] - mean - reach).abs() < 1e-6 * reach, "{found:?}");
         assert!(
-            jackknife(2.0, &[2.0; 6]).ci95.is_none(),
+            jackknifed(2.0, &[2.0; 6]).ci95.is_none(),
             "fixed, so without confidence"
         );
     }
