@@ -2,6 +2,8 @@
 
 use super::*;
 use crate::diagnose::second_position::periodic::Periodic;
+use crate::recording::load;
+use preslide_host_tests::recordings;
 use std::f64::consts::TAU;
 
 /// Numbers of −1 to 1 from a seed.
@@ -244,4 +246,40 @@ fn counts_and_what_comes_later_are_no_sine() {
     assert!(later.periodic.is_empty());
     let here = found(53, |x, _, _| x + if x > 0.08 { wave(x) } else { 0.0 });
     assert!(here.periodic.is_empty());
+}
+
+/// A scale of our making on the motion of a real ball screw.
+#[test]
+fn a_sine_on_a_real_motion_is_told_and_without_it_none() {
+    const PERIOD: f64 = 5e-3;
+    const AMPLITUDE: f64 = 1.2e-6;
+    const SEED: u32 = 71;
+    let Some(root) = recordings() else { return };
+    let file = root.join("emps/emps_tracking.csv");
+    let measured = load(&file, &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+    let wave = sine(PERIOD, AMPLITUDE, 1e-3);
+    let with = |share: f64| {
+        let mut noise = Noise::of(SEED);
+        let scale = |x: &f64| x + SLOPE * x + share * wave(*x) + 1e-6 * noise.next();
+        let mut recording = measured.clone();
+        recording.extra = vec![Extra {
+            name: "x_scale_m".to_owned(),
+            values: measured.position.iter().map(scale).collect(),
+        }];
+        let found = only(of(&recording));
+        println!("seed {SEED}: {}", found.words(&recording));
+        found
+    };
+    let found = with(1.0);
+    let told = one(&found.periodic);
+    let parts = [
+        (told.period, PERIOD, 5e-4),
+        (told.amplitude, AMPLITUDE, 0.03),
+    ];
+    for (told, truth, off) in parts {
+        let [low, high] = told.ci95.expect("an interval");
+        assert!(low < truth && truth < high, "{truth}: {low}…{high}");
+        assert!((told.value / truth - 1.0).abs() < off, "{}", told.value);
+    }
+    assert!(with(0.0).periodic.is_empty());
 }
