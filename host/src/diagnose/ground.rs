@@ -96,11 +96,17 @@ impl Ground {
     }
 
     /// The same recording with friction and noise found beside `terms` and plain effects, in what least squares leave of all rows alike:
-    /// what weights leave is more where they are small, and the noise that is found in it makes them smaller still.
+    /// what weights leave is more where they are small, and the noise that is found in it makes them smaller still. The friction is found without
+    /// free curves over speed, which nothing tells from it in sliding: beside two of them its level would be anything.
     pub fn referred_to(&self, terms: &[Term]) -> Option<Self> {
         let warming = warming(&self.rows.s).filter(|w| !terms.iter().any(|t| t.is_like(w)));
         let beside = plain().chain(warming);
         let all: Vec<Term> = terms.iter().cloned().chain(beside).collect();
+        let steady: Vec<Term> = all
+            .iter()
+            .filter(|t| !t.is_free_over_speed())
+            .cloned()
+            .collect();
         let mut ground: Option<Self> = None;
         for _ in 0..ROUNDS {
             let from = ground.as_ref().unwrap_or(self);
@@ -110,6 +116,13 @@ impl Ground {
                 fitted = from.fit_unweighted(&[all.as_slice(), &lines].concat())?;
             }
             let mut next = from.with_baseline(&fitted);
+            if !next.core.corrects {
+                let steadily = from.with_baseline(&from.fit_unweighted(&steady)?);
+                next.baseline = Baseline {
+                    fitted: next.baseline.fitted,
+                    ..steadily.baseline
+                };
+            }
             let places = Places::of(&next.rows, &next.baseline);
             next.noise =
                 Noise::estimate(&fitted.residual(&next.rows), &course(&next.rows, &places));

@@ -1,5 +1,6 @@
 //! What can stand beside the core: an effect of the catalogue, a free curve, or a change of the core.
 
+use super::axis::Axis;
 use super::change::Change;
 use super::curve::Curve;
 use super::effect::{Effect, Scene};
@@ -87,6 +88,11 @@ impl Term {
             Subject::Effect(effect) => effect.admits(&self.shape, coefficients),
             _ => true,
         }
+    }
+
+    /// Whether it is a free curve over velocity or speed: while the machine slides nothing tells it from friction itself.
+    pub fn is_free_over_speed(&self) -> bool {
+        matches!(self.subject, Subject::Curve(c) if matches!(c.axis, Axis::Velocity | Axis::Speed))
     }
 
     /// Whether its columns are made of the effort itself.

@@ -125,6 +125,22 @@ fn a_free_curve_leaves_friction_to_the_core() {
     }
 }
 
+/// Nothing tells viscous friction, a free curve over velocity and a level over speed apart while the machine slides: effects act through the
+/// friction that is found without the two curves.
+#[test]
+fn curves_over_speed_beside_viscous_friction_leave_its_level_to_the_core() {
+    let recording = made(|_, _, v| 20.0 * v);
+    let curve = |axis, odd| Term::new(Subject::Curve(Curve { axis, odd }), &[]);
+    let beside = [
+        by_id("viscous"),
+        curve(Axis::Velocity, false),
+        curve(Axis::Speed, true),
+    ];
+    let found = ground(&recording).referred_to(&beside).expect("a fit");
+    let level = found.baseline.level / 3.0;
+    assert!((level - 1.0).abs() < 0.03, "{level} of 3 N");
+}
+
 /// What was found needless keeps its like away, and no other ripple.
 #[test]
 fn another_period_is_another_ripple() {
