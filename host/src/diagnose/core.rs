@@ -1,9 +1,10 @@
-//! The over-resolved core: inertia, a fine set of Maxwell-slip blocks and one of Dahl's bristles, and the friction that effects act through.
+//! The over-resolved core: inertia, a fine set of Maxwell-slip blocks and one of Dahl's bristles, friction without hysteresis, and the friction that effects act through.
 
 use super::blocks::{as_blocks, bend, between_samples, deflection, lengths, yields};
 use super::effect::{Baseline, Scene};
 use super::normal::Bound;
 use super::rows::Rows;
+use super::signals::Signals;
 use super::term::Term;
 use super::weak::Column;
 use crate::statistics::quantile_between_ranks;
@@ -13,7 +14,11 @@ use std::sync::Arc;
 /// Share of a block's yield beyond which it is said to slip.
 const SLIPS: f64 = 0.999;
 
-/// Inertia, blocks and bristles.
+/// Shares of the usual top speed over which friction without hysteresis reverses (`tanh(v/v₀)`, as many simulations and some lubricated
+/// machines have it): up to a tenth, above which it would be viscous friction, in octaves, between which two mix to within 1 % of the level.
+const SMOOTH: [f64; 5] = [0.1 / 16.0, 0.1 / 8.0, 0.1 / 4.0, 0.1 / 2.0, 0.1];
+
+/// Inertia, blocks, bristles, and friction that follows velocity alone.
 pub struct Core {
     /// Yield displacements of the blocks (m or rad).
     yields: Vec<f64>,
@@ -23,7 +28,9 @@ pub struct Core {
     pub rows: Arc<Vec<Vec<f64>>>,
     /// It stands for what a simulation's inertia and friction lack, which may be less than nothing.
     pub corrects: bool,
-    /// Deflections of blocks and bristles at the samples.
+    /// Columns of friction that follows velocity alone.
+    smooth: usize,
+    /// Deflections of blocks and bristles (m or rad), and `tanh(v/v₀)` (-), at the samples.
     deflections: Vec<Vec<f64>>,
 }
 
@@ -35,7 +42,8 @@ impl Core {
         let (fine, pieces) = between_samples(&rows.s);
         let blocks = yields.par_iter().map(|&d| deflection(&fine, &pieces, d));
         let bent = bristles.par_iter().map(|&d| bend(&fine, &pieces, d));
-        let deflections: Vec<Vec<f64>> = blocks.chain(bent).collect();
+        let smooth = SMOOTH.par_iter().map(|&share| smooth(&rows.s, share));
+        let deflections: Vec<Vec<f64>> = blocks.chain(bent).chain(smooth).collect();
         let mut columns: Vec<Vec<f64>> = deflections
             .par_iter()
             .map(|z| rows.weak.rows(&Column::of(z.clone())))
@@ -55,18 +63,38 @@ impl Core {
             bristles,
             rows: Arc::new(columns),
             corrects: false,
+            smooth: SMOOTH.len(),
             deflections,
+        }
+    }
+
+    /// The same without friction that follows velocity alone.
+    pub fn hysteretic(&self) -> Self {
+        let kept = self.deflections.len() - self.smooth;
+        Self {
+            yields: self.yields.clone(),
+            bristles: self.bristles.clone(),
+            rows: Arc::new(self.rows[..self.rows.len() - self.smooth].to_vec()),
+            corrects: self.corrects,
+            smooth: 0,
+            deflections: self.deflections[..kept].to_vec(),
         }
     }
 
     /// The same for what a simulation lacks: blocks alone, since with either sign bristles would cancel them.
     pub fn correcting(mut self) -> Self {
-        let kept = self.rows.len() - self.bristles.len();
+        let kept = self.rows.len() - self.bristles.len() - self.smooth;
         Arc::make_mut(&mut self.rows).truncate(kept);
         self.deflections.truncate(self.yields.len());
         self.bristles.clear();
+        self.smooth = 0;
         self.corrects = true;
         self
+    }
+
+    /// Whether part of it follows velocity alone.
+    pub fn follows_velocity(&self) -> bool {
+        self.smooth > 0
     }
 
     /// Its first column of friction, behind the inertia's where the effort contains it.
@@ -74,9 +102,14 @@ impl Core {
         self.rows.len() - self.deflections.len()
     }
 
-    /// What each column of friction reaches in sliding, for a stiffness of one (m or rad).
+    /// What each column of friction reaches in sliding, for a coefficient of one (m or rad; – for what follows velocity alone).
     pub fn reaches(&self) -> impl Iterator<Item = f64> {
-        self.yields.iter().chain(&self.bristles).copied()
+        let smooth = std::iter::repeat_n(1.0, self.smooth);
+        self.yields
+            .iter()
+            .chain(&self.bristles)
+            .copied()
+            .chain(smooth)
     }
 
     /// Inertia and stiffness are not negative; their errors may be.
@@ -90,14 +123,20 @@ impl Core {
     }
 
     /// Blocks that take part, from the coefficients of the core's columns: stiffness and yield displacement. Bristles stand for as many
-    /// as follow them after long strokes.
+    /// as follow them after long strokes; for what follows velocity alone, one that yields at once.
     pub fn blocks(&self, coefficients: &[f64]) -> Vec<(f64, f64)> {
-        let stiffness = &coefficients[self.first_of_friction()..self.rows.len()];
-        let (blocks, bristles) = stiffness.split_at(self.yields.len());
+        let friction = &coefficients[self.first_of_friction()..self.rows.len()];
+        let (blocks, others) = friction.split_at(self.yields.len());
+        let (bristles, smooth) = others.split_at(self.bristles.len());
         let active = |(k, d): (&f64, &f64)| (*k > 0.0).then_some((*k, *d));
         let blocks = blocks.iter().zip(&self.yields).filter_map(active);
         let bristles = bristles.iter().zip(&self.bristles).filter_map(active);
-        blocks.chain(bristles.flat_map(as_blocks)).collect()
+        let level: f64 = smooth.iter().sum();
+        let at_once = self.yields.first().map(|d| (level / d, *d));
+        blocks
+            .chain(bristles.flat_map(as_blocks))
+            .chain(at_once.filter(|b| b.0 > 0.0))
+            .collect()
     }
 
     /// The model that effects act through, from the coefficients of the core's columns and of `terms` behind them.
@@ -119,9 +158,10 @@ impl Core {
             if k <= 0.0 {
                 continue;
             }
+            let follows_velocity = j >= self.deflections.len() - self.smooth;
             for (i, z) in z.iter().enumerate() {
                 friction[i] += k * z;
-                if z.abs() >= SLIPS * d {
+                if follows_velocity || z.abs() >= SLIPS * d {
                     slipping[i] += k * z;
                 } else {
                     stiffness[i] += k;
@@ -162,4 +202,10 @@ impl Core {
             fitted,
         }
     }
+}
+
+/// `tanh(v/v₀)` (-) at the samples, `v₀` a share of the usual top speed.
+fn smooth(s: &Signals, share: f64) -> Vec<f64> {
+    let slow = share * s.moving_speed(0.95).max(1e-300);
+    s.v.iter().map(|v| (v / slow).tanh()).collect()
 }

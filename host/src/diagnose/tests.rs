@@ -141,6 +141,21 @@ fn curves_over_speed_beside_viscous_friction_leave_its_level_to_the_core() {
     assert!((level - 1.0).abs() < 0.03, "{level} of 3 N");
 }
 
+/// Friction that reverses over speed is the core's where there is no hysteresis; drag or a Stribeck curve beside blocks does not bring it in.
+#[test]
+fn friction_without_hysteresis_is_the_cores() {
+    let smooth = made_of(&[], |_, _, v| 3.0 * (v / 2e-3).tanh());
+    let found = diagnose(&smooth, None, &Progress::new("", 0)).expect("a diagnosis");
+    let words = found.verdict_words(&smooth);
+    assert_eq!(found.verdict, Verdict::Consistent, "{words}");
+    assert!(words.contains("tanh(v/v0)"), "{words}");
+    let drag = made(|_, _, v| 100.0 * v * v.abs());
+    let stribeck = made(|_, _, v| 1.5 * v.signum() * (-(v / 5e-3).powi(2)).exp());
+    for other in [drag, stribeck] {
+        assert!(!ground(&other).core.follows_velocity());
+    }
+}
+
 /// What was found needless keeps its like away, and no other ripple.
 #[test]
 fn another_period_is_another_ripple() {

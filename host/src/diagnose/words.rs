@@ -386,6 +386,9 @@ impl Diagnosis {
         if let Some(words) = self.too_soft() {
             text += &format!("; {words}");
         }
+        if self.ground.core.follows_velocity() {
+            text += "; friction reverses smoothly over the slowest speeds here, as tanh(v/v0) does, and not along the path: hysteresis alone, GMS's too, would leave most of the mismatch";
+        }
         for unknown in self.nameless() {
             text += &format!("; without a name: {}", unknown.words(self, recording));
         }
