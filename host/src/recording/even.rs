@@ -21,6 +21,8 @@ const ROUNDED: f64 = 0.55;
 /// Most different lengths of steps that a coarse clock shows: two, and two more where single precision becomes coarser on the
 /// way. Jitter shows more.
 const COARSE_STEPS: usize = 4;
+/// Steps that differ by less than this share of one have the same length, but for the digits that a file writes.
+const SAME_STEP: f64 = 1e-3;
 /// Where fewer steps than this are unequal, they must be multiples of a resolution that is finer than this share of a step:
 /// a lost sample adds a whole one.
 const COARSE_SHARE: f64 = 0.05;
@@ -66,17 +68,13 @@ fn coarse(t: &[f64]) -> Option<(f64, f64, f64)> {
     let mean = (t[n - 1] - t[0]) / (n - 1) as f64;
     let unequal = steps
         .iter()
-        .filter(|s| (**s - median).abs() > 1e-3 * mean)
+        .filter(|s| (**s - median).abs() > SAME_STEP * mean)
         .count();
     if unequal == 0 {
         return None;
     }
     steps.sort_by(f64::total_cmp);
-    let bin = |step: &f64| (step / (1e-3 * mean)).round() as i64;
-    let jumps = steps
-        .windows(2)
-        .filter(|pair| bin(&pair[0]) != bin(&pair[1]));
-    let jumps: Vec<f64> = jumps.map(|pair| pair[1] - pair[0]).collect();
+    let jumps = jumps(&steps, SAME_STEP * mean)?;
     let rare = (unequal as f64) < COARSE_SHARE * steps.len() as f64;
     if jumps.len() >= COARSE_STEPS || rare && !are_multiples(&steps, &jumps, median) {
         return None;
@@ -100,6 +98,20 @@ fn coarse(t: &[f64]) -> Option<(f64, f64, f64)> {
         .map(|(i, stamp)| (stamp - first - step * i as f64).abs())
         .fold(0.0, f64::max);
     (step > 0.0 && worst <= ROUNDED * resolution).then_some((first, step, resolution))
+}
+
+/// Differences between neighbouring lengths of sorted steps; `None` where steps spread between lengths, as jitter's do.
+fn jumps(steps: &[f64], same: f64) -> Option<Vec<f64>> {
+    let (mut jumps, mut shortest) = (Vec::new(), steps[0]);
+    for pair in steps.windows(2) {
+        if pair[1] - pair[0] > same {
+            jumps.push(pair[1] - pair[0]);
+            shortest = pair[1];
+        } else if pair[1] - shortest > 2.0 * same {
+            return None;
+        }
+    }
+    Some(jumps)
 }
 
 /// Whether all steps are multiples of the smallest difference between two of them, as those of stamps rounded to it are.
@@ -310,6 +322,11 @@ mod tests {
             (
                 "single precision that is nearly fine enough",
                 stamps(&|t| f64::from((t * 10.0 / 7.0 + 5e3) as f32) * 0.7),
+                2.5e-4,
+            ),
+            (
+                "single precision, written with seven digits that fall between two steps",
+                stamps(&|t| (f64::from((t * 10.0 / 7.0 + 5e3) as f32) * 1e7).round() / 1e7 * 0.7),
                 2.5e-4,
             ),
         ] {
