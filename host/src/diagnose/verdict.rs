@@ -36,6 +36,8 @@ const LIKELY: f64 = 0.55;
 const EVEN: f64 = 0.5;
 /// NMSE (%) on folds held out from which a model explains too little to be called consistent with anything.
 const EXPLAINS_LITTLE: f64 = 25.0;
+/// NMSE (%) beyond what noise explains from which it is not, either: some twice what clean recordings of the drives it was looked at on leave.
+const UNEXPLAINED: f64 = 10.0;
 /// Chance below which a candidate that did not enter is at least suspected.
 const SUSPECT: f64 = 0.3;
 /// Most suspicions beside what entered.
@@ -235,7 +237,9 @@ pub fn conclude(
     } else {
         reached
     };
-    let verdict = verdict(&effects, likely(&unnamed), after);
+    let noise_floor = 100.0 * ground.noise.row_variance * ground.rows.force.len() as f64
+        / ground.rows.variation().max(1e-300);
+    let verdict = verdict(&effects, likely(&unnamed), after.test, noise_floor);
     let organised = {
         let (mut list, _) = offers(&ground, &first, &[]);
         list.retain(|o| matches!(o.term.subject, Subject::Curve(_)) && o.evidence.share > 0.0);
@@ -245,8 +249,7 @@ pub fn conclude(
         verdict,
         baseline,
         extended: after,
-        noise_floor: 100.0 * ground.noise.row_variance * ground.rows.force.len() as f64
-            / ground.rows.variation().max(1e-300),
+        noise_floor,
         effects,
         unnamed,
         lacks: lacks(&ground.rows.s),
@@ -261,12 +264,12 @@ pub fn conclude(
     })
 }
 
-fn verdict(effects: &[Named], unknown: Option<&Unknown>, after: Nmse) -> Verdict {
+fn verdict(effects: &[Named], unknown: Option<&Unknown>, left: f64, noise: f64) -> Verdict {
     if effects.iter().any(|e| e.confident) {
         Verdict::MissingPhysics
     } else if unknown.is_some() {
         Verdict::UnknownPhysics
-    } else if after.test > EXPLAINS_LITTLE {
+    } else if left > EXPLAINS_LITTLE || left - noise > UNEXPLAINED {
         Verdict::InsufficientData
     } else {
         Verdict::Consistent

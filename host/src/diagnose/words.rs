@@ -407,33 +407,37 @@ impl Diagnosis {
         self.effects.iter().filter(|e| e.confident)
     }
 
-    /// One thing to do.
+    /// What to do.
     pub fn recommendation(&self) -> String {
-        let advice = match (self.verdict, self.unknown(), self.effects.first()) {
-            (Verdict::MissingPhysics, _, Some(first)) => self.advice(first),
-            (Verdict::InsufficientData, ..) => "record strokes over the whole travel at several speeds, in both directions, with the effort of the motor (`preslide diagnose … --experiment motion.csv` writes such a motion).".to_owned(),
+        let advice = match (self.verdict, self.unknown()) {
+            (Verdict::MissingPhysics, _) => {
+                let mut each: Vec<String> = self.confident().map(|e| self.advice(e)).collect();
+                each.dedup();
+                each.join(" Also: ")
+            }
+            (Verdict::InsufficientData, _) => "record strokes over the whole travel at several speeds, in both directions, with the effort of the motor (`preslide diagnose … --experiment motion.csv` writes such a motion).".to_owned(),
             _ if self.displacement_factor().is_some() => {
                 "identify the model's hysteresis again (`preslide identify`); its kind can stay.".to_owned()
             }
-            (Verdict::UnknownPhysics, Some(unknown), _) => unknown.advice(self),
+            (Verdict::UnknownPhysics, Some(unknown)) => unknown.advice(self),
             _ => self.keep(),
         };
         format!("Recommendation: {advice}")
     }
 
     /// What a confident effect asks for.
-    fn advice(&self, first: &Named) -> String {
-        let (id, words) = (first.id(), first.name.words());
-        match (first.name, first.ambiguous.first()) {
+    fn advice(&self, effect: &Named) -> String {
+        let (id, words) = (effect.id(), effect.name.words());
+        match (effect.name, effect.ambiguous.first()) {
             (Name::Correction(_), _) => {
-                let name = first.name.name();
+                let name = effect.name.name();
                 format!("correct the {name} of the simulation ({words}).")
             }
             (_, None) => format!("add {id} to the {}: {words}.", self.model_word()),
             (_, Some(rival)) => format!(
                 "{id} or {}, this recording cannot tell. To tell them apart: {}.",
                 rival.id(),
-                first.name.experiment()
+                effect.name.experiment()
             ),
         }
     }

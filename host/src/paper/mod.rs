@@ -24,14 +24,14 @@ pub const PRINTED_NMSE: [(usize, f64); 4] = [(3, 14.0), (4, 3.0), (6, 0.5), (7, 
 
 /// One column of Table 3 (printed as two rows, `k_i` (N/m) and `α_i` (-)), for one number of blocks.
 #[derive(Clone, Copy, Debug)]
-pub struct Column {
+pub struct TableColumn {
     /// `(k_i, α_i)` in (N/m) and (-).
     pub blocks: &'static [(f64, f64)],
 }
 
 /// Table 3: 2 to 10 blocks.
-pub const TABLE_3: [Column; 9] = {
-    let mut columns = [Column { blocks: &[] }; 9];
+pub const TABLE_3: [TableColumn; 9] = {
+    let mut columns = [TableColumn { blocks: &[] }; 9];
     let mut i = 0;
     while i < columns.len() {
         columns[i].blocks = table_3::TABLE_3[i];
@@ -41,9 +41,9 @@ pub const TABLE_3: [Column; 9] = {
 };
 
 /// The column that stands for the measured curve.
-pub const REFERENCE: Column = TABLE_3[8];
+pub const REFERENCE: TableColumn = TABLE_3[8];
 
-impl Column {
+impl TableColumn {
     /// Number of blocks `N`.
     pub fn size(&self) -> usize {
         self.blocks.len()

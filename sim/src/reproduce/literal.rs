@@ -55,7 +55,7 @@ pub fn literal() -> Result<Vec<Literal>, String> {
     Ok(found)
 }
 
-fn driven(column: &paper::Column, reading: Reading) -> Literal {
+fn driven(column: &paper::TableColumn, reading: Reading) -> Literal {
     let steps = (paper::RANGE / (SPEED * STEP)).round() as usize;
     let soon = (SOON / (SPEED * STEP)).round() as usize;
     let mut force = vec![0.0_f64; column.size()];

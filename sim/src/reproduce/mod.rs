@@ -19,7 +19,7 @@ use preslide_host::compare::memory::{LoopClosure, Scale, loop_closure};
 use preslide_host::friction::{FrictionModel, Path};
 use preslide_host::identify::regression::MaxwellSlipFit;
 use preslide_host::identify::virgin::VirginCurve;
-use preslide_host::paper::{self, Column};
+use preslide_host::paper::{self, TableColumn};
 use preslide_host::progress::Progress;
 use preslide_host::statistics::nmse;
 use printed::Bound;
@@ -255,7 +255,7 @@ fn closures() -> Result<Vec<(&'static str, LoopClosure)>, String> {
     .collect()
 }
 
-fn column(n: usize) -> Result<&'static Column, String> {
+fn column(n: usize) -> Result<&'static TableColumn, String> {
     paper::TABLE_3
         .iter()
         .find(|column| column.size() == n)

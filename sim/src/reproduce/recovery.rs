@@ -1,7 +1,7 @@
 //! Table 3 recovered from the ten-block curve by the paper's procedure (7)–(9).
 
 use preslide_host::identify::virgin::VirginCurve;
-use preslide_host::paper::{BREAKAWAY, Column, REFERENCE};
+use preslide_host::paper::{BREAKAWAY, REFERENCE, TableColumn};
 
 /// Half a unit of the last digit of the table's weights.
 const HALF_DIGIT: f64 = 0.0005;
@@ -78,7 +78,7 @@ pub fn exact_curve(weights: &[f64]) -> VirginCurve {
 ///
 /// # Errors
 /// Where the curve is not concave at these breakpoints, so that fewer blocks come back.
-pub fn recover(column: &Column, sampled: &VirginCurve) -> Result<Recovery, String> {
+pub fn recover(column: &TableColumn, sampled: &VirginCurve) -> Result<Recovery, String> {
     let printed = column.stiffness();
     let (weights, reference_weights) = (column.weights(), REFERENCE.weights());
     let exact = exact_curve(&reference_weights);
@@ -109,7 +109,7 @@ pub fn recover(column: &Column, sampled: &VirginCurve) -> Result<Recovery, Strin
 }
 
 /// By how much (N/m) each recovered stiffness may move when every weight moves by half its last digit.
-fn rounding(column: &Column, found: &[f64]) -> Result<Vec<f64>, String> {
+fn rounding(column: &TableColumn, found: &[f64]) -> Result<Vec<f64>, String> {
     let printed = column.stiffness();
     let reference = REFERENCE.weights();
     let mut sum = vec![0.0; column.size()];
