@@ -84,7 +84,7 @@ impl Ground {
     /// # Errors
     /// What the recording lacks.
     pub fn new(rows: Rows, given: &[Term]) -> Option<Self> {
-        let core = Arc::new(Core::new(&rows));
+        let core = Core::new(&rows);
         let course_less = Baseline::default();
         let noise = Noise::white(
             &rows.target,
@@ -97,8 +97,9 @@ impl Ground {
             rows: Arc::new(rows),
             core: Arc::new(core.hysteretic()),
         };
-        if ground.predicts_worse_than(&core)? {
-            ground.core = core;
+        let smooth = ground.with_core(core);
+        if ground.predicts_worse_than(&smooth)? {
+            ground = smooth;
         }
         let alone = ground.fit(&[])?;
         ground = ground.with_baseline(&alone);
@@ -106,20 +107,13 @@ impl Ground {
     }
 
     /// Whether another core predicts blocks held out better than its own, beside viscous friction and what is plain but curves over speed.
-    fn predicts_worse_than(&self, core: &Arc<Core>) -> Option<bool> {
+    fn predicts_worse_than(&self, other: &Self) -> Option<bool> {
         let beside: Vec<Term> = plain()
             .filter(|t| !t.is_free_over_speed())
             .chain([Term::new(Subject::Effect(&viscous::Viscous), &[])])
             .collect();
-        let other = Self {
-            core: core.clone(),
-            rows: self.rows.clone(),
-            baseline: self.baseline.clone(),
-            noise: self.noise.clone(),
-            cache: Mutex::default(),
-        };
-        let own = self.fit_unweighted(&beside)?.held_out_residual(&self.rows);
-        let left = other.fit_unweighted(&beside)?.held_out_residual(&self.rows);
+        let held_out = |g: &Self| Some(g.fit_unweighted(&beside)?.held_out_residual(&g.rows));
+        let (own, left) = (held_out(self)?, held_out(other)?);
         let gain: Vec<f64> = own.iter().zip(&left).map(|(o, l)| o - l).collect();
         let found = evidence(&gain, &own, &self.rows.blocks);
         Some(found.z > SURE && found.share > MOSTLY)
@@ -214,10 +208,17 @@ impl Ground {
             self.core
                 .baseline(&self.rows, coefficients, &fitted.terms, &self.baseline)
         };
+        let mut next = self.with_core(self.core.clone());
+        next.baseline = baseline;
+        next
+    }
+
+    /// The same on another core, nothing of it computed yet.
+    fn with_core(&self, core: impl Into<Arc<Core>>) -> Self {
         Self {
-            baseline,
+            core: core.into(),
             rows: self.rows.clone(),
-            core: self.core.clone(),
+            baseline: self.baseline.clone(),
             noise: self.noise.clone(),
             cache: Mutex::default(),
         }
