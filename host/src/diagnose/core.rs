@@ -15,7 +15,8 @@ use std::sync::Arc;
 const SLIPS: f64 = 0.999;
 
 /// Shares of the usual top speed over which friction without hysteresis reverses (`tanh(v/v₀)`, as many simulations and some lubricated
-/// machines have it): up to a tenth, above which it would be viscous friction, in octaves, between which two mix to within 1 % of the level.
+/// machines have it): up to a tenth, above which it would be viscous friction, in octaves: midway two of them mix to within 2.2 % of the
+/// level.
 const SMOOTH: [f64; 5] = [0.1 / 16.0, 0.1 / 8.0, 0.1 / 4.0, 0.1 / 2.0, 0.1];
 
 /// Inertia, blocks, bristles, and friction that follows velocity alone.

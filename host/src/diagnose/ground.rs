@@ -201,15 +201,13 @@ impl Ground {
     }
 
     fn with_baseline(&self, fitted: &Hypothesis) -> Self {
-        let baseline = if self.core.corrects {
-            self.baseline.clone()
-        } else {
-            let coefficients = &fitted.normal.coefficients;
-            self.core
-                .baseline(&self.rows, coefficients, &fitted.terms, &self.baseline)
-        };
         let mut next = self.with_core(self.core.clone());
-        next.baseline = baseline;
+        if !self.core.corrects {
+            let coefficients = &fitted.normal.coefficients;
+            next.baseline =
+                self.core
+                    .baseline(&self.rows, coefficients, &fitted.terms, &self.baseline);
+        }
         next
     }
 
