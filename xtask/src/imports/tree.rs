@@ -194,12 +194,12 @@ fn collect(root: &Path, folder: &Path, found: &mut Vec<(PathBuf, String)>) -> Re
     let why = |error: std::io::Error| format!("{}: {error}", super::from_root(folder).display());
     for entry in std::fs::read_dir(folder).map_err(why)? {
         let path = entry.map_err(why)?.path();
-        if path.ends_with("tests") {
+        if path.file_stem().is_some_and(|name| name == "tests") {
             continue;
         }
         if path.is_dir() {
             collect(root, &path, found)?;
-        } else if path.extension().is_some_and(|e| e == "rs") && !path.ends_with("tests.rs") {
+        } else if path.extension().is_some_and(|e| e == "rs") {
             let text = std::fs::read_to_string(&path).map_err(why)?;
             let name = path.strip_prefix(root).unwrap_or(&path).to_owned();
             found.push((name, text));
