@@ -175,7 +175,8 @@ impl Lines {
         let x = weak.at_centres(&s.x);
         let t = weak.at_centres(&s.t);
         let friction = weak.at_centres(&ground.baseline.friction);
-        let weights = ground.noise.inverse(&hypothesis.residual(&ground.rows));
+        let residual = hypothesis.residual(&ground.rows);
+        let weights = ground.noise.inverse(&residual);
         let by_friction: Vec<f64> = weights.iter().zip(&friction).map(|(w, f)| w * f).collect();
         let (travel, slow) = (s.travel(), s.moving_speed(SLOW).max(1e-300));
         let row_s = weak.half_width_s;
@@ -184,6 +185,8 @@ impl Lines {
         let (slowest, fastest) = spectra::in_time(&ground.rows);
         let in_position = (finest * travel).max(1.0);
         let in_time = (fastest * duration).max(1.0);
+        let mut in_time_alone = spectra::lines(&t, &weights, slowest, fastest);
+        in_time_alone.retain(|hz| !spectra::keeps_step(&t, &residual, &ground.rows.force, *hz));
         let comb = spectra::comb(&x, lowest, finest);
         let invert = |lines| {
             let lines = spectra::with_aliases(lines, comb, lowest);
@@ -204,10 +207,7 @@ impl Lines {
                     in_position,
                 ),
             ),
-            (
-                Line::Time as u8,
-                (spectra::lines(&t, &weights, slowest, fastest), in_time),
-            ),
+            (Line::Time as u8, (in_time_alone, in_time)),
         ]))
     }
 

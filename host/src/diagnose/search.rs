@@ -150,6 +150,12 @@ fn pick<'a>(ground: &Ground, list: &'a [Offer], families: usize, least: f64) -> 
     let matching = |o: &Offer| match (best.term.subject, o.term.effect()) {
         (Subject::Effect(_), _) if !can(best) => MATCH,
         (Subject::Curve(curve), Some(effect)) if effect.axis() == curve.axis => OWN,
+        // Friction wanders in time and along the path: a free curve over either takes that as well as the drift.
+        (Subject::Curve(curve), Some(effect))
+            if effect.class() == Class::Drift && effect.axis().is_akin(curve.axis) =>
+        {
+            OWN
+        }
         (Subject::Curve(_), _) => MATCH,
         (Subject::Change(Change::LateYields), _) => MATCH,
         (Subject::Change(_), _) => OWN,

@@ -4,6 +4,7 @@ use super::rows::Rows;
 use super::signals::bounds;
 use crate::statistics::quantile_between_ranks;
 use realfft::RealFftPlanner;
+use std::f64::consts::TAU;
 
 /// Peaks kept of one spectrum.
 const PEAKS: usize = 4;
@@ -138,6 +139,36 @@ pub fn lines(at: &[f64], weights: &[f64], from: f64, to: f64) -> Vec<f64> {
     peaks.into_iter().map(|p| p.1).collect()
 }
 
+/// How many times the mismatch's line the effort's own has to be: what shakes an axis by itself is the whole of its line, or half where the
+/// loop amplifies it.
+const OWN: f64 = 3.0;
+/// How many times its neighbourhood a line's power is.
+const LINE: f64 = 30.0;
+/// Where its neighbourhood is (in steps of one over the duration): beyond the window's main lobe.
+const NEIGHBOURS: std::ops::RangeInclusive<i32> = 4..=8;
+
+/// Whether a line of the mismatch at a frequency (Hz) keeps step with the motion: the effort has a line there that is much larger. No
+/// recording tells what shakes the axis at a frequency of its own motion from what the motion itself makes.
+pub fn keeps_step(at: &[f64], mismatch: &[f64], effort: &[f64], hz: f64) -> bool {
+    let (low, high) = bounds(at);
+    let span = high - low;
+    let power = |values: &[f64], hz: f64| {
+        let turns = at.iter().zip(values).map(|(t, v)| {
+            let along = (t - low) / span;
+            let (sin, cos) = (TAU * hz * (t - low)).sin_cos();
+            let weighted = v * (1.0 - (TAU * along).cos());
+            [weighted * cos, weighted * sin]
+        });
+        let [c, s] = turns.fold([0.0; 2], |[c, s], [a, b]| [c + a, s + b]);
+        c * c + s * s
+    };
+    let aside = |k: i32| power(effort, hz + f64::from(k) / span);
+    let own = aside(0);
+    let near: Vec<f64> = NEIGHBOURS.flat_map(|k| [aside(-k), aside(k)]).collect();
+    own > OWN * OWN * power(mismatch, hz)
+        && own > LINE * near.iter().sum::<f64>() / near.len() as f64
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -149,11 +180,28 @@ mod tests {
             .collect();
         let wave: Vec<f64> = at.iter().map(|x| (7.3 * x + 0.4).cos()).collect();
         let found = lines(&at, &wave, 0.3, 4.0);
-        let expected = 7.3 / std::f64::consts::TAU;
+        let expected = 7.3 / TAU;
         assert!(
             (found[0] / expected - 1.0).abs() < 0.01,
             "{found:?}, not {expected}"
         );
+    }
+
+    #[test]
+    fn a_line_of_the_motion_keeps_step_with_it_and_a_vibration_does_not() {
+        let at: Vec<f64> = (0..4000).map(|i| f64::from(i) * 0.01).collect();
+        let wave = |hz: f64| move |t: &f64| (TAU * hz * t).sin();
+        let effort: Vec<f64> = at
+            .iter()
+            .map(|t| 3.0 * wave(2.35)(t) + wave(7.7)(t))
+            .collect();
+        let left: Vec<f64> = at.iter().map(wave(7.7)).map(|v| 0.2 * v).collect();
+        assert!(keeps_step(&at, &left, &effort, 7.7));
+        // What shakes it by itself is all that the effort has at its frequency, or stands beside the motion's lines.
+        let shaken: Vec<f64> = at.iter().map(wave(7.7)).map(|v| 0.8 * v).collect();
+        assert!(!keeps_step(&at, &shaken, &effort, 7.7));
+        let beside: Vec<f64> = at.iter().map(wave(7.9)).map(|v| 0.2 * v).collect();
+        assert!(!keeps_step(&at, &beside, &effort, 7.9));
     }
 
     #[test]

@@ -1,18 +1,26 @@
 //! A play of the whole width `gap` between motor and load.
 
-use super::drive_compliance::MOTOR_SHARE;
-use super::grid::one;
+use super::ahead::{self, ENCODER_ON_LOAD, ahead};
+use super::drive_compliance::{DriveCompliance, MOTOR_SHARE};
+use super::grid::{one, spread};
 use super::lack::both_directions;
 use super::readout::enter;
 use super::{Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
+use crate::effects::Effect as Entry;
 use crate::model::Model;
 use crate::statistics::Estimate;
 
 /// Key of the coefficient: how much of the difference that the gap makes is there.
 const SHARE: &str = "share";
+/// Gaps that are simulated for each contact: they cost most of an effect's time, and are refined.
+const SIMULATED: usize = 10;
+/// Place of the contact among the shapes, and its key.
+const CONTACT: usize = 1;
+const MOTOR: usize = 2;
+const CONTACT_KEY: &str = "contact_Hz";
 
 /// `backlash`.
 pub struct Backlash;
@@ -50,19 +58,48 @@ impl Effect for Backlash {
         both_directions(s)
     }
 
+    fn excludes(&self) -> &'static [&'static dyn Effect] {
+        // The spring of its contact is one.
+        &[&DriveCompliance]
+    }
+
     fn shape(&self) -> &'static [(&'static str, Scale)] {
-        &[("gap_m", Scale::Logarithmic)]
+        // A motor with the encoder needs the gap alone: behind it the load is not seen to swing.
+        &[
+            ("gap_m", Scale::Logarithmic),
+            (CONTACT_KEY, Scale::Logarithmic),
+            (ahead::SHARE, Scale::Chosen),
+        ]
+    }
+
+    fn shape_in(&self, entry: &Entry, _: &Model) -> Vec<f64> {
+        vec![entry.get("gap_m")]
     }
 
     fn grid(&self, scene: &Scene) -> Vec<Vec<f64>> {
         let shortest = shortest_yield(scene);
         let longest = (200.0 * shortest).min(scene.s.travel() / 20.0);
-        one(shortest, longest, 9)
+        let mut shapes = one(shortest, longest, 9);
+        for [contact, share] in ahead::contacts(scene) {
+            let gaps = spread(shortest, longest, SIMULATED).into_iter();
+            shapes.extend(gaps.map(|gap| vec![gap, contact, share]));
+        }
+        shapes
+    }
+
+    fn within(&self, scene: &Scene, index: usize, value: f64) -> f64 {
+        match index {
+            CONTACT => ahead::within(value, scene),
+            MOTOR => value.clamp(0.05, 0.95),
+            _ => value,
+        }
     }
 
     fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column> {
-        let &[gap] = shape else {
-            return Vec::new();
+        let gap = match *shape {
+            [gap] => gap,
+            [gap, contact, share] => return ahead(gap, [contact, share], scene),
+            _ => return Vec::new(),
         };
         let (s, core) = (scene.s, scene.core);
         let mass = (1.0 - MOTOR_SHARE) * core.mass;
@@ -76,9 +113,13 @@ impl Effect for Backlash {
         vec![Column::of(value)]
     }
 
-    fn admits(&self, _: &[f64], coefficients: &[f64]) -> bool {
-        // The whole difference that the gap makes, or it is none.
-        matches!(coefficients, [c] if (0.4..1.6).contains(c))
+    fn admits(&self, shape: &[f64], coefficients: &[f64]) -> bool {
+        match (shape, coefficients) {
+            (&[_, _, share], &[c]) => ahead::is_motor(share, c),
+            // The whole difference that the gap makes, or it is none.
+            (_, &[c]) => (0.4..1.6).contains(&c),
+            _ => false,
+        }
     }
 
     fn acts_on_effort(&self) -> bool {
@@ -86,10 +127,16 @@ impl Effect for Backlash {
     }
 
     fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
-        fitted.one(SHARE, self)
+        match fitted.shape {
+            [_, _, share] => ahead::with_own_share(fitted, self, *share),
+            _ => fitted.one(SHARE, self),
+        }
     }
 
     fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
+        if values.iter().any(|(key, _)| key == CONTACT_KEY) {
+            return Err(ENCODER_ON_LOAD.to_owned());
+        }
         enter(self.id(), values, &[SHARE], model)
     }
 }

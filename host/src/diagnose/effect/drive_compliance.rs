@@ -1,5 +1,6 @@
-//! The load on a spring behind the motor, which has the encoder.
+//! The load on a spring behind the motor; either has the encoder.
 
+use super::ahead::{self, ENCODER_ON_LOAD, ahead};
 use super::displaced::displaced;
 use super::readout::enter;
 use super::{Class, Effect, Fitted, Part, Scale, Scene};
@@ -17,6 +18,10 @@ pub(super) const MOTOR_SHARE: f64 = 0.5;
 const SHARES: [f64; 2] = [0.3, 0.7];
 /// Key of the resonance.
 const FREQUENCY: &str = "frequency_Hz";
+/// Its place among the shapes, where the load has the encoder.
+const RESONANCE: usize = 1;
+/// Key of the stiffness, which is fitted where the motor has the encoder.
+const STIFFNESS: &str = "stiffness_N_per_m";
 
 /// Band of the rows (Hz): what a kernel of ±12.5 ms passes by half.
 const ROWS_HZ: f64 = 0.62 / 12.5e-3;
@@ -56,7 +61,11 @@ impl Effect for DriveCompliance {
     }
 
     fn shape(&self) -> &'static [(&'static str, Scale)] {
-        &[("motor_share", Scale::Chosen)]
+        // Where the load has the encoder, the motor is simulated, and its resonance is a shape.
+        &[
+            (ahead::SHARE, Scale::Chosen),
+            (FREQUENCY, Scale::Logarithmic),
+        ]
     }
 
     fn shape_in(&self, _: &Entry, _: &Model) -> Vec<f64> {
@@ -64,13 +73,16 @@ impl Effect for DriveCompliance {
         vec![MOTOR_SHARE]
     }
 
-    fn grid(&self, _: &Scene) -> Vec<Vec<f64>> {
-        vec![vec![MOTOR_SHARE]]
+    fn grid(&self, scene: &Scene) -> Vec<Vec<f64>> {
+        let on_load = ahead::contacts(scene).map(|[hz, share]| vec![share, hz]);
+        std::iter::once(vec![MOTOR_SHARE]).chain(on_load).collect()
     }
 
     fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column> {
-        let &[share] = shape else {
-            return Vec::new();
+        let share = match *shape {
+            [share] => share,
+            [share, hz] => return ahead(0.0, [hz, share], scene),
+            _ => return Vec::new(),
         };
         // Behind a spring the load is displaced by the transmitted effort.
         let (core, a) = (scene.core, &scene.s.a);
@@ -78,8 +90,12 @@ impl Effect for DriveCompliance {
         vec![displaced(&transmitted, (1.0 - share) * core.mass, scene)]
     }
 
-    fn admits(&self, _: &[f64], coefficients: &[f64]) -> bool {
-        matches!(coefficients, [c] if *c > 0.0)
+    fn admits(&self, shape: &[f64], coefficients: &[f64]) -> bool {
+        match (shape, coefficients) {
+            (&[share, _], &[c]) => ahead::is_motor(share, c),
+            (_, &[c]) => c > 0.0,
+            _ => false,
+        }
     }
 
     fn acts_on_effort(&self) -> bool {
@@ -95,10 +111,21 @@ impl Effect for DriveCompliance {
         frequency > SEEN_FROM * scene.s.band_hz.min(ROWS_HZ)
     }
 
+    fn within(&self, scene: &Scene, index: usize, value: f64) -> f64 {
+        let seen = SEEN_FROM * scene.s.band_hz.min(ROWS_HZ);
+        match index {
+            RESONANCE => ahead::within(value.min(seen), scene),
+            _ => value,
+        }
+    }
+
     fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
+        if let &[share, _] = fitted.shape {
+            return ahead::with_own_share(fitted, self, share);
+        }
         let stiffness = |c: f64| 1.0 / c.abs().max(f64::MIN_POSITIVE);
         let mut values = vec![
-            over_shares(fitted, "stiffness_N_per_m", |_, c, error| {
+            over_shares(fitted, STIFFNESS, |_, c, error| {
                 let error = error.map(|e| e * stiffness(c).powi(2));
                 fitted.estimate(stiffness(c), error)
             }),
@@ -115,6 +142,9 @@ impl Effect for DriveCompliance {
     }
 
     fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
+        if !values.iter().any(|(key, _)| key == STIFFNESS) {
+            return Err(ENCODER_ON_LOAD.to_owned());
+        }
         let frequency: Vec<_> = values
             .iter()
             .filter(|(key, _)| key == FREQUENCY)

@@ -2,6 +2,7 @@
 
 pub mod actuator_dead_zone;
 pub mod actuator_saturation;
+mod ahead;
 pub mod axis_coupling;
 pub mod backlash;
 pub mod channel_delay;

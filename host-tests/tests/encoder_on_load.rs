@@ -1,0 +1,163 @@
+//! `diagnose` on two bodies whose load has the encoder, as a scale on the slide: a motor that nobody measures drives it through a gap, a
+//! spring or stiffly. The machine is integrated here, in steps of 20 µs, under a controller that holds its force between samples.
+
+use preslide_host_tests::judge::table::{Recording, Table};
+use preslide_host_tests::judge::tool::Tool;
+use preslide_host_tests::machines::Dice;
+use preslide_host_tests::machines::law::Law;
+use preslide_host_tests::trials::score::Diagnosis;
+use std::f64::consts::TAU;
+
+const SEED: u64 = 23;
+const RATE_HZ: f64 = 1000.0;
+const FINER: usize = 50;
+const STEP_S: f64 = 1.0 / (RATE_HZ * FINER as f64);
+const SAMPLES: usize = (40.0 * RATE_HZ) as usize;
+const MOTOR_KG: f64 = 0.9;
+const LOAD_KG: f64 = 2.1;
+const DAMPING_RATIO: f64 = 0.03;
+const FRICTION_N: f64 = 4.0;
+const PRESLIDING_M: f64 = 60e-6;
+const ENCODER_M: f64 = 10e-9;
+/// The controller's bandwidth, and that of its speed (Hz); its integrator takes a tenth of a second.
+const LOOP_HZ: f64 = 6.0;
+const SPEED_HZ: f64 = 40.0;
+const INTEGRAL_S: f64 = 0.1;
+
+/// Between motor and load: the play, and the frequency at which the two swing against each other in contact.
+#[derive(Clone, Copy)]
+struct Joint {
+    gap_m: f64,
+    contact_hz: f64,
+}
+
+/// Position and velocity that the controller asks for.
+fn reference(t: f64) -> [f64; 2] {
+    let waves = [(1e-3, 2.6), (4e-4, 19.7), (1e-4, 48.4)];
+    let parts = waves.map(|(a, w): (f64, f64)| [a * (w * t).sin(), a * w * (w * t).cos()]);
+    [0, 1].map(|j| parts.iter().map(|p| p[j]).sum())
+}
+
+/// PID on the encoder, the speed smoothed.
+#[derive(Default)]
+struct Controller {
+    last: f64,
+    speed: f64,
+    sum: f64,
+}
+
+impl Controller {
+    fn force(&mut self, sample: usize, read: f64) -> f64 {
+        let (mass, w) = (MOTOR_KG + LOAD_KG, TAU * LOOP_HZ);
+        let [wanted, wanted_speed] = reference(sample as f64 / RATE_HZ);
+        let smooth = 1.0 - (-TAU * SPEED_HZ / RATE_HZ).exp();
+        self.speed += smooth * ((read - self.last) * RATE_HZ - self.speed);
+        self.last = read;
+        self.sum += (wanted - read) / RATE_HZ;
+        let position = wanted - read + self.sum / INTEGRAL_S;
+        mass * (w * w * position + 1.4 * w * (wanted_speed - self.speed))
+    }
+}
+
+impl Joint {
+    /// Position of the load as its encoder reads it, and the force on the motor, at the samples.
+    fn recording(self, law: Law, dice: &mut Dice) -> [Vec<f64>; 2] {
+        let reduced = MOTOR_KG * LOAD_KG / (MOTOR_KG + LOAD_KG);
+        let w = TAU * self.contact_hz;
+        let (stiffness, damping) = (reduced * w * w, 2.0 * DAMPING_RATIO * reduced * w);
+        let (mut controller, mut bristle) = (Controller::default(), law.start());
+        let ([mut motor, mut load], mut speeds) = ([0.0; 2], [reference(0.0)[1]; 2]);
+        let mut level = 1.0;
+        let (mut positions, mut forces) = (Vec::new(), Vec::new());
+        for i in 0..SAMPLES {
+            // Friction wanders by 2 % and forgets its level within a tenth of a second.
+            level += (1.0 - level) * 0.01 + 0.02 * (2.0 * 0.01_f64).sqrt() * dice.normal();
+            let read = (load / ENCODER_M).round() * ENCODER_M;
+            let force = controller.force(i, read);
+            positions.push(read);
+            forces.push(force + 0.01 * dice.normal());
+            for _ in 0..FINER {
+                let apart: f64 = motor - load;
+                let pressed = apart - apart.clamp(-0.5 * self.gap_m, 0.5 * self.gap_m);
+                let touches = f64::from(pressed != 0.0 || self.gap_m == 0.0);
+                let passed = stiffness * pressed + touches * damping * (speeds[0] - speeds[1]);
+                let friction = FRICTION_N * bristle.step(speeds[1] * STEP_S / PRESLIDING_M, level);
+                speeds[0] += (force - passed) / MOTOR_KG * STEP_S;
+                speeds[1] += (passed - friction) / LOAD_KG * STEP_S;
+                motor += speeds[0] * STEP_S;
+                load += speeds[1] * STEP_S;
+            }
+        }
+        [positions, forces]
+    }
+
+    fn diagnosed(self) -> Diagnosis {
+        self.diagnosed_with(Law::Jenkins)
+    }
+
+    fn diagnosed_with(self, law: Law) -> Diagnosis {
+        let [position, force] = self.recording(law, &mut Dice::new(SEED));
+        let time = (0..SAMPLES).map(|i| i as f64 / RATE_HZ).collect();
+        let table = Table {
+            names: ["t_s", "x_m", "force_N"].map(String::from).to_vec(),
+            columns: vec![time, position, force],
+        };
+        let tool = Tool::of_workspace().unwrap_or_else(|e| panic!("{e}"));
+        let found = tool.diagnose(&Recording::new("two-bodies", table, None)).0;
+        let found = found.unwrap_or_else(|e| panic!("seed {SEED}: {e}"));
+        println!("seed {SEED}: {found:?}");
+        found
+    }
+}
+
+fn confident(found: &Diagnosis) -> Vec<&str> {
+    let confident = found.effects.iter().filter(|e| e.confident);
+    confident.map(|e| e.id.as_str()).collect()
+}
+
+#[test]
+fn a_gap_ahead_of_the_encoder_is_named_with_its_width() {
+    let joint = Joint {
+        gap_m: 24e-6,
+        contact_hz: 150.0,
+    };
+    let found = joint.diagnosed();
+    assert_eq!(confident(&found), ["backlash"]);
+    let gap = found.effects[0].parameters.iter().find(|p| p.0 == "gap_m");
+    let (_, value, interval) = gap.expect("its width");
+    let (low, high) = interval.expect("an interval");
+    assert!(low <= joint.gap_m && joint.gap_m <= high, "{low}…{high}");
+    assert!((value / joint.gap_m).ln().abs() < 0.5, "{value}");
+}
+
+/// Its inertial force is a thousandth of the effort: it is suspected, and nothing else for good.
+#[test]
+fn a_spring_ahead_of_the_encoder_is_suspected() {
+    let joint = Joint {
+        gap_m: 0.0,
+        contact_hz: 90.0,
+    };
+    let found = joint.diagnosed();
+    assert_eq!(confident(&found), [""; 0]);
+    assert_eq!(found.effects[0].id, "drive_compliance");
+}
+
+/// Nor is a vibration named at a frequency of the motion.
+#[test]
+fn a_stiff_drive_has_neither() {
+    for law in [Law::Jenkins, Law::LuGre] {
+        let joint = Joint {
+            gap_m: 0.0,
+            contact_hz: 600.0,
+        };
+        let found = joint.diagnosed_with(law);
+        assert_eq!(confident(&found), [""; 0], "{law:?}");
+        let moved = ["backlash", "drive_compliance"];
+        assert!(
+            found
+                .effects
+                .iter()
+                .all(|e| !moved.contains(&e.id.as_str()))
+        );
+    }
+}
