@@ -33,6 +33,17 @@ pub struct Offer {
 }
 
 impl Offer {
+    /// Whether it is a vibration at a frequency of the motion itself, where no recording tells what shakes the axis from what the motion makes.
+    pub fn keeps_step(&self, ground: &Ground) -> bool {
+        let effect = self.term.effect();
+        if effect.and_then(|e| e.line()) != Some(Line::Time) {
+            return false;
+        }
+        let force = combined(&ground.columns(&self.term), &self.trial.coefficients);
+        let t = ground.rows.weak.at_centres(&ground.rows.s.t);
+        spectra::keeps_step(&t, &force, &ground.rows.force, self.term.shape[0])
+    }
+
     /// The chance that any of `families` candidates does as well without any effect.
     pub fn chance(&self, families: usize) -> f64 {
         chance(self.evidence.z, self.tries * families as f64)
@@ -175,8 +186,7 @@ impl Lines {
         let x = weak.at_centres(&s.x);
         let t = weak.at_centres(&s.t);
         let friction = weak.at_centres(&ground.baseline.friction);
-        let residual = hypothesis.residual(&ground.rows);
-        let weights = ground.noise.inverse(&residual);
+        let weights = ground.noise.inverse(&hypothesis.residual(&ground.rows));
         let by_friction: Vec<f64> = weights.iter().zip(&friction).map(|(w, f)| w * f).collect();
         let (travel, slow) = (s.travel(), s.moving_speed(SLOW).max(1e-300));
         let row_s = weak.half_width_s;
@@ -185,8 +195,6 @@ impl Lines {
         let (slowest, fastest) = spectra::in_time(&ground.rows);
         let in_position = (finest * travel).max(1.0);
         let in_time = (fastest * duration).max(1.0);
-        let mut in_time_alone = spectra::lines(&t, &weights, slowest, fastest);
-        in_time_alone.retain(|hz| !spectra::keeps_step(&t, &residual, &ground.rows.force, *hz));
         let comb = spectra::comb(&x, lowest, finest);
         let invert = |lines| {
             let lines = spectra::with_aliases(lines, comb, lowest);
@@ -207,7 +215,10 @@ impl Lines {
                     in_position,
                 ),
             ),
-            (Line::Time as u8, (in_time_alone, in_time)),
+            (
+                Line::Time as u8,
+                (spectra::lines(&t, &weights, slowest, fastest), in_time),
+            ),
         ]))
     }
 

@@ -71,7 +71,10 @@ pub fn search(
         progress.inc(1);
         lead(&ground, &hypothesis, &mut list);
         let left = hypothesis.nmse(&ground.rows).test;
-        list.retain(|o| !barred.iter().any(|b| b.is_near(&o.term)) && !is_harmless(&ground, o));
+        list.retain(|o| {
+            let out = barred.iter().any(|b| b.is_near(&o.term));
+            !(out || is_harmless(&ground, o) || o.keeps_step(&ground))
+        });
         let full = hypothesis.terms.len() >= first.len() + MOST;
         let least = MATERIAL.max(visible / left);
         let Some(next) = pick(&ground, &list, families, least)

@@ -139,17 +139,17 @@ pub fn lines(at: &[f64], weights: &[f64], from: f64, to: f64) -> Vec<f64> {
     peaks.into_iter().map(|p| p.1).collect()
 }
 
-/// How many times the mismatch's line the effort's own has to be: what shakes an axis by itself is the whole of its line, or half where the
-/// loop amplifies it.
+/// How many times a vibration the effort's line has to be: what shakes an axis by itself is the whole of its line, or half where the loop
+/// amplifies it.
 const OWN: f64 = 3.0;
 /// How many times its neighbourhood a line's power is.
 const LINE: f64 = 30.0;
 /// Where its neighbourhood is (in steps of one over the duration): beyond the window's main lobe.
 const NEIGHBOURS: std::ops::RangeInclusive<i32> = 4..=8;
 
-/// Whether a line of the mismatch at a frequency (Hz) keeps step with the motion: the effort has a line there that is much larger. No
-/// recording tells what shakes the axis at a frequency of its own motion from what the motion itself makes.
-pub fn keeps_step(at: &[f64], mismatch: &[f64], effort: &[f64], hz: f64) -> bool {
+/// Whether a vibration (its force at the times `at`) keeps step with the motion: at its frequency (Hz) the effort has a line that is much
+/// larger.
+pub fn keeps_step(at: &[f64], vibration: &[f64], effort: &[f64], hz: f64) -> bool {
     let (low, high) = bounds(at);
     let span = high - low;
     let power = |values: &[f64], hz: f64| {
@@ -165,7 +165,7 @@ pub fn keeps_step(at: &[f64], mismatch: &[f64], effort: &[f64], hz: f64) -> bool
     let aside = |k: i32| power(effort, hz + f64::from(k) / span);
     let own = aside(0);
     let near: Vec<f64> = NEIGHBOURS.flat_map(|k| [aside(-k), aside(k)]).collect();
-    own > OWN * OWN * power(mismatch, hz)
+    own > OWN * OWN * power(vibration, hz)
         && own > LINE * near.iter().sum::<f64>() / near.len() as f64
 }
 
