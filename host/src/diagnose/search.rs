@@ -90,14 +90,30 @@ pub fn search(
                 families,
             });
         };
-        let mut terms = hypothesis.terms.clone();
-        terms.push(next.term.clone());
+        let terms = with(&ground, &hypothesis, &next.term)?;
         if next.evidence.share > LARGE {
             ground = ground.referred_to(&terms)?;
         }
         hypothesis = ground.fit(&terms)?;
         hypothesis = sifted(&ground, hypothesis, first.len(), &mut barred)?;
     }
+}
+
+/// The terms and one more, in place of those that it contains: its shapes were refined beside them, and are without.
+fn with(ground: &Ground, hypothesis: &Hypothesis, next: &Term) -> Option<Vec<Term>> {
+    let contains = next.effect().map_or(&[][..], |e| e.excludes());
+    let stays = |t: &&Term| {
+        let contained = |e: &dyn Effect| contains.iter().any(|c| c.id() == e.id());
+        !t.effect().is_some_and(contained)
+    };
+    let mut terms: Vec<Term> = hypothesis.terms.iter().filter(stays).cloned().collect();
+    let next = if terms.len() < hypothesis.terms.len() {
+        refined(ground, &ground.fit(&terms)?, next)
+    } else {
+        next.clone()
+    };
+    terms.push(next);
+    Some(terms)
 }
 
 /// Without the terms that the later ones make needless; they do not come back, so that the search ends.
