@@ -22,11 +22,6 @@ fn answer(seed: u64, kind: Kind) -> (Diagnosis, Model) {
     (found, read)
 }
 
-fn confident(found: &Diagnosis) -> Vec<&str> {
-    let confident = found.effects.iter().filter(|e| e.confident);
-    confident.map(|e| e.id.as_str()).collect()
-}
-
 /// Value and 95 % interval of a parameter of the effect that stands first.
 fn stated(found: &Diagnosis, key: &str) -> (f64, (f64, f64)) {
     let all = &found.effects[0].parameters;
@@ -49,7 +44,7 @@ fn clean_recordings_of_two_laws_are_consistent() {
             found.verdict,
             "consistent",
             "seed {seed}: {:?}",
-            confident(&found)
+            found.confident_ids()
         );
         assert!(model.effects.is_empty());
     }
@@ -59,7 +54,7 @@ fn clean_recordings_of_two_laws_are_consistent() {
 fn a_stribeck_curve_is_named_with_its_velocity_and_honest_intervals() {
     let (seed, kind) = (272, Kind::Single(Id::Stribeck, Strength::Typical));
     let (found, _) = answer(seed, kind);
-    assert_eq!(confident(&found), ["stribeck"], "seed {seed}");
+    assert_eq!(found.confident_ids(), ["stribeck"], "seed {seed}");
     let (before, after) = found.nmse_test.expect("NMSE");
     assert!(after < 0.5 * before, "NMSE {before} before, {after} after");
     for (key, truth) in trial(seed, kind).label.effects[0].parameters() {
@@ -76,7 +71,7 @@ fn a_stribeck_curve_is_named_with_its_velocity_and_honest_intervals() {
 fn a_constant_force_is_named_with_its_interval_and_its_double() {
     let kind = Kind::Single(Id::ConstantForce, Strength::Typical);
     let (found, model) = answer(10, kind);
-    assert_eq!(confident(&found), ["constant_force"]);
+    assert_eq!(found.confident_ids(), ["constant_force"]);
     let double = found.effects[0]
         .ambiguous_with
         .iter()
@@ -102,7 +97,7 @@ fn a_memory_of_time_is_unknown() {
     let mut verdicts = Vec::new();
     for seed in 56..60 {
         let (found, _) = answer(seed, Kind::Outside(Id::RelaxingMemory));
-        assert_eq!(confident(&found), [""; 0], "seed {seed}");
+        assert_eq!(found.confident_ids(), [""; 0], "seed {seed}");
         let (before, after) = found.nmse_test.expect("NMSE");
         assert!(after <= before, "NMSE {before} before, {after} after");
         verdicts.push(found.verdict);

@@ -91,11 +91,7 @@ impl Joint {
         [positions, forces]
     }
 
-    fn diagnosed(self) -> Diagnosis {
-        self.diagnosed_with(Law::Jenkins)
-    }
-
-    fn diagnosed_with(self, law: Law) -> Diagnosis {
+    fn diagnosed(self, law: Law) -> Diagnosis {
         let [position, force] = self.recording(law, &mut Dice::new(SEED));
         let time = (0..SAMPLES).map(|i| i as f64 / RATE_HZ).collect();
         let table = Table {
@@ -110,19 +106,14 @@ impl Joint {
     }
 }
 
-fn confident(found: &Diagnosis) -> Vec<&str> {
-    let confident = found.effects.iter().filter(|e| e.confident);
-    confident.map(|e| e.id.as_str()).collect()
-}
-
 #[test]
 fn a_gap_ahead_of_the_encoder_is_named_with_its_width() {
     let joint = Joint {
         gap_m: 24e-6,
         contact_hz: 150.0,
     };
-    let found = joint.diagnosed();
-    assert_eq!(confident(&found), ["backlash"]);
+    let found = joint.diagnosed(Law::Jenkins);
+    assert_eq!(found.confident_ids(), ["backlash"]);
     let gap = found.effects[0].parameters.iter().find(|p| p.0 == "gap_m");
     let (_, value, interval) = gap.expect("its width");
     let (low, high) = interval.expect("an interval");
@@ -137,8 +128,8 @@ fn a_spring_ahead_of_the_encoder_is_suspected() {
         gap_m: 0.0,
         contact_hz: 90.0,
     };
-    let found = joint.diagnosed();
-    assert_eq!(confident(&found), [""; 0]);
+    let found = joint.diagnosed(Law::Jenkins);
+    assert_eq!(found.confident_ids(), [""; 0]);
     assert_eq!(found.effects[0].id, "drive_compliance");
 }
 
@@ -150,8 +141,8 @@ fn a_stiff_drive_has_neither() {
             gap_m: 0.0,
             contact_hz: 600.0,
         };
-        let found = joint.diagnosed_with(law);
-        assert_eq!(confident(&found), [""; 0], "{law:?}");
+        let found = joint.diagnosed(law);
+        assert_eq!(found.confident_ids(), [""; 0], "{law:?}");
         let moved = ["backlash", "drive_compliance"];
         assert!(
             found

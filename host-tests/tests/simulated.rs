@@ -181,8 +181,7 @@ fn between_run(machine: Physics, simulation: Physics, run: Run) -> (Diagnosis, M
 }
 
 fn confident(found: &Diagnosis) -> Vec<&str> {
-    let confident = found.effects.iter().filter(|e| e.confident);
-    let mut ids: Vec<&str> = confident.map(|e| e.id.as_str()).collect();
+    let mut ids = found.confident_ids();
     ids.sort_unstable();
     ids
 }

@@ -290,13 +290,10 @@ impl Outcome {
     }
 }
 
-fn confident(d: &Diagnosis) -> impl Iterator<Item = &Named> {
-    d.effects.iter().filter(|e| e.confident)
-}
-
 /// Whether `d` names `id` confidently, or says of a confident name that it cannot be told from it.
 fn says(d: &Diagnosis, id: &str) -> bool {
-    confident(d).any(|e| e.id == id || e.ambiguous_with.iter().any(|other| other == id))
+    d.confident()
+        .any(|e| e.id == id || e.ambiguous_with.iter().any(|other| other == id))
 }
 
 fn hints(d: &Diagnosis, id: &str) -> bool {
@@ -319,23 +316,19 @@ pub fn compare(
         (Err(_), _) => return Outcome::NotAsked,
         (Ok(_), Err(reason)) => return Outcome::Refused(reason.clone()),
     };
-    let ids = |d| {
-        confident(d)
-            .map(|e: &Named| e.id.as_str())
-            .collect::<Vec<_>>()
-    };
-    let lost: Vec<&str> = ids(before)
+    let lost: Vec<&str> = before
+        .confident_ids()
         .into_iter()
         .filter(|id| !says(after, id))
         .collect();
-    let new: Vec<&str> = ids(after)
+    let new: Vec<&str> = after
+        .confident_ids()
         .into_iter()
         .filter(|id| !says(before, id))
         .collect();
     let verdicts = (before.verdict.as_str(), after.verdict.as_str());
     let verdict = format!("{} → {}", verdicts.0, verdicts.1);
     let hinted = lost.iter().all(|id| hints(after, id));
-    let told = |d: &Diagnosis| d.unknown || confident(d).next().is_some();
     let short = after.verdict == "insufficient-data";
     if !lost.is_empty() && (!new.is_empty() || !hinted && !short) {
         let what = format!(
@@ -357,7 +350,7 @@ pub fn compare(
     if verdicts.0 != verdicts.1 {
         return match verdicts {
             (_, "insufficient-data") => Outcome::Weaker(verdict),
-            _ if told(after) && !told(before) => Outcome::More(verdict),
+            _ if after.alarms() && !before.alarms() => Outcome::More(verdict),
             _ => Outcome::Flipped(verdict),
         };
     }
@@ -369,8 +362,8 @@ pub fn compare(
 
 /// The first confident name whose parameters are outside the other answer's intervals, in every name alike where there are several.
 fn moved(property: Property, before: &Diagnosis, after: &Diagnosis) -> Option<String> {
-    confident(before).find_map(|old| {
-        let alike = confident(after).filter(|new| new.id == old.id);
+    before.confident().find_map(|old| {
+        let alike = after.confident().filter(|new| new.id == old.id);
         let moves: Option<Vec<String>> = alike.map(|new| differs(property, old, new)).collect();
         moves?.into_iter().next()
     })

@@ -99,7 +99,17 @@ impl Diagnosis {
 
     /// It claims that physics is missing: a confident name, or a mismatch of unknown kind.
     pub fn alarms(&self) -> bool {
-        self.unknown || self.effects.iter().any(|e| e.confident)
+        self.unknown || self.confident().next().is_some()
+    }
+
+    /// The confident names.
+    pub fn confident(&self) -> impl Iterator<Item = &Named> {
+        self.effects.iter().filter(|e| e.confident)
+    }
+
+    /// Their ids.
+    pub fn confident_ids(&self) -> Vec<&str> {
+        self.confident().map(|e| e.id.as_str()).collect()
     }
 }
 

@@ -99,12 +99,12 @@ pub fn search(
     }
 }
 
-/// The terms and one more, in place of those that it contains: its shapes were refined beside them, and are without.
-fn with(ground: &Ground, hypothesis: &Hypothesis, next: &Term) -> Option<Vec<Term>> {
+/// The terms and one more, in place of those found before that it contains: its shapes were refined beside them, and are without.
+pub fn with(ground: &Ground, hypothesis: &Hypothesis, next: &Term) -> Option<Vec<Term>> {
     let contains = next.effect().map_or(&[][..], |e| e.excludes());
     let stays = |t: &&Term| {
         let contained = |e: &dyn Effect| contains.iter().any(|c| c.id() == e.id());
-        !t.effect().is_some_and(contained)
+        t.given || !t.effect().is_some_and(contained)
     };
     let mut terms: Vec<Term> = hypothesis.terms.iter().filter(stays).cloned().collect();
     let next = if terms.len() < hypothesis.terms.len() {

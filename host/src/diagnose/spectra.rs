@@ -5,6 +5,7 @@ use super::signals::bounds;
 use crate::statistics::quantile_between_ranks;
 use realfft::RealFftPlanner;
 use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
 
 /// Peaks kept of one spectrum.
 const PEAKS: usize = 4;
@@ -16,6 +17,14 @@ const MOST: usize = 1 << 18;
 
 /// Fewest periods of a vibration within the recording: slower is drift, or the motion itself.
 const CYCLES: f64 = 20.0;
+
+/// How many times a vibration the effort's line has to be: what shakes an axis by itself is the whole of its line, or half where the loop
+/// amplifies it.
+const OWN: f64 = 3.0;
+/// How many times its neighbourhood a line's power is.
+const LINE: f64 = 30.0;
+/// Where its neighbourhood is (in steps of one over the duration): beyond the window's main lobe.
+const NEIGHBOURS: RangeInclusive<i32> = 4..=8;
 
 /// The band (Hz) in which vibrations are looked for.
 pub fn in_time(rows: &Rows) -> (f64, f64) {
@@ -139,14 +148,6 @@ pub fn lines(at: &[f64], weights: &[f64], from: f64, to: f64) -> Vec<f64> {
     peaks.into_iter().map(|p| p.1).collect()
 }
 
-/// How many times a vibration the effort's line has to be: what shakes an axis by itself is the whole of its line, or half where the loop
-/// amplifies it.
-const OWN: f64 = 3.0;
-/// How many times its neighbourhood a line's power is.
-const LINE: f64 = 30.0;
-/// Where its neighbourhood is (in steps of one over the duration): beyond the window's main lobe.
-const NEIGHBOURS: std::ops::RangeInclusive<i32> = 4..=8;
-
 /// Whether a vibration (its force at the times `at`) keeps step with the motion: at its frequency (Hz) the effort has a line that is much
 /// larger.
 pub fn keeps_step(at: &[f64], vibration: &[f64], effort: &[f64], hz: f64) -> bool {
@@ -164,9 +165,11 @@ pub fn keeps_step(at: &[f64], vibration: &[f64], effort: &[f64], hz: f64) -> boo
     };
     let aside = |k: i32| power(effort, hz + f64::from(k) / span);
     let own = aside(0);
-    let near: Vec<f64> = NEIGHBOURS.flat_map(|k| [aside(-k), aside(k)]).collect();
-    own > OWN * OWN * power(vibration, hz)
-        && own > LINE * near.iter().sum::<f64>() / near.len() as f64
+    let stands_out = || {
+        let near: Vec<f64> = NEIGHBOURS.flat_map(|k| [aside(-k), aside(k)]).collect();
+        own > LINE * near.iter().sum::<f64>() / near.len() as f64
+    };
+    own > OWN * OWN * power(vibration, hz) && stands_out()
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use super::curve::Curve;
 use super::effect;
 use super::naming::standings;
 use super::offer::{offer_of, offers, refined};
-use super::search::{Found, search};
+use super::search::{Found, search, with};
 use super::term::Subject;
 use super::verdict::Verdict;
 use super::*;
@@ -220,6 +220,32 @@ fn a_period_off_the_grid_is_refined() {
         "{}",
         list[0].chance(families)
     );
+}
+
+#[test]
+fn a_gap_takes_the_place_of_the_spring_that_was_found_and_not_of_the_users_own() {
+    let ground = ground(&made(|_, _, _| 0.0));
+    let spring = Term::new(by_id("drive_compliance").subject, &[0.5]);
+    let gap = Term::new(by_id("backlash").subject, &[1e-5]);
+    for given in [false, true] {
+        let spring = Term {
+            given,
+            ..spring.clone()
+        };
+        let before = ground.fit(&[spring]).expect("a fit");
+        let terms = with(&ground, &before, &gap).expect("a fit");
+        let ids: Vec<&str> = terms
+            .iter()
+            .filter_map(Term::effect)
+            .map(|e| e.id())
+            .collect();
+        let own = if given {
+            &["drive_compliance"][..]
+        } else {
+            &[]
+        };
+        assert_eq!(ids, [own, &["backlash"]].concat());
+    }
 }
 
 #[test]

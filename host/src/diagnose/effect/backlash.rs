@@ -19,7 +19,6 @@ const SHARE: &str = "share";
 const SIMULATED: usize = 10;
 /// Place of the contact among the shapes, and its key.
 const CONTACT: usize = 1;
-const MOTOR: usize = 2;
 const CONTACT_KEY: &str = "contact_Hz";
 
 /// `backlash`.
@@ -90,7 +89,6 @@ impl Effect for Backlash {
     fn within(&self, scene: &Scene, index: usize, value: f64) -> f64 {
         match index {
             CONTACT => ahead::within(value, scene),
-            MOTOR => value.clamp(0.05, 0.95),
             _ => value,
         }
     }

@@ -238,7 +238,7 @@ pub trait Effect: Sync {
         false
     }
 
-    /// Effects that contain it or that it contains: only one of them stands in a hypothesis.
+    /// Effects that are not offered beside it, and whose place it takes: what it contains. Where either contains the other, each says so.
     fn excludes(&self) -> &'static [&'static dyn Effect] {
         &[]
     }
