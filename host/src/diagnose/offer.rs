@@ -65,7 +65,8 @@ fn families(ground: &Ground, hypothesis: &Hypothesis, periods: &[f64]) -> Vec<Fa
         let subject = Subject::Effect(effect);
         let present = hypothesis.terms.iter().any(|t| {
             t.effect().is_some_and(|e| {
-                e.id() == effect.id() || e.excludes().iter().any(|x| x.id() == effect.id())
+                let excluded = e.excludes(&t.shape);
+                e.id() == effect.id() || excluded.iter().any(|x| x.id() == effect.id())
             })
         });
         if present && !effect.recurs() {

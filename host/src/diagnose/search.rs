@@ -101,7 +101,7 @@ pub fn search(
 
 /// The terms and one more, in place of those found before that it contains: its shapes were refined beside them, and are without.
 pub fn with(ground: &Ground, hypothesis: &Hypothesis, next: &Term) -> Option<Vec<Term>> {
-    let contains = next.effect().map_or(&[][..], |e| e.excludes());
+    let contains = next.effect().map_or(&[][..], |e| e.excludes(&next.shape));
     let stays = |t: &&Term| {
         let contained = |e: &dyn Effect| contains.iter().any(|c| c.id() == e.id());
         t.given || !t.effect().is_some_and(contained)

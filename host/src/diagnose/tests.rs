@@ -223,29 +223,26 @@ fn a_period_off_the_grid_is_refined() {
 }
 
 #[test]
-fn a_gap_takes_the_place_of_the_spring_that_was_found_and_not_of_the_users_own() {
+fn a_gap_takes_the_place_of_the_spring_that_it_contains_and_not_of_the_users_own() {
     let ground = ground(&made(|_, _, _| 0.0));
     let spring = Term::new(by_id("drive_compliance").subject, &[0.5]);
-    let gap = Term::new(by_id("backlash").subject, &[1e-5]);
-    for given in [false, true] {
+    let ids_beside = |gap: &[f64], given: bool| -> Vec<&str> {
         let spring = Term {
             given,
             ..spring.clone()
         };
         let before = ground.fit(&[spring]).expect("a fit");
+        let gap = Term::new(by_id("backlash").subject, gap);
         let terms = with(&ground, &before, &gap).expect("a fit");
-        let ids: Vec<&str> = terms
-            .iter()
-            .filter_map(Term::effect)
-            .map(|e| e.id())
-            .collect();
-        let own = if given {
-            &["drive_compliance"][..]
-        } else {
-            &[]
-        };
-        assert_eq!(ids, [own, &["backlash"]].concat());
-    }
+        let effects = terms.iter().filter_map(Term::effect);
+        effects.map(|e| e.id()).collect()
+    };
+    let both = ["drive_compliance", "backlash"];
+    let encoder_on_load = [1e-5, 100.0, 0.5];
+    assert_eq!(ids_beside(&encoder_on_load, false), both[1..]);
+    assert_eq!(ids_beside(&encoder_on_load, true), both);
+    // A gap behind a motor with the encoder has no spring of its own.
+    assert_eq!(ids_beside(&[1e-5], false), both);
 }
 
 #[test]

@@ -57,9 +57,12 @@ impl Effect for Backlash {
         both_directions(s)
     }
 
-    fn excludes(&self) -> &'static [&'static dyn Effect] {
-        // The spring of its contact is one.
-        &[&DriveCompliance]
+    fn excludes(&self, shape: &[f64]) -> &'static [&'static dyn Effect] {
+        match shape {
+            // The spring of its contact is one.
+            [_, _, _] => &[&DriveCompliance],
+            _ => &[],
+        }
     }
 
     fn shape(&self) -> &'static [(&'static str, Scale)] {

@@ -50,7 +50,7 @@ impl Effect for ConstantForce {
     }
 
     /// Two names of one force to every fit: together each would have a part of it.
-    fn excludes(&self) -> &'static [&'static dyn Effect] {
+    fn excludes(&self, _: &[f64]) -> &'static [&'static dyn Effect] {
         &[&CoulombAsymmetry]
     }
 

@@ -53,7 +53,7 @@ impl Effect for FrictionalLag {
         several_speeds(s)
     }
 
-    fn excludes(&self) -> &'static [&'static dyn Effect] {
+    fn excludes(&self, _: &[f64]) -> &'static [&'static dyn Effect] {
         &[&super::stribeck::Stribeck]
     }
 

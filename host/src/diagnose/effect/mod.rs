@@ -238,8 +238,10 @@ pub trait Effect: Sync {
         false
     }
 
-    /// Effects that are not offered beside it, and whose place it takes: what it contains. Where either contains the other, each says so.
-    fn excludes(&self) -> &'static [&'static dyn Effect] {
+    /// Effects that are not offered beside it in such a shape, and whose place it takes: what it contains. Where either contains the other,
+    /// each says so.
+    fn excludes(&self, shape: &[f64]) -> &'static [&'static dyn Effect] {
+        let _ = shape;
         &[]
     }
 
