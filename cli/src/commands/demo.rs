@@ -111,7 +111,9 @@ impl Demo {
         say!("{}", diagnosis.recommendation());
         let (mut after, _) = diagnosis.extended_model(recording, Some(before));
         let useless: Vec<&str> = refused(&after).iter().map(|(id, _)| *id).collect();
-        after.effects.retain(|effect| !useless.contains(&effect.id));
+        after
+            .effects
+            .retain(|effect| !useless.contains(&effect.id()));
         let extended = after.to_toml(&[format!("diagnosed from {}", recording.name)]);
         write_text(&self.file("extended.toml"), &extended)?;
         let source =

@@ -53,7 +53,7 @@ impl CostTable {
         ) {
             (Some(bare), Some(nothing)) => sum.add(1.0, &nothing, &bare),
             _ => {
-                sum.missing = effects.iter().map(|effect| effect.id).collect();
+                sum.missing = effects.iter().map(Effect::id).collect();
                 return sum;
             }
         }
@@ -62,14 +62,14 @@ impl CostTable {
                 Some((self.growth(effect, arithmetic)?, nothing(arithmetic)?))
             });
             let Some((parts, nothing)) = found else {
-                sum.missing.push(effect.id);
+                sum.missing.push(effect.id());
                 continue;
             };
             let before = sum.cycles_mean;
             for (share, with) in &parts {
                 sum.add(*share, with, &nothing);
             }
-            sum.each.push((effect.id, sum.cycles_mean - before));
+            sum.each.push((effect.id(), sum.cycles_mean - before));
         }
         sum
     }
@@ -81,20 +81,16 @@ impl CostTable {
     /// Rows with their shares, which sum to 1.
     fn growth(&self, effect: &Effect, arithmetic: &str) -> Option<Vec<(f64, Cost)>> {
         let with = |name: &str| self.with(name, arithmetic);
-        match effect.id {
-            "position_force" | "position_friction" => {
-                let [few, many] = MAPS;
-                let far = (effect.cosines().len() as f64 - few as f64) / (many - few) as f64;
-                Some(vec![
-                    (1.0 - far, with(&format!("{}_{few}", effect.id))?),
-                    (far, with(&format!("{}_{many}", effect.id))?),
-                ])
-            }
-            "thermal_drift" if effect.has("time_constant_s") => Some(vec![(1.0, with("warm_up")?)]),
-            // The same code with other constants.
-            "gravity" => Some(vec![(1.0, with("periodic_force")?)]),
-            id => Some(vec![(1.0, with(id)?)]),
+        let row = effect.form.cost();
+        if !effect.form.is_map() {
+            return Some(vec![(1.0, with(row)?)]);
         }
+        let [few, many] = MAPS;
+        let far = (effect.cosines().len() as f64 - few as f64) / (many - few) as f64;
+        Some(vec![
+            (1.0 - far, with(&format!("{row}_{few}"))?),
+            (far, with(&format!("{row}_{many}"))?),
+        ])
     }
 }
 
@@ -125,6 +121,7 @@ impl EffectsCost {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::effects::{form, tests};
 
     fn effect(id: &str, values: &[(&str, f64)]) -> Effect {
         Effect::new(id, values).unwrap()
@@ -134,66 +131,13 @@ mod tests {
     #[test]
     fn every_effect_of_a_controller_has_its_cycles() {
         let table = CostTable::of_cpu("cortex-m4").unwrap();
-        let wave = [("period_m", 1e-3), ("phase_rad", 0.0)];
-        let map = [("from_m", 0.0), ("to_m", 1e-3)];
-        let stribeck = [("level", 0.1), ("velocity_m_s", 1e-3), ("exponent", 2.0)];
-        let effects = [
-            effect("constant_force", &[("force_N", 0.1)]),
-            effect("coulomb_asymmetry", &[("asymmetry", 0.1)]),
-            effect("quadratic_drag", &[("drag_N_s2_per_m2", 1.0)]),
-            effect("stribeck", &stribeck),
-            effect(
-                "frictional_lag",
-                &[&stribeck[..], &[("time_constant_s", 0.01)]].concat(),
-            ),
-            effect(
-                "position_spring",
-                &[("stiffness_N_per_m", 10.0), ("centre_m", 0.0)],
-            ),
-            effect(
-                "position_force",
-                &[&map[..], &[("cosine1_N", 0.1), ("cosine2_N", 0.1)]].concat(),
-            ),
-            effect(
-                "position_friction",
-                &[&map[..], &[("cosine1", 0.1)]].concat(),
-            ),
-            effect(
-                "local_friction_spot",
-                &[("level", 0.1), ("position_m", 0.0), ("width_m", 1e-4)],
-            ),
-            effect("periodic_force", &[&wave[..], &[("force_N", 0.1)]].concat()),
-            effect(
-                "periodic_friction",
-                &[&wave[..], &[("level", 0.1)]].concat(),
-            ),
-            effect("gravity", &[("force_N", 0.1), ("angle_rad", 0.5)]),
-            effect("encoder_error", &[&wave[..], &[("error_m", 1e-8)]].concat()),
-            effect(
-                "thermal_drift",
-                &[("level_per_K", -0.01), ("temperature_C", 20.0)],
-            ),
-            effect(
-                "thermal_drift",
-                &[("level", 0.1), ("time_constant_s", 100.0)],
-            ),
-            effect(
-                "dwell_aging",
-                &[
-                    ("level_per_decade", 0.1),
-                    ("time_constant_s", 1.0),
-                    ("erasing_path_m", 1e-5),
-                ],
-            ),
-            effect(
-                "load_dependent_friction",
-                &[("level_per_N", 0.1), ("load_N", 1.0)],
-            ),
-            Effect {
-                id: "viscous",
-                values: vec![("viscous_N_s_per_m".to_owned(), 1.0)],
-            },
-        ];
+        let mut effects = tests::every();
+        effects.retain(|effect| effect.form.controller.is_ok());
+        effects.extend([
+            Effect::of_one(&form::CONSTANT_FORCE, 0.1),
+            Effect::of_one(&form::VISCOUS, 1.0),
+            tests::gravity(),
+        ]);
         for arithmetic in ["f32", "i16f16"] {
             let all = table.effects(&effects, arithmetic);
             assert_eq!(all.missing, Vec::<&str>::new());

@@ -6,6 +6,7 @@ use super::second_position::SecondPosition;
 use super::unnamed::Unknown;
 use super::verdict::{Diagnosis, Named};
 use super::words::{ids, probability};
+use crate::effects::form;
 use crate::model::key_of;
 use crate::recording::Recording;
 use crate::report::Table;
@@ -31,7 +32,7 @@ impl SecondPosition {
             "id": "periodic_lead_error", "period": p.period, "amplitude": p.amplitude, "highest_at": p.highest_at,
             "share_of_difference": p.passes.share, "standard_errors": p.passes.z,
             "share_on_stretches": p.stretches.share, "standard_errors_on_stretches": p.stretches.z,
-            "folded": p.folded, "ambiguous_with": ["encoder_error"],
+            "folded": p.folded, "ambiguous_with": [form::ENCODER_ERROR.id],
         }));
         json!({
             "column": self.column, "unit": unit, "ratio": self.ratio, "passes": self.passes, "rms_left": self.left,

@@ -5,6 +5,7 @@ use super::effect::ALWAYS_FREE;
 use super::term::{Subject, Term};
 use super::weak::Column;
 use super::{Refusal, judge};
+use crate::effects::Effect;
 use crate::model::{Measured, Model};
 use crate::progress::Progress;
 use crate::recording::Recording;
@@ -70,7 +71,7 @@ impl Reproduced {
             ("a constant force", model.constant_force),
         ];
         let plain = plain.into_iter().filter(|p| p.1 != 0.0).map(|p| p.0);
-        let named = model.effects.iter().map(|e| e.id);
+        let named = model.effects.iter().map(Effect::id);
         let parts: Vec<&str> = std::iter::once("hysteresis")
             .chain(plain)
             .chain(named)

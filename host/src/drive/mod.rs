@@ -54,7 +54,7 @@ pub fn loadable(model: &Model) -> Result<Loadable, String> {
     if model.constant_force != 0.0 {
         left_out.push(format!("the constant force {:.3}", model.constant_force));
     }
-    left_out.extend(model.effects.iter().map(|effect| effect.id.to_owned()));
+    left_out.extend(model.effects.iter().map(|effect| effect.id().to_owned()));
     let mut pairs = [(0.0, 0.0); MOST_BLOCKS];
     for (pair, block) in pairs.iter_mut().zip(&fitted) {
         *pair = (block.stiffness as f32, block.weight as f32);

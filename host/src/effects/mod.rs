@@ -36,10 +36,15 @@
 //! `[friction]`; `lead_error` and `presliding_shape` have no parameters here: the one is a calibration of the
 //! encoder, the other is more blocks.
 
-mod catalogue;
-pub(crate) mod terms;
+pub(crate) mod form;
+mod read;
+pub(crate) mod term;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
+
+use form::Form;
+use preslide::ParamError;
+use term::Term;
 
 /// Most cosines of a map.
 pub const MOST_TERMS: usize = 16;
@@ -47,8 +52,8 @@ pub const MOST_TERMS: usize = 16;
 /// An effect and its parameters, in SI with the keys of a linear axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Effect {
-    /// Id in the catalogue.
-    pub id: &'static str,
+    /// Its form, of which its id is one part.
+    pub(crate) form: &'static Form,
     /// Parameters by key, in the order of the table above.
     pub values: Vec<(String, f64)>,
 }
@@ -59,7 +64,34 @@ impl Effect {
     /// # Errors
     /// `key: reason and remedy`: an id or key that is not known, a key that is missing, a value out of its range.
     pub fn new(id: &str, values: &[(&str, f64)]) -> Result<Self, String> {
-        catalogue::checked(id, values, &str::to_owned)
+        read::checked(id, values, &str::to_owned)
+    }
+
+    /// The effect of a form that has one key.
+    pub(crate) fn of_one(form: &'static Form, value: f64) -> Self {
+        let keys = form.keys.iter().map(|(key, _)| (*key).to_owned());
+        Self {
+            form,
+            values: keys.map(|key| (key, value)).collect(),
+        }
+    }
+
+    /// Id in the catalogue.
+    pub fn id(&self) -> &'static str {
+        self.form.id
+    }
+
+    /// Whether it has that form.
+    pub(crate) fn is(&self, form: &'static Form) -> bool {
+        self.form == form
+    }
+
+    /// Its term in the library for samples `sample_time` (s) apart; `None` where it is neither a level nor a force.
+    ///
+    /// # Errors
+    /// Which parameter the library refuses.
+    pub(crate) fn term(&self, sample_time: f64) -> Result<Option<Term>, ParamError> {
+        (self.form.library)(self, sample_time)
     }
 
     /// The value of a key, 0 where it has none.
@@ -84,8 +116,17 @@ impl Effect {
             .collect()
     }
 
+    /// The same, with zeros after the last.
+    fn padded_cosines(&self) -> [f64; MOST_TERMS] {
+        let mut padded = [0.0; MOST_TERMS];
+        for (term, c) in padded.iter_mut().zip(self.cosines()) {
+            *term = c;
+        }
+        padded
+    }
+
     /// Reads an entry of `[[effects]]` whose keys are those of a linear axis; `said` gives the file's word for one.
     pub(crate) fn read(table: &toml::Table, said: &dyn Fn(&str) -> String) -> Result<Self, String> {
-        catalogue::read(table, said)
+        read::read(table, said)
     }
 }

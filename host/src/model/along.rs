@@ -14,7 +14,8 @@
 //! - `channel_delay`: the force `τ` earlier, interpolated; each piece begins and ends with its own first and last value.
 
 use super::Model;
-use crate::effects::{Effect, terms};
+use crate::effects::Effect;
+use crate::effects::form::{self, Column, Form, encoder_error};
 use crate::friction::{Path, Transmission};
 use preslide::effects::{Effect as _, Situation};
 use std::f64::consts::TAU;
@@ -60,28 +61,22 @@ impl Model {
         Ok(force)
     }
 
-    fn of<'a>(&'a self, id: &'static str) -> impl Iterator<Item = &'a Effect> {
-        self.effects.iter().filter(move |effect| effect.id == id)
+    /// The effects of a form.
+    pub(crate) fn of<'a>(&'a self, form: &'static Form) -> impl Iterator<Item = &'a Effect> {
+        self.effects.iter().filter(move |effect| effect.is(form))
     }
 
     /// Whether what the effects need was measured.
     fn has_columns(&self, measured: &Measured) -> Result<(), String> {
-        for (id, missing, column, way) in [
-            (
-                "thermal_drift",
-                measured.temperature_c.is_none(),
-                "temperature_C",
-                "thermal_drift with level and time_constant_s",
-            ),
-            (
-                "load_dependent_friction",
-                measured.load_n.is_none(),
-                "load_N",
-                "a constant friction level",
-            ),
-        ] {
-            let needs = |e: &Effect| id != "thermal_drift" || e.has("level_per_K");
-            if missing && self.of(id).any(needs) {
+        let has = |column| match column {
+            Column::Temperature => measured.temperature_c.is_some(),
+            Column::Load => measured.load_n.is_some(),
+        };
+        for effect in &self.effects {
+            if let Some((column, way)) = effect.form.needs
+                && !has(column)
+            {
+                let (id, column) = (effect.id(), column.name());
                 return Err(format!(
                     "effect {id}: the recording has no column {column}; record it, bring it in with --map {column}=COLUMN, or use {way} in the model"
                 ));
@@ -97,8 +92,9 @@ impl Model {
             velocity: path.velocity.to_vec(),
             acceleration: measured.acceleration.map(<[f64]>::to_vec),
         };
-        for effect in self.of("encoder_error") {
-            let encoder = terms::encoder(effect).map_err(|e| refused_by(effect.id, e))?;
+        for effect in self.of(&form::ENCODER_ERROR) {
+            let encoder =
+                encoder_error::correction(effect).map_err(|e| refused_by(effect.id(), e))?;
             motion.shift(path.position, |x| encoder.shift(x), effect);
         }
         Ok(motion)
@@ -108,10 +104,13 @@ impl Model {
     fn transmitted(&self, path: Path, motion: &Motion) -> Result<(Vec<f64>, Vec<f64>), String> {
         let transmission = Transmission {
             creep: self
-                .of("creep")
+                .of(&form::CREEP)
                 .next()
                 .map(|effect| (effect.get("rate_m_s"), effect.get("share_of_breakaway"))),
-            gap: self.of("backlash").map(|effect| effect.get("gap_m")).sum(),
+            gap: self
+                .of(&form::BACKLASH)
+                .map(|effect| effect.get("gap_m"))
+                .sum(),
         };
         let of_load = |position: &[f64]| {
             let path = Path {
@@ -125,7 +124,7 @@ impl Model {
         };
         let mut friction = of_load(&motion.position)?;
         let mut springs = vec![0.0; friction.len()];
-        for effect in self.of("drive_compliance") {
+        for effect in self.of(&form::DRIVE_COMPLIANCE) {
             if self.inertia <= 0.0 {
                 return Err("effect drive_compliance: needs the inertia, which gives the spring its stiffness; identify it, or remove the effect".to_owned());
             }
@@ -163,8 +162,8 @@ impl Model {
     ) -> Result<Vec<f64>, String> {
         let mut running = Vec::new();
         for effect in &self.effects {
-            let term =
-                terms::library(effect, path.sample_time).map_err(|e| refused_by(effect.id, e))?;
+            let term = effect.term(path.sample_time);
+            let term = term.map_err(|e| refused_by(effect.id(), e))?;
             running.extend(term);
         }
         let mut force = friction;
@@ -207,17 +206,17 @@ impl Model {
 
     /// From the force back to the command, and to when it was sampled.
     fn behind_the_actuator(&self, path: Path, force: &mut [f64]) {
-        for effect in self.of("actuator_saturation") {
+        for effect in self.of(&form::ACTUATOR_SATURATION) {
             let limit = effect.get("limit_N");
             force.iter_mut().for_each(|f| *f = f.clamp(-limit, limit));
         }
-        for effect in self.of("actuator_dead_zone") {
+        for effect in self.of(&form::ACTUATOR_DEAD_ZONE) {
             let half = 0.5 * effect.get("width_N");
             for f in force.iter_mut().filter(|f| **f != 0.0) {
                 *f += half.copysign(*f);
             }
         }
-        for effect in self.of("channel_delay") {
+        for effect in self.of(&form::CHANNEL_DELAY) {
             delay(force, effect.get("delay_s") / path.sample_time, path.pieces);
         }
     }

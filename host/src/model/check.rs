@@ -1,6 +1,7 @@
 //! What a model file may say: numbers that a machine can have, and parameters that the library takes.
 
 use super::Model;
+use crate::effects::form;
 use crate::friction::Path;
 use crate::recording::MotionKind;
 
@@ -20,7 +21,7 @@ impl Model {
         self.body()?;
         self.magnitudes()?;
         self.lengths()?;
-        if self.motion == MotionKind::Linear && self.effects.iter().any(|e| e.id == "gravity") {
+        if self.motion == MotionKind::Linear && self.of(&form::GRAVITY).next().is_some() {
             return wrong(
                 "effects.id",
                 "gravity changes with the angle of a rotary axis; on a linear one it is a constant_force with force_N".to_owned(),

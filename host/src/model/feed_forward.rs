@@ -3,7 +3,8 @@
 
 use super::{Model, refused};
 use crate::effects::Effect;
-use crate::effects::terms::{self, Term};
+use crate::effects::form::{self, encoder_error};
+use crate::effects::term::{FAR, Term};
 use crate::friction::Visitor;
 use preslide::ParamError;
 use preslide::effects::{Bounds, EncoderError, LARGEST_LEVEL, Situation, With};
@@ -32,12 +33,12 @@ impl Clone for Term {
 
 impl Chosen {
     fn try_new(model: &Model, sample_time: f64) -> Result<Self, String> {
-        let said = |effect: &Effect, e: ParamError| format!("effect {}: {e}", effect.id);
+        let said = |effect: &Effect, e: ParamError| format!("effect {}: {e}", effect.id());
         let (mut terms, mut encoders) = (Vec::new(), Vec::new());
         for effect in &model.effects {
-            terms.extend(terms::library(effect, sample_time).map_err(|e| said(effect, e))?);
-            if effect.id == "encoder_error" {
-                encoders.push(terms::encoder(effect).map_err(|e| said(effect, e))?);
+            terms.extend(effect.term(sample_time).map_err(|e| said(effect, e))?);
+            if effect.is(&form::ENCODER_ERROR) {
+                encoders.push(encoder_error::correction(effect).map_err(|e| said(effect, e))?);
             }
         }
         Ok(Self {
@@ -92,7 +93,7 @@ impl preslide::effects::Effect<f64> for Chosen {
     fn bounds(&self) -> Bounds<f64> {
         Bounds {
             level: LARGEST_LEVEL,
-            force: terms::FAR,
+            force: FAR,
             shift: self.encoders.iter().map(|e| e.bounds().shift).sum(),
         }
     }

@@ -7,7 +7,7 @@ mod friction;
 mod refuse;
 mod write;
 
-use crate::effects::Effect;
+use crate::effects::{Effect, form};
 use crate::friction::FrictionModel;
 use crate::recording::MotionKind;
 use friction::FrictionToml;
@@ -112,9 +112,10 @@ fn effects_of(
     let (mut constant_force, mut effects) = (0.0, Vec::new());
     for (i, entry) in entries.iter().enumerate() {
         let effect = Effect::read(entry, say).map_err(|e| format!("effects[{}].{e}", i + 1))?;
-        match effect.id {
-            "constant_force" => constant_force += effect.get("force_N"),
-            _ => effects.push(effect),
+        if effect.is(&form::CONSTANT_FORCE) {
+            constant_force += effect.get("force_N");
+        } else {
+            effects.push(effect);
         }
     }
     Ok((constant_force, effects))

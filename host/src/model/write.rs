@@ -4,7 +4,7 @@
 //! numbers stand as Rust writes them (`1e-7`), shorter than TOML's libraries do.
 
 use super::{Model, SCHEMA};
-use crate::effects::Effect;
+use crate::effects::{Effect, form};
 use preslide::Block;
 use std::fmt::Write as _;
 
@@ -29,10 +29,7 @@ impl Model {
             }
         }
         if self.constant_force != 0.0 {
-            let constant = Effect {
-                id: "constant_force",
-                values: vec![("force_N".to_owned(), self.constant_force)],
-            };
+            let constant = Effect::of_one(&form::CONSTANT_FORCE, self.constant_force);
             self.write_effect(&mut text, &constant);
         }
         for effect in &self.effects {
@@ -64,7 +61,7 @@ impl Model {
     }
 
     fn write_effect(&self, text: &mut String, effect: &Effect) {
-        let _ = writeln!(text, "\n[[effects]]\nid = \"{}\"", effect.id);
+        let _ = writeln!(text, "\n[[effects]]\nid = \"{}\"", effect.id());
         for (key, value) in &effect.values {
             self.write(text, key, *value);
         }

@@ -6,6 +6,7 @@
 
 use super::forward::{Body, acting, one_body};
 use super::{Following, Simulation, position_error};
+use crate::effects::form;
 use crate::friction::Visitor;
 use crate::model::{self, Model};
 use crate::recording::Recording;
@@ -183,7 +184,7 @@ fn notes(model: &Model, recording: &Recording, steps: u32, change: f64) -> Vec<S
     if recording.pieces.len() > 1 {
         notes.push("Only the samples before the first gap are simulated".to_owned());
     }
-    if model.effects.iter().any(|e| e.id == "channel_delay") {
+    if model.of(&form::CHANNEL_DELAY).next().is_some() {
         notes.push("channel_delay is left out: it is the recording's, not the axis's".to_owned());
     }
     notes

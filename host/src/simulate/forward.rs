@@ -5,6 +5,7 @@
 
 use super::{Simulation, position_error};
 use crate::effects::Effect;
+use crate::effects::form::{self, Form};
 use crate::friction::Visitor;
 use crate::model::Model;
 use crate::recording::Recording;
@@ -21,7 +22,7 @@ const SETTLED: f64 = 1e-3;
 const ROOT: f64 = 1e-10;
 
 /// Effects whose forward simulation would take a second body.
-const TWO_BODIES: [&str; 3] = ["drive_compliance", "backlash", "creep"];
+static TWO_BODIES: [&Form; 3] = [&form::DRIVE_COMPLIANCE, &form::BACKLASH, &form::CREEP];
 
 /// The motion that a recorded force causes. Where the recording has a position too, its first `given` samples are taken as they
 /// are, start the motion and load the friction; the rest is compared and never looked at.
@@ -136,8 +137,8 @@ pub(super) fn one_body(model: &Model) -> Result<(), String> {
     let two: Vec<&str> = model
         .effects
         .iter()
-        .map(|e| e.id)
-        .filter(|id| TWO_BODIES.contains(id))
+        .filter(|e| TWO_BODIES.contains(&e.form))
+        .map(Effect::id)
         .collect();
     if !two.is_empty() {
         return Err(format!(
@@ -150,9 +151,8 @@ pub(super) fn one_body(model: &Model) -> Result<(), String> {
 
 /// The force that reaches the body from the recorded command.
 fn applied(model: &Model, recorded: &[f64], sample_time: f64) -> Vec<f64> {
-    let of = |id: &'static str| model.effects.iter().filter(move |e: &&Effect| e.id == id);
     let mut force = recorded.to_vec();
-    for effect in of("channel_delay") {
+    for effect in model.of(&form::CHANNEL_DELAY) {
         // What is recorded now acted that much earlier.
         let ticks = effect.get("delay_s") / sample_time;
         let late = force.clone();
@@ -169,12 +169,11 @@ fn applied(model: &Model, recorded: &[f64], sample_time: f64) -> Vec<f64> {
 
 /// The force that acts on the body where `force` is commanded: what the drive's limits leave of it.
 pub(super) fn acting(model: &Model, mut force: f64) -> f64 {
-    let of = |id: &'static str| model.effects.iter().filter(move |e: &&Effect| e.id == id);
-    for effect in of("actuator_saturation") {
+    for effect in model.of(&form::ACTUATOR_SATURATION) {
         let limit = effect.get("limit_N");
         force = force.clamp(-limit, limit);
     }
-    for effect in of("actuator_dead_zone") {
+    for effect in model.of(&form::ACTUATOR_DEAD_ZONE) {
         let half = 0.5 * effect.get("width_N");
         force = force.signum() * (force.abs() - half).max(0.0);
     }

@@ -8,7 +8,7 @@ pub mod ramp;
 #[cfg(test)]
 mod tests;
 
-use crate::effects::Effect;
+use crate::effects::{Effect, form};
 use crate::friction::FrictionModel;
 use crate::model::{Measured, Model};
 use crate::recording::{MotionKind, Recording};
@@ -219,8 +219,13 @@ pub fn motion_of_force(
     force: &[f64],
     sample_time: f64,
 ) -> Result<Simulation, String> {
-    let at_rest = |effect: &&Effect| effect.id != "quadratic_drag";
-    let effects: Vec<&str> = model.effects.iter().filter(at_rest).map(|e| e.id).collect();
+    let at_rest = |effect: &&Effect| !effect.is(&form::QUADRATIC_DRAG);
+    let effects: Vec<&str> = model
+        .effects
+        .iter()
+        .filter(at_rest)
+        .map(Effect::id)
+        .collect();
     if !effects.is_empty() {
         return Err(format!(
             "force → motion knows no effects, and the model has {}; simulate the force of a motion (--motion), or remove them from the model",

@@ -243,7 +243,7 @@ fn tuning(
 ) -> Result<Tuning, String> {
     let refused = refused(with_effects);
     let mut effects = carried(with_effects);
-    effects.retain(|effect| refused.iter().all(|(id, _)| *id != effect.id));
+    effects.retain(|effect| refused.iter().all(|(id, _)| *id != effect.id()));
     let bench = Bench {
         motion,
         variance,

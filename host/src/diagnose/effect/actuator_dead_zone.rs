@@ -4,6 +4,7 @@ use super::readout::enter;
 use super::{Class, Effect, Fitted, Part, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
+use crate::effects::form;
 use crate::model::Model;
 use crate::statistics::Estimate;
 
@@ -15,7 +16,7 @@ pub struct ActuatorDeadZone;
 
 impl Effect for ActuatorDeadZone {
     fn id(&self) -> &'static str {
-        "actuator_dead_zone"
+        form::ACTUATOR_DEAD_ZONE.id
     }
 
     fn name(&self) -> &'static str {

@@ -5,6 +5,7 @@ use super::readout::enter;
 use super::{Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
+use crate::effects::form;
 use crate::model::Model;
 use crate::statistics::{Estimate, quantile_between_ranks};
 
@@ -22,7 +23,7 @@ pub struct ActuatorSaturation;
 
 impl Effect for ActuatorSaturation {
     fn id(&self) -> &'static str {
-        "actuator_saturation"
+        form::ACTUATOR_SATURATION.id
     }
 
     fn name(&self) -> &'static str {

@@ -9,7 +9,7 @@ use super::{Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
-use crate::effects::Effect as Entry;
+use crate::effects::{Effect as Entry, form};
 use crate::model::Model;
 use crate::statistics::Estimate;
 
@@ -26,7 +26,7 @@ pub struct Backlash;
 
 impl Effect for Backlash {
     fn id(&self) -> &'static str {
-        "backlash"
+        form::BACKLASH.id
     }
 
     fn name(&self) -> &'static str {

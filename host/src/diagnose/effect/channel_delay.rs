@@ -4,6 +4,7 @@ use super::readout::enter;
 use super::{Class, Effect, Fitted, Part, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
+use crate::effects::form;
 use crate::model::Model;
 use crate::statistics::Estimate;
 
@@ -12,7 +13,7 @@ pub struct ChannelDelay;
 
 impl Effect for ChannelDelay {
     fn id(&self) -> &'static str {
-        "channel_delay"
+        form::CHANNEL_DELAY.id
     }
 
     fn name(&self) -> &'static str {

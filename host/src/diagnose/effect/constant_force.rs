@@ -7,6 +7,7 @@ use super::{Class, Effect, Fitted, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
+use crate::effects::form;
 use crate::model::Model;
 use crate::statistics::Estimate;
 
@@ -18,7 +19,7 @@ pub struct ConstantForce;
 
 impl Effect for ConstantForce {
     fn id(&self) -> &'static str {
-        "constant_force"
+        form::CONSTANT_FORCE.id
     }
 
     fn name(&self) -> &'static str {
@@ -63,7 +64,7 @@ impl Effect for ConstantForce {
     }
 
     fn in_model(&self, model: &Model) -> Vec<Vec<f64>> {
-        let listed = model.effects.iter().any(|e| e.id == self.id());
+        let listed = model.effects.iter().any(|e| e.id() == self.id());
         let present = model.constant_force != 0.0 || listed;
         present.then(Vec::new).into_iter().collect()
     }

@@ -7,6 +7,7 @@ use super::{Class, Effect, Fitted, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
+use crate::effects::form;
 use crate::model::Model;
 use crate::statistics::Estimate;
 
@@ -18,7 +19,7 @@ pub struct CoulombAsymmetry;
 
 impl Effect for CoulombAsymmetry {
     fn id(&self) -> &'static str {
-        "coulomb_asymmetry"
+        form::COULOMB_ASYMMETRY.id
     }
 
     fn name(&self) -> &'static str {

@@ -6,6 +6,7 @@ use super::readout::enter;
 use super::{Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
+use crate::effects::form;
 use crate::model::Model;
 use crate::statistics::Estimate;
 
@@ -19,7 +20,7 @@ pub struct Creep;
 
 impl Effect for Creep {
     fn id(&self) -> &'static str {
-        "creep"
+        form::CREEP.id
     }
 
     fn name(&self) -> &'static str {

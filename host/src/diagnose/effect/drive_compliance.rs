@@ -6,7 +6,7 @@ use super::readout::enter;
 use super::{Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
-use crate::effects::Effect as Entry;
+use crate::effects::{Effect as Entry, form};
 use crate::model::Model;
 use crate::statistics::Estimate;
 use std::f64::consts::TAU;
@@ -33,7 +33,7 @@ pub struct DriveCompliance;
 
 impl Effect for DriveCompliance {
     fn id(&self) -> &'static str {
-        "drive_compliance"
+        form::DRIVE_COMPLIANCE.id
     }
 
     fn name(&self) -> &'static str {

@@ -6,6 +6,7 @@ use super::{Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::{Signals, bounds};
 use crate::diagnose::weak::Column;
+use crate::effects::form;
 use crate::model::Model;
 use crate::statistics::{Estimate, quantile_between_ranks};
 
@@ -17,7 +18,7 @@ pub struct DwellAging;
 
 impl Effect for DwellAging {
     fn id(&self) -> &'static str {
-        "dwell_aging"
+        form::DWELL_AGING.id
     }
 
     fn name(&self) -> &'static str {

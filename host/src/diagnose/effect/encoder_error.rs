@@ -6,6 +6,7 @@ use super::wave::{amplitude_phase_and_shape, wave};
 use super::{Class, Effect, Fitted, Line, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
+use crate::effects::form;
 use crate::model::Model;
 use crate::statistics::Estimate;
 
@@ -14,7 +15,7 @@ pub struct EncoderError;
 
 impl Effect for EncoderError {
     fn id(&self) -> &'static str {
-        "encoder_error"
+        form::ENCODER_ERROR.id
     }
 
     fn name(&self) -> &'static str {

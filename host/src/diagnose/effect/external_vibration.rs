@@ -5,6 +5,7 @@ use super::wave::{PHASE, amplitude_phase_and_shape, wave};
 use super::{Class, Effect, Fitted, Line, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
+use crate::effects::form;
 use crate::model::Model;
 use crate::statistics::Estimate;
 use std::f64::consts::FRAC_PI_2;
@@ -15,7 +16,7 @@ pub struct ExternalVibration;
 
 impl Effect for ExternalVibration {
     fn id(&self) -> &'static str {
-        "external_vibration"
+        form::EXTERNAL_VIBRATION.id
     }
 
     fn name(&self) -> &'static str {

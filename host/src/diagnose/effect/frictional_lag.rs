@@ -8,6 +8,7 @@ use super::{Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
+use crate::effects::form;
 use crate::model::Model;
 use crate::statistics::Estimate;
 
@@ -22,7 +23,7 @@ pub struct FrictionalLag;
 
 impl Effect for FrictionalLag {
     fn id(&self) -> &'static str {
-        "frictional_lag"
+        form::FRICTIONAL_LAG.id
     }
 
     fn name(&self) -> &'static str {

@@ -7,6 +7,7 @@ use super::{Class, Effect, Fitted, Part, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
+use crate::effects::form;
 use crate::model::Model;
 use crate::statistics::Estimate;
 
@@ -20,7 +21,7 @@ pub struct Gravity;
 
 impl Effect for Gravity {
     fn id(&self) -> &'static str {
-        "gravity"
+        form::GRAVITY.id
     }
 
     fn name(&self) -> &'static str {

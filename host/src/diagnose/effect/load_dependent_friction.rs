@@ -5,7 +5,7 @@ use super::{Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::{Signals, bounds, mean};
 use crate::diagnose::weak::Column;
-use crate::effects::Effect as Entry;
+use crate::effects::{Effect as Entry, form};
 use crate::model::Model;
 use crate::statistics::{Estimate, quantile_between_ranks};
 
@@ -19,7 +19,7 @@ pub struct LoadDependentFriction;
 
 impl Effect for LoadDependentFriction {
     fn id(&self) -> &'static str {
-        "load_dependent_friction"
+        form::LOAD_DEPENDENT_FRICTION.id
     }
 
     fn name(&self) -> &'static str {

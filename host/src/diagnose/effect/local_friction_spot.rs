@@ -7,6 +7,7 @@ use super::{Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::{Signals, bounds};
 use crate::diagnose::weak::Column;
+use crate::effects::form;
 use crate::model::Model;
 use crate::statistics::Estimate;
 
@@ -21,7 +22,7 @@ pub struct LocalFrictionSpot;
 
 impl Effect for LocalFrictionSpot {
     fn id(&self) -> &'static str {
-        "local_friction_spot"
+        form::LOCAL_FRICTION_SPOT.id
     }
 
     fn name(&self) -> &'static str {

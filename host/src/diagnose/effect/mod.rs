@@ -319,7 +319,7 @@ pub trait Effect: Sync {
 
     /// Its shapes in a user's model, empty where the model lacks it.
     fn in_model(&self, model: &Model) -> Vec<Vec<f64>> {
-        let own = model.effects.iter().filter(|e| e.id == self.id());
+        let own = model.effects.iter().filter(|e| e.id() == self.id());
         own.map(|e| self.shape_in(e, model)).collect()
     }
 

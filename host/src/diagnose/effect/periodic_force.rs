@@ -5,6 +5,7 @@ use super::wave::{amplitude_phase_and_shape, wave};
 use super::{Class, Effect, Fitted, Line, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
+use crate::effects::form;
 use crate::model::Model;
 use crate::statistics::Estimate;
 
@@ -13,7 +14,7 @@ pub struct PeriodicForce;
 
 impl Effect for PeriodicForce {
     fn id(&self) -> &'static str {
-        "periodic_force"
+        form::PERIODIC_FORCE.id
     }
 
     fn name(&self) -> &'static str {

@@ -7,6 +7,7 @@ use super::{Class, Effect, Fitted, Line, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
+use crate::effects::form;
 use crate::model::Model;
 use crate::statistics::Estimate;
 
@@ -15,7 +16,7 @@ pub struct PeriodicFriction;
 
 impl Effect for PeriodicFriction {
     fn id(&self) -> &'static str {
-        "periodic_friction"
+        form::PERIODIC_FRICTION.id
     }
 
     fn name(&self) -> &'static str {

@@ -7,7 +7,7 @@ use super::{Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
-use crate::effects::Effect as Entry;
+use crate::effects::{Effect as Entry, form};
 use crate::model::Model;
 use crate::statistics::Estimate;
 
@@ -19,7 +19,7 @@ pub struct PositionForce;
 
 impl Effect for PositionForce {
     fn id(&self) -> &'static str {
-        "position_force"
+        form::POSITION_FORCE.id
     }
 
     fn name(&self) -> &'static str {

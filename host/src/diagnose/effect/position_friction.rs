@@ -7,7 +7,7 @@ use super::{Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
-use crate::effects::Effect as Entry;
+use crate::effects::{Effect as Entry, form};
 use crate::model::Model;
 use crate::statistics::Estimate;
 use std::f64::consts::PI;
@@ -20,7 +20,7 @@ pub struct PositionFriction;
 
 impl Effect for PositionFriction {
     fn id(&self) -> &'static str {
-        "position_friction"
+        form::POSITION_FRICTION.id
     }
 
     fn name(&self) -> &'static str {

@@ -7,7 +7,7 @@ use super::{Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::{Signals, bounds};
 use crate::diagnose::weak::Column;
-use crate::effects::Effect as Entry;
+use crate::effects::{Effect as Entry, form};
 use crate::model::Model;
 use crate::statistics::Estimate;
 
@@ -19,7 +19,7 @@ pub struct PositionSpring;
 
 impl Effect for PositionSpring {
     fn id(&self) -> &'static str {
-        "position_spring"
+        form::POSITION_SPRING.id
     }
 
     fn name(&self) -> &'static str {

@@ -7,6 +7,7 @@ use crate::diagnose::axis::Axis;
 use crate::diagnose::normal::Bound;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
+use crate::effects::form;
 use crate::model::Model;
 use crate::statistics::Estimate;
 
@@ -15,7 +16,7 @@ pub struct QuadraticDrag;
 
 impl Effect for QuadraticDrag {
     fn id(&self) -> &'static str {
-        "quadratic_drag"
+        form::QUADRATIC_DRAG.id
     }
 
     fn name(&self) -> &'static str {

@@ -7,6 +7,7 @@ use super::{Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
+use crate::effects::form;
 use crate::model::Model;
 use crate::statistics::Estimate;
 
@@ -15,7 +16,7 @@ pub struct RunIn;
 
 impl Effect for RunIn {
     fn id(&self) -> &'static str {
-        "run_in"
+        form::RUN_IN.id
     }
 
     fn name(&self) -> &'static str {

@@ -7,6 +7,7 @@ use super::{Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
+use crate::effects::form;
 use crate::friction::FrictionModel;
 use crate::model::Model;
 use crate::statistics::Estimate;
@@ -22,7 +23,7 @@ pub struct Stribeck;
 
 impl Effect for Stribeck {
     fn id(&self) -> &'static str {
-        "stribeck"
+        form::STRIBECK.id
     }
 
     fn name(&self) -> &'static str {
@@ -105,7 +106,7 @@ impl Effect for Stribeck {
     }
 
     fn in_model(&self, model: &Model) -> Vec<Vec<f64>> {
-        let listed = model.effects.iter().filter(|e| e.id == self.id());
+        let listed = model.effects.iter().filter(|e| e.id() == self.id());
         let mut shapes: Vec<Vec<f64>> = listed.map(|e| self.shape_in(e, model)).collect();
         if let FrictionModel::Gms {
             sliding: Some(sliding),

@@ -296,7 +296,7 @@ fn model_files_take_the_parameters_and_give_the_shape_back() {
                 id => {
                     entered.unwrap();
                     let entry = &model.effects[0];
-                    assert_eq!(entry.id, id);
+                    assert_eq!(entry.id(), id);
                     let kept = effect.shape_in(entry, &model);
                     for (((key, _), own), kept) in effect.shape().iter().zip(&shape).zip(kept) {
                         // That only slipping blocks weaken is no matter of a model file.

@@ -8,7 +8,7 @@ use super::{Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::{Signals, bounds, mean};
 use crate::diagnose::weak::Column;
-use crate::effects::Effect as Entry;
+use crate::effects::{Effect as Entry, form};
 use crate::model::Model;
 use crate::statistics::Estimate;
 
@@ -17,7 +17,7 @@ pub struct ThermalDrift;
 
 impl Effect for ThermalDrift {
     fn id(&self) -> &'static str {
-        "thermal_drift"
+        form::THERMAL_DRIFT.id
     }
 
     fn name(&self) -> &'static str {

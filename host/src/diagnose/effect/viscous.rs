@@ -7,6 +7,7 @@ use crate::diagnose::axis::Axis;
 use crate::diagnose::normal::Bound;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
+use crate::effects::form;
 use crate::model::Model;
 use crate::statistics::Estimate;
 
@@ -18,7 +19,7 @@ pub struct Viscous;
 
 impl Effect for Viscous {
     fn id(&self) -> &'static str {
-        "viscous"
+        form::VISCOUS.id
     }
 
     fn name(&self) -> &'static str {

@@ -50,8 +50,8 @@ fn effects_along_a_recording_are_their_formulas() {
     let pick = |n: usize| along(vec![every[n].clone()], coulomb.clone());
     let near = |n: usize, tolerance: f64, wanted: &dyn Fn(usize) -> f64| {
         let off = difference(&pick(n), 0, |i| wanted(i) + rest(i));
-        eprintln!("{}: {off:.1e} N", every[n].id);
-        assert!(off < tolerance, "{}: {off:e}", every[n].id);
+        eprintln!("{}: {off:.1e} N", every[n].id());
+        assert!(off < tolerance, "{}: {off:e}", every[n].id());
     };
     let plain = difference(&along(vec![], coulomb.clone()), 0, |i| {
         friction(i) + rest(i)
@@ -157,8 +157,8 @@ fn effects_with_memory_follow_their_laws() {
         let off = difference(&found, 0, |i| {
             0.8 * v[i].signum() * (1.0 + levels[i]) + rest(i)
         });
-        eprintln!("{}: {off:.1e} N", every[n].id);
-        assert!(off < tolerance, "{}: {off:e}", every[n].id);
+        eprintln!("{}: {off:.1e} N", every[n].id());
+        assert!(off < tolerance, "{}: {off:e}", every[n].id());
     }
 }
 

@@ -3,6 +3,15 @@
 use super::*;
 
 #[test]
+fn these_tests_know_every_form() {
+    let mut known = every();
+    known.extend([gravity(), Effect::of_one(&form::CONSTANT_FORCE, 0.1)]);
+    for form in form::ALL {
+        assert!(known.iter().any(|effect| effect.is(form)), "{form:?}");
+    }
+}
+
+#[test]
 fn every_effect_is_read_back_as_it_was_written() {
     for motion in [MotionKind::Linear, MotionKind::Rotary] {
         let mut effects = every();

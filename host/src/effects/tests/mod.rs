@@ -101,7 +101,7 @@ pub(crate) fn every() -> Vec<Effect> {
 }
 
 /// The effect that only a rotary axis has.
-fn gravity() -> Effect {
+pub(crate) fn gravity() -> Effect {
     Effect::new("gravity", &[("force_N", 3.31), ("angle_rad", 0.2)]).expect("gravity")
 }
 

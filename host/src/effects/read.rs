@@ -1,17 +1,7 @@
-//! Ids, keys and ranges, and the errors that name them.
+//! Reading an effect of a model file, and the errors that name ids, keys and ranges.
 
-use super::{Effect, MOST_TERMS, terms};
-
-/// What a value may be.
-#[derive(Clone, Copy)]
-enum Range {
-    Any,
-    Positive,
-    NotNegative,
-    /// A share of the friction level.
-    Within(f64),
-    Between(f64, f64),
-}
+use super::form::{self, Form, Keys, Range};
+use super::{Effect, MOST_TERMS};
 
 impl Range {
     fn refuses(self, value: f64) -> Option<String> {
@@ -26,111 +16,14 @@ impl Range {
     }
 }
 
-use Range::{Any, Between, NotNegative, Positive, Within};
-
-const LEVEL: Range = Within(preslide::effects::LARGEST_LEVEL);
-
-/// Keys of an effect, of which an id may have two sets; `cosine*` stands for `cosine1`, `cosine2`, … with what follows it.
-type Keys = &'static [(&'static str, Range)];
-
-const CATALOGUE: [(&str, Keys); 25] = [
-    ("constant_force", &[("force_N", Any)]),
-    ("coulomb_asymmetry", &[("asymmetry", Within(1.0))]),
-    ("quadratic_drag", &[("drag_N_s2_per_m2", Any)]),
-    (
-        "stribeck",
-        &[
-            ("level", LEVEL),
-            ("velocity_m_s", Positive),
-            ("exponent", Between(1.0, 4.0)),
-        ],
-    ),
-    (
-        "frictional_lag",
-        &[
-            ("level", LEVEL),
-            ("velocity_m_s", Positive),
-            ("exponent", Between(1.0, 4.0)),
-            ("time_constant_s", Positive),
-        ],
-    ),
-    (
-        "position_spring",
-        &[("stiffness_N_per_m", Any), ("centre_m", Any)],
-    ),
-    (
-        "position_force",
-        &[("from_m", Any), ("to_m", Any), ("cosine*_N", Any)],
-    ),
-    (
-        "position_friction",
-        &[("from_m", Any), ("to_m", Any), ("cosine*", LEVEL)],
-    ),
-    (
-        "local_friction_spot",
-        &[("level", LEVEL), ("position_m", Any), ("width_m", Positive)],
-    ),
-    (
-        "periodic_force",
-        &[("force_N", Any), ("period_m", Positive), ("phase_rad", Any)],
-    ),
-    (
-        "periodic_friction",
-        &[("level", LEVEL), ("period_m", Positive), ("phase_rad", Any)],
-    ),
-    (
-        "encoder_error",
-        &[("error_m", Any), ("period_m", Positive), ("phase_rad", Any)],
-    ),
-    ("gravity", &[("force_N", Any), ("angle_rad", Any)]),
-    (
-        "external_vibration",
-        &[
-            ("force_N", Any),
-            ("frequency_Hz", Positive),
-            ("phase_rad", Any),
-        ],
-    ),
-    ("channel_delay", &[("delay_s", Any)]),
-    ("drive_compliance", &[("frequency_Hz", Positive)]),
-    ("backlash", &[("gap_m", NotNegative)]),
-    (
-        "thermal_drift",
-        &[("level_per_K", Any), ("temperature_C", Any)],
-    ),
-    (
-        "thermal_drift",
-        &[("level", LEVEL), ("time_constant_s", Positive)],
-    ),
-    ("run_in", &[("level", LEVEL), ("path_m", Positive)]),
-    (
-        "dwell_aging",
-        &[
-            ("level_per_decade", Within(1.0)),
-            ("time_constant_s", Positive),
-            ("erasing_path_m", Positive),
-        ],
-    ),
-    (
-        "load_dependent_friction",
-        &[("level_per_N", Any), ("load_N", Any)],
-    ),
-    ("actuator_dead_zone", &[("width_N", NotNegative)]),
-    ("actuator_saturation", &[("limit_N", Positive)]),
-    (
-        "creep",
-        &[("rate_m_s", NotNegative), ("share_of_breakaway", Positive)],
-    ),
-];
-
 /// What to do with an id that has no entry.
 fn unknown(id: &str) -> String {
     match id {
-        "viscous" => "id: viscous friction is the key viscous_N_s_per_m (rotary: viscous_Nm_s_per_rad) of [friction]; move it there".to_owned(),
+        id if id == form::VISCOUS.id => "id: viscous friction is the key viscous_N_s_per_m (rotary: viscous_Nm_s_per_rad) of [friction]; move it there".to_owned(),
         "lead_error" | "periodic_lead_error" => format!("id: {id} shows against a reference only and has no term here; correct the encoder's calibration and remove it"),
         "presliding_shape" => "id: presliding_shape has no term of its own; identify with more blocks and remove it".to_owned(),
         _ => {
-            let mut known: Vec<&str> = CATALOGUE.iter().map(|entry| entry.0).collect();
+            let mut known: Vec<&str> = form::ALL.iter().map(|form| form.id).collect();
             known.dedup();
             format!("id: the effect \"{id}\" is not known; use {}, or remove it", known.join(", "))
         }
@@ -156,7 +49,7 @@ pub(super) fn read(table: &toml::Table, said: &dyn Fn(&str) -> String) -> Result
         Some(_) => return Err("id: must be a string, such as \"stribeck\"".to_owned()),
         None => return Err("id: missing; every effect needs one".to_owned()),
     };
-    if !CATALOGUE.iter().any(|entry| entry.0 == id) {
+    if !form::ALL.iter().any(|form| form.id == id) {
         return Err(unknown(id));
     }
     let mut values = Vec::new();
@@ -178,16 +71,18 @@ pub(super) fn checked(
     given: &[(&str, f64)],
     said: &dyn Fn(&str) -> String,
 ) -> Result<Effect, String> {
-    let sets: Vec<_> = CATALOGUE.iter().filter(|entry| entry.0 == id).collect();
+    let forms: Vec<&'static Form> = form::ALL.into_iter().filter(|form| form.id == id).collect();
     // Of two sets of keys the one that the first telling key belongs to.
     let telling = |keys: Keys| {
         keys.iter()
             .any(|(key, _)| given.iter().any(|(own, _)| own == key))
     };
-    let Some(&&(id, keys)) = sets.iter().find(|entry| telling(entry.1)).or(sets.first()) else {
+    let meant = forms.iter().find(|form| telling(form.keys));
+    let Some(&form) = meant.or(forms.first()) else {
         return Err(unknown(id));
     };
-    let has = sets.iter().map(|entry| named(entry.1, said));
+    let keys = form.keys;
+    let has = forms.iter().map(|form| named(form.keys, said));
     let has = format!("{id} has {}", has.collect::<Vec<_>>().join("; or "));
     for (key, value) in given {
         let Some((_, range)) = keys.iter().find(|(pattern, _)| fits(key, pattern)) else {
@@ -216,7 +111,7 @@ pub(super) fn checked(
                 .map(|(key, value)| ((*key).to_owned(), *value)),
         );
     }
-    let effect = Effect { id, values };
+    let effect = Effect { form, values };
     if effect.has("to_m") && effect.get("to_m") <= effect.get("from_m") {
         return Err(format!(
             "{}: {} must be above {} = {}",
@@ -227,7 +122,7 @@ pub(super) fn checked(
         ));
     }
     // The library is the last judge of what it computes. The sample time is known later; 10 µs suits all that is plausible.
-    terms::library(&effect, 1e-5).map_err(|e| format!("{id}: {e}"))?;
+    effect.term(1e-5).map_err(|e| format!("{id}: {e}"))?;
     Ok(effect)
 }
 

@@ -1,0 +1,23 @@
+//! `F0`.
+
+use super::Range::Any;
+use super::{Argument, BARE, Constructor, Form, term};
+use preslide::Units;
+use preslide::effects::ConstantForce;
+
+/// `constant_force`.
+pub(crate) static CONSTANT_FORCE: Form = Form {
+    id: "constant_force",
+    keys: &[("force_N", Any)],
+    library: |effect, _| {
+        Ok(term(ConstantForce::try_new(
+            effect.get("force_N"),
+            Units::SI,
+        )?))
+    },
+    controller: Ok(Constructor {
+        kind: "ConstantForce",
+        arguments: &[Argument::Key("force_N"), Argument::Units],
+    }),
+    ..BARE
+};

@@ -1,0 +1,36 @@
+//! Measured `= x + e·cos(2πx/p + φ)`.
+
+use super::Range::{Any, Positive};
+use super::{Argument, BARE, Constructor, Form};
+use crate::effects::Effect;
+use preslide::effects::EncoderError;
+use preslide::{ParamError, Units};
+
+/// `encoder_error`.
+pub(crate) static ENCODER_ERROR: Form = Form {
+    id: "encoder_error",
+    keys: &[("error_m", Any), ("period_m", Positive), ("phase_rad", Any)],
+    library: |effect, _| {
+        correction(effect)?;
+        Ok(None)
+    },
+    controller: Ok(Constructor {
+        kind: "EncoderError",
+        arguments: &[
+            Argument::Key("error_m"),
+            Argument::Key("period_m"),
+            Argument::Key("phase_rad"),
+            Argument::Units,
+        ],
+    }),
+    ..BARE
+};
+
+/// The library's correction.
+///
+/// # Errors
+/// Which parameter the library refuses.
+pub(crate) fn correction(effect: &Effect) -> Result<EncoderError<f64>, ParamError> {
+    let get = |key| effect.get(key);
+    EncoderError::try_new(get("error_m"), get("period_m"), get("phase_rad"), Units::SI)
+}

@@ -1,0 +1,39 @@
+//! Stribeck's curve, following with `τ`.
+
+use super::Range::{Between, Positive};
+use super::{Argument, BARE, Constructor, Form, LEVEL, term};
+use preslide::Units;
+use preslide::effects::FrictionalLag;
+
+/// `frictional_lag`.
+pub(crate) static FRICTIONAL_LAG: Form = Form {
+    id: "frictional_lag",
+    keys: &[
+        ("level", LEVEL),
+        ("velocity_m_s", Positive),
+        ("exponent", Between(1.0, 4.0)),
+        ("time_constant_s", Positive),
+    ],
+    library: |effect, sample_time| {
+        Ok(term(FrictionalLag::try_new(
+            effect.get("level"),
+            effect.get("velocity_m_s"),
+            effect.get("exponent"),
+            effect.get("time_constant_s"),
+            sample_time,
+            Units::SI,
+        )?))
+    },
+    controller: Ok(Constructor {
+        kind: "FrictionalLag",
+        arguments: &[
+            Argument::Key("level"),
+            Argument::Key("velocity_m_s"),
+            Argument::Key("exponent"),
+            Argument::Key("time_constant_s"),
+            Argument::SampleTime,
+            Argument::Units,
+        ],
+    }),
+    ..BARE
+};

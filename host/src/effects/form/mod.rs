@@ -1,0 +1,196 @@
+//! What an effect is beside the diagnosis, one file each: its keys in a model file, its term in the library, its constructor in exported source
+//! or why no controller can use it, and its row among the measured costs. To add one, add a file and name it in [`ALL`].
+
+mod actuator_dead_zone;
+mod actuator_saturation;
+mod backlash;
+mod channel_delay;
+mod constant_force;
+mod coulomb_asymmetry;
+mod creep;
+mod drive_compliance;
+mod dwell_aging;
+pub(crate) mod encoder_error;
+mod external_vibration;
+mod frictional_lag;
+mod gravity;
+mod load_dependent_friction;
+mod local_friction_spot;
+mod periodic_force;
+mod periodic_friction;
+mod position_force;
+mod position_friction;
+mod position_spring;
+mod quadratic_drag;
+mod run_in;
+mod stribeck;
+mod thermal_drift;
+mod viscous;
+mod warm_up;
+
+pub(crate) use actuator_dead_zone::ACTUATOR_DEAD_ZONE;
+pub(crate) use actuator_saturation::ACTUATOR_SATURATION;
+pub(crate) use backlash::BACKLASH;
+pub(crate) use channel_delay::CHANNEL_DELAY;
+pub(crate) use constant_force::CONSTANT_FORCE;
+pub(crate) use coulomb_asymmetry::COULOMB_ASYMMETRY;
+pub(crate) use creep::CREEP;
+pub(crate) use drive_compliance::DRIVE_COMPLIANCE;
+pub(crate) use dwell_aging::DWELL_AGING;
+pub(crate) use encoder_error::ENCODER_ERROR;
+pub(crate) use external_vibration::EXTERNAL_VIBRATION;
+pub(crate) use frictional_lag::FRICTIONAL_LAG;
+pub(crate) use gravity::GRAVITY;
+pub(crate) use load_dependent_friction::LOAD_DEPENDENT_FRICTION;
+pub(crate) use local_friction_spot::LOCAL_FRICTION_SPOT;
+pub(crate) use periodic_force::PERIODIC_FORCE;
+pub(crate) use periodic_friction::PERIODIC_FRICTION;
+pub(crate) use position_force::POSITION_FORCE;
+pub(crate) use position_friction::POSITION_FRICTION;
+pub(crate) use position_spring::POSITION_SPRING;
+pub(crate) use quadratic_drag::QUADRATIC_DRAG;
+pub(crate) use run_in::RUN_IN;
+pub(crate) use stribeck::STRIBECK;
+pub(crate) use thermal_drift::THERMAL_DRIFT;
+pub(crate) use viscous::VISCOUS;
+pub(crate) use warm_up::WARM_UP;
+
+use super::Effect;
+use super::term::{FAR, Term, term};
+use preslide::ParamError;
+
+/// An effect as a model file, the library and exported source have it. Compared by identity.
+pub(crate) struct Form {
+    /// In model files and answers.
+    pub(crate) id: &'static str,
+    /// Its keys, SI and those of a linear axis, with what they may be.
+    pub(super) keys: Keys,
+    /// The library's term for samples so far apart (s); `None` where it is neither a level nor a force.
+    pub(crate) library: fn(&Effect, f64) -> Result<Option<Term>, ParamError>,
+    /// What builds it in a controller, or why no controller can use it.
+    pub(crate) controller: Result<Constructor, &'static str>,
+    /// Its row among the measured costs of a tick, where that has not its id.
+    cost: Option<&'static str>,
+    /// What must be measured beside the motion, and what to put in the model in its place.
+    pub(crate) needs: Option<(Column, &'static str)>,
+}
+
+/// A form of nothing, for what most leave out.
+const BARE: Form = Form {
+    id: "",
+    keys: &[],
+    library: |_, _| Ok(None),
+    controller: Err("no constructor is known"),
+    cost: None,
+    needs: None,
+};
+
+impl Form {
+    /// Its row among the measured costs of a tick, the part ROW of `with_ROW_f32`; a map has rows for some numbers of cosines.
+    pub(crate) fn cost(&self) -> &'static str {
+        self.cost.unwrap_or(self.id)
+    }
+
+    /// Whether it is a map, whose cosines have a number of their own.
+    pub(crate) fn is_map(&self) -> bool {
+        self.keys.iter().any(|(key, _)| key.contains('*'))
+    }
+}
+
+/// The forms of the ids of a model file, in the order of [the table](super). Two of an id are two sets of keys.
+pub(crate) static ALL: [&Form; 25] = [
+    &CONSTANT_FORCE,
+    &COULOMB_ASYMMETRY,
+    &QUADRATIC_DRAG,
+    &STRIBECK,
+    &FRICTIONAL_LAG,
+    &POSITION_SPRING,
+    &POSITION_FORCE,
+    &POSITION_FRICTION,
+    &LOCAL_FRICTION_SPOT,
+    &PERIODIC_FORCE,
+    &PERIODIC_FRICTION,
+    &ENCODER_ERROR,
+    &GRAVITY,
+    &EXTERNAL_VIBRATION,
+    &CHANNEL_DELAY,
+    &DRIVE_COMPLIANCE,
+    &BACKLASH,
+    &THERMAL_DRIFT,
+    &WARM_UP,
+    &RUN_IN,
+    &DWELL_AGING,
+    &LOAD_DEPENDENT_FRICTION,
+    &ACTUATOR_DEAD_ZONE,
+    &ACTUATOR_SATURATION,
+    &CREEP,
+];
+
+/// Keys with what they may be; `cosine*` stands for `cosine1`, `cosine2`, … with what follows it.
+pub(super) type Keys = &'static [(&'static str, Range)];
+
+/// What a value may be.
+#[derive(Clone, Copy)]
+pub(super) enum Range {
+    Any,
+    Positive,
+    NotNegative,
+    /// A share of the friction level.
+    Within(f64),
+    Between(f64, f64),
+}
+
+/// A change of the friction level.
+const LEVEL: Range = Range::Within(preslide::effects::LARGEST_LEVEL);
+
+/// What is measured beside the motion.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Column {
+    Temperature,
+    Load,
+}
+
+impl Column {
+    /// Its name in a recording.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Temperature => "temperature_C",
+            Self::Load => "load_N",
+        }
+    }
+}
+
+/// The library's type in [`preslide::effects`], and what its `try_new` takes.
+pub(crate) struct Constructor {
+    pub(crate) kind: &'static str,
+    pub(crate) arguments: &'static [Argument],
+}
+
+/// An argument of a constructor.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Argument {
+    /// The value of a key.
+    Key(&'static str),
+    /// The cosines of a map.
+    Cosines,
+    /// The bound of a force that grows with speed or position.
+    ForceLimit,
+    /// The bound of a level that follows a measured column.
+    LevelLimit,
+    SampleTime,
+    Units,
+    /// A number of the library's own.
+    Number(&'static str),
+}
+
+impl PartialEq for Form {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self, other)
+    }
+}
+
+impl std::fmt::Debug for Form {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(self.id)
+    }
+}

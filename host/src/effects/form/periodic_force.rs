@@ -1,0 +1,30 @@
+//! `A·cos(2πx/p + φ)`.
+
+use super::Range::{Any, Positive};
+use super::{Argument, BARE, Constructor, Form, term};
+use preslide::Units;
+use preslide::effects::PeriodicForce;
+
+/// `periodic_force`.
+pub(crate) static PERIODIC_FORCE: Form = Form {
+    id: "periodic_force",
+    keys: &[("force_N", Any), ("period_m", Positive), ("phase_rad", Any)],
+    library: |effect, _| {
+        Ok(term(PeriodicForce::try_new(
+            effect.get("force_N"),
+            effect.get("period_m"),
+            effect.get("phase_rad"),
+            Units::SI,
+        )?))
+    },
+    controller: Ok(Constructor {
+        kind: "PeriodicForce",
+        arguments: &[
+            Argument::Key("force_N"),
+            Argument::Key("period_m"),
+            Argument::Key("phase_rad"),
+            Argument::Units,
+        ],
+    }),
+    ..BARE
+};

@@ -1,0 +1,30 @@
+//! `m = 1 + Σ c_j·cos(jπu)`.
+
+use super::Range::Any;
+use super::{Argument, BARE, Constructor, Form, LEVEL, term};
+use preslide::Units;
+use preslide::effects::PositionFriction;
+
+/// `position_friction`.
+pub(crate) static POSITION_FRICTION: Form = Form {
+    id: "position_friction",
+    keys: &[("from_m", Any), ("to_m", Any), ("cosine*", LEVEL)],
+    library: |effect, _| {
+        Ok(term(PositionFriction::try_new(
+            effect.get("from_m"),
+            effect.get("to_m"),
+            effect.padded_cosines(),
+            Units::SI,
+        )?))
+    },
+    controller: Ok(Constructor {
+        kind: "PositionFriction",
+        arguments: &[
+            Argument::Key("from_m"),
+            Argument::Key("to_m"),
+            Argument::Cosines,
+            Argument::Units,
+        ],
+    }),
+    ..BARE
+};

@@ -1,0 +1,30 @@
+//! `κ·(x − x0)`.
+
+use super::Range::Any;
+use super::{Argument, BARE, Constructor, FAR, Form, term};
+use preslide::Units;
+use preslide::effects::PositionSpring;
+
+/// `position_spring`.
+pub(crate) static POSITION_SPRING: Form = Form {
+    id: "position_spring",
+    keys: &[("stiffness_N_per_m", Any), ("centre_m", Any)],
+    library: |effect, _| {
+        Ok(term(PositionSpring::try_new(
+            effect.get("stiffness_N_per_m"),
+            effect.get("centre_m"),
+            FAR,
+            Units::SI,
+        )?))
+    },
+    controller: Ok(Constructor {
+        kind: "PositionSpring",
+        arguments: &[
+            Argument::Key("stiffness_N_per_m"),
+            Argument::Key("centre_m"),
+            Argument::ForceLimit,
+            Argument::Units,
+        ],
+    }),
+    ..BARE
+};

@@ -1,0 +1,28 @@
+//! `c·v·abs(v)`.
+
+use super::Range::Any;
+use super::{Argument, BARE, Constructor, FAR, Form, term};
+use preslide::Units;
+use preslide::effects::QuadraticDrag;
+
+/// `quadratic_drag`.
+pub(crate) static QUADRATIC_DRAG: Form = Form {
+    id: "quadratic_drag",
+    keys: &[("drag_N_s2_per_m2", Any)],
+    library: |effect, _| {
+        Ok(term(QuadraticDrag::try_new(
+            effect.get("drag_N_s2_per_m2"),
+            FAR,
+            Units::SI,
+        )?))
+    },
+    controller: Ok(Constructor {
+        kind: "QuadraticDrag",
+        arguments: &[
+            Argument::Key("drag_N_s2_per_m2"),
+            Argument::ForceLimit,
+            Argument::Units,
+        ],
+    }),
+    ..BARE
+};

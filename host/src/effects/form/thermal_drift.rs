@@ -1,0 +1,31 @@
+//! `m = 1 + β·(T − T0)`.
+
+use super::Range::Any;
+use super::{Argument, BARE, Column, Constructor, Form, term};
+use preslide::effects::{LARGEST_LEVEL, ThermalDrift};
+
+/// `thermal_drift`.
+pub(crate) static THERMAL_DRIFT: Form = Form {
+    id: "thermal_drift",
+    keys: &[("level_per_K", Any), ("temperature_C", Any)],
+    library: |effect, _| {
+        Ok(term(ThermalDrift::try_new(
+            effect.get("level_per_K"),
+            effect.get("temperature_C"),
+            LARGEST_LEVEL,
+        )?))
+    },
+    controller: Ok(Constructor {
+        kind: "ThermalDrift",
+        arguments: &[
+            Argument::Key("level_per_K"),
+            Argument::Key("temperature_C"),
+            Argument::LevelLimit,
+        ],
+    }),
+    needs: Some((
+        Column::Temperature,
+        "thermal_drift with level and time_constant_s",
+    )),
+    ..BARE
+};

@@ -1,0 +1,19 @@
+//! `b·v`, which a model file has among the keys of `[friction]`.
+
+use super::Range::Any;
+use super::{Argument, BARE, Constructor, Form};
+
+/// `viscous`.
+pub(crate) static VISCOUS: Form = Form {
+    id: "viscous",
+    keys: &[("viscous_N_s_per_m", Any)],
+    controller: Ok(Constructor {
+        kind: "Viscous",
+        arguments: &[
+            Argument::Key("viscous_N_s_per_m"),
+            Argument::ForceLimit,
+            Argument::Units,
+        ],
+    }),
+    ..BARE
+};
