@@ -1,21 +1,19 @@
 //! `cargo xtask properties`, `inject`, `sources`, `calibrate`, `real`: judges of `preslide diagnose` that know it by its command line and its JSON only.
 
-use crate::process::{cargo, run};
+use crate::process::{cargo, root, run};
+use std::process::Command;
 
 /// Builds the tool, unless another is named with `--preslide`, and runs a judge with the arguments of the program behind it.
 pub fn judge(program: &str, arguments: &[String]) -> Result<(), String> {
     let named = |argument: &String| argument.starts_with("--preslide") || argument == "--help";
+    let mut build = cargo(&["build", "--release", "--package", "preslide-host-tests"]);
     if !arguments.iter().any(named) {
-        run(&mut cargo(&[
-            "build",
-            "--release",
-            "--package",
-            "preslide-cli",
-            "--bins",
-        ]))?;
+        // Both at once: of a judge alone, cargo compiles what they share again, with other features.
+        build.args(["--package", "preslide-cli"]);
     }
-    let mut command = cargo(&["run", "--release", "--package", "preslide-host-tests"]);
-    run(command.args(["--bin", program, "--"]).args(arguments))
+    run(build.arg("--bins"))?;
+    let program = root().join("target/release").join(program);
+    run(Command::new(program).args(arguments).current_dir(root()))
 }
 
 /// Answers that must not flip.
