@@ -17,7 +17,7 @@ pub(crate) static CONSTANT_FORCE: Form = Form {
     },
     controller: Ok(Constructor {
         kind: "ConstantForce",
-        arguments: &[Argument::Key("force_N"), Argument::Units],
+        more: &[Argument::Units],
     }),
     ..BARE
 };

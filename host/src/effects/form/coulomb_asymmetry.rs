@@ -1,7 +1,7 @@
 //! `m = 1 + a·sgn F` (`= sgn v` in sliding).
 
 use super::Range::Within;
-use super::{Argument, BARE, Constructor, Form, term};
+use super::{BARE, Constructor, Form, term};
 use preslide::effects::CoulombAsymmetry;
 
 /// `coulomb_asymmetry`.
@@ -11,7 +11,7 @@ pub(crate) static COULOMB_ASYMMETRY: Form = Form {
     library: |effect, _| Ok(term(CoulombAsymmetry::try_new(effect.get("asymmetry"))?)),
     controller: Ok(Constructor {
         kind: "CoulombAsymmetry",
-        arguments: &[Argument::Key("asymmetry")],
+        more: &[],
     }),
     ..BARE
 };

@@ -30,10 +30,7 @@ pub(crate) static DWELL_AGING: Form = Form {
     },
     controller: Ok(Constructor {
         kind: "DwellAging",
-        arguments: &[
-            Argument::Key("level_per_decade"),
-            Argument::Key("time_constant_s"),
-            Argument::Key("erasing_path_m"),
+        more: &[
             Argument::Number(DECADES),
             Argument::SampleTime,
             Argument::Units,

@@ -16,12 +16,7 @@ pub(crate) static ENCODER_ERROR: Form = Form {
     },
     controller: Ok(Constructor {
         kind: "EncoderError",
-        arguments: &[
-            Argument::Key("error_m"),
-            Argument::Key("period_m"),
-            Argument::Key("phase_rad"),
-            Argument::Units,
-        ],
+        more: &[Argument::Units],
     }),
     ..BARE
 };

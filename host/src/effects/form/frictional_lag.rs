@@ -26,14 +26,7 @@ pub(crate) static FRICTIONAL_LAG: Form = Form {
     },
     controller: Ok(Constructor {
         kind: "FrictionalLag",
-        arguments: &[
-            Argument::Key("level"),
-            Argument::Key("velocity_m_s"),
-            Argument::Key("exponent"),
-            Argument::Key("time_constant_s"),
-            Argument::SampleTime,
-            Argument::Units,
-        ],
+        more: &[Argument::SampleTime, Argument::Units],
     }),
     ..BARE
 };

@@ -18,11 +18,7 @@ pub(crate) static GRAVITY: Form = Form {
     },
     controller: Ok(Constructor {
         kind: "Gravity",
-        arguments: &[
-            Argument::Key("force_N"),
-            Argument::Key("angle_rad"),
-            Argument::Units,
-        ],
+        more: &[Argument::Units],
     }),
     // The same code with other constants.
     cost: Some("periodic_force"),

@@ -19,12 +19,7 @@ pub(crate) static LOAD_DEPENDENT_FRICTION: Form = Form {
     },
     controller: Ok(Constructor {
         kind: "LoadDependentFriction",
-        arguments: &[
-            Argument::Key("level_per_N"),
-            Argument::Key("load_N"),
-            Argument::LevelLimit,
-            Argument::Units,
-        ],
+        more: &[Argument::LevelLimit, Argument::Units],
     }),
     needs: Some((Column::Load, "a constant friction level")),
     ..BARE

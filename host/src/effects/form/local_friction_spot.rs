@@ -19,12 +19,7 @@ pub(crate) static LOCAL_FRICTION_SPOT: Form = Form {
     },
     controller: Ok(Constructor {
         kind: "LocalFrictionSpot",
-        arguments: &[
-            Argument::Key("level"),
-            Argument::Key("position_m"),
-            Argument::Key("width_m"),
-            Argument::Units,
-        ],
+        more: &[Argument::Units],
     }),
     ..BARE
 };

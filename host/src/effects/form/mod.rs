@@ -160,19 +160,15 @@ impl Column {
     }
 }
 
-/// The library's type in [`preslide::effects`], and what its `try_new` takes.
+/// The library's type in [`preslide::effects`], and what its `try_new` takes behind the values of the keys.
 pub(crate) struct Constructor {
     pub(crate) kind: &'static str,
-    pub(crate) arguments: &'static [Argument],
+    pub(crate) more: &'static [Argument],
 }
 
-/// An argument of a constructor.
+/// An argument of a constructor that is no parameter.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Argument {
-    /// The value of a key.
-    Key(&'static str),
-    /// The cosines of a map.
-    Cosines,
     /// The bound of a force that grows with speed or position.
     ForceLimit,
     /// The bound of a level that follows a measured column.

@@ -19,12 +19,7 @@ pub(crate) static PERIODIC_FORCE: Form = Form {
     },
     controller: Ok(Constructor {
         kind: "PeriodicForce",
-        arguments: &[
-            Argument::Key("force_N"),
-            Argument::Key("period_m"),
-            Argument::Key("phase_rad"),
-            Argument::Units,
-        ],
+        more: &[Argument::Units],
     }),
     ..BARE
 };

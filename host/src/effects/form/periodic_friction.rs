@@ -19,12 +19,7 @@ pub(crate) static PERIODIC_FRICTION: Form = Form {
     },
     controller: Ok(Constructor {
         kind: "PeriodicFriction",
-        arguments: &[
-            Argument::Key("level"),
-            Argument::Key("period_m"),
-            Argument::Key("phase_rad"),
-            Argument::Units,
-        ],
+        more: &[Argument::Units],
     }),
     ..BARE
 };

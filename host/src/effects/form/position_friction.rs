@@ -19,12 +19,7 @@ pub(crate) static POSITION_FRICTION: Form = Form {
     },
     controller: Ok(Constructor {
         kind: "PositionFriction",
-        arguments: &[
-            Argument::Key("from_m"),
-            Argument::Key("to_m"),
-            Argument::Cosines,
-            Argument::Units,
-        ],
+        more: &[Argument::Units],
     }),
     ..BARE
 };

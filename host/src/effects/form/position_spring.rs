@@ -19,12 +19,7 @@ pub(crate) static POSITION_SPRING: Form = Form {
     },
     controller: Ok(Constructor {
         kind: "PositionSpring",
-        arguments: &[
-            Argument::Key("stiffness_N_per_m"),
-            Argument::Key("centre_m"),
-            Argument::ForceLimit,
-            Argument::Units,
-        ],
+        more: &[Argument::ForceLimit, Argument::Units],
     }),
     ..BARE
 };

@@ -18,11 +18,7 @@ pub(crate) static QUADRATIC_DRAG: Form = Form {
     },
     controller: Ok(Constructor {
         kind: "QuadraticDrag",
-        arguments: &[
-            Argument::Key("drag_N_s2_per_m2"),
-            Argument::ForceLimit,
-            Argument::Units,
-        ],
+        more: &[Argument::ForceLimit, Argument::Units],
     }),
     ..BARE
 };

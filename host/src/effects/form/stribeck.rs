@@ -23,12 +23,7 @@ pub(crate) static STRIBECK: Form = Form {
     },
     controller: Ok(Constructor {
         kind: "Stribeck",
-        arguments: &[
-            Argument::Key("level"),
-            Argument::Key("velocity_m_s"),
-            Argument::Key("exponent"),
-            Argument::Units,
-        ],
+        more: &[Argument::Units],
     }),
     ..BARE
 };

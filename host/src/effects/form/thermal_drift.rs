@@ -17,11 +17,7 @@ pub(crate) static THERMAL_DRIFT: Form = Form {
     },
     controller: Ok(Constructor {
         kind: "ThermalDrift",
-        arguments: &[
-            Argument::Key("level_per_K"),
-            Argument::Key("temperature_C"),
-            Argument::LevelLimit,
-        ],
+        more: &[Argument::LevelLimit],
     }),
     needs: Some((
         Column::Temperature,

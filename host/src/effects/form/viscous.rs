@@ -9,11 +9,7 @@ pub(crate) static VISCOUS: Form = Form {
     keys: &[("viscous_N_s_per_m", Any)],
     controller: Ok(Constructor {
         kind: "Viscous",
-        arguments: &[
-            Argument::Key("viscous_N_s_per_m"),
-            Argument::ForceLimit,
-            Argument::Units,
-        ],
+        more: &[Argument::ForceLimit, Argument::Units],
     }),
     ..BARE
 };

@@ -17,11 +17,7 @@ pub(crate) static WARM_UP: Form = Form {
     },
     controller: Ok(Constructor {
         kind: "WarmUp",
-        arguments: &[
-            Argument::Key("level"),
-            Argument::Key("time_constant_s"),
-            Argument::SampleTime,
-        ],
+        more: &[Argument::SampleTime],
     }),
     cost: Some("warm_up"),
     ..BARE

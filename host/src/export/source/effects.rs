@@ -53,7 +53,7 @@ impl Source<'_> {
     fn bounds(&mut self, effects: &[Effect], options: &Options) -> Result<(), String> {
         let needed = |bound: Argument| {
             let constructors = effects.iter().flat_map(|e| &e.form.controller);
-            constructors.flat_map(|c| c.arguments).any(|a| *a == bound)
+            constructors.flat_map(|c| c.more).any(|a| *a == bound)
         };
         if needed(Argument::ForceLimit) {
             let breakaway = self.model.friction.breakaway();
@@ -79,12 +79,10 @@ impl Source<'_> {
 
     fn effect(&mut self, effect: &Effect, id: &str) -> Result<(), String> {
         let controller = effect.form.controller.as_ref();
-        let Constructor { kind, arguments } =
+        let Constructor { kind, more } =
             controller.map_err(|reason| format!("effect {}: {reason}", effect.id()))?;
-        let build: Vec<String> = arguments
-            .iter()
-            .map(|argument| self.argument(effect, id, *argument))
-            .collect();
+        let mut build = self.parameters(effect, id);
+        build.extend(more.iter().map(|argument| source(*argument).to_owned()));
         let of_terms = match effect.cosines().len() {
             0 => "S".to_owned(),
             n => format!("{n}, S"),
@@ -99,8 +97,8 @@ impl Source<'_> {
         Ok(())
     }
 
-    /// An argument of an effect's constructor; where it is a parameter, its constant is written.
-    fn argument(&mut self, effect: &Effect, id: &str, argument: Argument) -> String {
+    /// Writes the constants of an effect's parameters, the cosines of a map as one; their names.
+    fn parameters(&mut self, effect: &Effect, id: &str) -> Vec<String> {
         let named = |key: &str| {
             let (key, id) = (key.to_uppercase(), id.to_uppercase());
             match key.starts_with(&id) {
@@ -108,31 +106,38 @@ impl Source<'_> {
                 false => format!("{id}_{key}"),
             }
         };
-        match argument {
-            Argument::ForceLimit => FORCE_BOUND.to_owned(),
-            Argument::LevelLimit => LEVEL_BOUND.to_owned(),
-            Argument::SampleTime => "sample_time".to_owned(),
-            Argument::Units => "units".to_owned(),
-            Argument::Number(number) => number.to_owned(),
-            Argument::Cosines => {
-                let name = named("COSINES");
-                let cosines: Vec<String> = effect.cosines().into_iter().map(literal).collect();
-                let _ = writeln!(
-                    self.constants,
-                    "/// The cosines of `{}`.\npub const {name}: [f64; {}] = [{}];",
-                    effect.id(),
-                    cosines.len(),
-                    cosines.join(", ")
-                );
-                name
-            }
-            Argument::Key(key) => {
-                let own = self.model.key(key);
-                let name = named(&own);
-                let said = format!("`{own}` of `{}`", effect.id());
-                self.constant(&name, &said, effect.get(key));
-                name
-            }
+        let cosines: Vec<String> = effect.cosines().into_iter().map(literal).collect();
+        let single = effect.values.len() - cosines.len();
+        let mut names = Vec::new();
+        for (key, value) in &effect.values[..single] {
+            let own = self.model.key(key);
+            let name = named(&own);
+            let said = format!("`{own}` of `{}`", effect.id());
+            self.constant(&name, &said, *value);
+            names.push(name);
         }
+        if !cosines.is_empty() {
+            let name = named("COSINES");
+            let _ = writeln!(
+                self.constants,
+                "/// The cosines of `{}`.\npub const {name}: [f64; {}] = [{}];",
+                effect.id(),
+                cosines.len(),
+                cosines.join(", ")
+            );
+            names.push(name);
+        }
+        names
+    }
+}
+
+/// An argument that is no parameter, as the exported function has it.
+fn source(argument: Argument) -> &'static str {
+    match argument {
+        Argument::ForceLimit => FORCE_BOUND,
+        Argument::LevelLimit => LEVEL_BOUND,
+        Argument::SampleTime => "sample_time",
+        Argument::Units => "units",
+        Argument::Number(number) => number,
     }
 }
