@@ -95,6 +95,22 @@ impl Term {
         matches!(self.subject, Subject::Curve(c) if matches!(c.axis, Axis::Velocity | Axis::Speed))
     }
 
+    /// Whether it is a change of the friction level: with friction mirrored, its force is. What it does along the motion on the whole does
+    /// not tell, since a level that is higher here and lower there adds nothing to the mean.
+    pub fn is_level(&self, scene: &Scene) -> bool {
+        let mut mirrored = scene.core.clone();
+        mirrored.friction.iter_mut().for_each(|f| *f = -*f);
+        let mirrored = self.columns(&Scene {
+            core: &mirrored,
+            ..*scene
+        });
+        let flips = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| *a == -*b);
+        let own = self.columns(scene);
+        own.iter().zip(&mirrored).all(|(a, b)| {
+            flips(&a.value, &b.value) && flips(&a.sloped, &b.sloped) && flips(&a.curved, &b.curved)
+        })
+    }
+
     /// Whether its columns are made of the effort itself.
     pub fn acts_on_effort(&self) -> bool {
         self.effect().is_some_and(|e| e.acts_on_effort())

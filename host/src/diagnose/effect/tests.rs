@@ -232,6 +232,38 @@ fn forces_flip_with_a_mirrored_motion_where_the_physics_does() {
     }
 }
 
+/// A ripple of the level is one wherever it is higher and lower, a ripple of the force is not.
+#[test]
+fn what_acts_through_the_level_flips_with_friction() {
+    use super::super::term::{Subject, Term};
+    let levels = [
+        "periodic_friction",
+        "position_friction",
+        "local_friction_spot",
+        "thermal_drift",
+        "run_in",
+    ];
+    let forces = [
+        "constant_force",
+        "position_spring",
+        "periodic_force",
+        "position_force",
+        "viscous",
+    ];
+    let stage = Stage::new(MotionKind::Linear, 1.0);
+    let told = |id: &str| {
+        let effect = by_id(id).unwrap();
+        let mut shapes = shapes(effect, &stage.scene()).into_iter();
+        let level =
+            |shape: Vec<f64>| Term::new(Subject::Effect(effect), &shape).is_level(&stage.scene());
+        let first = level(shapes.next().unwrap());
+        assert!(shapes.all(|s| level(s) == first), "{id}");
+        first
+    };
+    assert!(levels.into_iter().all(told), "{:?}", levels.map(told));
+    assert!(!forces.into_iter().any(told), "{:?}", forces.map(told));
+}
+
 /// A made fit with admissible coefficients enters a model file and is read from it with the same shape.
 #[test]
 fn model_files_take_the_parameters_and_give_the_shape_back() {
