@@ -107,18 +107,13 @@ pub fn unnamed(
         Subject::Change(change) => change != Change::LateYields,
         Subject::Curve(_) => true,
     };
-    let friction = found
-        .ground
-        .rows
-        .weak
-        .at_centres(&found.ground.baseline.friction);
-    let slight = SLIGHT * rms(&friction);
+    let usual = rms(&friction(found));
     let material = standings
         .iter()
         .filter(is_unnamed)
         .filter(|s| s.size() >= UNNAMED && s.size() * s.left >= NOTICEABLE)
-        .filter(|s| rms(&found.hypothesis.force_of(s.index)) >= slight);
-    let mut all: Vec<Unknown> = material.map(|s| unknown(found, s)).collect();
+        .filter(|s| rms(&found.hypothesis.force_of(s.index)) >= SLIGHT * usual);
+    let mut all: Vec<Unknown> = material.map(|s| unknown(found, s, usual)).collect();
     all.extend(event);
     all.sort_by(|a, b| b.size.total_cmp(&a.size));
     all
@@ -127,7 +122,7 @@ pub fn unnamed(
 /// What happened at some time and not otherwise.
 pub fn happened(found: &Found) -> Option<Unknown> {
     let rows = &found.ground.rows;
-    let friction = rows.weak.at_centres(&found.ground.baseline.friction);
+    let friction = friction(found);
     let mismatch = found.hypothesis.held_out_residual(rows);
     let event = event(rows, &friction, &mismatch)?;
     let while_it_lasts = event.stretches.iter().flat_map(|r| &event.force[r.clone()]);
@@ -174,7 +169,14 @@ pub fn happened(found: &Found) -> Option<Unknown> {
     })
 }
 
-fn unknown(found: &Found, standing: &Standing) -> Unknown {
+/// Friction without effects at the rows (N or N·m).
+fn friction(found: &Found) -> Vec<f64> {
+    let ground = &found.ground;
+    ground.rows.weak.at_centres(&ground.baseline.friction)
+}
+
+/// `usual` is the root mean square of the friction.
+fn unknown(found: &Found, standing: &Standing, usual: f64) -> Unknown {
     let rows = &found.ground.rows;
     let force = found.hypothesis.force_of(standing.index);
     let level = mean(&force);
@@ -194,7 +196,6 @@ fn unknown(found: &Found, standing: &Standing) -> Unknown {
         .map(|f| f - if odd { 0.0 } else { level })
         .collect();
     let own = rms(&varying);
-    let friction = rms(&rows.weak.at_centres(&found.ground.baseline.friction));
     Unknown {
         axis,
         odd,
@@ -209,6 +210,6 @@ fn unknown(found: &Found, standing: &Standing) -> Unknown {
         rms: own,
         wanders: odd
             && matches!(axis, Axis::Time | Axis::Path | Axis::Position)
-            && own <= WANDERS * friction,
+            && own <= WANDERS * usual,
     }
 }

@@ -1,6 +1,7 @@
 //! Every effect of the catalogue on a small made motion.
 
 use super::*;
+use crate::diagnose::term::{Subject, Term};
 use crate::friction::FrictionModel;
 use crate::recording::{LoadOptions, MotionKind, Recording, load_csv};
 use crate::signal::Deflection;
@@ -235,7 +236,6 @@ fn forces_flip_with_a_mirrored_motion_where_the_physics_does() {
 /// A ripple of the level is one wherever it is higher and lower, a ripple of the force is not.
 #[test]
 fn what_acts_through_the_level_flips_with_friction() {
-    use super::super::term::{Subject, Term};
     let levels = [
         "periodic_friction",
         "position_friction",
