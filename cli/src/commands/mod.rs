@@ -256,46 +256,31 @@ pub struct OutputArgs {
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
 
-    /// Write one self-contained page with interactive plots, and its main plot beside it as .png
+    /// Write one self-contained page with interactive plots
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
 }
 
 impl OutputArgs {
-    /// Writes what was asked for. `page` is built only if it is; its first figure becomes the picture.
+    /// Writes what was asked for. `page` is built only if it is.
     pub fn write(
         &self,
         json: &serde_json::Value,
         page: impl FnOnce() -> Page,
     ) -> Result<(), Failure> {
-        if let Some(path) = &self.report
-            && path
-                .extension()
-                .is_some_and(|e| e.eq_ignore_ascii_case("png"))
-        {
+        let is_picture = |path: &&PathBuf| path.extension().is_some_and(|e| e == "png");
+        if let Some(path) = self.report.as_ref().filter(is_picture) {
             return Err(Failure::Input(format!(
-                "--report {}: this is where its picture would go; name the page .html",
+                "--report {}: a report is a page; name it .html and save its figures from the browser",
                 path.display()
             )));
         }
         self.write_json(json)?;
-        if let Some(path) = &self.report {
-            let page = page();
-            if outputs::is_stdout(path) {
-                return write_text(path, &page.to_html());
-            }
-            outputs::write_with(path, |path| page.write_html(path))?;
-            if let Some(figure) = page.sections.iter().flat_map(|s| &s.figures).next() {
-                let picture = path.with_extension("png");
-                // The picture's kind is told by the ending of its name.
-                outputs::write_with(&picture, |path| {
-                    let named = path.with_extension("png");
-                    figure.write_png(&named)?;
-                    Ok(std::fs::rename(&named, path)?)
-                })?;
-            }
+        match &self.report {
+            None => Ok(()),
+            Some(path) if outputs::is_stdout(path) => write_text(path, &page().to_html()),
+            Some(path) => outputs::write_with(path, |path| page().write_html(path)),
         }
-        Ok(())
     }
 
     /// Writes the result for machines where it was asked for.

@@ -51,15 +51,11 @@ fn folder(path: &Path) -> &Path {
 }
 
 impl OutputArgs {
-    /// The outputs with their options, the report's picture among them.
+    /// The outputs with their options.
     fn listed(&self) -> Vec<(&'static str, PathBuf)> {
         let json = self.json.iter().map(|p| ("--json", p.clone()));
         let report = self.report.iter().map(|p| ("--report", p.clone()));
-        let picture = self
-            .report
-            .iter()
-            .map(|p| ("the picture of --report", p.with_extension("png")));
-        json.chain(report).chain(picture).collect()
+        json.chain(report).collect()
     }
 }
 

@@ -1,14 +1,12 @@
-//! Reports: what a command found, as one HTML page for people, as PNG pictures and as text tables.
+//! Reports: what a command found, as one HTML page for people and as text tables.
 //!
-//! A [`Figure`] is described once, in SI units, and drawn two ways from the same points: interactive in the page
-//! (plotly.js, embedded) and as a PNG (plotters). Both show the same colours, axis units and note.
+//! A [`Figure`] is described once, in SI units, and drawn in the page by plotly.js, which is embedded and saves a figure as PNG.
 //!
 //! ```no_run
 //! use preslide_host::report::{Axis, Figure, Page, Section, Series};
 //!
 //! let loops = Figure::new("Force–displacement", Axis::new("displacement", "m"), Axis::new("friction", "N"))
 //!     .with(Series::line("measured", vec![0.0, 1e-5, 2e-5], vec![0.0, 0.5, 0.9]));
-//! loops.write_png("loops.png".as_ref())?;
 //! Page {
 //!     title: "Identification".into(),
 //!     lead: "Use GMS with four blocks.".into(),
@@ -19,13 +17,10 @@
 //! # anyhow::Ok(())
 //! ```
 
-mod axis_ticks;
-mod canvas;
 mod decimate;
 mod drawing;
 mod figure;
 mod html;
-mod png;
 mod scale;
 mod table;
 
