@@ -55,11 +55,6 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     chain(seed, count, electrical)
 }
 
-/// A short chain that gates CI: two effects, both named and both tracked close to what is possible.
-pub fn gate() -> Result<(), String> {
-    chain(1, 2, false)
-}
-
 fn chain(seed: u64, count: usize, electrical: bool) -> Result<(), String> {
     Need::Qemu.ensure()?;
     let what = ["build", "--release", "--package", "preslide-cli", "--bins"];

@@ -1,19 +1,16 @@
 //! Which files differ from a commit, for `cargo xtask test --changed`.
 
-use std::process::Command;
-
-use crate::process::{output, root};
+use crate::process::{git, output};
 
 /// What every step depends on: the dependencies, and the steps themselves.
 const EVERYTHING: &[&str] = &["Cargo.", "xtask/", ".cargo/", ".ci/", "deny.toml"];
 
 /// Paths of the files that differ from where the branch left `base`, committed or not, and of those that are new.
 pub fn files(base: &str) -> Result<Vec<String>, String> {
-    let git = |arguments: &[&str]| output(Command::new("git").args(arguments).current_dir(root()));
-    let from = git(&["merge-base", base, "HEAD"])
+    let from = output(&mut git(&["merge-base", base, "HEAD"]))
         .map_err(|error| format!("--changed {base}: {error}; name a commit or a branch"))?;
-    let changed = git(&["diff", "--name-only", from.trim()])?;
-    let new = git(&["ls-files", "--others", "--exclude-standard"])?;
+    let changed = output(&mut git(&["diff", "--name-only", from.trim()]))?;
+    let new = output(&mut git(&["ls-files", "--others", "--exclude-standard"]))?;
     Ok(changed
         .lines()
         .chain(new.lines())

@@ -11,6 +11,7 @@ mod imports;
 mod judge;
 mod process;
 mod qemu;
+mod steps;
 mod test;
 mod thumb;
 mod tools;
@@ -27,13 +28,13 @@ struct Command {
 const COMMANDS: &[Command] = &[
     Command {
         name: "test",
-        help: "everything CI runs, or the steps named, or with --changed [BASE] those that the changes since BASE (default: the last commit) touch, the emulator's beside the others unless --serial stands first; installs what is missing",
+        help: "everything CI runs; --all with the long studies, before a release; or the steps named, or with --changed [BASE] those that the changes since BASE (default: the last commit) touch; the emulator's beside the others unless --serial is given; installs what is missing",
         run: test::run_steps,
     },
     Command {
         name: "book",
         help: "builds the book, runs the commands in it and compares what they print; --bless takes new output",
-        run: |arguments| book::run_command(arguments, test::has_step),
+        run: |arguments| book::run_command(arguments, steps::has_step),
     },
     Command {
         name: "imports",
@@ -42,7 +43,7 @@ const COMMANDS: &[Command] = &[
     },
     Command {
         name: "cycles",
-        help: "what an update of each kernel costs on a Cortex-M4F; --check compares with the committed table, --tick lists where a control tick spends its own, --m0plus and --hazard3 measure on the cores of the RP2040 and, simulated and exact, of the RP2350's RISC-V side, --picture draws error against cycles",
+        help: "what an update of each kernel costs on a Cortex-M4F; --check compares with the committed tables where their sources changed, --recount always, --tick lists where a control tick spends its own, --m0plus and --hazard3 measure on the cores of the RP2040 and, simulated and exact, of the RP2350's RISC-V side",
         run: cycles::run_command,
     },
     Command {

@@ -19,6 +19,13 @@ pub fn cargo(arguments: &[&str]) -> Command {
     command
 }
 
+/// `git`, started at the workspace root.
+pub fn git(arguments: &[&str]) -> Command {
+    let mut command = Command::new("git");
+    command.args(arguments).current_dir(root());
+    command
+}
+
 /// Where `program` stands on the search path.
 pub fn find(program: &str) -> Option<PathBuf> {
     std::env::split_paths(&std::env::var_os("PATH")?)

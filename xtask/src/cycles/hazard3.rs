@@ -16,6 +16,9 @@ use super::{BUILD, PREFIX, compare_with_host, nowhere, version_of};
 use crate::process::{cargo, find, output_for, root, run_for};
 use crate::tools::Need;
 
+/// What writes its tables.
+pub const COMMAND: &str = "cargo xtask cycles --hazard3";
+
 const TARGET: &str = "riscv32imac-unknown-none-elf";
 
 /// What the RP2350's core has beyond the target's name; Zcmp it has too, but rustc calls that unstable.

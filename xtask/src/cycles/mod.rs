@@ -9,13 +9,12 @@ mod disassembly;
 mod floor;
 mod harness;
 mod hazard3;
+mod inputs;
 mod instruction;
-mod labels;
 mod m0plus;
 mod m33;
 mod m7;
 pub mod nowhere;
-mod picture;
 mod price;
 mod recorder;
 mod sizes;
@@ -91,20 +90,42 @@ const CORTEX_M4F: Core = Core {
 const ALL_TICKS: &str = "10000";
 
 pub fn run_command(arguments: &[String]) -> Result<(), String> {
-    let flags = ["--check", "--tick", "--m0plus", "--hazard3", "--picture"];
+    let flags = ["--check", "--recount", "--tick", "--m0plus", "--hazard3"];
     match crate::given("cycles", &flags, arguments)? {
         Some("--tick") => tick(),
         Some("--m0plus") => write(&m0plus::CORE),
-        Some("--hazard3") => hazard3::run_command(),
-        Some("--picture") => picture::write(),
-        Some(_) => {
-            check(&CORTEX_M4F)?;
-            m0plus::check()?;
-            hazard3::check()?;
-            picture::check()
-        }
+        Some("--hazard3") => hazard3::run_command().and_then(|()| inputs::record(hazard3::COMMAND)),
+        Some("--recount") => check_all(&CHECKS),
+        Some(_) => check_changed(),
         None => write(&CORTEX_M4F),
     }
+}
+
+/// The command that writes a table, and what compares this tree with it.
+type Check = (&'static str, fn() -> Result<(), String>);
+
+const CHECKS: [Check; 3] = [
+    (CORTEX_M4F.command, || check(&CORTEX_M4F)),
+    (m0plus::CORE.command, m0plus::check),
+    (hazard3::COMMAND, hazard3::check),
+];
+
+fn check_all(checks: &[Check]) -> Result<(), String> {
+    checks.iter().try_for_each(|(_, check)| check())
+}
+
+/// Counts again only what was counted from other sources than stand here.
+fn check_changed() -> Result<(), String> {
+    let changed = inputs::changed(&CHECKS.map(|(command, _)| command))?;
+    let (again, same): (Vec<Check>, Vec<Check>) = CHECKS
+        .iter()
+        .partition(|(command, _)| changed.contains(command));
+    for (command, _) in same {
+        println!(
+            "the sources are those that `{command}` counted; `cargo xtask cycles --recount` counts again"
+        );
+    }
+    check_all(&again)
 }
 
 /// Measures, prints the core's table and writes it and the other.
@@ -114,7 +135,7 @@ fn write(core: &Core) -> Result<(), String> {
             .map_err(|error| format!("cannot write {file}: {error}"))?;
         println!("\nwritten to {file}");
     }
-    Ok(())
+    inputs::record(core.command)
 }
 
 /// Measures, and compares with the committed tables.
@@ -244,9 +265,15 @@ fn measure(core: &Core) -> Result<Vec<Table>, String> {
 /// The forces that every kernel computed on the target in so many ticks must be, bit for bit, those it computes here.
 fn compare_with_host(target: &BTreeMap<String, String>, ticks: &str) -> Result<(), String> {
     // Of the whole workspace, as its tests are: of one package, cargo compiles the host's libraries again with other features.
-    let build = ["build", "--workspace", "--example", "kernel_forces"];
+    let build = [
+        "build",
+        "--release",
+        "--workspace",
+        "--example",
+        "kernel_forces",
+    ];
     run(&mut cargo(&build))?;
-    let program = root().join("target/debug/examples/kernel_forces");
+    let program = root().join("target/release/examples/kernel_forces");
     let printed = output(Command::new(program).arg(ticks))?;
     same_in_c(target)?;
     let mut compared = 0;

@@ -1,0 +1,364 @@
+//! What `cargo xtask test` checks, each step with its reason.
+
+use crate::cycles;
+use crate::process::{cargo, output, root, run, run_counting};
+use crate::thumb::Toolchain;
+use crate::tools::Need;
+
+pub struct Step {
+    pub name: &'static str,
+    pub reason: &'static str,
+    pub needs: &'static [Need],
+    /// What it checks: beginnings of paths, for `--changed`.
+    pub paths: &'static [&'static str],
+    pub lane: Lane,
+    pub run: fn(Tier) -> Result<(), String>,
+}
+
+/// How much of a step runs.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Tier {
+    /// What everyone and CI runs: a quarter of an hour.
+    Gate,
+    /// With the long studies, before a release.
+    All,
+}
+
+/// Steps of two lanes run beside each other: fat link-time optimisation and an emulator keep one core busy, and leave another to the host's tests.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Lane {
+    /// What the workspace's crates are checked by; its output is shown as it comes.
+    Host,
+    /// What is built for microcontrollers and runs in an emulator; its output goes to a file and is shown where it failed.
+    Emulator,
+}
+
+/// The library and what the firmware builds it from.
+const LIBRARY: &[&str] = &["src/", "build.rs"];
+const FIRMWARE_PATHS: &[&str] = &["src/", "build.rs", "axis", "link/", "store/", "firmware/"];
+/// The crates of the workspace.
+const WORKSPACE: &[&str] = &[
+    "src/",
+    "build.rs",
+    "axis",
+    "link/",
+    "store/",
+    "drive/",
+    "host/",
+    "host-tests/",
+    "sim/",
+    "cli/",
+    "examples/",
+    "firmware/",
+];
+/// The program, and what it is made of.
+const PROGRAM: &[&str] = &["src/", "axis", "link/", "drive/", "host/", "sim/", "cli/"];
+/// What runs the firmware beside the host.
+const RIG: &[&str] = &[
+    "src/",
+    "build.rs",
+    "axis",
+    "link/",
+    "store/",
+    "firmware/",
+    "host/",
+    "sim/",
+    "cli/",
+];
+const JUDGED: &[&str] = &["src/", "host/", "sim/", "cli/", "host-tests/"];
+
+/// In each lane cheap checks first: a formatting slip shows before a minute of compiling.
+pub const STEPS: &[Step] = &[
+    Step {
+        name: "format",
+        reason: "one style, so that diffs show only what changed",
+        needs: &[Need::Rustfmt],
+        paths: WORKSPACE,
+        lane: Lane::Host,
+        run: |_| format(),
+    },
+    Step {
+        name: "imports",
+        reason: "no circle of imports, and each room imports only what ARCHITECTURE.md places above it",
+        needs: &[],
+        paths: &[
+            "src/",
+            "host/",
+            "sim/",
+            "drive/",
+            "cli/",
+            "link/",
+            "store/",
+            "axis/",
+            "host-tests/",
+            "firmware/",
+            "ARCHITECTURE.md",
+        ],
+        lane: Lane::Host,
+        run: |_| crate::imports::run_command(&[]),
+    },
+    Step {
+        name: "clippy",
+        reason: "the compiler's and clippy's warnings are errors, in tests, examples and benches, too",
+        needs: &[Need::Clippy],
+        paths: WORKSPACE,
+        lane: Lane::Host,
+        run: |_| {
+            run(&mut cargo(&[
+                "clippy",
+                "--release",
+                "--workspace",
+                "--all-targets",
+                "--",
+                "-D",
+                "warnings",
+            ]))
+        },
+    },
+    Step {
+        name: "docs",
+        reason: "every public item is documented and no link is broken",
+        needs: &[],
+        paths: WORKSPACE,
+        lane: Lane::Host,
+        run: |_| {
+            run(cargo(&["doc", "--release", "--workspace", "--no-deps"])
+                .env("RUSTDOCFLAGS", "-D warnings"))
+        },
+    },
+    Step {
+        name: "tests",
+        reason: "the models against the reference, the host tool on recordings and bad input",
+        needs: &[],
+        paths: WORKSPACE,
+        lane: Lane::Host,
+        run: host_tests,
+    },
+    Step {
+        name: "formats",
+        reason: "the optional readers (HDF5, Parquet, MCAP, …) read files that other tools wrote",
+        needs: &[],
+        paths: &["host/src/recording/", "host/tests/", "host/Cargo.toml"],
+        lane: Lane::Host,
+        run: |_| {
+            let readers = ["--features", "formats", "--test", "formats"];
+            run(cargo(&["test", "--release", "-p", "preslide-host"]).args(readers))
+        },
+    },
+    Step {
+        name: "thumb",
+        reason: "the library builds without std for the microcontroller",
+        needs: &[],
+        paths: LIBRARY,
+        lane: Lane::Emulator,
+        run: |_| thumb_build(),
+    },
+    Step {
+        name: "firmware",
+        reason: "the firmware workspace builds for the microcontroller, warnings denied",
+        needs: &[Need::Clippy, Need::ArmGcc],
+        paths: FIRMWARE_PATHS,
+        lane: Lane::Emulator,
+        run: |_| firmware(),
+    },
+    Step {
+        name: "cycles",
+        reason: "no kernel executes more instructions than the committed table says",
+        needs: &[Need::Qemu, Need::ArmGcc],
+        paths: &["src/", "build.rs", "firmware/"],
+        lane: Lane::Emulator,
+        run: |tier| {
+            let how = match tier {
+                Tier::Gate => "--check",
+                Tier::All => "--recount",
+            };
+            cycles::run_command(&[how.to_owned()])
+        },
+    },
+    Step {
+        name: "qemu",
+        reason: "the firmware in QEMU gives the host's commands, and every fault ends in the safe state",
+        needs: &[Need::Qemu, Need::ArmGcc],
+        paths: RIG,
+        lane: Lane::Emulator,
+        run: |_| crate::qemu::run_command(&[]),
+    },
+    Step {
+        name: "chain",
+        reason: "effects that only the stage knows of are named, compiled into the firmware and compensated",
+        needs: &[Need::Qemu],
+        paths: RIG,
+        lane: Lane::Emulator,
+        run: |tier| {
+            // One effect, named and tracked close to what is possible.
+            let short = ["--count".to_owned(), "1".to_owned()];
+            crate::chain::run_command(match tier {
+                Tier::Gate => &short,
+                Tier::All => &[],
+            })
+        },
+    },
+    Step {
+        name: "trials",
+        reason: "the diagnosis on a fixed set of every source: no figure behind the committed ones by more than chance",
+        needs: &[],
+        paths: JUDGED,
+        lane: Lane::Host,
+        run: |_| crate::judge::sources(&["--ci".to_owned()]),
+    },
+    Step {
+        name: "package",
+        reason: "the published crate holds the library and nothing else",
+        needs: &[],
+        paths: &["src/", "build.rs", "README.md", "CHANGELOG.md", "LICENSE"],
+        lane: Lane::Host,
+        run: |_| package_list(),
+    },
+    Step {
+        name: "demo",
+        reason: "the first command of the README works, and a browser draws its report",
+        needs: &[Need::Chromium],
+        paths: PROGRAM,
+        lane: Lane::Host,
+        run: |_| demo(),
+    },
+    Step {
+        name: "book",
+        reason: "the book builds without a warning, its commands work and print what it says",
+        needs: &[],
+        paths: &[
+            "docs/",
+            "README.md",
+            "src/",
+            "axis",
+            "link/",
+            "drive/",
+            "host/",
+            "sim/",
+            "cli/",
+            "firmware/",
+        ],
+        lane: Lane::Host,
+        run: |_| crate::book::run_command(&[], has_step),
+    },
+];
+
+/// Steps that run where they are named or touched, and not with the whole: the optional readers take ten minutes of one core to compile.
+pub const APART: &[&str] = &["formats"];
+
+/// Whether CI has a step of this name.
+pub fn has_step(name: &str) -> bool {
+    STEPS.iter().any(|step| step.name == name)
+}
+
+fn format() -> Result<(), String> {
+    let folders = FIRMWARE.map(|folder| root().join(folder));
+    for folder in [root().to_path_buf()].into_iter().chain(folders) {
+        run(cargo(&["fmt", "--all", "--check"]).current_dir(folder))?;
+    }
+    Ok(())
+}
+
+/// In the profile of demo and judges, so that the host is compiled once. A test whose data is absent says so in a line of its own, past the
+/// harness that keeps what passing tests print.
+fn host_tests(tier: Tier) -> Result<(), String> {
+    let programs = [
+        "test",
+        "--release",
+        "--workspace",
+        "--lib",
+        "--bins",
+        "--tests",
+    ];
+    let mut programs = cargo(&programs);
+    programs.arg("--no-fail-fast");
+    if tier == Tier::All {
+        programs.args(["--", "--include-ignored"]);
+    }
+    let skipped = run_counting(&mut programs, "SKIPPED");
+    let examples = ["test", "--release", "--workspace", "--doc"];
+    run(&mut cargo(&examples))?;
+    println!("{} tests skipped for want of data", skipped?);
+    Ok(())
+}
+
+fn thumb_build() -> Result<(), String> {
+    let toolchain = Toolchain::ensure()?;
+    run(&mut toolchain.cargo(
+        root(),
+        &[
+            "build",
+            "--release",
+            "--package",
+            "preslide",
+            "--all-features",
+        ],
+    ))
+}
+
+/// The workspaces of the firmware: a chip's drivers cannot be built beside another's.
+const FIRMWARE: [&str; 2] = ["firmware", "firmware/boards/b_g431b_esc1"];
+
+/// Debian's compiler comes without clippy for the target: it builds, which warns of less.
+fn firmware() -> Result<(), String> {
+    let toolchain = Toolchain::ensure()?;
+    let (what, denied): (_, &[&str]) = match toolchain {
+        Toolchain::Installed => ("clippy", &["--", "-D", "warnings"]),
+        Toolchain::Debian => ("build", &[]),
+    };
+    for folder in FIRMWARE {
+        let arguments = [what, "--release", "--locked", "--workspace"];
+        let mut command = toolchain.cargo(&root().join(folder), &arguments);
+        run(command.args(denied))?;
+    }
+    Ok(())
+}
+
+fn package_list() -> Result<(), String> {
+    // A developer's tree is usually dirty; the list is the same.
+    let list = output(&mut cargo(&[
+        "package",
+        "--list",
+        "--allow-dirty",
+        "--package",
+        "preslide",
+    ]))?;
+    let made_by_cargo = [
+        "Cargo.toml",
+        "Cargo.toml.orig",
+        "Cargo.lock",
+        ".cargo_vcs_info.json",
+    ];
+    let belongs = |path: &str| {
+        path.starts_with("src/")
+            || path.starts_with("LICENSE-")
+            || path == "build.rs"
+            || path == "README.md"
+            || path == "CHANGELOG.md"
+            || made_by_cargo.contains(&path)
+    };
+    let strangers: Vec<&str> = list.lines().filter(|path| !belongs(path)).collect();
+    if !strangers.is_empty() {
+        return Err(format!(
+            "the package would hold {}; narrow `include` in the root Cargo.toml",
+            strangers.join(", ")
+        ));
+    }
+    for path in ["src/lib.rs", "README.md", "LICENSE-MIT", "LICENSE-APACHE"] {
+        if !list.lines().any(|line| line == path) {
+            return Err(format!(
+                "the package lacks {path}; see `include` in the root Cargo.toml"
+            ));
+        }
+    }
+    println!("{} files, all of them the library's", list.lines().count());
+    Ok(())
+}
+
+fn demo() -> Result<(), String> {
+    let folder = std::env::temp_dir().join(format!("preslide-demo-{}", std::process::id()));
+    run(cargo(&["run", "--release", "--", "demo", "--out"]).arg(&folder))?;
+    crate::browser::check(&folder.join("report.html"))?;
+    std::fs::remove_dir_all(&folder)
+        .map_err(|error| format!("cannot remove {}: {error}", folder.display()))
+}
