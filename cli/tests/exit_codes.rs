@@ -1,8 +1,6 @@
 //! The same fault has the same exit code in every command that can meet it.
 
-mod binary;
-
-use binary::{Folder, HEADER, preslide, recording};
+use super::binary::{Folder, HEADER, preslide, recording};
 
 const MODEL: &str = "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[friction]\nkind = \"gms\"\nbreakaway_N = 0.9\nblocks = [\n{ stiffness_N_per_m = 270313.0, weight = 0.25 },\n{ stiffness_N_per_m = 20000.0, weight = 0.75 },\n]\n";
 

@@ -36,3 +36,20 @@ pub fn shared(name: &str) -> Option<PathBuf> {
     );
     None
 }
+
+/// Files and folders of tests beside a package's `tests/main.rs` that it does not name, and which so would never run.
+///
+/// # Panics
+/// Where the folder cannot be read.
+pub fn forgotten_tests(package: &str) -> Vec<String> {
+    let folder = Path::new(package).join("tests");
+    let main = std::fs::read_to_string(folder.join("main.rs")).expect("tests/main.rs");
+    let entries = std::fs::read_dir(&folder).expect("the folder of tests");
+    let holds_code =
+        |path: &Path| path.extension().is_some_and(|e| e == "rs") || path.join("mod.rs").is_file();
+    entries
+        .filter_map(|entry| Some(entry.ok()?.path()).filter(|path| holds_code(path)))
+        .filter_map(|path| Some(path.file_stem()?.to_string_lossy().into_owned()))
+        .filter(|name| name != "main" && !main.contains(&format!("mod {name};")))
+        .collect()
+}

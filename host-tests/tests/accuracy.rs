@@ -1,6 +1,6 @@
 //! Every model in every arithmetic against the independent reference: largest, RMS and mean error, asserted.
 //!
-//! `cargo test -p preslide-host-tests --test accuracy -- --nocapture` prints the figures.
+//! `cargo test -p preslide-host-tests --test all -- accuracy:: --nocapture` prints the figures.
 
 use fixed::types::{I8F24, I16F16, I32F32};
 use preslide::{

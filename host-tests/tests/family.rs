@@ -1,7 +1,7 @@
 //! The models that the paper only names: against equations integrated independently, and by what the literature says
 //! of each.
 //!
-//! `cargo test -p preslide-host-tests --test family -- --nocapture` prints the figures.
+//! `cargo test -p preslide-host-tests --test all -- family:: --nocapture` prints the figures.
 
 use preslide::{
     BoucWen, Bound, Dahl, ElastoPlastic, Friction, Leuven, LeuvenForm, Motion, ParamError, Scalar,

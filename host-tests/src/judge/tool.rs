@@ -71,6 +71,8 @@ impl Tool {
         let built = Command::new(cargo)
             // As `cargo test --workspace` builds it: with the features of one package alone it would be built again.
             .args(["build", "--quiet", "--workspace", "--bin", "preslide"])
+            // In the profile of this program.
+            .args((!cfg!(debug_assertions)).then_some("--release"))
             .current_dir(env!("CARGO_MANIFEST_DIR"))
             .status()
             .map_err(|e| format!("cargo: {e}"))?;

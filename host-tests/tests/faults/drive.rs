@@ -1,6 +1,6 @@
 //! The firmware's application on the simulated stage: what a host asks, over the link's frames, tick by tick.
 
-use crate::Outcome;
+use super::Outcome;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use fixed::types::I16F16;
 use heapless::spsc::{Consumer, Producer, Queue};

@@ -1,6 +1,6 @@
 //! Homing runs the axis into a stop: what is a fault elsewhere is how it finds its origin there.
 
-use crate::drive::{Drive, Flash};
+use super::drive::{Drive, Flash};
 use preslide_link::{Homing, Mark, Mode, Request};
 
 /// Where the stop is (m).

@@ -1,6 +1,6 @@
 //! The faults, and what each must come to.
 
-use crate::{AT, Injection, coefficients};
+use super::{AT, Injection, coefficients};
 use preslide::control::{Controller, Fault, Measurement};
 use std::cell::Cell;
 

@@ -1,6 +1,6 @@
 //! The lumped law against the law block by block, and against `f64`.
 
-use crate::reference::*;
+use super::reference::*;
 use preslide::kernels::{CountGms, LumpedCountGms, LumpedGms};
 use preslide::{Block, Friction, Gms, Motion, Sliding, Units};
 use rand::{RngExt, SeedableRng};
@@ -227,8 +227,8 @@ fn no_input_takes_it_beyond_its_limit() {
             _ => random.random_range(-100_000..=100_000),
         };
         let in_counts = Motion {
-            displacement: crate::reference::whole(displacement),
-            velocity: crate::reference::whole(velocity),
+            displacement: super::reference::whole(displacement),
+            velocity: super::reference::whole(velocity),
         };
         let force = whole.step(&mut states.0, in_counts);
         assert!(force.abs() <= limits.0, "step {step}: {force}");

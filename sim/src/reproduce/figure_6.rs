@@ -305,7 +305,7 @@ impl Figure6 {
         if of("elasto-plastic").is_some_and(|row| row.stick_slip == Some(true)) {
             remarks.push("The paper says that the elasto-plastic model fails to capture stick-slip: with a Stribeck curve it sticks and slips like the others".to_owned());
         }
-        remarks.push("Leuven closes every loop in its own state, not in x: dz/dt is 1 + |u|ⁿ of the speed while unloading and 1 − |u|ⁿ while loading. The original form differs by a jump of σ1·dz/dt where a loop closes (`cargo test -p preslide-host-tests --test family leuven -- --nocapture`)".to_owned());
+        remarks.push("Leuven closes every loop in its own state, not in x: dz/dt is 1 + |u|ⁿ of the speed while unloading and 1 − |u|ⁿ while loading. The original form differs by a jump of σ1·dz/dt where a loop closes (`cargo test -p preslide-host-tests --test all family:: leuven -- --nocapture`)".to_owned());
         remarks.push("Two-state: the article was not at hand; the recurrence is the one documented at `TwoState`, after its author's later work".to_owned());
         remarks
     }

@@ -1,0 +1,34 @@
+//! All integration tests of the workspace in one program, which is linked once: `cargo test -p preslide-host-tests --test all accuracy::` runs a module.
+
+mod accuracy;
+mod answers;
+mod axis;
+mod control;
+mod diagnose;
+mod effects;
+mod electrical;
+mod encoder;
+mod encoder_on_load;
+mod family;
+mod faults;
+mod identify;
+mod identify_core;
+mod kernels;
+mod learning;
+mod parameters;
+mod properties;
+mod real;
+mod reference;
+mod simulated;
+mod swap;
+mod tracking;
+mod trials;
+
+#[test]
+fn every_file_of_tests_runs() {
+    let none: [&str; 0] = [];
+    assert_eq!(
+        preslide_host_tests::forgotten_tests(env!("CARGO_MANIFEST_DIR")),
+        none
+    );
+}
