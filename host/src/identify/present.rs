@@ -1,5 +1,6 @@
 //! An identification for people and for machines.
 
+use super::plain::Place;
 use super::{Identification, Method};
 use crate::friction::Path;
 use crate::model::Model;
@@ -17,15 +18,21 @@ const STEPS: usize = 400;
 
 /// Keys of the JSON output for a rigid body parameter.
 fn key(kind: MotionKind, name: &str) -> &'static str {
-    match (kind, name) {
-        (MotionKind::Linear, "mass") => "mass_kg",
-        (MotionKind::Linear, "viscous") => "viscous_N_s_per_m",
-        (MotionKind::Linear, "coulomb") => "coulomb_N",
-        (MotionKind::Linear, _) => "offset_N",
-        (MotionKind::Rotary, "mass") => "inertia_kg_m2",
-        (MotionKind::Rotary, "viscous") => "viscous_Nm_s_per_rad",
-        (MotionKind::Rotary, "coulomb") => "coulomb_Nm",
-        (MotionKind::Rotary, _) => "offset_Nm",
+    let [linear, rotary] = match name {
+        "mass" => ["mass_kg", "inertia_kg_m2"],
+        "viscous" => ["viscous_N_s_per_m", "viscous_Nm_s_per_rad"],
+        "viscous_forward" => ["viscous_forward_N_s_per_m", "viscous_forward_Nm_s_per_rad"],
+        "viscous_backward" => ["viscous_backward_N_s_per_m", "viscous_backward_Nm_s_per_rad"],
+        "coulomb" => ["coulomb_N", "coulomb_Nm"],
+        "spring" => ["spring_N_per_m", "spring_Nm_per_rad"],
+        "spring_centre" => ["spring_centre_m", "spring_centre_rad"],
+        "gravity" => ["gravity_N", "gravity_Nm"],
+        "gravity_angle" => ["gravity_angle_rad", "gravity_angle_rad"],
+        _ => ["offset_N", "offset_Nm"],
+    };
+    match kind {
+        MotionKind::Linear => linear,
+        MotionKind::Rotary => rotary,
     }
 }
 
@@ -36,7 +43,11 @@ fn unit(recording: &Recording, name: &str) -> String {
         ("mass", MotionKind::Linear, "N") => "kg".to_owned(),
         ("mass", MotionKind::Rotary, "N·m") => "kg·m²".to_owned(),
         ("mass", ..) => format!("{force}·s²/{position}"),
-        ("viscous", ..) => format!("{force}·s/{position}"),
+        ("viscous" | "viscous_forward" | "viscous_backward", ..) => {
+            format!("{force}·s/{position}")
+        }
+        ("spring", ..) => format!("{force}/{position}"),
+        ("spring_centre" | "gravity_angle", ..) => position.to_owned(),
         _ => force.to_owned(),
     }
 }
@@ -99,6 +110,7 @@ impl Identification {
                     let name_shown = match *name {
                         "mass" if recording.kind == MotionKind::Rotary => "inertia",
                         "coulomb" if self.best().size() > 0 => "coulomb (ΣW)",
+                        "offset" if self.plain.place == Place::Spring => "offset (at 0; the spring's)",
                         name => name,
                     };
                     vec![
