@@ -70,8 +70,9 @@ impl Evidence<'_> {
             MotionKind::Rotary => &[Place::Nowhere, Place::Spring, Place::Gravity],
         };
         // From the simplest: friction that yields early beside each force of the position, then friction that yields late.
+        let yields_by = |end: &f64| self.surface.grid.iter().any(|d| d <= end);
         let ends = [early, longest].into_iter();
-        let ends = ends.filter(|end| *end <= longest && self.surface.grid.iter().any(|d| d <= end));
+        let ends = ends.filter(|end| *end == longest || yields_by(end));
         let offered: Vec<(Plain, f64)> = ends
             .flat_map(|end| places.iter().map(move |&place| (Plain { place, ..base }, end)))
             .collect();

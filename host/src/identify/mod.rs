@@ -11,7 +11,6 @@ pub mod refine;
 pub mod regression;
 pub mod rigid_body;
 pub mod search;
-mod told;
 pub mod virgin;
 pub mod weights;
 
@@ -173,9 +172,8 @@ pub struct Identification {
 }
 
 /// Warnings of the loader that leave nothing to identify, with what would.
-const FATAL: [(&str, &str); 4] = [
+const FATAL: [(&str, &str); 3] = [
     ("no-motion", "record a motion"),
-    ("one-way-motion", "record motion in both directions"),
     ("too-short", "record for longer"),
     (
         "constant-effort",
@@ -183,15 +181,18 @@ const FATAL: [(&str, &str); 4] = [
     ),
 ];
 
-/// Folds without which holding one out leaves motion in one direction only, where every fold is a stroke.
-const FEWEST_FOLDS: usize = 4;
-
 /// Periods of the filter's cut-off beside a gap in which it knows the motion from one side only: accelerations there are half made up, and
 /// eight lost stretches of half a second took 1.2 % off a mass.
 const BESIDE_GAP: f64 = 0.5;
 
 /// Shortest yield displacement that is tried, relative to half of the longest stroke.
-const FINEST: f64 = 1e-5;
+const FINEST: f64 = 1e-6;
+
+/// Samples on either side of a reversal whose steps tell what displacements are resolved there.
+const NEAR: usize = 8;
+
+/// Share of the moving samples in the rarer direction below which a recording goes one way.
+const ONE_WAY: f64 = 0.01;
 
 /// Samples that the breakpoints are fitted to. Of a longer recording every n-th is taken, which bounds the memory
 /// of the search (450 B per sample) at what a small machine has; the models still run along all samples and are
@@ -281,26 +282,15 @@ pub fn identify(
 /// The samples to fit and to hold out, of a recording that can be fitted.
 fn split(recording: &Recording, options: &Options) -> Result<Split, String> {
     for (code, remedy) in FATAL {
-        if let Some(warning) = recording.warnings.iter().find(|w| w.code == code) {
-            let told = match code {
-                "one-way-motion" => format!("; {}", told::told(recording)),
-                _ => String::new(),
-            };
-            return Err(format!("{}: {warning}; {remedy}{told}", recording.name));
+        // Of many files each tells what it can.
+        let mut of_files = recording.warnings.iter().filter(|w| w.code == code);
+        let last = recording.joined.len().saturating_sub(1);
+        if let Some(warning) = of_files.nth(last) {
+            return Err(format!("{}: {warning}; {remedy}", recording.name));
         }
     }
     check_windows(recording, options.train, options.test)?;
-    let split = Split::new(recording, options.train, options.test);
-    if split.unit == "segment" && split.folds.len() < FEWEST_FOLDS {
-        return Err(format!(
-            "{}: {} stroke{} to fit, but at least {FEWEST_FOLDS} are needed, so that any one can be held out and both directions are left; record at least three reversals, or widen --train; {}",
-            recording.name,
-            split.folds.len(),
-            if split.folds.len() == 1 { "" } else { "s" },
-            told::told(recording),
-        ));
-    }
-    Ok(split)
+    Ok(Split::new(recording, options.train, options.test))
 }
 
 /// Leaves out of the fit what stands beside a gap within a recording; a fold of which that is most stays whole.
@@ -440,10 +430,56 @@ impl Fitting<'_> {
         })
     }
 
+    fn goes_one_way(&self) -> bool {
+        let of = |sign: f64| {
+            let direction = self.train.iter().map(|&i| self.kinematics.direction[i]);
+            direction.filter(|d| *d == sign).count() as f64
+        };
+        let (forward, backward) = (of(1.0), of(-1.0));
+        forward.min(backward) <= ONE_WAY * (forward + backward)
+    }
+
+    /// Plain physics alone, with friction and the constant force as one.
+    fn fit_one_way(&self, weights: &Weights, notes: &mut Vec<String>) -> Result<Found, String> {
+        let recording = self.recording;
+        let columns = plain::every_column(recording, self.kinematics);
+        let regression = self.regression(columns, weights);
+        let evidence = Evidence {
+            columns: &regression.columns,
+            surface: &Surface::new(&regression, Vec::new()),
+        };
+        let (low, high) = plain::extremes(recording);
+        let shown = evidence.shown(recording, Plain::of(self.inertial), high - low);
+        notes.extend(said(shown));
+        notes.push("the motion goes one way, so that Coulomb friction and a constant load are told as their sum, and pre-sliding not at all; record reversals to tell them apart".to_owned());
+        let rigid = self.rigid_body(weights, shown.plain)?;
+        let judge = Judge {
+            recording,
+            kinematics: self.kinematics,
+            effort: self.effort,
+            split: self.split,
+            weights,
+            train: self.train,
+            inertial: self.inertial,
+            plain: shown.plain,
+            columns: &regression.columns,
+        };
+        Ok(Found {
+            candidates: vec![judge.coulomb(rigid)?.0],
+            recommended: 0,
+            virgin: VirginCurve::default(),
+            range: (FINEST * (high - low), high - low),
+            plain: shown.plain,
+        })
+    }
+
     /// Coulomb friction, and Maxwell-slip blocks of every number: by the paper's procedure, and at the best breakpoints.
     fn fit(&self, progress: &Progress, notes: &mut Vec<String>) -> Result<Found, String> {
         let recording = self.recording;
         let mut weights = Weights::by_time(recording);
+        if self.goes_one_way() {
+            return self.fit_one_way(&weights, notes);
+        }
         let range = yield_range(recording, self.train)?;
         let mut base = Plain::of(self.inertial);
         let mut found = self.search(base, &weights, range, progress)?;
@@ -536,15 +572,31 @@ fn said(shown: Shown) -> Option<String> {
     })
 }
 
-/// Yields that a recording can tell apart: from the displacement of a typical sample to half of the longest
-/// stroke, beyond which a block never slips.
+/// First samples of the strokes that follow a reversal.
+fn reversals<'a>(recording: &'a Recording, train: &'a [usize]) -> impl Iterator<Item = usize> + 'a {
+    let turns = train.windows(2).filter(|pair| {
+        pair[1] == pair[0] + 1 && recording.segment[pair[1]] != recording.segment[pair[0]]
+    });
+    turns.map(|pair| pair[1])
+}
+
+/// Yields that a recording can tell apart: from the displacement of a typical sample near a reversal, where blocks yield, to half of the
+/// longest stroke, beyond which a block never slips.
 fn yield_range(recording: &Recording, train: &[usize]) -> Result<(f64, f64), String> {
-    let mut steps: Vec<f64> = train
-        .windows(2)
-        .map(|pair| (recording.position[pair[1]] - recording.position[pair[0]]).abs())
-        .filter(|step| *step > 0.0)
-        .collect();
-    steps.sort_by(f64::total_cmp);
+    let position = &recording.position;
+    let steps_of = |pairs: &mut dyn Iterator<Item = (usize, usize)>| {
+        let steps = pairs.map(|(i, j)| (position[j] - position[i]).abs());
+        let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0).collect();
+        steps.sort_by(f64::total_cmp);
+        steps
+    };
+    let steps = steps_of(&mut train.windows(2).map(|pair| (pair[0], pair[1])));
+    let mut near = steps_of(&mut reversals(recording, train).flat_map(|turn| {
+        let piece = recording.pieces.iter().find(|piece| piece.contains(&turn));
+        let piece = piece.cloned().unwrap_or(turn..turn + 1);
+        let from = turn.saturating_sub(NEAR).max(piece.start);
+        (from..(turn + NEAR).min(piece.end - 1)).map(|i| (i, i + 1))
+    }));
     let mut extent = std::collections::BTreeMap::new();
     for &i in train {
         let x = recording.position[i];
@@ -557,7 +609,9 @@ fn yield_range(recording: &Recording, train: &[usize]) -> Result<(f64, f64), Str
         .map(|(low, high)| high - low)
         .fold(0.0, f64::max)
         / 2.0;
-    let shortest = steps.get(steps.len() / 10).copied().unwrap_or(longest) / 2.0;
+    let typical = steps.get(steps.len() / 10).copied().unwrap_or(longest);
+    let local = crate::statistics::quantile(&mut near, 0.5).unwrap_or(typical);
+    let shortest = local.min(typical) / 2.0;
     // A filtered position creeps by rounding errors while it rests.
     let shortest = shortest.max(longest * FINEST);
     if shortest.max(steps.first().copied().unwrap_or(0.0)) >= longest / 2.0 {

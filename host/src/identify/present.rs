@@ -28,6 +28,7 @@ fn key(kind: MotionKind, name: &str) -> &'static str {
         "spring_centre" => ["spring_centre_m", "spring_centre_rad"],
         "gravity" => ["gravity_N", "gravity_Nm"],
         "gravity_angle" => ["gravity_angle_rad", "gravity_angle_rad"],
+        "coulomb_and_offset" => ["coulomb_and_offset_N", "coulomb_and_offset_Nm"],
         _ => ["offset_N", "offset_Nm"],
     };
     match kind {
@@ -53,14 +54,30 @@ fn unit(recording: &Recording, name: &str) -> String {
 }
 
 impl Identification {
-    /// `preslide.identification/1`; `warnings` are the loader's, `seconds` the time it took.
-    pub fn to_json(&self, recording: &Recording, seconds: f64) -> Value {
-        let parameters: serde_json::Map<String, Value> = self
-            .best()
+    /// What every command tells of a fit: the error that the recommended law leaves of what was held out (%), its parameters with their
+    /// intervals, the law by its kind and number of blocks, and the rows that were fitted.
+    pub fn fit_json(&self, recording: &Recording) -> Value {
+        let best = self.best();
+        json!({
+            "law": best.model.friction.name(),
+            "kind": best.model.friction.kind(),
+            "blocks": best.size(),
+            "nmse_held_out": best.nmse_test,
+            "parameters": self.parameters_json(recording),
+            "rows": self.split.folds.iter().map(Vec::len).sum::<usize>(),
+        })
+    }
+
+    fn parameters_json(&self, recording: &Recording) -> serde_json::Map<String, Value> {
+        self.best()
             .rigid_body
             .iter()
             .map(|(name, estimate)| (key(recording.kind, name).to_owned(), json!(estimate)))
-            .collect();
+            .collect()
+    }
+
+    /// `preslide.identification/1`; `warnings` are the loader's, `seconds` the time it took.
+    pub fn to_json(&self, recording: &Recording, seconds: f64) -> Value {
         let friction: Vec<Value> = self
             .candidates
             .iter()
@@ -84,7 +101,8 @@ impl Identification {
             "schema": "preslide.identification/1",
             "recording": recording.name,
             "effort_unit": recording.effort_unit(),
-            "parameters": parameters,
+            "fit": self.fit_json(recording),
+            "parameters": self.parameters_json(recording),
             "band_hz": self.band_hz,
             "held_out": if self.split.test.is_some() { "test window".to_owned() } else { format!("{}s in turn", self.split.unit) },
             "friction": friction,

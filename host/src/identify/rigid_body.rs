@@ -46,14 +46,18 @@ pub fn fit(
 ) -> Result<RigidBody, String> {
     let inertial = recording.role.contains_inertia();
     let mut columns = plain.columns(recording, kinematics);
-    columns.push(Regressor {
-        name: "coulomb",
-        values: if inertial {
-            kinematics.filter.smooth(&kinematics.direction)
-        } else {
-            kinematics.direction.clone()
-        },
-    });
+    let moves = |sign: f64| folds.iter().flatten().any(|&i| kinematics.direction[i] == sign);
+    let both_ways = moves(1.0) && moves(-1.0);
+    if both_ways {
+        columns.push(Regressor {
+            name: "coulomb",
+            values: if inertial {
+                kinematics.filter.smooth(&kinematics.direction)
+            } else {
+                kinematics.direction.clone()
+            },
+        });
+    }
     let p = columns.len();
     let every: Vec<&[f64]> = columns
         .iter()
@@ -77,14 +81,20 @@ pub fn fit(
     let fitted = (0..recording.len())
         .map(|i| (0..p).map(|j| coefficients[j] * every[j][i]).sum())
         .collect();
-    let linear: Vec<f64> = coefficients.iter().take(p - 1).copied().collect();
+    let linear: Vec<f64> = (coefficients.iter().copied())
+        .take(p - usize::from(both_ways))
+        .collect();
     let mut parameters =
         plain.parameters(recording, &linear, covariance.as_ref(), folds.len());
-    let error = covariance.map(|c| c[(p - 1, p - 1)].max(0.0).sqrt());
-    parameters.push((
-        "coulomb",
-        Estimate::new(coefficients[p - 1], error, folds.len()),
-    ));
+    if both_ways {
+        let error = covariance.map(|c| c[(p - 1, p - 1)].max(0.0).sqrt());
+        let coulomb = Estimate::new(coefficients[p - 1], error, folds.len());
+        parameters.push(("coulomb", coulomb));
+    } else {
+        // What friction and a constant load have in common is told as that.
+        let offset = parameters.iter_mut().filter(|p| p.0 == "offset");
+        offset.for_each(|p| p.0 = "coulomb_and_offset");
+    }
     Ok(RigidBody {
         plain,
         linear,
