@@ -94,7 +94,7 @@ fn answer(text: String) -> Result<Answer, String> {
     let found = diagnose(&recording, None, &quiet("diagnose")).map_err(|e| e.to_string())?;
     let diagnosing = lap();
     let names = found.confident().map(|e| e.id()).collect();
-    let few = shortened(&recording);
+    let few = shortened(&recording, &Options::default());
     let few = few.as_ref().unwrap_or(&recording);
     let compared = compare(few, &Options::default(), &quiet("compare"))?;
     let best = compared.models[compared.recommended].name();

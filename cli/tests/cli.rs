@@ -109,7 +109,7 @@ fn motion_that_cannot_answer_exits_with_3_and_says_what_to_record() {
         (
             "one_way.csv",
             table(|i| f64::from(i) * 1e-5, |i| f64::from(i % 7), 900),
-            &["one-way-motion", "both directions", "what it does not: "][..],
+            &["one-way-motion", "explains nothing"][..],
         ),
         (
             "short.csv",

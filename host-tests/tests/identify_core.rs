@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
 use preslide_host::identify::refine::refine;
-use preslide_host::identify::regression::{Gram, Regression, Regressor, solve_normal};
+use preslide_host::identify::regression::{Exact, Gram, Regression, Regressor, solve_normal};
 use preslide_host::identify::search::best_choices;
 use preslide_host::identify::weights::Weights;
 use preslide_host::recording::{LoadOptions, Recording, load_csv};
@@ -161,7 +161,11 @@ fn the_refinement_ends_where_the_error_is_stationary() {
     let regression = regression(&position, &pieces, force);
     let start = vec![0.05, 0.3, 0.8, 1.5];
     let rows = regression.folds.concat();
-    let fit = refine(&regression, &rows, start.clone(), (0.01, 4.0)).expect("a fit");
+    let exact = Exact {
+        regression: &regression,
+        rows: &rows,
+    };
+    let fit = refine(&exact, start.clone(), (0.01, 4.0)).expect("a fit");
     let slope = |yields: &[f64], i: usize| {
         let at = |factor: f64| {
             let mut moved = yields.to_vec();
@@ -185,9 +189,9 @@ fn the_refinement_ends_where_the_error_is_stationary() {
         );
     }
     // Out of bounds it does not go, and nonsense it refuses.
-    let bounded = refine(&regression, &rows, vec![0.3], (0.25, 0.35)).expect("a fit");
+    let bounded = refine(&exact, vec![0.3], (0.25, 0.35)).expect("a fit");
     assert!((0.25..=0.35).contains(&bounded.yields[0]));
-    assert!(refine(&regression, &rows, vec![0.3, 0.3], (0.01, 4.0)).is_none());
+    assert!(refine(&exact, vec![0.3, 0.3], (0.01, 4.0)).is_none());
 }
 
 /// A recording of these positions at these times.

@@ -2,10 +2,9 @@
 
 use super::{Failure, OutputArgs, RecordingArgs, SplitArgs, command_line, thin};
 use clap::Args;
-use preslide_host::compare::{compare, shortened, steps};
+use preslide_host::compare::{compare, steps};
 use preslide_host::identify::MANY;
 use preslide_host::progress::Progress;
-use preslide_host::recording::Recording;
 use std::time::Instant;
 
 /// Every friction model on the same recording: error in and out of sample, memory, cost
@@ -30,11 +29,15 @@ impl Compare {
         let start = Instant::now();
         self.recordings.check_outputs(None, &[], &self.outputs)?;
         let recording = self.recordings.load()?;
-        let recording = self.shorten(thin(recording, MANY));
+        let recording = thin(recording, MANY);
         let options = self.split.options(&recording)?;
         let progress = Progress::new("compare", steps());
         let found = compare(&recording, &options, &progress).map_err(Failure::Data)?;
         progress.finish();
+        let recording = found.recording.clone();
+        if let Some(warning) = recording.warnings.iter().find(|w| w.code == "stretches") {
+            eprintln!("{}: {}", recording.name, warning.message);
+        }
 
         say!("{}", found.table(&recording).to_text());
         for model in &found.models {
@@ -49,16 +52,5 @@ impl Compare {
         self.outputs.write(&found.to_json(&recording, seconds), || {
             found.page(&recording, command_line())
         })
-    }
-
-    /// Stretches of a long recording, and a line that says so; all of it where windows of it are asked for.
-    fn shorten(&self, recording: Recording) -> Recording {
-        let Some(kept) = shortened(&recording).filter(|_| !self.split.has_windows()) else {
-            return recording;
-        };
-        if let Some(warning) = kept.warnings.last() {
-            eprintln!("{}: {}", kept.name, warning.message);
-        }
-        kept
     }
 }

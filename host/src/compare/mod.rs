@@ -43,8 +43,12 @@ pub struct Comparison {
     pub models: Vec<Compared>,
     /// Index into `models`.
     pub recommended: usize,
-    /// What `identify` found on the way: split, effort, band.
+    /// What `identify` finds on all of the recording, as its JSON tells it.
+    pub fit: serde_json::Value,
+    /// What `identify` found on the rows that are compared: split, effort, band.
     pub identification: Identification,
+    /// These rows.
+    pub recording: Recording,
     /// The motion on which memory was judged.
     pub scale: Scale,
     /// What the user should know, besides the recording's own warnings.
@@ -56,9 +60,10 @@ const MOST: usize = 12_000;
 /// Stretches that these are in, over the whole of the recording.
 const STRETCHES: usize = 6;
 
-/// Stretches of a long recording, enough to tell the models apart; `None` where it is best left as it is.
-pub fn shortened(recording: &Recording) -> Option<Recording> {
-    (recording.len() > MOST).then(|| recording.stretches(STRETCHES, MOST))
+/// Stretches of a long recording, enough to tell the models apart; `None` where it is best left as it is, as where windows are asked for.
+pub fn shortened(recording: &Recording, options: &Options) -> Option<Recording> {
+    let windows = options.train.is_some() || options.test.is_some();
+    (recording.len() > MOST && !windows).then(|| recording.stretches(STRETCHES, MOST))
 }
 
 /// Steps that [`compare`] reports to its progress, those of `identify` included.
@@ -76,7 +81,19 @@ pub fn compare(
     progress: &Progress,
 ) -> Result<Comparison, String> {
     progress.set_message("compare: Coulomb and GMS");
-    let identification = identify(recording, options, progress)?;
+    let mut identification = identify(recording, options, progress)?;
+    if identification.optimal().next().is_none() {
+        return Err(format!(
+            "{}: the motion goes one way, and models of friction differ at reversals only; record reversals, or take what `preslide identify` tells",
+            recording.name
+        ));
+    }
+    let fit = identification.fit_json(recording);
+    let short = shortened(recording, options);
+    if let Some(short) = &short {
+        identification = identify(short, options, &Progress::new("stretches", STEPS))?;
+    }
+    let recording = short.as_ref().unwrap_or(recording);
     let scale = Scale {
         amplitude: identification.yield_range.1,
         speed: identification.top_speed(),
@@ -110,7 +127,9 @@ pub fn compare(
     Ok(Comparison {
         recommended: recommended(&models),
         models,
+        fit,
         identification,
+        recording: recording.clone(),
         scale,
         notes,
     })

@@ -112,6 +112,7 @@ impl Comparison {
             "schema": "preslide.comparison/1",
             "recording": recording.name,
             "held_out": self.held_out(),
+            "fit": self.fit,
             "band_hz": self.identification.filtered.then_some(self.identification.band_hz),
             "seed": SEED,
             "models": models,

@@ -134,8 +134,8 @@ mod tests {
         let mut effects = tests::every();
         effects.retain(|effect| effect.form.controller.is_ok());
         effects.extend([
-            Effect::of_one(&form::CONSTANT_FORCE, 0.1),
-            Effect::of_one(&form::VISCOUS, 1.0),
+            Effect::of(&form::CONSTANT_FORCE, &[0.1]),
+            Effect::of(&form::VISCOUS, &[1.0]),
             tests::gravity(),
         ]);
         for arithmetic in ["f32", "i16f16"] {

@@ -8,6 +8,7 @@
 //! |---|---|---|
 //! | `constant_force` | `F0` | `force_N` |
 //! | `coulomb_asymmetry` | `m = 1 + a·sgn F` (`= sgn v` in sliding) | `asymmetry` |
+//! | `viscous_asymmetry` | `d·abs(v)`: viscous friction `viscous + d` forwards, `viscous − d` backwards | `half_difference_N_s_per_m` |
 //! | `quadratic_drag` | `c·v·abs(v)` | `drag_N_s2_per_m2` |
 //! | `stribeck` | `m = 1 + a·exp(−(abs(v)/v_s)^δ)` | `level`, `velocity_m_s`, `exponent` |
 //! | `frictional_lag` | the same, following with `τ` | `level`, `velocity_m_s`, `exponent`, `time_constant_s` |
@@ -67,12 +68,12 @@ impl Effect {
         read::checked(id, values, &str::to_owned)
     }
 
-    /// The effect of a form that has one key.
-    pub(crate) fn of_one(form: &'static Form, value: f64) -> Self {
+    /// The effect of a form with the values of its keys, in their order.
+    pub(crate) fn of(form: &'static Form, values: &[f64]) -> Self {
         let keys = form.keys.iter().map(|(key, _)| (*key).to_owned());
         Self {
             form,
-            values: keys.map(|key| (key, value)).collect(),
+            values: keys.zip(values.iter().copied()).collect(),
         }
     }
 

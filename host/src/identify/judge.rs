@@ -2,8 +2,9 @@
 
 use super::maxwell_slip::{self, Selection, Sized};
 use super::refine;
-use super::regression::Regression;
-use super::rigid_body::{self, RigidBody, Terms};
+use super::plain::Plain;
+use super::regression::{Regressor, Surface};
+use super::rigid_body::{self, RigidBody};
 use super::virgin::VirginCurve;
 use super::weights::Weights;
 use super::{Candidate, Method};
@@ -25,17 +26,16 @@ pub(super) struct Judge<'a> {
     pub(super) train: &'a [usize],
     /// The effort contains inertia, so that it went through the filter.
     pub(super) inertial: bool,
-    /// Every model but the baseline has an inertia.
-    pub(super) with_mass: bool,
-    /// What the baseline contains.
-    pub(super) terms: Terms,
+    /// What every model but the baseline has beside hysteresis.
+    pub(super) plain: Plain,
+    /// Its columns.
+    pub(super) columns: &'a [Regressor],
 }
 
 impl Judge<'_> {
-    /// The whole effort of a model, filtered like the measured one.
-    fn effort_of(&self, model: &Model) -> Result<Vec<f64>, String> {
-        let friction = model
-            .friction
+    /// The whole effort of friction and plain physics, filtered like the measured one.
+    fn effort_of(&self, friction: &FrictionModel, linear: &[f64]) -> Result<Vec<f64>, String> {
+        let friction = friction
             .force(self.kinematics.path(self.recording))
             .map_err(|e| e.to_string())?;
         let mut effort = if self.inertial {
@@ -43,22 +43,28 @@ impl Judge<'_> {
         } else {
             friction
         };
-        for (i, effort) in effort.iter_mut().enumerate() {
-            *effort += model.inertia * self.kinematics.acceleration[i]
-                + model.viscous * self.kinematics.velocity[i]
-                + model.constant_force;
-        }
+        self.add(&mut effort, linear, 1.0);
         Ok(effort)
+    }
+
+    /// Adds plain physics with these coefficients, times `factor`.
+    fn add(&self, effort: &mut [f64], linear: &[f64], factor: f64) {
+        for (column, coefficient) in self.columns.iter().zip(linear) {
+            let of_column = column.values.iter();
+            (effort.iter_mut().zip(of_column)).for_each(|(e, v)| *e += factor * coefficient * v);
+        }
     }
 
     /// Runs a model through the library and measures it.
     fn candidate(
         &self,
-        model: Model,
+        friction: FrictionModel,
+        linear: &[f64],
         method: Method,
         nmse_cross: f64,
     ) -> Result<Candidate, String> {
-        let fitted = self.effort_of(&model)?;
+        let fitted = self.effort_of(&friction, linear)?;
+        let model = self.plain.model(self.recording, friction, linear);
         Ok(self.measured(model, method, nmse_cross, fitted))
     }
 
@@ -83,25 +89,11 @@ impl Judge<'_> {
         }
     }
 
-    fn model(&self, friction: FrictionModel, linear: &[(&'static str, f64)]) -> Model {
-        let of = |name| linear.iter().find(|p| p.0 == name).map_or(0.0, |p| p.1);
-        Model {
-            inertia: of("mass"),
-            viscous: of("viscous"),
-            constant_force: of("offset"),
-            ..Model::of_friction(self.recording.kind, friction)
-        }
-    }
-
     /// Coulomb and viscous friction as least squares found them, and its NMSE (%) on folds held out in turn.
     pub(super) fn coulomb(&self, rigid: RigidBody) -> Result<(Candidate, f64), String> {
-        let linear: Vec<_> = rigid
-            .parameters
-            .iter()
-            .map(|(name, estimate)| (*name, estimate.value))
-            .collect();
         let coulomb = rigid.value("coulomb").max(0.0);
-        let model = self.model(FrictionModel::Coulomb { coulomb }, &linear);
+        let friction = FrictionModel::Coulomb { coulomb };
+        let model = rigid.plain.model(self.recording, friction, &rigid.linear);
         let nmse_cross = self.cross_validated(|folds| {
             let rigid = rigid_body::fit(
                 self.recording,
@@ -109,7 +101,7 @@ impl Judge<'_> {
                 self.effort,
                 folds,
                 self.weights,
-                self.terms,
+                rigid.plain,
             )?;
             Ok(rigid.fitted)
         })?;
@@ -140,25 +132,16 @@ impl Judge<'_> {
         Ok(self.weights.nmse(self.effort, &predicted, self.train))
     }
 
-    fn linear_of(&self, linear: &[f64]) -> Vec<(&'static str, f64)> {
-        let names: &[&'static str] = if self.with_mass {
-            &["mass", "viscous", "offset"]
-        } else {
-            &["viscous", "offset"]
-        };
-        names.iter().copied().zip(linear.iter().copied()).collect()
-    }
-
     pub(super) fn optimal(
         &self,
-        regression: &Regression,
+        surface: &Surface,
         sized: &Sized,
     ) -> Result<Candidate, String> {
         let fit = &sized.fit;
         let friction = FrictionModel::maxwell_slip(&fit.stiffness, &fit.yields);
-        let model = self.model(friction, &self.linear_of(&fit.linear));
-        let mut candidate = self.candidate(model, Method::Optimal, sized.nmse_cross)?;
-        let covariance = refine::covariance(regression, fit);
+        let method = Method::Optimal;
+        let mut candidate = self.candidate(friction, &fit.linear, method, sized.nmse_cross)?;
+        let covariance = refine::covariance(surface, fit);
         let folds = self.split.folds.len();
         // Standard error of a sum of `(index, weight)` of the parameters (linear, k, ln D).
         let error = |terms: &[(usize, f64)]| {
@@ -194,12 +177,8 @@ impl Judge<'_> {
         let of_breakaway: Vec<(usize, f64)> = (0..n)
             .flat_map(|i| [(p + i, fit.yields[i]), (p + n + i, weights[i])])
             .collect();
-        candidate.rigid_body = self
-            .linear_of(&fit.linear)
-            .into_iter()
-            .enumerate()
-            .map(|(i, (name, value))| (name, Estimate::new(value, error(&[(i, 1.0)]), folds)))
-            .collect();
+        candidate.rigid_body =
+            (self.plain).parameters(self.recording, &fit.linear, covariance.as_ref(), folds);
         candidate.rigid_body.push((
             "coulomb",
             Estimate::new(weights.iter().sum(), error(&of_breakaway), folds),
@@ -213,16 +192,9 @@ impl Judge<'_> {
     }
 
     fn virgin_of(&self, selection: &Selection, rows: &[usize]) -> VirginCurve {
-        let linear = self.linear_of(&selection.optimal[selection.knee].fit.linear);
-        let model = self.model(FrictionModel::Coulomb { coulomb: 0.0 }, &linear);
-        let friction: Vec<f64> = (0..self.recording.len())
-            .map(|i| {
-                self.effort[i]
-                    - model.inertia * self.kinematics.acceleration[i]
-                    - model.viscous * self.kinematics.velocity[i]
-                    - model.constant_force
-            })
-            .collect();
+        let mut friction = self.effort.to_vec();
+        let linear = &selection.optimal[selection.knee].fit.linear;
+        self.add(&mut friction, linear, -1.0);
         let mut strokes = BTreeMap::<u32, Vec<usize>>::new();
         for &i in rows {
             strokes
@@ -256,27 +228,24 @@ impl Judge<'_> {
         selection: &Selection,
         virgin: &VirginCurve,
     ) -> Result<Vec<Candidate>, String> {
-        let linear = self.linear_of(&selection.optimal[selection.knee].fit.linear);
+        let linear = &selection.optimal[selection.knee].fit.linear;
         let mut candidates = Vec::new();
         for n in 1..=maxwell_slip::MOST {
             let of_curve = |curve: &VirginCurve| {
                 let fit = maxwell_slip::by_paper(curve, n);
                 let whole = fit.yields.len() == n;
-                whole.then(|| {
-                    self.model(
-                        FrictionModel::maxwell_slip(&fit.stiffness, &fit.yields),
-                        &linear,
-                    )
-                })
+                whole.then(|| FrictionModel::maxwell_slip(&fit.stiffness, &fit.yields))
             };
-            let Some(model) = of_curve(virgin) else {
+            let Some(friction) = of_curve(virgin) else {
                 continue;
             };
-            let mut candidate = self.candidate(model.clone(), Method::Paper, f64::NAN)?;
+            let mut candidate =
+                self.candidate(friction.clone(), linear, Method::Paper, f64::NAN)?;
             if self.split.test.is_none() {
                 candidate.nmse_test = self.cross_validated(|folds| {
                     let curve = self.virgin_of(selection, &folds.concat());
-                    self.effort_of(&of_curve(&curve).unwrap_or_else(|| model.clone()))
+                    let friction = of_curve(&curve).unwrap_or_else(|| friction.clone());
+                    self.effort_of(&friction, linear)
                 })?;
             }
             candidates.push(candidate);

@@ -3,7 +3,7 @@
 
 use super::refine;
 use super::regression::MaxwellSlipFit;
-use super::regression::{Gram, Regression, solve_normal};
+use super::regression::{Between, Exact, Gram, Regression, Surface, solve_normal};
 use super::search::{Choice, best_choices};
 use super::virgin::VirginCurve;
 use crate::progress::Progress;
@@ -16,10 +16,10 @@ pub const MOST: usize = 10;
 const GRID: usize = 56;
 /// Best subsets of the grid that are refined.
 const REFINED: usize = 3;
-/// Samples beyond which only the best of these is: each refinement runs along all of the motion.
-const LONG: usize = 500_000;
 /// Relative improvement below which a refinement has converged where only the held-out error is asked for.
 const HELD_OUT: f64 = 1e-4;
+/// … and below which it has on the samples, from where the sums between the grid's yields led.
+const EXACT: f64 = 1e-5;
 
 /// Steps of progress that [`select`] makes.
 pub const STEPS: u64 = (1 + GROUPS + MOST) as u64;
@@ -51,18 +51,18 @@ pub fn grid((shortest, longest): (f64, f64)) -> Vec<f64> {
         .collect()
 }
 
-/// Fits models of 1…[`MOST`] blocks with yields in `range`.
+/// Fits models of 1…[`MOST`] blocks with yields on and between those of `surface`, which is of `regression`.
 ///
 /// # Errors
 /// Why no model can be fitted.
 pub fn select(
     regression: &Regression,
-    range: (f64, f64),
+    surface: &Surface,
     progress: &Progress,
 ) -> Result<Selection, String> {
-    let sizing = Sizing::new(regression, range);
+    let sizing = Sizing::new(surface).ok_or("there are too few samples to fit")?;
     let total = Gram::sum(&sizing.groups).ok_or("there are no samples to fit")?;
-    let choices = best_choices(&total, regression.columns.len(), MOST);
+    let choices = best_choices(&surface.on_grid(&total), surface.linear, MOST);
     let groups = sizing.groups.len();
     progress.inc(1 + (GROUPS.saturating_sub(groups)) as u64);
 
@@ -79,10 +79,20 @@ pub fn select(
     let percent = |errors: &[f64]| 100.0 * errors.iter().sum::<f64>() / variation;
 
     let rows = regression.folds.concat();
+    let whole = Between {
+        surface,
+        folds: total,
+    };
+    let exact = Exact {
+        regression,
+        rows: &rows,
+    };
     let mut optimal: Vec<Sized> = (1..=MOST)
         .into_par_iter()
         .filter_map(|size| {
-            let fit = sizing.best(&choices[size - 1], &rows);
+            let near = sizing.best(&choices[size - 1], &whole)?;
+            // The samples have the last word.
+            let fit = refine::refine_until(&exact, near.yields, sizing.range, EXACT);
             progress.inc(1);
             let held_out: Vec<f64> = held_out.iter().map(|errors| errors[size]).collect();
             Some(Sized {
@@ -110,56 +120,48 @@ pub fn select(
 
 /// The search for the yields of every size.
 struct Sizing<'a> {
-    regression: &'a Regression<'a>,
+    surface: &'a Surface,
     range: (f64, f64),
-    grid: Vec<f64>,
-    /// Folds in a group.
-    per_group: usize,
     /// Groups of folds, each held out in turn.
     groups: Vec<Gram>,
 }
 
 impl<'a> Sizing<'a> {
-    fn new(regression: &'a Regression<'a>, range: (f64, f64)) -> Self {
-        let grid = grid(range);
-        let grams = regression.grams(&grid);
-        let per_group = grams.len().div_ceil(GROUPS).max(1);
-        Self {
-            regression,
-            range,
-            grid,
-            per_group,
-            groups: grams.chunks(per_group).filter_map(Gram::sum).collect(),
-        }
-    }
-
-    /// The samples of a group, fold by fold.
-    fn rows_of(&self, group: usize) -> &[Vec<usize>] {
-        let folds = self.regression.folds.chunks(self.per_group).nth(group);
-        folds.unwrap_or_default()
+    fn new(surface: &'a Surface) -> Option<Self> {
+        let per_group = surface.folds.len().div_ceil(GROUPS).max(1);
+        let groups = surface.folds.chunks(per_group);
+        Some(Self {
+            surface,
+            range: (*surface.grid.first()?, *surface.grid.last()?),
+            groups: groups.filter_map(Gram::sum).collect(),
+        })
     }
 
     fn yields_of(&self, choice: &Choice) -> Vec<f64> {
-        choice.yields.iter().map(|&j| self.grid[j]).collect()
+        choice
+            .yields
+            .iter()
+            .map(|&j| self.surface.grid[j])
+            .collect()
     }
 
     /// Squared errors on group `out` of models of 0…[`MOST`] blocks that were fitted to the others. The yields are refined here
     /// too: on the grid alone a block between two of its yields is fitted better by two blocks.
     fn errors_held_out(&self, out: usize) -> Vec<f64> {
-        let linear = self.regression.columns.len();
-        let others = || (0..self.groups.len()).filter(move |&g| g != out);
-        let Some(gram) = Gram::sum(others().map(|g| &self.groups[g])) else {
+        let (surface, linear) = (self.surface, self.surface.linear);
+        let others = (0..self.groups.len()).filter(|&g| g != out);
+        let Some(rest) = Gram::sum(others.map(|g| &self.groups[g])) else {
             return vec![f64::NAN; MOST + 1];
         };
-        let rest: Vec<usize> = others().flat_map(|g| self.rows_of(g).concat()).collect();
-        let held_out = self.rows_of(out).concat();
-        let mut errors = vec![error_on(&self.groups[out], &gram, linear)];
-        for best in &best_choices(&gram, linear, MOST) {
+        let mut errors = vec![error_on(&self.groups[out], &rest, linear)];
+        let choices = best_choices(&surface.on_grid(&rest), linear, MOST);
+        let of = |folds: Gram| Between { surface, folds };
+        let (rest, held_out) = (of(rest), of(self.groups[out].clone()));
+        for best in &choices {
             let error = best.first().and_then(|choice| {
                 let start = self.yields_of(choice);
-                let fit =
-                    refine::refine_until(self.regression, &rest, start, self.range, HELD_OUT)?;
-                refine::squared_error(self.regression, &fit, &held_out)
+                let fit = refine::refine_until(&rest, start, self.range, HELD_OUT)?;
+                refine::squared_error(&held_out, &fit)
             });
             // A size without a fit of positive stiffness: the best is then a smaller one.
             let smaller = errors.last().copied().unwrap_or(f64::NAN);
@@ -168,14 +170,11 @@ impl<'a> Sizing<'a> {
         errors
     }
 
-    /// The best fit to `rows` that refining the best of `choices` leads to.
-    fn best(&self, choices: &[Choice], rows: &[usize]) -> Option<MaxwellSlipFit> {
-        let long = self.regression.position.len() > LONG;
-        distinct(choices, if long { 1 } else { REFINED })
-            .into_par_iter()
-            .filter_map(|choice| {
-                refine::refine(self.regression, rows, self.yields_of(choice), self.range)
-            })
+    /// The best fit that refining the best of `choices` leads to.
+    fn best(&self, choices: &[Choice], sums: &Between) -> Option<MaxwellSlipFit> {
+        distinct(choices, REFINED)
+            .into_iter()
+            .filter_map(|choice| refine::refine(sums, self.yields_of(choice), self.range))
             .min_by(|a, b| a.squared_error.total_cmp(&b.squared_error))
     }
 }

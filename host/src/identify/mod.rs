@@ -1,15 +1,16 @@
 //! From a recording to parameters: the rigid body, and friction models of every size.
 
+mod evidence;
 pub mod family;
 mod judge;
 pub mod maxwell_slip;
 mod notes;
+pub mod plain;
 mod present;
 pub mod refine;
 pub mod regression;
 pub mod rigid_body;
 pub mod search;
-mod told;
 pub mod virgin;
 pub mod weights;
 
@@ -20,9 +21,12 @@ use crate::recording::{MotionKind, Recording};
 use crate::signal::{Kinematics, Split, Window, check_windows};
 use crate::statistics::Estimate;
 use family::Family;
+use maxwell_slip::Selection;
 use nalgebra::{DMatrix, DVector};
-use regression::{Regression, Regressor};
-use rigid_body::{RigidBody, Terms};
+use evidence::{Evidence, Shown};
+use plain::{Place, Plain};
+use regression::{Regression, Regressor, Surface};
+use rigid_body::RigidBody;
 use virgin::VirginCurve;
 use weights::Weights;
 
@@ -73,8 +77,8 @@ pub struct Candidate {
     pub nmse_train: f64,
     /// NMSE (13) on the test window, or on folds held out in turn (%).
     pub nmse_test: f64,
-    /// `mass` (where one is fitted), `viscous`, `offset` and `coulomb`, which for GMS is the breakaway force ΣW;
-    /// empty for the paper's procedure, which has none.
+    /// `mass` (where one is fitted), `viscous` and what else of [`Plain`] physics there is, `offset` and `coulomb`, which for GMS is the
+    /// breakaway force ΣW; empty for the paper's procedure, which has none.
     pub rigid_body: Vec<(&'static str, Estimate)>,
     /// Friction's own parameters by their keys in model files of linear axes; empty for Coulomb friction and GMS.
     pub parameters: Vec<(&'static str, Estimate)>,
@@ -163,12 +167,13 @@ pub struct Identification {
     pub virgin: VirginCurve,
     /// Shortest and longest yield displacement that were tried (m or rad).
     pub yield_range: (f64, f64),
+    /// What acts beside hysteresis.
+    pub plain: Plain,
 }
 
 /// Warnings of the loader that leave nothing to identify, with what would.
-const FATAL: [(&str, &str); 4] = [
+const FATAL: [(&str, &str); 3] = [
     ("no-motion", "record a motion"),
-    ("one-way-motion", "record motion in both directions"),
     ("too-short", "record for longer"),
     (
         "constant-effort",
@@ -176,15 +181,18 @@ const FATAL: [(&str, &str); 4] = [
     ),
 ];
 
-/// Folds without which holding one out leaves motion in one direction only, where every fold is a stroke.
-const FEWEST_FOLDS: usize = 4;
-
 /// Periods of the filter's cut-off beside a gap in which it knows the motion from one side only: accelerations there are half made up, and
 /// eight lost stretches of half a second took 1.2 % off a mass.
 const BESIDE_GAP: f64 = 0.5;
 
 /// Shortest yield displacement that is tried, relative to half of the longest stroke.
-const FINEST: f64 = 1e-5;
+const FINEST: f64 = 1e-6;
+
+/// Samples on either side of a reversal whose steps tell what displacements are resolved there.
+const NEAR: usize = 8;
+
+/// Share of the moving samples in the rarer direction below which a recording goes one way.
+const ONE_WAY: f64 = 0.01;
 
 /// Samples that the breakpoints are fitted to. Of a longer recording every n-th is taken, which bounds the memory
 /// of the search (450 B per sample) at what a small machine has; the models still run along all samples and are
@@ -265,6 +273,7 @@ pub fn identify(
         split,
         virgin: found.virgin,
         yield_range: found.range,
+        plain: found.plain,
     };
     identification.recommendation = identification.recommended_in_words();
     Ok(identification)
@@ -273,26 +282,15 @@ pub fn identify(
 /// The samples to fit and to hold out, of a recording that can be fitted.
 fn split(recording: &Recording, options: &Options) -> Result<Split, String> {
     for (code, remedy) in FATAL {
-        if let Some(warning) = recording.warnings.iter().find(|w| w.code == code) {
-            let told = match code {
-                "one-way-motion" => format!("; {}", told::told(recording)),
-                _ => String::new(),
-            };
-            return Err(format!("{}: {warning}; {remedy}{told}", recording.name));
+        // Of many files each tells what it can.
+        let mut of_files = recording.warnings.iter().filter(|w| w.code == code);
+        let last = recording.joined.len().saturating_sub(1);
+        if let Some(warning) = of_files.nth(last) {
+            return Err(format!("{}: {warning}; {remedy}", recording.name));
         }
     }
     check_windows(recording, options.train, options.test)?;
-    let split = Split::new(recording, options.train, options.test);
-    if split.unit == "segment" && split.folds.len() < FEWEST_FOLDS {
-        return Err(format!(
-            "{}: {} stroke{} to fit, but at least {FEWEST_FOLDS} are needed, so that any one can be held out and both directions are left; record at least three reversals, or widen --train; {}",
-            recording.name,
-            split.folds.len(),
-            if split.folds.len() == 1 { "" } else { "s" },
-            told::told(recording),
-        ));
-    }
-    Ok(split)
+    Ok(Split::new(recording, options.train, options.test))
 }
 
 /// Leaves out of the fit what stands beside a gap within a recording; a fold of which that is most stays whole.
@@ -342,41 +340,46 @@ struct Found {
     recommended: usize,
     virgin: VirginCurve,
     range: (f64, f64),
+    plain: Plain,
+}
+
+/// Blocks of every number beside the plain physics that the recording shows.
+struct Searched<'a> {
+    regression: Regression<'a>,
+    surface: Surface,
+    selection: Selection,
+    shown: Shown,
 }
 
 impl Fitting<'_> {
     /// The rigid body, without the terms that would come out negative.
-    fn rigid_body(&self, weights: &Weights) -> Result<(RigidBody, Terms), String> {
-        let fit = |terms| {
+    fn rigid_body(&self, weights: &Weights, mut plain: Plain) -> Result<RigidBody, String> {
+        let fit = |plain| {
             rigid_body::fit(
                 self.recording,
                 self.kinematics,
                 self.effort,
                 &self.split.folds,
                 weights,
-                terms,
+                plain,
             )
         };
-        let mut terms = Terms {
-            mass: self.inertial,
-            viscous: true,
-        };
-        let mut rigid = fit(terms)?;
+        let mut rigid = fit(plain)?;
         if rigid.value("mass") < 0.0 {
             // In pre-sliding the spring that Coulomb friction lacks looks like a negative inertia.
-            terms.mass = false;
-            rigid = fit(terms)?;
+            plain.mass = false;
+            rigid = fit(plain)?;
         }
         if rigid.value("coulomb") < 0.0 {
             // Viscous friction that imitates the rounded reversals of pre-sliding.
-            terms.viscous = false;
-            rigid = fit(terms)?;
+            (plain.viscous, plain.by_direction) = (false, false);
+            rigid = fit(plain)?;
         }
-        Ok((rigid, terms))
+        Ok(rigid)
     }
 
     /// The regression behind the search for breakpoints.
-    fn regression(&self, mass: bool, weights: &Weights) -> Regression<'_> {
+    fn regression(&self, columns: Vec<Regressor>, weights: &Weights) -> Regression<'_> {
         let stride = self.train.len().div_ceil(MOST_SCORED).max(1);
         let filter = |values: &[f64]| {
             if self.inertial {
@@ -385,20 +388,12 @@ impl Fitting<'_> {
                 values.to_vec()
             }
         };
-        let columns = [
-            mass.then(|| ("mass", self.kinematics.acceleration.clone())),
-            Some(("viscous", self.kinematics.velocity.clone())),
-            Some(("offset", vec![1.0; self.recording.len()])),
-        ];
-        let columns = columns.into_iter().flatten();
         let folds = self.split.folds.iter();
         Regression {
             position: &self.recording.position,
             pieces: &self.recording.pieces,
             force: self.effort.to_vec(),
-            columns: columns
-                .map(|(name, values)| Regressor { name, values })
-                .collect(),
+            columns,
             filter: Box::new(filter),
             folds: folds
                 .map(|fold| fold.iter().step_by(stride).copied().collect())
@@ -407,26 +402,96 @@ impl Fitting<'_> {
         }
     }
 
+    /// Plain physics, and Maxwell-slip blocks of every number beside it.
+    fn search(
+        &self,
+        base: Plain,
+        weights: &Weights,
+        range: (f64, f64),
+        progress: &Progress,
+    ) -> Result<Searched<'_>, String> {
+        let mut regression =
+            self.regression(plain::every_column(self.recording, self.kinematics), weights);
+        let every = Surface::new(&regression, maxwell_slip::grid(range));
+        let evidence = Evidence {
+            columns: &regression.columns,
+            surface: &every,
+        };
+        let shown = evidence.shown(self.recording, base, range.1);
+        let taken = shown.plain.among(&regression.columns);
+        let surface = every.part(&taken, shown.longest);
+        regression.columns = shown.plain.columns(self.recording, self.kinematics);
+        let selection = maxwell_slip::select(&regression, &surface, progress)?;
+        Ok(Searched {
+            regression,
+            surface,
+            selection,
+            shown,
+        })
+    }
+
+    fn goes_one_way(&self) -> bool {
+        let of = |sign: f64| {
+            let direction = self.train.iter().map(|&i| self.kinematics.direction[i]);
+            direction.filter(|d| *d == sign).count() as f64
+        };
+        let (forward, backward) = (of(1.0), of(-1.0));
+        forward.min(backward) <= ONE_WAY * (forward + backward)
+    }
+
+    /// Plain physics alone, with friction and the constant force as one.
+    fn fit_one_way(&self, weights: &Weights, notes: &mut Vec<String>) -> Result<Found, String> {
+        let recording = self.recording;
+        let columns = plain::every_column(recording, self.kinematics);
+        let regression = self.regression(columns, weights);
+        let evidence = Evidence {
+            columns: &regression.columns,
+            surface: &Surface::new(&regression, Vec::new()),
+        };
+        let (low, high) = plain::extremes(recording);
+        let shown = evidence.shown(recording, Plain::of(self.inertial), high - low);
+        notes.extend(said(shown));
+        notes.push("the motion goes one way, so that Coulomb friction and a constant load are told as their sum, and pre-sliding not at all; record reversals to tell them apart".to_owned());
+        let rigid = self.rigid_body(weights, shown.plain)?;
+        let judge = Judge {
+            recording,
+            kinematics: self.kinematics,
+            effort: self.effort,
+            split: self.split,
+            weights,
+            train: self.train,
+            inertial: self.inertial,
+            plain: shown.plain,
+            columns: &regression.columns,
+        };
+        Ok(Found {
+            candidates: vec![judge.coulomb(rigid)?.0],
+            recommended: 0,
+            virgin: VirginCurve::default(),
+            range: (FINEST * (high - low), high - low),
+            plain: shown.plain,
+        })
+    }
+
     /// Coulomb friction, and Maxwell-slip blocks of every number: by the paper's procedure, and at the best breakpoints.
     fn fit(&self, progress: &Progress, notes: &mut Vec<String>) -> Result<Found, String> {
         let recording = self.recording;
         let mut weights = Weights::by_time(recording);
-        let (mut rigid, mut terms) = self.rigid_body(&weights)?;
+        if self.goes_one_way() {
+            return self.fit_one_way(&weights, notes);
+        }
         let range = yield_range(recording, self.train)?;
-        let mut with_mass = self.inertial;
-        let mut regression = self.regression(with_mass, &weights);
-        let mut selection = maxwell_slip::select(&regression, range, progress)?;
+        let mut base = Plain::of(self.inertial);
+        let mut found = self.search(base, &weights, range, progress)?;
+        let again = |what| Progress::new(what, STEPS);
         if weights.differ() {
-            let residual = regression.residual(&selection.optimal[selection.knee].fit);
-            weights = Weights::by_residual(recording, &residual);
-            (rigid, terms) = self.rigid_body(&weights)?;
-            regression = self.regression(with_mass, &weights);
-            selection =
-                maxwell_slip::select(&regression, range, &Progress::new("weighted", STEPS))?;
+            let knee = &found.selection.optimal[found.selection.knee];
+            weights = Weights::by_residual(recording, &found.regression.residual(&knee.fit));
+            found = self.search(base, &weights, range, &again("weighted"))?;
             notes.extend(weights.in_words(recording));
         }
-        let mass = selection.optimal[selection.knee].fit.linear[0];
-        if with_mass && mass < 0.0 {
+        let mass = found.selection.optimal[found.selection.knee].fit.linear[0];
+        if base.mass && mass < 0.0 {
             notes.push(format!(
                 "the inertia came out as {mass:.3e} {} and was left out: this motion has too little acceleration to show one; record faster reversals",
                 match recording.kind {
@@ -434,11 +499,17 @@ impl Fitting<'_> {
                     MotionKind::Rotary => "kg·m²",
                 }
             ));
-            with_mass = false;
-            regression = self.regression(with_mass, &weights);
-            selection =
-                maxwell_slip::select(&regression, range, &Progress::new("without inertia", STEPS))?;
+            base.mass = false;
+            found = self.search(base, &weights, range, &again("without inertia"))?;
         }
+        let Searched {
+            regression,
+            surface,
+            selection,
+            shown,
+        } = found;
+        let rigid = self.rigid_body(&weights, shown.plain)?;
+        notes.extend(said(shown));
 
         let judge = Judge {
             recording,
@@ -448,16 +519,17 @@ impl Fitting<'_> {
             weights: &weights,
             train: self.train,
             inertial: self.inertial,
-            with_mass,
-            terms,
+            plain: shown.plain,
+            columns: &regression.columns,
         };
+        let without_mass = shown.plain.mass && !rigid.plain.mass;
         let (coulomb, baseline) = judge.coulomb(rigid)?;
         let mut candidates = vec![coulomb];
         let virgin = judge.virgin(&selection);
         candidates.extend(judge.by_paper(&selection, &virgin)?);
         let first_optimal = candidates.len();
         for sized in &selection.optimal {
-            candidates.push(judge.optimal(&regression, sized)?);
+            candidates.push(judge.optimal(&surface, sized)?);
         }
         let resolved = !maxwell_slip::baseline_suffices(baseline, &selection.optimal);
         let recommended = if resolved {
@@ -465,27 +537,66 @@ impl Fitting<'_> {
         } else {
             0
         };
-        if recommended == 0 && with_mass && !terms.mass {
+        if recommended == 0 && without_mass {
             notes.push("with Coulomb friction alone the inertia came out negative and was left out; record faster reversals".to_owned());
         }
         Ok(Found {
             candidates,
             recommended,
             virgin,
-            range,
+            range: (range.0, shown.longest),
+            plain: shown.plain,
         })
     }
 }
 
-/// Yields that a recording can tell apart: from the displacement of a typical sample to half of the longest
-/// stroke, beyond which a block never slips.
+/// What plain physics there is beside the rigid body, for the user.
+fn said(shown: Shown) -> Option<String> {
+    let place = match shown.plain.place {
+        Place::Nowhere => None,
+        Place::Spring => Some("a spring (a force in proportion to the position)"),
+        Place::Gravity => Some("gravity (a force with the sine of the angle)"),
+    };
+    let asymmetry = shown
+        .plain
+        .by_direction
+        .then_some("viscous friction that differs by direction");
+    let parts: Vec<&str> = place.into_iter().chain(asymmetry).collect();
+    (!parts.is_empty()).then(|| {
+        format!(
+            "{} {} part of the fit: {:.0} % of what is left of held-out stretches without",
+            parts.join(" and "),
+            if parts.len() == 1 { "is" } else { "are" },
+            shown.gain
+        )
+    })
+}
+
+/// First samples of the strokes that follow a reversal.
+fn reversals<'a>(recording: &'a Recording, train: &'a [usize]) -> impl Iterator<Item = usize> + 'a {
+    let turns = train.windows(2).filter(|pair| {
+        pair[1] == pair[0] + 1 && recording.segment[pair[1]] != recording.segment[pair[0]]
+    });
+    turns.map(|pair| pair[1])
+}
+
+/// Yields that a recording can tell apart: from the displacement of a typical sample near a reversal, where blocks yield, to half of the
+/// longest stroke, beyond which a block never slips.
 fn yield_range(recording: &Recording, train: &[usize]) -> Result<(f64, f64), String> {
-    let mut steps: Vec<f64> = train
-        .windows(2)
-        .map(|pair| (recording.position[pair[1]] - recording.position[pair[0]]).abs())
-        .filter(|step| *step > 0.0)
-        .collect();
-    steps.sort_by(f64::total_cmp);
+    let position = &recording.position;
+    let steps_of = |pairs: &mut dyn Iterator<Item = (usize, usize)>| {
+        let steps = pairs.map(|(i, j)| (position[j] - position[i]).abs());
+        let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0).collect();
+        steps.sort_by(f64::total_cmp);
+        steps
+    };
+    let steps = steps_of(&mut train.windows(2).map(|pair| (pair[0], pair[1])));
+    let mut near = steps_of(&mut reversals(recording, train).flat_map(|turn| {
+        let piece = recording.pieces.iter().find(|piece| piece.contains(&turn));
+        let piece = piece.cloned().unwrap_or(turn..turn + 1);
+        let from = turn.saturating_sub(NEAR).max(piece.start);
+        (from..(turn + NEAR).min(piece.end - 1)).map(|i| (i, i + 1))
+    }));
     let mut extent = std::collections::BTreeMap::new();
     for &i in train {
         let x = recording.position[i];
@@ -498,7 +609,9 @@ fn yield_range(recording: &Recording, train: &[usize]) -> Result<(f64, f64), Str
         .map(|(low, high)| high - low)
         .fold(0.0, f64::max)
         / 2.0;
-    let shortest = steps.get(steps.len() / 10).copied().unwrap_or(longest) / 2.0;
+    let typical = steps.get(steps.len() / 10).copied().unwrap_or(longest);
+    let local = crate::statistics::quantile(&mut near, 0.5).unwrap_or(typical);
+    let shortest = local.min(typical) / 2.0;
     // A filtered position creeps by rounding errors while it rests.
     let shortest = shortest.max(longest * FINEST);
     if shortest.max(steps.first().copied().unwrap_or(0.0)) >= longest / 2.0 {

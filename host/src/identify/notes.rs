@@ -215,6 +215,10 @@ impl Identification {
                 "Use none of these models: the best leaves {:.3} % of the variance on held-out data. Friction is not what moves this effort; look at the residual against time and position, at the effort's column (--map) and sign (--sign), and record faster or longer strokes.",
                 best.nmse_test
             )
+        } else if self.optimal().next().is_none() {
+            format!(
+                "Use what one direction tells ({baseline:.3} % of the variance left on held-out data), in this direction only; record reversals for a friction model."
+            )
         } else if blocks == 0 {
             format!(
                 "Use Coulomb + viscous friction ({baseline:.3} % of the variance left on held-out data): GMS reaches {lowest:.3} %, so this recording does not show pre-sliding; to see it, reverse slowly enough for tens of samples before the friction force is back at its level."

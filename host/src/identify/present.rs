@@ -1,5 +1,6 @@
 //! An identification for people and for machines.
 
+use super::plain::Place;
 use super::{Identification, Method};
 use crate::friction::Path;
 use crate::model::Model;
@@ -17,15 +18,22 @@ const STEPS: usize = 400;
 
 /// Keys of the JSON output for a rigid body parameter.
 fn key(kind: MotionKind, name: &str) -> &'static str {
-    match (kind, name) {
-        (MotionKind::Linear, "mass") => "mass_kg",
-        (MotionKind::Linear, "viscous") => "viscous_N_s_per_m",
-        (MotionKind::Linear, "coulomb") => "coulomb_N",
-        (MotionKind::Linear, _) => "offset_N",
-        (MotionKind::Rotary, "mass") => "inertia_kg_m2",
-        (MotionKind::Rotary, "viscous") => "viscous_Nm_s_per_rad",
-        (MotionKind::Rotary, "coulomb") => "coulomb_Nm",
-        (MotionKind::Rotary, _) => "offset_Nm",
+    let [linear, rotary] = match name {
+        "mass" => ["mass_kg", "inertia_kg_m2"],
+        "viscous" => ["viscous_N_s_per_m", "viscous_Nm_s_per_rad"],
+        "viscous_forward" => ["viscous_forward_N_s_per_m", "viscous_forward_Nm_s_per_rad"],
+        "viscous_backward" => ["viscous_backward_N_s_per_m", "viscous_backward_Nm_s_per_rad"],
+        "coulomb" => ["coulomb_N", "coulomb_Nm"],
+        "spring" => ["spring_N_per_m", "spring_Nm_per_rad"],
+        "spring_centre" => ["spring_centre_m", "spring_centre_rad"],
+        "gravity" => ["gravity_N", "gravity_Nm"],
+        "gravity_angle" => ["gravity_angle_rad", "gravity_angle_rad"],
+        "coulomb_and_offset" => ["coulomb_and_offset_N", "coulomb_and_offset_Nm"],
+        _ => ["offset_N", "offset_Nm"],
+    };
+    match kind {
+        MotionKind::Linear => linear,
+        MotionKind::Rotary => rotary,
     }
 }
 
@@ -36,20 +44,40 @@ fn unit(recording: &Recording, name: &str) -> String {
         ("mass", MotionKind::Linear, "N") => "kg".to_owned(),
         ("mass", MotionKind::Rotary, "N·m") => "kg·m²".to_owned(),
         ("mass", ..) => format!("{force}·s²/{position}"),
-        ("viscous", ..) => format!("{force}·s/{position}"),
+        ("viscous" | "viscous_forward" | "viscous_backward", ..) => {
+            format!("{force}·s/{position}")
+        }
+        ("spring", ..) => format!("{force}/{position}"),
+        ("spring_centre" | "gravity_angle", ..) => position.to_owned(),
         _ => force.to_owned(),
     }
 }
 
 impl Identification {
-    /// `preslide.identification/1`; `warnings` are the loader's, `seconds` the time it took.
-    pub fn to_json(&self, recording: &Recording, seconds: f64) -> Value {
-        let parameters: serde_json::Map<String, Value> = self
-            .best()
+    /// What every command tells of a fit: the error that the recommended law leaves of what was held out (%), its parameters with their
+    /// intervals, the law by its kind and number of blocks, and the rows that were fitted.
+    pub fn fit_json(&self, recording: &Recording) -> Value {
+        let best = self.best();
+        json!({
+            "law": best.model.friction.name(),
+            "kind": best.model.friction.kind(),
+            "blocks": best.size(),
+            "nmse_held_out": best.nmse_test,
+            "parameters": self.parameters_json(recording),
+            "rows": self.split.folds.iter().map(Vec::len).sum::<usize>(),
+        })
+    }
+
+    fn parameters_json(&self, recording: &Recording) -> serde_json::Map<String, Value> {
+        self.best()
             .rigid_body
             .iter()
             .map(|(name, estimate)| (key(recording.kind, name).to_owned(), json!(estimate)))
-            .collect();
+            .collect()
+    }
+
+    /// `preslide.identification/1`; `warnings` are the loader's, `seconds` the time it took.
+    pub fn to_json(&self, recording: &Recording, seconds: f64) -> Value {
         let friction: Vec<Value> = self
             .candidates
             .iter()
@@ -73,7 +101,8 @@ impl Identification {
             "schema": "preslide.identification/1",
             "recording": recording.name,
             "effort_unit": recording.effort_unit(),
-            "parameters": parameters,
+            "fit": self.fit_json(recording),
+            "parameters": self.parameters_json(recording),
             "band_hz": self.band_hz,
             "held_out": if self.split.test.is_some() { "test window".to_owned() } else { format!("{}s in turn", self.split.unit) },
             "friction": friction,
@@ -99,6 +128,7 @@ impl Identification {
                     let name_shown = match *name {
                         "mass" if recording.kind == MotionKind::Rotary => "inertia",
                         "coulomb" if self.best().size() > 0 => "coulomb (ΣW)",
+                        "offset" if self.plain.place == Place::Spring => "offset (at 0; the spring's)",
                         name => name,
                     };
                     vec![

@@ -1,10 +1,7 @@
 //! From the best yields of a grid to the best yields there are, with their confidence.
 
-use super::regression::{Gram, MaxwellSlipFit, Regression, solve_normal};
-use crate::signal::Deflection;
+use super::regression::{Between, Gram, MaxwellSlipFit, Sums, Surface, solve_normal};
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
-use std::ops::Range;
 
 const ITERATIONS: usize = 40;
 /// Relative improvement below which a refinement has converged.
@@ -13,44 +10,6 @@ const CONVERGED: f64 = 1e-9;
 /// Step of `ln D` below which a refused step means that the optimum is reached, not that it was too long.
 const STILL: f64 = 1e-6;
 
-/// Everything that the force is regressed on for given yields, at the samples `rows`: linear columns,
-/// deflections, derivatives with respect to `D`, force.
-struct Design {
-    columns: Vec<Vec<f64>>,
-}
-
-impl Design {
-    fn new(regression: &Regression, rows: &[usize], yields: &[f64]) -> Self {
-        let of_rows = |values: &[f64]| regression.weights.rows(values, rows);
-        let (deflections, slopes): (Vec<_>, Vec<_>) = yields
-            .par_iter()
-            .map(|&d| {
-                let Deflection { z, slope } = regression.deflection(d);
-                (of_rows(&z), of_rows(&slope))
-            })
-            .unzip();
-        let linear = regression.columns.iter().map(|c| of_rows(&c.values));
-        Self {
-            columns: linear
-                .chain(deflections)
-                .chain(slopes)
-                .chain([of_rows(&regression.force)])
-                .collect(),
-        }
-    }
-
-    /// Sums of products over a part of the samples.
-    fn gram(&self, part: Range<usize>) -> Option<Gram> {
-        let columns: Vec<&[f64]> = self.columns.iter().map(Vec::as_slice).collect();
-        let parts: Vec<Gram> = part
-            .collect::<Vec<usize>>()
-            .par_chunks(4096)
-            .map(|rows| Gram::of(&columns, rows))
-            .collect();
-        Gram::sum(&parts)
-    }
-}
-
 /// The best fit with fixed yields.
 struct Solved {
     fit: MaxwellSlipFit,
@@ -58,9 +17,9 @@ struct Solved {
 }
 
 /// `None` where a stiffness would not be positive.
-fn solve(regression: &Regression, rows: &[usize], yields: Vec<f64>) -> Option<Solved> {
-    let gram = Design::new(regression, rows, &yields).gram(0..rows.len())?;
-    let (linear, n) = (regression.columns.len(), yields.len());
+fn solve(sums: &impl Sums, yields: Vec<f64>) -> Option<Solved> {
+    let gram = sums.at(&yields)?;
+    let (linear, n) = (sums.linear(), yields.len());
     let chosen: Vec<usize> = (0..linear + n).collect();
     let (matrix, right) = gram.normal(&chosen);
     let coefficients = solve_normal(&matrix, &right)?;
@@ -117,24 +76,18 @@ fn joint(fit: &MaxwellSlipFit, gram: &Gram) -> (DMatrix<f64>, DVector<f64>) {
 ///
 /// Variable projection: stiffnesses and linear coefficients are solved exactly for any yields, and the yields
 /// move by damped Gauss–Newton steps on `ln D`. A step that makes a stiffness negative is refused.
-pub fn refine(
-    regression: &Regression,
-    rows: &[usize],
-    start: Vec<f64>,
-    range: (f64, f64),
-) -> Option<MaxwellSlipFit> {
-    refine_until(regression, rows, start, range, CONVERGED)
+pub fn refine(sums: &impl Sums, start: Vec<f64>, range: (f64, f64)) -> Option<MaxwellSlipFit> {
+    refine_until(sums, start, range, CONVERGED)
 }
 
 /// [`refine`] that ends at relative improvements below `converged`.
 pub fn refine_until(
-    regression: &Regression,
-    rows: &[usize],
+    sums: &impl Sums,
     start: Vec<f64>,
     (shortest, longest): (f64, f64),
     converged: f64,
 ) -> Option<MaxwellSlipFit> {
-    let mut best = solve(regression, rows, start)?;
+    let mut best = solve(sums, start)?;
     let (p, n) = (best.fit.linear.len(), best.fit.yields.len());
     let mut damping = 1e-3;
     for _ in 0..ITERATIONS {
@@ -157,7 +110,7 @@ pub fn refine_until(
                 .map(|(d, step)| (d * step.clamp(-0.5, 0.5).exp()).clamp(shortest, longest))
                 .collect();
             yields.sort_by(f64::total_cmp);
-            solve(regression, rows, yields)
+            solve(sums, yields)
         });
         match trial {
             Some(trial) if trial.fit.squared_error < before => {
@@ -179,9 +132,9 @@ pub fn refine_until(
     Some(best.fit)
 }
 
-/// Squared error that `fit` leaves on `rows`.
-pub fn squared_error(regression: &Regression, fit: &MaxwellSlipFit, rows: &[usize]) -> Option<f64> {
-    let gram = Design::new(regression, rows, &fit.yields).gram(0..rows.len())?;
+/// Squared error that `fit` leaves.
+pub fn squared_error(sums: &impl Sums, fit: &MaxwellSlipFit) -> Option<f64> {
+    let gram = sums.at(&fit.yields)?;
     let coefficients = DVector::from_iterator(
         fit.linear.len() + fit.stiffness.len(),
         fit.linear.iter().chain(&fit.stiffness).copied(),
@@ -194,22 +147,21 @@ pub fn squared_error(regression: &Regression, fit: &MaxwellSlipFit, rows: &[usiz
 ///
 /// Sandwich estimate clustered by fold, with the small-sample factor `G/(G − 1)`: the scatter of the folds'
 /// scores takes the place of a noise variance. `None` with fewer than two folds or a singular matrix.
-pub fn covariance(regression: &Regression, fit: &MaxwellSlipFit) -> Option<DMatrix<f64>> {
-    let folds = regression.folds.len();
-    if folds < 2 {
+pub fn covariance(surface: &Surface, fit: &MaxwellSlipFit) -> Option<DMatrix<f64>> {
+    let count = surface.folds.len() as f64;
+    if surface.folds.len() < 2 {
         return None;
     }
-    let rows = regression.folds.concat();
-    let design = Design::new(regression, &rows, &fit.yields);
-    let (bread, _) = joint(fit, &design.gram(0..rows.len())?);
+    let of = |folds: &Gram| {
+        let folds = folds.clone();
+        Some(joint(fit, &Between { surface, folds }.at(&fit.yields)?))
+    };
+    let (bread, _) = of(&Gram::sum(&surface.folds)?)?;
     let mut meat = DMatrix::zeros(bread.nrows(), bread.nrows());
-    let mut end = 0;
-    for fold in &regression.folds {
-        let start = end;
-        end += fold.len();
-        let (_, score) = joint(fit, &design.gram(start..end)?);
+    for fold in &surface.folds {
+        let (_, score) = of(fold)?;
         meat += &score * score.transpose();
     }
     let inverse = bread.cholesky()?.inverse();
-    Some(&inverse * meat * &inverse * (folds as f64 / (folds as f64 - 1.0)))
+    Some(&inverse * meat * &inverse * (count / (count - 1.0)))
 }

@@ -1,4 +1,8 @@
 //! The regression behind an identification: a force that is linear in everything but the yields.
+//!
+//! A fit at any yields needs sums of products only ([`Sums`]): exact ones pass over the samples, and those of a [`Surface`] lie between the
+//! yields of a grid, whose sums are taken once. Between two yields `D` the deflection is Hermite's cubic through both deflections with their
+//! slopes `∂z/∂D`.
 
 use super::weights::Weights;
 use crate::signal::Deflection;
@@ -112,6 +116,18 @@ impl Gram {
         )
     }
 
+    /// The same of the columns `chosen` alone, in that order, and the force.
+    pub fn part(&self, chosen: &[usize]) -> Gram {
+        let force = self.products.nrows() - 1;
+        let of = |i: usize| chosen.get(i).copied().unwrap_or(force);
+        Gram {
+            products: DMatrix::from_fn(chosen.len() + 1, chosen.len() + 1, |i, j| {
+                self.products[(of(i), of(j))]
+            }),
+            ..*self
+        }
+    }
+
     /// Squared error that the coefficients of the columns `chosen` leave.
     pub fn squared_error(&self, chosen: &[usize], coefficients: &DVector<f64>) -> f64 {
         let (matrix, right) = self.normal(chosen);
@@ -166,24 +182,18 @@ impl Regression<'_> {
     }
 
     /// One [`Gram`] per fold over the linear columns, the deflections for `yields`, and the force.
+    pub fn grams(&self, yields: &[f64]) -> Vec<Gram> {
+        let surface = Surface::new(self, yields.to_vec());
+        let folds = surface.folds.iter();
+        folds.map(|fold| surface.on_grid(fold)).collect()
+    }
+
+    /// One per fold over the linear columns, the deflections for `yields`, their slopes, and the force.
     ///
     /// Of each deflection only the folds' samples are kept, so that thinned folds bound the memory.
-    pub fn grams(&self, yields: &[f64]) -> Vec<Gram> {
+    fn by_fold(&self, yields: &[f64]) -> Vec<Gram> {
         let rows = self.folds.concat();
-        let of_rows = |values: &[f64]| self.weights.rows(values, &rows);
-        let deflections: Vec<Vec<f64>> = yields
-            .par_iter()
-            .map(|&d| {
-                of_rows(&(self.filter)(
-                    &Deflection::along(self.position, self.pieces, d).z,
-                ))
-            })
-            .collect();
-        let linear = self.columns.iter().map(|column| of_rows(&column.values));
-        let columns: Vec<Vec<f64>> = linear
-            .chain(deflections)
-            .chain([of_rows(&self.force)])
-            .collect();
+        let columns = self.at(&rows, yields);
         let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
         let mut end = 0;
         let parts: Vec<Vec<usize>> = self
@@ -198,5 +208,158 @@ impl Regression<'_> {
             .par_iter()
             .map(|rows| Gram::of(&columns, rows))
             .collect()
+    }
+
+    /// What the force is regressed on at the samples `rows`: linear columns, deflections, their slopes; then the force.
+    fn at(&self, rows: &[usize], yields: &[f64]) -> Vec<Vec<f64>> {
+        let of_rows = |values: &[f64]| self.weights.rows(values, rows);
+        let (deflections, slopes): (Vec<_>, Vec<_>) = yields
+            .par_iter()
+            .map(|&d| {
+                let Deflection { z, slope } = self.deflection(d);
+                (of_rows(&z), of_rows(&slope))
+            })
+            .unzip();
+        let linear = self.columns.iter().map(|c| of_rows(&c.values));
+        linear
+            .chain(deflections)
+            .chain(slopes)
+            .chain([of_rows(&self.force)])
+            .collect()
+    }
+}
+
+/// Sums of products of the linear columns, the deflections at any yields, their slopes and the force.
+pub trait Sums {
+    /// Number of linear columns.
+    fn linear(&self) -> usize;
+    /// The sums at these yields; `None` where there are no samples.
+    fn at(&self, yields: &[f64]) -> Option<Gram>;
+}
+
+/// Sums over the samples themselves.
+pub struct Exact<'a> {
+    /// What is regressed.
+    pub regression: &'a Regression<'a>,
+    /// Over these samples.
+    pub rows: &'a [usize],
+}
+
+impl Sums for Exact<'_> {
+    fn linear(&self) -> usize {
+        self.regression.columns.len()
+    }
+
+    fn at(&self, yields: &[f64]) -> Option<Gram> {
+        let columns = self.regression.at(self.rows, yields);
+        let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let parts: Vec<Gram> = (0..self.rows.len())
+            .collect::<Vec<usize>>()
+            .par_chunks(4096)
+            .map(|rows| Gram::of(&columns, rows))
+            .collect();
+        Gram::sum(&parts)
+    }
+}
+
+/// Sums at the yields of a grid, fold by fold.
+pub struct Surface {
+    /// Yields (m or rad), ascending.
+    pub grid: Vec<f64>,
+    /// Number of linear columns.
+    pub linear: usize,
+    /// Of each fold: linear columns, deflections, slopes, force.
+    pub folds: Vec<Gram>,
+}
+
+impl Surface {
+    /// Passes over the samples once.
+    pub fn new(regression: &Regression, grid: Vec<f64>) -> Self {
+        Self {
+            folds: regression.by_fold(&grid),
+            linear: regression.columns.len(),
+            grid,
+        }
+    }
+
+    /// With some of the linear columns, and yields up to `longest`.
+    pub fn part(&self, linear: &[usize], longest: f64) -> Self {
+        let kept = self.grid.iter().filter(|d| **d <= longest).count();
+        let blocks = self.linear..self.linear + kept;
+        let slopes = blocks.clone().map(|j| j + self.grid.len());
+        let chosen = linear.iter().copied().chain(blocks.clone()).chain(slopes);
+        let chosen: Vec<usize> = chosen.collect();
+        Self {
+            grid: self.grid[..kept].to_vec(),
+            linear: linear.len(),
+            folds: self.folds.iter().map(|fold| fold.part(&chosen)).collect(),
+        }
+    }
+
+    /// The sums of some folds, without slopes: linear columns, deflections of the grid, force.
+    pub fn on_grid(&self, folds: &Gram) -> Gram {
+        folds.part(&(0..self.linear + self.grid.len()).collect::<Vec<_>>())
+    }
+}
+
+/// Sums between the yields of a grid.
+pub struct Between<'a> {
+    /// The grid.
+    pub surface: &'a Surface,
+    /// The sum of the folds that count.
+    pub folds: Gram,
+}
+
+impl Sums for Between<'_> {
+    fn linear(&self) -> usize {
+        self.surface.linear
+    }
+
+    fn at(&self, yields: &[f64]) -> Option<Gram> {
+        let (grid, p) = (&self.surface.grid, self.surface.linear);
+        let (mut deflections, mut slopes) = (Vec::new(), Vec::new());
+        for &d in yields {
+            let after = grid.partition_point(|g| *g <= d).clamp(1, grid.len() - 1);
+            let (from, to) = (grid[after - 1], grid[after]);
+            let (h, t) = (to - from, ((d - from) / (to - from)).clamp(0.0, 1.0));
+            let [z0, z1, s0, s1] = [after - 1, after, after - 1 + grid.len(), after + grid.len()];
+            let (tt, ttt) = (t * t, t * t * t);
+            deflections.push(vec![
+                (p + z0, 2.0 * ttt - 3.0 * tt + 1.0),
+                (p + z1, 3.0 * tt - 2.0 * ttt),
+                (p + s0, h * (ttt - 2.0 * tt + t)),
+                (p + s1, h * (ttt - tt)),
+            ]);
+            slopes.push(vec![
+                (p + z0, 6.0 * (tt - t) / h),
+                (p + z1, 6.0 * (t - tt) / h),
+                (p + s0, 3.0 * tt - 4.0 * t + 1.0),
+                (p + s1, 3.0 * tt - 2.0 * t),
+            ]);
+        }
+        let own = |i: usize| vec![(i, 1.0)];
+        let columns: Vec<Vec<(usize, f64)>> = (0..p)
+            .map(own)
+            .chain(deflections)
+            .chain(slopes)
+            .chain([own(p + 2 * grid.len())])
+            .collect();
+        let sums = &self.folds.products;
+        let product = |a: &[(usize, f64)], b: &[(usize, f64)]| -> f64 {
+            let of = |(i, by): &(usize, f64)| b.iter().map(|(j, with)| by * with * sums[(*i, *j)]).sum::<f64>();
+            a.iter().map(of).sum()
+        };
+        let n = columns.len();
+        let mut products = DMatrix::zeros(n, n);
+        for i in 0..n {
+            for j in 0..=i {
+                products[(i, j)] = product(&columns[i], &columns[j]);
+                products[(j, i)] = products[(i, j)];
+            }
+        }
+        Some(Gram {
+            products,
+            ..self.folds
+        })
     }
 }

@@ -1,5 +1,6 @@
-//! Inertia, viscous friction, Coulomb friction and offset by linear least squares.
+//! Coulomb friction and plain physics by linear least squares.
 
+use super::plain::Plain;
 use super::regression::{Gram, Regressor, solve_normal};
 use super::weights::Weights;
 use crate::recording::Recording;
@@ -7,10 +8,14 @@ use crate::signal::Kinematics;
 use crate::statistics::Estimate;
 use nalgebra::{DMatrix, DVector};
 
-/// `effort = inertia·a + viscous·v + coulomb·sgn v + offset`.
+/// `effort = inertia·a + viscous·v + coulomb·sgn v + offset`, and what else of [`Plain`] physics there is.
 #[derive(Clone, Debug)]
 pub struct RigidBody {
-    /// Coefficients by name: `mass` and `viscous` where they are fitted, `coulomb`, `offset`.
+    /// What is fitted beside Coulomb friction.
+    pub plain: Plain,
+    /// Coefficients of its columns.
+    pub linear: Vec<f64>,
+    /// What they say, and `coulomb`.
     pub parameters: Vec<(&'static str, Estimate)>,
     /// Coefficient times column, summed: the fitted effort at every sample.
     pub fitted: Vec<f64>,
@@ -26,55 +31,33 @@ impl RigidBody {
     }
 }
 
-/// What a rigid body fit contains beside Coulomb friction and offset.
-#[derive(Clone, Copy, Debug)]
-pub struct Terms {
-    /// Inertia.
-    pub mass: bool,
-    /// Viscous friction.
-    pub viscous: bool,
-}
-
 /// Fits the rigid body over the folds' samples. Both sides of the equation go through the same zero-phase filter
 /// where the effort contains inertia, so that the filter biases nothing.
 ///
 /// # Errors
-/// Which of the four the motion does not show.
+/// That the motion does not tell them apart.
 pub fn fit(
     recording: &Recording,
     kinematics: &Kinematics,
     effort: &[f64],
     folds: &[Vec<usize>],
     weights: &Weights,
-    terms: Terms,
+    plain: Plain,
 ) -> Result<RigidBody, String> {
     let inertial = recording.role.contains_inertia();
-    let mut columns = Vec::new();
-    if terms.mass {
+    let mut columns = plain.columns(recording, kinematics);
+    let moves = |sign: f64| folds.iter().flatten().any(|&i| kinematics.direction[i] == sign);
+    let both_ways = moves(1.0) && moves(-1.0);
+    if both_ways {
         columns.push(Regressor {
-            name: "mass",
-            values: kinematics.acceleration.clone(),
+            name: "coulomb",
+            values: if inertial {
+                kinematics.filter.smooth(&kinematics.direction)
+            } else {
+                kinematics.direction.clone()
+            },
         });
     }
-    if terms.viscous {
-        columns.push(Regressor {
-            name: "viscous",
-            values: kinematics.velocity.clone(),
-        });
-    }
-    columns.push(Regressor {
-        name: "coulomb",
-        values: if inertial {
-            kinematics.filter.smooth(&kinematics.direction)
-        } else {
-            kinematics.direction.clone()
-        },
-    });
-    columns.push(Regressor {
-        name: "offset",
-        values: vec![1.0; recording.len()],
-    });
-
     let p = columns.len();
     let every: Vec<&[f64]> = columns
         .iter()
@@ -94,22 +77,30 @@ pub fn fit(
             recording.name
         )
     })?;
-    let errors = clustered_errors(&matrix, &coefficients, &grams, &chosen);
+    let covariance = clustered(&matrix, &coefficients, &grams, &chosen);
     let fitted = (0..recording.len())
         .map(|i| (0..p).map(|j| coefficients[j] * every[j][i]).sum())
         .collect();
-    let parameters = columns
-        .iter()
-        .enumerate()
-        .map(|(j, column)| {
-            let error = errors.as_ref().map(|e| e[j]);
-            (
-                column.name,
-                Estimate::new(coefficients[j], error, folds.len()),
-            )
-        })
+    let linear: Vec<f64> = (coefficients.iter().copied())
+        .take(p - usize::from(both_ways))
         .collect();
-    Ok(RigidBody { parameters, fitted })
+    let mut parameters =
+        plain.parameters(recording, &linear, covariance.as_ref(), folds.len());
+    if both_ways {
+        let error = covariance.map(|c| c[(p - 1, p - 1)].max(0.0).sqrt());
+        let coulomb = Estimate::new(coefficients[p - 1], error, folds.len());
+        parameters.push(("coulomb", coulomb));
+    } else {
+        // What friction and a constant load have in common is told as that.
+        let offset = parameters.iter_mut().filter(|p| p.0 == "offset");
+        offset.for_each(|p| p.0 = "coulomb_and_offset");
+    }
+    Ok(RigidBody {
+        plain,
+        linear,
+        parameters,
+        fitted,
+    })
 }
 
 fn gram(columns: &[&[f64]], rows: &[usize], weights: &Weights) -> Gram {
@@ -121,13 +112,13 @@ fn gram(columns: &[&[f64]], rows: &[usize], weights: &Weights) -> Gram {
     Gram::of(&weighted, &(0..rows.len()).collect::<Vec<_>>())
 }
 
-/// Standard errors clustered by fold, as in [`super::refine::covariance`].
-fn clustered_errors(
+/// Covariance clustered by fold, as in [`super::refine::covariance`].
+fn clustered(
     matrix: &DMatrix<f64>,
     coefficients: &DVector<f64>,
     folds: &[Gram],
     chosen: &[usize],
-) -> Option<DVector<f64>> {
+) -> Option<DMatrix<f64>> {
     let count = folds.len() as f64;
     if folds.len() < 2 {
         return None;
@@ -139,6 +130,5 @@ fn clustered_errors(
         meat += &score * score.transpose();
     }
     let inverse = matrix.clone().cholesky()?.inverse();
-    let covariance = &inverse * meat * &inverse * (count / (count - 1.0));
-    Some(covariance.diagonal().map(|v| v.max(0.0).sqrt()))
+    Some(&inverse * meat * &inverse * (count / (count - 1.0)))
 }

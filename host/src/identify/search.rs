@@ -128,6 +128,72 @@ pub fn best_choices(gram: &Gram, linear: usize, most: usize) -> Vec<Vec<Choice>>
     sizes
 }
 
+/// The best fit of the columns `linear`, of either sign, and `blocks`, whose stiffness is not negative (Lawson and Hanson, Solving Least
+/// Squares Problems, 1974, ch. 23): the columns that take part and their coefficients. `None` where the columns cannot be told apart.
+pub fn non_negative(
+    gram: &Gram,
+    linear: &[usize],
+    blocks: &[usize],
+) -> Option<(Vec<usize>, DVector<f64>)> {
+    let problem = Projected::of(&gram.part(&[linear, blocks].concat()), linear.len())?;
+    let n = blocks.len();
+    let (mut active, mut stiffness): (Vec<usize>, Vec<f64>) = (Vec::new(), vec![0.0; n]);
+    let solve = |active: &[usize]| {
+        let of = |i: usize, j: usize| problem.products[(active[i], active[j])];
+        let matrix = DMatrix::from_fn(active.len(), active.len(), of);
+        let right = DVector::from_fn(active.len(), |i, _| problem.right[active[i]]);
+        solve_normal(&matrix, &right)
+    };
+    for _ in 0..3 * n {
+        let gain = |j: usize| {
+            let taken: f64 = active
+                .iter()
+                .map(|&i| problem.products[(j, i)] * stiffness[i])
+                .sum();
+            (problem.right[j] - taken) / problem.products[(j, j)].sqrt()
+        };
+        let open = (0..n).filter(|j| !active.contains(j) && problem.products[(*j, *j)] > 0.0);
+        let next = open.max_by(|a, b| gain(*a).total_cmp(&gain(*b)));
+        let Some(next) = next.filter(|j| gain(*j) > 1e-6 * problem.rest.max(0.0).sqrt()) else {
+            break;
+        };
+        active.push(next);
+        loop {
+            let Some(wanted) = solve(&active) else {
+                // The newest is the others in disguise.
+                active.pop();
+                break;
+            };
+            let short = active.iter().zip(wanted.iter()).filter(|(_, k)| **k <= 0.0);
+            let part = short
+                .map(|(&i, k)| stiffness[i] / (stiffness[i] - k))
+                .fold(1.0, f64::min);
+            for (&i, k) in active.iter().zip(wanted.iter()) {
+                stiffness[i] += part * (k - stiffness[i]);
+            }
+            if part >= 1.0 {
+                break;
+            }
+            let least = 1e-12 * stiffness.iter().copied().fold(0.0, f64::max);
+            active.retain(|&i| stiffness[i] > least);
+            (0..n)
+                .filter(|i| !active.contains(i))
+                .for_each(|i| stiffness[i] = 0.0);
+        }
+        if !active.contains(&next) {
+            break;
+        }
+    }
+    let chosen: Vec<usize> = linear
+        .iter()
+        .copied()
+        .chain(active.iter().map(|&i| blocks[i]))
+        .collect();
+    let (matrix, right) = gram.normal(&chosen);
+    let coefficients = solve_normal(&matrix, &right)?;
+    Some((chosen, coefficients))
+}
+
 /// `yields` with `open` (1 or 2) more members of the grid, each set once.
 fn extensions(yields: &[usize], open: usize, grid: usize) -> impl Iterator<Item = Vec<usize>> {
     let firsts = (0..grid).filter(move |j| !yields.contains(j));

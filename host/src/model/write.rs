@@ -29,7 +29,7 @@ impl Model {
             }
         }
         if self.constant_force != 0.0 {
-            let constant = Effect::of_one(&form::CONSTANT_FORCE, self.constant_force);
+            let constant = Effect::of(&form::CONSTANT_FORCE, &[self.constant_force]);
             self.write_effect(&mut text, &constant);
         }
         for effect in &self.effects {

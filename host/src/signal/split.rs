@@ -31,6 +31,24 @@ const SHORT: usize = 4;
 /// Folds beyond this number tell nothing more about confidence; neighbours join.
 const MOST_FOLDS: usize = 200;
 
+/// Folds below which finer ones are taken: fewer give no interval that means anything.
+const FEWEST: usize = 6;
+
+/// Stretches that few strokes are cut into, together.
+const STRETCHES: usize = 10;
+
+/// Each stroke in as many stretches of equal length, so that there are some [`STRETCHES`].
+fn parts(segments: &[Vec<usize>]) -> Vec<Vec<usize>> {
+    let total: usize = segments.iter().map(Vec::len).sum();
+    let length = total.div_ceil(STRETCHES).max(1);
+    let cut = |rows: &Vec<usize>| {
+        let count = (rows.len() as f64 / length as f64).round().max(1.0) as usize;
+        let each = rows.len().div_ceil(count).max(1);
+        rows.chunks(each).map(<[_]>::to_vec).collect::<Vec<_>>()
+    };
+    segments.iter().flat_map(cut).collect()
+}
+
 /// Joins short folds to the one before (leading ones to the first that is not), then neighbours.
 fn joined(folds: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
     let mut lengths: Vec<usize> = folds.iter().map(Vec::len).collect();
@@ -93,9 +111,9 @@ pub fn check_windows(
 /// Training samples in folds, and the held-out samples where a window of their own was asked for.
 #[derive(Clone, Debug)]
 pub struct Split {
-    /// Samples to fit, by repeat, or by segment where the motion does not repeat.
+    /// Samples to fit, by repeat; by segment where the motion does not repeat often enough, by stretches of time where it turns too seldom.
     pub folds: Vec<Vec<usize>>,
-    /// What a fold is: "repeat" or "segment".
+    /// What a fold is: "repeat", "segment" or "stretch".
     pub unit: &'static str,
     /// Samples of the test window; `None` means cross-validation over the folds.
     pub test: Option<Vec<usize>>,
@@ -122,10 +140,13 @@ impl Split {
             groups.into_values().collect::<Vec<_>>()
         };
         let repeats = joined(group(&recording.repeat));
-        let (folds, unit) = if repeats.len() > 2 {
+        let segments = joined(group(&recording.segment));
+        let (folds, unit) = if repeats.len() >= FEWEST {
             (repeats, "repeat")
+        } else if segments.len() >= FEWEST {
+            (segments, "segment")
         } else {
-            (joined(group(&recording.segment)), "segment")
+            (parts(&segments), "stretch")
         };
         let test = test.map(|_| (0..recording.len()).filter(|&i| within(test, i)).collect());
         Self { folds, unit, test }

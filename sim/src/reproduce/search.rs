@@ -2,7 +2,7 @@
 
 use super::SIZES;
 use preslide_host::identify::refine;
-use preslide_host::identify::regression::{MaxwellSlipFit, Regression};
+use preslide_host::identify::regression::{Exact, MaxwellSlipFit, Regression};
 use preslide_host::identify::search::{Choice, best_choices};
 use preslide_host::identify::weights::Weights;
 use preslide_host::paper;
@@ -65,7 +65,7 @@ impl<'a> Search<'a> {
             .filter_map(|choice| {
                 let start = choice.yields.iter().map(|&j| self.grid[j]).collect();
                 let range = (SHORTEST, paper::RANGE);
-                refine::refine(&self.regression, &self.rows, start, range)
+                refine::refine(&Exact { regression: &self.regression, rows: &self.rows }, start, range)
             })
             .min_by(|a, b| a.squared_error.total_cmp(&b.squared_error))
     }

@@ -6,7 +6,7 @@ use crate::stage::StageConfig;
 use preslide::control::{NoFriction, Settings};
 use preslide::{Block, Dahl, Friction, LuGre, Motion, ParamError, Scalar, Sliding, Units};
 use preslide_host::identify::refine::refine;
-use preslide_host::identify::regression::{Gram, Regression};
+use preslide_host::identify::regression::{Exact, Gram, Regression};
 use preslide_host::identify::search::best_choices;
 use preslide_host::identify::weights::Weights;
 use rayon::prelude::*;
@@ -130,7 +130,7 @@ impl Experiment {
             .get(N - 1)
             .and_then(|choices| choices.first())
             .map(|choice| choice.yields.iter().map(|&i| grid[i]).collect())
-            .and_then(|start| refine(&regression, &self.slow, start, (shortest, longest)))
+            .and_then(|start| refine(&Exact { regression: &regression, rows: &self.slow }, start, (shortest, longest)))
             .ok_or_else(absent)?;
         let breakaway: f64 = fit
             .yields

@@ -26,6 +26,7 @@ mod run_in;
 mod stribeck;
 mod thermal_drift;
 mod viscous;
+mod viscous_asymmetry;
 mod warm_up;
 
 pub(crate) use actuator_dead_zone::ACTUATOR_DEAD_ZONE;
@@ -53,6 +54,7 @@ pub(crate) use run_in::RUN_IN;
 pub(crate) use stribeck::STRIBECK;
 pub(crate) use thermal_drift::THERMAL_DRIFT;
 pub(crate) use viscous::VISCOUS;
+pub(crate) use viscous_asymmetry::VISCOUS_ASYMMETRY;
 pub(crate) use warm_up::WARM_UP;
 
 use super::Effect;
@@ -98,9 +100,10 @@ impl Form {
 }
 
 /// The forms of the ids of a model file, in the order of [the table](super). Two of an id are two sets of keys.
-pub(crate) static ALL: [&Form; 25] = [
+pub(crate) static ALL: [&Form; 26] = [
     &CONSTANT_FORCE,
     &COULOMB_ASYMMETRY,
+    &VISCOUS_ASYMMETRY,
     &QUADRATIC_DRAG,
     &STRIBECK,
     &FRICTIONAL_LAG,

@@ -5,7 +5,7 @@ use super::*;
 #[test]
 fn these_tests_know_every_form() {
     let mut known = every();
-    known.extend([gravity(), Effect::of_one(&form::CONSTANT_FORCE, 0.1)]);
+    known.extend([gravity(), Effect::of(&form::CONSTANT_FORCE, &[0.1])]);
     for form in form::ALL {
         assert!(known.iter().any(|effect| effect.is(form)), "{form:?}");
     }

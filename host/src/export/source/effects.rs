@@ -21,10 +21,10 @@ const LEVEL_BOUND: &str = "LEVEL_LIMIT";
 pub fn carried(model: &Model) -> Vec<Effect> {
     let mut effects = Vec::new();
     if model.viscous != 0.0 {
-        effects.push(Effect::of_one(&form::VISCOUS, model.viscous));
+        effects.push(Effect::of(&form::VISCOUS, &[model.viscous]));
     }
     if model.constant_force != 0.0 {
-        effects.push(Effect::of_one(&form::CONSTANT_FORCE, model.constant_force));
+        effects.push(Effect::of(&form::CONSTANT_FORCE, &[model.constant_force]));
     }
     effects.extend(model.effects.iter().cloned());
     effects

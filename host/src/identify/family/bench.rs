@@ -31,19 +31,15 @@ impl<'a> Bench<'a> {
         kinematics: &'a Kinematics,
         found: &'a Identification,
     ) -> Self {
-        // Coulomb friction alone may have lost its inertia to the spring that it lacks.
-        let with_mass = found
-            .optimal()
-            .next()
-            .is_some_and(|gms| gms.rigid_body.iter().any(|p| p.0 == "mass"));
         let (shortest, longest) = found.yield_range;
         Self {
             data: Data {
-                motion: recording.kind,
+                recording,
                 path: kinematics.path(recording),
                 effort: &found.effort,
                 filter: found.filtered.then_some(&kinematics.filter),
-                acceleration: with_mass.then_some(kinematics.acceleration.as_slice()),
+                plain: found.plain,
+                columns: found.plain.columns(recording, kinematics),
             },
             span: Span {
                 shortest,
@@ -79,7 +75,7 @@ impl<'a> Bench<'a> {
             .map(|out| self.without(&groups, out, family, &best))
             .collect();
         progress.inc(1);
-        let fitted = self.data.effort_of(&best.model)?;
+        let fitted = self.data.effort_of(&best)?;
         let nmse_test = match &self.split.test {
             Some(rows) => nmse(self.data.effort, &fitted, rows),
             None => self.cross_validated(&groups, &refits)?,
@@ -92,18 +88,16 @@ impl<'a> Bench<'a> {
             ),
             None => Estimate::new(of(&best), None, 0),
         };
-        let mass = self.data.acceleration.is_some();
-        let rigid_body = [
-            mass.then(|| ("mass", estimate(&|fit| fit.model.inertia))),
-            Some(("viscous", estimate(&|fit| fit.model.viscous))),
-            Some(("offset", estimate(&|fit| fit.model.constant_force))),
-        ];
+        let named = |fit: &Fit| (self.data.plain).parameters(self.data.recording, &fit.linear, None, 0);
+        let names = named(&best).into_iter().enumerate();
+        let rigid_body = names.map(|(i, (name, _))| (name, estimate(&|fit| named(fit)[i].1.value)));
+        let rigid_body = rigid_body.collect();
         let scalars = best.model.friction.scalars();
         let parameters = scalars.iter().enumerate();
         Ok(Some(Candidate {
             nmse_train: nmse(self.data.effort, &fitted, &self.train),
             nmse_test,
-            rigid_body: rigid_body.into_iter().flatten().collect(),
+            rigid_body,
             parameters: parameters
                 .filter(|(_, (_, value))| value.is_finite())
                 .map(|(i, (key, _))| (*key, estimate(&|fit| fit.model.friction.scalars()[i].1)))
@@ -138,7 +132,7 @@ impl<'a> Bench<'a> {
         for (rows, fit) in groups.iter().zip(refits) {
             // Where there is no fit, nothing better is known of the held-out samples than zero effort.
             let Some(fit) = fit else { continue };
-            let effort = self.data.effort_of(&fit.model)?;
+            let effort = self.data.effort_of(fit)?;
             for &i in rows {
                 predicted[i] = effort[i];
             }

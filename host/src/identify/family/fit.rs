@@ -3,9 +3,10 @@
 use super::starts::latin_hypercube;
 use super::{Bounded, Family, Span};
 use crate::friction::Path;
-use crate::identify::regression::{Gram, solve_normal};
+use crate::identify::plain::Plain;
+use crate::identify::regression::{Gram, Regressor, solve_normal};
 use crate::model::Model;
-use crate::recording::MotionKind;
+use crate::recording::Recording;
 use crate::signal::ZeroPhase;
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
@@ -47,23 +48,27 @@ const AT_EDGE: f64 = 1e-3;
 
 /// A recording as the optimiser sees it.
 pub struct Data<'a> {
-    /// Linear or rotary.
-    pub motion: MotionKind,
+    /// What is fitted.
+    pub recording: &'a Recording,
     /// The motion, run from rest.
     pub path: Path<'a>,
     /// Measured effort (N or N·m), through `filter` where there is one.
     pub effort: &'a [f64],
     /// The filter that `effort` went through, where it contains inertia.
     pub filter: Option<&'a ZeroPhase>,
-    /// Acceleration (m/s² or rad/s²), where an inertia is fitted.
-    pub acceleration: Option<&'a [f64]>,
+    /// What acts beside friction.
+    pub plain: Plain,
+    /// Its columns.
+    pub columns: Vec<Regressor>,
 }
 
 /// A fitted model.
 #[derive(Clone, Debug)]
 pub struct Fit {
-    /// The model, with inertia, viscous part and offset.
+    /// The model, with plain physics.
     pub model: Model,
+    /// Coefficients of the columns.
+    pub linear: Vec<f64>,
     /// Nonlinear parameters, in the family's order.
     pub nonlinear: Vec<f64>,
     /// NMSE (13) over the scored samples (%).
@@ -80,21 +85,17 @@ struct Projection {
 }
 
 /// Coefficients that least squares finds exactly.
-#[derive(Clone, Copy, Default)]
 struct Linear {
     amplitude: f64,
     damping: f64,
-    mass: f64,
-    viscous: f64,
-    offset: f64,
+    /// Of the columns; 0 for one that another takes the place of.
+    plain: Vec<f64>,
 }
 
-/// Columns of the regression, in this order; the effort comes last.
+/// Columns of the regression, in this order; then come those of plain physics, and the effort last.
 const AMPLITUDE: usize = 0;
 const DAMPING: usize = 1;
-const MASS: usize = 2;
-const VISCOUS: usize = 3;
-const OFFSET: usize = 4;
+const PLAIN: usize = 2;
 
 /// One family on one recording, over some of its samples.
 struct Problem<'a> {
@@ -106,25 +107,21 @@ struct Problem<'a> {
     pieces: Vec<Range<usize>>,
     /// The model's own viscous term is fitted.
     damped: bool,
-    ones: Vec<f64>,
     /// `√(100/(N_s·σ²))` of eq. (13).
     scale: f64,
 }
 
 impl Data<'_> {
-    /// Effort (N or N·m) of a finished model at every sample, through the filter where there is one.
+    /// Effort (N or N·m) of a fit at every sample, through the filter where there is one.
     ///
     /// # Errors
     /// Which parameter the library refuses.
-    pub fn effort_of(&self, model: &Model) -> Result<Vec<f64>, String> {
-        let mut effort = self.filtered(model.friction.force(self.path).map_err(|e| e.to_string())?);
-        for (effort, v) in effort.iter_mut().zip(self.path.velocity) {
-            *effort += model.viscous * v + model.constant_force;
-        }
-        if let Some(acceleration) = self.acceleration {
-            for (effort, a) in effort.iter_mut().zip(acceleration) {
-                *effort += model.inertia * a;
-            }
+    pub fn effort_of(&self, fit: &Fit) -> Result<Vec<f64>, String> {
+        let friction = fit.model.friction.force(self.path);
+        let mut effort = self.filtered(friction.map_err(|e| e.to_string())?);
+        for (column, coefficient) in self.columns.iter().zip(&fit.linear) {
+            let of_column = column.values.iter();
+            (effort.iter_mut().zip(of_column)).for_each(|(e, v)| *e += coefficient * v);
         }
         Ok(effort)
     }
@@ -200,7 +197,6 @@ impl<'a> Problem<'a> {
             family,
             bounds: family.parameters(span),
             rows,
-            ones: vec![1.0; data.effort.len()],
             scale: (100.0 / variation).sqrt(),
         })
     }
@@ -247,16 +243,14 @@ impl<'a> Problem<'a> {
             Vec::new()
         };
         let unit = self.data.filtered(unit);
-        // Columns that do not exist are never chosen; any slice of the right length stands in.
-        let absent = self.ones.as_slice();
-        let columns = [
-            unit.as_slice(),
-            if damped.is_empty() { absent } else { &damped },
-            self.data.acceleration.unwrap_or(absent),
-            self.data.path.velocity,
-            &self.ones,
-            self.data.effort,
-        ];
+        // A column that does not exist is never chosen; any slice of the right length stands in.
+        let damped = if damped.is_empty() { &unit } else { &damped };
+        let plain = self.data.columns.iter().map(|c| c.values.as_slice());
+        let columns: Vec<&[f64]> = [unit.as_slice(), damped]
+            .into_iter()
+            .chain(plain)
+            .chain([self.data.effort])
+            .collect();
         let gram = Gram::of(&columns, &self.rows);
         let (chosen, coefficients) = self.solve(&gram)?;
         let residual = DVector::from_iterator(
@@ -278,9 +272,7 @@ impl<'a> Problem<'a> {
             coefficients: Linear {
                 amplitude: of(AMPLITUDE),
                 damping: of(DAMPING),
-                mass: of(MASS),
-                viscous: of(VISCOUS),
-                offset: of(OFFSET),
+                plain: (PLAIN..columns.len() - 1).map(of).collect(),
             },
             residual,
         })
@@ -288,16 +280,14 @@ impl<'a> Problem<'a> {
 
     /// Least squares with a positive amplitude and a damping that is not negative.
     fn solve(&self, gram: &Gram) -> Option<(Vec<usize>, DVector<f64>)> {
-        let undamped = if self.data.acceleration.is_some() {
-            vec![AMPLITUDE, MASS, VISCOUS, OFFSET]
-        } else {
-            vec![AMPLITUDE, VISCOUS, OFFSET]
-        };
+        let plain = PLAIN..PLAIN + self.data.columns.len();
+        let undamped: Vec<usize> = [AMPLITUDE].into_iter().chain(plain).collect();
+        let is_viscous = |c: usize| c >= PLAIN && self.data.columns[c - PLAIN].name == "viscous";
         let damped = |mut columns: Vec<usize>| {
             columns.push(DAMPING);
             if self.family == Family::Hsieh {
                 // C_v·dx_s/dt is nearly the viscous term itself; it takes its place.
-                columns.retain(|&c| c != VISCOUS);
+                columns.retain(|&c| !is_viscous(c));
             }
             columns
         };
@@ -357,12 +347,8 @@ impl<'a> Problem<'a> {
             .family
             .model(&nonlinear, linear.amplitude, linear.damping)?;
         Some(Fit {
-            model: Model {
-                inertia: linear.mass,
-                viscous: linear.viscous,
-                constant_force: linear.offset,
-                ..Model::of_friction(self.data.motion, friction)
-            },
+            model: (self.data.plain).model(self.data.recording, friction, &linear.plain),
+            linear: linear.plain,
             nonlinear,
             nmse: now.residual.norm_squared(),
             at_edge,

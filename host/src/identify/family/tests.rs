@@ -3,6 +3,7 @@
 use super::bench::SEED;
 use super::fit::{Data, Fit};
 use super::*;
+use crate::identify::plain::Plain;
 use crate::identify::{Options, STEPS, identify};
 use crate::progress::Progress;
 use crate::recording::{LoadOptions, Recording, load_csv};
@@ -57,11 +58,12 @@ fn fit_of(recording: &Recording, family: Family) -> Fit {
     let kinematics = Kinematics::of(recording);
     let rows: Vec<usize> = (0..recording.len()).collect();
     let data = Data {
-        motion: recording.kind,
+        recording,
         path: kinematics.path(recording),
         effort: &recording.effort,
         filter: None,
-        acceleration: None,
+        columns: Plain::of(false).columns(recording, &kinematics),
+        plain: Plain::of(false),
     };
     let span = Span {
         shortest: 1e-8,

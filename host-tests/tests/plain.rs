@@ -1,0 +1,229 @@
+//! Plain physics in `identify`: gravity, a spring, viscous friction of each direction, what few reversals tell. Made machines, whose
+//! parameters are known, and the files of `../shared/cases`.
+
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+use preslide_host::compare::compare;
+use preslide_host::identify::plain::Place;
+use preslide_host::identify::{Identification, Options, STEPS, identify};
+use preslide_host::model::Model;
+use preslide_host::progress::Progress;
+use preslide_host::recording::{self, LoadOptions, Recording};
+use preslide_host::simulate;
+use preslide_host_tests::recordings;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// 0.12 kg·m² with two blocks of 1.1 N·m, and a force of the position.
+struct Machine {
+    /// Viscous friction forwards and backwards.
+    viscous: [f64; 2],
+    /// Weight and the angle where it hangs.
+    gravity: [f64; 2],
+    /// Stiffness and centre.
+    spring: [f64; 2],
+}
+
+const BARE: Machine = Machine {
+    viscous: [0.3, 0.3],
+    gravity: [0.0; 2],
+    spring: [0.0; 2],
+};
+
+const INERTIA: f64 = 0.12;
+const COULOMB: f64 = 1.1;
+const BLOCKS: [(f64, f64); 2] = [(300.0, 2e-3), (62.5, 8e-3)];
+
+/// 60 s at 500 Hz along three sines; noise of 20 mN·m, an angle in steps of 10 µrad. `names` are the columns.
+fn made(machine: &Machine, seed: u64, names: &str) -> Recording {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let phases: Vec<f64> = (0..3).map(|_| TAU * rng.random::<f64>()).collect();
+    let sines = [(1.1, 0.9), (0.35, 3.7), (0.1, 9.1)];
+    let (mut text, mut z, mut last) = (format!("t_s,{names}\n"), [0.0_f64; 2], f64::NAN);
+    for i in 0..30_000 {
+        let t = f64::from(i) * 2e-3;
+        let part = |of: &dyn Fn(f64, f64, f64) -> f64| -> f64 {
+            let sines = sines.iter().zip(&phases);
+            sines.map(|((a, w), p)| of(*a, *w, w * t + p)).sum()
+        };
+        let q = part(&|a, _, p| a * p.sin());
+        let v = part(&|a, w, p| a * w * p.cos());
+        let acceleration = part(&|a, w, p| -a * w * w * p.sin());
+        let mut effort = INERTIA * acceleration + machine.viscous[usize::from(v < 0.0)] * v;
+        for (z, (k, d)) in z.iter_mut().zip(BLOCKS) {
+            let moved = if last.is_nan() { 0.0 } else { q - last };
+            *z = (*z + moved).clamp(-d, d);
+            effort += k * *z;
+        }
+        last = q;
+        effort += machine.gravity[0] * (q - machine.gravity[1]).sin();
+        effort += machine.spring[0] * (q - machine.spring[1]);
+        effort += rng.random_range(-0.035..0.035);
+        writeln!(text, "{t:.3},{:.5},{effort:.5}", q).expect("memory");
+    }
+    let loaded = recording::load_csv(text.as_bytes(), "made.csv", &LoadOptions::default());
+    loaded.unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn run(recording: &Recording) -> Identification {
+    let progress = Progress::new("test", STEPS);
+    identify(recording, &Options::default(), &progress).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// A parameter and its interval.
+fn of(found: &Identification, name: &str) -> (f64, [f64; 2]) {
+    let mut parameters = found.best().rigid_body.iter();
+    let (_, estimate) = parameters.find(|p| p.0 == name).expect(name);
+    (estimate.value, estimate.ci95.expect("an interval"))
+}
+
+/// Asserts a value within `tolerance`, and that its interval is no wider than three times that.
+fn holds(found: &Identification, name: &str, truth: f64, tolerance: f64) {
+    let (value, [low, high]) = of(found, name);
+    println!("  {name} {value:.5} ({low:.5} … {high:.5}), true {truth}");
+    assert!((value - truth).abs() < tolerance, "{name}: {value}");
+    assert!(high - low < 3.0 * tolerance, "{name}: {low} … {high}");
+}
+
+/// A file in `../shared/cases`.
+fn case(name: &str) -> Option<Recording> {
+    let file = recordings()?.parent()?.join("cases").join(name);
+    if !file.exists() {
+        println!("SKIPPED: no {name} in ../shared/cases");
+        return None;
+    }
+    let loaded = recording::load(&file, &LoadOptions::default());
+    Some(loaded.unwrap_or_else(|e| panic!("{e}")))
+}
+
+#[test]
+fn gravity_a_spring_and_viscous_friction_by_direction_are_told_from_coulomb_friction() {
+    for seed in [3, 17, 40] {
+        println!("seed {seed}");
+        let bare = run(&made(&BARE, seed, "q_rad,torque_Nm"));
+        assert_eq!(bare.plain.place, Place::Nowhere);
+        assert!(!bare.plain.by_direction);
+
+        let gravity = [0.24, 0.4];
+        let recording = made(&Machine { gravity, ..BARE }, seed, "q_rad,torque_Nm");
+        let found = run(&recording);
+        assert_eq!(found.plain.place, Place::Gravity);
+        holds(&found, "gravity", gravity[0], 0.01);
+        holds(&found, "gravity_angle", gravity[1], 0.06);
+        holds(&found, "coulomb", COULOMB, 0.02);
+        // Coulomb friction alone has the same.
+        let alone = &found.candidates[0].rigid_body;
+        assert!(alone.iter().any(|p| p.0 == "gravity"), "{alone:?}");
+        the_file_says_the_same(&found, &recording);
+
+        let spring = [1.5, -0.2];
+        let recording = made(&Machine { spring, ..BARE }, seed, "x_m,force_N");
+        let found = run(&recording);
+        assert_eq!(found.plain.place, Place::Spring);
+        holds(&found, "spring", spring[0], 0.02);
+        holds(&found, "spring_centre", spring[1], 0.02);
+        holds(&found, "coulomb", COULOMB, 0.02);
+        the_file_says_the_same(&found, &recording);
+
+        let viscous = [0.36, 0.28];
+        let recording = made(&Machine { viscous, ..BARE }, seed, "q_rad,torque_Nm");
+        let found = run(&recording);
+        assert!(found.plain.by_direction);
+        holds(&found, "viscous_forward", viscous[0], 0.02);
+        holds(&found, "viscous_backward", viscous[1], 0.02);
+        the_file_says_the_same(&found, &recording);
+    }
+}
+
+/// The model file, read again, has the force of the fit.
+fn the_file_says_the_same(found: &Identification, recording: &Recording) {
+    let text = found.best().model.to_toml(&[]);
+    let model = Model::parse(&text).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    let simulated = simulate::force_of_motion(&model, recording).expect("same axis");
+    let agreement = simulated.agreement.expect("has a force");
+    let pairs = agreement.measured.iter().zip(&agreement.simulated);
+    let errors: Vec<f64> = pairs.map(|(m, s)| m - s).collect();
+    let n = errors.len() as f64;
+    let rms = (errors.iter().map(|e| e * e).sum::<f64>() / n).sqrt();
+    let bias = errors.iter().sum::<f64>() / n;
+    println!("  of the file: RMS {rms:.4}, bias {bias:.5}");
+    assert!(rms < 0.03 && bias.abs() < 2e-3, "{rms} {bias}\n{text}");
+}
+
+#[test]
+fn every_command_tells_the_same_fit() {
+    let mut recordings = vec![made(&BARE, 5, "q_rad,torque_Nm")];
+    recordings.extend(case("gravity_small_0.6Nm.csv"));
+    for recording in recordings {
+        let fit = run(&recording).to_json(&recording, 0.0)["fit"].clone();
+        let progress = Progress::new("test", 100);
+        let compared = compare(&recording, &Options::default(), &progress);
+        let compared = compared.unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(fit, compared.to_json(&compared.recording, 0.0)["fit"]);
+        for key in ["nmse_held_out", "parameters", "law", "rows"] {
+            assert!(!fit[key].is_null(), "{key}: {fit}");
+        }
+    }
+}
+
+#[test]
+fn the_cases_have_their_right_values() {
+    for (name, gravity) in [("0.24", 0.24), ("0.6", 0.6)] {
+        if let Some(recording) = case(&format!("gravity_small_{name}Nm.csv")) {
+            let found = run(&recording);
+            holds(&found, "coulomb", 1.1, 0.01);
+            holds(&found, "gravity", gravity, 0.01);
+        }
+    }
+    if let Some(recording) = case("spring_off_centre/rec.csv") {
+        let found = run(&recording);
+        holds(&found, "spring", 41.0, 3.0);
+        let (value, [low, high]) = of(&found, "spring_centre");
+        println!("  spring_centre {value} ({low} … {high}), true -0.0021");
+        assert!((low..=high).contains(&-2.1e-3) && high - low < 0.02);
+    }
+}
+
+#[test]
+fn a_circle_of_any_radius_has_the_same_blocks() {
+    for radius in [30, 50, 100] {
+        let Some(recording) = case(&format!("circle_R{radius}.csv")) else {
+            return;
+        };
+        let found = run(&recording);
+        println!("radius {radius} mm");
+        for (name, truth) in [("mass", 85.0), ("viscous", 300.0)] {
+            let (value, [low, high]) = of(&found, name);
+            println!("  {name} {value:.2} ({low:.2} … {high:.2}), true {truth}");
+            assert!((low..=high).contains(&truth), "{name}: {low} … {high}");
+        }
+        let stiffest = found.best().blocks[0].1.value;
+        println!("  {} blocks, the stiffest yields at {stiffest:.2e} m", found.best().size());
+        assert_eq!(found.best().size(), 4);
+        assert!((stiffest / 0.9e-6 - 1.0).abs() < 0.2, "{stiffest}");
+    }
+}
+
+#[test]
+fn few_reversals_tell_what_they_can() {
+    if let Some(recording) = case("one_reversal_short.csv") {
+        let (value, [low, high]) = of(&run(&recording), "mass");
+        println!("inertia {value} ({low} … {high}), true 0.012");
+        assert!((low..=high).contains(&0.012) || (value / 0.012 - 1.0).abs() < 0.05);
+    }
+    if let Some(recording) = case("sweep_one_reversal.csv") {
+        let found = run(&recording);
+        for (name, truth) in [("coulomb", 0.572), ("viscous", 0.522), ("offset", 0.012)] {
+            holds(&found, name, truth, 3e-3);
+        }
+    }
+    let parts = ["slow-forward", "slow-backward", "fast-forward", "fast-backward"];
+    let parts: Option<Vec<Recording>> = parts.iter().map(|p| case(&format!("sysid_{p}.csv"))).collect();
+    if let Some(parts) = parts {
+        let found = run(&Recording::join(parts).expect("one machine"));
+        for (name, truth) in [("coulomb", 0.21), ("viscous", 0.115), ("mass", 12e-3)] {
+            holds(&found, name, truth, 0.03 * truth);
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! Which plain physics a recording shows: each only where it predicts stretches that were held out.
+
+use super::plain::{Place, Plain, extremes};
+use super::regression::{Gram, Regressor, Surface};
+use super::search::non_negative;
+use crate::recording::{MotionKind, Recording};
+use crate::signal::GROUPS;
+
+/// Yield displacements of friction end at this share of the travel; a later yield competes with a spring (the diagnosis' `LATE`).
+const LATE: f64 = 0.025;
+
+/// Folds below which nothing is added: of five signs one in 32 is alike by chance.
+const FEWEST: usize = 6;
+
+/// Standard errors of the paired difference over the folds by which an addition must predict better: some ten are tried on every recording.
+const CERTAIN: f64 = 3.0;
+
+/// Share of the error held out that an addition must take off: what is less moves friction and inertia by less than their intervals.
+const MATERIAL: f64 = 0.02;
+
+/// What was found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Shown {
+    pub(super) plain: Plain,
+    /// Longest yield displacement of friction (m or rad).
+    pub(super) longest: f64,
+    /// What the additions take off the error held out (%).
+    pub(super) gain: f64,
+}
+
+/// Plain columns, and the sums over them and the deflections of a grid.
+pub(super) struct Evidence<'a> {
+    pub(super) columns: &'a [Regressor],
+    pub(super) surface: &'a Surface,
+}
+
+impl Evidence<'_> {
+    /// Squared error on every fold of a fit to the other groups of folds, with yields up to `longest`; `None` where the columns cannot be
+    /// told apart.
+    fn held_out(&self, plain: Plain, longest: f64) -> Option<Vec<f64>> {
+        let linear = plain.among(self.columns);
+        let first = self.columns.len();
+        let blocks: Vec<usize> = (0..self.surface.grid.len())
+            .filter(|j| self.surface.grid[*j] <= longest)
+            .map(|j| first + j)
+            .collect();
+        let per_group = self.surface.folds.len().div_ceil(GROUPS).max(1);
+        let mut errors = Vec::new();
+        for (out, group) in self.surface.folds.chunks(per_group).enumerate() {
+            let others = self.surface.folds.chunks(per_group).enumerate();
+            let rest = others.filter(|(i, _)| *i != out).flat_map(|(_, g)| g);
+            let (chosen, coefficients) = non_negative(&Gram::sum(rest)?, &linear, &blocks)?;
+            let left = group.iter();
+            errors.extend(left.map(|fold| fold.squared_error(&chosen, &coefficients)));
+        }
+        Some(errors)
+    }
+
+    /// What of the plain physics is there, and how late friction yields.
+    pub(super) fn shown(&self, recording: &Recording, base: Plain, longest: f64) -> Shown {
+        let (low, high) = extremes(recording);
+        let early = LATE * (high - low);
+        let mut shown = Shown {
+            plain: base,
+            longest,
+            gain: 0.0,
+        };
+        let places: &[Place] = match recording.kind {
+            MotionKind::Linear => &[Place::Nowhere, Place::Spring],
+            MotionKind::Rotary => &[Place::Nowhere, Place::Spring, Place::Gravity],
+        };
+        // From the simplest: friction that yields early beside each force of the position, then friction that yields late.
+        let yields_by = |end: &f64| self.surface.grid.iter().any(|d| d <= end);
+        let ends = [early, longest].into_iter();
+        let ends = ends.filter(|end| *end == longest || yields_by(end));
+        let offered: Vec<(Plain, f64)> = ends
+            .flat_map(|end| places.iter().map(move |&place| (Plain { place, ..base }, end)))
+            .collect();
+        if self.surface.folds.len() < FEWEST {
+            return shown;
+        }
+        let Some(plainest) = self.held_out(base, longest) else {
+            return shown;
+        };
+        let mut best: Option<Vec<f64>> = None;
+        let mut take = |shown: &mut Shown, (plain, end): (Plain, f64)| {
+            let Some(errors) = self.held_out(plain, end) else {
+                return;
+            };
+            if best.as_ref().is_none_or(|best| is_better(best, &errors)) {
+                (shown.plain, shown.longest) = (plain, end);
+                best = Some(errors);
+            }
+        };
+        for offer in offered {
+            take(&mut shown, offer);
+        }
+        let by_direction = Plain {
+            by_direction: true,
+            ..shown.plain
+        };
+        let end = shown.longest;
+        take(&mut shown, (by_direction, end));
+        let sum = |errors: &[f64]| errors.iter().sum::<f64>();
+        shown.gain = best.map_or(0.0, |best| 100.0 * (1.0 - sum(&best) / sum(&plainest)));
+        shown
+    }
+}
+
+/// Whether errors held out are less, by a share that counts and for certain.
+fn is_better(before: &[f64], after: &[f64]) -> bool {
+    let n = before.len() as f64;
+    let gains: Vec<f64> = before.iter().zip(after).map(|(b, a)| b - a).collect();
+    let mean = gains.iter().sum::<f64>() / n;
+    let spread = gains.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    let material = n * mean > MATERIAL * before.iter().sum::<f64>();
+    material && mean > CERTAIN * (spread / n).sqrt()
+}
