@@ -162,6 +162,8 @@ pub struct Case {
     pub strength: f64,
     /// What is there.
     pub truth: Vec<Truth>,
+    /// What the machine has besides: a name for it is right, though it was not asked.
+    pub native: Vec<Truth>,
     /// Names that count neither for nor against, declared or stated: those of the machine before anything was added or known of it, and what
     /// a truth implies.
     pub neutral: Vec<String>,
@@ -208,7 +210,7 @@ impl Case {
 
     /// `Some(true)` where the name is right, `Some(false)` where it is false, `None` where nothing is known or it does not count.
     pub fn judges(&self, named: &Named) -> Option<bool> {
-        if self.truth.iter().any(|t| t.is(named)) {
+        if self.truth.iter().chain(&self.native).any(|t| t.is(named)) {
             return Some(true);
         }
         let known = self

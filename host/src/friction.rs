@@ -286,6 +286,74 @@ impl FrictionModel {
         }
     }
 
+    /// The same at `factor` times the force, its displacements and velocities as they are; `None` where the library bounds no such force.
+    pub fn scaled(&self, factor: f64) -> Option<Self> {
+        let mut scaled = self.clone();
+        let curve = |sliding: &mut Sliding| {
+            sliding.coulomb *= factor;
+            sliding.attraction *= factor;
+        };
+        match &mut scaled {
+            Self::Coulomb { coulomb } => *coulomb *= factor,
+            Self::Dahl {
+                stiffness, coulomb, ..
+            }
+            | Self::BoucWen {
+                stiffness, coulomb, ..
+            } => {
+                *stiffness *= factor;
+                *coulomb *= factor;
+            }
+            Self::LuGre {
+                stiffness,
+                damping,
+                breakaway,
+                sliding,
+            }
+            | Self::ElastoPlastic {
+                stiffness,
+                damping,
+                breakaway,
+                sliding,
+                ..
+            } => {
+                *stiffness *= factor;
+                *damping *= factor;
+                *breakaway *= factor;
+                curve(sliding);
+            }
+            Self::Leuven {
+                blocks,
+                damping,
+                breakaway,
+                sliding,
+                ..
+            } => {
+                blocks.iter_mut().for_each(|b| b.stiffness *= factor);
+                *damping *= factor;
+                *breakaway *= factor;
+                curve(sliding);
+            }
+            Self::TwoState {
+                breakaway, sliding, ..
+            } => {
+                *breakaway *= factor;
+                curve(sliding);
+            }
+            Self::Gms {
+                blocks,
+                breakaway,
+                sliding,
+            } => {
+                blocks.iter_mut().for_each(|b| b.stiffness *= factor);
+                *breakaway *= factor;
+                sliding.iter_mut().for_each(curve);
+            }
+            Self::Hsieh(_) => return None,
+        }
+        Some(scaled)
+    }
+
     /// The force (N) at which the body breaks away, where the model has such a parameter.
     pub fn breakaway(&self) -> Option<f64> {
         match self {

@@ -109,7 +109,7 @@ impl Demo {
         say!("{}\n", diagnosis.verdict_words(recording));
         say!("{}", diagnosis.table(recording).to_text());
         say!("{}", diagnosis.recommendation());
-        let (mut after, _) = diagnosis.extended_model(recording, Some(before));
+        let mut after = diagnosis.extended_model(recording, Some(before)).model;
         let useless: Vec<&str> = refused(&after).iter().map(|(id, _)| *id).collect();
         after
             .effects

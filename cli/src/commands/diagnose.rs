@@ -84,6 +84,15 @@ impl Diagnose {
         };
         progress.finish();
         say!("{}\n", found.verdict_words(&recording));
+        for left_out in found.left_out_words() {
+            say!("Note: {left_out}.\n");
+        }
+        if let Some(given) = found.given_words() {
+            say!("Note: {given}.\n");
+        }
+        if let Some(table) = found.given_table() {
+            say!("{}", table.to_text());
+        }
         if let Some(reproduced) = &found.reproduced {
             say!("Note: {}.\n", reproduced.words(&recording));
         }
@@ -101,8 +110,15 @@ impl Diagnose {
         }
         say!("{}", found.recommendation());
         if let Some(path) = &self.output {
-            let (extended, refused) = found.extended_model(&recording, model.as_ref());
-            for reason in refused {
+            let extended = found.extended_model(&recording, model.as_ref());
+            if !extended.replaces.is_empty() {
+                say!(
+                    "{} replaces {}.",
+                    path.display(),
+                    extended.replaces.join(", ")
+                );
+            }
+            for reason in &extended.refused {
                 say!("Not in {}: {reason}.", path.display());
             }
             let mut remarks = vec![
@@ -113,7 +129,7 @@ impl Diagnose {
             if !self.simulated.is_empty() {
                 remarks.push(format!("the effects are what {} lacks; inertia and friction are the recording's own, which their levels refer to", self.simulated.join(",")));
             }
-            write_text(path, &extended.to_toml(&remarks))?;
+            write_text(path, &extended.model.to_toml(&remarks))?;
         }
         if let Some(path) = &self.experiment {
             let (motion, words) = experiment::profile(&recording, &found);

@@ -73,8 +73,10 @@ def label(what, wanted, r):
             }
         )
     lu = "rad" if m["rotary"] else "m"
-    keys = ["mass", "level", "xs", "viscous", "count", "lead", "v", "a", "lo", "hi", "wander"]
+    keys = ["mass", "level", "xs", "viscous", "count", "lead", "v", "a", "lo", "hi", "wander", "ripple"]
     params = {k: float(f"{m[k]:.6g}") for k in keys}
+    # what every machine here has besides: the ripple of its motor, and a friction level that wanders in three waves
+    params["wave_lengths"] = [float(f"{2 * np.pi / q:.6g}") for q in m["waves"][::2]]
     params |= {
         "length_unit": lu,
         "motor_period": m["lead"] / m["poles"],

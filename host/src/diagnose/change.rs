@@ -2,7 +2,10 @@
 //! what the core gets wrong looks like physics.
 
 use super::axis::Axis;
-use super::effect::Scene;
+use super::effect::{
+    Effect, Scene, constant_force::ConstantForce, coulomb_asymmetry::CoulombAsymmetry,
+    position_spring::PositionSpring, quadratic_drag::QuadraticDrag, viscous::Viscous,
+};
 use super::normal::Bound;
 use super::rows::LATE;
 use super::signals::Signals;
@@ -42,6 +45,17 @@ impl Change {
             Change::Rate => Axis::Speed,
             Change::LateYields | Change::PerDirection => Axis::SinceReversal,
         }
+    }
+
+    /// Whether an effect is a case of it, so that it does not testify against the name: hysteresis that grows with speed has viscous friction in
+    /// it, one that differs by direction a constant, one of long displacements a spring.
+    pub fn contains(self, effect: &dyn Effect) -> bool {
+        let cases: &[&dyn Effect] = match self {
+            Change::LateYields => &[&PositionSpring],
+            Change::PerDirection => &[&ConstantForce, &CoulombAsymmetry],
+            Change::Rate => &[&Viscous, &QuadraticDrag],
+        };
+        cases.iter().any(|case| case.id() == effect.id())
     }
 
     /// How its coefficients are bound.

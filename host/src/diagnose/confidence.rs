@@ -41,6 +41,7 @@ pub(super) static FITTED: LazyLock<Calibration> =
 pub fn features(standing: &Standing) -> BTreeMap<&'static str, f64> {
     let Standing { evidence, term, .. } = standing;
     let flag = f64::from;
+    let placebo = standing.placebo.unwrap_or_default();
     let class = term.effect().map(|e| e.class());
     let relative = (standing.relative.max(LEAST) / USUAL).ln();
     // A large force that is all of the mismatch is no unusual one: a weight, a spring, gravity.
@@ -63,6 +64,10 @@ pub fn features(standing: &Standing) -> BTreeMap<&'static str, f64> {
         ("terms", (standing.terms.max(1) as f64).ln()),
         ("unusual_size", unusual.min(3.0)),
         ("plain", flag(class == Some(Class::Plain))),
+        // A line or a narrow place, and how it stands out of chance.
+        ("narrow", flag(standing.placebo.is_some())),
+        ("shifted", placebo.shifted),
+        ("state", placebo.state),
         (
             "transient",
             flag(term.effect().is_some_and(|e| e.is_transient())),

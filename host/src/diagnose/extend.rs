@@ -1,19 +1,39 @@
-//! The model file that a diagnosis ends in: the confident effects on the refitted core.
+//! The model file that a diagnosis ends in: the confident effects on the user's own model with its parameters refitted, or on the refitted core.
 
+use super::effect::ALWAYS_FREE;
+use super::ground::{Ground, Hypothesis};
+use super::modelled::effort_of;
 use super::parameters::parameters;
-use super::verdict::Diagnosis;
+use super::verdict::{Diagnosis, Name};
+use super::weak::Column;
 use crate::friction::{FrictionModel, MOST_BLOCKS};
 use crate::model::Model;
 use crate::recording::Recording;
 
+/// NMSE on rows held out, over that of the refitted core, up to which the user's own friction law stays: more is a hysteresis that it does not
+/// have.
+const AS_GOOD: f64 = 1.25;
+
+/// A model to be written.
+pub struct Extended {
+    /// It.
+    pub model: Model,
+    /// Effects that no model file can hold, with the reason.
+    pub refused: Vec<String>,
+    /// What of the user's model it replaces, each in a clause.
+    pub replaces: Vec<String>,
+}
+
+/// A model, and its NMSE (%) on rows held out: what the file leaves, and what its parameters cost on rows that they were not fitted to.
+struct Candidate {
+    written: Extended,
+    left: f64,
+}
+
 impl Diagnosis {
-    /// The extended model, and the effects that no model file can hold, with the reason. Against a simulation the effects are what it
-    /// lacks, and inertia and friction are the recording's own, which their levels refer to.
-    pub fn extended_model(
-        &self,
-        recording: &Recording,
-        user: Option<&Model>,
-    ) -> (Model, Vec<String>) {
+    /// The extended model: never one that leaves more on rows held out than the model that was given. Against a simulation the effects are
+    /// what it lacks, and inertia and friction are the recording's own, which their levels refer to.
+    pub fn extended_model(&self, recording: &Recording, user: Option<&Model>) -> Extended {
         let ground = &self.ground;
         let mut terms = self.states[1].terms.clone();
         for term in &mut terms {
@@ -23,6 +43,76 @@ impl Diagnosis {
         }
         let refitted = ground.fit(&terms);
         let state = refitted.as_ref().unwrap_or(&self.states[1]);
+        let core = self.on_the_core(state, recording, user);
+        let (Some(user), Some(given)) = (user, &self.given_model) else {
+            return core;
+        };
+        let recording = &recording.at_one_rate();
+        let nmse = |model: &Model| {
+            let modelled = ground.rows.weak.rows(&effort_of(model, recording).ok()?);
+            let measured = ground.rows.weak.rows(&Column::of(recording.effort.clone()));
+            let left = measured.iter().zip(modelled);
+            Some(
+                ground
+                    .rows
+                    .nmse(&left.map(|(f, m)| f - m).collect::<Vec<_>>()),
+            )
+        };
+        let candidate = |written: Extended, optimism: f64| {
+            let left = nmse(&written.model)? + optimism.max(0.0);
+            Some(Candidate { written, left })
+        };
+        let own = self.on_their_own(state, given.model.clone(), user);
+        let own = candidate(own, given.refitted - given.refitted_train);
+        let core = candidate(core, self.extended.test - self.extended.train);
+        let wrong_shape = self.confident().any(|e| matches!(e.name, Name::Hysteresis));
+        let best = match (own, core) {
+            (Some(own), Some(core)) if wrong_shape || own.left > AS_GOOD * core.left => core,
+            (Some(own), _) => own,
+            (None, Some(core)) => core,
+            (None, None) => return as_given(user),
+        };
+        if best.left < given.stands {
+            best.written
+        } else {
+            as_given(user)
+        }
+    }
+
+    /// The confident effects on the user's own friction law, its parameters refitted.
+    fn on_their_own(&self, state: &Hypothesis, mut model: Model, user: &Model) -> Extended {
+        let mut refused = Vec::new();
+        for index in self.given..state.terms.len() {
+            enter(&self.ground, state, index, &mut model, &mut refused);
+        }
+        self.enter_shift(&mut model, &mut refused);
+        Extended {
+            replaces: changes(user, &model),
+            model,
+            refused,
+        }
+    }
+
+    /// Enters a delay that the recording was shifted by.
+    fn enter_shift(&self, model: &mut Model, refused: &mut Vec<String>) {
+        let delay = self
+            .confident()
+            .filter(|e| e.term.is_none() && e.id() == ALWAYS_FREE.id());
+        for delay in delay {
+            if let Err(reason) = ALWAYS_FREE.extend(&delay.parameters, model) {
+                refused.push(format!("{}: {reason}", delay.id()));
+            }
+        }
+    }
+
+    /// All effects on the refitted core.
+    fn on_the_core(
+        &self,
+        state: &Hypothesis,
+        recording: &Recording,
+        user: Option<&Model>,
+    ) -> Extended {
+        let ground = &self.ground;
         let inertia = match state.normal.coefficients.first() {
             Some(_) if ground.core.corrects => ground.baseline.mass,
             Some(mass) if ground.rows.inertial => *mass,
@@ -47,15 +137,66 @@ impl Diagnosis {
             )
         };
         let mut refused = Vec::new();
-        for (index, term) in state.terms.iter().enumerate() {
-            let Some(effect) = term.effect() else {
-                continue;
-            };
-            let values = parameters(ground, state, index);
-            if let Err(reason) = effect.extend(&values, &mut model) {
-                refused.push(format!("{}: {reason}", effect.id()));
-            }
+        for index in 0..state.terms.len() {
+            enter(ground, state, index, &mut model, &mut refused);
         }
-        (model, refused)
+        self.enter_shift(&mut model, &mut refused);
+        let mut replaces = user.map(|u| changes(u, &model)).unwrap_or_default();
+        if let Some(user) = user {
+            replaces.push(format!(
+                "the friction {} by {} Maxwell-slip blocks",
+                user.friction.kind(),
+                model.friction.blocks().len()
+            ));
+        }
+        Extended {
+            model,
+            refused,
+            replaces,
+        }
     }
+}
+
+/// Enters term `index` of a hypothesis in a model.
+fn enter(
+    ground: &Ground,
+    state: &Hypothesis,
+    index: usize,
+    model: &mut Model,
+    refused: &mut Vec<String>,
+) {
+    let Some(effect) = state.terms[index].effect() else {
+        return;
+    };
+    let values = parameters(ground, state, index);
+    if let Err(reason) = effect.extend(&values, model) {
+        refused.push(format!("{}: {reason}", effect.id()));
+    }
+}
+
+/// The user's model, where nothing that was found predicts better.
+fn as_given(user: &Model) -> Extended {
+    Extended {
+        model: user.clone(),
+        refused: Vec::new(),
+        replaces: vec![
+            "nothing: no refit leaves less on stretches held out than the model that was given"
+                .to_owned(),
+        ],
+    }
+}
+
+/// The numbers of a model that another one has otherwise.
+fn changes(user: &Model, model: &Model) -> Vec<String> {
+    let level = |m: &Model| m.friction.breakaway().unwrap_or(0.0);
+    let pairs = [
+        ("inertia", user.inertia, model.inertia),
+        ("friction level", level(user), level(model)),
+        ("viscous friction", user.viscous, model.viscous),
+        ("constant force", user.constant_force, model.constant_force),
+    ];
+    let changed = pairs.into_iter().filter(|(_, from, to)| from != to);
+    changed
+        .map(|(what, from, to)| format!("{what} {from:.4} by {to:.4}"))
+        .collect()
 }

@@ -303,6 +303,23 @@ impl Ground {
         blocks
     }
 
+    /// What noise leaves of a perfect model (%): measured in what is left, as what changes from one row to the next beyond a straight line, faster
+    /// than friction and machine do. A noise model that is fitted to all that is left has the missing physics in it.
+    pub fn noise_floor(&self, extended: &Hypothesis) -> f64 {
+        let rows = &self.rows;
+        let left = extended.residual(rows);
+        let apart = 2 * rows.weak.spacing;
+        let mut squares = Vec::new();
+        for i in 1..left.len().saturating_sub(1) {
+            if rows.weak.centres[i + 1].abs_diff(rows.weak.centres[i - 1]) == apart {
+                squares.push((left[i - 1] - 2.0 * left[i] + left[i + 1]).powi(2) / 6.0);
+            }
+        }
+        let mean = squares.iter().sum::<f64>() / squares.len().max(1) as f64;
+        let fitted = self.noise.row_variance;
+        100.0 * mean.min(fitted) * left.len() as f64 / rows.variation().max(1e-300)
+    }
+
     /// Fits core and terms.
     pub fn fit(&self, terms: &[Term]) -> Option<Hypothesis> {
         self.fit_columns(&self.noise, terms, &[], |t| self.bound(t))

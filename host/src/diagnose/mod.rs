@@ -7,6 +7,7 @@
 pub mod axis;
 mod blocks;
 pub mod change;
+pub mod column;
 pub mod confidence;
 pub mod core;
 mod credible;
@@ -16,8 +17,10 @@ mod event;
 pub mod evidence;
 pub mod experiment;
 mod extend;
+pub mod given;
 pub mod ground;
 mod hysteresis;
+mod modelled;
 pub mod naming;
 mod noise;
 pub mod normal;
@@ -25,12 +28,14 @@ pub mod offer;
 mod page;
 mod parameters;
 pub mod place;
+mod placebo;
 mod polish;
 mod present;
 mod reproduced;
 pub mod rows;
 pub mod search;
 pub mod second_position;
+pub mod shift;
 pub mod signals;
 pub mod simulation;
 mod spectra;
@@ -48,6 +53,7 @@ use crate::recording::{Recording, Simulated};
 use ground::Ground;
 use reproduced::Reproduced;
 use rows::Rows;
+use shift::Shift;
 use std::ops::Range;
 use term::Term;
 use thiserror::Error;
@@ -129,7 +135,7 @@ fn judge(
     progress: &Progress,
 ) -> Result<Diagnosis, Refusal> {
     check(recording, model)?;
-    let given = model.map(given).unwrap_or_default();
+    let given = model.map(terms_of).unwrap_or_default();
     let mechanics = model.map(|m| m.mechanics.clone()).unwrap_or_default();
     let periods: Vec<(String, f64)> = mechanics
         .into_iter()
@@ -142,28 +148,43 @@ fn judge(
             recording.name
         ))
     };
-    let searched = |outside: &[Range<usize>]| {
+    let ground_of = |recording: &Recording, outside: &[Range<usize>]| {
         let rows = Rows::new(recording, outside).map_err(Refusal::Data)?;
         progress.inc(1);
-        let mut ground = Ground::new(rows, &given).ok_or_else(unable)?;
+        Ground::new(rows, &given).ok_or_else(unable)
+    };
+    let mut ground = ground_of(recording, &[])?;
+    let has_delay = given.iter().any(Term::is_delay);
+    let shift = if simulated.is_none() && !has_delay {
+        Shift::of(&ground, recording)
+    } else {
+        None
+    };
+    let aligned = shift.as_ref().map(|s| s.taken_off(recording));
+    if let Some(aligned) = &aligned {
+        ground = ground_of(aligned, &[])?;
+    }
+    let searched = |mut ground: Ground| {
         if let Some((simulated, missed)) = simulated {
             ground = ground.against(simulated, missed).ok_or_else(unable)?;
         }
         progress.inc(1);
         search::search(ground, &given, &lengths, progress).ok_or_else(unable)
     };
-    let mut found = searched(&[])?;
+    let mut found = searched(ground)?;
     let event = unnamed::happened(&found);
     // An event belongs to no effect, and pulls at all of them: all else is said without it, or not at all.
     if let Some(happened) = event.as_ref().and_then(|e| e.happened.as_ref()) {
-        found = searched(&happened.samples)?;
+        let ground = ground_of(aligned.as_ref().unwrap_or(recording), &happened.samples)?;
+        found = searched(ground)?;
     }
     verdict::conclude(
         found,
         event,
+        shift,
         given.len(),
         &periods,
-        model.map(|m| &m.friction),
+        model.map(|m| (m, recording)),
     )
     .map(|found| Diagnosis {
         second_positions: second_position::of(recording),
@@ -196,7 +217,7 @@ fn check(recording: &Recording, model: Option<&Model>) -> Result<(), Refusal> {
 }
 
 /// What the user's model already has.
-fn given(model: &Model) -> Vec<Term> {
+fn terms_of(model: &Model) -> Vec<Term> {
     let own = effect::ALL.into_iter().flat_map(|effect| {
         let shapes = effect.in_model(model);
         shapes.into_iter().map(move |shape| Term {

@@ -10,6 +10,7 @@ use super::effect::{ALWAYS_FREE, Class, Effect, rank};
 use super::evidence::{Evidence, at_its_largest, evidence};
 use super::ground::{Ground, Hypothesis};
 use super::offer::{Offer, offer_of, offers, refined};
+use super::placebo::Placebo;
 use super::search::{Found, MATERIAL, beside};
 use super::term::{Subject, Term};
 
@@ -59,6 +60,8 @@ pub struct Standing {
     pub place: usize,
     /// No larger than what every recording has.
     pub harmless: bool,
+    /// How it stands out of chance, where it is a line or a narrow place.
+    pub placebo: Option<Placebo>,
     /// What else was tried in its place, with its explanation over the term's own.
     pub tried: Vec<(String, f64)>,
 }
@@ -98,6 +101,10 @@ fn standing(found: &Found, given: usize, index: usize, periods: &[f64]) -> Optio
             .effect()
             .is_some_and(|e| e.is_harmless(&ground.scene(), found.hypothesis.coefficients(index))),
         terms: found.hypothesis.terms.len() - given,
+        placebo: term
+            .effect()
+            .filter(|e| e.is_narrow())
+            .map(|_| Placebo::of(ground, &rest, &term).unwrap_or_default()),
         term,
     };
     for rival in &list {
@@ -206,10 +213,12 @@ fn form(found: &Found, index: usize, own: &Offer) -> Option<(Axis, f64)> {
         .max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// The least share of its explanation that a term keeps beside a change of the core.
+/// The least share of its explanation that a term keeps beside a change of the core that does not contain it.
 fn survival(ground: &Ground, [rest, with]: [&Hypothesis; 2], term: &Term, own: &Offer) -> f64 {
+    let contained = |c: &Change| term.effect().is_some_and(|e| c.contains(e));
     Change::ALL
         .into_iter()
+        .filter(|c| !contained(c))
         .map(Subject::Change)
         .filter(|c| {
             c.key() != term.subject.key() && !rest.terms.iter().any(|t| t.subject.key() == c.key())

@@ -8,7 +8,7 @@ use super::signals::bounds;
 use super::term::Subject;
 use super::unnamed::Happened;
 use super::verdict::{Diagnosis, Name};
-use super::words::{between, quantity};
+use super::words::{between, capital, quantity};
 use crate::recording::Recording;
 use crate::report::{self, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
 use crate::statistics::quantile_between_ranks;
@@ -75,6 +75,7 @@ impl Diagnosis {
             command,
             sections: [self.located(recording), self.missing(recording)]
                 .into_iter()
+                .chain(self.given_section())
                 .chain(self.second_position(recording))
                 .chain([
                     self.maps(recording),
@@ -90,6 +91,16 @@ impl Diagnosis {
                 ])
                 .collect(),
         }
+    }
+
+    /// The user's model as it stands and refitted.
+    fn given_section(&self) -> Option<Section> {
+        Some(Section {
+            heading: "Your model".to_owned(),
+            paragraphs: vec![format!("{}.", capital(&self.given_words()?))],
+            tables: self.given_table().into_iter().collect(),
+            ..Section::default()
+        })
     }
 
     /// What second measurements of the position say.
@@ -140,7 +151,7 @@ impl Diagnosis {
         paragraphs.extend(nameless.map(|words| format!("Without a name: {words}.")));
         if paragraphs.is_empty() {
             paragraphs.push(
-                "No stretch of any coordinate stands out of what noise and friction's own variability leave.".to_owned(),
+                "No stretch of any coordinate stands out of what noise leaves.".to_owned(),
             );
         }
         let event = self.unnamed.iter().find_map(|u| u.happened.as_ref());

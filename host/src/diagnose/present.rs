@@ -1,5 +1,6 @@
 //! A diagnosis for machines, and its table.
 
+use super::given::Refitted;
 use super::offer::Offer;
 use super::place::Place;
 use super::second_position::SecondPosition;
@@ -52,6 +53,12 @@ impl Diagnosis {
             "baseline": { "nmse_train": self.baseline.train, "nmse_test": self.baseline.test },
             "extended": { "nmse_train": self.extended.train, "nmse_test": self.extended.test },
             "noise_floor_nmse": self.noise_floor,
+            "given_model": self.given_model.as_ref().map(|g| json!({
+                "nmse_as_it_stands": g.stands, "nmse_refitted": g.refitted,
+                "parameters": g.parameters.iter().map(|p| json!({
+                    "key": p.key, "given": p.given, "refitted": p.found, "differs": p.differs, "worth_nmse": p.worth,
+                })).collect::<Vec<_>>(),
+            })),
             "effects": self.effects.iter().enumerate().map(|(i, e)| self.effect_json(i, e, recording)).collect::<Vec<_>>(),
             "unknown": self.unknown().map(|u| self.unknown_json(u, recording)),
             "unnamed": self.unnamed.iter().map(|u| self.unknown_json(u, recording)).collect::<Vec<_>>(),
@@ -62,6 +69,7 @@ impl Diagnosis {
             "blocks": self.ground.rows.blocks.len(),
             "reproduced_nmse": self.reproduced.as_ref().map(|r| r.nmse),
             "second_positions": self.second_positions.iter().map(|p| p.to_json(recording)).collect::<Vec<_>>(),
+            "left_out": self.ground.rows.s.left_out.iter().map(|(name, kind)| json!({"column": name, "why": kind.words()})).collect::<Vec<_>>(),
             "seconds": seconds,
         })
     }
@@ -117,6 +125,35 @@ impl Diagnosis {
         json!({
             "id": offer.term.subject.name(&self.ground.rows.s), "share_of_mismatch": offer.evidence.share,
             "standard_errors": offer.evidence.z, "chance": offer.chance(self.families),
+        })
+    }
+
+    /// The parameters of the user's model, given and refitted, for the terminal and the page.
+    pub fn given_table(&self) -> Option<Table> {
+        let given = self
+            .given_model
+            .as_ref()
+            .filter(|g| !g.parameters.is_empty())?;
+        let row = |p: &Refitted| {
+            let reach = p
+                .found
+                .reach()
+                .map_or(String::new(), |r| format!(" ± {}", digits(r)));
+            let differs = if p.differs { "differs" } else { "" };
+            vec![
+                p.key.clone(),
+                digits(p.given),
+                format!("{}{reach}", digits(p.found.value)),
+                format!("{:.3}", p.worth),
+                differs.to_owned(),
+            ]
+        };
+        Some(Table {
+            caption: "Parameters of the model, given and refitted; worth: what the difference alone leaves, % of the variance".to_owned(),
+            head: ["parameter", "given", "refitted", "worth %", ""]
+                .map(String::from)
+                .to_vec(),
+            rows: given.parameters.iter().map(row).collect(),
         })
     }
 

@@ -2,14 +2,14 @@
 //! simulation would have needed for the recorded motion comes from a model of the simulation.
 
 use super::effect::ALWAYS_FREE;
+use super::modelled::effort_of;
 use super::term::{Subject, Term};
 use super::weak::Column;
 use super::{Refusal, judge};
 use crate::effects::Effect;
-use crate::model::{Measured, Model};
+use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::Recording;
-use crate::signal::Kinematics;
 
 /// Share of the mismatch that the reproduction may miss of the simulation: half, or less of it might be the machine's than the reproduction's.
 /// (A quarter refused EMPS's simulation without its offset, which is truly missing.)
@@ -31,9 +31,11 @@ impl Reproduced {
     /// [`Refusal`], where its motion does not tell.
     pub fn of(own: &Recording, progress: &Progress) -> Result<Self, Refusal> {
         let found = judge(own, None, None, progress)?;
-        let (model, _) = found.extended_model(own, None);
+        let model = found.extended_model(own, None).model;
         let rows = &found.ground.rows;
-        let modelled = rows.weak.rows(&effort_of(&model, own)?);
+        let modelled = rows
+            .weak
+            .rows(&effort_of(&model, own).map_err(Refusal::Data)?);
         let mut left: Vec<f64> = rows
             .force
             .iter()
@@ -59,7 +61,7 @@ impl Reproduced {
     /// # Errors
     /// [`Refusal`], where the simulation has an effect of what was not recorded.
     pub fn effort(&self, recording: &Recording) -> Result<Column, Refusal> {
-        effort_of(&self.model, recording)
+        effort_of(&self.model, recording).map_err(Refusal::Data)
     }
 
     /// What stands for the simulation, and how well: a sentence without its full stop.
@@ -88,33 +90,4 @@ impl Reproduced {
     pub fn misses_too_much(&self, mismatch: f64) -> bool {
         self.nmse > MISSED * mismatch
     }
-}
-
-/// The effort of a model along a recording, its inertia exact within the rows' kernel: a filtered acceleration is not.
-fn effort_of(model: &Model, recording: &Recording) -> Result<Column, Refusal> {
-    let kinematics = Kinematics::of(recording);
-    // What acts behind the actuator acts on the inertia's force, too.
-    let measured = Measured {
-        t_s: Some(&recording.t_s),
-        acceleration: Some(&kinematics.acceleration),
-        temperature_c: recording.temperature_c.as_deref(),
-        load_n: recording.load_n.as_deref(),
-    };
-    let mut value = model
-        .force_along(kinematics.path(recording), &measured)
-        .map_err(Refusal::Data)?;
-    value
-        .iter_mut()
-        .zip(&kinematics.acceleration)
-        .for_each(|(f, a)| *f -= model.inertia * a);
-    let curved = recording
-        .position
-        .iter()
-        .map(|x| model.inertia * x)
-        .collect();
-    Ok(Column {
-        value,
-        curved,
-        ..Column::default()
-    })
 }

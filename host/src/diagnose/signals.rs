@@ -1,5 +1,6 @@
 //! The coordinates that can organise a mismatch, at every sample.
 
+use super::column::{Kind, Own};
 use crate::recording::{MotionKind, Recording};
 use crate::signal::Kinematics;
 use crate::signal::ZeroPhase;
@@ -47,6 +48,8 @@ pub struct Signals {
     pub load: Option<Vec<f64>>,
     /// Further columns of the recording, such as another axis's position: name and values as written.
     pub extra: Vec<(String, Vec<f64>)>,
+    /// Further columns that are this axis's motion or effort once more, with what they are.
+    pub left_out: Vec<(String, Kind)>,
     /// Whether the axis turns.
     pub rotary: bool,
     /// Contiguous samples.
@@ -93,15 +96,8 @@ impl Signals {
             dwell: vec![0.0; n],
             temperature: recording.temperature_c.clone(),
             load: recording.load_n.clone(),
-            extra: recording
-                .extra
-                .iter()
-                .filter(|e| {
-                    !is_copy(&e.values, &recording.effort)
-                        && !is_copy(&e.values, &recording.position)
-                })
-                .map(|e| (e.name.clone(), e.values.clone()))
-                .collect(),
+            extra: Vec::new(),
+            left_out: Vec::new(),
             rotary: recording.kind == MotionKind::Rotary,
             pieces: recording.pieces.clone(),
             sessions: std::iter::once(0..n).collect(),
@@ -114,6 +110,24 @@ impl Signals {
             x,
             smooth: Vec::new(),
         };
+        let own = Own {
+            motion: [&s.x, &s.v, &s.a],
+            effort: &recording.effort,
+            dt,
+        };
+        let told = recording
+            .extra
+            .iter()
+            .map(|e| (e, Kind::of(&e.values, &own)));
+        let (others, own): (Vec<_>, Vec<_>) = told.partition(|(_, kind)| *kind == Kind::Other);
+        s.extra = others
+            .into_iter()
+            .map(|(e, _)| (e.name.clone(), e.values.clone()))
+            .collect();
+        s.left_out = own
+            .into_iter()
+            .map(|(e, kind)| (e.name.clone(), kind))
+            .collect();
         s.strokes(&smooth, threshold);
         s.smooth = smooth;
         s.paths(REST * s.top_speed());
@@ -292,21 +306,6 @@ fn running_time(recording: &Recording) -> Vec<f64> {
         t.push(now);
     }
     t
-}
-
-/// Correlation from which a column is what it is compared with, in other units.
-const COPY: f64 = 0.999;
-
-/// Whether a further column is the effort or the position once more: the command that a force was computed from explains all of it.
-fn is_copy(values: &[f64], of: &[f64]) -> bool {
-    let (a, b) = (mean(values), mean(of));
-    let (mut square, mut other, mut product) = (0.0, 0.0, 0.0);
-    for (x, y) in values.iter().zip(of) {
-        square += (x - a).powi(2);
-        other += (y - b).powi(2);
-        product += (x - a) * (y - b);
-    }
-    product * product > COPY * COPY * square * other
 }
 
 /// Lowest and highest of some values.

@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::change::Change;
 use super::curve::Curve;
-use super::effect::{Effect, Scene};
+use super::effect::{ALWAYS_FREE, Effect, Scene};
 use super::normal::Bound;
 use super::signals::Signals;
 use super::weak::Column;
@@ -49,6 +49,11 @@ impl Term {
             Subject::Effect(effect) => Some(effect),
             _ => None,
         }
+    }
+
+    /// Whether it is the delay that every recording may have.
+    pub fn is_delay(&self) -> bool {
+        self.effect().is_some_and(|e| e.id() == ALWAYS_FREE.id())
     }
 
     /// Whether both are the same effect, curve or change, of whatever shape.

@@ -4,8 +4,9 @@ use super::axis::Axis;
 use super::change::Change;
 use super::confidence::{self, confidence};
 use super::credible::sieved;
-use super::effect::{self, Effect};
+use super::effect::{self, ALWAYS_FREE, Class, Effect};
 use super::evidence::{Evidence, NAMED};
+use super::given::Given;
 use super::ground::{Ground, Hypothesis, Nmse};
 use super::hysteresis::{self, Shape};
 use super::naming::Standing;
@@ -15,11 +16,13 @@ use super::place::Place;
 use super::reproduced::Reproduced;
 use super::search::Found;
 use super::second_position::SecondPosition;
+use super::shift::Shift;
 use super::signals::Signals;
 use super::simulation::{self, Corrected, Correction};
 use super::term::{Subject, Term};
 use super::unnamed::{Unknown, is_likely, likely, unnamed};
-use crate::friction::FrictionModel;
+use crate::model::Model;
+use crate::recording::Recording;
 use crate::statistics::Estimate;
 use std::collections::BTreeMap;
 
@@ -49,6 +52,8 @@ const HINTS: usize = 3;
 pub enum Verdict {
     /// Nothing material is missing.
     Consistent,
+    /// No physics is missing, but numbers of the user's model are wrong.
+    ParametersDiffer,
     /// Effects of the catalogue are missing.
     MissingPhysics,
     /// Something is missing that has no name.
@@ -62,6 +67,7 @@ impl Verdict {
     pub fn name(self) -> &'static str {
         match self {
             Verdict::Consistent => "consistent",
+            Verdict::ParametersDiffer => "parameters-differ",
             Verdict::MissingPhysics => "missing-physics",
             Verdict::UnknownPhysics => "unknown-physics",
             Verdict::InsufficientData => "insufficient-data",
@@ -136,9 +142,11 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// The user's model, refitted.
     pub baseline: Nmse,
+    /// The user's model as it stands, and with its own parameters refitted.
+    pub given_model: Option<Given>,
     /// With the confident effects.
     pub extended: Nmse,
-    /// What noise and friction's own variability leave of a perfect model (%).
+    /// What noise leaves of a perfect model (%), not more than what is left.
     pub noise_floor: f64,
     /// Confident ones first.
     pub effects: Vec<Named>,
@@ -183,9 +191,10 @@ impl Diagnosis {
 pub fn conclude(
     mut found: Found,
     event: Option<Unknown>,
+    shift: Option<Shift>,
     given: usize,
     mechanics: &[(String, f64)],
-    friction: Option<&FrictionModel>,
+    user: Option<(&Model, &Recording)>,
 ) -> Option<Diagnosis> {
     let periods: Vec<f64> = mechanics.iter().map(|m| m.1).collect();
     let (standings, gone) = sieved(&mut found, given, &periods)?;
@@ -213,7 +222,7 @@ pub fn conclude(
         let corrections = simulation::corrections(&ground, &extended);
         effects.extend(corrections.into_iter().map(|c| correction(&ground, c)));
     }
-    let shape = friction.and_then(|f| Shape::of(&ground, &extended, f));
+    let shape = user.and_then(|(m, _)| Shape::of(&ground, &extended, &m.friction));
     if let Some(shape) = shape.filter(Shape::is_suspect) {
         let [own, core] = shape.nmse;
         if shape.misleads() {
@@ -221,6 +230,13 @@ pub fn conclude(
             baseline.train += own - core;
         }
         effects.push(wrong_shape(&ground, shape));
+    }
+    if let Some(shift) = shift {
+        let [without, with] = shift.nmse;
+        baseline.test += without - with;
+        baseline.train += without - with;
+        effects.retain(|e| e.id() != ALWAYS_FREE.id());
+        effects.push(shifted(&ground, shift));
     }
     effects.sort_by(|a, b| {
         (b.confident, b.evidence.share)
@@ -238,9 +254,17 @@ pub fn conclude(
     } else {
         reached
     };
-    let noise_floor = 100.0 * ground.noise.row_variance * ground.rows.force.len() as f64
-        / ground.rows.variation().max(1e-300);
-    let verdict = verdict(&effects, likely(&unnamed), after.test, noise_floor);
+    let noise_floor = ground.noise_floor(&extended).min(after.test);
+    let given_model = user.and_then(|(m, of)| Given::of(&ground, &extended, of, m));
+    // What the wrong ones are worth (%), where any is.
+    let differs = given_model.as_ref().and_then(Given::worth);
+    let verdict = verdict(
+        &effects,
+        likely(&unnamed),
+        [after.test, noise_floor],
+        differs,
+    );
+    let lacks = lacks(&ground.rows.s, &effects);
     let organised = {
         let (mut list, _) = offers(&ground, &first, &[]);
         list.retain(|o| matches!(o.term.subject, Subject::Curve(_)) && o.evidence.share > 0.0);
@@ -249,11 +273,12 @@ pub fn conclude(
     Some(Diagnosis {
         verdict,
         baseline,
+        given_model,
         extended: after,
         noise_floor,
         effects,
         unnamed,
-        lacks: lacks(&ground.rows.s),
+        lacks,
         organised,
         rest: found.rest,
         families: found.families,
@@ -265,13 +290,23 @@ pub fn conclude(
     })
 }
 
-fn verdict(effects: &[Named], unknown: Option<&Unknown>, left: f64, noise: f64) -> Verdict {
+fn verdict(
+    effects: &[Named],
+    unknown: Option<&Unknown>,
+    [left, noise]: [f64; 2],
+    differs: Option<f64>,
+) -> Verdict {
     if effects.iter().any(|e| e.confident) {
         Verdict::MissingPhysics
+    } else if differs.is_some_and(|worth| worth > left) {
+        // More than all that is left, with a name or without.
+        Verdict::ParametersDiffer
     } else if unknown.is_some() {
         Verdict::UnknownPhysics
     } else if left > EXPLAINS_LITTLE || left - noise > UNEXPLAINED {
         Verdict::InsufficientData
+    } else if differs.is_some() {
+        Verdict::ParametersDiffer
     } else {
         Verdict::Consistent
     }
@@ -297,7 +332,7 @@ fn named(found: &Found, standing: &Standing, mechanics: &[(String, f64)]) -> Opt
         term: Some(standing.term.clone()),
         confident: confidence >= LIKELY
             && is_material(effect, standing)
-            && effect.lacks(&found.ground.rows.s).is_none(),
+            && is_told(effect, &found.ground.rows.s),
         confidence,
         evidence: standing.evidence,
         standing: Some(standing.clone()),
@@ -308,6 +343,11 @@ fn named(found: &Found, standing: &Standing, mechanics: &[(String, f64)]) -> Opt
         source: source(effect, &standing.term, mechanics),
         ambiguous,
     })
+}
+
+/// Whether a recording can tell an effect: what it lacks hides it, but slow change shows before its cause does.
+fn is_told(effect: &dyn Effect, s: &Signals) -> bool {
+    effect.class() == Class::Drift || effect.lacks(s).is_none()
 }
 
 /// Whether an effect takes enough of the mismatch to be named: weighted, or all rows alike, which is what slow effects are seen in. What
@@ -338,8 +378,8 @@ fn extend(found: &Found, kept: &[Term], effects: &[Named]) -> Option<Hypothesis>
     found.ground.fit(&terms)
 }
 
-/// Recording and hypothesis with the confident effects, all effects measured in them. One whose own interval does not tell its sign is no
-/// longer confident, the least first: a delay of −2 ± 4 ms may as well be one of 2 ms.
+/// Recording and hypothesis with the confident effects, all effects measured in them. One whose own interval holds zero, or whose value is
+/// impossible, is no longer confident, the least first: a delay of −2 ± 4 ms may as well be one of 2 ms.
 fn measured(found: &Found, kept: &[Term], effects: &mut [Named]) -> Option<(Ground, Hypothesis)> {
     loop {
         let terms = shown(found, kept, effects)?.terms;
@@ -349,7 +389,7 @@ fn measured(found: &Found, kept: &[Term], effects: &mut [Named]) -> Option<(Grou
         for effect in effects.iter_mut() {
             let with = weigh(&ground, kept, &extended, effect)?;
             measure(&ground, &with, effect);
-            if effect.confident && is_signless(effect, &with) {
+            if effect.confident && (is_signless(effect, &with) || !is_possible(&ground, &with)) {
                 signless.push(effect);
             }
         }
@@ -418,17 +458,20 @@ fn measure(ground: &Ground, with: &Hypothesis, effect: &mut Named) {
     effect.parameters = parameters(ground, with, index);
 }
 
-/// Whether the interval of an effect's only coefficient, its first parameter, holds the opposite value as well.
+/// Whether the interval of an effect's size, its first parameter, holds zero: of a map over the travel, that is one cosine of many.
 fn is_signless(effect: &Named, with: &Hypothesis) -> bool {
-    let only = with.coefficients(with.terms.len() - 1).len() == 1;
-    let holds_opposite = |size: &Estimate| {
-        let holds = |[low, high]: [f64; 2]| (low..=high).contains(&-size.value);
-        size.ci95.is_some_and(holds)
-    };
-    only && effect
-        .parameters
-        .first()
-        .is_some_and(|p| holds_opposite(&p.1))
+    /// Coefficients of a size: one, or a cosine and a sine.
+    const MOST: usize = 2;
+    let of_size = with.coefficients(with.terms.len() - 1).len() <= MOST;
+    let holds_zero = |[low, high]: [f64; 2]| low <= 0.0 && 0.0 <= high;
+    let size = effect.parameters.first().and_then(|p| p.1.ci95);
+    of_size && size.is_some_and(holds_zero)
+}
+
+/// Whether the physics admits what the last term of a hypothesis is fitted with: a gap is not less than none.
+fn is_possible(ground: &Ground, with: &Hypothesis) -> bool {
+    let last = with.terms.len() - 1;
+    ground.admits(&with.terms[last], with.coefficients(last))
 }
 
 fn wrong_shape(ground: &Ground, shape: Shape) -> Named {
@@ -464,6 +507,24 @@ fn wrong_shape(ground: &Ground, shape: Shape) -> Named {
             Some(_) => Vec::new(),
             None => hysteresis::rivals(&ground.rows.s),
         },
+    }
+}
+
+/// A delay that the whole recording was shifted by.
+fn shifted(ground: &Ground, shift: Shift) -> Named {
+    Named {
+        name: Name::Entry(ALWAYS_FREE),
+        term: None,
+        confident: true,
+        confidence: confidence::of_evidence(&shift.evidence),
+        evidence: shift.evidence,
+        standing: None,
+        nmse_test: shift.nmse,
+        places: Place::all(&ground.rows, ALWAYS_FREE.axis(), &shift.force),
+        force: shift.force,
+        parameters: vec![("delay_s".to_owned(), shift.delay)],
+        source: None,
+        ambiguous: Vec::new(),
     }
 }
 
@@ -536,10 +597,11 @@ fn source(effect: &dyn Effect, term: &Term, mechanics: &[(String, f64)]) -> Opti
     }))
 }
 
-/// What the recording lacks, and the effects that each lack hides.
-fn lacks(s: &Signals) -> Vec<Lack> {
+/// What the recording lacks, and the effects that each lack hides, but for what it shows nevertheless.
+fn lacks(s: &Signals, stated: &[Named]) -> Vec<Lack> {
     let mut lacks: Vec<Lack> = Vec::new();
-    for effect in effect::ALL {
+    let is_stated = |e: &&dyn Effect| stated.iter().any(|n| n.confident && n.id() == e.id());
+    for effect in effect::ALL.into_iter().filter(|e| !is_stated(e)) {
         let Some(missing) = effect.lacks(s).or_else(|| effect.blurred(s)) else {
             continue;
         };

@@ -2,6 +2,7 @@
 
 use super::axis::Axis;
 use super::effect::Effect;
+use super::given::{Given, Refitted};
 use super::hysteresis;
 use super::place::{Place, means_over};
 use super::second_position::{Periodic, SecondPosition};
@@ -59,6 +60,14 @@ pub fn probability(p: f64) -> String {
     format!("{:.2}", p.clamp(0.01, 0.99))
 }
 
+/// A sentence, its first letter large.
+pub(super) fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters
+        .next()
+        .map_or(String::new(), |c| c.to_uppercase().chain(letters).collect())
+}
+
 fn percent(share: f64) -> String {
     format!("{:.0} %", 100.0 * share.clamp(0.0, 1.0))
 }
@@ -114,6 +123,18 @@ impl Named {
         } else {
             "suspected"
         }
+    }
+}
+
+impl Refitted {
+    /// From what to what: `mass_kg from 9.622 to 12.9 ± 0.05`.
+    fn words(&self) -> String {
+        let [given, found] = [self.given, self.found.value].map(three);
+        let reach = self
+            .found
+            .reach()
+            .map_or(String::new(), |r| format!(" ± {}", three(r)));
+        format!("{} from {given} to {found}{reach}", self.key)
     }
 }
 
@@ -359,20 +380,28 @@ impl Diagnosis {
             percent(effect.evidence.share),
             quantity(rms, recording.effort_unit())
         );
-        let mut letters = text.chars();
-        letters
-            .next()
-            .map_or(String::new(), |c| c.to_uppercase().chain(letters).collect())
+        capital(&text)
     }
 
     /// Verdict in one sentence.
     pub fn verdict_words(&self, recording: &Recording) -> String {
         let figures = format!(
-            "held-out NMSE {:.3} % before, {:.3} % after, {:.3} % expected of noise and of friction's own variability",
+            "held-out NMSE {:.3} % before, {:.3} % after, {:.3} % expected of noise",
             self.baseline.test, self.extended.test, self.noise_floor
         );
         let mut text = match self.verdict {
             Verdict::Consistent => format!("consistent: nothing material is missing ({figures})"),
+            Verdict::ParametersDiffer => {
+                let wrong = self.given_model.iter().flat_map(Given::wrong);
+                let keys: Vec<&str> = wrong.map(|p| p.key.as_str()).collect();
+                format!(
+                    "parameters-differ: no physics is named, but {} ({figures})",
+                    match keys.as_slice() {
+                        [one] => format!("{one} is wrong"),
+                        many => format!("{} are wrong", many.join(", ")),
+                    }
+                )
+            }
             Verdict::MissingPhysics => {
                 let names: Vec<&str> = self.confident().map(Named::id).collect();
                 format!("missing-physics: {} ({figures})", names.join(", "))
@@ -402,6 +431,27 @@ impl Diagnosis {
         text
     }
 
+    /// Further columns that are left out, each in a sentence without its full stop.
+    pub fn left_out_words(&self) -> impl Iterator<Item = String> {
+        let left_out = self.ground.rows.s.left_out.iter();
+        left_out.map(|(name, kind)| {
+            format!(
+                "`{name}` {}: it is left out, and no other axis",
+                kind.words()
+            )
+        })
+    }
+
+    /// The user's model as it stands and refitted, in a sentence without its full stop.
+    pub fn given_words(&self) -> Option<String> {
+        self.given_model.as_ref().map(|given| {
+            format!(
+                "your model as it stands leaves {:.3} % of the variance; with its parameters refitted {:.3} % on stretches held out",
+                given.stands, given.refitted
+            )
+        })
+    }
+
     /// Effects that are stated with confidence.
     pub fn confident(&self) -> impl Iterator<Item = &Named> {
         self.effects.iter().filter(|e| e.confident)
@@ -415,6 +465,7 @@ impl Diagnosis {
                 each.dedup();
                 each.join(" Also: ")
             }
+            (Verdict::ParametersDiffer, _) => self.correct(),
             (Verdict::InsufficientData, _) => "record strokes over the whole travel at several speeds, in both directions, with the effort of the motor (`preslide diagnose … --experiment motion.csv` writes such a motion).".to_owned(),
             _ if self.displacement_factor().is_some() => {
                 "identify the model's hysteresis again (`preslide identify`); its kind can stay.".to_owned()
@@ -463,12 +514,30 @@ impl Diagnosis {
         })
     }
 
+    /// Where numbers of the model are wrong.
+    fn correct(&self) -> String {
+        let wrong = self.given_model.iter().flat_map(Given::wrong);
+        let each: Vec<String> = wrong.map(Refitted::words).collect();
+        format!(
+            "correct {} (`-o FILE` writes the model with its parameters refitted).",
+            each.join(", ")
+        )
+    }
+
     /// Where nothing material is missing; the likeliest suspicion is worth an experiment at most.
     fn keep(&self) -> String {
-        let keep = format!(
-            "keep the {}; what is left is noise and friction's own variability.",
-            self.model_word()
-        );
+        /// Times the measured noise up to which what is left is noise.
+        const NOISE: f64 = 1.5;
+        let left = self.extended.test;
+        let keep = if left <= NOISE * self.noise_floor {
+            format!("keep the {}; what is left is noise.", self.model_word())
+        } else {
+            format!(
+                "keep the {}; of the {left:.3} % that are left {:.3} % are noise, and nothing of the catalogue explains the rest.",
+                self.model_word(),
+                self.noise_floor
+            )
+        };
         let by_confidence = |a: &&Named, b: &&Named| a.confidence.total_cmp(&b.confidence);
         let Some(likeliest) = self.effects.iter().max_by(by_confidence) else {
             return keep;

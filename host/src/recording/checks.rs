@@ -14,6 +14,8 @@ const CLIPPED_SHARE: f64 = 0.001;
 /// Net work over closed motion, relative to the work exchanged, beyond which its sign is certain.
 /// Real recordings reach 0.5 to 0.97 in magnitude.
 const CERTAIN_WORK: f64 = 0.1;
+/// Share of all the work exchanged that must be of runs which tell, before the sign is decided by them.
+const TOLD_WORK: f64 = 0.3;
 /// Positions that close a motion agree within this share of the travel.
 const CLOSED: f64 = 0.05;
 
@@ -116,18 +118,39 @@ fn closed_work(x: &[f64], effort: &[f64], strokes: &Strokes) -> Option<(f64, f64
 /// Code of the warning that the effort was turned.
 pub(super) const FLIPPED: &str = "effort-sign-flipped";
 
-/// Net work over the closed motion of all strokes, and the work exchanged; where no motion closes, by the balance of energy.
+/// Net work that friction takes, and the work exchanged: over each run whose motion closes, and of the others by the balance of energy. Zero
+/// where both together tell of too little of all the work, which a short stroke must not speak for.
 fn work(x: &[f64], effort: &[f64], strokes: &[Strokes]) -> (f64, f64) {
-    let sum = |each: &mut dyn Iterator<Item = (f64, f64)>| {
-        each.reduce(|(n, e), (net, exchanged)| (n + net, e + exchanged))
-    };
-    sum(&mut strokes.iter().filter_map(|s| closed_work(x, effort, s)))
-        .or_else(|| {
-            sum(&mut strokes
-                .iter()
-                .filter_map(|s| balance::friction(x, effort, s)))
+    let told = strokes
+        .iter()
+        .filter_map(|s| {
+            let closed = closed_work(x, effort, s);
+            let most = closed.filter(|c| c.1 >= TOLD_WORK * exchanged(x, effort, s));
+            most.or_else(|| balance::friction(x, effort, s))
         })
-        .unwrap_or((0.0, 0.0))
+        .fold((0.0, 0.0), |(n, e), (net, exchanged)| {
+            (n + net, e + exchanged)
+        });
+    let all: f64 = strokes.iter().map(|s| exchanged(x, effort, s)).sum();
+    if told.1 >= TOLD_WORK * all {
+        told
+    } else {
+        (0.0, 0.0)
+    }
+}
+
+/// The work exchanged over a run (J for force and torque), the effort's mean taken off.
+fn exchanged(x: &[f64], effort: &[f64], strokes: &Strokes) -> f64 {
+    let (Some(x), Some(effort)) = (x.get(strokes.run.clone()), effort.get(strokes.run.clone()))
+    else {
+        return 0.0;
+    };
+    let mean = effort.iter().sum::<f64>() / effort.len().max(1) as f64;
+    let steps = x.windows(2).zip(effort.windows(2));
+    steps
+        .map(|(x, f)| (0.5 * (f[0] + f[1]) - mean) * (x[1] - x[0]))
+        .map(f64::abs)
+        .sum()
 }
 
 /// Whether motion and effort say by themselves which sign the effort has.
@@ -215,6 +238,48 @@ mod tests {
         assert_eq!(run(-1.0, Some(-1.0)), (true, String::new()));
         assert_eq!(run(-1.0, Some(1.0)), (false, "negative-work".into()));
         assert_eq!(run(1.0, Some(-1.0)), (false, "negative-work".into()));
+    }
+
+    /// A long run that does not close, and beside it a short one that closes on a spring's lag, against the rest.
+    #[test]
+    fn a_short_stroke_does_not_speak_for_all_of_the_work() {
+        let (long, short) = (6000, 600);
+        let at = |i: usize| i as f64 * 0.001;
+        // Six strokes of which none ends where another did.
+        let far = |t: f64| 5.0 * t + (1.0 + t) * (3.0 * t).sin();
+        let near = |t: f64| 0.02 * (21.0 * t).sin();
+        let x: Vec<f64> = (0..long)
+            .map(|i| far(at(i)))
+            .chain((0..short).map(|i| near(at(i))))
+            .collect();
+        let force = |i: usize| {
+            let before = if i == 0 || i == long { x[i] } else { x[i - 1] };
+            let friction = (x[i] - before).signum();
+            if i < long { friction } else { -friction }
+        };
+        let f: Vec<f64> = (0..long + short).map(force).collect();
+        let strokes = [0..long, long..long + short].map(|run| segments::strokes(&x, run));
+        let mut effort = f.clone();
+        let mut warnings = Vec::new();
+        sign(
+            &x,
+            &mut effort,
+            &strokes,
+            EffortRole::Force,
+            None,
+            &mut warnings,
+        );
+        assert!(effort == f && warnings.is_empty(), "{warnings:?}");
+        // Alone, it decides.
+        sign(
+            &x,
+            &mut effort,
+            &strokes[1..],
+            EffortRole::Force,
+            None,
+            &mut warnings,
+        );
+        assert_eq!(codes(&warnings), ["effort-sign-flipped"]);
     }
 
     #[test]

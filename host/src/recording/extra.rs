@@ -24,6 +24,19 @@ impl Extra {
     }
 }
 
+impl Extra {
+    /// Whether a column of such a name may be a motion: its unit, where it ends in one, is of length, angle or speed.
+    pub fn is_motion(name: &str) -> bool {
+        let unit = words::quantity(name).unit;
+        unit.is_none_or(|u| {
+            matches!(
+                u.dimension,
+                Dimension::Length | Dimension::Angle | Dimension::Speed | Dimension::AngularSpeed
+            )
+        })
+    }
+}
+
 /// A further column while the file is read.
 #[derive(Debug)]
 pub(super) struct Reading {

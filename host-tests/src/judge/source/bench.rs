@@ -22,6 +22,7 @@ pub fn cases(tool: &Tool, wanted: impl Fn(&str) -> bool, jobs: usize) -> Result<
             sort: Sort::Machine,
             strength: 0.0,
             truth: known.map(|(first, _)| Truth::named(first)).collect(),
+            native: Vec::new(),
             neutral: neutral.map(|id| (*id).to_owned()).collect(),
             absent: Some(machine.absent.iter().map(|id| (*id).to_owned()).collect()),
             there: None,

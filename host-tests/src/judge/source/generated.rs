@@ -6,7 +6,7 @@ use std::process::Command;
 
 use serde_json::Value;
 
-use crate::judge::case::{Case, Place, Sort, Truth};
+use crate::judge::case::{Case, Check, Place, Sort, Truth};
 use crate::judge::real::shared;
 use crate::judge::table::{Recording, Table};
 use crate::judge::tool::{Tool, parallel};
@@ -154,12 +154,34 @@ fn truth(effect: &Value, parameters: &Value) -> Truth {
     }
 }
 
-/// What a label says is there though it is not what was concealed: `drives` gives most of its machines no model and many of them viscous
-/// friction, which their labels' effects leave out and a name for it does not get wrong.
-fn neutral(label: &Value, model: Option<&str>) -> Vec<String> {
-    let viscous = label["params"]["viscous"].as_f64().unwrap_or_default();
-    let shown = model.is_none() && viscous > 0.0;
-    shown.then(|| "viscous".to_owned()).into_iter().collect()
+/// How far a stated period may be from a native one, of it.
+const NEAR: f64 = 0.03;
+
+/// What a label says that a machine has besides what was concealed. `drives` gives its machines the ripple of a motor and friction that
+/// wanders in three waves, and those without a model viscous friction, which their labels' effects leave out.
+fn native(label: &Value, model: Option<&str>) -> Vec<Truth> {
+    let params = &label["params"];
+    let has = |key: &str| params[key].as_f64().is_some_and(|v| v > 0.0);
+    let at = |id: &str, period: &Value| Truth {
+        checks: period
+            .as_f64()
+            .map(|p| Check::relative("period_", p, NEAR))
+            .into_iter()
+            .collect(),
+        ..Truth::named(id)
+    };
+    let mut own = Vec::new();
+    if model.is_none() && has("viscous") {
+        own.push(Truth::named("viscous"));
+    }
+    if has("ripple") {
+        own.push(at("periodic_force", &params["motor_period"]));
+    }
+    if let Some(waves) = params["wave_lengths"].as_array().filter(|_| has("wander")) {
+        own.push(Truth::named("position_friction"));
+        own.extend(waves.iter().map(|w| at("periodic_friction", w)));
+    }
+    own
 }
 
 /// A trial and what its label says.
@@ -168,7 +190,7 @@ struct Question {
     sort: Sort,
     strength: f64,
     truth: Vec<Truth>,
-    neutral: Vec<String>,
+    native: Vec<Truth>,
 }
 
 fn question(folder: &Path) -> Result<Question, String> {
@@ -196,7 +218,7 @@ fn question(folder: &Path) -> Result<Question, String> {
     let model = folder.join("base.toml").exists();
     let model = model.then(|| read("base.toml")).transpose()?;
     Ok(Question {
-        neutral: neutral(&label, model.as_deref()),
+        native: native(&label, model.as_deref()),
         recording: Recording::new(name, table, model),
         sort,
         strength,
@@ -232,7 +254,8 @@ pub fn cases(
             sort: asked.sort,
             strength: asked.strength,
             truth: asked.truth,
-            neutral: asked.neutral,
+            native: asked.native,
+            neutral: Vec::new(),
             absent: None,
             there: None,
             verdicts: &[],
@@ -248,14 +271,34 @@ pub fn cases(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::trials::score::Named;
     use serde_json::json;
 
+    fn named(id: &str, period: f64) -> Named {
+        Named {
+            id: id.to_owned(),
+            confident: true,
+            confidence: 0.9,
+            nats: 0.0,
+            ambiguous_with: Vec::new(),
+            places: Vec::new(),
+            parameters: vec![("period_m".to_owned(), period, None)],
+            features: Value::Null,
+        }
+    }
+
     #[test]
-    fn viscous_friction_of_a_machine_without_a_model_is_no_false_name() {
-        let label = |viscous: f64| json!({"params": {"viscous": viscous}});
-        assert_eq!(neutral(&label(3.0), None), ["viscous"]);
-        assert!(neutral(&label(3.0), Some("")).is_empty());
-        assert!(neutral(&label(0.0), None).is_empty());
-        assert!(neutral(&json!({"params": {}}), None).is_empty());
+    fn what_a_machine_has_besides_is_no_false_name() {
+        let label = json!({"params": {"viscous": 3.0, "ripple": 0.01, "motor_period": 0.0025, "wander": 0.01, "wave_lengths": [0.3, 0.1, 0.04]}});
+        let right = |model: Option<&str>, id: &str, period: f64| {
+            native(&label, model)
+                .iter()
+                .any(|t| t.is(&named(id, period)))
+        };
+        assert!(right(None, "viscous", 1.0) && !right(Some(""), "viscous", 1.0));
+        assert!(right(None, "periodic_force", 0.00252) && !right(None, "periodic_force", 0.003));
+        assert!(right(None, "periodic_friction", 0.1) && !right(None, "periodic_friction", 0.2));
+        assert!(right(None, "position_friction", 1.0) && !right(None, "run_in", 1.0));
+        assert!(native(&json!({"params": {"viscous": 0.0}}), None).is_empty());
     }
 }

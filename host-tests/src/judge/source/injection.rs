@@ -1,6 +1,6 @@
 //! Known effects added to real recordings ([`crate::judge::inject`]), and what was said of the recordings before.
 
-use crate::judge::case::{Case, Sort};
+use crate::judge::case::{Case, Sort, Truth};
 use crate::judge::inject::{EFFECTS, inject};
 use crate::judge::real::{MACHINES, Machine};
 use crate::judge::tool::{Tool, parallel};
@@ -110,7 +110,11 @@ pub fn cases(
                 return None;
             }
             let (answer, seconds) = tool.diagnose(&made.recording);
+            // Of what is known of the machine itself, a name is right, unless it is for more of the same.
+            let known = machine.known.iter().copied().flatten();
+            let native = known.filter(|id| **id != effect).map(|id| Truth::named(id));
             let case = Case {
+                native: native.collect(),
                 source: "injection",
                 name: machine.name.to_owned(),
                 sort: Sort::Single,

@@ -28,6 +28,7 @@ pub fn cases(
             sort: made.sort,
             strength: made.strength,
             truth: made.truth,
+            native: Vec::new(),
             neutral: Vec::new(),
             absent: None,
             there: None,

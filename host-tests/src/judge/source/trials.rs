@@ -51,6 +51,7 @@ pub fn case(label: &Label, answer: Result<Diagnosis, String>, seconds: f64) -> C
             kind => kind.strength().factor(),
         },
         truth,
+        native: Vec::new(),
         neutral: if lag {
             vec!["stribeck".to_owned()]
         } else {

@@ -6,6 +6,7 @@ use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::{bounds, mean};
 use crate::diagnose::weak::Column;
 use crate::model::Model;
+use crate::recording::Extra;
 use crate::statistics::Estimate;
 
 /// Forms, by their number, in front of the column's name.
@@ -56,7 +57,7 @@ impl Effect for AxisCoupling {
         };
         let columns = scene.s.extra.iter().enumerate();
         columns
-            .filter(|(_, (_, values))| moves(values))
+            .filter(|(_, (name, values))| moves(values) && Extra::is_motion(name))
             .flat_map(|(i, _)| (0..FORMS.len()).map(move |form| vec![i as f64, form as f64]))
             .collect()
     }

@@ -60,6 +60,11 @@ impl Effect for CoulombAsymmetry {
         vec![scene.friction(|i| (friction[i] / (SMALL * level)).tanh())]
     }
 
+    fn admits(&self, _: &[f64], coefficients: &[f64]) -> bool {
+        // Friction does not push, in neither direction.
+        matches!(coefficients, [c] if c.abs() < 1.0)
+    }
+
     fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
         fitted.one("asymmetry", self)
     }

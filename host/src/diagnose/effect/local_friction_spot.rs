@@ -49,6 +49,10 @@ impl Effect for LocalFrictionSpot {
         true
     }
 
+    fn is_narrow(&self) -> bool {
+        true
+    }
+
     fn lacks(&self, s: &Signals) -> Option<&'static str> {
         both_directions(s)
     }

@@ -289,6 +289,11 @@ pub trait Effect: Sync {
         None
     }
 
+    /// Whether it is a line or a narrow place, which chance makes as well: what it takes is held against placebos.
+    fn is_narrow(&self) -> bool {
+        self.line().is_some()
+    }
+
     /// A shape parameter brought within what a recording can tell.
     fn within(&self, scene: &Scene, index: usize, value: f64) -> f64 {
         let _ = (scene, index);

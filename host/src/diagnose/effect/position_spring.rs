@@ -11,8 +11,9 @@ use crate::effects::{Effect as Entry, form};
 use crate::model::Model;
 use crate::statistics::Estimate;
 
-/// Share of the travel by which a spring's centre may lie aside of the middle: beyond it the constant is a matter of its own.
-pub const ASIDE: f64 = 0.4;
+/// Share of the travel by which a spring's centre may lie aside of the middle, a little beyond either end: farther out the constant is a matter
+/// of its own.
+pub const ASIDE: f64 = 0.6;
 
 /// `position_spring`.
 pub struct PositionSpring;
@@ -74,7 +75,7 @@ impl Effect for PositionSpring {
     fn admits(&self, _: &[f64], coefficients: &[f64]) -> bool {
         match coefficients {
             [stiffness] => *stiffness > 0.0,
-            // Its centre lies within the travel's middle.
+            // Its centre lies within the travel, or nearly so.
             [stiffness, aside] => *stiffness > aside.abs(),
             _ => false,
         }
@@ -87,9 +88,18 @@ impl Effect for PositionSpring {
             0.0 => 0.0,
             share => ASIDE * (to - from) * share / stiffness,
         };
+        let centre = 0.5 * (from + to) - aside;
+        let errors = fitted.error(0).zip(fitted.error(1));
+        let error = errors.map(|(own, of_aside)| {
+            let along = ASIDE * (to - from);
+            (along * of_aside).hypot(aside * own) / stiffness
+        });
         vec![
             fitted.entry("stiffness_N_per_m", 0),
-            known("centre_m", 0.5 * (from + to) - aside),
+            match error {
+                Some(_) => ("centre_m".to_owned(), fitted.estimate(centre, error)),
+                None => known("centre_m", centre),
+            },
         ]
     }
 

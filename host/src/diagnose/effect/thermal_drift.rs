@@ -97,12 +97,12 @@ impl Effect for ThermalDrift {
     }
 }
 
-/// Whether a measured temperature only rises or only falls: what runs in goes the same way.
+/// Whether the temperature only rises or only falls, or was not measured: what runs in goes the same way.
 pub(super) fn goes_one_way(s: &Signals) -> bool {
     /// Of its range, that it may have gone back: noise.
     const BACK: f64 = 0.1;
     let Some(temperature) = &s.temperature else {
-        return false;
+        return true;
     };
     let (low, high) = bounds(temperature);
     let (mut lowest, mut highest, mut fallen, mut risen) = (high, low, 0.0_f64, 0.0_f64);

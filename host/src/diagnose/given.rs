@@ -1,0 +1,392 @@
+//! The user's model against the recording: as it stands, and with its own parameters refitted. Wrong parameters are an answer of their own,
+//! and no physics: the over-resolved core that names are judged on refits them without a word.
+
+use super::confidence;
+use super::effect::ALWAYS_FREE;
+use super::ground::{Ground, Hypothesis};
+use super::modelled::effort_of;
+use super::normal::{Bound, Normal};
+use super::term::{Subject, Term};
+use super::weak::Column;
+use crate::friction::FrictionModel;
+use crate::model::Model;
+use crate::recording::Recording;
+use crate::statistics::{Estimate, jackknife};
+
+/// Keys of an effect's size, to which its force is in proportion.
+const SIZES: [&str; 7] = [
+    "force_N",
+    "level",
+    "asymmetry",
+    "stiffness_N_per_m",
+    "drag_N_s2_per_m2",
+    "level_per_K",
+    "level_per_N",
+];
+/// Relative difference from which a parameter is said to be wrong: an identification repeated on another day, or with another motion, comes
+/// within it.
+const APART: f64 = 0.1;
+/// NMSE (%) that its difference must be worth by itself: as much as a term that enters, of a model that leaves ten per cent.
+const WORTH: f64 = 0.1;
+/// The same, of what the model leaves with its parameters refitted: less may be its form's error, which no parameter mends.
+const OF_LEFT: f64 = 0.5;
+
+/// A model as it stands.
+pub struct Given {
+    /// NMSE (%) of the model as it stands: nothing of it is fitted.
+    pub stands: f64,
+    /// NMSE (%) with its parameters refitted, on folds held out.
+    pub refitted: f64,
+    /// The same on the rows fitted.
+    pub refitted_train: f64,
+    /// Its parameters.
+    pub parameters: Vec<Refitted>,
+    /// The model with its parameters refitted.
+    pub model: Model,
+}
+
+/// A parameter of the model.
+pub struct Refitted {
+    /// Its key in the model file, an effect's behind the effect's id.
+    pub key: String,
+    /// As it is given (SI).
+    pub given: f64,
+    /// Refitted.
+    pub found: Estimate,
+    /// NMSE (%) that the difference is worth.
+    pub worth: f64,
+    /// Whether it is wrong: beyond its interval, beyond what identifications differ by, and worth something.
+    pub differs: bool,
+    part: Part,
+}
+
+/// Whose parameter it is.
+#[derive(Clone, Copy, PartialEq)]
+enum Part {
+    Inertia,
+    Level,
+    Viscous,
+    ViscousOf(f64),
+    Constant,
+    /// The number of an effect.
+    Effect(usize),
+}
+
+/// A parameter with its force as it is given, at the rows.
+struct Share {
+    part: Part,
+    key: String,
+    given: f64,
+    force: Vec<f64>,
+}
+
+impl Refitted {
+    /// Whether it is wrong, where the refitted model leaves so much (%).
+    fn is_wrong(&self, left: f64) -> bool {
+        let outside = self
+            .found
+            .ci95
+            .is_some_and(|[low, high]| !(low..=high).contains(&self.given));
+        let apart = (self.found.value - self.given).abs() > APART * self.given.abs();
+        outside && apart && self.worth > WORTH.max(OF_LEFT * left)
+    }
+}
+
+impl Given {
+    /// Judges a model beside what a hypothesis names besides. `None` where an effect needs what was not recorded, or where the motion does
+    /// not determine the parameters.
+    pub fn of(
+        ground: &Ground,
+        extended: &Hypothesis,
+        recording: &Recording,
+        model: &Model,
+    ) -> Option<Self> {
+        let rows = &ground.rows;
+        let at_rows = |model: &Model| Some(rows.weak.rows(&effort_of(model, recording).ok()?));
+        let whole = at_rows(model)?;
+        let as_recorded = rows.weak.rows(&Column::of(recording.effort.clone()));
+        let stands = rows.nmse(&left(&as_recorded, &whole));
+        let shares = shares(ground, recording, model)?;
+        // What is in no proportion to a parameter stays as it is.
+        let mut fixed = whole;
+        for share in &shares {
+            fixed
+                .iter_mut()
+                .zip(&share.force)
+                .for_each(|(w, f)| *w -= f);
+        }
+        let target = left(&rows.force, &fixed);
+        let fit = Fit::of(ground, extended, shares, &target)?;
+        let both = fit.split_by_direction(ground, extended, model, &target);
+        let mut parameters = both.as_ref().unwrap_or(&fit).parameters(ground, model)?;
+        let own = fit.parameters(ground, model)?;
+        let mut model = model.clone();
+        own.iter().for_each(|p| p.enter(&mut model));
+        let refitted = rows.nmse(&fit.residual(true, &target));
+        for parameter in &mut parameters {
+            parameter.differs = parameter.is_wrong(refitted);
+        }
+        Some(Self {
+            stands,
+            refitted,
+            refitted_train: rows.nmse(&fit.residual(false, &target)),
+            parameters,
+            model,
+        })
+    }
+
+    /// What the most wrong parameter is worth (NMSE, %), where one is wrong.
+    pub fn worth(&self) -> Option<f64> {
+        self.wrong().map(|p| p.worth).max_by(f64::total_cmp)
+    }
+
+    /// The parameters that are wrong.
+    pub fn wrong(&self) -> impl Iterator<Item = &Refitted> {
+        self.parameters.iter().filter(|p| p.differs)
+    }
+}
+
+/// Measured less modelled.
+fn left(measured: &[f64], modelled: &[f64]) -> Vec<f64> {
+    measured.iter().zip(modelled).map(|(m, f)| m - f).collect()
+}
+
+/// The parameters of a model that a fit can tell, each with its force.
+fn shares(ground: &Ground, recording: &Recording, model: &Model) -> Option<Vec<Share>> {
+    let rows = &ground.rows;
+    let at_rows = |column: Column| rows.weak.rows(&column);
+    let n = recording.len();
+    let mut shares = Vec::new();
+    let mut add = |part: Part, key: &str, given: f64, force: Vec<f64>| {
+        let key = crate::model::key_of(recording.kind, key);
+        shares.push(Share {
+            part,
+            key,
+            given,
+            force,
+        });
+    };
+    if model.inertia > 0.0 && rows.inertial {
+        let force = ground.core.rows[0].iter().map(|c| model.inertia * c);
+        add(Part::Inertia, "mass_kg", model.inertia, force.collect());
+    }
+    let friction = Model {
+        mechanics: Vec::new(),
+        ..Model::of_friction(model.motion, model.friction.clone())
+    };
+    if let Some(level) = model.friction.breakaway() {
+        let force = at_rows(effort_of(&friction, recording).ok()?);
+        add(Part::Level, level_key(&model.friction), level, force);
+    }
+    if model.viscous != 0.0 {
+        let force = rows.s.v.iter().map(|v| model.viscous * v).collect();
+        let key = "viscous_N_s_per_m";
+        add(
+            Part::Viscous,
+            key,
+            model.viscous,
+            at_rows(Column::of(force)),
+        );
+    }
+    if model.constant_force != 0.0 {
+        let force = at_rows(Column::of(vec![model.constant_force; n]));
+        let key = "constant_force.force_N";
+        add(Part::Constant, key, model.constant_force, force);
+    }
+    for (number, effect) in model.effects.iter().enumerate() {
+        let Some(key) = SIZES.into_iter().find(|key| effect.has(key)) else {
+            continue;
+        };
+        // Alone on the friction: what acts behind the actuator would act on it, too.
+        let with = Model {
+            effects: vec![effect.clone()],
+            ..friction.clone()
+        };
+        let [with, without] =
+            [&with, &friction].map(|m| Some(at_rows(effort_of(m, recording).ok()?)));
+        let key = format!("{}.{key}", effect.id());
+        add(
+            Part::Effect(number),
+            &key,
+            effect.get(key.split('.').next_back()?),
+            left(&with?, &without?),
+        );
+    }
+    shares.retain(|s| s.given != 0.0 && s.force.iter().any(|f| *f != 0.0));
+    Some(shares)
+}
+
+fn level_key(friction: &FrictionModel) -> &'static str {
+    match friction {
+        FrictionModel::Coulomb { .. }
+        | FrictionModel::Dahl { .. }
+        | FrictionModel::BoucWen { .. } => "coulomb_N",
+        _ => "breakaway_N",
+    }
+}
+
+/// The parameters fitted by least squares: a wrong shape misleads a fit that trusts its noise model.
+struct Fit {
+    shares: Vec<Share>,
+    normal: Normal,
+    columns: Vec<Vec<f64>>,
+}
+
+impl Fit {
+    fn of(
+        ground: &Ground,
+        extended: &Hypothesis,
+        shares: Vec<Share>,
+        target: &[f64],
+    ) -> Option<Self> {
+        let delay = Term::new(Subject::Effect(ALWAYS_FREE), &[]);
+        let named = extended
+            .terms
+            .iter()
+            .filter(|t| !t.given && t.effect().is_some() && !t.is_delay());
+        let mut columns: Vec<Vec<f64>> = shares.iter().map(|s| s.force.clone()).collect();
+        for term in named.chain([&delay]) {
+            columns.extend(ground.columns(term).iter().cloned());
+        }
+        let all: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let bounds = vec![Bound::Free; all.len()];
+        let folds = &ground.rows.weak.folds;
+        let normal = Normal::new(&ground.unweighted(), folds, &all, &bounds, target)?;
+        Some(Self {
+            shares,
+            normal,
+            columns,
+        })
+    }
+
+    /// The same with viscous friction of each direction, where the model has any.
+    fn split_by_direction(
+        &self,
+        ground: &Ground,
+        extended: &Hypothesis,
+        model: &Model,
+        target: &[f64],
+    ) -> Option<Self> {
+        let s = &ground.rows.s;
+        let viscous = self.shares.iter().find(|s| s.part == Part::Viscous)?;
+        let of = |direction: f64| {
+            let along = s.v.iter().map(|v| {
+                let own = (v * direction).max(0.0) * direction;
+                model.viscous * own
+            });
+            Share {
+                part: Part::ViscousOf(direction),
+                key: format!(
+                    "{} {}",
+                    viscous.key,
+                    if direction > 0.0 { "forward" } else { "back" }
+                ),
+                given: viscous.given,
+                force: ground.rows.weak.rows(&Column::of(along.collect())),
+            }
+        };
+        let others = self.shares.iter().filter(|s| s.part != Part::Viscous);
+        let shares = others.map(Share::copy).chain([1.0, -1.0].map(of)).collect();
+        Self::of(ground, extended, shares, target)
+    }
+
+    fn residual(&self, held_out: bool, target: &[f64]) -> Vec<f64> {
+        let columns: Vec<&[f64]> = self.columns.iter().map(Vec::as_slice).collect();
+        if held_out {
+            self.normal.held_out_residual(&columns, target)
+        } else {
+            self.normal.residual(&columns, target)
+        }
+    }
+
+    /// Values with the widest interval that blocks, kinds of strokes, or folds give.
+    fn parameters(&self, ground: &Ground, model: &Model) -> Option<Vec<Refitted>> {
+        let rows = &ground.rows;
+        let mut block_of = vec![0; rows.force.len()];
+        for (b, own) in rows.blocks.iter().enumerate() {
+            block_of[own.clone()].fill(b);
+        }
+        let (by_block, by_kind) = (
+            self.normal.errors(&block_of),
+            self.normal.errors(&rows.kinds),
+        );
+        let folds = rows.weak.folds.len();
+        let held: Vec<Vec<f64>> = (0..folds).map(|s| self.normal.without_fold(s)).collect();
+        let fitted = |j: usize| {
+            let by_fold = jackknife(&held.iter().map(|c| c[j]).collect::<Vec<_>>());
+            let error = by_block[j]?.max(by_kind[j]?).max(by_fold);
+            Some((self.normal.coefficients[j], error))
+        };
+        let level = self.shares.iter().position(|s| s.part == Part::Level);
+        let level = level.map_or(Some((1.0, 0.0)), fitted)?;
+        let mut all = Vec::new();
+        for (j, share) in self.shares.iter().enumerate() {
+            let (mut times, mut error) = fitted(j)?;
+            if share.multiplies(model) {
+                // Its force is in proportion to the friction level, which is refitted, too.
+                let relative = (error / times).hypot(level.1 / level.0);
+                times /= level.0;
+                error = (times * relative).abs();
+            }
+            let error = (confidence::width("others") * error * share.given).abs();
+            let change: Vec<f64> = share.force.iter().map(|f| (times - 1.0) * f).collect();
+            let square: f64 = change.iter().map(|f| f * f).sum();
+            all.push(Refitted {
+                part: share.part,
+                key: share.key.clone(),
+                given: share.given,
+                found: Estimate::new(times * share.given, Some(error), folds),
+                worth: 100.0 * square / rows.variation().max(1e-300),
+                differs: false,
+            });
+        }
+        Some(all)
+    }
+}
+
+impl Share {
+    fn copy(&self) -> Self {
+        Self {
+            part: self.part,
+            key: self.key.clone(),
+            given: self.given,
+            force: self.force.clone(),
+        }
+    }
+
+    /// Whether it is a share of the friction level.
+    fn multiplies(&self, model: &Model) -> bool {
+        let Part::Effect(number) = self.part else {
+            return false;
+        };
+        let effect = &model.effects[number];
+        ["level", "asymmetry", "level_per_K", "level_per_N"]
+            .iter()
+            .any(|key| effect.has(key))
+    }
+}
+
+impl Refitted {
+    /// Puts it into a model.
+    fn enter(&self, model: &mut Model) {
+        let value = self.found.value;
+        match self.part {
+            Part::Inertia => model.inertia = value.max(0.0),
+            Part::Level => {
+                if let Some(scaled) = model.friction.scaled(value / self.given) {
+                    model.friction = scaled;
+                }
+            }
+            Part::Viscous => model.viscous = value,
+            Part::ViscousOf(_) => {}
+            Part::Constant => model.constant_force = value,
+            Part::Effect(number) => {
+                let size = |key: &str| SIZES.contains(&key);
+                let own = &mut model.effects[number].values;
+                if let Some((_, own)) = own.iter_mut().find(|(key, _)| size(key)) {
+                    *own = value;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! What of a line or a narrow place chance takes as well: copies of its own columns at other times, and waves of the state that the
+//! machine does not have. Ripples at other periods are no such measure: harmonics of the motion stand out as well as a true line does.
+
+use super::ground::{Ground, Hypothesis};
+use super::term::Term;
+use crate::statistics::quantile_between_ranks;
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+
+/// Copies of the columns at other times.
+const COPIES: usize = 32;
+/// Least and greatest lag of a copy, of the rows.
+const LAGS: [f64; 2] = [0.05, 0.95];
+/// Waves of the state.
+const WAVES: usize = 48;
+/// Least and most cycles of a wave over what a coordinate covers.
+const CYCLES: [f64; 2] = [0.5, 30.0];
+/// The quantile that stands for what chance takes.
+const CHANCE: f64 = 0.9;
+/// The least and the most that is told of it, as a logarithm: beyond e⁴ more says nothing more.
+const TOLD: f64 = 4.0;
+
+/// How a name stands out of chance, as logarithms of what it takes over what chance does; 0 where it is not asked.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Placebo {
+    /// Over copies of its columns at other times, every second one reversed.
+    pub shifted: f64,
+    /// Over waves of position, velocity and displacement since reversal, a column.
+    pub state: f64,
+}
+
+impl Placebo {
+    /// Of a term that is a line or a narrow place, on top of the others; `None` where nothing of it is new.
+    pub fn of(ground: &Ground, rest: &Hypothesis, term: &Term) -> Option<Self> {
+        let taken = |columns: &[Vec<f64>]| rest.normal.reduction(columns).map_or(0.0, |r| r.0);
+        let own = ground.columns(term);
+        let (own, taken_by_it): (&[Vec<f64>], f64) = (&own, taken(&own));
+        let rows = own.first()?.len();
+        let copies: Vec<f64> = (0..COPIES)
+            .into_par_iter()
+            .map(|k| {
+                let lag = LAGS[0] + (LAGS[1] - LAGS[0]) * spread(k, 0);
+                let lag = (lag * rows as f64) as usize;
+                let copies = own.iter().map(|c| copy(c, lag, k % 2 == 1));
+                taken(&copies.collect::<Vec<_>>())
+            })
+            .collect();
+        let waves: Vec<f64> = state_waves(ground)
+            .into_par_iter()
+            .map(|wave| taken(&[wave]))
+            .collect();
+        let over = |taken: f64, chance: &[f64]| {
+            let chance = quantile_between_ranks(chance, CHANCE);
+            (taken.max(f64::MIN_POSITIVE) / chance.max(f64::MIN_POSITIVE))
+                .ln()
+                .clamp(-TOLD, TOLD)
+        };
+        Some(Self {
+            shifted: over(taken_by_it, &copies),
+            state: over(taken_by_it / own.len() as f64, &waves),
+        })
+    }
+}
+
+/// A column a lag later, its end before its beginning, or that reversed.
+fn copy(column: &[f64], lag: usize, reversed: bool) -> Vec<f64> {
+    let mut copy = column.to_vec();
+    copy.rotate_right(lag.min(column.len()));
+    if reversed {
+        copy.reverse();
+    }
+    copy
+}
+
+/// Value `k` of a sequence that fills the unit interval evenly, another for each dimension (Roberts's, of the roots of x⁵ = x + 1): nothing is
+/// drawn, so that what is said of a recording is always the same.
+fn spread(k: usize, dimension: i32) -> f64 {
+    const ROOT: f64 = 1.167_303_978_261_418_7;
+    (0.5 + (k + 1) as f64 * ROOT.powi(-(dimension + 1))).fract()
+}
+
+/// Waves over a third each of position, of velocity and displacement since reversal, and of all three, every second one of the friction level.
+fn state_waves(ground: &Ground) -> Vec<Vec<f64>> {
+    let (s, weak) = (&ground.rows.s, &ground.rows.weak);
+    let friction = weak.at_centres(&ground.baseline.friction);
+    let state: Vec<Vec<f64>> = [&s.x, &s.v, &s.since_reversal]
+        .map(|c| unit(weak.at_centres(c)))
+        .to_vec();
+    (0..WAVES)
+        .map(|k| {
+            let cycles = |axis: usize| {
+                let used = [axis == 0, axis > 0, true][k % 3];
+                let share = spread(k, axis as i32);
+                f64::from(used) * CYCLES[0] * (CYCLES[1] / CYCLES[0]).powf(share)
+            };
+            let turns: Vec<f64> = (0..state.len()).map(cycles).collect();
+            let phase = spread(k, state.len() as i32);
+            (0..friction.len())
+                .map(|i| {
+                    let along = turns.iter().zip(&state).map(|(t, c)| t * c[i]);
+                    let wave = (TAU * (phase + along.sum::<f64>())).cos();
+                    if k / 3 % 2 == 0 {
+                        wave
+                    } else {
+                        wave * friction[i]
+                    }
+                })
+                .collect()
+        })
+        .collect()
+}
+
+/// A coordinate over what most of it covers.
+fn unit(values: Vec<f64>) -> Vec<f64> {
+    let [low, high] = [0.05, 0.95].map(|q| quantile_between_ranks(&values, q));
+    let covered = (high - low).max(f64::MIN_POSITIVE);
+    values.into_iter().map(|v| (v - low) / covered).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sequence_fills_the_interval() {
+        for dimension in 0..4 {
+            let mut values: Vec<f64> = (0..WAVES).map(|k| spread(k, dimension)).collect();
+            values.sort_by(f64::total_cmp);
+            let gap = values.windows(2).map(|p| p[1] - p[0]).fold(0.0, f64::max);
+            assert!(gap < 7.0 / WAVES as f64, "{dimension}: {gap}");
+        }
+    }
+
+    #[test]
+    fn a_copy_is_the_column_at_another_time() {
+        let column: Vec<f64> = (0..5).map(f64::from).collect();
+        assert_eq!(copy(&column, 2, false), [3.0, 4.0, 0.0, 1.0, 2.0]);
+        assert_eq!(copy(&column, 2, true), [2.0, 1.0, 0.0, 4.0, 3.0]);
+    }
+}

@@ -1,0 +1,259 @@
+//! What is told of the user's model, of the recording's columns and of its clock, before any name.
+
+use super::*;
+use crate::recording::Extra;
+use column::Kind;
+
+/// The made machine's own model, its friction level and inertia times factors, with viscous friction (N·s/m).
+fn model(level: f64, inertia: f64, viscous: f64) -> Model {
+    let stiffness = BLOCKS.map(|b| level * b.0);
+    Model {
+        inertia: inertia * MASS_KG,
+        viscous,
+        ..Model::of_friction(
+            MotionKind::Linear,
+            FrictionModel::maxwell_slip(&stiffness, &BLOCKS.map(|b| b.1)),
+        )
+    }
+}
+
+fn told(recording: &Recording, model: Option<&Model>) -> Diagnosis {
+    let found = diagnose(recording, model, &Progress::new("", 0)).expect("a diagnosis");
+    println!("{}", found.verdict_words(recording));
+    found
+}
+
+fn ids(found: &Diagnosis) -> Vec<&'static str> {
+    found.confident().map(|e| e.id()).collect()
+}
+
+#[test]
+fn wrong_parameters_are_told_and_right_ones_are_not() {
+    let recording = made(|_, _, v| 8.0 * v);
+    let right = told(&recording, Some(&model(1.0, 1.0, 8.0)));
+    assert_eq!(right.verdict, Verdict::Consistent);
+    let own = right.given_model.as_ref().expect("a model");
+    println!("{} {}", own.stands, own.refitted);
+    assert!(own.stands < 1.2 * own.refitted && own.wrong().next().is_none());
+
+    for (given, key, value) in [
+        (model(0.7, 1.0, 8.0), "breakaway_N", 3.0),
+        (model(1.0, 0.6, 8.0), "mass_kg", MASS_KG),
+    ] {
+        let found = told(&recording, Some(&given));
+        assert_eq!(found.verdict, Verdict::ParametersDiffer, "{key}");
+        assert_eq!(found.verdict.name(), "parameters-differ");
+        let own = found.given_model.as_ref().expect("a model");
+        assert!(
+            own.stands > 3.0 * own.refitted,
+            "{} {}",
+            own.stands,
+            own.refitted
+        );
+        let wrong: Vec<_> = own.wrong().collect();
+        assert_eq!(
+            wrong.iter().map(|p| p.key.as_str()).collect::<Vec<_>>(),
+            [key]
+        );
+        let refitted = &wrong[0].found;
+        println!("{key} {refitted:?}");
+        assert!((refitted.value / value - 1.0).abs() < 0.02, "{refitted:?}");
+        assert!(found.recommendation().contains(key));
+        // What is written is never worse than what was given, and says what it replaces.
+        let extended = found.extended_model(&recording, Some(&given));
+        let again = told(&recording, Some(&extended.model));
+        let stands = |d: &Diagnosis| d.given_model.as_ref().map(|g| g.stands);
+        assert!(stands(&again) < stands(&found).map(|s| s / 3.0));
+        assert!(!extended.replaces.is_empty());
+        assert_eq!(again.verdict, Verdict::Consistent);
+    }
+}
+
+#[test]
+fn missing_physics_is_no_wrong_parameter() {
+    let recording = made(|_, x, v| 8.0 * v + 0.5 * (x / 8e-4).sin());
+    let found = told(&recording, Some(&model(1.0, 1.0, 8.0)));
+    assert_eq!(found.verdict, Verdict::MissingPhysics);
+    assert_eq!(ids(&found), ["periodic_force"]);
+    let own = found.given_model.as_ref().expect("a model");
+    assert!(own.wrong().next().is_none());
+}
+
+#[test]
+fn a_long_delay_is_a_shift() {
+    for delay in [0.016, -0.024] {
+        let mut recording = made(|_, _, v| 8.0 * v);
+        let samples = (delay / STEP_S) as i64;
+        let prompt = recording.effort.clone();
+        let last = prompt.len() as i64 - 1;
+        for (i, f) in recording.effort.iter_mut().enumerate() {
+            *f = prompt[(i as i64 - samples).clamp(0, last) as usize];
+        }
+        let found = told(&recording, Some(&model(1.0, 1.0, 8.0)));
+        assert_eq!(ids(&found), ["channel_delay"]);
+        let stated = &found.confident().next().expect("a delay").parameters[0];
+        println!("{stated:?}");
+        assert_eq!(stated.0, "delay_s");
+        assert!((stated.1.value / delay - 1.0).abs() < 0.03, "{stated:?}");
+        assert!(found.extended.test < 0.3 * found.baseline.test);
+        let extended = found.extended_model(&recording, Some(&model(1.0, 1.0, 8.0)));
+        assert!(
+            extended
+                .model
+                .effects
+                .iter()
+                .any(|e| e.id() == "channel_delay")
+        );
+    }
+    let prompt = told(&made(|_, _, v| 8.0 * v), Some(&model(1.0, 1.0, 8.0)));
+    assert!(
+        !prompt
+            .effects
+            .iter()
+            .any(|e| e.id() == "channel_delay" && e.confident)
+    );
+}
+
+#[test]
+fn a_spring_has_its_own_centre() {
+    let recording = made(|_, x, _| 60.0 * (x - 0.04));
+    let found = told(&recording, None);
+    assert_eq!(ids(&found), ["position_spring"]);
+    let [stiffness, centre] = [0, 1].map(|k| found.effects[0].parameters[k].1);
+    println!("{stiffness:?} {centre:?}");
+    assert!((stiffness.value / 60.0 - 1.0).abs() < 0.05);
+    assert!((centre.value - 0.04).abs() < 0.003);
+    let [low, high] = centre.ci95.expect("an interval");
+    assert!(low < 0.04 && 0.04 < high && high - low < 0.02);
+}
+
+/// The recording with further columns: what a force was computed from, its own command, and another axis.
+#[test]
+fn a_column_of_the_effort_couples_to_nothing() {
+    let drag = |v: f64| 8.0 * v;
+    let other = |t: f64| 0.02 * (2.7 * t).sin();
+    let mut recording = made(|t, _, v| drag(v) + 30.0 * other(t));
+    let (effort, position) = (recording.effort.clone(), recording.position.clone());
+    let at = |i: usize| i as f64 * STEP_S;
+    let mut add = |name: &str, values: Vec<f64>| {
+        let name = name.to_owned();
+        recording.extra.push(Extra { name, values });
+    };
+    let late = |i: usize| effort[i.saturating_sub(3)];
+    let noise = |i: usize| 0.3 * (at(i) * at(i) * 977.0).sin();
+    add(
+        "i_q",
+        (0..SAMPLES)
+            .map(|i| 0.25 * late(i) + 0.25 * noise(i))
+            .collect(),
+    );
+    add(
+        "x_ref",
+        (0..SAMPLES)
+            .map(|i| position[(i + 4).min(SAMPLES - 1)])
+            .collect(),
+    );
+    add("other_m", (0..SAMPLES).map(|i| other(at(i))).collect());
+    let found = told(&recording, None);
+    let left_out: Vec<(&str, Kind)> = found
+        .ground
+        .rows
+        .s
+        .left_out
+        .iter()
+        .map(|(n, k)| (n.as_str(), *k))
+        .collect();
+    assert_eq!(
+        left_out,
+        [("i_q", Kind::Effort), ("x_ref", Kind::OwnMotion)]
+    );
+    let mut named = ids(&found);
+    named.sort_unstable();
+    assert_eq!(named, ["axis_coupling", "viscous"]);
+}
+
+#[test]
+fn expected_noise_is_never_more_than_what_is_left() {
+    let shaken = |t: f64| 9.0 * (3.0 * (2.3 * t).sin() + 5.0 * (0.7 * t).cos()).sin();
+    for found in [
+        told(&made(|t, _, _| shaken(t)), None),
+        told(&made(|_, _, v| 8.0 * v), None),
+        told(&made(|_, _, _| 0.0), None),
+    ] {
+        assert!(found.noise_floor <= found.extended.test);
+    }
+    // Where noise is all that is left, it is measured as that; where a force is, it is not.
+    let clean = told(&made(|_, _, _| 0.0), None);
+    assert!(
+        clean.noise_floor > 0.7 * clean.extended.test,
+        "{} {}",
+        clean.noise_floor,
+        clean.extended.test
+    );
+    let slow = told(&made(|t, _, _| shaken(t)), None);
+    assert!(slow.noise_floor < 0.1 * slow.extended.test);
+    assert!(!slow.recommendation().contains("what is left is noise"));
+}
+
+/// Cogging stands out of copies at other times and of waves of the state; a line where there is none does not.
+#[test]
+fn a_line_is_held_against_placebos() {
+    let period = 5e-3;
+    let recording = made(|_, x, _| 0.15 * (std::f64::consts::TAU * x / period).cos());
+    let ground = ground(&recording);
+    let rest = ground.fit(&[by_id("channel_delay")]).expect("a fit");
+    let of = |period: f64| {
+        let effect = effect::by_id("periodic_force").expect("in the catalogue");
+        let term = Term::new(Subject::Effect(effect), &[period]);
+        placebo::Placebo::of(&ground, &rest, &term).expect("columns")
+    };
+    let (there, absent) = (of(period), of(0.7 * period));
+    println!("{there:?} {absent:?}");
+    assert!(there.shifted > 2.0 && there.state > 2.0);
+    assert!(absent.shifted < 1.0 && absent.state < 1.0);
+}
+
+#[test]
+fn what_contains_a_name_does_not_testify_against_it() {
+    let of = |id: &str| effect::by_id(id).expect("in the catalogue");
+    let contains = |c: change::Change| {
+        let ids = [
+            "viscous",
+            "constant_force",
+            "position_spring",
+            "periodic_force",
+        ];
+        ids.map(|id| c.contains(of(id)))
+    };
+    assert_eq!(contains(change::Change::Rate), [true, false, false, false]);
+    assert_eq!(
+        contains(change::Change::PerDirection),
+        [false, true, false, false]
+    );
+    assert_eq!(
+        contains(change::Change::LateYields),
+        [false, false, true, false]
+    );
+}
+
+#[test]
+fn friction_does_not_push() {
+    let asymmetry = by_id("coulomb_asymmetry");
+    assert!(asymmetry.admits(&[0.4]) && asymmetry.admits(&[-0.9]));
+    assert!(!asymmetry.admits(&[1.74]) && !asymmetry.admits(&[-1.1]));
+}
+
+/// Friction that falls with time is told without a temperature column, with run-in as likely.
+#[test]
+fn warming_shows_without_a_thermometer() {
+    let recording = made(|t, _, v| 1.5 * v.signum() * ((-t / 12.0).exp() - 0.5));
+    let found = told(&recording, None);
+    let drift = found
+        .confident()
+        .find(|e| matches!(e.id(), "thermal_drift" | "run_in"));
+    let drift = drift.expect("a drift");
+    let rivals: Vec<&str> = drift.ambiguous.iter().map(|e| e.id()).collect();
+    println!("{} {rivals:?}", drift.id());
+    assert!(rivals.contains(&"thermal_drift") || rivals.contains(&"run_in"));
+    assert!(!found.lacks.iter().any(|l| l.hides.contains(&drift.id())));
+}
