@@ -14,6 +14,7 @@ mod homing;
 mod loads;
 mod reachable;
 mod rows;
+mod spans;
 
 use rows::{Row, rows};
 
