@@ -94,6 +94,8 @@ pub enum Bound {
     Representable(f64),
     /// Rounds to zero in the chosen [`Units`]: the number type is too coarse.
     Resolvable,
+    /// A limit that nothing exceeds, since what is compared with it ends here: its fault would never come.
+    Reachable(f64),
 }
 
 impl ParamError {
@@ -129,6 +131,10 @@ impl fmt::Display for ParamError {
             Bound::Resolvable => write!(
                 f,
                 ": it rounds to zero in the number type; choose smaller units or a finer type"
+            ),
+            Bound::Reachable(most) => write!(
+                f,
+                ": it must be below {most}, which is all that can be measured or computed here, or it would never act"
             ),
         }
     }
@@ -206,6 +212,31 @@ pub(crate) fn fits<S: Scalar>(name: &'static str, value: f64) -> Result<(), Para
     } else {
         Err(refuse(name, value, Bound::Representable(S::greatest())))
     }
+}
+
+/// Refuses a limit that nothing exceeds. `own` is the limit as it is compared, in units of `unit`; what it is compared with is at
+/// most `most` of them.
+pub(crate) fn reachable(
+    name: &'static str,
+    own: f64,
+    most: f64,
+    unit: f64,
+) -> Result<f64, ParamError> {
+    if own < most {
+        Ok(own)
+    } else {
+        Err(refuse(name, own * unit, Bound::Reachable(most * unit)))
+    }
+}
+
+/// The same for a time, as whole ticks of `sample_time` (s): what counts them ends at the largest `u32`.
+pub(crate) fn reachable_ticks(
+    name: &'static str,
+    time: f64,
+    sample_time: f64,
+) -> Result<u32, ParamError> {
+    let ticks = libm::ceil(time / sample_time);
+    reachable(name, ticks, u32::MAX.into(), sample_time).map(|ticks| ticks as u32)
 }
 
 /// The magnitude of a result that was computed with saturation, refusing one at the range's end.

@@ -114,6 +114,29 @@ pub struct Board {
 }
 
 impl Board {
+    /// Limits that nothing reaches which this board reads.
+    fn out_of_reach(&self, name: &str, watch: &FaultLimits) -> Vec<String> {
+        // The last of 4096 codes, on the side of the middle that has fewer; in mV and 0.1 mA, which end at 16 bits.
+        let supply = (self.supply_full * 4095.0 / 4096.0).min(65.535);
+        let current = (self.current_span * 2047.0 / 4096.0).min(3.2767);
+        let mut wrong = Vec::new();
+        let mut expect = |limit: &str, value: f64, most: f64, key: &str| {
+            if value >= most {
+                wrong.push(format!(
+                    "{limit} is {value}, but with boards.{name}.{key} the board reads {most:.4} at most, so that the fault would never come; lower the limit, or leave [boards.{name}] out if this axis has another board"
+                ));
+            }
+        };
+        expect("watch.supply_max", watch.supply_max, supply, "supply_full");
+        expect(
+            "watch.current_max with watch.current_offset",
+            watch.current_max + watch.current_offset,
+            current,
+            "current_span",
+        );
+        wrong
+    }
+
     fn wrong(&self, name: &str) -> Vec<String> {
         let mut wrong = Vec::new();
         let mut expect = |key: &str, value: f64, valid: bool, bound: &str| {
@@ -241,7 +264,11 @@ impl AxisFile {
         let mut errors: Vec<String> = file
             .boards
             .iter()
-            .flat_map(|(name, board)| board.wrong(name))
+            .flat_map(|(name, board)| {
+                let mut wrong = board.wrong(name);
+                wrong.extend(board.out_of_reach(name, &file.watch));
+                wrong
+            })
             .collect();
         let limits = &file.limits;
         if limits.travel_low.is_some() != limits.travel_high.is_some() {

@@ -450,7 +450,7 @@ fn an_axis_enabled_again_begins_as_a_new_one() {
         // Smoothing of 256, 64 and 8 ticks.
         let mut axis = Axis::PAPER_AXIS;
         // Without friction braking takes more than it would stand.
-        axis.watch.frozen_duty = 1.0;
+        axis.watch.frozen_time = 1e3;
         axis.limits.jerk = [160.0, 625.0, 5000.0][rng.random_range(0..3)];
         let coefficients = Coefficients::try_new(&axis, friction(), Units::SI).expect("valid");
         used.disable();

@@ -3,7 +3,7 @@
 use super::{
     Axis, Compensator, Encoder, Fade, Limiter, Monitor, MotorDrive, Pace, Pid, VelocitySource,
 };
-use crate::param::{ParamError, to_scalar};
+use crate::param::{ParamError, fits, reachable, reachable_ticks, to_scalar};
 use crate::{EncoderScale, Friction, Motion, Scalar, Units};
 use core::hint::cold_path;
 
@@ -59,10 +59,26 @@ impl<F: Friction> Coefficients<F> {
         let pace = Pace::try_new(&axis.limits, axis.grid())?;
         let smoothing = f64::from(pace.smoothing());
         let limiter = Limiter::try_new(axis.duty_limit, hardware.steps.into())?;
-        let monitor = Monitor::<F::Scalar>::try_new(axis, units)?;
         let codes = axis.motor.supply / hardware.supply_code;
         let nominal = libm::ceil(codes);
         let length_per_count: F::Scalar = to_scalar("length of a count", count / units.length)?;
+        let length_per_q16 = length_per_count.per_q16();
+        let monitor =
+            Monitor::<F::Scalar>::try_new(axis, units, length_per_q16, limiter.largest())?;
+        let motor = MotorDrive::try_new(&axis.motor, hardware, units)?;
+        // Else forces would end below the limit and the integral not learn that they are cut, at the highest supply as well.
+        reachable(
+            "duty limit",
+            limiter.largest().into(),
+            motor.most() * axis.motor.supply / axis.motor.supply.max(axis.watch.supply_max),
+            1.0 / f64::from(hardware.steps),
+        )?;
+        // What a motion within the limits makes.
+        fits::<F::Scalar>("top speed", axis.watch.top_speed / units.velocity)?;
+        fits::<F::Scalar>(
+            "acceleration limit",
+            axis.limits.acceleration / units.velocity,
+        )?;
         let acceleration_per_change: F::Scalar = to_scalar(
             "acceleration of a count per tick², smoothed,",
             count / (sample_time * sample_time) / units.velocity / smoothing,
@@ -71,7 +87,7 @@ impl<F: Friction> Coefficients<F> {
         Ok(Self {
             scale: EncoderScale::try_new(count, sample_time, window, timeout, units)?,
             length_per_count,
-            length_per_q16: length_per_count.per_q16(),
+            length_per_q16,
             velocity_per_length: to_scalar(
                 "velocity per displacement of a tick",
                 units.length / sample_time / units.velocity,
@@ -79,7 +95,7 @@ impl<F: Friction> Coefficients<F> {
             acceleration_per_change: acceleration_per_change.per_q16(),
             pid: Pid::try_new(&axis.gains, sample_time, units)?,
             compensator: Compensator::try_new(friction, &axis.feed_forward, units)?,
-            motor: MotorDrive::try_new(&axis.motor, hardware, units)?,
+            motor,
             supply_nominal: nominal as i32,
             supply_part: to_scalar("supply voltage in codes", codes / nominal)?,
             gentle: limiter.largest().min(monitor.gentle()),
@@ -91,8 +107,7 @@ impl<F: Friction> Coefficients<F> {
             code_sign: sign(axis.motor.reversed),
             // At most 10⁹, by the check above.
             turn: turn as i32,
-            // Saturating: more ticks than `u32` holds are as good as endless.
-            silence: libm::ceil(axis.silence / sample_time) as u32,
+            silence: reachable_ticks("silence of the host", axis.silence, sample_time)?,
         })
     }
 

@@ -245,7 +245,8 @@ impl<F: Friction, C: Count> Controller<F, C> {
         position.wrapping_sub(self.position << 32) >> 16
     }
 
-    /// Positions are counted from the axis's own origin.
+    /// Positions are counted from the axis's own origin: it has been told, and nothing has happened since by which the count may be
+    /// wrong ([`Fault::doubts_count`], or a jump while disabled).
     pub fn is_located(&self) -> bool {
         self.located
     }
@@ -291,6 +292,8 @@ impl<F: Friction, C: Count> Controller<F, C> {
                 _ => F::Scalar::ZERO,
             };
             let friction = (new != left).then_some(memory);
+            // What a lower limit takes from the integral fades, too.
+            let added = added.add_input(coefficients.pid.shorten(&mut self.pid));
             let old = self.coefficients.clone();
             self.leaving = Some(Leaving::start(old, friction, &coefficients.fade, added));
         }
@@ -452,10 +455,23 @@ impl<F: Friction, C: Count> Controller<F, C> {
     fn watch(&mut self, measured: &Measurement<C>, counts: i32) -> Option<Command> {
         if !self.enabled {
             self.suspicion.calibrate(measured.current);
+            let monitor = &self.coefficients.monitor;
+            monitor.cool(&mut self.suspicion);
+            if monitor.jumped(counts) {
+                self.located = false;
+            }
             return Some(self.off());
+        }
+        if self.suspicion.knows_no_rest() {
+            // Enabled before any tick: what is read now is from before the bridge is driven.
+            self.suspicion.calibrate(measured.current);
+            if let Some(fault) = self.coefficients.monitor.at_rest(&self.suspicion) {
+                return Some(self.trip(fault));
+            }
         }
         let readings = Readings {
             counts,
+            stands: self.reference.is_at_rest(),
             code: self.code,
             supply: measured.supply,
             current: measured.current,
@@ -505,6 +521,9 @@ impl<F: Friction, C: Count> Controller<F, C> {
     #[inline]
     fn trip(&mut self, fault: Fault) -> Command {
         self.fault = Some(fault);
+        if fault.doubts_count() {
+            self.located = false;
+        }
         self.disable();
         self.off()
     }

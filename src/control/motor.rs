@@ -195,6 +195,12 @@ impl<S: Scalar> MotorDrive<S> {
         })
     }
 
+    /// More codes than the largest force makes at the nominal supply (-); infinite in floats.
+    pub(super) fn most(&self) -> f64 {
+        let force = self.codes_per_force.to_f64() * S::greatest();
+        force.min(S::greatest())
+    }
+
     /// The PWM code for a force at a velocity; `None` where the result is not a number.
     ///
     /// `boost` is nominal over measured supply voltage (-). The part of a code that rounding leaves over is

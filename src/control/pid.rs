@@ -102,6 +102,13 @@ impl<S: Scalar> Pid<S> {
         immediate.add_input(state.integral)
     }
 
+    /// Holds the integral to the limit; the force that is taken from it.
+    pub(super) fn shorten(&self, state: &mut PidState<S>) -> S {
+        let before = state.integral;
+        state.integral = before.limited(self.integral_limit);
+        before.sub_input(state.integral)
+    }
+
     /// The force without its memory, `K_p·e + K_d·(v_ref − v)`.
     #[inline]
     pub(super) fn immediate(&self, error: S, velocity_error: S) -> S {

@@ -178,6 +178,12 @@ impl Reference {
         self.smoothing.left == 0 && self.is_idle()
     }
 
+    /// It did not move in the last tick.
+    #[inline]
+    pub(super) fn is_at_rest(&self) -> bool {
+        self.smoothing.is_at_rest()
+    }
+
     /// Position (2⁻³² counts), which wraps after 2³² counts.
     #[inline]
     pub(super) fn position(&self) -> i64 {

@@ -93,6 +93,12 @@ impl Smoothing {
         }
     }
 
+    /// The smoothed speed is 0.
+    #[inline]
+    pub(super) fn is_at_rest(&self) -> bool {
+        self.sum == 0
+    }
+
     /// By how many bits speeds are to be lifted.
     #[inline]
     pub(super) fn lift(&self) -> u32 {

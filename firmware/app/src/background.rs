@@ -333,8 +333,9 @@ impl<M: Model> Background<M> {
             jog: jog.map_err(|_| Refusal::TooFast)?,
             to: self.counts(homing.position_m)?,
             lag: (lag as i64).max(1),
-            push: ((push / hardware.current_code) as u16).max(1),
-            patience: patience as u16,
+            // Below what a current and a count of ticks end at.
+            push: ((push / hardware.current_code) as u16).clamp(1, i16::MAX as u16),
+            patience: (patience as u16).min(u16::MAX - 1),
             stall: Stall::default(),
             back,
         };

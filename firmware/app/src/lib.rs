@@ -13,6 +13,7 @@ mod learning;
 mod model;
 mod parameters;
 mod queues;
+mod sense;
 mod tasks;
 mod telemetry;
 
@@ -23,6 +24,7 @@ pub use learning::Learner;
 pub use model::{Blocks, Exported, Model, Number, STARTING_MODEL};
 pub use parameters::Parameters;
 pub use queues::ROOM;
+pub use sense::Scales;
 pub use tasks::{Queues, Start};
 
 /// Bytes that a board's ring for received bytes must hold, so that the frames that a host may have on their way find room while the

@@ -8,9 +8,13 @@ use preslide::{Friction, Motion, QuasiStaticGms, Units};
 use preslide_host_tests::table3;
 use preslide_sim::stage::{Stage, StageConfig};
 
+mod after;
 mod drive;
 mod homing;
+mod loads;
+mod reachable;
 mod rows;
+mod spans;
 
 use rows::{Row, rows};
 

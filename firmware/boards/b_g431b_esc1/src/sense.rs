@@ -9,16 +9,13 @@ use embassy_stm32::adc::{Adc, AdcConfig};
 use embassy_stm32::opamp::{OpAmp, OpAmpGain, OpAmpSpeed};
 use embassy_stm32::pac;
 use embassy_stm32::pac::adc::vals::{Exten, SampleTime};
+use preslide_app::Scales;
 use embassy_stm32::peripherals::{ADC1, ADC2, OPAMP1, OPAMP2, PA0, PA1, PA2, PA3, PA5, PA6, PA7};
 
 /// ADC codes at the 3.3 V reference.
 const FULL: i32 = 4096;
 
-/// Supply (mV) at full scale.
-const SUPPLY_FULL: u32 = (BOARD.supply_full * 1e3 + 0.5) as u32;
-
-/// Winding current (0.1 mA) from end to end of the scale.
-const CURRENT_SPAN: i32 = (BOARD.current_span * 1e4 + 0.5) as i32;
+const SCALES: Scales = Scales::new(BOARD.supply_full, BOARD.current_span);
 
 /// Channels of PA2 and PA6, the amplifiers' outputs, on their converters, and of PA0 (DS12589, pin definitions).
 const AMPLIFIER: u8 = 3;
@@ -110,8 +107,7 @@ impl Sense {
     #[inline]
     pub fn read(&mut self) -> (u16, i16) {
         let read = [pac::ADC1, pac::ADC2].map(|adc| i32::from(adc.jdr(0).read().jdata()));
-        let supply = u32::from(pac::ADC1.jdr(1).read().jdata()) * SUPPLY_FULL / FULL as u32;
-        let supply = supply as u16;
+        let supply = SCALES.supply(pac::ADC1.jdr(1).read().jdata());
         if !pac::TIM1.bdtr().read().moe() {
             for (offset, read) in self.offsets.iter_mut().zip(read) {
                 *offset += read - (*offset >> 8);
@@ -122,8 +118,6 @@ impl Sense {
         }
         let [u, v] = [0, 1].map(|of: usize| read[of] - (self.offsets[of] >> 8));
         let v_drives = pac::TIM1.ccr(1).read().ccr() > 0;
-        let codes = if v_drives { -u } else { v };
-        let current = codes * CURRENT_SPAN / FULL;
-        (supply, current.clamp(-32_767, 32_767) as i16)
+        (supply, SCALES.current(if v_drives { -u } else { v }))
     }
 }

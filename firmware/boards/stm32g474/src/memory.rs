@@ -2,6 +2,9 @@
 
 #![allow(unsafe_code)]
 
+use crate::half_bridges;
+use core::sync::atomic::{AtomicBool, Ordering};
+use cortex_m_rt::exception;
 use embassy_stm32::pac;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use preslide_app::Parameters;
@@ -32,6 +35,40 @@ pub fn slots() -> Option<Slots<Pages>> {
     two_banks.then(slots).flatten()
 }
 
+/// The pages are being read; and a double word was met there whose ECC finds two wrong bits or more.
+static READING: AtomicBool = AtomicBool::new(false);
+static TORN: AtomicBool = AtomicBool::new(false);
+
+/// What a double ECC error comes as (RM0440, "Error code correction"). A cut of power while parameters are saved leaves such words, and
+/// they stay until the page is erased: the read goes on, and its slot is no record. Anywhere else it is the program that is damaged,
+/// and any other cause is none that this firmware sets up: the bridge opens, and the watchdog, where it runs, resets.
+// Unsafe because it may interrupt anything: it takes no lock and shares only atomics and registers.
+#[exception]
+unsafe fn NonMaskableInt() {
+    let found = pac::FLASH.eccr().read();
+    if (found.eccd() || found.eccd2()) && READING.load(Ordering::Relaxed) {
+        TORN.store(true, Ordering::Relaxed);
+        // Flags are cleared by writing 1 to them.
+        pac::FLASH.eccr().modify(|w| {
+            w.set_eccd(true);
+            w.set_eccd2(true);
+        });
+        return;
+    }
+    half_bridges::off();
+    loop {
+        cortex_m::asm::nop();
+    }
+}
+
+/// Reads a byte of the pages; the error of its double word, if it has one, has come when this returns.
+fn byte(address: usize) -> u8 {
+    // Safety: every caller is in this module and passes an address within the two pages.
+    let byte = unsafe { (address as *const u8).read_volatile() };
+    cortex_m::asm::dsb();
+    byte
+}
+
 /// Waits for the end of an operation; whether it went well.
 fn settle() -> Result<(), NorFlashErrorKind> {
     while pac::FLASH.sr().read().bsy() {}
@@ -57,12 +94,19 @@ fn unlocked(act: impl FnOnce() -> Result<(), NorFlashErrorKind>) -> Result<(), N
             pac::FLASH.keyr().write_value(key);
         }
     }
+    // The data cache would go on with what was there before (RM0440, "Flash main memory erase sequences"): it is off meanwhile, and
+    // emptied, which only works while it is off.
+    let cached = pac::FLASH.acr().read().dcen();
+    pac::FLASH.acr().modify(|w| w.set_dcen(false));
     let done = settle().or(Ok(())).and_then(|()| act());
     pac::FLASH.cr().modify(|w| {
         w.set_pg(false);
         w.set_per(false);
         w.set_lock(true);
     });
+    pac::FLASH.acr().modify(|w| w.set_dcrst(true));
+    pac::FLASH.acr().modify(|w| w.set_dcrst(false));
+    pac::FLASH.acr().modify(|w| w.set_dcen(cached));
     done
 }
 
@@ -78,9 +122,14 @@ impl ReadNorFlash for Pages {
         if from + bytes.len() > self.capacity() {
             return Err(NorFlashErrorKind::OutOfBounds);
         }
-        for (at, byte) in (BASE + from..).zip(bytes) {
-            // Safety: within the two pages, by the check above.
-            *byte = unsafe { (at as *const u8).read_volatile() };
+        TORN.store(false, Ordering::Relaxed);
+        READING.store(true, Ordering::SeqCst);
+        for (at, place) in (BASE + from..).zip(bytes) {
+            *place = byte(at);
+        }
+        READING.store(false, Ordering::SeqCst);
+        if TORN.load(Ordering::Relaxed) {
+            return Err(NorFlashErrorKind::Other);
         }
         Ok(())
     }

@@ -6,15 +6,12 @@ use embassy_stm32::adc::{Adc, AdcConfig};
 use embassy_stm32::pac;
 use embassy_stm32::pac::adc::vals::{Exten, SampleTime};
 use embassy_stm32::peripherals::{ADC1, PC0, PC1};
+use preslide_app::Scales;
 
-/// ADC codes at the 3.3 V reference.
-const FULL: u32 = 4096;
+/// ADC code of no current, the middle of the scale.
+const MIDDLE: i32 = 2048;
 
-/// Supply (mV) at full scale.
-const SUPPLY_FULL: u32 = (BOARD.supply_full * 1e3 + 0.5) as u32;
-
-/// Winding current (0.1 mA) from end to end of the scale, zero in the middle.
-const CURRENT_SPAN: i32 = (BOARD.current_span * 1e4 + 0.5) as i32;
+const SCALES: Scales = Scales::new(BOARD.supply_full, BOARD.current_span);
 
 /// ADC1's channels of PC0 and PC1 (DS12288, pin definitions).
 const SUPPLY: u8 = 6;
@@ -76,8 +73,7 @@ impl Sense {
     #[inline]
     pub fn read(&self) -> (u16, i16) {
         let current = i32::from(pac::ADC1.jdr(0).read().jdata());
-        let supply = u32::from(pac::ADC1.jdr(1).read().jdata());
-        let current = (current - FULL as i32 / 2) * CURRENT_SPAN / FULL as i32;
-        ((supply * SUPPLY_FULL / FULL) as u16, current as i16)
+        let supply = pac::ADC1.jdr(1).read().jdata();
+        (SCALES.supply(supply), SCALES.current(current - MIDDLE))
     }
 }
