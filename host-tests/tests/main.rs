@@ -16,6 +16,7 @@ mod identify_core;
 mod kernels;
 mod learning;
 mod parameters;
+mod plain;
 mod properties;
 mod real;
 mod reference;
