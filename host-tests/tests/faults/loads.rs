@@ -1,6 +1,6 @@
 //! Axes that carry a load at rest, and current senses that are off: on the simulated stage.
 
-use crate::coefficients;
+use super::coefficients;
 use preslide::control::{Axis, Controller, Fault, Measurement, Move};
 use preslide_sim::stage::{Stage, StageConfig};
 
