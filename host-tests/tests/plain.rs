@@ -11,7 +11,7 @@ use preslide_host::model::Model;
 use preslide_host::progress::Progress;
 use preslide_host::recording::{self, LoadOptions, Recording};
 use preslide_host::simulate;
-use preslide_host_tests::recordings;
+use preslide_host_tests::shared;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -88,7 +88,7 @@ fn holds(found: &Identification, name: &str, truth: f64, tolerance: f64) {
 
 /// A file in `../shared/cases`.
 fn case(name: &str) -> Option<Recording> {
-    let file = recordings()?.parent()?.join("cases").join(name);
+    let file = shared("cases")?.join(name);
     if !file.exists() {
         println!("SKIPPED: no {name} in ../shared/cases");
         return None;
