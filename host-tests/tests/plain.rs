@@ -11,7 +11,7 @@ use preslide_host::model::Model;
 use preslide_host::progress::Progress;
 use preslide_host::recording::{self, LoadOptions, Recording};
 use preslide_host::simulate;
-use preslide_host_tests::recordings;
+use preslide_host_tests::shared;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -88,7 +88,7 @@ fn holds(found: &Identification, name: &str, truth: f64, tolerance: f64) {
 
 /// A file in `../shared/cases`.
 fn case(name: &str) -> Option<Recording> {
-    let file = recordings()?.parent()?.join("cases").join(name);
+    let file = shared("cases")?.join(name);
     if !file.exists() {
         println!("SKIPPED: no {name} in ../shared/cases");
         return None;
@@ -199,7 +199,10 @@ fn a_circle_of_any_radius_has_the_same_blocks() {
             assert!((low..=high).contains(&truth), "{name}: {low} … {high}");
         }
         let stiffest = found.best().blocks[0].1.value;
-        println!("  {} blocks, the stiffest yields at {stiffest:.2e} m", found.best().size());
+        println!(
+            "  {} blocks, the stiffest yields at {stiffest:.2e} m",
+            found.best().size()
+        );
         assert_eq!(found.best().size(), 4);
         assert!((stiffest / 0.9e-6 - 1.0).abs() < 0.2, "{stiffest}");
     }
@@ -218,8 +221,16 @@ fn few_reversals_tell_what_they_can() {
             holds(&found, name, truth, 3e-3);
         }
     }
-    let parts = ["slow-forward", "slow-backward", "fast-forward", "fast-backward"];
-    let parts: Option<Vec<Recording>> = parts.iter().map(|p| case(&format!("sysid_{p}.csv"))).collect();
+    let parts = [
+        "slow-forward",
+        "slow-backward",
+        "fast-forward",
+        "fast-backward",
+    ];
+    let parts: Option<Vec<Recording>> = parts
+        .iter()
+        .map(|p| case(&format!("sysid_{p}.csv")))
+        .collect();
     if let Some(parts) = parts {
         let found = run(&Recording::join(parts).expect("one machine"));
         for (name, truth) in [("coulomb", 0.21), ("viscous", 0.115), ("mass", 12e-3)] {

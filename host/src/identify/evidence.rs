@@ -74,7 +74,11 @@ impl Evidence<'_> {
         let ends = [early, longest].into_iter();
         let ends = ends.filter(|end| *end == longest || yields_by(end));
         let offered: Vec<(Plain, f64)> = ends
-            .flat_map(|end| places.iter().map(move |&place| (Plain { place, ..base }, end)))
+            .flat_map(|end| {
+                places
+                    .iter()
+                    .map(move |&place| (Plain { place, ..base }, end))
+            })
             .collect();
         if self.surface.folds.len() < FEWEST {
             return shown;

@@ -1,8 +1,8 @@
 //! Finished models, run through the library and measured.
 
 use super::maxwell_slip::{self, Selection, Sized};
-use super::refine;
 use super::plain::Plain;
+use super::refine;
 use super::regression::{Regressor, Surface};
 use super::rigid_body::{self, RigidBody};
 use super::virgin::VirginCurve;
@@ -132,11 +132,7 @@ impl Judge<'_> {
         Ok(self.weights.nmse(self.effort, &predicted, self.train))
     }
 
-    pub(super) fn optimal(
-        &self,
-        surface: &Surface,
-        sized: &Sized,
-    ) -> Result<Candidate, String> {
+    pub(super) fn optimal(&self, surface: &Surface, sized: &Sized) -> Result<Candidate, String> {
         let fit = &sized.fit;
         let friction = FrictionModel::maxwell_slip(&fit.stiffness, &fit.yields);
         let method = Method::Optimal;

@@ -18,8 +18,6 @@ const GRID: usize = 56;
 const REFINED: usize = 3;
 /// Relative improvement below which a refinement has converged where only the held-out error is asked for.
 const HELD_OUT: f64 = 1e-4;
-/// … and below which it has on the samples, from where the sums between the grid's yields led.
-const EXACT: f64 = 1e-5;
 
 /// Steps of progress that [`select`] makes.
 pub const STEPS: u64 = (1 + GROUPS + MOST) as u64;
@@ -90,9 +88,7 @@ pub fn select(
     let mut optimal: Vec<Sized> = (1..=MOST)
         .into_par_iter()
         .filter_map(|size| {
-            let near = sizing.best(&choices[size - 1], &whole)?;
-            // The samples have the last word.
-            let fit = refine::refine_until(&exact, near.yields, sizing.range, EXACT);
+            let fit = sizing.best(&choices[size - 1], &whole);
             progress.inc(1);
             let held_out: Vec<f64> = held_out.iter().map(|errors| errors[size]).collect();
             Some(Sized {
@@ -112,10 +108,13 @@ pub fn select(
     if optimal.is_empty() {
         return Err("no Maxwell-slip block with a positive stiffness fits: the effort does not resist the motion; check its sign (--sign) and column (--map)".to_owned());
     }
-    Ok(Selection {
-        knee: knee(&optimal),
-        optimal,
-    })
+    let knee = knee(&optimal);
+    // Of what is recommended the samples have the last word; that costs passes along all of the motion.
+    let yields = optimal[knee].fit.yields.clone();
+    if let Some(fit) = refine::refine(&exact, yields, sizing.range) {
+        optimal[knee].fit = fit;
+    }
+    Ok(Selection { knee, optimal })
 }
 
 /// The search for the yields of every size.

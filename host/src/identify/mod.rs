@@ -20,10 +20,10 @@ use crate::progress::Progress;
 use crate::recording::{MotionKind, Recording};
 use crate::signal::{Kinematics, Split, Window, check_windows};
 use crate::statistics::Estimate;
+use evidence::{Evidence, Shown};
 use family::Family;
 use maxwell_slip::Selection;
 use nalgebra::{DMatrix, DVector};
-use evidence::{Evidence, Shown};
 use plain::{Place, Plain};
 use regression::{Regression, Regressor, Surface};
 use rigid_body::RigidBody;
@@ -410,8 +410,10 @@ impl Fitting<'_> {
         range: (f64, f64),
         progress: &Progress,
     ) -> Result<Searched<'_>, String> {
-        let mut regression =
-            self.regression(plain::every_column(self.recording, self.kinematics), weights);
+        let mut regression = self.regression(
+            plain::every_column(self.recording, self.kinematics),
+            weights,
+        );
         let every = Surface::new(&regression, maxwell_slip::grid(range));
         let evidence = Evidence {
             columns: &regression.columns,

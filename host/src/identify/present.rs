@@ -22,7 +22,10 @@ fn key(kind: MotionKind, name: &str) -> &'static str {
         "mass" => ["mass_kg", "inertia_kg_m2"],
         "viscous" => ["viscous_N_s_per_m", "viscous_Nm_s_per_rad"],
         "viscous_forward" => ["viscous_forward_N_s_per_m", "viscous_forward_Nm_s_per_rad"],
-        "viscous_backward" => ["viscous_backward_N_s_per_m", "viscous_backward_Nm_s_per_rad"],
+        "viscous_backward" => [
+            "viscous_backward_N_s_per_m",
+            "viscous_backward_Nm_s_per_rad",
+        ],
         "coulomb" => ["coulomb_N", "coulomb_Nm"],
         "spring" => ["spring_N_per_m", "spring_Nm_per_rad"],
         "spring_centre" => ["spring_centre_m", "spring_centre_rad"],
@@ -128,7 +131,9 @@ impl Identification {
                     let name_shown = match *name {
                         "mass" if recording.kind == MotionKind::Rotary => "inertia",
                         "coulomb" if self.best().size() > 0 => "coulomb (ΣW)",
-                        "offset" if self.plain.place == Place::Spring => "offset (at 0; the spring's)",
+                        "offset" if self.plain.place == Place::Spring => {
+                            "offset (at 0; the spring's)"
+                        }
                         name => name,
                     };
                     vec![

@@ -346,7 +346,11 @@ impl Sums for Between<'_> {
             .collect();
         let sums = &self.folds.products;
         let product = |a: &[(usize, f64)], b: &[(usize, f64)]| -> f64 {
-            let of = |(i, by): &(usize, f64)| b.iter().map(|(j, with)| by * with * sums[(*i, *j)]).sum::<f64>();
+            let of = |(i, by): &(usize, f64)| {
+                b.iter()
+                    .map(|(j, with)| by * with * sums[(*i, *j)])
+                    .sum::<f64>()
+            };
             a.iter().map(of).sum()
         };
         let n = columns.len();

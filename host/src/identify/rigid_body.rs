@@ -46,7 +46,12 @@ pub fn fit(
 ) -> Result<RigidBody, String> {
     let inertial = recording.role.contains_inertia();
     let mut columns = plain.columns(recording, kinematics);
-    let moves = |sign: f64| folds.iter().flatten().any(|&i| kinematics.direction[i] == sign);
+    let moves = |sign: f64| {
+        folds
+            .iter()
+            .flatten()
+            .any(|&i| kinematics.direction[i] == sign)
+    };
     let both_ways = moves(1.0) && moves(-1.0);
     if both_ways {
         columns.push(Regressor {
@@ -84,8 +89,7 @@ pub fn fit(
     let linear: Vec<f64> = (coefficients.iter().copied())
         .take(p - usize::from(both_ways))
         .collect();
-    let mut parameters =
-        plain.parameters(recording, &linear, covariance.as_ref(), folds.len());
+    let mut parameters = plain.parameters(recording, &linear, covariance.as_ref(), folds.len());
     if both_ways {
         let error = covariance.map(|c| c[(p - 1, p - 1)].max(0.0).sqrt());
         let coulomb = Estimate::new(coefficients[p - 1], error, folds.len());

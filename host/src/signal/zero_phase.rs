@@ -42,6 +42,8 @@ struct Piece {
     length: usize,
     margin: usize,
     sample_time: f64,
+    /// What the low-pass keeps of each bin.
+    kept: Vec<f64>,
     forward: Arc<dyn RealToComplex<f64>>,
     inverse: Arc<dyn ComplexToReal<f64>>,
 }
@@ -71,7 +73,10 @@ impl Piece {
         let margin = (MARGIN / (cutoff_hz * sample_time)).ceil() as usize;
         let margin = margin.min(length.saturating_sub(1));
         let size = smooth_size(length + 2 * margin + 2);
+        let bin = 1.0 / (size as f64 * sample_time);
+        let kept = (0..=size / 2).map(|i| magnitude(i as f64 * bin / cutoff_hz));
         Self {
+            kept: kept.collect(),
             rows,
             uneven: (!even).then_some(places),
             length,
@@ -276,12 +281,13 @@ impl ZeroPhase {
         let mut out = vec![0.0; self.samples];
         for piece in &self.pieces {
             let mut spectrum = piece.spectrum(&values[piece.rows.clone()]);
-            for (bin, c) in spectrum.iter_mut().enumerate() {
-                let f = piece.frequency(bin);
-                *c *= magnitude(f / self.cutoff_hz);
-                for _ in 0..order {
-                    *c *= Complex::new(0.0, TAU * f);
-                }
+            spectrum
+                .iter_mut()
+                .zip(&piece.kept)
+                .for_each(|(c, kept)| *c *= kept);
+            for _ in 0..order {
+                let bins = spectrum.iter_mut().enumerate();
+                bins.for_each(|(bin, c)| *c *= Complex::new(0.0, TAU * piece.frequency(bin)));
             }
             piece.back(spectrum, &mut out[piece.rows.clone()]);
         }

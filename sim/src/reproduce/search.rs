@@ -65,7 +65,14 @@ impl<'a> Search<'a> {
             .filter_map(|choice| {
                 let start = choice.yields.iter().map(|&j| self.grid[j]).collect();
                 let range = (SHORTEST, paper::RANGE);
-                refine::refine(&Exact { regression: &self.regression, rows: &self.rows }, start, range)
+                refine::refine(
+                    &Exact {
+                        regression: &self.regression,
+                        rows: &self.rows,
+                    },
+                    start,
+                    range,
+                )
             })
             .min_by(|a, b| a.squared_error.total_cmp(&b.squared_error))
     }

@@ -130,7 +130,16 @@ impl Experiment {
             .get(N - 1)
             .and_then(|choices| choices.first())
             .map(|choice| choice.yields.iter().map(|&i| grid[i]).collect())
-            .and_then(|start| refine(&Exact { regression: &regression, rows: &self.slow }, start, (shortest, longest)))
+            .and_then(|start| {
+                refine(
+                    &Exact {
+                        regression: &regression,
+                        rows: &self.slow,
+                    },
+                    start,
+                    (shortest, longest),
+                )
+            })
             .ok_or_else(absent)?;
         let breakaway: f64 = fit
             .yields

@@ -14,6 +14,8 @@ pub(crate) static VISCOUS_ASYMMETRY: Form = Form {
             (0.0, half * at.velocity.abs())
         })))
     },
-    controller: Err("the controller's library has no viscous friction of each direction yet; without it the mean of both is left, viscous of [friction]"),
+    controller: Err(
+        "the controller's library has no viscous friction of each direction yet; without it the mean of both is left, viscous of [friction]",
+    ),
     ..BARE
 };

@@ -88,7 +88,8 @@ impl<'a> Bench<'a> {
             ),
             None => Estimate::new(of(&best), None, 0),
         };
-        let named = |fit: &Fit| (self.data.plain).parameters(self.data.recording, &fit.linear, None, 0);
+        let named =
+            |fit: &Fit| (self.data.plain).parameters(self.data.recording, &fit.linear, None, 0);
         let names = named(&best).into_iter().enumerate();
         let rigid_body = names.map(|(i, (name, _))| (name, estimate(&|fit| named(fit)[i].1.value)));
         let rigid_body = rigid_body.collect();
