@@ -26,7 +26,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::process::Command;
 
-use crate::process::{cargo, output, root, run};
+use crate::process::{cargo, output, root, run, target_of};
 use crate::thumb::{TARGET, Toolchain};
 use crate::tools::Need;
 use disassembly::Disassembly;
@@ -203,7 +203,7 @@ fn build(core: &Core) -> Result<(PathBuf, String), String> {
         })?;
         version_of("rustc")?
     };
-    let built = firmware.join("target").join(core.target);
+    let built = target_of(&firmware).join(core.target);
     Ok((built.join("release/cycles"), version))
 }
 
@@ -246,7 +246,7 @@ fn compare_with_host(target: &BTreeMap<String, String>, ticks: &str) -> Result<(
     // Of the whole workspace, as its tests are: of one package, cargo compiles the host's libraries again with other features.
     let build = ["build", "--workspace", "--example", "kernel_forces"];
     run(&mut cargo(&build))?;
-    let program = root().join("target/debug/examples/kernel_forces");
+    let program = target_of(root()).join("debug/examples/kernel_forces");
     let printed = output(Command::new(program).arg(ticks))?;
     same_in_c(target)?;
     let mut compared = 0;
