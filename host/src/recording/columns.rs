@@ -162,7 +162,8 @@ fn by_unit(
                 known.name,
                 names.columns[*i],
                 match known.slot == Slot::Time && names.unit(*i).is_none() {
-                    true => " (no unit: taken as seconds)",
+                    true =>
+                        " (no unit: taken as seconds, or as the date or time of day that it is)",
                     false => "",
                 }
             ),

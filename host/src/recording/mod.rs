@@ -6,6 +6,7 @@
 
 mod balance;
 mod checks;
+mod clock;
 mod columns;
 mod copies;
 mod csv;
