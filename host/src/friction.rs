@@ -127,10 +127,11 @@ impl Path<'_> {
         model: &M,
         transmission: Transmission,
     ) -> Result<Vec<f64>, ParamError> {
-        let (most, stress) = match (transmission.creep, model.limit()) {
-            (None, _) => (0.0, 1.0),
+        // How far the contact creeps in a sample where the sinh is 1 (m or rad), and the force (N or N·m) where its argument is.
+        let creep = match (transmission.creep, model.limit()) {
+            (None, _) => None,
             (Some((rate, share)), Some(limit)) if limit > 0.0 => {
-                (rate * self.sample_time, share * limit)
+                Some((rate * self.sample_time, share * limit))
             }
             (Some(creep), _) => {
                 return Err(ParamError {
@@ -141,7 +142,11 @@ impl Path<'_> {
                 });
             }
         };
-        let yielding = |force: f64| most * (force / stress).sinh();
+        // No creep is no displacement, whatever the force: 0·sinh would be no number beyond 710 stresses.
+        let yielding = |force: f64| match creep {
+            Some((most, stress)) if most > 0.0 => most * (force / stress).sinh(),
+            _ => 0.0,
+        };
         let mut state = model.at_rest();
         let mut force = vec![0.0; self.position.len()];
         let mut now = 0.0;
@@ -513,5 +518,157 @@ impl FrictionModel {
                 &array, *breakaway, *sliding, sample_time, units,
             )?)), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])?,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A scale of a million, as a power of two so that scaling rounds nothing.
+    const MILLION: f64 = 1_048_576.0;
+
+    /// One model of every kind, of forces in units of `f` newtons and lengths in units of `l` metres.
+    fn every_law(f: f64, l: f64) -> Vec<FrictionModel> {
+        let (stiffness, damping, breakaway) = (8.0 * f / l, 0.02 * f / l, f);
+        let blocks = || {
+            [(5.0, 0.5), (2.0, 0.3), (0.5, 0.2)]
+                .map(|(k, weight)| Block {
+                    stiffness: k * f / l,
+                    weight,
+                })
+                .to_vec()
+        };
+        let sliding = Sliding {
+            coulomb: 0.8 * f,
+            stribeck_velocity: 3.0 * l,
+            stribeck_exponent: 2.0,
+            attraction: 50.0 * f,
+        };
+        let leuven = |form| FrictionModel::Leuven {
+            form,
+            breakaway,
+            blocks: blocks(),
+            exponent: 1.5,
+            damping,
+            sliding,
+        };
+        let gms = |sliding| FrictionModel::Gms {
+            breakaway,
+            blocks: blocks(),
+            sliding,
+        };
+        vec![
+            FrictionModel::Coulomb { coulomb: f },
+            FrictionModel::Dahl {
+                stiffness,
+                coulomb: f,
+                exponent: 1.3,
+            },
+            FrictionModel::LuGre {
+                stiffness,
+                damping,
+                breakaway,
+                sliding,
+            },
+            FrictionModel::BoucWen {
+                stiffness,
+                coulomb: f,
+                exponent: 1.2,
+                shape: 0.7,
+            },
+            FrictionModel::ElastoPlastic {
+                stiffness,
+                damping,
+                elastic: 0.04 * l,
+                breakaway,
+                sliding,
+            },
+            leuven(LeuvenForm::Modified),
+            leuven(LeuvenForm::Original),
+            FrictionModel::TwoState {
+                distance: 0.2 * l,
+                breakaway,
+                sliding,
+            },
+            FrictionModel::Hsieh(HsiehParams {
+                k1: 0.2 * f / l,
+                k2: 6.0 * f / l,
+                beta: 7.0 / l,
+                viscous: 0.0,
+                creep: 5.0,
+                hardening: 40.0 * f * f / l,
+                hardening_exponent: 2.0,
+            }),
+            gms(None),
+            gms(Some(sliding)),
+        ]
+    }
+
+    /// The friction along three strokes that shrink.
+    fn force(
+        model: &FrictionModel,
+        l: f64,
+        transmission: Transmission,
+    ) -> Result<Vec<f64>, ParamError> {
+        let (samples, sample_time) = (900, 1e-3);
+        let phase = |i: usize| i as f64 * 0.021;
+        let position: Vec<f64> = (0..samples)
+            .map(|i| l * phase(i).sin() * (1.0 - i as f64 / 1200.0))
+            .collect();
+        let rate = |i: usize| match i {
+            0 => 0.0,
+            i => (position[i] - position[i - 1]) / sample_time,
+        };
+        let velocity: Vec<f64> = (0..samples).map(rate).collect();
+        let path = Path {
+            position: &position,
+            velocity: &velocity,
+            pieces: &[0..400, 400..samples],
+            sample_time,
+        };
+        model.force_through(path, transmission)
+    }
+
+    /// Units are the user's choice: a law of a million newtons or a millionth of a metre is the same law.
+    #[test]
+    fn every_law_is_the_same_at_any_scale_of_force_and_length() {
+        let transmissions = |l: f64| {
+            let (creep, gap) = (Some((1e-3 * l, 0.2)), 0.05 * l);
+            [(None, 0.0), (None, gap), (creep, 0.0), (creep, gap)]
+                .map(|(creep, gap)| Transmission { creep, gap })
+        };
+        let mut crept = 0;
+        for (law, model) in every_law(1.0, 1.0).iter().enumerate() {
+            for (k, transmission) in transmissions(1.0).into_iter().enumerate() {
+                // A law without a highest force has none that creep could be a share of, and says so.
+                let one = match force(model, 1.0, transmission) {
+                    Err(_) if transmission.creep.is_some() => continue,
+                    one => one.unwrap_or_else(|e| panic!("{model:?}: {e}")),
+                };
+                crept += usize::from(transmission.creep.is_some());
+                let most = one.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
+                assert!(most > 0.5, "{model:?}: {most}");
+                for f in [1.0 / MILLION, 1.0, 1024.0, MILLION] {
+                    for l in [1.0 / MILLION, 1.0, MILLION] {
+                        let scaled = force(&every_law(f, l)[law], l, transmissions(l)[k])
+                            .unwrap_or_else(|e| panic!("{}, {f} N, {l} m: {e}", model.name()));
+                        let worst = one
+                            .iter()
+                            .zip(&scaled)
+                            .map(|(a, b)| (a - b / f).abs())
+                            .fold(0.0, f64::max);
+                        // Scaled by powers of two, only what is not scaled itself rounds otherwise.
+                        assert!(
+                            worst <= 1e-5 * most,
+                            "{}, transmission {k}, force {f} N, length {l} m: off by {worst} of {most}",
+                            model.name()
+                        );
+                        assert!(scaled.iter().all(|f| f.is_finite()));
+                    }
+                }
+            }
+        }
+        assert!(crept >= 8, "creep went with {crept} laws and gaps only");
     }
 }

@@ -12,7 +12,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use crate::process::{cargo, free_port, output, root, run};
+use crate::process::{cargo, free_port, output, released, run};
 use crate::qemu::{build, build_command, capture};
 use crate::tools::Need;
 
@@ -222,7 +222,7 @@ impl Chain {
 
     /// A step that knows the truth.
     fn steps(&self, words: &[&str]) -> Command {
-        let mut command = Command::new(root().join("target/release/examples/chain"));
+        let mut command = Command::new(released("examples/chain"));
         command.args(words).arg(&self.seed);
         command
     }
@@ -230,7 +230,7 @@ impl Chain {
 
 /// A command of the tool.
 fn tool(command: &str) -> Command {
-    let mut tool = Command::new(root().join("target/release/preslide"));
+    let mut tool = Command::new(released("preslide"));
     tool.arg(command);
     tool
 }

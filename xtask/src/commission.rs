@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
-use crate::process::{free_port, root, run_for};
+use crate::process::{free_port, released, root, run_for};
 
 /// The chapter, and the port that it names.
 const CHAPTER: &str = "docs/src/commissioning.md";
@@ -29,7 +29,7 @@ pub fn run(elf: &Path) -> Result<(), String> {
     }
     let folder = std::env::temp_dir().join(format!("preslide-commission-{}", std::process::id()));
     std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-    let mut serve = Command::new(root().join("target/release/examples/drive"));
+    let mut serve = Command::new(released("examples/drive"));
     // In a group of its own, with the emulator that it starts: one signal ends both.
     let serving = serve
         .arg("serve")
@@ -41,7 +41,7 @@ pub fn run(elf: &Path) -> Result<(), String> {
     let script = format!("set -euxo pipefail\n{}\n", commands.join("\n"));
     let path = format!(
         "{}:{}",
-        root().join("target/release").display(),
+        released("").display(),
         std::env::var("PATH").unwrap_or_default()
     );
     let mut bash = Command::new("bash");

@@ -1,6 +1,6 @@
 //! `cargo xtask properties`, `inject`, `sources`, `calibrate`, `real`: judges of `preslide diagnose` that know it by its command line and its JSON only.
 
-use crate::process::{cargo, root, run};
+use crate::process::{cargo, released, root, run};
 use std::process::Command;
 
 /// Builds the tool, unless another is named with `--preslide`, and runs a judge with the arguments of the program behind it.
@@ -12,7 +12,7 @@ pub fn judge(program: &str, arguments: &[String]) -> Result<(), String> {
         build.args(["--package", "preslide-cli"]);
     }
     run(build.arg("--bins"))?;
-    let program = root().join("target/release").join(program);
+    let program = released(program);
     run(Command::new(program).args(arguments).current_dir(root()))
 }
 

@@ -11,6 +11,20 @@ pub fn root() -> &'static Path {
     xtask.parent().unwrap_or(xtask)
 }
 
+/// Where cargo, started in `folder`, puts what it builds: `target` there, unless CARGO_TARGET_DIR says otherwise. Cargo takes a path that is not
+/// absolute from where it is started.
+pub fn target_of(folder: &Path) -> PathBuf {
+    let chosen = ["CARGO_TARGET_DIR", "CARGO_BUILD_TARGET_DIR"]
+        .into_iter()
+        .find_map(|name| std::env::var_os(name).filter(|dir| !dir.is_empty()));
+    folder.join(chosen.unwrap_or_else(|| "target".into()))
+}
+
+/// A program that cargo has built in the root workspace with the release profile: `preslide`, `examples/drive`.
+pub fn released(program: &str) -> PathBuf {
+    target_of(root()).join("release").join(program)
+}
+
 /// `cargo` of the running toolchain, started at the workspace root.
 pub fn cargo(arguments: &[&str]) -> Command {
     let program = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());

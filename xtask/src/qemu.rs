@@ -10,7 +10,9 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use crate::call_graph;
-use crate::process::{cargo, free_port, output, output_for, root, run, run_for};
+use crate::process::{
+    cargo, free_port, output, output_for, released, root, run, run_for, target_of,
+};
 use crate::thumb::{TARGET, Toolchain};
 use crate::tools::Need;
 
@@ -87,16 +89,16 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
 
 /// Ten thousand requests, as many at once as the link allows, under telemetry of every tick: all answered, once each.
 fn hammered(elf: &Path) -> Result<(), String> {
-    let mut hammer = Command::new(root().join("target/release/examples/drive"));
+    let mut hammer = Command::new(released("examples/drive"));
     hammer.arg("hammer").arg(elf).arg(free_port()?);
     run_for(&mut hammer, LIMIT)
 }
 
 /// A script that types at `preslide drive`, over a pseudo terminal for the line and in its own terminal.
 fn typed(elf: &Path) -> Result<(), String> {
-    let mut typed = Command::new(root().join("target/release/examples/drive"));
+    let mut typed = Command::new(released("examples/drive"));
     typed.arg("typed").arg(elf).arg(free_port()?);
-    run_for(typed.arg(root().join("target/release/preslide")), LIMIT)
+    run_for(typed.arg(released("preslide")), LIMIT)
 }
 
 /// What `examples/rtic.rs` prints in QEMU. Sliding at 0.5 mm/s, Stribeck's curve gives 0.81 + 0.09·exp(−0.5²) = 0.880 N.
@@ -108,10 +110,7 @@ fn example() -> Result<(), String> {
     let how = ["build", "--release", "--features", "example-semihosting"];
     let arguments = [&how[..], &what[..]].concat();
     run(&mut Toolchain::ensure()?.cargo(root(), &arguments))?;
-    let image = root()
-        .join("target")
-        .join(TARGET)
-        .join("release/examples/rtic");
+    let image = target_of(root()).join(TARGET).join("release/examples/rtic");
     let mut qemu = Command::new("qemu-system-arm");
     qemu.args(["-M", "netduinoplus2", "-nographic", "-icount", "shift=3"])
         .args(["-semihosting-config", "enable=on,target=native", "-kernel"])
@@ -145,7 +144,7 @@ pub fn serve_command(arguments: &[String]) -> Result<(), String> {
     Need::Qemu.ensure()?;
     build_rig()?;
     let fixed = build("preslide-qemu", "qemu-fixed", &[])?;
-    let mut serve = Command::new(root().join("target/release/examples/drive"));
+    let mut serve = Command::new(released("examples/drive"));
     run(serve.arg("serve").arg(fixed).arg(port))
 }
 
@@ -154,7 +153,7 @@ pub fn build_rig() -> Result<PathBuf, String> {
     let what = ["--bins", "--example", "rig", "--example", "drive"];
     let build = ["build", "--release", "--package", "preslide-cli"];
     run(&mut cargo(&[&build[..], &what[..]].concat()))?;
-    Ok(root().join("target/release/examples/rig"))
+    Ok(released("examples/rig"))
 }
 
 /// Captures the telemetry of a motion in QEMU with the tool, identifies it, and compares with the stage's friction.
@@ -185,7 +184,7 @@ pub fn capture(
 ) -> Result<(), String> {
     let serving = serve.spawn();
     let mut serving = serving.map_err(|error| format!("the rig did not start: {error}"))?;
-    let mut tool = Command::new(root().join("target/release/preslide"));
+    let mut tool = Command::new(released("preslide"));
     tool.args(["capture", &format!("tcp:127.0.0.1:{port}"), "--wait", "20"]);
     let captured = run(&mut tool);
     if captured.is_err() {
@@ -219,7 +218,7 @@ pub fn build_command(package: &str) -> Result<(Command, PathBuf), String> {
     let firmware = root().join("firmware");
     let arguments = ["build", "--release", "--locked", "--package", package];
     let command = Toolchain::ensure()?.cargo(&firmware, &arguments);
-    let release = firmware.join("target").join(TARGET).join("release");
+    let release = target_of(&firmware).join(TARGET).join("release");
     Ok((command, release.join(package)))
 }
 

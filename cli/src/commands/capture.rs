@@ -71,7 +71,8 @@ pub struct Capture {
     json: Option<PathBuf>,
 }
 
-fn refuse_existing(path: &Path, overwrite: bool) -> Result<(), Failure> {
+/// Refuses a file that exists, unless it may be replaced.
+pub fn refuse_existing(path: &Path, overwrite: bool) -> Result<(), Failure> {
     if !overwrite && path.exists() {
         let path = path.display();
         return Err(Failure::Input(format!(

@@ -61,8 +61,8 @@ impl Identify {
 
         print(&found, &recording);
 
-        let nothing = found.explains_nothing();
-        if let Some(path) = self.output.as_ref().filter(|_| !nothing) {
+        let refused = found.refused();
+        if let Some(path) = self.output.as_ref().filter(|_| refused.is_none()) {
             write_text(path, &model_text(&found, &recording))?;
         }
         let seconds = start.elapsed().as_secs_f64();
@@ -70,9 +70,9 @@ impl Identify {
             .write(&found.to_json(&recording, seconds), || {
                 found.page(&recording, command_line())
             })?;
-        if nothing {
+        if let Some(reason) = refused {
             return Err(Failure::Data(format!(
-                "{}: the best model explains nothing of what is held out, so no model is written",
+                "{}: {reason}, so no model is written",
                 recording.name
             )));
         }

@@ -179,6 +179,7 @@ impl ReadingArgs {
             return Err(Failure::Input(all_wrong(&wrong)));
         }
         for recording in &recordings {
+            eprintln!("{}", recording.in_one_line());
             for warning in &recording.warnings {
                 eprintln!("{}: warning: {warning}", recording.name);
             }

@@ -128,7 +128,7 @@ fn writable(path: &Path) -> Result<(), String> {
 }
 
 /// A name in the same folder that no one else has.
-fn beside(path: &Path) -> PathBuf {
+pub fn beside(path: &Path) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!(".{name}.{}.part", std::process::id()))
 }

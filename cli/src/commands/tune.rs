@@ -4,6 +4,7 @@ use super::{
     Failure, OutputArgs, ReadingArgs, SplitArgs, command_line, outputs, parse_frequency, thin,
 };
 use clap::Args;
+use preslide_drive::quantity;
 use preslide_host::cost::{CORES, Core, CostTable, DEFAULT};
 use preslide_host::identify::{MANY, identify};
 use preslide_host::model::Model;
@@ -57,8 +58,8 @@ pub struct Tune {
     #[arg(long, default_value = "5%", value_parser = parse_percent)]
     budget: f64,
 
-    /// Length of an encoder count in m or rad; without it, encoder_count_m of the model's [mechanics]
-    #[arg(long, value_name = "LENGTH")]
+    /// Length of an encoder count, such as 25nm, 2.5urad or 25e-9 (m or rad); without it, encoder_count_m of the model's [mechanics]
+    #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_rate)]
     count: Option<f64>,
 
     #[command(flatten)]

@@ -112,6 +112,11 @@ impl Rows {
         100.0 * square / self.variation().max(1e-300)
     }
 
+    /// The root mean square (N or N·m) of what an NMSE (%) leaves.
+    pub fn rms_of(&self, nmse: f64) -> f64 {
+        (0.01 * nmse.max(0.0) * self.variation() / self.force.len().max(1) as f64).sqrt()
+    }
+
     /// Sum of squares of the measured effort about its mean.
     pub fn variation(&self) -> f64 {
         let mean = self.force.iter().sum::<f64>() / self.force.len().max(1) as f64;

@@ -59,7 +59,7 @@ pub struct Unknown {
     pub happened: Option<Happened>,
     /// Where it is.
     pub place: Option<Place>,
-    /// Root mean square of its force (N or N·m).
+    /// Root mean square (N or N·m) of what it takes off the residual on stretches held out: its own force may be far larger.
     pub rms: f64,
     /// It is friction that wanders in time, along its path or over the travel, by no more than every machine's does.
     pub wanders: bool,
@@ -163,7 +163,7 @@ pub fn happened(found: &Found) -> Option<Unknown> {
         size: event.share,
         features: None,
         place: Place::of(rows, Axis::Time, &event.force),
-        rms: rms(&event.force),
+        rms: rows.rms_of(event.share * left),
         wanders: false,
         happened: Some(happened),
     })
@@ -207,7 +207,7 @@ fn unknown(found: &Found, standing: &Standing, usual: f64) -> Unknown {
         features: Some(features_of_presence(standing)),
         happened: None,
         place: Place::of(rows, axis, &varying),
-        rms: own,
+        rms: rows.rms_of(standing.size() * standing.left),
         wanders: odd
             && matches!(axis, Axis::Time | Axis::Path | Axis::Position)
             && own <= WANDERS * usual,

@@ -369,18 +369,35 @@ impl Diagnosis {
         let place = confined.map_or(String::new(), |p| {
             format!("{}, ", place_words(p, recording))
         });
-        let rms = {
-            let n = effect.force.len().max(1) as f64;
-            (effect.force.iter().map(|f| f * f).sum::<f64>() / n).sqrt()
-        };
         let text = format!(
-            "{place}{}: {}. It explains {} of what is left without it; compensated, {} RMS of disturbance are gone",
+            "{place}{}: {}. It explains {} of what is left without it{}",
             size(self, effect, recording),
             effect.name.name(),
             percent(effect.evidence.share),
-            quantity(rms, recording.effort_unit())
+            self.worth(effect, recording),
         );
         capital(&text)
+    }
+
+    /// What compensating an effect takes off the residual on stretches held out, in a clause; nothing where that was not measured. Its own force
+    /// may be far larger: most of it may be what the other terms would take as well.
+    fn worth(&self, effect: &Named, recording: &Recording) -> String {
+        let [without, with] = effect.nmse_test;
+        if !(without.is_finite() && with.is_finite()) {
+            return String::new();
+        }
+        let force = |nmse| quantity(self.ground.rows.rms_of(nmse), recording.effort_unit());
+        match without > with {
+            true => format!(
+                "; compensated, {} RMS of the {} that are left on stretches held out are gone",
+                force(without - with),
+                force(without)
+            ),
+            false => format!(
+                "; compensated, none of the {} RMS that are left on stretches held out are gone",
+                force(without)
+            ),
+        }
     }
 
     /// Verdict in one sentence.

@@ -19,6 +19,15 @@ const UNEXPLAINED: f64 = 50.0;
 /// NMSE held out (%) from which a model is none: it says less of the effort than that it stays what it is on average, or hardly more.
 const NOTHING: f64 = 95.0;
 
+/// A model leaves at least as much of what is held out as of what it was fitted to, but for how the two are measured: where it leaves this
+/// many times as much of the fitted samples, it is not the model that was fitted …
+const NOT_AS_FITTED: f64 = 2.0;
+/// … beyond what the rounding of a nearly perfect fit makes of that (percentage points of NMSE).
+const NOT_AS_FITTED_LEAST: f64 = 1.0;
+/// A model that leaves this many times as much of what is held out as of what it was fitted to, and more than [`UNEXPLAINED`], has learned its
+/// samples by heart.
+const BY_HEART: f64 = 10.0;
+
 /// NMSE of Coulomb + viscous friction (%) above which the motion hardly slides.
 const MOSTLY_PRESLIDING: f64 = 30.0;
 
@@ -242,9 +251,29 @@ impl Identification {
         (share > MOSTLY_SOFT).then_some(share)
     }
 
-    /// Whether the best model explains nothing of what is held out.
-    pub fn explains_nothing(&self) -> bool {
-        self.best().nmse_test >= NOTHING
+    /// Why the best model is none, where what it leaves of the fitted and of the held-out samples says so.
+    pub fn refused(&self) -> Option<String> {
+        let best = self.best();
+        let (train, test) = (best.nmse_train, best.nmse_test);
+        let told = format!(
+            "it leaves {train:.3} % of the variance it was fitted to, and {test:.3} % of what is held out"
+        );
+        // A window that is asked for may be calmer or livelier than the rest; then only a fit that explains nothing of its own samples is none.
+        let most = match self.split.test {
+            Some(_) => NOTHING,
+            None => NOT_AS_FITTED * test + NOT_AS_FITTED_LEAST,
+        };
+        if !train.is_finite() || train > most.max(test) {
+            return Some(format!(
+                "the best model does not run as it was fitted ({told}): this is a fault of this program; please report it with the recording"
+            ));
+        }
+        if test.is_nan() || test >= NOTHING {
+            return Some("the best model explains nothing of what is held out".to_owned());
+        }
+        (test > UNEXPLAINED && test > BY_HEART * train).then(|| {
+            format!("the best model knows its own samples only ({told}); record more of the same motion, or widen --train")
+        })
     }
 
     /// What the user should know, besides the recording's own warnings.

@@ -4,8 +4,8 @@ use super::error::Problem;
 use super::known::{KNOWN, Known, Slot};
 use super::names::{Names, Source};
 use super::propose::{propose, without_unit};
-use super::units::Unit;
-use super::words::quantity;
+use super::units::{SECOND, Unit};
+use super::words::{quantity, split};
 use super::{EffortRole, MotionKind, Needs, Warning};
 use std::cmp::Ordering;
 
@@ -49,14 +49,14 @@ pub(super) fn plan(names: &Names) -> Result<Plan, Problem> {
             listing: names.listing.into(),
         });
     }
-    let mut sources = names.mapped()?;
+    let mut warnings = Vec::new();
+    let mut sources = names.mapped(&mut warnings)?;
     let mut open: Vec<usize> = (0..names.columns.len())
         .filter(|i| {
             !names.ignore.contains(&names.columns[*i])
                 && !sources.iter().any(|s| s.columns.contains(i))
         })
         .collect();
-    let mut warnings = Vec::new();
     let mut complaints = Vec::new();
     open.retain(|&i| {
         let Some(k) = KNOWN.iter().find(|k| k.name == names.columns[i]) else {
@@ -131,7 +131,13 @@ fn by_unit(
 ) {
     let mut taken: Vec<(usize, &'static Known, Unit)> = Vec::new();
     for &i in open.iter() {
-        let Some((slot, unit)) = quantity(&names.columns[i]).slot.zip(names.unit(i)) else {
+        let name = &names.columns[i];
+        let Some(slot) = quantity(name).slot else {
+            continue;
+        };
+        // Time without a unit is in seconds, which the warning says.
+        let bare = (slot == Slot::Time && split(name).1.is_none()).then_some(SECOND);
+        let Some(unit) = names.unit(i).or(bare) else {
             continue;
         };
         let fits = |k: &&Known| k.slot == slot && k.dimension == Some(unit.dimension);
@@ -151,7 +157,16 @@ fn by_unit(
                 factor: 1.0,
                 offset: 0.0,
                 ..
-            } => format!("{}={}", known.name, names.columns[*i]),
+            } => format!(
+                "{}={}{}",
+                known.name,
+                names.columns[*i],
+                match known.slot == Slot::Time && names.unit(*i).is_none() {
+                    true =>
+                        " (no unit: taken as seconds, or as the date or time of day that it is)",
+                    false => "",
+                }
+            ),
             Unit {
                 factor,
                 offset: 0.0,
@@ -345,7 +360,7 @@ mod tests {
         for (header, maps) in [
             (
                 "time,position,velocity,torque",
-                "--map t_s=time --map q_rad=position --map torque_Nm=torque",
+                "--map q_rad=position --map torque_Nm=torque",
             ),
             (
                 "t_s,motor_q_rad,joint_q_rad,motor_torque_raw",

@@ -3,6 +3,7 @@
 use std::io::Read;
 
 use super::LoadOptions;
+use super::clock::Clock;
 use super::columns::{self, Plan};
 use super::error::Problem;
 use super::extra::Reading;
@@ -59,6 +60,8 @@ struct Rows {
     footer: Option<(u64, Problem, usize)>,
     /// The first cell that is no number, and the lines of those after it.
     bad: Option<(Problem, Vec<u64>)>,
+    /// For stamps that are dates or times of day.
+    clock: Clock,
 }
 
 impl Rows {
@@ -77,6 +80,7 @@ impl Rows {
             samples: 0,
             footer: None,
             bad: None,
+            clock: Clock::default(),
             plan,
             layout,
         }
@@ -120,6 +124,13 @@ impl Rows {
             let column = source.columns.first().copied().unwrap_or(0);
             let refused = match &mut self.data[k] {
                 Data::Labels(labels) => label(cell(record, column), labels),
+                Data::Numbers(values)
+                    if source.known.slot == Slot::Time
+                        && let Some(seconds) = stamp(&mut self.clock, cell(record, column)) =>
+                {
+                    values.push(seconds);
+                    Ok(())
+                }
                 Data::Numbers(values) => {
                     let mut product = Ok(source.factor);
                     for &column in &source.columns {
@@ -194,7 +205,8 @@ impl Rows {
             .iter()
             .find(|s| s.known.slot == Slot::Time);
         let time = time.and_then(|s| s.columns.first().copied()).unwrap_or(0);
-        let has_time = number(cell(record, time), true).is_ok();
+        let time = cell(record, time);
+        let has_time = number(time, true).is_ok() || stamp(&mut Clock::default(), time).is_some();
         match (&problem, &mut self.footer, &mut self.bad) {
             (Problem::TooManySamples { .. }, ..) => return Err(problem),
             (Problem::Cell { .. }, _, Some((_, more))) if has_time => more.push(line),
@@ -234,6 +246,12 @@ impl Rows {
             first_change: self.first_change,
         })
     }
+}
+
+/// The seconds of a cell that holds a date or a time of day.
+fn stamp(clock: &mut Clock, cell: &[u8]) -> Option<f64> {
+    let text = std::str::from_utf8(cell).ok().filter(|t| t.contains(':'))?;
+    clock.seconds(text)
 }
 
 fn label(cell: &[u8], labels: &mut Labels) -> Result<(), String> {

@@ -6,6 +6,7 @@
 
 mod balance;
 mod checks;
+mod clock;
 mod columns;
 mod copies;
 mod csv;
@@ -29,6 +30,7 @@ mod repair;
 mod samples;
 mod segments;
 mod simulated;
+mod summary;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -471,7 +473,7 @@ fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recor
     let name = Path::new(path)
         .file_name()
         .map_or_else(|| path.to_string(), |n| n.to_string_lossy().into_owned());
-    Ok(Recording {
+    let mut recording = Recording {
         name,
         kind,
         position,
@@ -494,7 +496,10 @@ fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recor
         extra: frame.extra,
         pieces: frame.pieces,
         t_s: frame.t_s,
-    })
+    };
+    let asked = recording.implausible();
+    recording.warnings.extend(asked);
+    Ok(recording)
 }
 
 /// The columns of a table, its times checked; and the further columns that stay at one value.

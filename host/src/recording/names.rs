@@ -1,10 +1,10 @@
 //! A file's column names, and the columns that `--map` makes of them.
 
-use super::Needs;
 use super::error::Problem;
 use super::known::{KNOWN, Known};
 use super::units::{self, Unit};
-use super::words::quantity;
+use super::words::{quantity, split};
+use super::{Needs, Warning};
 
 /// A column of the recording: the product of a number and columns of the file, and an offset.
 #[derive(Debug)]
@@ -44,7 +44,13 @@ pub(super) struct Names<'a> {
 
 impl Names<'_> {
     /// Reads `35.1507*vir` or `position[mm]` as a number, an offset and columns. A column may itself be called `a*b`.
-    fn product(&self, known: &'static Known, map: &str, text: &str) -> Result<Source, Problem> {
+    fn product(
+        &self,
+        known: &'static Known,
+        map: &str,
+        text: &str,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Source, Problem> {
         let fail = |reason: String| Problem::Map {
             map: map.into(),
             reason,
@@ -68,6 +74,7 @@ impl Names<'_> {
         let mut unscaled = None;
         if let Some(i) = find(text) {
             source.columns.push(i);
+            warnings.extend(self.in_its_unit(&mut source, i));
             return Ok(source);
         }
         for part in text.split('*').map(str::trim) {
@@ -119,8 +126,43 @@ impl Names<'_> {
         Ok(source)
     }
 
+    /// Turns a column that is mapped without a factor into SI by the unit that its name or the row of units gives, and says so.
+    fn in_its_unit(&self, source: &mut Source, column: usize) -> Option<Warning> {
+        let wanted = source.known.dimension?;
+        let (target, name) = (source.known.name, &self.columns[column]);
+        let given = self.units.get(column).map(String::as_str);
+        let given = given
+            .filter(|u| units::is_unit(u))
+            .or_else(|| split(name).1.filter(|u| units::is_unit(u)))?;
+        match units::unit(given) {
+            Some(unit) if unit.dimension == wanted => {
+                (source.factor, source.offset) = (unit.factor, unit.offset);
+                let plain = unit.factor == 1.0 && unit.offset == 0.0;
+                (!plain).then(|| {
+                    Warning::new(
+                        "unit-applied",
+                        format!(
+                            "`{name}` is in {given}: {target}={}*{name}{} (--map '{target}=1*{name}' takes its numbers as they are)",
+                            unit.factor,
+                            match unit.offset {
+                                0.0 => String::new(),
+                                offset => format!(" {offset:+}"),
+                            }
+                        ),
+                    )
+                })
+            }
+            _ => Some(Warning::new(
+                "unit-of-another-kind",
+                format!(
+                    "`{name}` is in {given}, which is no unit of {target}: its numbers are taken as they are; if one of them is worth something else, give --map '{target}=FACTOR*{name}'"
+                ),
+            )),
+        }
+    }
+
     /// What `--map` asks for.
-    pub(super) fn mapped(&self) -> Result<Vec<Source>, Problem> {
+    pub(super) fn mapped(&self, warnings: &mut Vec<Warning>) -> Result<Vec<Source>, Problem> {
         let mut sources: Vec<Source> = Vec::new();
         for (target, expression) in self.map {
             let text = format!("{target}={expression}");
@@ -141,7 +183,7 @@ impl Names<'_> {
                     other.known.name
                 )));
             }
-            sources.push(self.product(known, &text, expression)?);
+            sources.push(self.product(known, &text, expression, warnings)?);
         }
         Ok(sources)
     }

@@ -29,6 +29,13 @@ pub(super) struct Unit {
     pub(super) offset: f64,
 }
 
+/// The second.
+pub(super) const SECOND: Unit = Unit {
+    dimension: Time,
+    factor: 1.0,
+    offset: 0.0,
+};
+
 const TURN: f64 = std::f64::consts::TAU;
 const DEGREE: f64 = TURN / 360.0;
 const INCH: f64 = 0.0254;

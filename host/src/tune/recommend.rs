@@ -6,7 +6,7 @@ use super::{Budget, Choice};
 const WORTH: f64 = 0.1;
 /// …and at least this much of it (percentage points of NMSE).
 const LEAST_WORTH: f64 = 0.05;
-/// Arithmetic may add this much (% of `F_s`, rms) before a dearer kernel is taken.
+/// Arithmetic may add this much (% of `F_s`, rms), and no kernel that adds more is recommended.
 const ARITHMETIC: f64 = 0.5;
 
 /// The fewest blocks after which no more are worth their cycles, in the cheapest arithmetic that adds little: its index and the
@@ -14,10 +14,10 @@ const ARITHMETIC: f64 = 0.5;
 pub(super) fn recommend(choices: &[Choice], budget: Budget) -> Result<(usize, String), String> {
     let fitting = fitting(choices, budget)?;
     let sound = |c: &&Choice| c.arithmetic <= ARITHMETIC;
-    let pool: Vec<&Choice> = match fitting.iter().copied().filter(sound).collect::<Vec<_>>() {
-        sound if sound.is_empty() => fitting,
-        sound => sound,
-    };
+    let pool: Vec<&Choice> = fitting.iter().copied().filter(sound).collect();
+    if pool.is_empty() {
+        return Err(too_coarse(choices, &fitting));
+    }
     let best = pool
         .iter()
         .filter_map(|c| c.nmse_test)
@@ -69,6 +69,35 @@ fn fitting(choices: &[Choice], budget: Budget) -> Result<Vec<&Choice>, String> {
         ));
     }
     Ok(fitting)
+}
+
+/// By how much the arithmetic of all that fit misses its bound, and what would keep it.
+fn too_coarse(choices: &[Choice], fitting: &[&Choice]) -> String {
+    let finest = fitting
+        .iter()
+        .min_by(|a, b| a.arithmetic.total_cmp(&b.arithmetic));
+    let least = finest.map_or(String::new(), |c| {
+        format!(
+            ": {} with N = {} adds least, {:.3} %",
+            c.kernel.name(),
+            c.cost.blocks,
+            c.arithmetic
+        )
+    });
+    let sound = choices.iter().filter(|c| c.arithmetic <= ARITHMETIC);
+    let remedy = match sound.min_by(|a, b| a.share.total_cmp(&b.share)) {
+        Some(c) => format!(
+            "allow --budget {:.2}% for {} with N = {}, which adds {:.3} %",
+            100.0 * c.share,
+            c.kernel.name(),
+            c.cost.blocks,
+            c.arithmetic
+        ),
+        None => "check --count against the encoder, and the model's yield displacements against the motion".to_owned(),
+    };
+    format!(
+        "no arithmetic that fits the budget adds at most {ARITHMETIC} % of F_s to the model's error{least}; {remedy}"
+    )
 }
 
 /// The number of blocks, beside the `best` error (% NMSE) of all that fit.

@@ -144,3 +144,27 @@ fn an_estimate_counts_at_its_dear_end() {
     let tuning = of_model(&model(TWO), 25e-9, &costs, budget(0.05)).unwrap();
     assert!(tuning.notes.iter().any(|note| note.contains("±40 %")));
 }
+
+/// Whatever is recommended keeps the bound that the recommendation states; where nothing does, that is said.
+#[test]
+fn nothing_is_recommended_that_adds_more_than_the_bound() {
+    let costs = CostTable::of_cpu("cortex-m4").unwrap();
+    let tuning = of_model(&model(TWO), 25e-9, &costs, budget(0.05)).unwrap();
+    for (added, fits) in [(0.3, true), (0.7, false), (107.6, false), (f64::NAN, false)] {
+        let mut choices = tuning.choices.clone();
+        choices.iter_mut().for_each(|c| c.arithmetic = added);
+        let told = super::recommend::recommend(&choices, budget(0.05));
+        assert_eq!(told.is_ok(), fits, "{added}: {told:?}");
+        if let Err(reason) = told {
+            assert!(reason.contains("adds at most 0.5 %"), "{reason}");
+        }
+    }
+    // Only a kernel that the budget has no time for is exact: it is named with the budget that it needs.
+    let mut choices = tuning.choices.clone();
+    for choice in &mut choices {
+        let exact = choice.kernel == Kernel::GmsF32;
+        (choice.arithmetic, choice.share) = if exact { (0.0, 0.08) } else { (3.0, 0.01) };
+    }
+    let reason = super::recommend::recommend(&choices, budget(0.05)).unwrap_err();
+    assert!(reason.contains("--budget 8.00% for gms_f32"), "{reason}");
+}

@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use crate::process::{cargo, root, run, run_for};
+use crate::process::{cargo, released, root, run, run_for};
 use crate::tools::mdbook;
 use page::{CodeBlock, Kind, Page};
 
@@ -204,7 +204,7 @@ impl Walk<'_> {
         // The release build in front of whatever else is called so.
         let text = format!(
             "set -euo pipefail\nPATH='{}':\"$PATH\"\n{}\n",
-            root().join("target/release").display(),
+            released("").display(),
             block.lines.join("\n")
         );
         fs::write(&script, text).map_err(|error| format!("{}: {error}", script.display()))?;

@@ -25,7 +25,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::process::Command;
 
-use crate::process::{cargo, output, root, run};
+use crate::process::{cargo, output, root, run, target_of};
 use crate::thumb::{TARGET, Toolchain};
 use crate::tools::Need;
 use disassembly::Disassembly;
@@ -224,7 +224,7 @@ fn build(core: &Core) -> Result<(PathBuf, String), String> {
         })?;
         version_of("rustc")?
     };
-    let built = firmware.join("target").join(core.target);
+    let built = target_of(&firmware).join(core.target);
     Ok((built.join("release/cycles"), version))
 }
 
@@ -273,7 +273,7 @@ fn compare_with_host(target: &BTreeMap<String, String>, ticks: &str) -> Result<(
         "kernel_forces",
     ];
     run(&mut cargo(&build))?;
-    let program = root().join("target/release/examples/kernel_forces");
+    let program = target_of(root()).join("release/examples/kernel_forces");
     let printed = output(Command::new(program).arg(ticks))?;
     same_in_c(target)?;
     let mut compared = 0;

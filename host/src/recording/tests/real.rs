@@ -126,7 +126,7 @@ fn the_emps_originals_agree_with_their_csv() {
     let e = load(&root.join("emps/DATA_EMPS.mat"), &LoadOptions::default())
         .expect_err("other names")
         .to_string();
-    for part in ["gtau 1×1", "qm 24841×1", "vir 24841×1", "--map t_s=t"] {
+    for part in ["gtau 1×1", "qm 24841×1", "vir 24841×1", "--map x_m=COLUMN"] {
         assert!(e.contains(part), "{e} lacks {part}");
     }
     let csv = real_file(&root, "emps/emps_tracking.csv", &[]);
@@ -307,7 +307,7 @@ fn every_bench_loads() {
                     .expect_err(&name)
                     .to_string();
                 assert!(
-                    e.contains("--map t_s=time --map q_rad=position --map torque_Nm=torque"),
+                    e.contains("--map q_rad=position --map torque_Nm=torque"),
                     "{e}"
                 );
             }

@@ -1,0 +1,113 @@
+//! Time stamps that are written as a date or a time of day, in seconds from the day of the first.
+
+/// Seconds of a day.
+const DAY: f64 = 86_400.0;
+
+/// Reads stamps one after the other.
+#[derive(Debug, Default)]
+pub(super) struct Clock {
+    first_day: Option<i64>,
+    last: Option<f64>,
+    midnights: f64,
+}
+
+impl Clock {
+    /// Seconds of `2025-11-09T09:27:03.748Z`, `2025-11-09 09:27:03+01:00` or `09:27:03.748`; a time of day that falls by more than half a day has
+    /// passed midnight.
+    pub(super) fn seconds(&mut self, text: &str) -> Option<f64> {
+        if let Some((date, time)) = text.split_once(['T', 't', ' ']) {
+            let day = day(date)?;
+            let (time, ahead) = zone(time)?;
+            let days = day - *self.first_day.get_or_insert(day);
+            return Some(days as f64 * DAY + of_day(time)? - ahead);
+        }
+        let seconds = of_day(text)?;
+        if self.last.is_some_and(|last| last - seconds > 0.5 * DAY) {
+            self.midnights += DAY;
+        }
+        self.last = Some(seconds);
+        Some(self.midnights + seconds)
+    }
+}
+
+/// Days from a fixed one to a Gregorian `year-month-day`.
+fn day(date: &str) -> Option<i64> {
+    let mut parts = date.splitn(3, '-').map(|p| p.parse::<i64>().ok());
+    let (year, month, day) = (parts.next()??, parts.next()??, parts.next()??);
+    if !(1..=12).contains(&month) || !(1..=31).contains(&day) {
+        return None;
+    }
+    // The year begins in March, so that the leap day is its last.
+    let (year, month) = match month {
+        1 | 2 => (year - 1, month + 9),
+        _ => (year, month - 3),
+    };
+    let leaps = year.div_euclid(4) - year.div_euclid(100) + year.div_euclid(400);
+    Some(365 * year + leaps + (153 * month + 2) / 5 + day)
+}
+
+/// A time without its zone, and the seconds by which the zone is ahead of UTC.
+fn zone(time: &str) -> Option<(&str, f64)> {
+    if let Some(time) = time.strip_suffix(['Z', 'z']) {
+        return Some((time, 0.0));
+    }
+    match time.rfind(['+', '-']) {
+        None => Some((time, 0.0)),
+        Some(at) => {
+            let digits = time[at + 1..].replace(':', "");
+            let minutes: f64 = digits
+                .get(2..)
+                .filter(|m| !m.is_empty())
+                .map_or(Some(0.0), |m| m.parse().ok())?;
+            let ahead = 3600.0 * digits.get(..2)?.parse::<f64>().ok()? + 60.0 * minutes;
+            let sign = if time[at..].starts_with('-') {
+                -1.0
+            } else {
+                1.0
+            };
+            Some((&time[..at], sign * ahead))
+        }
+    }
+}
+
+/// Seconds of `09:27:03.748` or `9:27:03,748`.
+fn of_day(time: &str) -> Option<f64> {
+    let mut parts = time.split(':');
+    let (hour, minute, second) = (parts.next()?, parts.next()?, parts.next()?);
+    let whole = |text: &str, below: u32| text.trim().parse::<u32>().ok().filter(|n| *n < below);
+    let seconds: f64 = second.replace(',', ".").parse().ok()?;
+    let is_time = parts.next().is_none() && (0.0..61.0).contains(&seconds);
+    let (hour, minute) = (whole(hour, 24)?, whole(minute, 60)?);
+    is_time.then(|| f64::from(3600 * hour + 60 * minute) + seconds)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stamps_are_read_across_midnight_leap_days_and_zones() {
+        for stamps in [
+            ["2025-11-09T23:59:59.5Z", "2025-11-10T00:00:00.25Z"],
+            ["2024-02-28 23:59:59.5", "2024-02-29 00:00:00,25"],
+            ["2024-12-31T23:59:59.5Z", "2025-01-01T01:00:00.25+01:00"],
+            ["2025-01-01T00:59:59.5+0100", "2024-12-31T19:00:00.25-05:00"],
+            ["23:59:59.5", "0:00:00.25"],
+        ] {
+            let mut clock = Clock::default();
+            let [a, b] = stamps.map(|s| clock.seconds(s).unwrap_or_else(|| panic!("{s}")));
+            assert_eq!(b - a, 0.75, "{stamps:?}");
+        }
+        for text in [
+            "",
+            "12",
+            "12:61:00",
+            "25:00:00",
+            "abc",
+            "2025-13-01T00:00:00",
+            "1:2:3:4",
+        ] {
+            assert_eq!(Clock::default().seconds(text), None, "{text}");
+        }
+    }
+}
