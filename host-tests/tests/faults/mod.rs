@@ -9,6 +9,7 @@ use preslide_host_tests::table3;
 use preslide_sim::stage::{Stage, StageConfig};
 
 mod after;
+mod changes;
 mod drive;
 mod homing;
 mod loads;
