@@ -4,7 +4,7 @@ use super::binary::{Folder, HEADER, Run, preslide, recording};
 use preslide_host::model::Model;
 use preslide_host_tests::recordings;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
 

@@ -237,11 +237,6 @@ pub struct SplitArgs {
 }
 
 impl SplitArgs {
-    /// Whether windows of the recording are asked for.
-    pub fn has_windows(self) -> bool {
-        self.train.is_some() || self.test.is_some()
-    }
-
     /// The windows, once they are known to hold samples of `recording`.
     pub fn options(self, recording: &Recording) -> Result<Options, Failure> {
         let Self { train, test } = self;

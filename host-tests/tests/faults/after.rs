@@ -61,7 +61,8 @@ fn a_fault_that_doubts_the_count_loses_the_place_and_all_that_acts_by_it() {
         current: 9500,
         ..CALM
     };
-    let cases: [(Fault, bool, fn(u32) -> Measurement<u32>); 6] = [
+    type Measure = fn(u32) -> Measurement<u32>;
+    let cases: [(Fault, bool, Measure); 6] = [
         (Fault::EncoderJump, false, jump),
         (Fault::FollowingError, false, slips),
         (Fault::SupplyOutOfRange, false, sag),

@@ -23,9 +23,9 @@ const CHANGES: [(&str, Change); 9] = [
 ];
 
 /// An axis that stands off its reference, so that the integral and the feedback push; ticks of rest before the change.
-fn pushed(rest: u32, off: u32) -> (Controller<crate::Model, u32>, Measurement<u32>) {
+fn pushed(rest: u32, off: u32) -> (Controller<super::Model, u32>, Measurement<u32>) {
     let axis = Axis::PAPER_AXIS;
-    let mut controller = Controller::new(crate::coefficients(&axis, false), 0_u32);
+    let mut controller = Controller::new(super::coefficients(&axis, false), 0_u32);
     let mut measured = Measurement {
         count: 0,
         supply: 6000,
@@ -57,7 +57,7 @@ proptest! {
         let mut kept = changed.clone();
         let mut axis = Axis::PAPER_AXIS;
         change(&mut axis, 10_f64.powf(by));
-        changed.swap(&crate::coefficients(&axis, false));
+        changed.swap(&super::coefficients(&axis, false));
         let mut last = 0;
         for tick in 0..2000 {
             let codes = [&mut changed, &mut kept].map(|one| {
@@ -81,7 +81,7 @@ fn a_lower_limit_of_the_integral_fades() {
     let before = controller.tick(measured).code;
     let mut axis = Axis::PAPER_AXIS;
     axis.gains.integral_limit = 0.01;
-    controller.swap(&crate::coefficients(&axis, false));
+    controller.swap(&super::coefficients(&axis, false));
     let next = controller.tick(measured).code;
     println!("{before}, then {next}");
     assert!(

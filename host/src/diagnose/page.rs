@@ -150,9 +150,8 @@ impl Diagnosis {
         let nameless = self.nameless().map(|u| u.words(self, recording));
         paragraphs.extend(nameless.map(|words| format!("Without a name: {words}.")));
         if paragraphs.is_empty() {
-            paragraphs.push(
-                "No stretch of any coordinate stands out of what noise leaves.".to_owned(),
-            );
+            paragraphs
+                .push("No stretch of any coordinate stands out of what noise leaves.".to_owned());
         }
         let event = self.unnamed.iter().find_map(|u| u.happened.as_ref());
         let alone = event.is_some()
