@@ -1,7 +1,7 @@
 //! What `cargo xtask test` checks, each step with its reason.
 
 use crate::cycles;
-use crate::process::{cargo, output, root, run, run_counting};
+use crate::process::{cargo, output, root, run, run_counting, target_of};
 use crate::thumb::Toolchain;
 use crate::tools::Need;
 
@@ -282,18 +282,12 @@ fn host_tests(tier: Tier) -> Result<(), String> {
     Ok(())
 }
 
+/// Beside the firmware's builds: cargo lets one command at a time into a folder, and the host's are at work in the other.
 fn thumb_build() -> Result<(), String> {
-    let toolchain = Toolchain::ensure()?;
-    run(&mut toolchain.cargo(
-        root(),
-        &[
-            "build",
-            "--release",
-            "--package",
-            "preslide",
-            "--all-features",
-        ],
-    ))
+    let folder = target_of(&root().join("firmware"));
+    let arguments = ["build", "--release", "--package", "preslide"];
+    let mut build = Toolchain::ensure()?.cargo(root(), &arguments);
+    run(build.arg("--all-features").arg("--target-dir").arg(folder))
 }
 
 /// The workspaces of the firmware: a chip's drivers cannot be built beside another's.

@@ -582,23 +582,31 @@ fn reversals<'a>(recording: &'a Recording, train: &'a [usize]) -> impl Iterator<
     turns.map(|pair| pair[1])
 }
 
+/// Displacements (m or rad) between pairs of samples, ascending, without those that are none.
+fn steps(recording: &Recording, pairs: impl Iterator<Item = (usize, usize)>) -> Vec<f64> {
+    let position = &recording.position;
+    let steps = pairs.map(|(i, j)| (position[j] - position[i]).abs());
+    let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0).collect();
+    steps.sort_by(f64::total_cmp);
+    steps
+}
+
+/// The displacement of a typical slow sample.
+fn typical(steps: &[f64]) -> Option<f64> {
+    steps.get(steps.len() / 10).copied()
+}
+
 /// Yields that a recording can tell apart: from the displacement of a typical sample near a reversal, where blocks yield, to half of the
 /// longest stroke, beyond which a block never slips.
 fn yield_range(recording: &Recording, train: &[usize]) -> Result<(f64, f64), String> {
-    let position = &recording.position;
-    let steps_of = |pairs: &mut dyn Iterator<Item = (usize, usize)>| {
-        let steps = pairs.map(|(i, j)| (position[j] - position[i]).abs());
-        let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0).collect();
-        steps.sort_by(f64::total_cmp);
-        steps
-    };
-    let steps = steps_of(&mut train.windows(2).map(|pair| (pair[0], pair[1])));
-    let mut near = steps_of(&mut reversals(recording, train).flat_map(|turn| {
+    let steps = steps(recording, train.windows(2).map(|pair| (pair[0], pair[1])));
+    let near = reversals(recording, train).flat_map(|turn| {
         let piece = recording.pieces.iter().find(|piece| piece.contains(&turn));
         let piece = piece.cloned().unwrap_or(turn..turn + 1);
         let from = turn.saturating_sub(NEAR).max(piece.start);
         (from..(turn + NEAR).min(piece.end - 1)).map(|i| (i, i + 1))
-    }));
+    });
+    let mut near = self::steps(recording, near);
     let mut extent = std::collections::BTreeMap::new();
     for &i in train {
         let x = recording.position[i];
@@ -611,7 +619,7 @@ fn yield_range(recording: &Recording, train: &[usize]) -> Result<(f64, f64), Str
         .map(|(low, high)| high - low)
         .fold(0.0, f64::max)
         / 2.0;
-    let typical = steps.get(steps.len() / 10).copied().unwrap_or(longest);
+    let typical = typical(&steps).unwrap_or(longest);
     let local = crate::statistics::quantile(&mut near, 0.5).unwrap_or(typical);
     let shortest = local.min(typical) / 2.0;
     // A filtered position creeps by rounding errors while it rests.

@@ -2,7 +2,7 @@
 
 use super::fit::{Data, Fit};
 use super::{Family, Span};
-use crate::identify::{Candidate, Identification, Method};
+use crate::identify::{Candidate, Identification, Method, steps, typical};
 use crate::progress::Progress;
 use crate::recording::Recording;
 use crate::signal::Kinematics;
@@ -31,7 +31,12 @@ impl<'a> Bench<'a> {
         kinematics: &'a Kinematics,
         found: &'a Identification,
     ) -> Self {
-        let (shortest, longest) = found.yield_range;
+        let (finest, longest) = found.yield_range;
+        let train = found.split.train();
+        // Smooth laws have lengths of all of the motion, and starts spread down to the steps at reversals are too few for it.
+        let steps = steps(recording, train.windows(2).map(|pair| (pair[0], pair[1])));
+        let typical = typical(&steps).map_or(finest, |step| step / 2.0);
+        let shortest = typical.clamp(finest, longest / 10.0);
         Self {
             data: Data {
                 recording,
@@ -49,7 +54,7 @@ impl<'a> Bench<'a> {
                 duration: recording.len() as f64 * recording.sample_time_s(),
             },
             split: &found.split,
-            train: found.split.train(),
+            train,
         }
     }
 
