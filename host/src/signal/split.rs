@@ -141,7 +141,8 @@ impl Split {
         };
         let repeats = joined(group(&recording.repeat));
         let segments = joined(group(&recording.segment));
-        let (folds, unit) = if repeats.len() >= FEWEST {
+        // Three repeats and more, each with all of the motion, scatter as another recording would; their strokes scatter less.
+        let (folds, unit) = if repeats.len() > 2 {
             (repeats, "repeat")
         } else if segments.len() >= FEWEST {
             (segments, "segment")
