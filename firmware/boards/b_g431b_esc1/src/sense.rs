@@ -9,8 +9,8 @@ use embassy_stm32::adc::{Adc, AdcConfig};
 use embassy_stm32::opamp::{OpAmp, OpAmpGain, OpAmpSpeed};
 use embassy_stm32::pac;
 use embassy_stm32::pac::adc::vals::{Exten, SampleTime};
-use preslide_app::Scales;
 use embassy_stm32::peripherals::{ADC1, ADC2, OPAMP1, OPAMP2, PA0, PA1, PA2, PA3, PA5, PA6, PA7};
+use preslide_app::Scales;
 
 /// ADC codes at the 3.3 V reference.
 const FULL: i32 = 4096;
