@@ -94,6 +94,8 @@ pub enum Bound {
     Representable(f64),
     /// Rounds to zero in the chosen [`Units`]: the number type is too coarse.
     Resolvable,
+    /// Is held as this other value, more than a hundredth off: the number type is too coarse in the chosen [`Units`].
+    Rounded(f64),
     /// A limit that nothing exceeds, since what is compared with it ends here: its fault would never come.
     Reachable(f64),
 }
@@ -131,6 +133,10 @@ impl fmt::Display for ParamError {
             Bound::Resolvable => write!(
                 f,
                 ": it rounds to zero in the number type; choose smaller units or a finer type"
+            ),
+            Bound::Rounded(held) => write!(
+                f,
+                ": the number type holds it as {held}, more than 1 % off; choose smaller units or a finer type"
             ),
             Bound::Reachable(most) => write!(
                 f,
@@ -193,6 +199,16 @@ pub(crate) fn to_scalar<S: Scalar>(name: &'static str, value: f64) -> Result<S, 
     }
     // −0 becomes 0, since limits are compared by their bits.
     Ok(scalar + S::ZERO)
+}
+
+/// The same for a gain, which is also refused where rounding would make more than a hundredth of it another one.
+pub(crate) fn to_gain<S: Scalar>(name: &'static str, value: f64) -> Result<S, ParamError> {
+    let scalar: S = to_scalar(name, value)?;
+    let held = scalar.to_f64();
+    if (held - value).abs() > 0.01 * value.abs() {
+        return Err(refuse(name, value, Bound::Rounded(held)));
+    }
+    Ok(scalar)
 }
 
 /// The same for a value that is positive, refusing also one that has already vanished in `f64`.

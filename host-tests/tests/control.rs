@@ -4,10 +4,11 @@ use fixed::types::I16F16;
 use preslide::control::learning::{Adaptation, MismatchWatch};
 use preslide::control::{
     Axis, Coefficients, Command, Controller, Fault, Learning, LearningSettings, Measurement, Move,
-    Planner, Refused, VelocitySource,
+    Pid, PidGains, PidState, Planner, Refused, Saturation, VelocitySource,
 };
-use preslide::{Friction, Gms, LuGre, QuasiStaticGms, Scalar, Sliding, Units};
+use preslide::{Bound, Friction, Gms, LuGre, QuasiStaticGms, Scalar, Sliding, Units};
 use preslide_host_tests::table3;
+use proptest::prelude::*;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -488,4 +489,36 @@ fn an_axis_enabled_again_begins_as_a_new_one() {
         }
     }
     println!("{ticks} ticks, none apart");
+}
+
+proptest! {
+    /// Gains that fixed point holds are within a hundredth of what was asked for; others are refused as rounded or as too large.
+    #[test]
+    fn a_gain_is_held_to_a_hundredth_or_refused(kp in 0.0..9.0_f64, ki in 0.0..10.0_f64, kd in -3.0..5.0_f64) {
+        let [proportional, integral, derivative] = [kp, ki, kd].map(|power| 10_f64.powf(power));
+        let gains = PidGains { proportional, integral, derivative, integral_limit: 30.0, deadband: 0.0 };
+        let sample_time = Axis::PAPER_AXIS.sample_time();
+        match Pid::<I16F16>::try_new(&gains, sample_time, COUNTS) {
+            Err(error) => prop_assert!(
+                error.parameter.contains("gain")
+                    && matches!(error.bound, Bound::Rounded(_) | Bound::Resolvable | Bound::Representable(_)),
+                "{error}"
+            ),
+            Ok(pid) => {
+                // As large an error as makes no force saturate: in counts, and in mm/s.
+                let per_count = proportional * COUNTS.length / COUNTS.force;
+                let rate = integral * sample_time * COUNTS.length / COUNTS.force;
+                let error = (10_000.0 / (per_count + rate)).clamp(1.0, 10_000.0).floor();
+                let speed = (10_000.0 / derivative).clamp(1.0, 10_000.0).floor();
+                let force = |error: f64, speed: f64| {
+                    let at = |value: f64| I16F16::from_num(value);
+                    pid.step(&mut PidState::new(), at(error), at(speed), Saturation::None).to_num::<f64>()
+                };
+                let asked = [(per_count + rate) * error, derivative * speed];
+                for (got, asked) in [force(error, 0.0), force(0.0, speed)].into_iter().zip(asked) {
+                    prop_assert!((got - asked).abs() <= 0.0101 * asked + 2.0 / 65536.0, "{got} for {asked}");
+                }
+            }
+        }
+    }
 }

@@ -3,7 +3,7 @@
 use super::{
     Axis, Compensator, Encoder, Fade, Limiter, Monitor, MotorDrive, Pace, Pid, VelocitySource,
 };
-use crate::param::{ParamError, fits, reachable, reachable_ticks, to_scalar};
+use crate::param::{ParamError, fits, reachable, reachable_ticks, to_gain, to_scalar};
 use crate::{EncoderScale, Friction, Motion, Scalar, Units};
 use core::hint::cold_path;
 
@@ -61,7 +61,7 @@ impl<F: Friction> Coefficients<F> {
         let limiter = Limiter::try_new(axis.duty_limit, hardware.steps.into())?;
         let codes = axis.motor.supply / hardware.supply_code;
         let nominal = libm::ceil(codes);
-        let length_per_count: F::Scalar = to_scalar("length of a count", count / units.length)?;
+        let length_per_count: F::Scalar = to_gain("length of a count", count / units.length)?;
         let length_per_q16 = length_per_count.per_q16();
         let monitor =
             Monitor::<F::Scalar>::try_new(axis, units, length_per_q16, limiter.largest())?;
@@ -79,7 +79,7 @@ impl<F: Friction> Coefficients<F> {
             "acceleration limit",
             axis.limits.acceleration / units.velocity,
         )?;
-        let acceleration_per_change: F::Scalar = to_scalar(
+        let acceleration_per_change: F::Scalar = to_gain(
             "acceleration of a count per tick², smoothed,",
             count / (sample_time * sample_time) / units.velocity / smoothing,
         )?;
@@ -88,7 +88,7 @@ impl<F: Friction> Coefficients<F> {
             scale: EncoderScale::try_new(count, sample_time, window, timeout, units)?,
             length_per_count,
             length_per_q16,
-            velocity_per_length: to_scalar(
+            velocity_per_length: to_gain(
                 "velocity per displacement of a tick",
                 units.length / sample_time / units.velocity,
             )?,

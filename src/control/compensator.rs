@@ -1,6 +1,6 @@
 //! The feed-forward: any friction model, and the mass.
 
-use crate::param::{ParamError, Units, at_most, not_negative, to_scalar};
+use crate::param::{ParamError, Units, at_most, not_negative, to_gain, to_scalar};
 use crate::{Friction, Motion, Scalar};
 use core::marker::PhantomData;
 
@@ -71,9 +71,9 @@ impl<F: Friction> Compensator<F> {
         Ok(Self {
             friction,
             drive: settings.drive,
-            share: to_scalar("feed-forward share", settings.share)?,
+            share: to_gain("feed-forward share", settings.share)?,
             limit,
-            mass: to_scalar(
+            mass: to_gain(
                 "moving mass",
                 // Acceleration comes in velocity units per second.
                 not_negative("moving mass", settings.mass)? * units.velocity / units.force,

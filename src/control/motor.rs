@@ -2,7 +2,7 @@
 
 use super::Hardware;
 use crate::Scalar;
-use crate::param::{ParamError, Units, at_most, fits, not_negative, positive, to_scalar};
+use crate::param::{ParamError, Units, at_most, fits, not_negative, positive, to_gain, to_scalar};
 
 /// A DC motor that drives a stage through a gear and a screw, and the bridge that feeds it (SI).
 ///
@@ -183,11 +183,11 @@ impl<S: Scalar> MotorDrive<S> {
         fits::<S>("PWM steps", steps)?;
         let codes_per_volt = steps / motor.supply;
         Ok(Self {
-            codes_per_force: to_scalar(
+            codes_per_force: to_gain(
                 "PWM codes per unit of force",
                 codes_per_volt / motor.force_per_volt() * units.force,
             )?,
-            codes_per_velocity: to_scalar(
+            codes_per_velocity: to_gain(
                 "PWM codes per unit of velocity",
                 codes_per_volt * motor.torque_constant * motor.transmission() * units.velocity,
             )?,

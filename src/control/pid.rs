@@ -2,7 +2,7 @@
 
 use super::Saturation;
 use crate::Scalar;
-use crate::param::{ParamError, Units, not_negative, positive, to_scalar};
+use crate::param::{ParamError, Units, not_negative, positive, to_gain, to_scalar};
 
 /// Gains of the feedback (SI).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,15 +62,15 @@ impl<S: Scalar> Pid<S> {
         positive("sample time", sample_time)?;
         let per_length = units.length / units.force;
         Ok(Self {
-            proportional: to_scalar(
+            proportional: to_gain(
                 "proportional gain",
                 positive("proportional gain", gains.proportional)? * per_length,
             )?,
-            integral_per_tick: to_scalar(
+            integral_per_tick: to_gain(
                 "integral gain per tick",
                 not_negative("integral gain", gains.integral)? * sample_time * per_length,
             )?,
-            derivative: to_scalar(
+            derivative: to_gain(
                 "derivative gain",
                 not_negative("derivative gain", gains.derivative)? * units.velocity / units.force,
             )?,
