@@ -4,13 +4,10 @@ use super::plain::{Place, Plain, extremes};
 use super::regression::{Gram, Regressor, Surface};
 use super::search::non_negative;
 use crate::recording::{MotionKind, Recording};
-use crate::signal::GROUPS;
+use crate::signal::{FEWEST, GROUPS};
 
 /// Yield displacements of friction end at this share of the travel; a later yield competes with a spring (the diagnosis' `LATE`).
 const LATE: f64 = 0.025;
-
-/// Folds below which nothing is added: of five signs one in 32 is alike by chance.
-const FEWEST: usize = 6;
 
 /// Standard errors of the paired difference over the folds by which an addition must predict better: some ten are tried on every recording.
 const CERTAIN: f64 = 3.0;

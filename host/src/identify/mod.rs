@@ -379,7 +379,12 @@ impl Fitting<'_> {
     }
 
     /// The regression behind the search for breakpoints.
-    fn regression(&self, columns: Vec<Regressor>, weights: &Weights) -> Regression<'_> {
+    fn regression(
+        &self,
+        columns: Vec<Regressor>,
+        folds: &[Vec<usize>],
+        weights: &Weights,
+    ) -> Regression<'_> {
         let stride = self.train.len().div_ceil(MOST_SCORED).max(1);
         let filter = |values: &[f64]| {
             if self.inertial {
@@ -388,7 +393,6 @@ impl Fitting<'_> {
                 values.to_vec()
             }
         };
-        let folds = self.split.folds.iter();
         Regression {
             position: &self.recording.position,
             pieces: &self.recording.pieces,
@@ -396,6 +400,7 @@ impl Fitting<'_> {
             columns,
             filter: Box::new(filter),
             folds: folds
+                .iter()
                 .map(|fold| fold.iter().step_by(stride).copied().collect())
                 .collect(),
             weights: weights.clone(),
@@ -410,10 +415,9 @@ impl Fitting<'_> {
         range: (f64, f64),
         progress: &Progress,
     ) -> Result<Searched<'_>, String> {
-        let mut regression = self.regression(
-            plain::every_column(self.recording, self.kinematics),
-            weights,
-        );
+        let columns = plain::every_column(self.recording, self.kinematics);
+        let parts = self.split.parts();
+        let mut regression = self.regression(columns, &parts.concat(), weights);
         let every = Surface::new(&regression, maxwell_slip::grid(range));
         let evidence = Evidence {
             columns: &regression.columns,
@@ -422,6 +426,7 @@ impl Fitting<'_> {
         let shown = evidence.shown(self.recording, base, range.1);
         let taken = shown.plain.among(&regression.columns);
         let surface = every.part(&taken, shown.longest);
+        let surface = surface.joined(parts.iter().map(Vec::len));
         regression.columns = shown.plain.columns(self.recording, self.kinematics);
         let selection = maxwell_slip::select(&regression, &surface, progress)?;
         Ok(Searched {
@@ -445,7 +450,7 @@ impl Fitting<'_> {
     fn fit_one_way(&self, weights: &Weights, notes: &mut Vec<String>) -> Result<Found, String> {
         let recording = self.recording;
         let columns = plain::every_column(recording, self.kinematics);
-        let regression = self.regression(columns, weights);
+        let regression = self.regression(columns, &self.split.parts().concat(), weights);
         let evidence = Evidence {
             columns: &regression.columns,
             surface: &Surface::new(&regression, Vec::new()),

@@ -282,6 +282,21 @@ impl Surface {
         }
     }
 
+    /// With so many neighbouring folds together.
+    pub fn joined(&self, counts: impl Iterator<Item = usize>) -> Self {
+        let mut rest = self.folds.as_slice();
+        let next = |count: usize| {
+            let (these, after) = rest.split_at(count);
+            rest = after;
+            Gram::sum(these)
+        };
+        Self {
+            grid: self.grid.clone(),
+            linear: self.linear,
+            folds: counts.filter_map(next).collect(),
+        }
+    }
+
     /// With some of the linear columns, and yields up to `longest`.
     pub fn part(&self, linear: &[usize], longest: f64) -> Self {
         let kept = self.grid.iter().filter(|d| **d <= longest).count();

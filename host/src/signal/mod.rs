@@ -8,5 +8,5 @@ mod zero_phase;
 
 pub use deflection::Deflection;
 pub use kinematics::Kinematics;
-pub use split::{GROUPS, Split, Window, check_windows, parse_window};
+pub use split::{FEWEST, GROUPS, Split, Window, check_windows, parse_window};
 pub use zero_phase::ZeroPhase;

@@ -31,22 +31,22 @@ const SHORT: usize = 4;
 /// Folds beyond this number tell nothing more about confidence; neighbours join.
 const MOST_FOLDS: usize = 200;
 
-/// Folds below which finer ones are taken: fewer give no interval that means anything.
-const FEWEST: usize = 6;
+/// Folds below which finer ones are taken: of five signs one in 32 is alike by chance.
+pub const FEWEST: usize = 6;
 
-/// Stretches that few strokes are cut into, together.
+/// Stretches that few strokes or repeats are cut into, together.
 const STRETCHES: usize = 10;
 
-/// Each stroke in as many stretches of equal length, so that there are some [`STRETCHES`].
-fn parts(segments: &[Vec<usize>]) -> Vec<Vec<usize>> {
-    let total: usize = segments.iter().map(Vec::len).sum();
+/// Each fold in as many stretches of equal length, so that there are some [`STRETCHES`] in all.
+fn parts(folds: &[Vec<usize>]) -> Vec<Vec<Vec<usize>>> {
+    let total: usize = folds.iter().map(Vec::len).sum();
     let length = total.div_ceil(STRETCHES).max(1);
     let cut = |rows: &Vec<usize>| {
         let count = (rows.len() as f64 / length as f64).round().max(1.0) as usize;
         let each = rows.len().div_ceil(count).max(1);
-        rows.chunks(each).map(<[_]>::to_vec).collect::<Vec<_>>()
+        rows.chunks(each).map(<[_]>::to_vec).collect()
     };
-    segments.iter().flat_map(cut).collect()
+    folds.iter().map(cut).collect()
 }
 
 /// Joins short folds to the one before (leading ones to the first that is not), then neighbours.
@@ -147,7 +147,7 @@ impl Split {
         } else if segments.len() >= FEWEST {
             (segments, "segment")
         } else {
-            (parts(&segments), "stretch")
+            (parts(&segments).concat(), "stretch")
         };
         let test = test.map(|_| (0..recording.len()).filter(|&i| within(test, i)).collect());
         Self { folds, unit, test }
@@ -157,6 +157,15 @@ impl Split {
     pub fn groups(&self) -> impl Iterator<Item = &[Vec<usize>]> {
         let per_group = self.folds.len().div_ceil(GROUPS).max(1);
         self.folds.chunks(per_group)
+    }
+
+    /// Parts of every fold: itself where there are [`FEWEST`], else stretches of it. Few repeats give honest intervals; whether a column predicts
+    /// what was held out takes more of them.
+    pub fn parts(&self) -> Vec<Vec<Vec<usize>>> {
+        match self.folds.len() < FEWEST {
+            true => parts(&self.folds),
+            false => self.folds.iter().map(|fold| vec![fold.clone()]).collect(),
+        }
     }
 
     /// All training samples, in order.
