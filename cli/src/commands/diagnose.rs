@@ -2,6 +2,7 @@
 
 use super::{Failure, OutputArgs, RecordingArgs, command_line, thin, write_text};
 use clap::Args;
+use preslide_host::diagnose::fit::Fit;
 use preslide_host::diagnose::verdict::Verdict;
 use preslide_host::diagnose::{Refusal, diagnose, diagnose_simulation, effect, experiment};
 use preslide_host::model::Model;
@@ -63,7 +64,9 @@ impl Diagnose {
             .check_outputs(self.model.as_ref(), &own, &self.outputs)?;
         let model = self.model.as_deref().map(Model::load).transpose()?;
         // However many samples there are: what is said must not turn on the length of the recording.
-        let mut recording = thin(self.recordings.load()?, 0);
+        let loaded = self.recordings.load()?;
+        let fit = self.simulated.is_empty().then(|| Fit::of(&loaded));
+        let mut recording = thin(loaded, 0);
         let simulated = self.take_simulated(&mut recording)?;
         let progress = Progress::new("diagnose, steps of the search", 0);
         let found = match simulated {
@@ -75,15 +78,25 @@ impl Diagnose {
             Err(Refusal::Data(message)) => {
                 let answer = serde_json::json!({
                     "schema": "preslide.diagnosis/1", "recording": recording.name, "verdict": "insufficient-data",
-                    "reason": message, "effects": [], "unknown": null, "seconds": start.elapsed().as_secs_f64(),
+                    "fit": fit.as_ref().map(Fit::to_json), "reason": message, "effects": [], "unknown": null, "seconds": start.elapsed().as_secs_f64(),
                 });
                 self.outputs.write_json(&answer)?;
+                if let Some(fit) = fit {
+                    say!("Note: {}.", fit.words());
+                }
                 return Err(Failure::Data(format!("insufficient-data: {message}")));
             }
             Err(refusal) => return Err(refusal.into()),
         };
         progress.finish();
+        let found = match fit {
+            Some(fit) => found.beside(fit),
+            None => found,
+        };
         say!("{}\n", found.verdict_words(&recording));
+        if let Some(fit) = &found.fit {
+            say!("Note: {}.\n", fit.words());
+        }
         for left_out in found.left_out_words() {
             say!("Note: {left_out}.\n");
         }

@@ -17,6 +17,7 @@ mod event;
 pub mod evidence;
 pub mod experiment;
 mod extend;
+pub mod fit;
 pub mod given;
 pub mod ground;
 mod hysteresis;
@@ -50,6 +51,7 @@ pub mod words;
 use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::{Recording, Simulated};
+use crate::signal::StickSlip;
 use ground::Ground;
 use reproduced::Reproduced;
 use rows::Rows;
@@ -135,6 +137,13 @@ fn judge(
     progress: &Progress,
 ) -> Result<Diagnosis, Refusal> {
     check(recording, model)?;
+    if let Some(found) = StickSlip::of(recording).filter(|found| found.hunts) {
+        return Err(Refusal::Data(format!(
+            "{}: {}; record a commanded motion for anything else",
+            recording.name,
+            found.words(recording)
+        )));
+    }
     let given = model.map(terms_of).unwrap_or_default();
     let mechanics = model.map(|m| m.mechanics.clone()).unwrap_or_default();
     let periods: Vec<(String, f64)> = mechanics

@@ -6,6 +6,7 @@ use super::confidence::{self, confidence};
 use super::credible::sieved;
 use super::effect::{self, ALWAYS_FREE, Class, Effect};
 use super::evidence::{Evidence, NAMED};
+use super::fit::Fit;
 use super::given::Given;
 use super::ground::{Ground, Hypothesis, Nmse};
 use super::hysteresis::{self, Shape};
@@ -38,7 +39,7 @@ const LIKELY: f64 = 0.55;
 /// Even odds: the most that is stated of a name whose sign its own interval does not tell.
 const EVEN: f64 = 0.5;
 /// NMSE (%) on folds held out from which a model explains too little to be called consistent with anything.
-const EXPLAINS_LITTLE: f64 = 25.0;
+pub(super) const EXPLAINS_LITTLE: f64 = 25.0;
 /// NMSE (%) beyond what noise explains from which it is not, either. Chosen after looking at a bench that nothing explains (23.6 % left, none
 /// of it noise) and at clean recordings of `drives` 1 and 2, which leave 5.6 % at most.
 const UNEXPLAINED: f64 = 10.0;
@@ -170,6 +171,10 @@ pub struct Diagnosis {
     pub reproduced: Option<Reproduced>,
     /// What further columns say that measure the position, too.
     pub second_positions: Vec<SecondPosition>,
+    /// The fit that every command tells.
+    pub fit: Option<Fit>,
+    /// Why the fit lets nothing be called consistent.
+    pub(super) doubt: Option<String>,
 }
 
 impl Diagnosis {
@@ -287,6 +292,8 @@ pub fn conclude(
         states: [first, extended],
         reproduced: None,
         second_positions: Vec::new(),
+        fit: None,
+        doubt: None,
     })
 }
 

@@ -424,6 +424,10 @@ impl Diagnosis {
                 format!("missing-physics: {} ({figures})", names.join(", "))
             }
             Verdict::UnknownPhysics => format!("unknown-physics ({figures})"),
+            Verdict::InsufficientData if self.doubt.is_some() => format!(
+                "insufficient-data: {}; record more strokes, faster sampled, at several speeds ({figures})",
+                self.doubt.as_deref().unwrap_or_default()
+            ),
             Verdict::InsufficientData => format!(
                 "insufficient-data: the best model leaves {:.0} % of the variance on stretches held out, and nothing of the catalogue explains it; this recording does not say ({figures})",
                 self.extended.test

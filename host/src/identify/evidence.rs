@@ -4,7 +4,8 @@ use super::plain::{Place, Plain, extremes};
 use super::regression::{Gram, Regressor, Surface};
 use super::search::non_negative;
 use crate::recording::{MotionKind, Recording};
-use crate::signal::{FEWEST, GROUPS};
+use crate::signal::{FEWEST, GROUPS, ONE_SLOPE_RAD};
+use nalgebra::DVector;
 
 /// Yield displacements of friction end at this share of the travel; a later yield competes with a spring (the diagnosis' `LATE`).
 const LATE: f64 = 0.025;
@@ -32,25 +33,51 @@ pub(super) struct Evidence<'a> {
 }
 
 impl Evidence<'_> {
-    /// Squared error on every fold of a fit to the other groups of folds, with yields up to `longest`; `None` where the columns cannot be
-    /// told apart.
-    fn held_out(&self, plain: Plain, longest: f64) -> Option<Vec<f64>> {
-        let linear = plain.among(self.columns);
+    /// The columns of a fit to some folds, those of the plain physics first, and its coefficients.
+    fn fit<'g>(
+        &self,
+        folds: impl IntoIterator<Item = &'g Gram>,
+        plain: Plain,
+        longest: f64,
+    ) -> Option<(Vec<usize>, DVector<f64>)> {
         let first = self.columns.len();
         let blocks: Vec<usize> = (0..self.surface.grid.len())
             .filter(|j| self.surface.grid[*j] <= longest)
             .map(|j| first + j)
             .collect();
+        non_negative(&Gram::sum(folds)?, &plain.among(self.columns), &blocks)
+    }
+
+    /// Squared error on every fold of a fit to the other groups of folds, with yields up to `longest`; `None` where the columns cannot be
+    /// told apart.
+    fn held_out(&self, plain: Plain, longest: f64) -> Option<Vec<f64>> {
         let per_group = self.surface.folds.len().div_ceil(GROUPS).max(1);
         let mut errors = Vec::new();
         for (out, group) in self.surface.folds.chunks(per_group).enumerate() {
             let others = self.surface.folds.chunks(per_group).enumerate();
             let rest = others.filter(|(i, _)| *i != out).flat_map(|(_, g)| g);
-            let (chosen, coefficients) = non_negative(&Gram::sum(rest)?, &linear, &blocks)?;
+            let (chosen, coefficients) = self.fit(rest, plain, longest)?;
             let left = group.iter();
             errors.extend(left.map(|fold| fold.squared_error(&chosen, &coefficients)));
         }
         Some(errors)
+    }
+
+    /// Whether the physics admits what all folds give: a spring pulls back.
+    fn is_possible(&self, plain: Plain, longest: f64) -> bool {
+        if plain.place != Place::Spring {
+            return true;
+        }
+        let is_spring = |column: &usize| {
+            self.columns
+                .get(*column)
+                .is_some_and(|c| c.name == "spring")
+        };
+        self.fit(&self.surface.folds, plain, longest)
+            .is_some_and(|(chosen, fit)| {
+                let at = chosen.iter().position(is_spring);
+                at.is_some_and(|at| fit[at] > 0.0)
+            })
     }
 
     /// What of the plain physics is there, and how late friction yields.
@@ -63,8 +90,10 @@ impl Evidence<'_> {
             gain: 0.0,
         };
         let places: &[Place] = match recording.kind {
-            MotionKind::Linear => &[Place::Nowhere, Place::Spring],
-            MotionKind::Rotary => &[Place::Nowhere, Place::Spring, Place::Gravity],
+            MotionKind::Rotary if high - low >= ONE_SLOPE_RAD => {
+                &[Place::Nowhere, Place::Spring, Place::Gravity]
+            }
+            _ => &[Place::Nowhere, Place::Spring],
         };
         // From the simplest: friction that yields early beside each force of the position, then friction that yields late.
         let yields_by = |end: &f64| self.surface.grid.iter().any(|d| d <= end);
@@ -85,6 +114,9 @@ impl Evidence<'_> {
         };
         let mut best: Option<Vec<f64>> = None;
         let mut take = |shown: &mut Shown, (plain, end): (Plain, f64)| {
+            if !self.is_possible(plain, end) {
+                return;
+            }
             let Some(errors) = self.held_out(plain, end) else {
                 return;
             };

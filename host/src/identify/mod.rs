@@ -2,6 +2,7 @@
 
 mod evidence;
 pub mod family;
+mod fit;
 mod judge;
 pub mod maxwell_slip;
 mod notes;
@@ -18,7 +19,7 @@ use crate::friction::FrictionModel;
 use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::{MotionKind, Recording};
-use crate::signal::{Kinematics, Split, Window, check_windows};
+use crate::signal::{Kinematics, Split, StickSlip, Window, check_windows};
 use crate::statistics::Estimate;
 use evidence::{Evidence, Shown};
 use family::Family;
@@ -169,6 +170,8 @@ pub struct Identification {
     pub yield_range: (f64, f64),
     /// What acts beside hysteresis.
     pub plain: Plain,
+    /// Breakaway and kinetic levels, where the axis sticks and slips.
+    pub stick_slip: Option<StickSlip>,
 }
 
 /// Warnings of the loader that leave nothing to identify, with what would.
@@ -217,7 +220,8 @@ pub fn thinned(recording: &Recording, from: usize) -> Option<Recording> {
     if recording.len() < from {
         return None;
     }
-    let by_band = if recording.role.contains_inertia() {
+    // Slips are shorter than the band of the motion tells.
+    let by_band = if recording.role.contains_inertia() && StickSlip::of(recording).is_none() {
         let cutoff = crate::signal::ZeroPhase::choose_cutoff(recording);
         (1.0 / (KEPT_RATE * cutoff * recording.sample_time_s())).floor() as usize
     } else {
@@ -274,6 +278,7 @@ pub fn identify(
         virgin: found.virgin,
         yield_range: found.range,
         plain: found.plain,
+        stick_slip: StickSlip::of(recording),
     };
     identification.recommendation = identification.recommended_in_words();
     Ok(identification)
@@ -450,7 +455,9 @@ impl Fitting<'_> {
     fn fit_one_way(&self, weights: &Weights, notes: &mut Vec<String>) -> Result<Found, String> {
         let recording = self.recording;
         let columns = plain::every_column(recording, self.kinematics);
-        let regression = self.regression(columns, &self.split.parts().concat(), weights);
+        let folds = self.split.parts().concat();
+        let folds = rigid_body::moving(recording, self.kinematics, &folds);
+        let regression = self.regression(columns, &folds, weights);
         let evidence = Evidence {
             columns: &regression.columns,
             surface: &Surface::new(&regression, Vec::new()),

@@ -282,6 +282,7 @@ impl Identification {
         let (baseline, lowest) = self.extremes();
         let best = self.best();
         let mut notes = self.search_notes.clone();
+        notes.extend(self.stick_slip.map(|found| found.words(recording)));
         if let Some(share) = self.soft_share() {
             notes.push(format!(
                 "{:.0} % of the friction yields only beyond {:.0} % of the longest stroke: what hardly ever slips is a spring, a weight or another force that follows the position as much as hysteresis; `preslide diagnose` tells which, a longer motion would",

@@ -16,32 +16,8 @@ const RAMP: i32 = 100;
 /// Steps on the way to each of them.
 const STEPS: usize = 400;
 
-/// Keys of the JSON output for a rigid body parameter.
-fn key(kind: MotionKind, name: &str) -> &'static str {
-    let [linear, rotary] = match name {
-        "mass" => ["mass_kg", "inertia_kg_m2"],
-        "viscous" => ["viscous_N_s_per_m", "viscous_Nm_s_per_rad"],
-        "viscous_forward" => ["viscous_forward_N_s_per_m", "viscous_forward_Nm_s_per_rad"],
-        "viscous_backward" => [
-            "viscous_backward_N_s_per_m",
-            "viscous_backward_Nm_s_per_rad",
-        ],
-        "coulomb" => ["coulomb_N", "coulomb_Nm"],
-        "spring" => ["spring_N_per_m", "spring_Nm_per_rad"],
-        "spring_centre" => ["spring_centre_m", "spring_centre_rad"],
-        "gravity" => ["gravity_N", "gravity_Nm"],
-        "gravity_angle" => ["gravity_angle_rad", "gravity_angle_rad"],
-        "coulomb_and_offset" => ["coulomb_and_offset_N", "coulomb_and_offset_Nm"],
-        _ => ["offset_N", "offset_Nm"],
-    };
-    match kind {
-        MotionKind::Linear => linear,
-        MotionKind::Rotary => rotary,
-    }
-}
-
 /// Unit of a rigid body parameter, for people.
-fn unit(recording: &Recording, name: &str) -> String {
+pub(super) fn unit(recording: &Recording, name: &str) -> String {
     let (force, position) = (force_unit(recording), recording.position_unit());
     match (name, recording.kind, force) {
         ("mass", MotionKind::Linear, "N") => "kg".to_owned(),
@@ -57,28 +33,6 @@ fn unit(recording: &Recording, name: &str) -> String {
 }
 
 impl Identification {
-    /// What every command tells of a fit: the error that the recommended law leaves of what was held out (%), its parameters with their
-    /// intervals, the law by its kind and number of blocks, and the rows that were fitted.
-    pub fn fit_json(&self, recording: &Recording) -> Value {
-        let best = self.best();
-        json!({
-            "law": best.model.friction.name(),
-            "kind": best.model.friction.kind(),
-            "blocks": best.size(),
-            "nmse_held_out": best.nmse_test,
-            "parameters": self.parameters_json(recording),
-            "rows": self.split.folds.iter().map(Vec::len).sum::<usize>(),
-        })
-    }
-
-    fn parameters_json(&self, recording: &Recording) -> serde_json::Map<String, Value> {
-        self.best()
-            .rigid_body
-            .iter()
-            .map(|(name, estimate)| (key(recording.kind, name).to_owned(), json!(estimate)))
-            .collect()
-    }
-
     /// `preslide.identification/1`; `warnings` are the loader's, `seconds` the time it took.
     pub fn to_json(&self, recording: &Recording, seconds: f64) -> Value {
         let friction: Vec<Value> = self
@@ -123,12 +77,10 @@ impl Identification {
                 .map(String::from)
                 .to_vec(),
             rows: self
-                .best()
-                .rigid_body
-                .iter()
+                .parameters()
                 .map(|(name, e)| {
-                    let [from, to] = bounds(e);
-                    let name_shown = match *name {
+                    let [from, to] = bounds(&e);
+                    let name_shown = match name {
                         "mass" if recording.kind == MotionKind::Rotary => "inertia",
                         "coulomb" if self.best().size() > 0 => "coulomb (ΣW)",
                         "offset" if self.plain.place == Place::Spring => {
@@ -562,7 +514,7 @@ fn of_rows(values: &[f64], rows: &[usize]) -> Vec<f64> {
 }
 
 /// Five significant digits.
-fn digits(value: f64) -> String {
+pub(super) fn digits(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 {
         return "0".to_owned();

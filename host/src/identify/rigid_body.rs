@@ -45,6 +45,7 @@ pub fn fit(
     plain: Plain,
 ) -> Result<RigidBody, String> {
     let inertial = recording.role.contains_inertia();
+    let folds = &moving(recording, kinematics, folds);
     let mut columns = plain.columns(recording, kinematics);
     let moves = |sign: f64| {
         folds
@@ -105,6 +106,60 @@ pub fn fit(
         parameters,
         fitted,
     })
+}
+
+/// Periods of the filter's cut-off over which it blurs.
+const BLUR: f64 = 1.0;
+
+/// Of every fold the samples at which the law of sliding holds: not at rest, where friction is any force up to breakaway, and not where a piece
+/// begins or ends in motion, of which the filter knows one side only. All of them where little else would be left.
+pub fn moving(
+    recording: &Recording,
+    kinematics: &Kinematics,
+    folds: &[Vec<usize>],
+) -> Vec<Vec<usize>> {
+    if !recording.role.contains_inertia() {
+        return folds.to_vec();
+    }
+    let blur = BLUR / (kinematics.filter.cutoff_hz() * recording.sample_time_s());
+    let blur = blur.ceil() as usize;
+    let mut told = vec![true; recording.len()];
+    for piece in &recording.pieces {
+        let direction = &kinematics.direction[piece.clone()];
+        let mut start = 0;
+        for run in direction.chunk_by(|a, b| (*a == 0.0) == (*b == 0.0)) {
+            let run_at = start..start + run.len();
+            start = run_at.end;
+            let mut leave_out = |from: usize, to: usize| {
+                let to = to.min(piece.len());
+                told[piece.start + from..piece.start + to].fill(false);
+            };
+            match run[0] == 0.0 {
+                true if run.len() > blur => {
+                    leave_out(run_at.start.saturating_sub(blur), run_at.end + blur);
+                }
+                true => {}
+                false => {
+                    if run_at.start == 0 {
+                        leave_out(0, blur);
+                    }
+                    if run_at.end == piece.len() {
+                        leave_out(piece.len().saturating_sub(blur), piece.len());
+                    }
+                }
+            }
+        }
+    }
+    let kept: Vec<Vec<usize>> = folds
+        .iter()
+        .map(|fold| fold.iter().copied().filter(|i| told[*i]).collect())
+        .filter(|fold: &Vec<usize>| !fold.is_empty())
+        .collect();
+    let samples = |folds: &[Vec<usize>]| folds.iter().map(Vec::len).sum::<usize>();
+    match 2 * samples(&kept) > samples(folds) {
+        true => kept,
+        false => folds.to_vec(),
+    }
 }
 
 fn gram(columns: &[&[f64]], rows: &[usize], weights: &Weights) -> Gram {

@@ -28,6 +28,8 @@ const LIMIT: f64 = 0.05;
 /// The motion takes another effort than the one that is written where the two differ by this many times the usual misfit. An axis that
 /// coasts with its motor off reaches 0.75.
 const OTHER: f64 = 1.2;
+/// Share of a stretch's motion that may fall into its second half where the axis coasts to rest.
+const AT_REST: f64 = 0.05;
 /// Stretches that a recording is cut into, to see what its motion takes …
 const STRETCHES: usize = 1000;
 /// … and the fewest, in coefficients.
@@ -96,6 +98,7 @@ fn of_effort(
     let found = runs.into_iter();
     let mut found: Vec<Range<usize>> = found
         .filter(|r| is_long(r) && moves(r) && !limited(f[r.start]))
+        .filter(|r| f[r.start] != 0.0 || !coasts(x, r))
         .collect();
     let Some(shortest) = found.iter().map(Range::len).min() else {
         return found;
@@ -129,6 +132,13 @@ fn of_effort(
         takes.misfit(within.iter()) > OTHER * usual
     });
     found
+}
+
+/// Whether the axis comes to rest within a stretch and stays there: with its motor off it coasts, and no channel was lost.
+fn coasts(x: &[f64], stretch: &Range<usize>) -> bool {
+    let half = &x[(stretch.start + stretch.end) / 2..stretch.end];
+    let reach = |x: &[f64]| extremes(x).1 - extremes(x).0;
+    reach(half) <= AT_REST * reach(&x[stretch.clone()])
 }
 
 /// Coefficients of [`Takes`].

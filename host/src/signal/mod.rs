@@ -4,9 +4,14 @@
 mod deflection;
 mod kinematics;
 mod split;
+mod stick_slip;
 mod zero_phase;
 
 pub use deflection::Deflection;
 pub use kinematics::Kinematics;
 pub use split::{FEWEST, GROUPS, Split, Window, check_windows, parse_window};
+pub use stick_slip::{Levels, StickSlip};
 pub use zero_phase::ZeroPhase;
+
+/// Travel (rad) below which a sine of the angle is one slope.
+pub const ONE_SLOPE_RAD: f64 = 1.0;

@@ -9,6 +9,7 @@ use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
 use crate::effects::form;
 use crate::model::Model;
+use crate::signal::ONE_SLOPE_RAD;
 use crate::statistics::Estimate;
 
 /// Key of the amplitude, `torque_Nm` on the rotary axes that it is for.
@@ -81,5 +82,5 @@ impl Effect for Gravity {
 
 /// Whether an axis turns by less than a radian, over which gravity and a spring are one slope.
 pub(super) fn is_one_slope(s: &Signals) -> bool {
-    s.rotary && s.travel() < 1.0
+    s.rotary && s.travel() < ONE_SLOPE_RAD
 }

@@ -99,8 +99,8 @@ fn brought(
     let known = known.filter(|k| (fitted * k - 1.0).abs() < SAME);
     let scale = known.unwrap_or(1.0 / fitted);
     let values: Vec<f64> = values.iter().map(|y| scale * (y - my) + mx).collect();
-    // The same counts, written twice, differ by no more than their steps.
-    let count = smallest_step(position);
+    // The same counts, written twice, differ by no more than their steps; a motion in steps has none that small.
+    let count = count(position).min(count(&values));
     let furthest = position.iter().zip(&values);
     let furthest = furthest.map(|(x, y)| (y - x).abs()).fold(0.0, f64::max);
     (furthest > count).then_some((values, known.is_none().then_some(fitted)))
@@ -154,6 +154,18 @@ fn compared(
         lead,
         periodic,
     })
+}
+
+/// The least that two samples differ by: one count, where a position is counted, wherever it was moved to. Less than a part in 10⁷ of the
+/// travel is how it was written.
+fn count(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let travel = sorted
+        .last()
+        .zip(sorted.first())
+        .map_or(0.0, |(l, f)| l - f);
+    smallest_step(&sorted).max(1e-7 * travel)
 }
 
 /// The smallest step between samples that is none of zero: one count, where a position is counted.

@@ -1,0 +1,91 @@
+//! The fit that every command tells: its parameters, its law, what it leaves.
+
+use super::Identification;
+use super::present::{digits, unit};
+use crate::recording::{MotionKind, Recording};
+use crate::signal::StickSlip;
+use crate::statistics::Estimate;
+use serde_json::{Value, json};
+
+/// Keys of the JSON output for a rigid body parameter.
+fn key(kind: MotionKind, name: &str) -> &'static str {
+    let [linear, rotary] = match name {
+        "mass" => ["mass_kg", "inertia_kg_m2"],
+        "viscous" => ["viscous_N_s_per_m", "viscous_Nm_s_per_rad"],
+        "viscous_forward" => ["viscous_forward_N_s_per_m", "viscous_forward_Nm_s_per_rad"],
+        "viscous_backward" => [
+            "viscous_backward_N_s_per_m",
+            "viscous_backward_Nm_s_per_rad",
+        ],
+        "coulomb" => ["coulomb_N", "coulomb_Nm"],
+        "spring" => ["spring_N_per_m", "spring_Nm_per_rad"],
+        "spring_centre" => ["spring_centre_m", "spring_centre_rad"],
+        "gravity" => ["gravity_N", "gravity_Nm"],
+        "gravity_angle" => ["gravity_angle_rad", "gravity_angle_rad"],
+        "breakaway_forward" => ["breakaway_forward_N", "breakaway_forward_Nm"],
+        "breakaway_backward" => ["breakaway_backward_N", "breakaway_backward_Nm"],
+        "kinetic_forward" => ["kinetic_forward_N", "kinetic_forward_Nm"],
+        "kinetic_backward" => ["kinetic_backward_N", "kinetic_backward_Nm"],
+        "coulomb_and_offset" => ["coulomb_and_offset_N", "coulomb_and_offset_Nm"],
+        _ => ["offset_N", "offset_Nm"],
+    };
+    match kind {
+        MotionKind::Linear => linear,
+        MotionKind::Rotary => rotary,
+    }
+}
+
+impl Identification {
+    /// What every command tells of a fit: the error that the recommended law leaves of what was held out (%), its parameters with their
+    /// intervals, the law by its kind and number of blocks, and the rows that were fitted.
+    pub fn fit_json(&self, recording: &Recording) -> Value {
+        let best = self.best();
+        json!({
+            "law": best.model.friction.name(),
+            "kind": best.model.friction.kind(),
+            "blocks": best.size(),
+            "nmse_held_out": best.nmse_test,
+            "parameters": self.parameters_json(recording),
+            "rows": self.split.folds.iter().map(Vec::len).sum::<usize>(),
+            "stick_slip": self.stick_slip,
+        })
+    }
+
+    /// The fit in one sentence, without its full stop.
+    pub fn in_words(&self, recording: &Recording) -> String {
+        let parameter = |(name, e): (&'static str, Estimate)| {
+            let reach = e
+                .reach()
+                .map_or(String::new(), |r| format!(" ± {}", digits(r)));
+            format!(
+                "{name} {}{reach} {}",
+                digits(e.value),
+                unit(recording, name)
+            )
+        };
+        let parameters: Vec<String> = self.parameters().map(parameter).collect();
+        let best = self.best();
+        let blocks = match best.size() {
+            0 => String::new(),
+            n => format!(" with {n} blocks"),
+        };
+        format!(
+            "{}{blocks}, {:.3} % of the variance left on held-out data; {}",
+            best.model.friction.name(),
+            best.nmse_test,
+            parameters.join(", ")
+        )
+    }
+
+    /// Of the rigid body, and of stick and slip.
+    pub(super) fn parameters(&self) -> impl Iterator<Item = (&'static str, Estimate)> {
+        let levels = self.stick_slip.iter().flat_map(StickSlip::parameters);
+        self.best().rigid_body.iter().copied().chain(levels)
+    }
+
+    pub(super) fn parameters_json(&self, recording: &Recording) -> serde_json::Map<String, Value> {
+        self.parameters()
+            .map(|(name, estimate)| (key(recording.kind, name).to_owned(), json!(estimate)))
+            .collect()
+    }
+}
