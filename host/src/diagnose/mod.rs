@@ -138,11 +138,7 @@ fn judge(
 ) -> Result<Diagnosis, Refusal> {
     check(recording, model)?;
     if let Some(found) = StickSlip::of(recording).filter(|found| found.hunts) {
-        return Err(Refusal::Data(format!(
-            "{}: {}; record a commanded motion for anything else",
-            recording.name,
-            found.words(recording)
-        )));
+        return Err(Refusal::Data(found.refusal(recording)));
     }
     let given = model.map(terms_of).unwrap_or_default();
     let mechanics = model.map(|m| m.mechanics.clone()).unwrap_or_default();

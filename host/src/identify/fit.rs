@@ -26,6 +26,7 @@ fn key(kind: MotionKind, name: &str) -> &'static str {
         "breakaway_backward" => ["breakaway_backward_N", "breakaway_backward_Nm"],
         "kinetic_forward" => ["kinetic_forward_N", "kinetic_forward_Nm"],
         "kinetic_backward" => ["kinetic_backward_N", "kinetic_backward_Nm"],
+        "coulomb_and_inertia" => ["coulomb_and_inertia_N", "coulomb_and_inertia_Nm"],
         "coulomb_and_offset" => ["coulomb_and_offset_N", "coulomb_and_offset_Nm"],
         _ => ["offset_N", "offset_Nm"],
     };
@@ -65,12 +66,8 @@ impl Identification {
         };
         let parameters: Vec<String> = self.parameters().map(parameter).collect();
         let best = self.best();
-        let blocks = match best.size() {
-            0 => String::new(),
-            n => format!(" with {n} blocks"),
-        };
         format!(
-            "{}{blocks}, {:.3} % of the variance left on held-out data; {}",
+            "{}, {:.3} % of the variance left on held-out data; {}",
             best.model.friction.name(),
             best.nmse_test,
             parameters.join(", ")

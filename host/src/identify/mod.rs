@@ -197,6 +197,10 @@ const NEAR: usize = 8;
 /// Share of the moving samples in the rarer direction below which a recording goes one way.
 const ONE_WAY: f64 = 0.01;
 
+/// Share of the acceleration's squares that direction, velocity and a constant must leave for an inertia to be told: the band lets in noise of a
+/// tenth of that, which takes as much off the inertia.
+const TOLD: f64 = 0.01;
+
 /// Samples that the breakpoints are fitted to. Of a longer recording every n-th is taken, which bounds the memory
 /// of the search (450 B per sample) at what a small machine has; the models still run along all samples and are
 /// measured on all of them.
@@ -256,6 +260,10 @@ pub fn identify(
     };
     let mut notes: Vec<String> = recording.per_unit().into_iter().collect();
     notes.extend(overlap(options));
+    let stick_slip = StickSlip::of(recording);
+    if let Some(hunting) = stick_slip.filter(|found| found.hunts) {
+        return Err(hunting.refusal(recording));
+    }
     let fitting = Fitting {
         recording,
         kinematics: &kinematics,
@@ -278,7 +286,7 @@ pub fn identify(
         virgin: found.virgin,
         yield_range: found.range,
         plain: found.plain,
-        stick_slip: StickSlip::of(recording),
+        stick_slip,
     };
     identification.recommendation = identification.recommended_in_words();
     Ok(identification)
@@ -496,6 +504,12 @@ impl Fitting<'_> {
         }
         let range = yield_range(recording, self.train)?;
         let mut base = Plain::of(self.inertial);
+        let alike = self.inertial
+            && rigid_body::inertia_told(recording, self.kinematics, &self.split.folds) < TOLD;
+        if alike {
+            base.mass = false;
+            notes.push("the acceleration follows the direction of motion, so that inertia and Coulomb friction are told as one force: the friction given holds the inertia's; record moves of several accelerations to tell them apart".to_owned());
+        }
         let mut found = self.search(base, &weights, range, progress)?;
         let again = |what| Progress::new(what, STEPS);
         if weights.differ() {
@@ -553,6 +567,11 @@ impl Fitting<'_> {
         };
         if recommended == 0 && without_mass {
             notes.push("with Coulomb friction alone the inertia came out negative and was left out; record faster reversals".to_owned());
+        }
+        if alike {
+            let told = candidates.iter_mut().flat_map(|c| &mut c.rigid_body);
+            let coulomb = told.filter(|p| p.0 == "coulomb");
+            coulomb.for_each(|p| p.0 = "coulomb_and_inertia");
         }
         Ok(Found {
             candidates,

@@ -5,7 +5,7 @@ use super::regression::Regressor;
 use crate::effects::{Effect, form};
 use crate::friction::FrictionModel;
 use crate::model::Model;
-use crate::recording::{MotionKind, Recording};
+use crate::recording::{EffortRole, MotionKind, Recording};
 use crate::signal::Kinematics;
 use crate::statistics::Estimate;
 use nalgebra::{DMatrix, DVector};
@@ -155,7 +155,14 @@ impl Plain {
         };
         self.derived(recording, linear)
             .into_iter()
-            .map(|(name, value, slopes)| (name, Estimate::new(value, error(&slopes), folds)))
+            .map(|(name, value, slopes)| {
+                let mut told = Estimate::new(value, error(&slopes), folds);
+                if let ("mass", Some([low, high])) = (name, &mut told.ci95) {
+                    let unseen = self.coefficient(linear, Term::Viscous).abs() * held(recording);
+                    (*low, *high) = (*low - unseen, *high + unseen);
+                }
+                (name, told)
+            })
             .collect()
     }
 
@@ -206,6 +213,15 @@ impl Plain {
             }
         }
         derived
+    }
+}
+
+/// How late (s) an effort may act on the mean after it is written: a voltage is a command that holds until the next one. A delay `δ` of it and an
+/// inertia of `viscous·δ` are one.
+fn held(recording: &Recording) -> f64 {
+    match recording.role {
+        EffortRole::Voltage => 0.5 * recording.sample_time_s(),
+        _ => 0.0,
     }
 }
 

@@ -109,7 +109,7 @@ pub fn fit(
 }
 
 /// Periods of the filter's cut-off over which it blurs.
-const BLUR: f64 = 1.0;
+const BLUR: f64 = 2.0;
 
 /// Of every fold the samples at which the law of sliding holds: not at rest, where friction is any force up to breakaway, and not where a piece
 /// begins or ends in motion, of which the filter knows one side only. All of them where little else would be left.
@@ -160,6 +160,26 @@ pub fn moving(
         true => kept,
         false => folds.to_vec(),
     }
+}
+
+/// Share of the acceleration's squares, where the axis moves, that direction, velocity and a constant leave; 0 where they are not told apart.
+pub fn inertia_told(recording: &Recording, kinematics: &Kinematics, folds: &[Vec<usize>]) -> f64 {
+    let rows = moving(recording, kinematics, folds).concat();
+    let direction = kinematics.filter.smooth(&kinematics.direction);
+    let ones = vec![1.0; recording.len()];
+    let columns = [
+        &direction,
+        &kinematics.velocity,
+        &ones,
+        &kinematics.acceleration,
+    ];
+    let gram = Gram::of(&columns.map(Vec::as_slice), &rows);
+    let (matrix, right) = gram.normal(&[0, 1, 2]);
+    let whole = gram.products[(3, 3)];
+    let Some(fit) = solve_normal(&matrix, &right) else {
+        return 0.0;
+    };
+    (whole - fit.dot(&right)) / whole
 }
 
 fn gram(columns: &[&[f64]], rows: &[usize], weights: &Weights) -> Gram {

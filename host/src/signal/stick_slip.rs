@@ -112,6 +112,15 @@ impl StickSlip {
         told.flatten().collect()
     }
 
+    /// Why a recording of this tells nothing else.
+    pub fn refusal(&self, recording: &Recording) -> String {
+        format!(
+            "{}: {}; record a commanded motion for anything else",
+            recording.name,
+            self.words(recording)
+        )
+    }
+
     /// For a person: levels, their spread, and what they mean.
     pub fn words(&self, recording: &Recording) -> String {
         let unit = recording.effort_unit();
@@ -307,4 +316,116 @@ fn means(values: &[f64], half: usize) -> Vec<f64> {
         (sums[to] - sums[from]) / (to - from) as f64
     };
     (0..values.len()).map(mean).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::StickSlip;
+    use crate::recording::{LoadOptions, Recording, load_csv};
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use std::fmt::Write as _;
+
+    const BREAKAWAY: f64 = 0.8;
+    const KINETIC: f64 = 0.5;
+
+    /// 24 slips of 20 mm within 60 ms to and fro, each after a ramp of 1.2 s, or a pause of 1 s at zero and then the ramp; encoder of 0.1 mm.
+    fn made(pause: bool, seed: u64) -> Recording {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let (mut text, mut sample) = ("t_s,x_m,force_N\n".to_owned(), 0);
+        let mut row = |x: f64, f: f64, noise: f64| {
+            writeln!(
+                text,
+                "{:.3},{:.4},{:.5}",
+                f64::from(sample) * 1e-3,
+                x,
+                f + noise
+            )
+            .expect("memory");
+            sample += 1;
+        };
+        let mut noise = ChaCha8Rng::seed_from_u64(seed + 1000);
+        let mut noise = || noise.random_range(-0.01..0.01);
+        for slip in 0..24 {
+            let (direction, from) = if slip % 2 == 0 {
+                (1.0, 0.0)
+            } else {
+                (-1.0, 0.02)
+            };
+            let level = direction * BREAKAWAY * (1.0 + 0.04 * rng.random_range(-1.7..1.7));
+            let start = if pause { 0.0 } else { -0.4 * direction };
+            for _ in 0..if pause { 1000 } else { 0 } {
+                row(from, 0.0, 0.0);
+            }
+            for i in 0..1200 {
+                row(
+                    from,
+                    start + (level - start) * f64::from(i) / 1200.0,
+                    noise(),
+                );
+            }
+            // The driving force falls as the axis turns faster, and rises as it slows down: its mean along the path is friction's.
+            for i in 0..60 {
+                let part = std::f64::consts::PI * f64::from(i) / 60.0;
+                let x = from + direction * 0.01 * (1.0 - part.cos());
+                row(x, direction * (KINETIC + 0.2 * part.cos()), noise());
+            }
+        }
+        load_csv(text.as_bytes(), "made.csv", &LoadOptions::default())
+            .unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    #[test]
+    fn ramps_tell_breakaway_with_its_spread_and_kinetic_friction() {
+        for seed in [3, 4, 5] {
+            let found = StickSlip::of(&made(true, seed)).expect("slips");
+            assert!(!found.hunts, "seed {seed}");
+            for (side, sign) in [(found.forward, 1.0), (found.backward, -1.0)] {
+                let side = side.expect("slips");
+                println!("seed {seed}: {side:?}");
+                assert_eq!(side.count, 12);
+                assert!((sign * side.breakaway.value / BREAKAWAY - 1.0).abs() < 0.04);
+                assert!(
+                    (0.01..0.07).contains(&(side.spread / BREAKAWAY)),
+                    "{}",
+                    side.spread
+                );
+                assert!(
+                    (sign * side.kinetic.value / KINETIC - 1.0).abs() < 0.06,
+                    "{}",
+                    side.kinetic.value
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_loop_that_never_pauses_hunts() {
+        let recording = made(false, 6);
+        let found = StickSlip::of(&recording).expect("slips");
+        assert!(found.hunts);
+        assert!((found.period_s - 1.26).abs() < 0.02, "{}", found.period_s);
+        assert!(found.words(&recording).contains("hunts"));
+    }
+
+    #[test]
+    fn what_is_moved_does_not_slip() {
+        let mut text = "t_s,x_m,force_N\n".to_owned();
+        for i in 0..20_000 {
+            let t = f64::from(i) * 1e-3;
+            // A trapezoid of 0.5 s and a rest of 0.5 s, to and fro.
+            let phase = (t % 2.0 / 0.5) as u32;
+            let part = (t % 0.5) / 0.5;
+            let (x, f) = match phase {
+                0 => (0.02 * part, 0.5),
+                1 => (0.02, 0.3),
+                2 => (0.02 * (1.0 - part), -0.5),
+                _ => (0.0, -0.3),
+            };
+            writeln!(text, "{t:.3},{x:.5},{f:.3}").expect("memory");
+        }
+        let recording = load_csv(text.as_bytes(), "moved.csv", &LoadOptions::default())
+            .unwrap_or_else(|e| panic!("{e}"));
+        assert!(StickSlip::of(&recording).is_none());
+    }
 }

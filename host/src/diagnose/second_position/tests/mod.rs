@@ -175,3 +175,42 @@ fn beside_a_gear_the_bow_is_told_and_no_slope() {
         lead_error.bow
     );
 }
+
+/// A scale read at every tenth of a travel of 0.2 m, six times to and fro, at rest: 60 ppm, 30 µm of lost motion, 0.3 µm of noise.
+#[test]
+fn a_scale_read_in_steps_is_a_second_position() {
+    const STEPS: u32 = 20;
+    const LOST: f64 = 30e-6;
+    let mut seed = 11_u32;
+    println!("seed {seed}");
+    let mut noise = || {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(seed) / f64::from(u32::MAX) - 0.5
+    };
+    let mut text = "t_s,x_m,force_N,x_scale_m\n".to_owned();
+    for i in 0..12 * (STEPS + 1) {
+        let (pass, step) = (i / (STEPS + 1), i % (STEPS + 1));
+        let (place, direction) = if pass % 2 == 0 {
+            (step, 1.0)
+        } else {
+            (STEPS - step, -1.0)
+        };
+        let x = 0.01 * f64::from(place);
+        let y = x * (1.0 + SLOPE) - 0.5 * LOST * direction + 1e-6 * noise();
+        let force = 12.0 * direction + noise();
+        text += &format!("{},{x:.3},{force:.4},{y:.9}\n", 3 * i);
+    }
+    let recording = load_csv(text.as_bytes(), "made.csv", &LoadOptions::default());
+    let recording = recording.unwrap_or_else(|e| panic!("{e}"));
+    let found = only(of(&recording));
+    println!("{}", found.words(&recording));
+    let lost = found.lost_motion.expect("lost motion");
+    // Friction turns with the motion, too: what the scale stays behind by and what gives way under the force are told apart by its noise alone.
+    assert!((lost.value / LOST - 1.0).abs() < 0.1, "{lost:?}");
+    assert!(
+        lost.ci95
+            .is_some_and(|[low, high]| (low..=high).contains(&LOST))
+    );
+    let slope = found.lead.and_then(|lead| lead.slope).expect("a slope");
+    assert!((slope.value / SLOPE - 1.0).abs() < 0.2, "{slope:?}");
+}
