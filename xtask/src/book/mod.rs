@@ -1,12 +1,13 @@
-//! `cargo xtask book`: builds the book, runs the commands in it and compares what they print.
+//! `cargo xtask book`: builds the book, runs the commands in it and in the README, and compares what they print.
 //!
-//! What a fenced block is, its info string says:
+//! What a fenced block is, its info string says, after commas or blanks (GitHub knows `sh root`, not `sh,root`):
 //!
 //! | block | meaning |
 //! |---|---|
 //! | `sh` | run, in a folder of its own that the book's commands share, with the release `preslide` on the path |
 //! | `sh,root` | run in the workspace root |
 //! | `sh,recordings` | run in the workspace root if `../shared/recordings` is there, else skipped, loudly |
+//! | `sh,axis=FILE` | run as `sh`, beside a copy of `../shared/recordings/FILE` of the name `axis.csv`, else skipped, loudly |
 //! | `sh,ci=STEP` | not run here: that step of `cargo xtask test` runs it |
 //! | `sh,long` | takes minutes: the next block, or the step of CI that it names, runs a part of it |
 //! | `sh,board` | needs hardware: nothing runs it, and the chapter says so |
@@ -35,8 +36,9 @@ type HasStep = fn(&str) -> bool;
 /// `--bless` writes what the commands print now into the book.
 pub fn run_command(arguments: &[String], has_step: HasStep) -> Result<(), String> {
     let bless = crate::given("book", &["--bless"], arguments)?.is_some();
-    let pages = page::all(&root().join("docs/src"))?;
+    let mut pages = page::all(&root().join("docs/src"))?;
     links::check(&pages)?;
+    pages.push(page::page(root(), "README.md")?);
     build()?;
     follow(&pages, bless, has_step)
 }
@@ -151,9 +153,15 @@ impl Walk<'_> {
                 }
             }
             Kind::Run { folder } => self.run(&place, block, folder.as_deref()),
-            Kind::Recordings if !root().join("../shared/recordings").is_dir() => {
+            Kind::Recordings | Kind::Axis(_) if !recordings().is_dir() => {
                 self.counts[2] += 1;
                 self.printed = None;
+            }
+            Kind::Axis(recording) => {
+                match fs::copy(recordings().join(recording), self.scratch.join("axis.csv")) {
+                    Ok(_) => self.run(&place, block, None),
+                    Err(error) => self.failures.push(format!("{place}: {recording}: {error}")),
+                }
             }
             Kind::Recordings => self.run(&place, block, Some(root())),
             Kind::Ci(step) => {
@@ -214,6 +222,8 @@ impl Walk<'_> {
         let mut bash = Command::new("bash");
         bash.arg(&script)
             .current_dir(folder.unwrap_or(self.scratch))
+            // What the README installs, it installs here.
+            .env("CARGO_INSTALL_ROOT", self.scratch)
             .stdout(out)
             .stderr(err);
         run_for(&mut bash, LIMIT).map_err(|_| {
@@ -222,6 +232,11 @@ impl Walk<'_> {
         })?;
         read(&kept)
     }
+}
+
+/// Other people's, which are no part of the project.
+fn recordings() -> PathBuf {
+    root().join("../shared/recordings")
 }
 
 /// Whether the step that a block names exists, and every `cargo xtask` command in it.

@@ -30,6 +30,8 @@ pub enum Kind {
         folder: Option<PathBuf>,
     },
     Recordings,
+    /// In the shared folder, beside a copy of that recording, `axis.csv`.
+    Axis(String),
     Ci(String),
     /// Takes minutes; the next block, or a step of CI that it names, runs a part of it.
     Long,
@@ -41,13 +43,16 @@ pub enum Kind {
 
 impl Kind {
     fn of(info: &str) -> Result<Self, String> {
-        let words: Vec<&str> = info.split(',').map(str::trim).collect();
+        let words: Vec<&str> = info.split([',', ' ']).map(str::trim).collect();
         let value = |key: &str| words.iter().find_map(|word| word.strip_prefix(key));
         if let Some(name) = value("file=") {
             if name.contains(['/', '\\']) {
                 return Err(format!("`{name}` is no plain file name"));
             }
             return Ok(Self::File(name.to_string()));
+        }
+        if let Some(recording) = value("axis=") {
+            return Ok(Self::Axis(recording.to_string()));
         }
         Ok(match words[..] {
             ["sh"] => Self::Run { folder: None },
@@ -92,7 +97,8 @@ pub fn all(folder: &Path) -> Result<Vec<Page>, String> {
     Ok(pages)
 }
 
-fn page(folder: &Path, name: &str) -> Result<Page, String> {
+/// One page.
+pub fn page(folder: &Path, name: &str) -> Result<Page, String> {
     let file = folder.join(name);
     let text = read(&file)?;
     let blocks = blocks(&text).map_err(|reason| format!("{name}: {reason}"))?;
@@ -123,7 +129,10 @@ fn blocks(text: &str) -> Result<Vec<CodeBlock>, String> {
         }
     }
     for pair in blocks.windows(2) {
-        let runs = matches!(pair[1].kind, Kind::Run { .. } | Kind::Recordings);
+        let runs = matches!(
+            pair[1].kind,
+            Kind::Run { .. } | Kind::Recordings | Kind::Axis(_)
+        );
         let first = |block: &CodeBlock| -> String {
             let line = block.lines.first().map_or("", String::as_str);
             line.split('#').next().unwrap_or("").trim().to_string()
