@@ -4,9 +4,9 @@
 //! stiff after a reversal; LuGre's does too, and Bouc and Wen's, and elasto-plastic ones in part. `F = Σ k_i·z_i` is linear with either.
 
 use super::effect::grid::spread;
-use super::rows::LATE;
 use super::signals::Signals;
 use crate::signal::Deflection;
+use crate::signal::LATE;
 use crate::statistics::quantile_between_ranks;
 use std::ops::Range;
 

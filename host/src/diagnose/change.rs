@@ -7,10 +7,10 @@ use super::effect::{
     position_spring::PositionSpring, quadratic_drag::QuadraticDrag, viscous::Viscous,
 };
 use super::normal::Bound;
-use super::rows::LATE;
 use super::signals::Signals;
 use super::weak::Column;
 use crate::signal::Deflection;
+use crate::signal::LATE;
 
 /// Late blocks.
 const LATE_BLOCKS: usize = 8;

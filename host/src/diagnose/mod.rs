@@ -21,6 +21,7 @@ pub mod fit;
 pub mod given;
 pub mod ground;
 mod hysteresis;
+pub mod lack;
 mod modelled;
 pub mod naming;
 mod noise;

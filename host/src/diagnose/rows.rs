@@ -3,6 +3,7 @@
 use super::signals::Signals;
 use super::weak::{Column, Weak};
 use crate::recording::Recording;
+use crate::signal::LATE;
 use crate::statistics::quantile_between_ranks;
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -20,8 +21,6 @@ const ROWS: usize = 30;
 const OWN_FOLDS: usize = 3;
 /// Kinds of strokes that take turns in being left out, for intervals.
 const KINDS: usize = 8;
-/// Yield displacements of the core end at this share of the travel; a later yield is a spring, and competes as one.
-pub const LATE: f64 = 0.025;
 /// Seconds around an instant within which an axis that rests does not move.
 const STILL_S: f64 = 0.05;
 

@@ -10,6 +10,7 @@ use super::fit::Fit;
 use super::given::Given;
 use super::ground::{Ground, Hypothesis, Nmse};
 use super::hysteresis::{self, Shape};
+use super::lack::{Lack, lacks};
 use super::naming::Standing;
 use super::offer::{Offer, offers};
 use super::parameters::parameters;
@@ -127,14 +128,6 @@ impl Named {
             (None, Name::Entry(_)) => Some(confidence::features_of_a_hint(Some(&self.evidence))),
         }
     }
-}
-
-/// What the recording lacks, and what it therefore cannot show.
-pub struct Lack {
-    /// What is missing.
-    pub missing: String,
-    /// Ids of the effects that it hides.
-    pub hides: Vec<&'static str>,
 }
 
 /// Everything found.
@@ -269,7 +262,9 @@ pub fn conclude(
         [after.test, noise_floor],
         differs,
     );
-    let lacks = lacks(&ground.rows.s, &effects);
+    let lacks = lacks(&ground.rows.s, |id| {
+        effects.iter().any(|n| n.confident && n.id() == id)
+    });
     let organised = {
         let (mut list, _) = offers(&ground, &first, &[]);
         list.retain(|o| matches!(o.term.subject, Subject::Curve(_)) && o.evidence.share > 0.0);
@@ -602,23 +597,4 @@ fn source(effect: &dyn Effect, term: &Term, mechanics: &[(String, f64)]) -> Opti
             format!("{key}, order {order}")
         }
     }))
-}
-
-/// What the recording lacks, and the effects that each lack hides, but for what it shows nevertheless.
-fn lacks(s: &Signals, stated: &[Named]) -> Vec<Lack> {
-    let mut lacks: Vec<Lack> = Vec::new();
-    let is_stated = |e: &&dyn Effect| stated.iter().any(|n| n.confident && n.id() == e.id());
-    for effect in effect::ALL.into_iter().filter(|e| !is_stated(e)) {
-        let Some(missing) = effect.lacks(s).or_else(|| effect.blurred(s)) else {
-            continue;
-        };
-        match lacks.iter_mut().find(|l| l.missing == missing) {
-            Some(lack) => lack.hides.push(effect.id()),
-            None => lacks.push(Lack {
-                missing: missing.to_owned(),
-                hides: vec![effect.id()],
-            }),
-        }
-    }
-    lacks
 }

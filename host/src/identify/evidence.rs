@@ -4,11 +4,8 @@ use super::plain::{Place, Plain, extremes};
 use super::regression::{Gram, Regressor, Surface};
 use super::search::non_negative;
 use crate::recording::{MotionKind, Recording};
-use crate::signal::{FEWEST, GROUPS, ONE_SLOPE_RAD};
+use crate::signal::{FEWEST, GROUPS, LATE, ONE_SLOPE_RAD};
 use nalgebra::DVector;
-
-/// Yield displacements of friction end at this share of the travel; a later yield competes with a spring (the diagnosis' `LATE`).
-const LATE: f64 = 0.025;
 
 /// Standard errors of the paired difference over the folds by which an addition must predict better: some ten are tried on every recording.
 const CERTAIN: f64 = 3.0;

@@ -3,6 +3,7 @@
 mod evidence;
 pub mod family;
 mod fit;
+mod fitting;
 mod judge;
 pub mod maxwell_slip;
 mod notes;
@@ -18,20 +19,14 @@ pub mod weights;
 use crate::friction::FrictionModel;
 use crate::model::Model;
 use crate::progress::Progress;
-use crate::recording::{MotionKind, Recording};
+use crate::recording::Recording;
 use crate::signal::{Kinematics, Split, StickSlip, Window, check_windows};
 use crate::statistics::Estimate;
-use evidence::{Evidence, Shown};
 use family::Family;
-use maxwell_slip::Selection;
+use fitting::Fitting;
 use nalgebra::{DMatrix, DVector};
-use plain::{Place, Plain};
-use regression::{Regression, Regressor, Surface};
-use rigid_body::RigidBody;
+use plain::Plain;
 use virgin::VirginCurve;
-use weights::Weights;
-
-use judge::Judge;
 
 /// What to fit and what to hold out.
 #[derive(Clone, Debug, Default)]
@@ -194,18 +189,6 @@ const FINEST: f64 = 1e-6;
 /// Samples on either side of a reversal whose steps tell what displacements are resolved there.
 const NEAR: usize = 8;
 
-/// Share of the moving samples in the rarer direction below which a recording goes one way.
-const ONE_WAY: f64 = 0.01;
-
-/// Share of the acceleration's squares that direction, velocity and a constant must leave for an inertia to be told: the band lets in noise of a
-/// tenth of that, which takes as much off the inertia.
-const TOLD: f64 = 0.01;
-
-/// Samples that the breakpoints are fitted to. Of a longer recording every n-th is taken, which bounds the memory
-/// of the search (450 B per sample) at what a small machine has; the models still run along all samples and are
-/// measured on all of them.
-const MOST_SCORED: usize = 25_000;
-
 /// Samples from which on a recording is thinned that models are compared on.
 pub const MANY: usize = 60_000;
 
@@ -332,275 +315,6 @@ fn overlap(options: &Options) -> Option<String> {
     (from < to).then(|| {
         format!(
             "--train and --test overlap from {from} to {to} s: these samples are judged, not fitted"
-        )
-    })
-}
-
-/// What is fitted, and to what.
-struct Fitting<'a> {
-    recording: &'a Recording,
-    kinematics: &'a Kinematics,
-    /// Filtered where it contains inertia.
-    effort: &'a [f64],
-    split: &'a Split,
-    train: &'a [usize],
-    inertial: bool,
-}
-
-/// What came of it.
-struct Found {
-    candidates: Vec<Candidate>,
-    recommended: usize,
-    virgin: VirginCurve,
-    range: (f64, f64),
-    plain: Plain,
-}
-
-/// Blocks of every number beside the plain physics that the recording shows.
-struct Searched<'a> {
-    regression: Regression<'a>,
-    surface: Surface,
-    selection: Selection,
-    shown: Shown,
-}
-
-impl Fitting<'_> {
-    /// The rigid body, without the terms that would come out negative.
-    fn rigid_body(&self, weights: &Weights, mut plain: Plain) -> Result<RigidBody, String> {
-        let fit = |plain| {
-            rigid_body::fit(
-                self.recording,
-                self.kinematics,
-                self.effort,
-                &self.split.folds,
-                weights,
-                plain,
-            )
-        };
-        let mut rigid = fit(plain)?;
-        if rigid.value("mass") < 0.0 {
-            // In pre-sliding the spring that Coulomb friction lacks looks like a negative inertia.
-            plain.mass = false;
-            rigid = fit(plain)?;
-        }
-        if rigid.value("coulomb") < 0.0 {
-            // Viscous friction that imitates the rounded reversals of pre-sliding.
-            (plain.viscous, plain.by_direction) = (false, false);
-            rigid = fit(plain)?;
-        }
-        Ok(rigid)
-    }
-
-    /// The regression behind the search for breakpoints.
-    fn regression(
-        &self,
-        columns: Vec<Regressor>,
-        folds: &[Vec<usize>],
-        weights: &Weights,
-    ) -> Regression<'_> {
-        let stride = self.train.len().div_ceil(MOST_SCORED).max(1);
-        let filter = |values: &[f64]| {
-            if self.inertial {
-                self.kinematics.filter.smooth(values)
-            } else {
-                values.to_vec()
-            }
-        };
-        Regression {
-            position: &self.recording.position,
-            pieces: &self.recording.pieces,
-            force: self.effort.to_vec(),
-            columns,
-            filter: Box::new(filter),
-            folds: folds
-                .iter()
-                .map(|fold| fold.iter().step_by(stride).copied().collect())
-                .collect(),
-            weights: weights.clone(),
-        }
-    }
-
-    /// Plain physics, and Maxwell-slip blocks of every number beside it.
-    fn search(
-        &self,
-        base: Plain,
-        weights: &Weights,
-        range: (f64, f64),
-        progress: &Progress,
-    ) -> Result<Searched<'_>, String> {
-        let columns = plain::every_column(self.recording, self.kinematics);
-        let parts = self.split.parts();
-        let mut regression = self.regression(columns, &parts.concat(), weights);
-        let every = Surface::new(&regression, maxwell_slip::grid(range));
-        let evidence = Evidence {
-            columns: &regression.columns,
-            surface: &every,
-        };
-        let shown = evidence.shown(self.recording, base, range.1);
-        let taken = shown.plain.among(&regression.columns);
-        let surface = every.part(&taken, shown.longest);
-        let surface = surface.joined(parts.iter().map(Vec::len));
-        regression.columns = shown.plain.columns(self.recording, self.kinematics);
-        let selection = maxwell_slip::select(&regression, &surface, progress)?;
-        Ok(Searched {
-            regression,
-            surface,
-            selection,
-            shown,
-        })
-    }
-
-    fn goes_one_way(&self) -> bool {
-        let of = |sign: f64| {
-            let direction = self.train.iter().map(|&i| self.kinematics.direction[i]);
-            direction.filter(|d| *d == sign).count() as f64
-        };
-        let (forward, backward) = (of(1.0), of(-1.0));
-        forward.min(backward) <= ONE_WAY * (forward + backward)
-    }
-
-    /// Plain physics alone, with friction and the constant force as one.
-    fn fit_one_way(&self, weights: &Weights, notes: &mut Vec<String>) -> Result<Found, String> {
-        let recording = self.recording;
-        let columns = plain::every_column(recording, self.kinematics);
-        let folds = self.split.parts().concat();
-        let folds = rigid_body::moving(recording, self.kinematics, &folds);
-        let regression = self.regression(columns, &folds, weights);
-        let evidence = Evidence {
-            columns: &regression.columns,
-            surface: &Surface::new(&regression, Vec::new()),
-        };
-        let (low, high) = plain::extremes(recording);
-        let shown = evidence.shown(recording, Plain::of(self.inertial), high - low);
-        notes.extend(said(shown));
-        notes.push("the motion goes one way, so that Coulomb friction and a constant load are told as their sum, and pre-sliding not at all; record reversals to tell them apart".to_owned());
-        let rigid = self.rigid_body(weights, shown.plain)?;
-        let judge = Judge {
-            recording,
-            kinematics: self.kinematics,
-            effort: self.effort,
-            split: self.split,
-            weights,
-            train: self.train,
-            inertial: self.inertial,
-            plain: shown.plain,
-            columns: &regression.columns,
-        };
-        Ok(Found {
-            candidates: vec![judge.coulomb(rigid)?.0],
-            recommended: 0,
-            virgin: VirginCurve::default(),
-            range: (FINEST * (high - low), high - low),
-            plain: shown.plain,
-        })
-    }
-
-    /// Coulomb friction, and Maxwell-slip blocks of every number: by the paper's procedure, and at the best breakpoints.
-    fn fit(&self, progress: &Progress, notes: &mut Vec<String>) -> Result<Found, String> {
-        let recording = self.recording;
-        let mut weights = Weights::by_time(recording);
-        if self.goes_one_way() {
-            return self.fit_one_way(&weights, notes);
-        }
-        let range = yield_range(recording, self.train)?;
-        let mut base = Plain::of(self.inertial);
-        let alike = self.inertial
-            && rigid_body::inertia_told(recording, self.kinematics, &self.split.folds) < TOLD;
-        if alike {
-            base.mass = false;
-            notes.push("the acceleration follows the direction of motion, so that inertia and Coulomb friction are told as one force: the friction given holds the inertia's; record moves of several accelerations to tell them apart".to_owned());
-        }
-        let mut found = self.search(base, &weights, range, progress)?;
-        let again = |what| Progress::new(what, STEPS);
-        if weights.differ() {
-            let knee = &found.selection.optimal[found.selection.knee];
-            weights = Weights::by_residual(recording, &found.regression.residual(&knee.fit));
-            found = self.search(base, &weights, range, &again("weighted"))?;
-            notes.extend(weights.in_words(recording));
-        }
-        let mass = found.selection.optimal[found.selection.knee].fit.linear[0];
-        if base.mass && mass < 0.0 {
-            notes.push(format!(
-                "the inertia came out as {mass:.3e} {} and was left out: this motion has too little acceleration to show one; record faster reversals",
-                match recording.kind {
-                    MotionKind::Linear => "kg",
-                    MotionKind::Rotary => "kg·m²",
-                }
-            ));
-            base.mass = false;
-            found = self.search(base, &weights, range, &again("without inertia"))?;
-        }
-        let Searched {
-            regression,
-            surface,
-            selection,
-            shown,
-        } = found;
-        let rigid = self.rigid_body(&weights, shown.plain)?;
-        notes.extend(said(shown));
-
-        let judge = Judge {
-            recording,
-            kinematics: self.kinematics,
-            effort: self.effort,
-            split: self.split,
-            weights: &weights,
-            train: self.train,
-            inertial: self.inertial,
-            plain: shown.plain,
-            columns: &regression.columns,
-        };
-        let without_mass = shown.plain.mass && !rigid.plain.mass;
-        let (coulomb, baseline) = judge.coulomb(rigid)?;
-        let mut candidates = vec![coulomb];
-        let virgin = judge.virgin(&selection);
-        candidates.extend(judge.by_paper(&selection, &virgin)?);
-        let first_optimal = candidates.len();
-        for sized in &selection.optimal {
-            candidates.push(judge.optimal(&surface, sized)?);
-        }
-        let resolved = !maxwell_slip::baseline_suffices(baseline, &selection.optimal);
-        let recommended = if resolved {
-            first_optimal + selection.knee
-        } else {
-            0
-        };
-        if recommended == 0 && without_mass {
-            notes.push("with Coulomb friction alone the inertia came out negative and was left out; record faster reversals".to_owned());
-        }
-        if alike {
-            let told = candidates.iter_mut().flat_map(|c| &mut c.rigid_body);
-            let coulomb = told.filter(|p| p.0 == "coulomb");
-            coulomb.for_each(|p| p.0 = "coulomb_and_inertia");
-        }
-        Ok(Found {
-            candidates,
-            recommended,
-            virgin,
-            range: (range.0, shown.longest),
-            plain: shown.plain,
-        })
-    }
-}
-
-/// What plain physics there is beside the rigid body, for the user.
-fn said(shown: Shown) -> Option<String> {
-    let place = match shown.plain.place {
-        Place::Nowhere => None,
-        Place::Spring => Some("a spring (a force in proportion to the position)"),
-        Place::Gravity => Some("gravity (a force with the sine of the angle)"),
-    };
-    let asymmetry = shown
-        .plain
-        .by_direction
-        .then_some("viscous friction that differs by direction");
-    let parts: Vec<&str> = place.into_iter().chain(asymmetry).collect();
-    (!parts.is_empty()).then(|| {
-        format!(
-            "{} {} part of the fit: {:.0} % of what is left of held-out stretches without",
-            parts.join(" and "),
-            if parts.len() == 1 { "is" } else { "are" },
-            shown.gain
         )
     })
 }

@@ -15,3 +15,6 @@ pub use zero_phase::ZeroPhase;
 
 /// Travel (rad) below which a sine of the angle is one slope.
 pub const ONE_SLOPE_RAD: f64 = 1.0;
+
+/// Yield displacements of friction end at this share of the travel; a later yield is a spring, and competes as one.
+pub const LATE: f64 = 0.025;
