@@ -1,6 +1,5 @@
 //! The fit that every command tells, beside a diagnosis: what `identify` prints of the same recording.
 
-use super::verdict::{Diagnosis, EXPLAINS_LITTLE, Verdict};
 use crate::identify::{Identification, MANY, Options, STEPS, identify, thinned};
 use crate::progress::Progress;
 use crate::recording::Recording;
@@ -41,28 +40,16 @@ impl Fit {
         }
     }
 
-    /// Why nothing can be called consistent.
-    fn doubt(&self) -> Option<String> {
+    /// Why nothing can be called consistent, if it leaves more than `most` (%) of what is held out.
+    pub(super) fn doubt(&self, most: f64) -> Option<String> {
         match &self.found {
             Err(reason) => Some(format!("there is no fit ({reason})")),
             Ok(found) => {
                 let left = found.best().nmse_test;
-                (left > EXPLAINS_LITTLE).then(|| {
+                (left > most).then(|| {
                     format!("the fit leaves {left:.0} % of the effort on stretches held out")
                 })
             }
         }
-    }
-}
-
-impl Diagnosis {
-    /// Beside the fit: what that cannot explain is not consistent with anything.
-    pub fn beside(mut self, fit: Fit) -> Self {
-        self.doubt = fit.doubt().filter(|_| self.verdict == Verdict::Consistent);
-        if self.doubt.is_some() {
-            self.verdict = Verdict::InsufficientData;
-        }
-        self.fit = Some(fit);
-        self
     }
 }

@@ -53,6 +53,7 @@ use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::{Recording, Simulated};
 use crate::signal::StickSlip;
+use fit::Fit;
 use ground::Ground;
 use reproduced::Reproduced;
 use rows::Rows;
@@ -61,7 +62,7 @@ use std::ops::Range;
 use term::Term;
 use thiserror::Error;
 pub use verdict::Diagnosis;
-use verdict::Verdict;
+use verdict::{EXPLAINS_LITTLE, Verdict};
 use weak::Column;
 
 /// Warnings of the loader that leave nothing to diagnose, with what would.
@@ -129,6 +130,20 @@ pub fn diagnose_simulation(
     }
     found.reproduced = Some(reproduced);
     Ok(found)
+}
+
+impl Diagnosis {
+    /// Beside the fit: what that cannot explain is not consistent with anything.
+    pub fn beside(mut self, fit: Fit) -> Self {
+        self.doubt = fit
+            .doubt(EXPLAINS_LITTLE)
+            .filter(|_| self.verdict == Verdict::Consistent);
+        if self.doubt.is_some() {
+            self.verdict = Verdict::InsufficientData;
+        }
+        self.fit = Some(fit);
+        self
+    }
 }
 
 fn judge(
