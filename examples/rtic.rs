@@ -4,8 +4,13 @@
 //! other chip with an encoder timer needs other register names. What a machine needs beside it, faults, limits, a bridge that
 //! opens, a command link, is in `firmware/`. The axis moves as soon as this starts: mind the motor.
 //!
-//! `cargo run --release --example rtic --features example --target thumbv7em-none-eabihf` runs it in QEMU, whose TIM2 counts time
-//! instead of edges: there is no axis, and only the model's force means something there.
+//! The clock is set as the reference manual RM0090 says, and read back before anything drives: what ticks at another rate than the
+//! controller is built for stays as after reset. No board was here to try it on: what is checked is what is written to the registers.
+//!
+//! `rustup target add thumbv7em-none-eabihf`, then
+//! `cargo run --release --example rtic --features example-semihosting --target thumbv7em-none-eabihf` runs it in QEMU, which has no
+//! clock tree, and whose TIM2 counts time instead of edges: there is no axis, and only the model's force means something there.
+//! On a board use `--features example`, and your probe as the runner in `.cargo/config.toml`.
 #![no_std]
 #![no_main]
 
@@ -14,8 +19,12 @@ use panic_halt as _;
 #[rtic::app(device = stm32f4::stm32f405, peripherals = true)]
 mod app {
     use preslide::{Block, Friction, Gms, Motion, Sliding, Units};
-    use stm32f4::stm32f405::{TIM2, TIM3, TIM4};
+    use stm32f4::stm32f405::{FLASH, RCC, TIM2, TIM3, TIM4};
 
+    /// The chip's own oscillator (Hz), within 1 % at 25 °C and 4 % from −10 to 85 °C, and the damping with it: a crystal is better.
+    const HSI: u32 = 16_000_000;
+    /// How often a clock that does not start is asked for: a PLL takes 0.2 ms.
+    const PATIENCE: u32 = 10_000;
     /// Ticks per second, and clocks of the timers per tick at 84 MHz.
     const RATE: f32 = 20_000.0;
     const CLOCKS: u32 = 4200;
@@ -54,12 +63,16 @@ mod app {
     #[init]
     fn init(cx: init::Context) -> (Shared, Local) {
         let p = cx.device;
+        start_clock(&p.RCC, &p.FLASH);
         p.RCC
             .ahb1enr()
             .modify(|_, w| w.gpioaen().set_bit().gpioben().set_bit());
         p.RCC
             .apb1enr()
             .modify(|_, w| w.tim2en().set_bit().tim3en().set_bit().tim4en().set_bit());
+        if !ticks_as_built(&p.RCC) {
+            stay_off();
+        }
         // PA0, PA1: TIM2. PB6, PB7: TIM4.
         p.GPIOA
             .moder()
@@ -103,10 +116,8 @@ mod app {
         };
         let Ok(friction) = Gms::try_new(&blocks, 0.9, sliding, f64::from(1.0 / RATE), Units::SI)
         else {
-            // A number above is wrong: nothing drives yet, and nothing will.
-            loop {
-                cortex_m::asm::wfi();
-            }
+            // A number above is wrong.
+            stay_off();
         };
         let axis = Axis {
             state: friction.at_rest(),
@@ -124,6 +135,85 @@ mod app {
         (Shared {}, local)
     }
 
+    /// 168 MHz from the chip's own oscillator by the PLL: 16 MHz / 8 · 168 / 2 (RM0090, 7.3.2 and 7.3.3). Five wait states come first
+    /// (3.5.1, from 2.7 V); the buses stay within their 42 and 84 MHz.
+    fn start_clock(rcc: &RCC, flash: &FLASH) {
+        flash.acr().write(|w| {
+            w.latency()
+                .ws5()
+                .prften()
+                .enabled()
+                .icen()
+                .enabled()
+                .dcen()
+                .enabled()
+        });
+        // SAFETY: 2 MHz and 336 MHz are within what the PLL takes and gives.
+        #[allow(unsafe_code)]
+        rcc.pllcfgr().modify(|_, w| unsafe {
+            w.pllsrc()
+                .hsi()
+                .pllm()
+                .bits(8)
+                .plln()
+                .bits(168)
+                .pllp()
+                .div2()
+        });
+        rcc.cr().modify(|_, w| w.pllon().on());
+        rcc.cfgr().write(|w| w.ppre1().div4().ppre2().div2());
+        let _ = (0..PATIENCE).find(|_| rcc.cr().read().pllrdy().is_ready());
+        // Before the PLL is ready this waits in the chip.
+        rcc.cfgr()
+            .write(|w| w.ppre1().div4().ppre2().div2().sw().pll());
+        let _ = (0..PATIENCE).find(|_| rcc.cfgr().read().sws().is_pll());
+    }
+
+    /// Whether [`CLOCKS`] of TIM3 are a tick at [`RATE`], by what the clock's registers read back.
+    fn ticks_as_built(rcc: &RCC) -> bool {
+        let control = rcc.cr().read().bits();
+        let clock = timer_clock(rcc.cfgr().read().bits(), rcc.pllcfgr().read().bits());
+        let is_right = clock == RATE as u32 * CLOCKS;
+        #[cfg(feature = "example-semihosting")]
+        if !is_right {
+            let rate = clock / CLOCKS;
+            cortex_m_semihosting::hprintln!("TIM3 ticks at {} Hz, not at {}: off", rate, RATE);
+        }
+        // An oscillator is on in every chip that runs: this is QEMU.
+        is_right || cfg!(feature = "example-semihosting") && control == 0
+    }
+
+    /// Clock of the timers on APB1 (Hz) for registers CFGR and PLLCFGR: the bus's, twice where the bus is divided (RM0090, 7.2). 0 for a
+    /// crystal, whose frequency only its board knows.
+    const fn timer_clock(cfgr: u32, pllcfgr: u32) -> u32 {
+        let (m, n) = (pllcfgr & 0x3f, pllcfgr >> 6 & 0x1ff);
+        let system = match cfgr >> 2 & 3 {
+            0 => HSI,
+            2 if pllcfgr >> 22 & 1 == 0 && m != 0 => HSI / m * n / (2 * (pllcfgr >> 16 & 3) + 2),
+            _ => 0,
+        };
+        let core = match cfgr >> 4 & 0xf {
+            0..8 => system,
+            by @ 8..12 => system >> (by - 7),
+            by => system >> (by - 6),
+        };
+        match cfgr >> 10 & 7 {
+            0..4 => core,
+            by => 2 * (core >> (by - 3)),
+        }
+    }
+
+    // As after reset, and as set above.
+    const _: () = assert!(timer_clock(0, 0x2400_3010) == 16_000_000);
+    const _: () = assert!(timer_clock(0x940a, 0x2400_2a08) == 84_000_000);
+
+    /// Pins and timers stay as after reset: no PWM. A bridge needs pull-downs at its inputs, as it does during reset.
+    fn stay_off() -> ! {
+        loop {
+            cortex_m::asm::wfi();
+        }
+    }
+
     /// Counter in, PWM out.
     #[task(binds = TIM3, priority = 1, local = [encoder, tick, pwm, axis])]
     fn control(cx: control::Context) {
@@ -133,7 +223,7 @@ mod app {
         let moved = count.wrapping_sub(axis.last).cast_signed() as f32 * COUNT;
         axis.last = count;
 
-        let forward = axis.ticks / STROKE % 2 == 0;
+        let forward = (axis.ticks / STROKE).is_multiple_of(2);
         let velocity = if forward { SPEED } else { -SPEED };
         let wanted = Motion {
             displacement: velocity / RATE,
@@ -157,7 +247,7 @@ mod app {
     #[cfg(feature = "example-semihosting")]
     fn tell(ticks: u32, friction: f32, code: i32) {
         use cortex_m_semihosting::{debug, hprintln};
-        if ticks % STROKE == 0 {
+        if ticks.is_multiple_of(STROKE) {
             hprintln!(
                 "tick {}: friction {} mN, duty code {}",
                 ticks,

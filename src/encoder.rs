@@ -184,6 +184,14 @@ impl<S: Scalar> EncoderScale<S> {
         })
     }
 
+    /// By how many ticks the velocity is behind the last displacement of a tick, in the mean, where edges come in every tick: half the
+    /// travel's time and what the estimate ages until the next, less the half tick by which that displacement is behind itself.
+    pub fn delay(&self) -> f64 {
+        let spacing = f64::from(self.spacing);
+        let window = libm::ceil(f64::from(self.window) / spacing) * spacing;
+        (window + spacing - 2.0) / 2.0
+    }
+
     /// The state of a motion that stands still.
     pub fn at_rest(&self) -> EdgeTiming<S> {
         EdgeTiming {

@@ -189,11 +189,14 @@ pub(crate) fn at_least(name: &'static str, value: f64, limit: f64) -> Result<f64
     }
 }
 
-/// Converts a value in the model's units to its number type, refusing overflow and a positive value that
-/// vanishes.
+/// Converts a value in the model's units to its number type, refusing overflow.
+pub(crate) fn nearest<S: Scalar>(name: &'static str, value: f64) -> Result<S, ParamError> {
+    S::try_from_f64(value).ok_or_else(|| refuse(name, value, Bound::Representable(S::greatest())))
+}
+
+/// The same, refusing also a value other than 0 that vanishes.
 pub(crate) fn to_scalar<S: Scalar>(name: &'static str, value: f64) -> Result<S, ParamError> {
-    let scalar = S::try_from_f64(value)
-        .ok_or_else(|| refuse(name, value, Bound::Representable(S::greatest())))?;
+    let scalar: S = nearest(name, value)?;
     if value != 0.0 && scalar == S::ZERO {
         return Err(refuse(name, value, Bound::Resolvable));
     }

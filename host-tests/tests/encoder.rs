@@ -153,6 +153,25 @@ fn the_mean_lag_is_at_most_0_55_windows_where_edges_are_faster() {
     }
 }
 
+/// What the controller takes off the mass is computed from this: half a tick less than the lag behind the speed of the instant. Over
+/// a parabola, with edges in every tick; in windows that are no multiple of the distance of remembered edges, too.
+#[test]
+fn the_delay_told_is_the_one_measured() {
+    println!("window (ticks)  told (ticks)  measured (ticks)");
+    for window in [1, 2, 3, 7, 20, 30, 31, 45, 100, 199] {
+        let window_s = f64::from(window) * SAMPLE_TIME;
+        let scale = EncoderScale::<f64>::try_new(COUNT, SAMPLE_TIME, window_s, 2.0, Units::SI);
+        let told = scale.expect("valid").delay();
+        let measured = mean_lag(window_s, 30.0) - 0.5;
+        println!("{window:>14} {told:>13} {measured:>17.4}");
+        // The mean is over a count's thousand phases, and whole updates but for one.
+        assert!(
+            (told - measured).abs() < 0.002,
+            "{window}: {told}, {measured}"
+        );
+    }
+}
+
 #[test]
 fn one_count_per_second_survives_fixed_point_units() {
     let units = Units {

@@ -24,6 +24,8 @@ pub struct Reading {
     pub current: i16,
     /// A byte on the command link.
     pub byte: Option<u8>,
+    /// Fault injection: nobody reads the line, whose transmitter stays full.
+    pub unread: bool,
     /// Fault injection: the control task dawdles for longer than a tick.
     pub dawdle: bool,
     /// Fault injection: the control task hangs.
@@ -64,7 +66,8 @@ impl Exchange<14> for Reading {
             | u8::from(self.dawdle) << 1
             | u8::from(self.hang) << 2
             | u8::from(self.quit) << 3
-            | u8::from(self.index.is_some()) << 4;
+            | u8::from(self.index.is_some()) << 4
+            | u8::from(self.unread) << 5;
         let byte = self.byte.unwrap_or(0);
         [c0, c1, c2, c3, x0, x1, x2, x3, s0, s1, i0, i1, flags, byte]
     }
@@ -76,6 +79,7 @@ impl Exchange<14> for Reading {
             supply: u16::from_le_bytes([s0, s1]),
             current: i16::from_le_bytes([i0, i1]),
             byte: (flags & 1 != 0).then_some(byte),
+            unread: flags & 32 != 0,
             dawdle: flags & 2 != 0,
             hang: flags & 4 != 0,
             quit: flags & 8 != 0,

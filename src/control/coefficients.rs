@@ -3,7 +3,9 @@
 use super::{
     Axis, Compensator, Encoder, Fade, Limiter, Monitor, MotorDrive, Pace, Pid, VelocitySource,
 };
-use crate::param::{ParamError, fits, reachable, reachable_ticks, to_gain, to_scalar};
+use crate::param::{
+    ParamError, fits, nearest, not_negative, reachable, reachable_ticks, to_gain, to_scalar,
+};
 use crate::{EncoderScale, Friction, Motion, Scalar, Units};
 use core::hint::cold_path;
 
@@ -21,6 +23,9 @@ pub struct Coefficients<F: Friction> {
     acceleration_per_change: F::Scalar,
     pub(crate) pid: Pid<F::Scalar>,
     pub(crate) compensator: Compensator<F>,
+    /// The moving mass, and what of it is fed forward beside the feedback (force per acceleration in velocity units per second).
+    mass: F::Scalar,
+    mass_beside: F::Scalar,
     pub(crate) motor: MotorDrive<F::Scalar>,
     /// The nominal supply in whole codes, and what it is of that.
     pub(crate) supply_nominal: i32,
@@ -83,9 +88,14 @@ impl<F: Friction> Coefficients<F> {
             "acceleration of a count per tick², smoothed,",
             count / (sample_time * sample_time) / units.velocity / smoothing,
         )?;
+        let scale = EncoderScale::try_new(count, sample_time, window, timeout, units)?;
+        // The velocity is measured d ago, so that `K_d·(v_ref − v)` is `K_d·d·a` in a motion without an error: as much mass.
+        let per_mass = units.velocity / units.force;
+        let mass = not_negative("moving mass", axis.feed_forward.mass)?;
+        let by_delay = axis.gains.derivative * scale.delay() * sample_time;
         let sign = |reversed| if reversed { -1 } else { 1 };
         Ok(Self {
-            scale: EncoderScale::try_new(count, sample_time, window, timeout, units)?,
+            scale,
             length_per_count,
             length_per_q16,
             velocity_per_length: to_gain(
@@ -95,6 +105,12 @@ impl<F: Friction> Coefficients<F> {
             acceleration_per_change: acceleration_per_change.per_q16(),
             pid: Pid::try_new(&axis.gains, sample_time, units)?,
             compensator: Compensator::try_new(friction, &axis.feed_forward, units)?,
+            mass: to_gain("moving mass", mass * per_mass)?,
+            // Whatever the difference is, the two that it is of are held to a hundredth.
+            mass_beside: nearest(
+                "moving mass less the derivative gain times the velocity's delay",
+                (mass - by_delay) * per_mass,
+            )?,
             motor,
             supply_nominal: nominal as i32,
             supply_part: to_scalar("supply voltage in codes", codes / nominal)?,
@@ -130,7 +146,26 @@ impl<F: Friction> Coefficients<F> {
         self.acceleration_per_change.of_q16(q16)
     }
 
-    /// The force to add to the feedback; the model advances by a tick.
+    /// The force on the mass that the feedback leaves to be fed forward.
+    #[inline]
+    pub(super) fn inertial(&self, acceleration: F::Scalar) -> F::Scalar {
+        self.mass_beside.mul_input(acceleration)
+    }
+
+    /// The force without memory: of the feedback, and on the mass.
+    #[inline]
+    pub(super) fn immediate(&self, now: &Moment<F::Scalar>) -> F::Scalar {
+        let feedback = self.pid.immediate(now.error, now.velocity_error);
+        feedback.add_input(self.inertial(now.acceleration))
+    }
+
+    /// What of a `force` is not spent on the mass.
+    #[inline]
+    pub(super) fn beside_mass(&self, force: F::Scalar, acceleration: F::Scalar) -> F::Scalar {
+        force.sub_input(self.mass.mul_input(acceleration))
+    }
+
+    /// The force against friction; the model advances by a tick.
     #[inline(always)]
     pub(super) fn feed_forward(&self, state: &mut F::State, now: &Moment<F::Scalar>) -> F::Scalar {
         let [reference, measured] = now.places;
@@ -155,7 +190,7 @@ impl<F: Friction> Coefficients<F> {
             let place = F::Scalar::from_int(place).mul_input(self.length_per_count);
             self.compensator.friction().set_position(state, place);
         }
-        self.compensator.step(state, motion, now.acceleration)
+        self.compensator.step(state, motion)
     }
 
     /// Nominal over measured supply voltage, the latter within what is healthy.

@@ -1,4 +1,4 @@
-//! The feed-forward: any friction model, and the mass.
+//! The feed-forward of friction, by any model.
 
 use crate::param::{ParamError, Units, at_most, not_negative, to_gain, to_scalar};
 use crate::{Friction, Motion, Scalar};
@@ -35,11 +35,12 @@ pub struct FeedForward {
     /// Bound on the friction force that is applied (N or N·m); a model's own bound holds where it is smaller.
     pub limit: f64,
     /// Moving mass with the rotor's inertia reflected to the stage (kg or kg·m²), fed forward with the
-    /// reference's acceleration; 0 for none.
+    /// reference's acceleration; 0 for none. Give the true one: what the feedback adds to it, since it meets the reference with a
+    /// velocity that was measured over a window, is taken off when coefficients are computed.
     pub mass: f64,
 }
 
-/// `F = g·F̂(motion)` limited, plus `m·a_ref`.
+/// `F = g·F̂(motion)`, limited.
 ///
 /// A Maxwell-slip sum, Dahl's model and Coulomb friction are bounded by construction ([`Friction::limit`]); the
 /// clamp here is for models with a viscous term, which are not.
@@ -49,7 +50,6 @@ pub struct Compensator<F: Friction> {
     drive: VelocitySource,
     share: F::Scalar,
     limit: F::Scalar,
-    mass: F::Scalar,
 }
 
 impl<F: Friction> Compensator<F> {
@@ -73,11 +73,6 @@ impl<F: Friction> Compensator<F> {
             drive: settings.drive,
             share: to_gain("feed-forward share", settings.share)?,
             limit,
-            mass: to_gain(
-                "moving mass",
-                // Acceleration comes in velocity units per second.
-                not_negative("moving mass", settings.mass)? * units.velocity / units.force,
-            )?,
         })
     }
 
@@ -91,15 +86,9 @@ impl<F: Friction> Compensator<F> {
         self.drive
     }
 
-    /// Advances the model by one tick of the motion that drives it; the force to add to the feedback. `acceleration` is the
-    /// reference's, in velocity units per second.
+    /// Advances the model by one tick of the motion that drives it; the force to add to the feedback.
     #[inline]
-    pub fn step(
-        &self,
-        state: &mut F::State,
-        motion: Motion<F::Scalar>,
-        acceleration: F::Scalar,
-    ) -> F::Scalar {
+    pub fn step(&self, state: &mut F::State, motion: Motion<F::Scalar>) -> F::Scalar {
         let force = self.friction.step(state, motion);
         // Not `limited`: what is not a number stays none, for the motor drive to find.
         let force = if force > self.limit {
@@ -109,21 +98,7 @@ impl<F: Friction> Compensator<F> {
         } else {
             force
         };
-        let friction = self.share.mul_input(force);
-        friction.add_input(self.mass.mul_input(acceleration))
-    }
-
-    /// Lets the model ask what the drive spent on friction: the whole `force` less that on the mass.
-    #[inline]
-    pub fn spent(
-        &self,
-        state: &mut F::State,
-        force: impl FnOnce() -> Option<F::Scalar>,
-        acceleration: F::Scalar,
-    ) {
-        self.friction.spent(state, || {
-            Some(force()?.sub_input(self.mass.mul_input(acceleration)))
-        });
+        self.share.mul_input(force)
     }
 }
 

@@ -402,10 +402,10 @@ impl<F: Friction, C: Count> Controller<F, C> {
         };
         let cut = if ORDINARY { Saturation::None } else { self.cut };
         let feedback = c.pid.step(&mut self.pid, error, velocity_error, cut);
-        let feed_forward = c.feed_forward(&mut self.friction, &now());
-        let mut force = feedback.add_input(feed_forward);
+        let friction = c.feed_forward(&mut self.friction, &now());
+        let mut force = feedback.add_input(friction.add_input(c.inertial(acceleration)));
         if !ORDINARY && self.fades {
-            force = force.add_input(self.fade(&now(), feed_forward));
+            force = force.add_input(self.fade(&now(), friction));
         }
         let c = &self.coefficients;
 
@@ -438,9 +438,9 @@ impl<F: Friction, C: Count> Controller<F, C> {
         let told = || {
             let fades = leaving.as_ref().is_some_and(Leaving::changes_model);
             let tells = cut == Saturation::None && !fades && (ORDINARY || !measured.late);
-            tells.then_some(force)
+            tells.then(|| c.beside_mass(force, acceleration))
         };
-        c.compensator.spent(&mut self.friction, told, acceleration);
+        c.compensator.friction().spent(&mut self.friction, told);
         Command {
             code: code.wrapping_mul(c.code_sign),
             position: self.position,
@@ -501,15 +501,15 @@ impl<F: Friction, C: Count> Controller<F, C> {
     /// What the old parameters add to the new ones' force.
     #[cold]
     #[inline(never)]
-    fn fade(&mut self, now: &Moment<F::Scalar>, feed_forward: F::Scalar) -> F::Scalar {
+    fn fade(&mut self, now: &Moment<F::Scalar>, friction: F::Scalar) -> F::Scalar {
         let Some(leaving) = &mut self.leaving else {
             return F::Scalar::ZERO;
         };
-        let immediate = |c: &Coefficients<F>| c.pid.immediate(now.error, now.velocity_error);
-        let mut difference = immediate(&leaving.old).sub_input(immediate(&self.coefficients));
+        let immediate = leaving.old.immediate(now);
+        let mut difference = immediate.sub_input(self.coefficients.immediate(now));
         if let Some(state) = &mut leaving.friction {
             let left = leaving.old.feed_forward(state, now);
-            difference = difference.add_input(left.sub_input(feed_forward));
+            difference = difference.add_input(left.sub_input(friction));
         }
         let added = leaving.step(difference);
         self.fades = !leaving.is_over();

@@ -7,6 +7,7 @@ mod chain;
 mod changed;
 mod commission;
 mod cycles;
+mod example;
 mod imports;
 mod judge;
 mod process;

@@ -10,9 +10,7 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use crate::call_graph;
-use crate::process::{
-    cargo, free_port, output, output_for, released, root, run, run_for, target_of,
-};
+use crate::process::{cargo, free_port, output, released, root, run, run_for, target_of};
 use crate::thumb::{TARGET, Toolchain};
 use crate::tools::Need;
 
@@ -57,7 +55,6 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     hammered(&fixed)?;
     typed(&fixed)?;
     crate::commission::run(&fixed)?;
-    example()?;
     // It cannot be run here, but it must build, fit and not panic.
     build("preslide-stm32g474", "stm32g474", &["--features", "log"])?;
     let board = build("preslide-stm32g474", "stm32g474", &[])?;
@@ -99,34 +96,6 @@ fn typed(elf: &Path) -> Result<(), String> {
     let mut typed = Command::new(released("examples/drive"));
     typed.arg("typed").arg(elf).arg(free_port()?);
     run_for(typed.arg(released("preslide")), LIMIT)
-}
-
-/// What `examples/rtic.rs` prints in QEMU. Sliding at 0.5 mm/s, Stribeck's curve gives 0.81 + 0.09·exp(−0.5²) = 0.880 N.
-const EXAMPLE: [&str; 2] = ["tick 4000: friction 880 mN", "tick 8000: friction -880 mN"];
-
-/// The example that a stranger copies first: built for the target, and run.
-fn example() -> Result<(), String> {
-    let what = ["--package", "preslide", "--example", "rtic"];
-    let how = ["build", "--release", "--features", "example-semihosting"];
-    let arguments = [&how[..], &what[..]].concat();
-    run(&mut Toolchain::ensure()?.cargo(root(), &arguments))?;
-    let image = target_of(root()).join(TARGET).join("release/examples/rtic");
-    let mut qemu = Command::new("qemu-system-arm");
-    qemu.args(["-M", "netduinoplus2", "-nographic", "-icount", "shift=3"])
-        .args(["-semihosting-config", "enable=on,target=native", "-kernel"])
-        .arg(image)
-        .stdin(Stdio::null());
-    let (printed, log) = output_for(&mut qemu, Duration::from_secs(60))?;
-    let printed = printed + &log;
-    match EXAMPLE.iter().find(|line| !printed.contains(*line)) {
-        None => {
-            println!("examples/rtic.rs: {}", printed.trim().replace('\n', "; "));
-            Ok(())
-        }
-        Some(line) => Err(format!(
-            "examples/rtic.rs did not print `{line}`, but:\n{printed}"
-        )),
-    }
 }
 
 /// Serves an emulated drive, the firmware on the simulated stage, to one client after the other.

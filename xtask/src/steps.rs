@@ -154,6 +154,21 @@ pub const STEPS: &[Step] = &[
         run: |_| thumb_build(),
     },
     Step {
+        name: "example",
+        reason: "the example to be copied first sets its clock, refuses another, and computes in QEMU what its model gives",
+        needs: &[Need::Qemu],
+        paths: &[
+            "src/",
+            "build.rs",
+            "examples/",
+            "Cargo.toml",
+            "memory.x",
+            "xtask/src/example.rs",
+        ],
+        lane: Lane::Emulator,
+        run: |_| crate::example::run_in_qemu(),
+    },
+    Step {
         name: "firmware",
         reason: "the firmware workspace builds for the microcontroller, warnings denied",
         needs: &[Need::Clippy, Need::ArmGcc],

@@ -1,4 +1,4 @@
-//! Twenty-six faults on the simulated stage: how far the axis travels after each, and how hard it is pushed.
+//! Thirty-five faults and what looks like one on the simulated stage: how far the axis travels after each, and how hard it is pushed.
 //!
 //! The production controller and the paper's axis; a move of 2 mm at 2 mm/s runs when the fault strikes. Off, the stage is
 //! short-circuited, as by a bridge with both low sides on; an open one lets it coast a little further.
@@ -113,10 +113,11 @@ fn run(injection: &Injection, undisturbed: Option<&Outcome>) -> Outcome {
     if let Some(change) = injection.axis {
         change(&mut axis);
     }
-    let config = StageConfig {
+    let mut config = StageConfig {
         seed: 7,
         ..StageConfig::default()
     };
+    config.encoder.count_m = axis.encoder.count;
     let mut stage = Stage::try_new(config).expect("the default stage");
     let mut controller = Controller::new(
         coefficients(&axis, false),
@@ -191,7 +192,7 @@ fn line(name: &str, outcome: &Outcome, bound_um: f64) -> String {
         .map_or("nothing".into(), |fault| format!("{fault:?}"));
     let after = outcome.after.map_or("-".into(), |ticks| ticks.to_string());
     format!(
-        "{name:<26} {found:<18} {after:>6} {:>12.1} {bound_um:>8} {:>10} {:>6}\n",
+        "{name:<28} {found:<18} {after:>6} {:>12.1} {bound_um:>8} {:>10} {:>6}\n",
         outcome.travel_m * 1e6,
         outcome.push,
         outcome.push_off
@@ -206,7 +207,7 @@ fn every_fault_keeps_its_bound_on_travel_and_command() {
     let undisturbed = run(&Injection::default(), None);
     assert_eq!(undisturbed.fault, None);
     let mut table = format!(
-        "{:<26} {:<18} {:>6} {:>12} {:>8} {:>10} {:>6}\n",
+        "{:<28} {:<18} {:>6} {:>12} {:>8} {:>10} {:>6}\n",
         "injected", "found", "ticks", "travel (um)", "bound", "codes", "off"
     );
     let mut wrong = Vec::new();

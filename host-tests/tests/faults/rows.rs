@@ -2,6 +2,7 @@
 
 use super::{AT, Injection, coefficients};
 use preslide::control::{Controller, Fault, Measurement};
+use preslide_sim::stage::Stage;
 use std::cell::Cell;
 
 /// A row: what is injected, what must be found, within how many ticks, and the bound on travel (µm).
@@ -38,6 +39,19 @@ fn read(change: impl Fn(u32, &mut Measurement<u32>) + 'static) -> Injection {
         })),
         ..Injection::default()
     }
+}
+
+/// 12 N against the motion for 10 ms.
+fn jam(tick: u32, stage: &mut Stage) {
+    if tick == AT || tick == AT + 200 {
+        let force = if tick == AT { -12.0 } else { 0.0 };
+        let _ = stage.set_external_force_n(force);
+    }
+}
+
+/// A weight that hangs on the axis by `share` of it, 0…1, beyond which it is all or nothing.
+fn weigh(stage: &mut Stage, newtons: f64, share: f64) {
+    let _ = stage.set_external_force_n(-newtons * share.clamp(0.0, 1.0));
 }
 
 /// All of them.
@@ -281,13 +295,7 @@ pub fn rows() -> Vec<Row> {
             260.0,
             Injection {
                 axis: Some(|a| a.watch.frozen_duty = 0.37),
-                stage: Some(|tick, s| {
-                    // For 10 ms.
-                    if tick == AT || tick == AT + 200 {
-                        let force = if tick == AT { -12.0 } else { 0.0 };
-                        let _ = s.set_external_force_n(force);
-                    }
-                }),
+                stage: Some(jam),
                 ..Injection::default()
             },
         ),
@@ -381,6 +389,129 @@ pub fn rows() -> Vec<Row> {
                     }
                 }),
                 ..read(|_, m| m.current = 20_000)
+            },
+        ),
+        row(
+            // The finest at which the error that is a fault can be told.
+            "jam, counts of 2 nm",
+            Some(Fault::FollowingError),
+            300,
+            260.0,
+            Injection {
+                axis: Some(|a| {
+                    a.encoder.count = 2e-9;
+                    a.watch.frozen_duty = 0.37;
+                }),
+                stage: Some(jam),
+                ..Injection::default()
+            },
+        ),
+        row(
+            "jump, then enabled again",
+            Some(Fault::EncoderJump),
+            0,
+            10.0,
+            Injection {
+                host: Some(|tick, c, _| {
+                    c.heard();
+                    if tick == AT + 500 {
+                        c.acknowledge();
+                        let _ = c.enable();
+                    }
+                }),
+                ..read(|_, m| m.count = m.count.wrapping_add(4000))
+            },
+        ),
+        row(
+            "current beyond its codes",
+            Some(Fault::OverCurrent),
+            1,
+            10.0,
+            read(|_, m| m.current = i16::MAX),
+        ),
+        row(
+            "supply beyond its codes",
+            Some(Fault::SupplyOutOfRange),
+            20,
+            12.0,
+            read(|_, m| m.supply = u16::MAX),
+        ),
+        row(
+            "overload, told to go on",
+            Some(Fault::Overload),
+            2200,
+            240.0,
+            Injection {
+                axis: Some(|a| a.watch.thermal_time = 0.1),
+                host: Some(|_, c, _| {
+                    c.heard();
+                    if c.fault().is_some() {
+                        c.acknowledge();
+                        let _ = c.enable();
+                    }
+                }),
+                ..read(|_, m| m.current = 9500)
+            },
+        ),
+        row(
+            "integral held to less",
+            None,
+            0,
+            10.0,
+            Injection {
+                rides_out: true,
+                // A load of 3 N, of which the integral may keep 2.5 N: half a newton more is left to K_p, 5 µm.
+                stage: Some(|tick, s| weigh(s, 3.0, f64::from(tick) / 4000.0)),
+                host: Some(|tick, c, a| {
+                    c.heard();
+                    if tick == AT {
+                        let mut less = *a;
+                        less.gains.integral_limit = 2.5;
+                        c.swap(&coefficients(&less, false));
+                    }
+                }),
+                ..Injection::default()
+            },
+        ),
+        row(
+            "weight comes, 4.5 N",
+            None,
+            0,
+            // 9 N/s for an integral gain of 3e6 N/(m·s).
+            4.0,
+            Injection {
+                rides_out: true,
+                stage: Some(|tick, s| weigh(s, 4.5, (f64::from(tick) - f64::from(AT)) / 10_000.0)),
+                ..Injection::default()
+            },
+        ),
+        row(
+            "weight laid on, 3.64 N",
+            None,
+            0,
+            // 36 N/s.
+            15.0,
+            Injection {
+                rides_out: true,
+                stage: Some(|tick, s| weigh(s, 3.64, (f64::from(tick) - f64::from(AT)) / 2000.0)),
+                ..Injection::default()
+            },
+        ),
+        row(
+            "current offset from power on",
+            Some(Fault::CurrentOffset),
+            1,
+            0.5,
+            Injection {
+                host: Some(|_, c, _| {
+                    c.heard();
+                    if c.fault().is_none() {
+                        let _ = c.enable();
+                    }
+                }),
+                read: Some(Box::new(|_, m| m.current = m.current.saturating_add(2000))),
+                from_start: true,
+                ..Injection::default()
             },
         ),
     ]

@@ -2,16 +2,12 @@
 
 use preslide_link::{Deframer, Exchange, Order, Reading, Report};
 use std::io::{Read, Write};
-use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// QEMU connects and ends within this time.
+/// QEMU ends within this time.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 /// The telemetry's file in the run's folder.
@@ -23,9 +19,6 @@ pub enum RigError {
     /// QEMU could not be started.
     #[error("qemu-system-arm did not start: {0}; on Debian: apt-get install qemu-system-arm")]
     Start(std::io::Error),
-    /// QEMU did not open its sockets.
-    #[error("QEMU did not connect within 20 s; its output: {0}")]
-    Connect(String),
     /// The lock step broke off.
     #[error("the lock step broke off at exchange {exchange}: {error}")]
     LockStep {
@@ -34,7 +27,7 @@ pub enum RigError {
         /// What the socket said.
         error: std::io::Error,
     },
-    /// A file or socket could not be made.
+    /// A file could not be made.
     #[error("{0}: {1}")]
     File(PathBuf, std::io::Error),
     /// The firmware answered otherwise than it should.
@@ -50,8 +43,6 @@ pub enum RigError {
 pub enum Listener {
     /// Into a file, read at the end. A file takes every byte at once, so the run depends on nothing outside.
     File,
-    /// Into a socket that holds a few samples, read by a thread that can pause.
-    Line,
     /// To the first client of this TCP port on this machine; QEMU waits for it.
     Tcp(u16),
     /// To and from one client of this TCP port after the other, from the start on, whether there is one or not.
@@ -64,9 +55,6 @@ pub struct Emulator {
     orders: ChildStdout,
     readings: ChildStdin,
     exchanges: u64,
-    listener: Option<JoinHandle<Vec<Report>>>,
-    paused: Arc<AtomicBool>,
-    heard: Arc<AtomicU32>,
     folder: TempDir,
 }
 
@@ -86,15 +74,11 @@ impl Emulator {
     pub fn start(elf: &Path, listener: Listener, plugin: Option<&str>) -> Result<Self, RigError> {
         let folder = tempfile::Builder::new().prefix("preslide-rig-").tempdir();
         let folder = folder.map_err(|error| RigError::File(std::env::temp_dir(), error))?;
-        let link_path = folder.path().join("link");
-        let link = UnixListener::bind(&link_path)
-            .map_err(|error| RigError::File(link_path.clone(), error))?;
         let telemetry = match listener {
             Listener::File => format!(
                 "file,id=link,path={}",
                 folder.path().join(TELEMETRY).display()
             ),
-            Listener::Line => format!("socket,id=link,path={}", link_path.display()),
             Listener::Tcp(port) => {
                 format!("socket,id=link,host=127.0.0.1,port={port},server=on,wait=on")
             }
@@ -119,32 +103,14 @@ impl Emulator {
             .stderr(Stdio::piped())
             .spawn()
             .map_err(RigError::Start)?;
-        let link = match listener {
-            Listener::Line => accept(&link).map(Some),
-            Listener::File | Listener::Tcp(_) | Listener::Served(_) => Some(None),
+        let (Some(orders), Some(readings)) = (child.stdout.take(), child.stdin.take()) else {
+            return Err(RigError::Start(std::io::Error::other("no pipes to it")));
         };
-        let (Some(link), Some(orders), Some(readings)) =
-            (link, child.stdout.take(), child.stdin.take())
-        else {
-            // Either way it is gone after the wait.
-            let _ = child.kill();
-            let log = output(&mut child);
-            return Err(RigError::Connect(log));
-        };
-        let paused = Arc::new(AtomicBool::new(false));
-        let heard = Arc::new(AtomicU32::new(0));
-        let listener = link.map(|link| {
-            let (paused, heard) = (Arc::clone(&paused), Arc::clone(&heard));
-            std::thread::spawn(move || listen(link, &paused, &heard))
-        });
         Ok(Self {
             child,
             orders,
             readings,
             exchanges: 0,
-            listener,
-            paused,
-            heard,
             folder,
         })
     }
@@ -171,19 +137,8 @@ impl Emulator {
         Ok(())
     }
 
-    /// Stops or goes on listening to the telemetry.
-    pub fn pause_listening(&self, paused: bool) {
-        self.paused.store(paused, Ordering::Relaxed);
-    }
-
-    /// The tick of the newest sample that [`Listener::Line`] has brought.
-    pub fn heard(&self) -> u64 {
-        self.heard.load(Ordering::Relaxed).into()
-    }
-
     /// Waits for QEMU's end and collects what is left.
     pub fn finish(mut self) -> Remains {
-        self.pause_listening(false);
         let start = Instant::now();
         while matches!(self.child.try_wait(), Ok(None)) {
             if start.elapsed() > PATIENCE {
@@ -192,13 +147,9 @@ impl Emulator {
             std::thread::sleep(Duration::from_millis(2));
         }
         let log = output(&mut self.child);
-        let reports = match self.listener.take() {
-            Some(thread) => thread.join().unwrap_or_default(),
-            None => {
-                let file = std::fs::File::open(self.folder.path().join(TELEMETRY));
-                file.map_or(Vec::new(), |file| listen(file, &self.paused, &self.heard))
-            }
-        };
+        // Where the telemetry went elsewhere, there is no file.
+        let file = std::fs::File::open(self.folder.path().join(TELEMETRY));
+        let reports = file.map_or(Vec::new(), heard);
         Remains { reports, log }
     }
 
@@ -218,21 +169,6 @@ impl Drop for Emulator {
     }
 }
 
-fn accept(listener: &UnixListener) -> Option<UnixStream> {
-    listener.set_nonblocking(true).ok()?;
-    let start = Instant::now();
-    while start.elapsed() < PATIENCE {
-        if let Ok((stream, _)) = listener.accept() {
-            stream.set_nonblocking(false).ok()?;
-            stream.set_read_timeout(Some(PATIENCE)).ok()?;
-            stream.set_write_timeout(Some(PATIENCE)).ok()?;
-            return Some(stream);
-        }
-        std::thread::sleep(Duration::from_millis(1));
-    }
-    None
-}
-
 fn output(child: &mut Child) -> String {
     let mut text = String::new();
     if let Some(mut log) = child.stderr.take() {
@@ -242,24 +178,13 @@ fn output(child: &mut Child) -> String {
     text
 }
 
-fn listen(mut link: impl Read, paused: &AtomicBool, heard: &AtomicU32) -> Vec<Report> {
+/// What a telemetry file holds; what cannot be read ends it.
+fn heard(mut file: std::fs::File) -> Vec<Report> {
+    let mut bytes = Vec::new();
+    let _ = file.read_to_end(&mut bytes);
     let mut deframer = Deframer::new();
-    let mut reports = Vec::new();
-    let mut buffer = [0; 4096];
-    loop {
-        if paused.load(Ordering::Relaxed) {
-            std::thread::sleep(Duration::from_millis(1));
-            continue;
-        }
-        match link.read(&mut buffer) {
-            Ok(0) | Err(_) => return reports,
-            Ok(length) => {
-                let bytes = buffer.iter().take(length);
-                reports.extend(bytes.filter_map(|&byte| deframer.push::<Report>(byte)?.ok()));
-                if let Some(Report::Sample(sample)) = reports.last() {
-                    heard.store(sample.tick, Ordering::Relaxed);
-                }
-            }
-        }
-    }
+    let reports = bytes.into_iter();
+    reports
+        .filter_map(|byte| deframer.push::<Report>(byte)?.ok())
+        .collect()
 }

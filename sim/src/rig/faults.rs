@@ -18,7 +18,6 @@ pub struct Injection {
     /// Ticks from the injection within which the safe state must be reached; `None` where it must not be.
     within: Option<u32>,
     script: fn() -> Script<'static>,
-    listener: Listener,
     /// The commands differ from an undisturbed run's.
     unlike_undisturbed: bool,
 }
@@ -60,7 +59,6 @@ pub fn injections() -> Vec<Injection> {
         story,
         within: None,
         script,
-        listener: Listener::File,
         unlike_undisturbed: true,
     };
     vec![
@@ -126,7 +124,6 @@ pub fn injections() -> Vec<Injection> {
         },
         Injection {
             unlike_undisturbed: false,
-            listener: Listener::Line,
             ..injection(
                 "telemetry_unread",
                 "nobody reads the telemetry for a second: samples are lost and counted, the commands do not change",
@@ -249,9 +246,8 @@ fn supply_sag() -> Script<'static> {
 
 fn telemetry_unread() -> Script<'static> {
     let mut script = moving(14_000);
-    script.listening = Box::new(|tick| !(500..12_000).contains(&tick));
-    // What the line held is from before; the losses are counted in a later one.
-    script.until_heard = 12_000;
+    // Not by a listener that pauses: what its socket still takes, and when, is the host's matter and not the firmware's.
+    script.falsify = Box::new(|tick, reading| reading.unread = (500..12_000).contains(&tick));
     script
 }
 
@@ -285,7 +281,7 @@ impl Injection {
     /// # Errors
     /// [`RigError`] where the run cannot be made.
     pub fn tell(&self, elf: &Path, undisturbed: &Record) -> Result<String, RigError> {
-        let record = run(elf, &(self.script)(), self.listener)?;
+        let record = run(elf, &(self.script)(), Listener::File)?;
         let mut text = format!("{}\n", self.story);
         let seen = Seen::told(&record.remains.reports, &mut text);
         if let Some(verdict) = self.verdict(seen.fault_after) {

@@ -11,9 +11,6 @@ use std::path::Path;
 /// The exchange of the initialisation, tick 0, carries no byte.
 const FIRST: u64 = 1;
 
-/// Most ticks by which a run is prolonged until a sample is heard: some ten seconds of the host, in which its line has been read or never is.
-const PROLONGED: u64 = 100_000;
-
 /// Tick in which an axis has learned its current sense's offset: eight times the time constant of its mean.
 pub const CALIBRATED: u64 = 2048;
 
@@ -65,10 +62,6 @@ pub struct Script<'a> {
     pub disturb: ByTick<'a, Stage>,
     /// Falsifies what the board reads in the tick.
     pub falsify: ByTick<'a, Reading>,
-    /// Whether someone listens to the telemetry in the tick.
-    pub listening: Box<dyn Fn(u64) -> bool + 'a>,
-    /// The run goes on until a sample of this tick has come up the line: how soon that is, is the host's matter and not the firmware's.
-    pub until_heard: u64,
     /// A QEMU plugin that watches, with its arguments.
     pub plugin: Option<String>,
 }
@@ -88,8 +81,6 @@ impl Script<'_> {
             requests: 0,
             disturb: Box::new(|_, _| {}),
             falsify: Box::new(|_, _| {}),
-            listening: Box::new(|_| true),
-            until_heard: 0,
             plugin: None,
         }
         .send(FIRST, &enabling())
@@ -192,8 +183,7 @@ pub fn run(elf: &Path, script: &Script, listener: Listener) -> Result<Record, Ri
         .iter()
         .flat_map(|(from, bytes)| bytes.iter().map(move |&byte| (*from, byte)));
     let mut waiting = line.next();
-    for tick in 0..=script.ticks + PROLONGED {
-        emulator.pause_listening(!(script.listening)(tick));
+    for tick in 0..=script.ticks {
         let Ok(order) = emulator.order() else {
             broke_off = true;
             break;
@@ -211,8 +201,7 @@ pub fn run(elf: &Path, script: &Script, listener: Listener) -> Result<Record, Ri
             waiting = line.next();
         }
         (script.falsify)(tick, &mut reading);
-        let heard = emulator.heard() >= script.until_heard;
-        reading.quit = tick >= script.ticks && (heard || tick == script.ticks + PROLONGED);
+        reading.quit = tick == script.ticks;
         let shown = emulator.reading(reading);
         broke_off = shown.is_err();
         if broke_off || reading.quit {

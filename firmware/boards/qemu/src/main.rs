@@ -192,6 +192,10 @@ fn reading(to_script: &mut Producer<'static, u8>) -> Reading {
         // The background reads faster than one byte a tick; should it not, the frame's CRC tells.
         let _ = to_script.enqueue(byte);
     }
+    if registers::Uart::hold(reading.unread) {
+        // What has waited goes on, as when a transmitter has room again.
+        rtic::pend(device::Interrupt::UARTTX0);
+    }
     if reading.hang {
         loop {
             cortex_m::asm::nop();

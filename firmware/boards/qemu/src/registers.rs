@@ -3,7 +3,7 @@
 
 #![allow(unsafe_code)]
 
-use core::sync::atomic::{AtomicUsize, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use cortex_m_semihosting::{nr, syscall};
 
 /// Cycles of the peripheral clock per second.
@@ -151,7 +151,12 @@ impl Uart {
     /// Whether it takes a byte now.
     pub fn can_send() -> bool {
         write(Self::INTERRUPT, 0b01);
-        read(Self::STATE) & 0b01 == 0
+        !HELD.load(Ordering::Relaxed) && read(Self::STATE) & 0b01 == 0
+    }
+
+    /// Has it look full for as long as `held`, to be told once a tick; whether it has room again.
+    pub fn hold(held: bool) -> bool {
+        HELD.swap(held, Ordering::Relaxed) && !held
     }
 
     /// Sends a byte; its end is an interrupt.
@@ -159,6 +164,8 @@ impl Uart {
         write(Self::DATA, byte.into());
     }
 }
+
+static HELD: AtomicBool = AtomicBool::new(false);
 
 /// The watchdog: its first expiry is the non-maskable interrupt, its second a reset.
 pub struct Watchdog;

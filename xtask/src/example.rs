@@ -1,0 +1,124 @@
+//! The example that a stranger copies first, in QEMU: what it computes, and how it sets the clock that QEMU has not.
+
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use crate::process::{output_for, root, run, target_of};
+use crate::thumb::{TARGET, Toolchain};
+
+/// What `examples/rtic.rs` prints in QEMU. Its clock registers read as zero there, which is the chip's 16 MHz undivided: 16 MHz / 4200.
+/// Sliding at 0.5 mm/s, Stribeck's curve gives 0.81 + 0.09·exp(−0.5²) = 0.880 N.
+const PRINTED: [&str; 3] = [
+    "TIM3 ticks at 3809 Hz, not at 20000: off",
+    "tick 4000: friction 880 mN",
+    "tick 8000: friction -880 mN",
+];
+
+/// Timers' clocks per tick, which the first of these lines tells, and what they are to be with the clock set.
+const CLOCKS: u32 = 4200;
+const RATE: u32 = 20_000;
+
+/// Builds the example for the target, runs it, and compares what it prints and what it writes to the clock's registers.
+pub fn run_in_qemu() -> Result<(), String> {
+    let what = ["--package", "preslide", "--example", "rtic"];
+    let how = ["build", "--release", "--features", "example-semihosting"];
+    let arguments = [&how[..], &what[..]].concat();
+    run(&mut Toolchain::ensure()?.cargo(root(), &arguments))?;
+    let image = target_of(root()).join(TARGET).join("release/examples/rtic");
+    let mut qemu = Command::new("qemu-system-arm");
+    qemu.args(["-M", "netduinoplus2", "-nographic", "-icount", "shift=3"])
+        .args(["-semihosting-config", "enable=on,target=native"])
+        .args(["-d", "unimp", "-kernel"])
+        .arg(image)
+        .stdin(Stdio::null());
+    let (printed, log) = output_for(&mut qemu, Duration::from_secs(60))?;
+    let told = |what: &str| Err(format!("examples/rtic.rs {what}:\n{printed}{log}"));
+    if let Some(line) = PRINTED
+        .iter()
+        .find(|line| !printed.contains(*line) && !log.contains(*line))
+    {
+        return told(&format!("did not print `{line}`, but"));
+    }
+    match tick_rate(&writes(&log)) {
+        Ok(RATE) => {}
+        Ok(rate) => return told(&format!("sets the clock for {rate} Hz, not for {RATE}")),
+        Err(reason) => return told(&reason),
+    }
+    println!(
+        "examples/rtic.rs: sets the clock for {RATE} Hz; {}",
+        printed.trim().replace('\n', "; ")
+    );
+    Ok(())
+}
+
+/// A write to a device that QEMU has not.
+struct Write<'a> {
+    device: &'a str,
+    offset: u32,
+    value: u32,
+}
+
+/// `RCC: unimplemented device write (size 4, offset 0x030, value 0x00000003)`, in their order.
+fn writes(log: &str) -> Vec<Write<'_>> {
+    let hexadecimal = |line: &str, key: &str| {
+        let digits = line.split(key).nth(1)?.split([',', ')']).next()?;
+        u32::from_str_radix(digits, 16).ok()
+    };
+    let parse = |line| {
+        let (device, rest) = str::split_once(line, ": unimplemented device write")?;
+        Some(Write {
+            device,
+            offset: hexadecimal(rest, "offset 0x")?,
+            value: hexadecimal(rest, "value 0x")?,
+        })
+    };
+    log.lines().filter_map(parse).collect()
+}
+
+/// What the chip makes of these writes (RM0090, chapters 3 and 7), and why it would not run.
+fn tick_rate(writes: &[Write]) -> Result<u32, String> {
+    let [mut wait_states, mut pllcfgr, mut cfgr, mut pll_on] = [0, 0x2400_3010, 0, 0];
+    for write in writes {
+        match (write.device, write.offset) {
+            ("Flash Int", 0) => wait_states = write.value & 7,
+            ("RCC", 0) => pll_on = write.value >> 24 & 1,
+            ("RCC", 4) if pll_on == 1 => return Err("sets a PLL that is on".to_owned()),
+            ("RCC", 4) => pllcfgr = write.value,
+            ("RCC", 8) => cfgr = write.value,
+            _ => continue,
+        }
+        if cfgr & 3 == 2 && (wait_states != 5 || pll_on == 0) {
+            return Err("goes to the PLL before flash and PLL are ready for it".to_owned());
+        }
+    }
+    if cfgr & 3 != 2 {
+        return Err("leaves the chip on its 16 MHz".to_owned());
+    }
+    let divided = |code: u32, none_below: u32| match code.checked_sub(none_below) {
+        None => 1,
+        Some(power) => 2_u32 << power,
+    };
+    let [m, n, p] = [
+        pllcfgr & 63,
+        pllcfgr >> 6 & 511,
+        ((pllcfgr >> 16 & 3) + 1) * 2,
+    ];
+    let oscillator = 16_000_000 / m.max(1);
+    let core = oscillator * n / p;
+    let bus = divided(cfgr >> 10 & 7, 4);
+    let fast = divided(cfgr >> 13 & 7, 4);
+    let within = pllcfgr >> 22 & 1 == 0
+        && (1_000_000..=2_000_000).contains(&oscillator)
+        && (100_000_000..=432_000_000).contains(&(oscillator * n))
+        && cfgr >> 4 & 15 == 0
+        && core <= 168_000_000
+        && core / bus <= 42_000_000
+        && core / fast <= 84_000_000;
+    if !within {
+        return Err(format!(
+            "sets PLLCFGR {pllcfgr:#x} and CFGR {cfgr:#x}, beyond what the chip bears"
+        ));
+    }
+    let timers = core / bus * if bus > 1 { 2 } else { 1 };
+    Ok(timers / CLOCKS)
+}
