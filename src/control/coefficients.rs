@@ -92,7 +92,11 @@ impl<F: Friction> Coefficients<F> {
         // The velocity is measured d ago, so that `K_d·(v_ref − v)` is `K_d·d·a` in a motion without an error: as much mass.
         let per_mass = units.velocity / units.force;
         let mass = not_negative("moving mass", axis.feed_forward.mass)?;
-        let by_delay = axis.gains.derivative * scale.delay() * sample_time;
+        let by_delay = match mass > 0.0 {
+            true => axis.gains.derivative * scale.delay() * sample_time,
+            // Who feeds none forward has what the feedback adds.
+            false => 0.0,
+        };
         let sign = |reversed| if reversed { -1 } else { 1 };
         Ok(Self {
             scale,
