@@ -28,7 +28,7 @@ use crate::tools::mdbook;
 use page::{CodeBlock, Kind, Page};
 
 /// No command of the book takes longer, on a busy machine either.
-const LIMIT: Duration = Duration::from_secs(300);
+const LIMIT: Duration = Duration::from_secs(900);
 
 /// Whether `cargo xtask test` has a step of this name.
 type HasStep = fn(&str) -> bool;
