@@ -166,7 +166,7 @@ fn every_command_tells_the_same_fit() {
         let compared = compare(&recording, &Options::default(), &progress);
         let compared = compared.unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(fit, compared.to_json(&compared.recording, 0.0)["fit"]);
-        assert_eq!(fit, Fit::of(&recording).to_json());
+        assert_eq!(fit, Fit::of(&recording).to_json(&recording));
         for key in ["nmse_held_out", "parameters", "law", "rows"] {
             assert!(!fit[key].is_null(), "{key}: {fit}");
         }
@@ -181,6 +181,13 @@ fn the_cases_have_their_right_values() {
             holds(&found, "coulomb", 1.1, 0.01);
             holds(&found, "gravity", gravity, 0.01);
         }
+    }
+    if let Some(recording) = case("spring_off_centre/rec.csv") {
+        let found = run(&recording);
+        holds(&found, "spring", 41.0, 3.0);
+        let (value, [low, high]) = of(&found, "spring_centre");
+        println!("  spring_centre {value} ({low} … {high}), true -0.0021");
+        assert!((low..=high).contains(&-2.1e-3) && high - low < 0.02);
     }
 }
 
@@ -245,9 +252,14 @@ fn few_reversals_tell_what_they_can() {
         .collect();
     if let Some(parts) = parts {
         let found = run(&Recording::join(parts).expect("one machine"));
-        for (name, truth) in [("coulomb", 0.21), ("viscous", 0.115), ("mass", 12e-3)] {
+        for (name, truth, share) in [
+            ("coulomb", 0.21, 0.03),
+            ("viscous", 0.115, 0.03),
+            ("mass", 12e-3, 0.2),
+        ] {
             let (value, [low, high]) = of(&found, name);
             println!("{name} {value:.4} ({low:.4} … {high:.4}), true {truth}");
+            assert!((value / truth - 1.0).abs() < share, "{name}: {value}");
             assert!((low..=high).contains(&truth), "{name}: {low} … {high}");
         }
     }
