@@ -2,7 +2,7 @@
 
 use fixed::types::I16F16;
 use preslide::control::{NoFriction, Settings};
-use preslide::{Friction, QuasiStaticGms, Units};
+use preslide::{Block, Friction, QuasiStaticGms, Units};
 use preslide_sim::stage::StageConfig;
 use preslide_sim::tracking::{
     Axis, Experiment, FIXED_UNITS, IDENTIFICATION_SEED, Step, Tracking, motions,
@@ -32,17 +32,21 @@ fn rms_m<F: Friction>(settings: Settings, friction: F, units: Units, steps: &[St
     tracking.rms_m().expect("no fault")
 }
 
-/// Identified on one stage, used on another whose friction differs: GMS N = 4 in fixed point cuts the RMS error of the
-/// nested reversals at least five times, and `f32` agrees with fixed point.
-#[test]
-fn four_blocks_cut_the_error_of_nested_reversals_five_times() {
-    let settings = Settings::PAPER_AXIS;
+/// Four blocks and the breakaway force, identified on one stage.
+fn identified() -> ([Block; 4], f64) {
     let stage = StageConfig {
         seed: IDENTIFICATION_SEED,
         ..StageConfig::default()
     };
-    let experiment = Experiment::run(&settings, stage).expect("the experiment runs");
-    let (blocks, breakaway) = experiment.blocks::<4>().expect("four blocks");
+    let experiment = Experiment::run(&Settings::PAPER_AXIS, stage).expect("the experiment runs");
+    experiment.blocks().expect("four blocks")
+}
+
+/// Identified on one stage, used on another whose friction differs: GMS N = 4 in fixed point cuts the RMS error of the
+/// nested reversals at least five times, and `f32` agrees with fixed point.
+#[test]
+fn four_blocks_cut_the_error_of_nested_reversals_five_times() {
+    let (blocks, breakaway) = identified();
     let fixed =
         QuasiStaticGms::<4, I16F16>::try_new(&blocks, breakaway, FIXED_UNITS).expect("valid");
     let float = QuasiStaticGms::<4, f32>::try_new(&blocks, breakaway, Units::SI).expect("valid");
@@ -59,22 +63,13 @@ fn four_blocks_cut_the_error_of_nested_reversals_five_times() {
 #[test]
 fn the_mass_that_tracks_fast_moves_best_is_the_true_one() {
     let settings = Settings::PAPER_AXIS;
-    let stage = StageConfig {
-        seed: IDENTIFICATION_SEED,
-        ..StageConfig::default()
-    };
-    let experiment = Experiment::run(&settings, stage).expect("the experiment runs");
-    let (blocks, breakaway) = experiment.blocks::<4>().expect("four blocks");
-    let there = Step::Move {
-        distance_m: 5e-3,
+    let (blocks, breakaway) = identified();
+    let stroke = |distance_m| Step::Move {
+        distance_m,
         speed_m_s: settings.limits.speed,
         ramp_s: settings.limits.speed / settings.limits.acceleration,
     };
-    let back = Step::Move {
-        distance_m: -5e-3,
-        speed_m_s: settings.limits.speed,
-        ramp_s: settings.limits.speed / settings.limits.acceleration,
-    };
+    let (there, back) = (stroke(5e-3), stroke(-5e-3));
     let steps = [there, Step::Dwell(0.1), back, Step::Dwell(0.1), there, back];
     let by_delay = settings.gains.derivative * 0.5e-3;
     let errors = [-by_delay, 0.0, by_delay].map(|more| {

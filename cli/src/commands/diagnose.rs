@@ -78,11 +78,12 @@ impl Diagnose {
             Err(Refusal::Data(message)) => {
                 let answer = serde_json::json!({
                     "schema": "preslide.diagnosis/1", "recording": recording.name, "verdict": "insufficient-data",
-                    "fit": fit.as_ref().map(Fit::to_json), "reason": message, "effects": [], "unknown": null, "seconds": start.elapsed().as_secs_f64(),
+                    "fit": fit.as_ref().map(|fit| fit.to_json(&recording)), "reason": message, "effects": [], "unknown": null, "seconds": start.elapsed().as_secs_f64(),
                 });
                 self.outputs.write_json(&answer)?;
-                if let Some(fit) = fit {
-                    say!("Note: {}.", fit.words());
+                // Why there is none is said once.
+                if let Some(fit) = fit.filter(Fit::is_found) {
+                    say!("Note: {}.", fit.words(&recording));
                 }
                 return Err(Failure::Data(format!("insufficient-data: {message}")));
             }
@@ -95,7 +96,7 @@ impl Diagnose {
         };
         say!("{}\n", found.verdict_words(&recording));
         if let Some(fit) = &found.fit {
-            say!("Note: {}.\n", fit.words());
+            say!("Note: {}.\n", fit.words(&recording));
         }
         for left_out in found.left_out_words() {
             say!("Note: {left_out}.\n");

@@ -5,8 +5,7 @@
 
 use super::effect::grid::spread;
 use super::signals::Signals;
-use crate::signal::Deflection;
-use crate::signal::LATE;
+use crate::signal::{Deflection, LATE};
 use crate::statistics::quantile_between_ranks;
 use std::ops::Range;
 

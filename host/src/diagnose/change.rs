@@ -9,8 +9,7 @@ use super::effect::{
 use super::normal::Bound;
 use super::signals::Signals;
 use super::weak::Column;
-use crate::signal::Deflection;
-use crate::signal::LATE;
+use crate::signal::{Deflection, LATE};
 
 /// Late blocks.
 const LATE_BLOCKS: usize = 8;

@@ -6,35 +6,36 @@ use crate::recording::Recording;
 use serde_json::Value;
 
 /// What `identify` finds in a recording, or why it finds nothing.
-pub struct Fit {
-    found: Result<Identification, String>,
-    /// Over the same rows as `identify`'s own.
-    recording: Recording,
-}
+pub struct Fit(Result<Identification, String>);
 
 impl Fit {
-    /// Fits a recording as it was loaded.
+    /// Fits a recording as it was loaded, over the same rows as `identify`.
     pub fn of(recording: &Recording) -> Self {
-        let recording = thinned(recording, MANY).unwrap_or_else(|| recording.clone());
+        let thinned = thinned(recording, MANY);
         let progress = Progress::new("fit", STEPS);
-        let found = identify(&recording, &Options::default(), &progress);
+        let rows = thinned.as_ref().unwrap_or(recording);
+        let found = identify(rows, &Options::default(), &progress);
         progress.finish();
-        Self { found, recording }
+        Self(found)
+    }
+
+    /// Whether there is one.
+    pub fn is_found(&self) -> bool {
+        self.0.is_ok()
     }
 
     /// The object `fit` of every command; null where there is none.
-    pub fn to_json(&self) -> Value {
-        self.found
-            .as_ref()
-            .map_or(Value::Null, |found| found.fit_json(&self.recording))
+    pub fn to_json(&self, recording: &Recording) -> Value {
+        let found = self.0.as_ref();
+        found.map_or(Value::Null, |found| found.fit_json(recording))
     }
 
     /// In a sentence without its full stop.
-    pub fn words(&self) -> String {
-        match &self.found {
+    pub fn words(&self, recording: &Recording) -> String {
+        match &self.0 {
             Ok(found) => format!(
                 "the fit of `preslide identify`: {}",
-                found.in_words(&self.recording)
+                found.in_words(recording)
             ),
             Err(reason) => format!("no fit of `preslide identify`: {reason}"),
         }
@@ -42,7 +43,7 @@ impl Fit {
 
     /// Why nothing can be called consistent, if it leaves more than `most` (%) of what is held out.
     pub(super) fn doubt(&self, most: f64) -> Option<String> {
-        match &self.found {
+        match &self.0 {
             Err(reason) => Some(format!("there is no fit ({reason})")),
             Ok(found) => {
                 let left = found.best().nmse_test;

@@ -49,6 +49,7 @@ pub mod verdict;
 pub mod weak;
 pub mod words;
 
+use crate::identify::FATAL;
 use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::{Recording, Simulated};
@@ -64,16 +65,6 @@ use thiserror::Error;
 pub use verdict::Diagnosis;
 use verdict::{EXPLAINS_LITTLE, Verdict};
 use weak::Column;
-
-/// Warnings of the loader that leave nothing to diagnose, with what would.
-const FATAL: [(&str, &str); 3] = [
-    ("no-motion", "record a motion"),
-    ("too-short", "record for longer"),
-    (
-        "constant-effort",
-        "record or map the column that holds the effort",
-    ),
-];
 
 /// Why there is no diagnosis.
 #[derive(Debug, Error)]

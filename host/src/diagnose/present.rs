@@ -1,6 +1,5 @@
 //! A diagnosis for machines, and its table.
 
-use super::fit::Fit;
 use super::given::Refitted;
 use super::offer::Offer;
 use super::place::Place;
@@ -51,7 +50,7 @@ impl Diagnosis {
             "schema": "preslide.diagnosis/1",
             "recording": recording.name,
             "verdict": self.verdict.name(),
-            "fit": self.fit.as_ref().map(Fit::to_json),
+            "fit": self.fit.as_ref().map(|fit| fit.to_json(recording)),
             "baseline": { "nmse_train": self.baseline.train, "nmse_test": self.baseline.test },
             "extended": { "nmse_train": self.extended.train, "nmse_test": self.extended.test },
             "noise_floor_nmse": self.noise_floor,

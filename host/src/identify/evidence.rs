@@ -1,6 +1,6 @@
 //! Which plain physics a recording shows: each only where it predicts stretches that were held out.
 
-use super::plain::{Place, Plain, extremes};
+use super::plain::{Place, Plain};
 use super::regression::{Gram, Regressor, Surface};
 use super::search::non_negative;
 use crate::recording::{MotionKind, Recording};
@@ -79,7 +79,7 @@ impl Evidence<'_> {
 
     /// What of the plain physics is there, and how late friction yields.
     pub(super) fn shown(&self, recording: &Recording, base: Plain, longest: f64) -> Shown {
-        let (low, high) = extremes(recording);
+        let (low, high) = recording.ends();
         let early = LATE * (high - low);
         let mut shown = Shown {
             plain: base,

@@ -130,7 +130,8 @@ impl Fitting<'_> {
         let surface = every.part(&taken, shown.longest);
         let surface = surface.joined(parts.iter().map(Vec::len));
         regression.columns = shown.plain.columns(self.recording, self.kinematics);
-        let selection = maxwell_slip::select(&regression, &surface, progress)?;
+        let selection = maxwell_slip::select(&regression, &surface, progress)
+            .map_err(|reason| format!("{}: {reason}", self.recording.name))?;
         Ok(Searched {
             regression,
             surface,
@@ -159,7 +160,7 @@ impl Fitting<'_> {
             columns: &regression.columns,
             surface: &Surface::new(&regression, Vec::new()),
         };
-        let (low, high) = plain::extremes(recording);
+        let (low, high) = recording.ends();
         let shown = evidence.shown(recording, Plain::of(self.inertial), high - low);
         notes.extend(said(shown));
         notes.push("the motion goes one way, so that Coulomb friction and a constant load are told as their sum, and pre-sliding not at all; record reversals to tell them apart".to_owned());

@@ -169,8 +169,8 @@ pub struct Identification {
     pub stick_slip: Option<StickSlip>,
 }
 
-/// Warnings of the loader that leave nothing to identify, with what would.
-const FATAL: [(&str, &str); 3] = [
+/// Warnings of the loader that leave nothing to identify or diagnose, with what would.
+pub(crate) const FATAL: [(&str, &str); 3] = [
     ("no-motion", "record a motion"),
     ("too-short", "record for longer"),
     (

@@ -265,14 +265,7 @@ fn column(term: Term, recording: &Recording, kinematics: &Kinematics) -> Regress
     }
 }
 
-/// Lowest and highest position (m or rad).
-pub fn extremes(recording: &Recording) -> (f64, f64) {
-    let ends = (f64::INFINITY, f64::NEG_INFINITY);
-    let wider = |(low, high): (f64, f64), x: &f64| (low.min(*x), high.max(*x));
-    recording.position.iter().fold(ends, wider)
-}
-
 fn middle(recording: &Recording) -> f64 {
-    let (low, high) = extremes(recording);
+    let (low, high) = recording.ends();
     0.5 * (low + high)
 }

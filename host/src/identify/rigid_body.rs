@@ -128,25 +128,20 @@ pub fn moving(
         let direction = &kinematics.direction[piece.clone()];
         let mut start = 0;
         for run in direction.chunk_by(|a, b| (*a == 0.0) == (*b == 0.0)) {
-            let run_at = start..start + run.len();
-            start = run_at.end;
+            let (from, to) = (start, start + run.len());
+            start = to;
+            let rests = run[0] == 0.0;
             let mut leave_out = |from: usize, to: usize| {
-                let to = to.min(piece.len());
-                told[piece.start + from..piece.start + to].fill(false);
+                told[piece.start + from..piece.start + to.min(piece.len())].fill(false);
             };
-            match run[0] == 0.0 {
-                true if run.len() > blur => {
-                    leave_out(run_at.start.saturating_sub(blur), run_at.end + blur);
-                }
-                true => {}
-                false => {
-                    if run_at.start == 0 {
-                        leave_out(0, blur);
-                    }
-                    if run_at.end == piece.len() {
-                        leave_out(piece.len().saturating_sub(blur), piece.len());
-                    }
-                }
+            if rests && run.len() > blur {
+                leave_out(from.saturating_sub(blur), to + blur);
+            }
+            if !rests && from == 0 {
+                leave_out(0, blur);
+            }
+            if !rests && to == piece.len() {
+                leave_out(piece.len().saturating_sub(blur), piece.len());
             }
         }
     }

@@ -206,6 +206,11 @@ pub struct Recording {
 }
 
 impl Recording {
+    /// Lowest and highest position (m or rad).
+    pub fn ends(&self) -> (f64, f64) {
+        dropouts::extremes(&self.position)
+    }
+
     /// Number of samples, at least 2.
     pub fn len(&self) -> usize {
         self.t_s.len()

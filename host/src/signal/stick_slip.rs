@@ -205,11 +205,7 @@ impl<'a> Scene<'a> {
         let fastest = windows
             .map(|w| (w[2 * half] - w[0]).abs())
             .fold(0.0, f64::max);
-        let (low, high) = x
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
-                (l.min(*v), h.max(*v))
-            });
+        let (low, high) = recording.ends();
         let means = |values: &[f64]| {
             let pieces = recording.pieces.iter();
             pieces
