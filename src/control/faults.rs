@@ -334,13 +334,16 @@ impl<S: Scalar> Monitor<S> {
         if !pushes {
             suspicion.stood = false;
             let (low, high) = (read.code - self.frozen_code, read.code + self.frozen_code);
-            suspicion.held = match suspicion.held {
-                // A load that is no push needs not be known.
-                _ if read.stands => 0,
-                held if held < low => low,
-                held if held > high => high,
-                held => held,
+            let held = if suspicion.held < low {
+                low
+            } else if suspicion.held > high {
+                high
+            } else {
+                suspicion.held
             };
+            // A load that needs no push need not be known, and the ticks after it may be ordinary.
+            let forgotten = read.stands || !beyond(held);
+            suspicion.held = if forgotten { 0 } else { held };
         }
         if !pushes || turns {
             return false;
