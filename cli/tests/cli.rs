@@ -59,29 +59,98 @@ fn bad_headers_name_the_file_and_the_remedy() {
 }
 
 #[test]
-fn bad_cells_and_times_name_file_line_and_remedy() {
+fn a_bad_cell_is_a_lost_sample_that_is_told_with_its_line() {
     let folder = Folder::new();
     for (name, row, parts) in [
-        (
-            "nan.csv",
-            "0.480,NaN,0.1",
-            &["line 50", "`x_m`", "correct it"][..],
-        ),
+        ("nan.csv", "0.480,NaN,0.1", &["`x_m`", "not finite"][..]),
         (
             "text.csv",
             "0.480,1e-6,high",
-            &["line 50", "`friction_N`", "`high` is not a number"],
+            &["`friction_N`", "`high` is not a number"],
         ),
-        ("hole.csv", "0.480,,0.1", &["line 50", "`x_m`", "empty"]),
-        (
-            "short.csv",
-            "0.480,1e-6",
-            &["line 50", "2 cells", "complete it"],
-        ),
+        ("hole.csv", "0.480,,0.1", &["`x_m`", "empty"]),
+        ("when.csv", "inf,1e-6,0.1", &["`t_s`", "not finite"]),
+        ("short.csv", "0.480,1e-6", &["2 cells"]),
+    ] {
+        let path = folder.file(name, with_line(50, row));
+        let run = preslide(&["identify", &path]);
+        for part in [&[name, "lost-samples", "line 50"], parts].concat() {
+            assert!(run.succeeds().err.contains(part), "{part}: {}", run.err);
+        }
+    }
+}
+
+#[test]
+fn a_table_of_speed_and_effort_without_time_is_identified() {
+    let folder = Folder::new();
+    let row = |v: f64| format!("{v},{}\n", 0.5 * v.signum() + 0.3 * v + 0.02);
+    let rows = (1..=20).map(|i| row(0.1 * f64::from(i)) + &row(-0.1 * f64::from(i)));
+    let table = format!("velocity_rad_s,torque_Nm\n{}", rows.collect::<String>());
+    let path = folder.file("table.csv", &table);
+    let (json, model) = (folder.path("fit.json"), folder.path("model.toml"));
+    let run = preslide(&["identify", &path, "--json", &json, "-o", &model]);
+    assert!(
+        run.succeeds().err.contains("40 rows without time"),
+        "{}",
+        run.err
+    );
+    let json = std::fs::read_to_string(json).expect("written");
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    for (key, right) in [
+        ("coulomb_Nm", 0.5),
+        ("viscous_Nm_s_per_rad", 0.3),
+        ("offset_Nm", 0.02),
+    ] {
+        let value = json["fit"]["parameters"][key]["value"].as_f64();
+        assert!(
+            value.is_some_and(|v| (v - right).abs() < 1e-9),
+            "{key}: {json}"
+        );
+    }
+    let model = std::fs::read_to_string(model).expect("written");
+    assert!(model.contains("no inertia"), "{model}");
+    Model::parse(&model).expect("a model");
+    preslide(&["identify", &path, "--train", "0..1"]).fails(2, &["table.csv", "--train", "t_s"]);
+    preslide(&["diagnose", &path]).fails(2, &["table.csv", "no time", "preslide identify"]);
+    let words = folder.file("words.csv", table.replace(",0.", ",about 0."));
+    preslide(&["identify", &words]).fails(2, &["words.csv", "line 4", "torque_Nm"]);
+    let steady = folder.file(
+        "steady.csv",
+        "qd_rad_s,torque_Nm\n".to_owned() + &"2,1\n".repeat(9),
+    );
+    preslide(&["identify", &steady]).fails(3, &["steady.csv", "three speeds"]);
+}
+
+#[test]
+fn a_current_in_milliamperes_is_asked_about_with_the_command_that_reads_it() {
+    let folder = Folder::new();
+    let path = folder.file("drive.csv", recording("t_s,x_m,iq"));
+    let map = "current_A=400*iq";
+    let run = preslide(&["identify", &path, "--map", map]);
+    let told = run
+        .succeeds()
+        .err
+        .lines()
+        .find(|l| l.starts_with("Such as: preslide identify"));
+    let told = told.unwrap_or_else(|| panic!("{}", run.err));
+    assert!(run.err.contains("`iq` is in mA"), "{}", run.err);
+    let map = "current_A=0.4*iq";
+    assert_eq!(
+        told,
+        format!("Such as: preslide identify {path} --map '{map}'")
+    );
+    let run = preslide(&["identify", &path, "--map", map]);
+    assert!(!run.succeeds().err.contains("implausible"), "{}", run.err);
+}
+
+#[test]
+fn bad_times_name_file_line_and_remedy() {
+    let folder = Folder::new();
+    for (name, row, parts) in [
         (
             "back.csv",
             "0.100,1e-6,0.1",
-            &["line 50", "runs backwards", "sort the rows"],
+            &["line 50", "runs backwards", "sort the rows"][..],
         ),
         (
             "still.csv",

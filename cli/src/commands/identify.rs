@@ -3,9 +3,9 @@
 use super::{Failure, OutputArgs, RecordingArgs, SplitArgs, command_line, thin, write_text};
 use clap::Args;
 use preslide_host::identify::family::Family;
-use preslide_host::identify::{Identification, MANY, STEPS, identify};
+use preslide_host::identify::{Identification, MANY, STEPS, identify, speed_table};
 use preslide_host::progress::Progress;
-use preslide_host::recording::Recording;
+use preslide_host::recording::{Recording, Speeds};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -43,6 +43,9 @@ impl Identify {
         let start = Instant::now();
         self.recordings
             .check_outputs(None, &[("-o", self.output.as_ref())], &self.outputs)?;
+        if let Some(table) = self.recordings.load_speeds()? {
+            return self.of_speeds(table, start);
+        }
         let recording = self.recordings.load()?;
         let recording = thin(recording, MANY);
         let options = self.split.options(&recording)?;
@@ -77,6 +80,35 @@ impl Identify {
             )));
         }
         Ok(())
+    }
+}
+
+impl Identify {
+    /// What a table of speed and effort without time tells.
+    fn of_speeds(self, table: Speeds, start: Instant) -> Result<(), Failure> {
+        if self.split.is_given() || self.friction.is_some() || self.blocks.is_some_and(|n| n > 0) {
+            return Err(Failure::Input(format!(
+                "{} is a table of speed and effort without time: --train, --test, --friction and --blocks need a recording with time (`t_s`, or the step `dt_s`)",
+                table.name
+            )));
+        }
+        let found = speed_table::fit(table, self.recordings.may_turn()).map_err(Failure::Data)?;
+        eprintln!("{}", found.in_one_line());
+        for warning in found.warnings() {
+            eprintln!("warning: {warning}");
+        }
+        say!("{}", found.table().to_text());
+        for note in found.notes() {
+            say!("Note: {note}.");
+        }
+        say!("{}", found.recommendation());
+        if let Some(path) = &self.output {
+            let model = found.model().map_err(Failure::Data)?;
+            write_text(path, &model.to_toml(&found.remarks()))?;
+        }
+        let seconds = start.elapsed().as_secs_f64();
+        let page = || found.page(command_line());
+        self.outputs.write(&found.to_json(seconds), page)
     }
 }
 

@@ -25,7 +25,7 @@ use preslide_axis::AxisFile;
 use preslide_host::diagnose::Refusal;
 use preslide_host::identify::Options;
 use preslide_host::model::ModelError;
-use preslide_host::recording::{self, LoadOptions, Needs, Problem, Recording, RecordingError};
+use preslide_host::recording::{self, LoadOptions, Needs, Recording, RecordingError, Speeds};
 use preslide_host::report::Page;
 use preslide_host::signal::{Window, check_windows, parse_window};
 use std::path::{Path, PathBuf};
@@ -136,6 +136,24 @@ impl RecordingArgs {
         outputs::check(&inputs, own, Some(others))
     }
 
+    /// The files as one table of speed and effort without time; `None` where one of them is none.
+    pub fn load_speeds(&self) -> Result<Option<Speeds>, Failure> {
+        let options = self.reading.options(Needs::Speeds);
+        let mut tables = Vec::new();
+        for path in &self.recordings {
+            match recording::load_speeds(path, &options)? {
+                Some(table) => tables.push(table),
+                None => return Ok(None),
+            }
+        }
+        Speeds::join(tables).map(Some).map_err(Failure::Input)
+    }
+
+    /// Whether the sign of the effort may be turned.
+    pub fn may_turn(&self) -> bool {
+        self.reading.sign.is_none()
+    }
+
     /// Loads every recording and joins them into one.
     pub fn load(&self) -> Result<Recording, Failure> {
         self.reading.load(&self.recordings, Needs::Both)
@@ -145,7 +163,7 @@ impl RecordingArgs {
 /// How to read recordings.
 #[derive(Args, Clone, Debug)]
 pub struct ReadingArgs {
-    /// Read a column under the tool's name, times numbers or columns: force_N=35.15*vir
+    /// Read a column under the tool's name, or a sum of products of numbers and columns: force_N=35.15*vir, 'force_N=100*pA-80*pB'
     #[arg(long, value_name = "NAME=COLUMN", value_parser = recording::parse_map)]
     map: Vec<(String, String)>,
 
@@ -159,15 +177,19 @@ pub struct ReadingArgs {
 }
 
 impl ReadingArgs {
-    /// Loads recordings and joins them into one, telling the user what the loader noticed.
-    pub fn load(&self, paths: &[PathBuf], needs: Needs) -> Result<Recording, Failure> {
-        let options = LoadOptions {
+    fn options(&self, needs: Needs) -> LoadOptions {
+        LoadOptions {
             needs,
             map: self.map.clone(),
             sign: self.sign,
             ignore: self.ignore.clone(),
             ..LoadOptions::default()
-        };
+        }
+    }
+
+    /// Loads recordings and joins them into one, telling the user what the loader noticed.
+    pub fn load(&self, paths: &[PathBuf], needs: Needs) -> Result<Recording, Failure> {
+        let options = self.options(needs);
         let (mut recordings, mut wrong) = (Vec::new(), Vec::new());
         for path in paths {
             match recording::load(path, &options) {
@@ -182,6 +204,9 @@ impl ReadingArgs {
             eprintln!("{}", recording.in_one_line());
             for warning in &recording.warnings {
                 eprintln!("{}: warning: {warning}", recording.name);
+                if !warning.maps.is_empty() {
+                    eprintln!("Such as: {}", command_line_with(&warning.maps));
+                }
             }
         }
         let whole = Recording::join(recordings).map_err(Failure::Input)?;
@@ -216,10 +241,10 @@ pub fn thin(recording: Recording, from: usize) -> Recording {
 /// Every file's error, and the command that would read them where their names let it be guessed.
 fn all_wrong(errors: &[RecordingError]) -> String {
     let mut lines: Vec<String> = errors.iter().map(ToString::to_string).collect();
-    let maps = errors.iter().find_map(|e| match &e.problem {
-        Problem::Columns { maps, .. } if !maps.is_empty() => Some(maps.join(" ")),
-        _ => None,
-    });
+    let maps = errors.iter().map(|e| e.problem.maps());
+    let maps = maps
+        .map(|maps| maps.join(" "))
+        .find(|maps| !maps.is_empty());
     lines.extend(maps.map(|maps| format!("Such as: {} {maps}", command_line())));
     lines.join("\n")
 }
@@ -237,6 +262,11 @@ pub struct SplitArgs {
 }
 
 impl SplitArgs {
+    /// A window was asked for.
+    pub fn is_given(self) -> bool {
+        self.train.is_some() || self.test.is_some()
+    }
+
     /// The windows, once they are known to hold samples of `recording`.
     pub fn options(self, recording: &Recording) -> Result<Options, Failure> {
         let Self { train, test } = self;
@@ -326,9 +356,32 @@ fn quoted(argument: String) -> String {
     }
 }
 
+/// The command line with these maps in place of those of the same columns.
+fn command_line_with(maps: &[String]) -> String {
+    let target = |map: &str| map.split_once('=').map(|m| m.0.trim().to_owned());
+    let replaced = |map: &str| maps.iter().any(|m| target(m) == target(map));
+    let mut kept: Vec<String> = Vec::new();
+    for argument in std::env::args() {
+        let joined = argument.strip_prefix("--map=").is_some_and(replaced);
+        if kept.last().is_some_and(|last| last == "--map") && replaced(&argument) {
+            kept.pop();
+        } else if !joined {
+            kept.push(argument);
+        }
+    }
+    let maps = maps
+        .iter()
+        .flat_map(|map| ["--map".to_owned(), map.clone()]);
+    in_words(kept.into_iter().chain(maps))
+}
+
 /// The command line, for the foot of a report and for what would work.
 pub fn command_line() -> String {
-    std::env::args()
+    in_words(std::env::args())
+}
+
+fn in_words(arguments: impl Iterator<Item = String>) -> String {
+    arguments
         .enumerate()
         .map(|(i, argument)| {
             if i == 0 {

@@ -8,7 +8,7 @@ use crate::statistics::Estimate;
 use serde_json::{Value, json};
 
 /// Keys of the JSON output for a rigid body parameter.
-fn key(kind: MotionKind, name: &str) -> &'static str {
+pub(super) fn key(kind: MotionKind, name: &str) -> &'static str {
     let [linear, rotary] = match name {
         "mass" => ["mass_kg", "inertia_kg_m2"],
         "viscous" => ["viscous_N_s_per_m", "viscous_Nm_s_per_rad"],
@@ -27,6 +27,8 @@ fn key(kind: MotionKind, name: &str) -> &'static str {
         "kinetic_forward" => ["kinetic_forward_N", "kinetic_forward_Nm"],
         "kinetic_backward" => ["kinetic_backward_N", "kinetic_backward_Nm"],
         "coulomb_and_inertia" => ["coulomb_and_inertia_N", "coulomb_and_inertia_Nm"],
+        "static" => ["static_N", "static_Nm"],
+        "stribeck_velocity" => ["stribeck_velocity_m_s", "stribeck_velocity_rad_s"],
         "coulomb_and_offset" => ["coulomb_and_offset_N", "coulomb_and_offset_Nm"],
         _ => ["offset_N", "offset_Nm"],
     };

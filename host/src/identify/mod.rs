@@ -13,6 +13,7 @@ pub mod refine;
 pub mod regression;
 pub mod rigid_body;
 pub mod search;
+pub mod speed_table;
 pub mod virgin;
 pub mod weights;
 

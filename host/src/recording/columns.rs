@@ -1,33 +1,22 @@
 //! Which column is what: columns that claim the same role, and what is missing.
 
 use super::error::Problem;
+use super::expression::Term;
 use super::known::{KNOWN, Known, Slot};
 use super::names::{Names, Source};
 use super::propose::{propose, without_unit};
 use super::units::{SECOND, Unit};
-use super::words::{quantity, split};
+use super::words::{quantity, split, stamp_in_parts};
 use super::{EffortRole, MotionKind, Needs, Warning};
 use std::cmp::Ordering;
-
-/// Largest magnitude that any physical quantity has in SI; what is beyond is a broken number.
-const ABSURD: f64 = 1e15;
-
-/// The value, where it can be a measured one.
-pub(super) fn plausible(value: f64) -> Result<f64, String> {
-    if value.abs() <= ABSURD {
-        Ok(value)
-    } else {
-        Err(format!(
-            "{value:e} is beyond {ABSURD:e}, which no sensor gives"
-        ))
-    }
-}
 
 /// What to read from a file and what it means.
 #[derive(Debug)]
 pub(super) struct Plan {
     pub(super) kind: MotionKind,
     pub(super) role: EffortRole,
+    /// The file's columns, by name.
+    pub(super) names: Vec<String>,
     pub(super) sources: Vec<Source>,
     /// Columns that have no role.
     pub(super) unused: Vec<usize>,
@@ -54,7 +43,7 @@ pub(super) fn plan(names: &Names) -> Result<Plan, Problem> {
     let mut open: Vec<usize> = (0..names.columns.len())
         .filter(|i| {
             !names.ignore.contains(&names.columns[*i])
-                && !sources.iter().any(|s| s.columns.contains(i))
+                && !sources.iter().any(|s| s.columns().any(|c| c == *i))
         })
         .collect();
     let mut complaints = Vec::new();
@@ -96,7 +85,9 @@ pub(super) fn plan(names: &Names) -> Result<Plan, Problem> {
         ));
         false
     });
+    stamp(names, &mut sources, &mut open, &mut warnings);
     by_unit(names, &mut sources, &mut open, &mut warnings);
+    one_clock(&mut sources, &mut open);
 
     let (kind, role) = axis_and_role(names, &sources, &mut complaints);
     if !complaints.is_empty() {
@@ -116,10 +107,61 @@ pub(super) fn plan(names: &Names) -> Result<Plan, Problem> {
     Ok(Plan {
         kind,
         role,
+        names: names.columns.to_vec(),
         sources,
         unused: open,
         warnings,
     })
+}
+
+/// Takes the two parts of a stamp for the time, where nothing else is.
+fn stamp(
+    names: &Names,
+    sources: &mut Vec<Source>,
+    open: &mut Vec<usize>,
+    warnings: &mut Vec<Warning>,
+) {
+    let has_time = sources.iter().any(|s| s.known.slot == Slot::Time);
+    let Some((whole, part, seconds)) = stamp_in_parts(names.columns).filter(|_| !has_time) else {
+        return;
+    };
+    let known = KNOWN.iter().find(|k| k.slot == Slot::Time);
+    let (Some(known), true) = (known, [whole, part].iter().all(|i| open.contains(i))) else {
+        return;
+    };
+    let mut source = Source::new(known, whole, None);
+    source.terms.push(Term {
+        factor: seconds,
+        columns: vec![part],
+    });
+    sources.push(source);
+    open.retain(|i| ![whole, part].contains(i));
+    warnings.push(Warning::new(
+        "columns-taken",
+        format!(
+            "a stamp in two parts: {}={}+{seconds:e}*{}",
+            known.name, names.columns[whole], names.columns[part]
+        ),
+    ));
+}
+
+/// Of a time and a time step one is the clock: what was mapped, or else the time.
+fn one_clock(sources: &mut Vec<Source>, open: &mut Vec<usize>) {
+    let of = |slot: Slot| sources.iter().find(|s| s.known.slot == slot);
+    let (Some(time), Some(step)) = (of(Slot::Time), of(Slot::Step)) else {
+        return;
+    };
+    let left = match step.mapped && !time.mapped {
+        true => Slot::Time,
+        false => Slot::Step,
+    };
+    sources.retain(|s| {
+        let out = s.known.slot == left;
+        if out {
+            open.extend(s.columns());
+        }
+        !out
+    });
 }
 
 /// Takes columns whose name says the quantity and a known unit, where nothing else has the role.
@@ -136,7 +178,8 @@ fn by_unit(
             continue;
         };
         // Time without a unit is in seconds, which the warning says.
-        let bare = (slot == Slot::Time && split(name).1.is_none()).then_some(SECOND);
+        let clock = matches!(slot, Slot::Time | Slot::Step);
+        let bare = (clock && split(name).1.is_none()).then_some(SECOND);
         let Some(unit) = names.unit(i).or(bare) else {
             continue;
         };
@@ -147,7 +190,11 @@ fn by_unit(
     }
     let alone = |(_, known, _): &(usize, &'static Known, Unit)| {
         let rivals = taken.iter().filter(|t| t.1.slot == known.slot).count();
-        rivals == 1 && !sources.iter().any(|s| s.known.slot == known.slot)
+        let has_time = sources.iter().any(|s| s.known.slot == Slot::Time)
+            || taken.iter().any(|t| t.1.slot == Slot::Time);
+        rivals == 1
+            && !sources.iter().any(|s| s.known.slot == known.slot)
+            && !(known.slot == Slot::Step && has_time)
     };
     let taken: Vec<_> = taken.iter().filter(|t| alone(t)).copied().collect();
     let said: Vec<String> = taken
@@ -161,10 +208,12 @@ fn by_unit(
                 "{}={}{}",
                 known.name,
                 names.columns[*i],
-                match known.slot == Slot::Time && names.unit(*i).is_none() {
-                    true =>
+                match known.slot {
+                    _ if names.unit(*i).is_some() => "",
+                    Slot::Time =>
                         " (no unit: taken as seconds, or as the date or time of day that it is)",
-                    false => "",
+                    Slot::Step => " (no unit: taken as seconds)",
+                    _ => "",
                 }
             ),
             Unit {
@@ -200,7 +249,7 @@ fn axis_and_role(
     let motion = of(Slot::Position).or(of(Slot::Velocity));
     let needs = names.needs;
     match (needs, effort.map(|e| e.known.axis)) {
-        (Needs::Both, None) => complaints.push("no effort (`force_N`, `friction_N`, `torque_Nm`, `current_A`, `voltage_V` or `effort_raw`)".into()),
+        (Needs::Both | Needs::Speeds, None) => complaints.push("no effort (`force_N`, `friction_N`, `torque_Nm`, `current_A`, `voltage_V` or `effort_raw`)".into()),
         (Needs::Effort, None | Some(None)) => complaints.push("no force or torque (`force_N` or `torque_Nm`)".into()),
         _ => {}
     }
@@ -208,8 +257,20 @@ fn axis_and_role(
         complaints
             .push("no position (`x_m` or `q_rad`, else velocity `v_m_s` or `qd_rad_s`)".into());
     }
-    if of(Slot::Time).is_none() {
-        complaints.push("no time (`t_s`)".into());
+    if needs != Needs::Speeds && of(Slot::Time).or(of(Slot::Step)).is_none() {
+        complaints.push(match (of(Slot::Position), of(Slot::Velocity)) {
+            (None, Some(_)) => "no time (`t_s`, or the step `dt_s`; a table of speed and effort without time is for `preslide identify`)".into(),
+            _ => "no time (`t_s`, or the step `dt_s`)".into(),
+        });
+    }
+    let by_time = [Slot::Time, Slot::Step, Slot::Position]
+        .into_iter()
+        .find_map(of);
+    if let (Needs::Speeds, Some(clock)) = (needs, by_time) {
+        complaints.push(format!(
+            "no table without time, for it has `{}`",
+            clock.known.name
+        ));
     }
     let by_effort = effort.and_then(|e| e.known.axis);
     let by_motion = motion.and_then(|m| m.known.axis);
@@ -252,7 +313,7 @@ fn other_axis(
         let fits = s.known.slot == Slot::Effort || s.known.axis.is_none_or(|axis| axis == kind);
         if !fits {
             other.push(s.known.name);
-            open.extend(&s.columns);
+            open.extend(s.columns());
         }
         fits
     });
@@ -294,7 +355,7 @@ mod tests {
     fn taken(name: &str) -> Option<(&'static str, f64)> {
         let plan = plan_of(&format!("t_s,x_m,friction_N,{name}"), &[]).expect(name);
         let mut more = plan.sources.iter().skip(3);
-        more.next().map(|s| (s.known.name, s.factor))
+        more.next().map(|s| (s.known.name, s.terms[0].factor))
     }
 
     #[test]
@@ -342,7 +403,10 @@ mod tests {
             "t_s,Position [counts],force_N",
             &[("x_m", "Position[counts]*25e-9")],
         );
-        assert_eq!(plan.expect("a blank more or less").sources[0].factor, 25e-9);
+        assert_eq!(
+            plan.expect("a blank more or less").sources[0].terms[0].factor,
+            25e-9
+        );
         let plan = plan_of("Time [ms],Position (deg),torque_mNm", &[]).expect("a scope's names");
         assert_eq!(
             (plan.kind, plan.role),
@@ -406,7 +470,7 @@ mod tests {
         let products: Vec<_> = plan
             .sources
             .iter()
-            .map(|s| (s.factor, s.columns.as_slice()))
+            .map(|s| (s.terms[0].factor, s.terms[0].columns.as_slice()))
             .collect();
         assert_eq!(products, [(1.0, &[0][..]), (1e-3, &[1]), (-2.0, &[3, 2])]);
     }

@@ -8,14 +8,18 @@ use super::columns::{self, Plan};
 use super::error::Problem;
 use super::extra::Reading;
 use super::known::Slot;
-use super::labels::Labels;
+use super::labels::{self, Labels};
 use super::layout::{self, Layout, Squeezed, io_problem};
-use super::names::Names;
+use super::lost;
+use super::names::{Names, Source, plausible};
 use super::table::{Data, Location, Table};
 
-/// Reads the header and every sample below it, of a text that begins with `head` and goes on with `rest`.
-pub(super) fn read(head: &[u8], rest: impl Read, options: &LoadOptions) -> Result<Table, Problem> {
-    let layout = layout::of(head)?;
+/// Reads every sample of a text of that layout.
+pub(super) fn read(
+    layout: Layout,
+    samples: impl Read,
+    options: &LoadOptions,
+) -> Result<Table, Problem> {
     let plan = columns::plan(&Names {
         columns: &layout.names,
         units: &layout.units,
@@ -24,7 +28,6 @@ pub(super) fn read(head: &[u8], rest: impl Read, options: &LoadOptions) -> Resul
         ignore: &options.ignore,
         needs: options.needs,
     })?;
-    let samples = head.get(layout.skip..).unwrap_or_default().chain(rest);
     let table = Rows::new(plan, layout);
     // Quotes are taken off cell by cell: an unclosed one must not swallow the rest of the file.
     let mut builder = ::csv::ReaderBuilder::new();
@@ -45,6 +48,17 @@ pub(super) fn read(head: &[u8], rest: impl Read, options: &LoadOptions) -> Resul
     }
 }
 
+/// Rows without a sample after which a text that has more of them than samples is read no further.
+const MOST_BROKEN: usize = 1000;
+
+/// A row that holds no sample.
+struct Broken {
+    line: u64,
+    /// Samples before it.
+    samples: usize,
+    has_time: bool,
+}
+
 /// The samples as they come in.
 struct Rows {
     plan: Plan,
@@ -56,10 +70,8 @@ struct Rows {
     first_change: Vec<(String, usize)>,
     breaks: Vec<(usize, u64)>,
     samples: usize,
-    /// Rows that may be a footer: the first one's problem, and how many.
-    footer: Option<(u64, Problem, usize)>,
-    /// The first cell that is no number, and the lines of those after it.
-    bad: Option<(Problem, Vec<u64>)>,
+    /// What is wrong with the first row that holds no sample, and all of them.
+    broken: (Option<Problem>, Vec<Broken>),
     /// For stamps that are dates or times of day.
     clock: Clock,
 }
@@ -78,8 +90,7 @@ impl Rows {
             first_change: Vec::new(),
             breaks: Vec::new(),
             samples: 0,
-            footer: None,
-            bad: None,
+            broken: (None, Vec::new()),
             clock: Clock::default(),
             plan,
             layout,
@@ -121,9 +132,10 @@ impl Rows {
         }
         let comma = self.layout.separator != b',';
         for (k, source) in self.plan.sources.iter().enumerate() {
-            let column = source.columns.first().copied().unwrap_or(0);
+            let column = source.columns().next().unwrap_or(0);
             let refused = match &mut self.data[k] {
-                Data::Labels(labels) => label(cell(record, column), labels),
+                Data::Labels(labels) => label(cell(record, column), labels, source.mapped)
+                    .map_err(|what| (column, what)),
                 Data::Numbers(values)
                     if source.known.slot == Slot::Time
                         && let Some(seconds) = stamp(&mut self.clock, cell(record, column)) =>
@@ -131,26 +143,16 @@ impl Rows {
                     values.push(seconds);
                     Ok(())
                 }
-                Data::Numbers(values) => {
-                    let mut product = Ok(source.factor);
-                    for &column in &source.columns {
-                        product =
-                            product.and_then(|p| Ok(p * number(cell(record, column), comma)?));
-                    }
-                    product
-                        .and_then(|p| columns::plausible(p + source.offset))
-                        .map(|value| values.push(value))
-                }
+                Data::Numbers(values) => source
+                    .value(|column| number(cell(record, column), comma))
+                    .map(|value| values.push(value)),
             };
-            if let Err(what) = refused {
+            if let Err((column, what)) = refused {
                 for data in &mut self.data[..k] {
                     data.pop();
                 }
                 return Err(bad_cell(line, &self.layout.names, column, what));
             }
-        }
-        if let Some((_, problem, _)) = self.footer.take() {
-            return Err(problem);
         }
         if self.samples >= options.max_samples {
             return Err(Problem::TooManySamples {
@@ -170,12 +172,8 @@ impl Rows {
     /// The columns without a role.
     fn further(&mut self, record: &::csv::ByteRecord, line: u64, comma: bool) {
         for (reading, &column) in self.extra.iter_mut().zip(&self.plan.unused) {
-            if reading.refused.is_none() {
-                match number(cell(record, column), comma).and_then(columns::plausible) {
-                    Ok(value) => reading.values.push(value),
-                    Err(what) => reading.refuse(format!("line {line}: {what}")),
-                }
-            }
+            let value = number(cell(record, column), comma).and_then(plausible);
+            reading.push(value.map_err(|what| format!("line {line}: {what}")));
         }
         if self.samples == 0 {
             let first = |&c: &usize| (c, cell(record, c).to_vec());
@@ -192,60 +190,83 @@ impl Rows {
         });
     }
 
-    /// Keeps what is wrong with a row until it is known whether samples follow it.
+    /// Keeps what is wrong with a row until all of them are known.
     fn hold(
         &mut self,
         problem: Problem,
         record: &::csv::ByteRecord,
         line: u64,
     ) -> Result<(), Problem> {
-        let time = self
-            .plan
-            .sources
-            .iter()
-            .find(|s| s.known.slot == Slot::Time);
-        let time = time.and_then(|s| s.columns.first().copied()).unwrap_or(0);
-        let time = cell(record, time);
-        let has_time = number(time, true).is_ok() || stamp(&mut Clock::default(), time).is_some();
-        match (&problem, &mut self.footer, &mut self.bad) {
-            (Problem::TooManySamples { .. }, ..) => return Err(problem),
-            (Problem::Cell { .. }, _, Some((_, more))) if has_time => more.push(line),
-            (Problem::Cell { .. }, _, bad) if has_time => *bad = Some((problem, Vec::new())),
-            _ if has_time => return Err(problem),
-            (_, Some((_, _, rows)), _) => *rows += 1,
-            (_, footer, _) => *footer = Some((line, problem, 1)),
+        if matches!(problem, Problem::TooManySamples { .. }) {
+            return Err(problem);
         }
-        Ok(())
+        let time = self.plan.sources.iter();
+        let time = time.filter(|s| s.known.slot == Slot::Time);
+        let time = cell(record, time.flat_map(Source::columns).next().unwrap_or(0));
+        let has_time = number(time, true).is_ok() || stamp(&mut Clock::default(), time).is_some();
+        let (first, rows) = &mut self.broken;
+        rows.push(Broken {
+            line,
+            samples: self.samples,
+            has_time,
+        });
+        first.get_or_insert(problem);
+        // Nothing that follows could make a recording of it, however long it is.
+        match first.take_if(|_| rows.len() > MOST_BROKEN && rows.len() > self.samples) {
+            Some(problem) => Err(with_others(problem, rows)),
+            None => Ok(()),
+        }
     }
 
     fn finish(mut self) -> Result<Table, Problem> {
-        if let Some((mut problem, more)) = self.bad {
-            if let (Problem::Cell { what, .. }, Some(next)) = (&mut problem, more.first()) {
-                *what = format!(
-                    "{what} (and {} more such rows, the next in line {next})",
-                    more.len()
-                );
-            }
-            return Err(problem);
-        }
-        match self.footer {
+        if let (Some(problem), mut rows) = self.broken {
+            let end = rows.iter().rev();
+            let footer = end.take_while(|row| row.samples == self.samples && !row.has_time);
+            let footer = rows.split_off(rows.len() - footer.count());
             // One line in place of the samples, or more of it than of them, is no footer.
-            Some((_, problem, rows)) if rows > self.samples => return Err(problem),
-            Some((line, _, rows)) => self.plan.warnings.push(super::Warning::new(
-                "footer",
-                format!("{rows} lines from line {line} to the end hold no time and were left"),
-            )),
-            None => {}
+            if footer.len() > self.samples || lost::too_many(rows.len(), self.samples) {
+                return Err(with_others(problem, &rows));
+            }
+            if let Some(row) = footer.first() {
+                self.plan.warnings.push(super::Warning::new(
+                    "footer",
+                    format!(
+                        "{} lines from line {} to the end hold no time and were left",
+                        footer.len(),
+                        row.line
+                    ),
+                ));
+            }
+            if !rows.is_empty() {
+                let lines: Vec<u64> = rows.iter().map(|row| row.line).collect();
+                let said = lost::said("line", &lines, &problem.found());
+                self.plan.warnings.push(said);
+            }
         }
         // Labels that are no numbers show only at the end; `assemble` finishes them.
         Ok(Table {
             plan: self.plan,
             data: self.data,
             extra: self.extra,
-            place: Location::Lines(self.breaks),
+            place: Location {
+                what: "line",
+                breaks: self.breaks,
+            },
             first_change: self.first_change,
         })
     }
+}
+
+/// The problem of the first of these rows, with how many more there are.
+fn with_others(mut problem: Problem, rows: &[Broken]) -> Problem {
+    if let (Problem::Cell { what, .. }, Some(next)) = (&mut problem, rows.get(1)) {
+        *what = format!(
+            "{what} (and {} more such rows, the next in line {})",
+            rows.len() - 1,
+            next.line
+        );
+    }
+    problem
 }
 
 /// The seconds of a cell that holds a date or a time of day.
@@ -254,10 +275,17 @@ fn stamp(clock: &mut Clock, cell: &[u8]) -> Option<f64> {
     clock.seconds(text)
 }
 
-fn label(cell: &[u8], labels: &mut Labels) -> Result<(), String> {
+/// Takes the number of a part; words only where the column was `mapped`.
+fn label(cell: &[u8], labels: &mut Labels, mapped: bool) -> Result<(), String> {
     let text = String::from_utf8_lossy(cell);
     if text.is_empty() {
         return Err("the cell is empty".into());
+    }
+    if text.eq_ignore_ascii_case("nan") || !mapped && labels::whole(&text).is_none() {
+        return Err(format!(
+            "`{}` is not a whole number from 0",
+            shortened(&text)
+        ));
     }
     match labels.push(&text) {
         true => Ok(()),
@@ -337,230 +365,4 @@ fn shortened(text: &str) -> String {
         short.push('…');
     }
     short
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::{LoadOptions, Recording, RecordingError, load_csv};
-    use super::*;
-    use std::io;
-
-    fn load(text: &str) -> Result<Recording, RecordingError> {
-        load_csv(text.as_bytes(), "test.csv", &LoadOptions::default())
-    }
-    fn error(text: &str) -> RecordingError {
-        match load(text) {
-            Ok(_) => panic!("accepted: {text}"),
-            Err(error) => error,
-        }
-    }
-
-    #[test]
-    fn bad_cells_name_file_line_and_column() {
-        for (cell, reason) in [
-            ("nan", "not finite"),
-            ("NaN", "not finite"),
-            ("inf", "not finite"),
-            ("1e999", "not finite"),
-            ("", "is empty"),
-            ("abc", "not a number"),
-            ("1.2.3", "not a number"),
-            ("0x10", "not a number"),
-        ] {
-            let e = error(&format!(
-                "# remark\n\nt_s,x_m,force_N\n0,0,1\n1,{cell},1\n2,0,1\n"
-            ));
-            let text = e.to_string();
-            assert!(matches!(e.problem, Problem::Cell { .. }), "{text}");
-            for part in ["test.csv", "line 5", "`x_m`", reason] {
-                assert!(text.contains(part), "{text} lacks {part}");
-            }
-        }
-    }
-
-    #[test]
-    fn rows_of_the_wrong_length_name_the_line() {
-        let e = error("t_s,x_m,force_N\n0,0,1\n1,0\n").to_string();
-        assert!(e.contains("line 3: 2 cells where the header has 3"), "{e}");
-        let e = error("t_s,x_m,force_N\n0,0,0,1,1,5\n").to_string();
-        assert!(e.contains("decimal commas") || e.contains("cells"), "{e}");
-    }
-
-    #[test]
-    fn headers_that_are_none() {
-        assert!(matches!(
-            error("t_s,x_m,force_N\n0;0;1\n").problem,
-            Problem::Separator { .. } | Problem::Columns { .. } | Problem::Ragged { .. }
-        ));
-        assert!(matches!(
-            error("0,0,1\n1,0,1\n").problem,
-            Problem::NoHeader { line: 1, .. }
-        ));
-        for empty in ["", "\n\n", "# only a remark\n", "\u{feff}"] {
-            assert!(matches!(error(empty).problem, Problem::Empty), "{empty:?}");
-        }
-        assert!(matches!(
-            error("t_s,x_m,force_N\n").problem,
-            Problem::TooShort { samples: 0, .. }
-        ));
-        assert!(matches!(
-            error("t_s,x_m,force_N\n0,0,1\n").problem,
-            Problem::TooShort { samples: 1, .. }
-        ));
-        assert!(matches!(
-            error("t_s,x_m\0,force_N\n").problem,
-            Problem::NotText { .. }
-        ));
-    }
-
-    #[test]
-    fn what_drives_write_around_the_samples_is_read() {
-        let plain = load("t_s,x_m,force_N\n0,0,1\n1,1e-3,1\n2,0,1\n").expect("plain");
-        let utf16: Vec<u8> = "\u{feff}t_s;x_m;force_N\r\n0;0;1\r\n1;0,001;1\r\n2;0;1\r\n"
-            .encode_utf16()
-            .flat_map(u16::to_le_bytes)
-            .collect();
-        for (name, text) in [
-            (
-                "semicolons",
-                b"t_s;x_m;force_N\n0;0;1\n1;1e-3;1\n2;0;1\n".to_vec(),
-            ),
-            (
-                "decimal commas",
-                b"t_s;x_m;force_N\n0,0;0,0;1,0\n1,0;0,001;1,0\n2,0;0,0;1,0\n".to_vec(),
-            ),
-            (
-                "tabs",
-                b"t_s\tx_m\tforce_N\n0\t0\t1\n1\t1e-3\t1\n2\t0\t1\n".to_vec(),
-            ),
-            (
-                "blanks",
-                b"   t_s x_m  force_N\n 0 0 1\n 1   1e-3 1\n 2 0 1 \n".to_vec(),
-            ),
-            ("CR", b"t_s,x_m,force_N\r0,0,1\r1,1e-3,1\r2,0,1\r".to_vec()),
-            (
-                "a units row",
-                b"Time,Position,Force\nms,mm,kN\n0,0,0.001\n1000,1,0.001\n2000,0,0.001\n".to_vec(),
-            ),
-            (
-                "metadata",
-                b"Scope 4.2\nRate;1000\n\nt_s;x_m;force_N\n0;0;1\n1;1e-3;1\n2;0;1\n".to_vec(),
-            ),
-            (
-                "a footer",
-                b"t_s,x_m,force_N\n0,0,1\n1,1e-3,1\n2,0,1\nmean,1,1\nend of file\n".to_vec(),
-            ),
-            (
-                "Latin-1",
-                b"t_s,x_m,force_N,Temp_\xb0C,note\n0,0,1,3,\xe4\n1,1e-3,1,4,\xe4\n2,0,1,5,\xe4\n"
-                    .to_vec(),
-            ),
-            ("UTF-16", utf16),
-            (
-                "a remark for a header",
-                b"# t_s x_m force_N\n0 0 1\n1 1e-3 1\n2 0 1\n".to_vec(),
-            ),
-        ] {
-            let read = load_csv(text.as_slice(), name, &LoadOptions::default());
-            let read = read.unwrap_or_else(|e| panic!("{e}"));
-            assert_eq!(
-                (&read.t_s, &read.position, &read.effort),
-                (&plain.t_s, &plain.position, &plain.effort),
-                "{name}"
-            );
-            let footer = read
-                .warnings
-                .iter()
-                .any(|w| w.code == "footer" && w.message.contains("line 5"));
-            assert_eq!(footer, name == "a footer");
-        }
-    }
-
-    #[test]
-    fn all_bad_cells_are_counted_and_absurd_ones_refused() {
-        let e = error("t_s,x_m,force_N\n0,0,1\n1,nan,1\n2,0,1\n3,0,x\n4,0,1\n").to_string();
-        assert!(
-            e.contains("line 3") && e.contains("1 more") && e.contains("line 5"),
-            "{e}"
-        );
-        let e = error("t_s,x_m,force_N\n0,0,1\n1,0,1e288\n2,0,1\n").to_string();
-        assert!(
-            e.contains("line 3") && e.contains("force_N") && e.contains("no sensor"),
-            "{e}"
-        );
-        let rows: String = (0..100).map(|i| format!("{i},{},1,{i}\n", i % 7)).collect();
-        let e = error(&format!("t_s,x_m,force_N,repeat\n{rows}")).to_string();
-        assert!(e.contains("repeat") && e.contains("counts rows"), "{e}");
-        let floats =
-            load("t_s,x_m,force_N,repeat\n0,0,1,0.0\n1,1,1,1.0\n2,0,1,1.0\n").expect("1.0");
-        assert_eq!(floats.repeat, [0, 1, 1]);
-    }
-
-    #[test]
-    fn bom_crlf_quotes_spaces_and_remarks_are_accepted() {
-        let plain = load("t_s,x_m,force_N,note\n-0,0,1,a\n1,1e-3,1,b\n2,0,1,c\n").expect("plain");
-        let odd = load("\u{feff}# remark\r\n\r\n\"t_s\", \"x_m\" ,force_N,note\r\n-0, 0,1,a\r\n1,\"1e-3\",1,b\r\n2,0,1,c")
-            .expect("odd");
-        assert_eq!(
-            (&plain.t_s, &plain.position, &plain.effort),
-            (&odd.t_s, &odd.position, &odd.effort)
-        );
-        assert!(plain.t_s.first().is_some_and(|t| t.is_sign_positive()));
-        let notes: Vec<_> = odd
-            .warnings
-            .iter()
-            .filter(|w| w.code == "unused-columns")
-            .collect();
-        assert_eq!(notes.len(), 1);
-        assert!(notes.iter().all(|w| w.message.contains("note")));
-    }
-
-    /// Rows without end, made on the fly.
-    struct Endless {
-        row: u64,
-        buffer: Vec<u8>,
-    }
-    impl Read for Endless {
-        fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
-            if self.buffer.is_empty() {
-                self.buffer = format!("{},{},1\n", self.row, self.row % 7).into_bytes();
-                self.row += 1;
-            }
-            let n = out.len().min(self.buffer.len());
-            out[..n].copy_from_slice(&self.buffer[..n]);
-            self.buffer.drain(..n);
-            Ok(n)
-        }
-    }
-
-    #[test]
-    fn a_stream_without_end_is_refused_at_the_sample_limit() {
-        let options = LoadOptions {
-            max_samples: 50_000,
-            ..LoadOptions::default()
-        };
-        let input = (&b"t_s,x_m,force_N\n"[..]).chain(Endless {
-            row: 0,
-            buffer: Vec::new(),
-        });
-        let e = load_csv(input, "endless.csv", &options).expect_err("endless");
-        assert!(
-            matches!(e.problem, Problem::TooManySamples { limit: 50_000, .. }),
-            "{e}"
-        );
-        assert!(e.to_string().contains("line 50002"), "{e}");
-    }
-
-    #[test]
-    fn a_line_without_end_is_refused_before_it_fills_memory() {
-        for head in ["", "t_s,x_m,force_N\n", "t_s,x_m,force_N\n0,0,\"1\n"] {
-            let e = load_csv(
-                head.as_bytes().chain(io::repeat(b'1')),
-                "long.csv",
-                &LoadOptions::default(),
-            );
-            let e = e.expect_err("endless line").to_string();
-            assert!(e.contains("64 KiB") || e.contains("not a number"), "{e}");
-        }
-    }
 }

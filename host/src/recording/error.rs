@@ -52,13 +52,18 @@ pub enum Problem {
     },
     /// The first line holds numbers.
     #[error(
-        "line {line}: `{first}` is a number where the header should be; put the column names with their SI units in front, such as `t_s,x_m,force_N`"
+        "line {line}: `{first}` is a number where the header should be; put the column names with their SI units in front, such as `t_s,x_m,force_N`{}",
+        by_place(*columns, maps)
     )]
     NoHeader {
         /// Line of the file, from 1.
         line: u64,
         /// The first cell.
         first: String,
+        /// How many columns there are.
+        columns: usize,
+        /// The options that would read the file, if its numbers are what they look like.
+        maps: Vec<String>,
     },
     /// Not separated by commas.
     #[error(
@@ -193,6 +198,44 @@ pub enum Problem {
         /// Last time stamp (s).
         end: f64,
     },
+}
+
+impl Problem {
+    /// Place and reason without the remedy.
+    pub(super) fn found(&self) -> String {
+        match self {
+            Problem::Cell { at, column, what } => format!("{at}, column `{column}`: {what}"),
+            Problem::Ragged {
+                line,
+                cells,
+                columns,
+                ..
+            } => format!("line {line}: {cells} cells where the header has {columns}"),
+            other => other.to_string(),
+        }
+    }
+
+    /// The options of the command that would read the file, as far as that is known.
+    pub fn maps(&self) -> &[String] {
+        match self {
+            Problem::Columns { maps, .. } | Problem::NoHeader { maps, .. } => maps,
+            _ => &[],
+        }
+    }
+}
+
+fn by_place(columns: usize, maps: &[String]) -> String {
+    let like = match maps {
+        [] => "NAME=column1".to_owned(),
+        maps => format!(
+            "what their numbers look like, if the units are right, {}",
+            maps.join(" ")
+        ),
+    };
+    match columns {
+        0 => String::new(),
+        n => format!(", or map column1 to column{n}: {like}"),
+    }
 }
 
 fn proposal(maps: &[String]) -> String {

@@ -1,7 +1,10 @@
 //! Numeric columns beyond those that a recording needs: what else the effort may follow.
 
 use super::units::Dimension;
-use super::{MotionKind, Warning, words};
+use super::{MotionKind, Warning, lost, words};
+
+/// Cells that are no number after which a column that has more of them than numbers is one of words.
+const WORDS: usize = 64;
 
 /// A further column of the file, as it is written there: no unit is changed.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,7 +45,9 @@ impl Extra {
 pub(super) struct Reading {
     pub(super) name: String,
     pub(super) values: Vec<f64>,
-    /// The first thing in it that is no number, with its place.
+    /// Samples that hold no number: the first, with its place, for messages, and all of them.
+    broken: (String, Vec<usize>),
+    /// Why it is none.
     pub(super) refused: Option<String>,
 }
 
@@ -51,8 +56,56 @@ impl Reading {
         Self {
             name: name.to_owned(),
             values: Vec::new(),
+            broken: (String::new(), Vec::new()),
             refused: None,
         }
+    }
+
+    /// Takes the next value; or what stands there instead, with its place.
+    pub(super) fn push(&mut self, value: Result<f64, String>) {
+        let why = match value {
+            _ if self.refused.is_some() => return,
+            Ok(value) => return self.values.push(value),
+            Err(why) => why,
+        };
+        let (first, places) = &mut self.broken;
+        if places.is_empty() {
+            *first = why;
+        }
+        places.push(self.values.len());
+        self.values.push(f64::NAN);
+        // Words throughout need not be counted to the end.
+        if places.len() > WORDS && 2 * places.len() > self.values.len() {
+            self.end();
+        }
+    }
+
+    /// Holds what is lost from the value before, where that is little, which is said; or else refuses the column.
+    fn end(&mut self) -> Option<String> {
+        let (first, places) = std::mem::take(&mut self.broken);
+        if places.is_empty() || self.refused.is_some() {
+            return None;
+        }
+        if lost::too_many(places.len(), self.values.len() - places.len()) {
+            self.refuse(first);
+            return None;
+        }
+        lost::hold(&mut self.values, &places);
+        let others = match places.len() - 1 {
+            0 => String::new(),
+            n => format!(" and {n} more"),
+        };
+        Some(format!("{} ({first}{others})", self.name))
+    }
+
+    /// Leaves out samples, ascending.
+    pub(super) fn leave_out(&mut self, samples: &[usize]) {
+        let out = |i: usize| samples.binary_search(&i).is_ok();
+        let mut at = 0..;
+        self.values.retain(|_| at.next().is_none_or(|i| !out(i)));
+        let before = |i: usize| samples.partition_point(|&s| s < i);
+        self.broken.1.retain(|&i| !out(i));
+        self.broken.1.iter_mut().for_each(|i| *i -= before(*i));
     }
 
     /// Ends the reading of a column that holds something else than numbers.
@@ -68,13 +121,15 @@ pub(super) type Sorted = (Vec<Extra>, Vec<(String, f64)>);
 /// Keeps the columns of `samples` finite numbers; says in one line which are kept and which are not.
 pub(super) fn sort(readings: Vec<Reading>, samples: usize, warnings: &mut Vec<Warning>) -> Sorted {
     let (mut extra, mut constant) = (Vec::new(), Vec::new());
-    let mut left = Vec::new();
-    for Reading {
-        name,
-        values,
-        refused,
-    } in readings
-    {
+    let (mut left, mut held) = (Vec::new(), Vec::new());
+    for mut reading in readings {
+        held.extend(reading.end());
+        let Reading {
+            name,
+            values,
+            refused,
+            ..
+        } = reading;
         match (refused, values.first()) {
             (Some(why), _) => left.push(format!("{name} ({why})")),
             (None, Some(&first)) if values.len() == samples => {
@@ -95,6 +150,15 @@ pub(super) fn sort(readings: Vec<Reading>, samples: usize, warnings: &mut Vec<Wa
             format!(
                 "kept for what the effort may follow: {}; --ignore NAME leaves one out",
                 names.join(", ")
+            ),
+        ));
+    }
+    if !held.is_empty() {
+        warnings.push(Warning::new(
+            "held-values",
+            format!(
+                "no number, so the value before is taken: {}",
+                held.join(", ")
             ),
         ));
     }

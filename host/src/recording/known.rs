@@ -7,6 +7,8 @@ use super::{EffortRole, MotionKind};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Slot {
     Time,
+    /// Time since the sample before.
+    Step,
     Position,
     Reference,
     Velocity,
@@ -22,6 +24,7 @@ impl Slot {
     pub(super) fn words(self) -> &'static str {
         match self {
             Slot::Time => "time",
+            Slot::Step => "time step",
             Slot::Position => "position",
             Slot::Reference => "reference position",
             Slot::Velocity => "velocity",
@@ -83,8 +86,9 @@ impl Known {
 
 /// The format's column names (design, "Recording").
 #[rustfmt::skip]
-pub(super) const KNOWN: [Known; 19] = [
+pub(super) const KNOWN: [Known; 20] = [
     known("t_s", Slot::Time, None, None, Some(Dimension::Time)),
+    known("dt_s", Slot::Step, None, None, Some(Dimension::Time)),
     known("x_m", Slot::Position, LINEAR, None, Some(Dimension::Length)),
     known("q_rad", Slot::Position, ROTARY, None, Some(Dimension::Angle)),
     known("x_ref_m", Slot::Reference, LINEAR, None, Some(Dimension::Length)),

@@ -22,7 +22,7 @@ const FEWEST_ROWS: usize = 60;
 const PART_ROWS: usize = 4;
 
 /// A whole number from 0, as `3`, `3.0` or `3e0`.
-fn whole(text: &str) -> Option<u32> {
+pub(super) fn whole(text: &str) -> Option<u32> {
     let value = || {
         let value: f64 = text.parse().ok()?;
         (value.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&value))

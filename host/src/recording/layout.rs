@@ -127,6 +127,8 @@ pub(super) struct Layout {
     pub(super) skip: usize,
     /// Line of the first sample, from 1.
     pub(super) first_line: u64,
+    /// Nothing names the columns.
+    pub(super) headless: bool,
 }
 
 pub(super) struct Line {
@@ -250,7 +252,7 @@ fn likeness(lines: &[Line], separator: u8) -> (f64, usize) {
 /// Tells the layout from the head of the text.
 ///
 /// # Errors
-/// No text, no header.
+/// No text.
 pub(super) fn of(head: &[u8]) -> Result<Layout, Problem> {
     let all = lines(head);
     let is_remark = |l: &&Line| l.text.trim_start().starts_with(['#', '%']);
@@ -326,9 +328,10 @@ pub(super) fn of(head: &[u8]) -> Result<Layout, Problem> {
         {
             Ok(layout(separator, first, None, first.end, first.number + 1))
         }
-        None => Err(Problem::NoHeader {
-            line: data.number,
-            first: cells(&data.text, separator).swap_remove(0),
+        None => Ok(Layout {
+            names: Vec::new(),
+            headless: true,
+            ..layout(separator, data, None, data.start, data.number)
         }),
     }
 }
@@ -340,6 +343,7 @@ fn layout(separator: u8, names: &Line, units: Option<&Line>, skip: usize, line: 
         units: units.map_or_else(Vec::new, |l| cells(&l.text, separator)),
         skip,
         first_line: line,
+        headless: false,
     }
 }
 

@@ -15,13 +15,17 @@ mod drive_off;
 mod dropouts;
 mod error;
 mod even;
+mod expression;
 mod extra;
 mod formats;
 mod frame;
+mod headless;
 mod join;
+mod json;
 mod known;
 mod labels;
 mod layout;
+mod lost;
 mod mat;
 mod names;
 mod propose;
@@ -30,6 +34,7 @@ mod repair;
 mod samples;
 mod segments;
 mod simulated;
+mod speeds;
 mod summary;
 mod table;
 #[cfg(test)]
@@ -52,6 +57,7 @@ use frame::Frame;
 pub use join::{DROPPED, FLIPPED_ALIKE, RATES};
 use known::Slot;
 pub use simulated::Simulated;
+pub use speeds::{Speeds, load_speeds};
 use table::{Data, Table};
 
 /// Motion along a line or about an axis.
@@ -135,6 +141,8 @@ pub struct Warning {
     pub code: &'static str,
     /// What was found, with figures and the place in the file.
     pub message: String,
+    /// The options of the command that would put it right, where one would.
+    pub maps: Vec<String>,
 }
 
 impl Warning {
@@ -142,6 +150,7 @@ impl Warning {
         Warning {
             code,
             message: message.into(),
+            maps: Vec::new(),
         }
     }
 }
@@ -203,6 +212,8 @@ pub struct Recording {
     /// Further columns that stay at one value, by name: in a joined recording they may be part of one that varies.
     constant_extra: Vec<(String, f64)>,
     sample_time_s: f64,
+    /// What the position goes in steps of (m or rad), where it does.
+    count: Option<f64>,
 }
 
 impl Recording {
@@ -262,6 +273,8 @@ pub enum Needs {
     /// An effort that is a force or a torque; where no column gives the motion, [`Recording::position`] is empty.
     /// Nothing is said about the motion and no sign is looked for.
     Effort,
+    /// Velocity and effort, without time.
+    Speeds,
 }
 
 /// How to read a file.
@@ -316,17 +329,22 @@ pub fn parse_map(argument: &str) -> Result<(String, String), String> {
 /// [`RecordingError`] names the file as given, the place, the reason and the remedy.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Recording, RecordingError> {
     let name = path.display().to_string();
-    let fail = |problem| RecordingError {
-        file: name.clone(),
-        problem,
-    };
-    let mut file = File::open(path).map_err(|e| fail(e.into()))?;
-    let bytes = file.metadata().map_err(|e| fail(e.into()))?.len();
+    table(path, options)
+        .and_then(|table| assemble(table, &name, options))
+        .map_err(|problem| RecordingError {
+            file: name,
+            problem,
+        })
+}
+
+/// The columns of a file that the options ask for.
+fn table(path: &Path, options: &LoadOptions) -> Result<Table, Problem> {
+    let mut file = File::open(path)?;
+    let bytes = file.metadata()?.len();
     let mut start = Vec::new();
     file.by_ref()
         .take(formats::MAGIC_BYTES)
-        .read_to_end(&mut start)
-        .map_err(|e| fail(e.into()))?;
+        .read_to_end(&mut start)?;
     let format = formats::of(&start);
     let is_mat = mat::is_mat(&start)
         || path
@@ -338,26 +356,23 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Recording, RecordingEr
         options.max_bytes
     };
     if bytes > limit {
-        return Err(fail(Problem::TooLarge { bytes, limit }));
+        return Err(Problem::TooLarge { bytes, limit });
     }
     if let Some(format) = format {
-        file.rewind().map_err(|e| fail(e.into()))?;
+        file.rewind()?;
         let input = formats::Input {
             path,
             file,
             start: &start,
             budget: options.max_bytes,
         };
-        return formats::variables(format, input)
-            .and_then(|found| variables::table(&found, options))
-            .and_then(|table| assemble(table, &name, options))
-            .map_err(fail);
+        let found = formats::variables(format, input)?;
+        return variables::table(&found, options);
     }
     let input = start.as_slice().chain(file);
-    if is_mat {
-        load_mat(input, &name, options)
-    } else {
-        load_csv(input, &name, options)
+    match is_mat {
+        true => mat_table(input, options),
+        false => text_table(input, options),
     }
 }
 
@@ -379,13 +394,35 @@ pub fn load_csv(
 }
 
 /// The table of a text file, by what its beginning tells.
-fn text_table(input: impl Read, options: &LoadOptions) -> Result<Table, Problem> {
+fn text_table(mut input: impl Read, options: &LoadOptions) -> Result<Table, Problem> {
+    let mut start = Vec::new();
+    input
+        .by_ref()
+        .take(formats::MAGIC_BYTES)
+        .read_to_end(&mut start)?;
+    let input = start.as_slice().chain(input);
+    if json::is_json(&start) {
+        // Its values take several times the room of the text.
+        return match json::read(input, options.max_bytes / 8)? {
+            json::Content::Lines(layout, rows) => csv::read(layout, rows.as_bytes(), options),
+            json::Content::Columns(found) => variables::table(&found, options),
+        };
+    }
     let mut rest = layout::text(input);
     let head = layout::head(&mut rest)?;
-    match twincat::is_export(&head) {
-        true => twincat::read(&head, rest, options),
-        false => csv::read(&head, rest, options),
+    if twincat::is_export(&head) {
+        return twincat::read(&head, rest, options);
     }
+    let mut layout = layout::of(&head)?;
+    let samples = head.get(layout.skip..).unwrap_or_default();
+    let unnamed = match layout.headless {
+        true => headless::name(&mut layout, samples),
+        false => None,
+    };
+    csv::read(layout, samples.chain(rest), options).map_err(|problem| match (problem, unnamed) {
+        (Problem::Columns { .. }, Some(unnamed)) => unnamed,
+        (problem, _) => problem,
+    })
 }
 
 /// Reads a MATLAB v5 file from any stream; `name` stands in messages.
@@ -397,20 +434,26 @@ pub fn load_mat(
     name: &str,
     options: &LoadOptions,
 ) -> Result<Recording, RecordingError> {
-    let limit = options.max_bytes / 2;
-    let mut bytes = Vec::new();
-    let read = input.take(limit.saturating_add(1)).read_to_end(&mut bytes);
-    read.map_err(Problem::Io)
-        .and_then(|n| match n as u64 {
-            n if n > limit => Err(Problem::TooLarge { bytes: n, limit }),
-            _ => mat::variables(&bytes, options),
-        })
-        .and_then(|found| variables::table(&found, options))
+    mat_table(input, options)
         .and_then(|table| assemble(table, name, options))
         .map_err(|problem| RecordingError {
             file: name.into(),
             problem,
         })
+}
+
+fn mat_table(input: impl Read, options: &LoadOptions) -> Result<Table, Problem> {
+    let limit = options.max_bytes / 2;
+    let mut bytes = Vec::new();
+    let read = input
+        .take(limit.saturating_add(1))
+        .read_to_end(&mut bytes)?;
+    if read as u64 > limit {
+        let bytes = read as u64;
+        return Err(Problem::TooLarge { bytes, limit });
+    }
+    let found = mat::variables(&bytes, options)?;
+    variables::table(&found, options)
 }
 
 /// Turns a table into a recording: time, repairs, even samples, parts of the motion, sign, warnings.
@@ -422,6 +465,7 @@ fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recor
     let (mut frame, mut constant_extra) = frame_of(&mut table, &mut warnings)?;
     let (kind, role) = (table.plan.kind, table.plan.role);
     repair::repair(&mut frame, (kind, role), &table, &mut warnings);
+    let count = frame.column(Slot::Position).and_then(|x| summary::count(x));
     extra::move_constant((&mut frame.extra, &mut constant_extra));
     even::resample(&mut frame, &mut warnings);
     let samples = frame.t_s.len();
@@ -498,11 +542,12 @@ fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recor
         warnings,
         constant_extra,
         sample_time_s: timing::sample_time(&frame.t_s, &frame.pieces),
+        count,
         extra: frame.extra,
         pieces: frame.pieces,
         t_s: frame.t_s,
     };
-    let asked = recording.implausible();
+    let asked = recording.implausible(&table.plan);
     recording.warnings.extend(asked);
     Ok(recording)
 }
@@ -543,13 +588,17 @@ fn frame_of(
             }
         }
     }
-    let mut t_s = frame.take(Slot::Time).unwrap_or_default();
+    let mut t_s = match frame.take(Slot::Step) {
+        Some(steps) => timing::of_steps(steps, warnings),
+        None => frame.take(Slot::Time).unwrap_or_default(),
+    };
     let samples = t_s.len();
     let further = std::mem::take(&mut table.extra);
     let (extra, constant) = extra::sort(further, samples, warnings);
     if samples < 2 {
         return Err(Problem::TooShort { samples, needed: 2 });
     }
+    timing::unwrap(&mut t_s, table, warnings);
     even::regularise(&mut t_s, warnings);
     let number = |i: usize, slot: Slot| {
         let column = frame.parts.iter().find(|c| c.0 == slot);

@@ -1,32 +1,73 @@
 //! A file's column names, and the columns that `--map` makes of them.
 
 use super::error::Problem;
-use super::known::{KNOWN, Known};
+use super::expression::{self, Factor, Term};
+use super::known::{KNOWN, Known, Slot};
 use super::units::{self, Unit};
 use super::words::{quantity, split};
 use super::{Needs, Warning};
 
-/// A column of the recording: the product of a number and columns of the file, and an offset.
+/// A column of the recording: a sum of products of numbers and columns of the file.
 #[derive(Debug)]
 pub(super) struct Source {
     pub(super) known: &'static Known,
-    pub(super) factor: f64,
+    /// None where `--map` gives a number alone.
+    pub(super) terms: Vec<Term>,
     pub(super) offset: f64,
-    /// Indices of the file's columns; at least one.
-    pub(super) columns: Vec<usize>,
     /// Chosen by `--map`; then text labels are accepted for segments and repeats.
     pub(super) mapped: bool,
 }
 
 impl Source {
     pub(super) fn new(known: &'static Known, column: usize, unit: Option<Unit>) -> Self {
+        let factor = unit.map_or(1.0, |u| u.factor);
         Self {
             known,
-            factor: unit.map_or(1.0, |u| u.factor),
+            terms: vec![Term {
+                factor,
+                columns: vec![column],
+            }],
             offset: unit.map_or(0.0, |u| u.offset),
-            columns: vec![column],
             mapped: false,
         }
+    }
+
+    /// Indices of the file's columns that it is made of.
+    pub(super) fn columns(&self) -> impl Iterator<Item = usize> {
+        self.terms.iter().flat_map(|t| t.columns.iter().copied())
+    }
+
+    /// Its value, of those of the columns; or the column that has none, and why.
+    pub(super) fn value(
+        &self,
+        mut read: impl FnMut(usize) -> Result<f64, String>,
+    ) -> Result<f64, (usize, String)> {
+        let mut sum = self.offset;
+        for term in &self.terms {
+            let mut product = term.factor;
+            for &column in &term.columns {
+                product *= read(column).map_err(|what| (column, what))?;
+            }
+            sum += product;
+        }
+        let first = self.columns().next().unwrap_or(0);
+        plausible(sum).map_err(|what| (first, what))
+    }
+}
+
+/// Largest magnitude that any physical quantity has in SI; what is beyond is a broken number.
+const ABSURD: f64 = 1e15;
+
+/// The value, where it can be a measured one.
+pub(super) fn plausible(value: f64) -> Result<f64, String> {
+    if value.abs() <= ABSURD {
+        Ok(value)
+    } else if !value.is_finite() {
+        Err(format!("`{value}` is not finite"))
+    } else {
+        Err(format!(
+            "{value:e} is beyond {ABSURD:e}, which no sensor gives"
+        ))
     }
 }
 
@@ -43,8 +84,29 @@ pub(super) struct Names<'a> {
 }
 
 impl Names<'_> {
-    /// Reads `35.1507*vir` or `position[mm]` as a number, an offset and columns. A column may itself be called `a*b`.
-    fn product(
+    /// The column of that name; `Position[counts]` for `Position [counts]` and `pA` for `pA [bar]`, where only one is called so.
+    fn find(&self, name: &str) -> Option<usize> {
+        if name.is_empty() {
+            return None;
+        }
+        let only = |is: &dyn Fn(&str) -> bool| {
+            let mut alike = (0..self.columns.len()).filter(|&i| is(&self.columns[i]));
+            alike.next().filter(|_| alike.next().is_none())
+        };
+        let tight = |name: &str| name.replace(' ', "");
+        let wanted = tight(name);
+        let stem = |column: &str| {
+            let stem = column.split_once(['[', '(']);
+            stem.is_some_and(|(stem, _)| stem.trim() == name)
+        };
+        let exact = self.columns.iter().position(|c| c == name);
+        exact
+            .or_else(|| only(&|column| tight(column) == wanted))
+            .or_else(|| only(&stem))
+    }
+
+    /// Reads `35.1507*vir`, `100*pA-80*pB` or `position[mm]`. A column may itself be called `a*b`.
+    fn sum(
         &self,
         known: &'static Known,
         map: &str,
@@ -55,70 +117,47 @@ impl Names<'_> {
             map: map.into(),
             reason,
         };
-        let find = |name: &str| {
-            let exact = self.columns.iter().position(|c| c == name);
-            // `Position[counts]` for `Position [counts]`, where only one is called so.
-            let tight = |name: &str| name.replace(' ', "");
-            let wanted = tight(name);
-            let mut alike = (0..self.columns.len()).filter(|&i| tight(&self.columns[i]) == wanted);
-            exact.or_else(|| alike.next().filter(|_| alike.next().is_none()))
-        };
-        let text = text.trim();
+        let products = expression::products(text, |name| self.find(name)).map_err(|part| {
+            fail(format!(
+                "there is no column `{part}`; the file has {}",
+                self.columns.join(", ")
+            ))
+        })?;
         let mut source = Source {
             known,
-            factor: 1.0,
+            terms: Vec::new(),
             offset: 0.0,
-            columns: Vec::new(),
             mapped: true,
         };
-        let mut unscaled = None;
-        if let Some(i) = find(text) {
-            source.columns.push(i);
-            warnings.extend(self.in_its_unit(&mut source, i));
-            return Ok(source);
-        }
-        for part in text.split('*').map(str::trim) {
-            let bracket = part.strip_suffix(']').and_then(|p| p.rsplit_once('['));
-            if let Some(i) = find(part) {
-                source.columns.push(i);
-            } else if let Some(number) = part.parse::<f64>().ok().filter(|n| n.is_finite()) {
-                source.factor *= number;
-            } else if let Some((i, unit)) =
-                bracket.and_then(|(name, unit)| Some((find(name.trim())?, unit)))
-            {
-                source.columns.push(i);
-                match units::unit(unit) {
-                    Some(u) if Some(u.dimension) == known.dimension => {
-                        source.factor *= u.factor;
-                        source.offset = u.offset;
-                    }
-                    None if units::is_unscaled(unit) => unscaled = Some(part),
-                    _ => {
-                        return Err(fail(format!(
-                            "`{unit}` is no unit of `{}`; give the unit that the column is in, or a factor",
-                            known.name
-                        )));
-                    }
-                }
-            } else {
-                return Err(fail(format!(
-                    "there is no column `{part}`; the file has {}",
-                    self.columns.join(", ")
-                )));
+        for (sign, factors) in products {
+            if let [Factor::Column(column, None)] = factors.as_slice() {
+                let (unit, said) = self.in_its_unit(known, *column);
+                warnings.extend(said);
+                source.offset += sign * unit.map_or(0.0, |u| u.offset);
+                source.terms.push(Term {
+                    factor: sign * unit.map_or(1.0, |u| u.factor),
+                    columns: vec![*column],
+                });
+                continue;
+            }
+            let (term, offset) = product(known, sign, &factors).map_err(fail)?;
+            source.offset += offset;
+            match term.columns.is_empty() {
+                true => source.offset += term.factor,
+                false => source.terms.push(term),
             }
         }
-        if source.columns.is_empty() {
+        let is_step = known.slot == Slot::Step;
+        if source.terms.is_empty() && !is_step {
             return Err(fail(
                 "names no column; write COLUMN or FACTOR*COLUMN to the right of `=`".into(),
             ));
         }
-        if let Some(part) = unscaled.filter(|_| known.dimension.is_some() && source.factor == 1.0) {
-            return Err(fail(format!(
-                "what one unit of `{part}` is worth is not said; give it as a factor: {}=FACTOR*{part}",
-                known.name
-            )));
+        if source.terms.is_empty() && source.offset <= 0.0 {
+            return Err(fail("a time step is above 0 s".into()));
         }
-        if known.slot.is_label() && (source.columns.len() > 1 || source.factor != 1.0) {
+        let plain = matches!(source.terms.as_slice(), [Term { factor: 1.0, columns }] if columns.len() == 1);
+        if known.slot.is_label() && !(plain && source.offset == 0.0) {
             return Err(fail(
                 "segments and repeats are numbers of parts; map one column without a factor".into(),
             ));
@@ -126,19 +165,20 @@ impl Names<'_> {
         Ok(source)
     }
 
-    /// Turns a column that is mapped without a factor into SI by the unit that its name or the row of units gives, and says so.
-    fn in_its_unit(&self, source: &mut Source, column: usize) -> Option<Warning> {
-        let wanted = source.known.dimension?;
-        let (target, name) = (source.known.name, &self.columns[column]);
+    /// The known unit of a column that is mapped without a factor, by its name or the row of units, and what is to be said of it.
+    fn in_its_unit(&self, known: &Known, column: usize) -> (Option<Unit>, Option<Warning>) {
+        let (target, name) = (known.name, &self.columns[column]);
         let given = self.units.get(column).map(String::as_str);
         let given = given
             .filter(|u| units::is_unit(u))
-            .or_else(|| split(name).1.filter(|u| units::is_unit(u)))?;
+            .or_else(|| split(name).1.filter(|u| units::is_unit(u)));
+        let (Some(wanted), Some(given)) = (known.dimension, given) else {
+            return (None, None);
+        };
         match units::unit(given) {
             Some(unit) if unit.dimension == wanted => {
-                (source.factor, source.offset) = (unit.factor, unit.offset);
                 let plain = unit.factor == 1.0 && unit.offset == 0.0;
-                (!plain).then(|| {
+                let said = (!plain).then(|| {
                     Warning::new(
                         "unit-applied",
                         format!(
@@ -150,14 +190,18 @@ impl Names<'_> {
                             }
                         ),
                     )
-                })
+                });
+                (Some(unit), said)
             }
-            _ => Some(Warning::new(
-                "unit-of-another-kind",
-                format!(
-                    "`{name}` is in {given}, which is no unit of {target}: its numbers are taken as they are; if one of them is worth something else, give --map '{target}=FACTOR*{name}'"
-                ),
-            )),
+            _ => (
+                None,
+                Some(Warning::new(
+                    "unit-of-another-kind",
+                    format!(
+                        "`{name}` is in {given}, which is no unit of {target}: its numbers are taken as they are; if one of them is worth something else, give --map '{target}=FACTOR*{name}'"
+                    ),
+                )),
+            ),
         }
     }
 
@@ -183,7 +227,7 @@ impl Names<'_> {
                     other.known.name
                 )));
             }
-            sources.push(self.product(known, &text, expression, warnings)?);
+            sources.push(self.sum(known, &text, expression, warnings)?);
         }
         Ok(sources)
     }
@@ -192,5 +236,43 @@ impl Names<'_> {
     pub(super) fn unit(&self, column: usize) -> Option<Unit> {
         let of_row = self.units.get(column).and_then(|u| units::unit(u));
         of_row.or_else(|| quantity(self.columns.get(column)?).unit)
+    }
+}
+
+/// The product of the factors, and what its unit adds.
+fn product(known: &Known, sign: f64, factors: &[Factor]) -> Result<(Term, f64), String> {
+    let mut term = Term {
+        factor: sign,
+        columns: Vec::new(),
+    };
+    let (mut offset, mut unscaled) = (0.0, None);
+    for factor in factors {
+        match *factor {
+            Factor::Number(number) => term.factor *= number,
+            Factor::Column(column, None) => term.columns.push(column),
+            Factor::Column(column, Some((unit, part))) => {
+                term.columns.push(column);
+                match units::unit(unit) {
+                    Some(u) if Some(u.dimension) == known.dimension => {
+                        term.factor *= u.factor;
+                        offset = u.offset;
+                    }
+                    None if units::is_unscaled(unit) => unscaled = Some(part),
+                    _ => {
+                        return Err(format!(
+                            "`{unit}` is no unit of `{}`; give the unit that the column is in, or a factor",
+                            known.name
+                        ));
+                    }
+                }
+            }
+        }
+    }
+    match unscaled.filter(|_| known.dimension.is_some() && term.factor == sign) {
+        Some(part) => Err(format!(
+            "what one unit of `{part}` is worth is not said; give it as a factor: {}=FACTOR*{part}",
+            known.name
+        )),
+        None => Ok((term, offset)),
     }
 }

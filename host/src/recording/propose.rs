@@ -30,6 +30,7 @@ fn wanted(needs: Needs) -> &'static [Slot] {
         Needs::Both => &[Slot::Time, Slot::Position, Slot::Effort],
         Needs::Motion => &[Slot::Time, Slot::Position],
         Needs::Effort => &[Slot::Time, Slot::Effort],
+        Needs::Speeds => &[Slot::Velocity, Slot::Effort],
     }
 }
 
@@ -66,10 +67,25 @@ pub(super) fn propose(names: &Names, sources: &[Source], open: &[usize]) -> Vec<
     let mut maps = Vec::new();
     for &slot in wanted(names.needs) {
         let has = |slot: Slot| sources.iter().any(|s| s.known.slot == slot);
-        if has(slot) || (slot == Slot::Position && has(Slot::Velocity)) {
+        let instead = match slot {
+            Slot::Position => Some(Slot::Velocity),
+            Slot::Time => Some(Slot::Step),
+            _ => None,
+        };
+        if has(slot) || instead.is_some_and(has) {
             continue;
         }
         let found = best(slot);
+        if slot == Slot::Time && found.is_none() {
+            // Without a position it may be a table of speeds, which needs none.
+            let is_table = has(Slot::Velocity) && !has(Slot::Position);
+            maps.extend((!is_table).then(|| "--map dt_s=SECONDS".to_owned()));
+            continue;
+        }
+        if let (Slot::Effort, None, Some(sum)) = (slot, found, of_pressures(names, open)) {
+            maps.push(format!("--map {}", quoted(&sum)));
+            continue;
+        }
         let target = target(names, slot, found, rotary);
         let scale = found.map_or("", |i| scale(names, target, i));
         let column = found.map_or("COLUMN", |i| names.columns[i].as_str());
@@ -81,19 +97,41 @@ pub(super) fn propose(names: &Names, sources: &[Source], open: &[usize]) -> Vec<
     maps
 }
 
-/// What is in a unit of the target needs no factor, nor does a bare name, whose unit its reader knows.
+/// A cylinder's force, of the pressures on both of its sides.
+fn of_pressures(names: &Names, open: &[usize]) -> Option<String> {
+    let pressure = |i: &&usize| {
+        let unit = names.unit(**i);
+        unit.is_some_and(|u| u.dimension == Dimension::Pressure)
+    };
+    match open.iter().filter(pressure).collect::<Vec<_>>()[..] {
+        [&a, &b] => Some(format!(
+            "force_N=AREA*{}-AREA*{}",
+            names.columns[a], names.columns[b]
+        )),
+        _ => None,
+    }
+}
+
+/// What is in a unit of the target needs no factor, for it is converted; nor does a name that ends in the quantity, whose unit its reader knows.
 fn scale(names: &Names, target: &Known, column: usize) -> &'static str {
     let name = &names.columns[column];
-    let bare = quantity(name).slot.is_some() && split(name).1.is_none();
+    let words = name.split(|c: char| !c.is_alphabetic());
+    let last = words.filter(|w| !w.is_empty()).next_back();
+    let is_word = last.is_some_and(|w| quantity(w).slot.is_some());
+    let bare = split(name).1.is_none() && (is_word || quantity(name).slot.is_some());
     match names.unit(column) {
         _ if target.dimension.is_none() => "",
-        Some(u) if Some(u.dimension) == target.dimension && u.factor == 1.0 => "",
+        Some(u) if Some(u.dimension) == target.dimension => "",
         None if bare => "",
         _ => "FACTOR*",
     }
 }
 
-fn quoted(map: &str) -> String {
+/// How ROS's joint states call an effort, which is in N·m or N.
+const JOINT_EFFORT: &str = ".effort";
+
+/// As a shell wants it.
+pub(super) fn quoted(map: &str) -> String {
     match map.contains([' ', '(', ')', '[', ']', '*', ';', '&', '|']) {
         true => format!("'{map}'"),
         false => map.to_owned(),
@@ -115,6 +153,10 @@ fn is_rotary(names: &Names, sources: &[Source]) -> bool {
         .map(|u| u.dimension);
     let by_word = |name: &String| {
         let lower = name.to_lowercase();
+        // Of a joint's state, most turn.
+        if lower.ends_with(JOINT_EFFORT) {
+            return true;
+        }
         ["torque", "angle", "theta", "moment", "motor", "rad", "deg"]
             .iter()
             .any(|w| lower.contains(w))
@@ -130,7 +172,7 @@ fn target(names: &Names, slot: Slot, column: Option<usize>, rotary: bool) -> &'s
         false => MotionKind::Linear,
     };
     let name = column.map_or("", |i| &names.columns[i]).to_lowercase();
-    let told = unit.is_some() || quantity(&name).slot.is_some();
+    let told = unit.is_some() || quantity(&name).slot.is_some() || name.ends_with(JOINT_EFFORT);
     let role = if !told && column.is_some() {
         EffortRole::Raw
     } else if ["current", "iq", "strom"].iter().any(|w| name.contains(w)) {

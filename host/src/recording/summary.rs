@@ -1,5 +1,7 @@
 //! A recording in one line, and what of it no machine has.
 
+use super::columns::Plan;
+use super::known::Slot;
 use super::{MotionKind, Recording, Warning};
 use crate::report::display_unit;
 
@@ -22,8 +24,9 @@ const ROTARY: Most = Most {
 };
 /// Least travel: below it no encoder of 2026 counts (m or rad).
 const LEAST_TRAVEL: f64 = 1e-10;
-/// Most effort by unit: a press's 10 MN, a slewing ring's 1 MN·m, a mill motor's 1 kA, an inverter's 2 kV.
-const MOST_EFFORT: [(&str, f64); 4] = [("N", 1e7), ("Nm", 1e6), ("A", 1e3), ("V", 2e3)];
+/// Most effort by unit: a press's 10 MN, a slewing ring's 1 MN·m, an inverter's 2 kV; of currents those of 100 A, which few positioning axes
+/// have, where a drive that tells mA shows hundreds.
+const MOST_EFFORT: [(&str, f64); 4] = [("N", 1e7), ("Nm", 1e6), ("A", 100.0), ("V", 2e3)];
 /// Sample times that a recording of friction has (s).
 const SAMPLE_TIMES: std::ops::RangeInclusive<f64> = 1e-7..=1.0;
 
@@ -45,6 +48,61 @@ fn range(values: &[f64]) -> Option<(f64, f64)> {
         None => Some((v, v)),
         Some((low, high)) => Some((v.min(low), v.max(high))),
     })
+}
+
+/// The column that a role is read from, and the mapping of a thousandth of it.
+fn in_thousandths(plan: &Plan, slot: Slot) -> Option<(String, String)> {
+    let of = |slot| plan.sources.iter().find(|s| s.known.slot == slot);
+    let source = of(slot).or(of(Slot::Step).filter(|_| slot == Slot::Time))?;
+    let name = |&i: &usize| plan.names.get(i).map_or("", String::as_str);
+    let term = |factor: f64, columns: &[usize]| {
+        let columns: Vec<&str> = columns.iter().map(name).collect();
+        format!("{}*{}", 1e-3 * factor, columns.join("*"))
+    };
+    let terms: Vec<String> = source
+        .terms
+        .iter()
+        .map(|t| term(t.factor, &t.columns))
+        .collect();
+    let first = source.columns().next()?;
+    let map = format!("{}={}", source.known.name, terms.join("+"));
+    Some((name(&first).to_owned(), map))
+}
+
+/// What the values go in steps of: what an encoder's count is, or the file's last digit; `None` where most steps are no multiples of any.
+pub(super) fn count(values: &[f64]) -> Option<f64> {
+    /// Steps that tell, and how near to whole numbers of counts nearly all of them are.
+    const FEWEST: usize = 20;
+    const NEAR: f64 = 0.1;
+    const ALMOST_ALL: f64 = 0.99;
+    /// Longer steps tell by how much the count is off rather than whether there is one.
+    const LONGEST: f64 = 20.0;
+    let steps = values.windows(2).map(|p| (p[1] - p[0]).abs());
+    let steps: Vec<f64> = steps.filter(|s| *s > 0.0).collect();
+    let most = values.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+    // What adding up leaves is no step.
+    let real = steps.iter().copied().filter(|s| *s > 1e-12 * most);
+    let least = real.fold(f64::INFINITY, f64::min);
+    let short: Vec<f64> = steps.into_iter().filter(|s| *s < LONGEST * least).collect();
+    let near = short.iter().filter(|s| {
+        let counts = *s / least;
+        (counts - counts.round()).abs() < NEAR
+    });
+    if short.len() < FEWEST || (near.count() as f64) < ALMOST_ALL * short.len() as f64 {
+        return None;
+    }
+    let whole = |s: &f64| (s / least).round();
+    let both: f64 = short.iter().map(|s| s * whole(s)).sum();
+    Some(both / short.iter().map(|s| whole(s).powi(2)).sum::<f64>())
+}
+
+/// A number of counts for people: 812, 49.2 k, 4.9 M.
+fn many(counts: f64) -> String {
+    match counts {
+        n if n >= 1e6 => format!("{:.1} M", n / 1e6),
+        n if n >= 1e4 => format!("{:.1} k", n / 1e3),
+        n => format!("{n:.0}"),
+    }
 }
 
 impl Recording {
@@ -88,7 +146,12 @@ impl Recording {
         )];
         let unit = self.position_unit();
         if let Some((low, high)) = range(&self.position) {
-            said.push(format!("travel {}", short(high - low, unit)));
+            let counts = self.count.map(|count| (high - low) / count);
+            said.push(format!(
+                "travel {}{}",
+                short(high - low, unit),
+                counts.map_or_else(String::new, |n| format!(" ({} counts)", many(n)))
+            ));
             said.push(format!(
                 "up to {}",
                 short(self.top_speed(), &format!("{unit}/s"))
@@ -106,50 +169,58 @@ impl Recording {
         format!("{}   {}", self.name, said.join(" · "))
     }
 
-    /// Values that no machine has, with what would put them right; `role` and kind are the columns'.
-    pub fn implausible(&self) -> Option<Warning> {
-        let (most, position, milli) = match self.kind {
-            MotionKind::Linear => (LINEAR, "x_m", "mm"),
-            MotionKind::Rotary => (ROTARY, "q_rad", "mrad"),
+    /// Values that no machine has, with what would put them right.
+    pub(super) fn implausible(&self, plan: &Plan) -> Option<Warning> {
+        let (most, milli) = match self.kind {
+            MotionKind::Linear => (LINEAR, "mm"),
+            MotionKind::Rotary => (ROTARY, "mrad"),
         };
         let unit = self.position_unit();
-        let mut asked = Vec::new();
+        let (mut asked, mut maps) = (Vec::new(), Vec::new());
+        let mut ask = |found: String, slot: Slot, unit: &str| {
+            let Some((column, map)) = in_thousandths(plan, slot) else {
+                return;
+            };
+            asked.push(format!(
+                "{found}: if `{column}` is in {unit}, give --map '{map}'"
+            ));
+            maps.push(map);
+        };
         let travel = range(&self.position).map_or(0.0, |(low, high)| high - low);
         let speed = self.top_speed();
+        let position = match self.position_integrated {
+            true => Slot::Velocity,
+            false => Slot::Position,
+        };
         if !SAMPLE_TIMES.contains(&self.sample_time_s) {
-            asked.push(format!(
-                "a sample every {} s: if the time is in ms, give --map 't_s=0.001*COLUMN'",
-                self.sample_time_s
-            ));
+            let found = format!("a sample every {} s", self.sample_time_s);
+            ask(found, Slot::Time, "ms");
         }
         if travel > most.travel {
-            asked.push(format!(
-                "a travel of {travel:.4} {unit}: if the position is in {milli}, give --map '{position}=0.001*COLUMN'"
-            ));
-        } else if travel > 0.0 && travel < LEAST_TRAVEL {
-            asked.push(format!(
-                "a travel of {travel:.3e} {unit}: if the position is in counts, give --map '{position}=LENGTH_OF_A_COUNT*COLUMN'"
-            ));
+            ask(format!("a travel of {travel:.4} {unit}"), position, milli);
         } else if speed > most.speed {
-            asked.push(format!(
-                "a speed of {speed:.4} {unit}/s: if the time is in ms, give --map 't_s=0.001*COLUMN'; if the position is in {milli}, --map '{position}=0.001*COLUMN'"
-            ));
+            let found = format!("a speed of {speed:.4} {unit}/s");
+            ask(found.clone(), position, milli);
+            ask(found, Slot::Time, "ms");
         }
         let effort = range(&self.effort).map_or(0.0, |(low, high)| high.max(-low));
         let of_unit = MOST_EFFORT.iter().find(|m| m.0 == self.effort_unit());
         if let Some((unit, most)) = of_unit
             && effort > *most
         {
+            let found = format!("a {} of {effort:.4} {unit}", self.role.name());
+            ask(found, Slot::Effort, &format!("m{unit}"));
+        }
+        if travel > 0.0 && travel < LEAST_TRAVEL {
             asked.push(format!(
-                "a {} of {effort:.4} {unit}: if it is in m{unit}, give --map '{}_{unit}=0.001*COLUMN'",
-                self.role.name(),
-                self.role.name()
+                "a travel of {travel:.3e} {unit}: if the position is in counts, give --map 'NAME=LENGTH_OF_A_COUNT*COLUMN'"
             ));
         }
-        (!asked.is_empty()).then(|| {
-            Warning::new(
+        (!asked.is_empty()).then(|| Warning {
+            maps,
+            ..Warning::new(
                 "implausible",
-                format!("no machine has {}", asked.join("; nor ")),
+                format!("hardly a machine has {}", asked.join("; nor ")),
             )
         })
     }

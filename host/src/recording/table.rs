@@ -37,26 +37,20 @@ impl Data {
 
 /// Where samples stand in their file.
 #[derive(Debug)]
-pub(super) enum Location {
-    /// CSV: `(sample, line)` wherever a line does not follow its predecessor's.
-    Lines(Vec<(usize, u64)>),
-    /// `.mat`: elements counted from 1.
-    Elements,
+pub(super) struct Location {
+    /// What is counted: "line" of a text, "element" of a variable, both from 1.
+    pub(super) what: &'static str,
+    /// `(sample, place)` wherever a place does not follow its predecessor's.
+    pub(super) breaks: Vec<(usize, u64)>,
 }
 
 impl Location {
     /// "line 17" or "element 16", for messages.
     pub(super) fn of(&self, sample: usize) -> String {
-        match self {
-            Location::Lines(breaks) => {
-                let before = breaks.partition_point(|&(first, _)| first <= sample);
-                let (first, line) = before
-                    .checked_sub(1)
-                    .and_then(|i| breaks.get(i).copied())
-                    .unwrap_or((0, 2));
-                format!("line {}", line + sample.saturating_sub(first) as u64)
-            }
-            Location::Elements => format!("element {}", sample + 1),
-        }
+        let before = self.breaks.partition_point(|&(first, _)| first <= sample);
+        let known = before.checked_sub(1).and_then(|i| self.breaks.get(i));
+        let (first, place) = known.copied().unwrap_or((0, 1));
+        let place = place + sample.saturating_sub(first) as u64;
+        format!("{} {place}", self.what)
     }
 }

@@ -29,6 +29,80 @@ pub(super) fn sample_time(t: &[f64], pieces: &[Range<usize>]) -> f64 {
     quantile(&mut all, 0.5).unwrap_or(0.0)
 }
 
+/// Time from the steps between samples; a "step" that rises throughout is the time itself.
+pub(super) fn of_steps(steps: Vec<f64>, warnings: &mut Vec<Warning>) -> Vec<f64> {
+    /// Steps that rise so often are no steps.
+    const FEWEST: usize = 4;
+    if steps.len() >= FEWEST && steps.windows(2).all(|pair| pair[1] > pair[0]) {
+        warnings.push(Warning::new(
+            "step-is-time",
+            "the time step rises from sample to sample: taken as the time",
+        ));
+        return steps;
+    }
+    let mut t = 0.0;
+    let since = |step: &f64| {
+        t += step;
+        t
+    };
+    [0.0]
+        .into_iter()
+        .chain(steps.iter().skip(1).map(since))
+        .take(steps.len())
+        .collect()
+}
+
+/// Takes the wraps of a counter of 16, 24 or 32 bits, and of seconds of the day, out of the time.
+pub(super) fn unwrap(t: &mut [f64], table: &Table, warnings: &mut Vec<Warning>) {
+    const BITS: [i32; 3] = [16, 24, 32];
+    /// Median steps by which the last sample before a wrap and the first after it may be off its ends.
+    const NEAR: f64 = 20.0;
+    let time = table.plan.sources.iter();
+    let time = time.filter(|s| s.known.slot == super::Slot::Time);
+    let Some([term]) = time.map(|s| s.terms.as_slice()).next() else {
+        return;
+    };
+    let falls: Vec<usize> = (1..t.len()).filter(|&i| t[i] < t[i - 1]).collect();
+    let steps = t.windows(2).map(|p| p[1] - p[0]).filter(|s| *s > 0.0);
+    let Some(step) = quantile(&mut steps.collect::<Vec<_>>(), 0.5).filter(|_| !falls.is_empty())
+    else {
+        return;
+    };
+    let counts = |t: &f64| {
+        let count = t / term.factor;
+        (count - count.round()).abs() < 1e-3
+    };
+    let counters = BITS.map(|bits| 2f64.powi(bits) * term.factor);
+    let counters = counters.into_iter().filter(|_| t.iter().all(counts));
+    let day = [86_400.0];
+    let fits = |range: &f64| {
+        let at = |&i: &usize| {
+            let over = t[i] + range - t[i - 1];
+            over > 0.0 && over < NEAR * step
+        };
+        falls.iter().all(at) && 4.0 * NEAR * step < *range
+    };
+    let Some(range) = counters.chain(day).find(fits) else {
+        return;
+    };
+    warnings.push(Warning::new(
+        "time-wrapped",
+        format!(
+            "the clock wraps around at {range} s {} times, first at {}: unwrapped",
+            falls.len(),
+            table.place.of(falls[0])
+        ),
+    ));
+    let mut wraps = falls.iter().peekable();
+    let mut ahead = 0.0;
+    for (i, t) in t.iter_mut().enumerate() {
+        if wraps.next_if_eq(&&i).is_some() {
+            ahead += range;
+        }
+        *t += ahead;
+    }
+}
+
 /// Checks that time advances, except where a new segment or repeat starts the clock again.
 pub(super) fn check(
     t: &[f64],

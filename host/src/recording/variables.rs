@@ -3,10 +3,12 @@
 use super::LoadOptions;
 use super::columns;
 use super::error::Problem;
+use super::expression::Term;
 use super::extra::Reading;
 use super::labels::Labels;
-use super::names::{Names, Source};
+use super::names::{Names, Source, plausible};
 use super::table::{Data, Location, Table};
+use super::{Warning, lost};
 
 /// A variable of the file.
 #[derive(Debug)]
@@ -61,7 +63,7 @@ pub(super) fn table(variables: &[Variable], options: &LoadOptions) -> Result<Tab
         .iter()
         .map(|v| v.unit.unwrap_or_default().to_owned())
         .collect();
-    let plan = columns::plan(&Names {
+    let mut plan = columns::plan(&Names {
         columns: &names,
         units: &units,
         listing: &format!("the variables {listing}"),
@@ -69,21 +71,13 @@ pub(super) fn table(variables: &[Variable], options: &LoadOptions) -> Result<Tab
         ignore: &options.ignore,
         needs: options.needs,
     })?;
-    let mut data = Vec::new();
+    let mut found = Vec::new();
     let mut length: Option<(String, usize)> = None;
     for source in &plan.sources {
-        let (name, values) = product(variables, source, &listing)?;
-        if let Some(at) = values.iter().position(|&v| columns::plausible(v).is_err()) {
-            return Err(Problem::Cell {
-                at: Location::Elements.of(at),
-                column: name.into(),
-                what: format!(
-                    "`{}` is not finite, or beyond what any sensor gives",
-                    values.get(at).copied().unwrap_or(f64::NAN)
-                ),
-            });
-        }
+        let (name, values) = sum(variables, source, &listing)?;
         match &length {
+            // A number alone is the same for all samples.
+            _ if source.terms.is_empty() => {}
             None => length = Some((name.into(), values.len())),
             Some((first, n)) => same_length(first, *n, name, values.len())?,
         }
@@ -93,31 +87,107 @@ pub(super) fn table(variables: &[Variable], options: &LoadOptions) -> Result<Tab
                 limit: options.max_samples,
             });
         }
-        data.push(if source.known.slot.is_label() {
-            Data::Labels(labels(name, &values)?)
-        } else {
-            Data::Numbers(values)
-        });
+        found.push((name, values));
     }
-    let extra = further(variables, &plan.unused);
+    let samples = length.map_or(0, |(_, n)| n);
+    for (source, (_, values)) in plan.sources.iter().zip(&mut found) {
+        if source.terms.is_empty() {
+            values.resize(samples, source.offset);
+        }
+    }
+    let mut extra = further(variables, &plan.unused);
+    let breaks = leave_out_broken(&mut found, samples, &mut extra, &mut plan.warnings)?;
+    let columns = plan.sources.iter().zip(found);
+    let data = columns.map(|(source, (name, values))| {
+        Ok(match source.known.slot.is_label() {
+            true => Data::Labels(labels(name, &values)?),
+            false => Data::Numbers(values),
+        })
+    });
     Ok(Table {
+        data: data.collect::<Result<_, Problem>>()?,
         plan,
-        data,
         extra,
-        place: Location::Elements,
+        place: Location {
+            what: "element",
+            breaks,
+        },
         first_change: Vec::new(),
     })
 }
 
-/// The product of the variables of a source, scalars among them, in SI; with the name of its first vector.
-fn product<'a>(
+/// Leaves out the samples that one of the variables has no number for, where they are few, and says which; what follows a place where some are
+/// left out, as [`Location`] has it.
+fn leave_out_broken(
+    found: &mut [(&str, Vec<f64>)],
+    samples: usize,
+    extra: &mut [Reading],
+    warnings: &mut Vec<Warning>,
+) -> Result<Vec<(usize, u64)>, Problem> {
+    let is_broken = |i: &usize| {
+        found
+            .iter()
+            .any(|(_, values)| plausible(values[*i]).is_err())
+    };
+    let broken: Vec<usize> = (0..samples).filter(is_broken).collect();
+    let Some(&first) = broken.first() else {
+        return Ok(vec![(0, 1)]);
+    };
+    let bad = found
+        .iter()
+        .find(|(_, values)| plausible(values[first]).is_err());
+    let (name, value) = bad.map_or(("", f64::NAN), |(name, values)| (*name, values[first]));
+    let problem = Problem::Cell {
+        at: format!("element {}", first + 1),
+        column: name.into(),
+        what: format!("`{value}` is not finite, or beyond what any sensor gives"),
+    };
+    if lost::too_many(broken.len(), samples - broken.len()) {
+        return Err(problem);
+    }
+    let places: Vec<u64> = broken.iter().map(|&i| i as u64 + 1).collect();
+    warnings.push(lost::said("element", &places, &problem.found()));
+    let kept = |values: &mut Vec<f64>| {
+        let mut at = 0..;
+        values.retain(|_| at.next().is_none_or(|i| broken.binary_search(&i).is_err()));
+    };
+    found.iter_mut().for_each(|(_, values)| kept(values));
+    let same = extra.iter_mut().filter(|e| e.values.len() == samples);
+    same.for_each(|e| e.leave_out(&broken));
+    let after = broken.iter().enumerate();
+    let breaks = after.map(|(before, &i)| (i - before, i as u64 + 2));
+    Ok([(0, 1)].into_iter().chain(breaks).collect())
+}
+
+/// The sum of the products of a source, in SI; with the name of its first vector.
+fn sum<'a>(
     variables: &'a [Variable],
     source: &Source,
     listing: &str,
 ) -> Result<(&'a str, Vec<f64>), Problem> {
+    let (mut name, mut sum) = (source.known.name, vec![source.offset]);
+    for term in &source.terms {
+        let (vector, values) = product(variables, source, term, listing)?;
+        if sum.len() == 1 {
+            (name, sum) = (vector, values.iter().map(|v| v + sum[0]).collect());
+        } else {
+            same_length(name, sum.len(), vector, values.len())?;
+            sum.iter_mut().zip(values).for_each(|(s, v)| *s += v);
+        }
+    }
+    Ok((name, sum))
+}
+
+/// The product of the variables of a term, scalars among them; with the name of its first vector.
+fn product<'a>(
+    variables: &'a [Variable],
+    source: &Source,
+    term: &Term,
+    listing: &str,
+) -> Result<(&'a str, Vec<f64>), Problem> {
     let mut product: Option<(&str, Vec<f64>)> = None;
-    let mut factor = source.factor;
-    for variable in source.columns.iter().filter_map(|&i| variables.get(i)) {
+    let mut factor = term.factor;
+    for variable in term.columns.iter().filter_map(|&i| variables.get(i)) {
         let values = variable.vector().ok_or_else(|| Problem::Map {
             map: format!("{}={}", source.known.name, variable.name),
             reason: format!(
@@ -135,9 +205,7 @@ fn product<'a>(
         }
     }
     let (name, mut values) = product.unwrap_or((source.known.name, vec![1.0]));
-    values
-        .iter_mut()
-        .for_each(|v| *v = *v * factor + source.offset + 0.0);
+    values.iter_mut().for_each(|v| *v = *v * factor + 0.0);
     Ok((name, values))
 }
 
@@ -159,10 +227,12 @@ fn further(variables: &[Variable], unused: &[usize]) -> Vec<Reading> {
     let reading = |variable: &Variable| {
         let mut reading = Reading::new(&variable.name);
         match variable.vector() {
-            Some(values) if values.iter().all(|v| v.is_finite()) => {
-                reading.values = values.to_vec()
+            Some(values) => {
+                for (i, &value) in (1..).zip(values) {
+                    let place = |what| format!("element {i}: {what}");
+                    reading.push(plausible(value).map_err(place));
+                }
             }
-            Some(_) => reading.refuse("holds numbers that are not finite".to_owned()),
             None => reading.refuse("no vector of real numbers".to_owned()),
         }
         reading

@@ -5,8 +5,10 @@ use super::units::{self, Unit};
 
 /// Words of quantities: as they stand alone or before a unit.
 #[rustfmt::skip]
-pub(super) const WORDS: [(&str, Slot); 59] = [
-    ("t", Slot::Time), ("time", Slot::Time), ("timestamp", Slot::Time), ("zeit", Slot::Time),
+pub(super) const WORDS: [(&str, Slot); 67] = [
+    ("t", Slot::Time), ("time", Slot::Time), ("timestamp", Slot::Time), ("zeit", Slot::Time), ("stamp", Slot::Time),
+    ("dt", Slot::Step), ("delta_t", Slot::Step), ("timestep", Slot::Step), ("time_step", Slot::Step), ("sample_time", Slot::Step), ("zeitschritt", Slot::Step),
+    ("dtime", Slot::Step),
     ("x", Slot::Position), ("q", Slot::Position), ("pos", Slot::Position), ("position", Slot::Position), ("angle", Slot::Position),
     ("theta", Slot::Position), ("displacement", Slot::Position), ("weg", Slot::Position), ("lage", Slot::Position), ("winkel", Slot::Position),
     ("istposition", Slot::Position), ("istlage", Slot::Position), ("actual_position", Slot::Position), ("position_actual", Slot::Position),
@@ -20,6 +22,15 @@ pub(super) const WORDS: [(&str, Slot); 59] = [
     ("temperature", Slot::Temperature), ("temp", Slot::Temperature), ("temperatur", Slot::Temperature), ("normal", Slot::Load), ("load", Slot::Load), ("pressure", Slot::Pressure),
 ];
 
+/// Names of a time that are its unit: of counters as microcontrollers have them, and of stamps in parts.
+#[rustfmt::skip]
+const TIME_UNITS: [(&str, &str); 17] = [
+    ("seconds", "s"), ("secs", "s"), ("sec", "s"),
+    ("milliseconds", "ms"), ("millisec", "ms"), ("millis", "ms"), ("msec", "ms"), ("ms", "ms"),
+    ("microseconds", "us"), ("microsec", "us"), ("micros", "us"), ("usec", "us"), ("us", "us"),
+    ("nanoseconds", "ns"), ("nanosec", "ns"), ("nsec", "ns"), ("ns", "ns"),
+];
+
 /// What a name says.
 pub(super) struct Quantity {
     /// Where the whole of it but the unit is a quantity's word.
@@ -31,10 +42,51 @@ pub(super) struct Quantity {
 pub(super) fn quantity(name: &str) -> Quantity {
     let (stem, unit) = split(name);
     let stem = stem.trim().to_lowercase().replace([' ', '-', '.'], "_");
+    let by_unit = TIME_UNITS.iter().find(|u| u.0 == stem);
+    if let (Some((_, unit)), None) = (by_unit, unit) {
+        return Quantity {
+            slot: Some(Slot::Time),
+            unit: units::unit(unit),
+        };
+    }
     Quantity {
         slot: WORDS.iter().find(|w| w.0 == stem).map(|w| w.1),
         unit: unit.and_then(units::unit),
     }
+}
+
+/// What a name says of the part of a time stamp that it holds: what stands before the part's name, and the seconds of one of it.
+fn part_of_stamp(name: &str) -> Option<(String, f64)> {
+    let name = name.trim().to_lowercase();
+    let letters = name.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let (before, word) = name.split_at(letters.len());
+    let word = word
+        .strip_suffix('s')
+        .filter(|w| w.ends_with("sec"))
+        .unwrap_or(word);
+    let seconds = match word {
+        "sec" => 1.0,
+        "usec" | "microsec" => 1e-6,
+        "nsec" | "nanosec" => 1e-9,
+        _ => return None,
+    };
+    Some((before.to_owned(), seconds))
+}
+
+/// The columns of a stamp in two parts, such as `stamp.sec` and `stamp.nanosec`, and the seconds of one of the second; where there is one.
+pub(super) fn stamp_in_parts(names: &[String]) -> Option<(usize, usize, f64)> {
+    let parts: Vec<_> = names.iter().map(|n| part_of_stamp(n)).collect();
+    let whole = |i: &usize| parts[*i].as_ref().is_some_and(|p| p.1 == 1.0);
+    let mut found = (0..names.len()).filter(whole).flat_map(|i| {
+        let before = parts[i].as_ref().map(|p| &p.0);
+        let fits = move |p: &(String, f64)| Some(&p.0) == before && p.1 < 1.0;
+        let parts = &parts;
+        (0..parts.len()).filter_map(move |j| {
+            let part = parts[j].as_ref().filter(|p| fits(p))?;
+            Some((i, j, part.1))
+        })
+    });
+    found.next().filter(|_| found.next().is_none())
 }
 
 /// A name without its unit, and the unit.

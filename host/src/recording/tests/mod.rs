@@ -1,8 +1,11 @@
 //! Whole files. Here is what their tests share.
 
 mod faults;
+mod foreign;
+mod lost;
 mod real;
 mod refusals;
+mod text;
 
 use std::fmt::Write as _;
 use std::path::Path;

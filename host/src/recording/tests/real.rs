@@ -30,7 +30,7 @@ fn every_real_csv_loads_or_says_why() {
             let map: &[(&str, &str)] = if name.contains("stribeck_map") {
                 let e = plain.expect_err(&name).to_string();
                 assert!(
-                    e.contains("no time (`t_s`)") && e.contains("torque_mean_Nm"),
+                    e.contains("no time (`t_s`") && e.contains("--map torque_Nm=torque_mean_Nm"),
                     "{e}"
                 );
                 continue;

@@ -1,0 +1,105 @@
+//! A table of speed and effort without time, as a test bench writes it: one row for each speed that was held.
+
+use std::path::Path;
+
+use super::known::Slot;
+use super::table::Data;
+use super::{
+    EffortRole, LoadOptions, MotionKind, Needs, Problem, RecordingError, Warning, extra, table,
+};
+
+/// Speeds and the effort that each took.
+#[derive(Clone, Debug)]
+pub struct Speeds {
+    /// File name, for messages.
+    pub name: String,
+    /// Linear or rotary.
+    pub kind: MotionKind,
+    /// What the effort measures.
+    pub role: EffortRole,
+    /// Velocity (m/s or rad/s), one for every row.
+    pub velocity: Vec<f64>,
+    /// Effort, positive where it drives motion forwards once [`LoadOptions::sign`] is applied.
+    pub effort: Vec<f64>,
+    /// What the user should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// Loads a table of speed and effort; `None` where the file is none: it has a time, a position, or lacks one of the two.
+///
+/// # Errors
+/// [`RecordingError`]: where it is one and a row of it cannot be read; what else is wrong [`super::load`] tells.
+pub fn load_speeds(path: &Path, options: &LoadOptions) -> Result<Option<Speeds>, RecordingError> {
+    let options = LoadOptions {
+        needs: Needs::Speeds,
+        ..options.clone()
+    };
+    let fail = |problem| RecordingError {
+        file: path.display().to_string(),
+        problem,
+    };
+    let mut table = match table(path, &options) {
+        Ok(table) => table,
+        Err(
+            problem @ (Problem::Cell { .. } | Problem::Ragged { .. } | Problem::Separator { .. }),
+        ) => {
+            return Err(fail(problem));
+        }
+        Err(_) => return Ok(None),
+    };
+    if let Some(sign) = options.sign.filter(|s| s.abs() != 1.0) {
+        return Err(fail(Problem::Sign(sign)));
+    }
+    let slots: Vec<Slot> = table.plan.sources.iter().map(|s| s.known.slot).collect();
+    let mut warnings = std::mem::take(&mut table.plan.warnings);
+    let mut column = |slot: Slot| {
+        let at = slots.iter().position(|s| *s == slot);
+        match at.map(|at| std::mem::replace(&mut table.data[at], Data::Numbers(Vec::new()))) {
+            Some(Data::Numbers(values)) => values,
+            _ => Vec::new(),
+        }
+    };
+    let (velocity, mut effort) = (column(Slot::Velocity), column(Slot::Effort));
+    effort
+        .iter_mut()
+        .for_each(|f| *f *= options.sign.unwrap_or(1.0));
+    extra::sort(table.extra, velocity.len(), &mut warnings);
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    Ok(Some(Speeds {
+        name: name.to_string_lossy().into_owned(),
+        kind: table.plan.kind,
+        role: table.plan.role,
+        velocity,
+        effort,
+        warnings,
+    }))
+}
+
+impl Speeds {
+    /// The tables of one machine as one.
+    ///
+    /// # Errors
+    /// Which two do not belong together.
+    pub fn join(tables: Vec<Speeds>) -> Result<Speeds, String> {
+        let mut rest = tables.into_iter();
+        let mut whole = rest.next().ok_or("no table given")?;
+        for next in rest {
+            if (next.kind, next.role) != (whole.kind, whole.role) {
+                return Err(format!(
+                    "{} is {} with a {}, {} is {} with a {}: they are not of one machine; give tables with the same columns",
+                    whole.name,
+                    whole.kind.name(),
+                    whole.role.name(),
+                    next.name,
+                    next.kind.name(),
+                    next.role.name(),
+                ));
+            }
+            whole.name = format!("{}, {}", whole.name, next.name);
+            whole.velocity.extend(next.velocity);
+            whole.effort.extend(next.effort);
+            whole.warnings.extend(next.warnings);
+        }
+        Ok(whole)
+    }
+}

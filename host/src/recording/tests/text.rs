@@ -1,0 +1,223 @@
+//! Text: layouts, cells, and what is refused of them.
+
+use std::io::{self, Read};
+
+use super::super::{LoadOptions, Problem, Recording, RecordingError, load_csv};
+
+fn load(text: &str) -> Result<Recording, RecordingError> {
+    load_csv(text.as_bytes(), "test.csv", &LoadOptions::default())
+}
+fn error(text: &str) -> RecordingError {
+    match load(text) {
+        Ok(_) => panic!("accepted: {text}"),
+        Err(error) => error,
+    }
+}
+
+#[test]
+fn bad_cells_name_file_line_and_column() {
+    for (cell, reason) in [
+        ("nan", "not finite"),
+        ("NaN", "not finite"),
+        ("inf", "not finite"),
+        ("1e999", "not finite"),
+        ("", "is empty"),
+        ("abc", "not a number"),
+        ("1.2.3", "not a number"),
+        ("0x10", "not a number"),
+    ] {
+        let e = error(&format!(
+            "# remark\n\nt_s,x_m,force_N\n0,0,1\n1,{cell},1\n2,0,1\n"
+        ));
+        let text = e.to_string();
+        assert!(matches!(e.problem, Problem::Cell { .. }), "{text}");
+        for part in ["test.csv", "line 5", "`x_m`", reason] {
+            assert!(text.contains(part), "{text} lacks {part}");
+        }
+    }
+}
+
+#[test]
+fn rows_of_the_wrong_length_name_the_line() {
+    let e = error("t_s,x_m,force_N\n0,0,1\n1,0\n").to_string();
+    assert!(e.contains("line 3: 2 cells where the header has 3"), "{e}");
+    let e = error("t_s,x_m,force_N\n0,0,0,1,1,5\n").to_string();
+    assert!(e.contains("decimal commas") || e.contains("cells"), "{e}");
+}
+
+#[test]
+fn headers_that_are_none() {
+    assert!(matches!(
+        error("t_s,x_m,force_N\n0;0;1\n").problem,
+        Problem::Separator { .. } | Problem::Columns { .. } | Problem::Ragged { .. }
+    ));
+    assert!(matches!(
+        error("0,0,1\n1,0,1\n").problem,
+        Problem::NoHeader { line: 1, .. }
+    ));
+    for empty in ["", "\n\n", "# only a remark\n", "\u{feff}"] {
+        assert!(matches!(error(empty).problem, Problem::Empty), "{empty:?}");
+    }
+    assert!(matches!(
+        error("t_s,x_m,force_N\n").problem,
+        Problem::TooShort { samples: 0, .. }
+    ));
+    assert!(matches!(
+        error("t_s,x_m,force_N\n0,0,1\n").problem,
+        Problem::TooShort { samples: 1, .. }
+    ));
+    assert!(matches!(
+        error("t_s,x_m\0,force_N\n").problem,
+        Problem::NotText { .. }
+    ));
+}
+
+#[test]
+fn what_drives_write_around_the_samples_is_read() {
+    let plain = load("t_s,x_m,force_N\n0,0,1\n1,1e-3,1\n2,0,1\n").expect("plain");
+    let utf16: Vec<u8> = "\u{feff}t_s;x_m;force_N\r\n0;0;1\r\n1;0,001;1\r\n2;0;1\r\n"
+        .encode_utf16()
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    for (name, text) in [
+        (
+            "semicolons",
+            b"t_s;x_m;force_N\n0;0;1\n1;1e-3;1\n2;0;1\n".to_vec(),
+        ),
+        (
+            "decimal commas",
+            b"t_s;x_m;force_N\n0,0;0,0;1,0\n1,0;0,001;1,0\n2,0;0,0;1,0\n".to_vec(),
+        ),
+        (
+            "tabs",
+            b"t_s\tx_m\tforce_N\n0\t0\t1\n1\t1e-3\t1\n2\t0\t1\n".to_vec(),
+        ),
+        (
+            "blanks",
+            b"   t_s x_m  force_N\n 0 0 1\n 1   1e-3 1\n 2 0 1 \n".to_vec(),
+        ),
+        ("CR", b"t_s,x_m,force_N\r0,0,1\r1,1e-3,1\r2,0,1\r".to_vec()),
+        (
+            "a units row",
+            b"Time,Position,Force\nms,mm,kN\n0,0,0.001\n1000,1,0.001\n2000,0,0.001\n".to_vec(),
+        ),
+        (
+            "metadata",
+            b"Scope 4.2\nRate;1000\n\nt_s;x_m;force_N\n0;0;1\n1;1e-3;1\n2;0;1\n".to_vec(),
+        ),
+        (
+            "a footer",
+            b"t_s,x_m,force_N\n0,0,1\n1,1e-3,1\n2,0,1\nmean,1,1\nend of file\n".to_vec(),
+        ),
+        (
+            "Latin-1",
+            b"t_s,x_m,force_N,Temp_\xb0C,note\n0,0,1,3,\xe4\n1,1e-3,1,4,\xe4\n2,0,1,5,\xe4\n"
+                .to_vec(),
+        ),
+        ("UTF-16", utf16),
+        (
+            "a remark for a header",
+            b"# t_s x_m force_N\n0 0 1\n1 1e-3 1\n2 0 1\n".to_vec(),
+        ),
+    ] {
+        let read = load_csv(text.as_slice(), name, &LoadOptions::default());
+        let read = read.unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(
+            (&read.t_s, &read.position, &read.effort),
+            (&plain.t_s, &plain.position, &plain.effort),
+            "{name}"
+        );
+        let footer = read
+            .warnings
+            .iter()
+            .any(|w| w.code == "footer" && w.message.contains("line 5"));
+        assert_eq!(footer, name == "a footer");
+    }
+}
+
+#[test]
+fn all_bad_cells_are_counted_and_absurd_ones_refused() {
+    let e = error("t_s,x_m,force_N\n0,0,1\n1,nan,1\n2,0,1\n3,0,x\n4,0,1\n").to_string();
+    assert!(
+        e.contains("line 3") && e.contains("1 more") && e.contains("line 5"),
+        "{e}"
+    );
+    let e = error("t_s,x_m,force_N\n0,0,1\n1,0,1e288\n2,0,1\n").to_string();
+    assert!(
+        e.contains("line 3") && e.contains("force_N") && e.contains("no sensor"),
+        "{e}"
+    );
+    let rows: String = (0..100).map(|i| format!("{i},{},1,{i}\n", i % 7)).collect();
+    let e = error(&format!("t_s,x_m,force_N,repeat\n{rows}")).to_string();
+    assert!(e.contains("repeat") && e.contains("counts rows"), "{e}");
+    let floats = load("t_s,x_m,force_N,repeat\n0,0,1,0.0\n1,1,1,1.0\n2,0,1,1.0\n").expect("1.0");
+    assert_eq!(floats.repeat, [0, 1, 1]);
+}
+
+#[test]
+fn bom_crlf_quotes_spaces_and_remarks_are_accepted() {
+    let plain = load("t_s,x_m,force_N,note\n-0,0,1,a\n1,1e-3,1,b\n2,0,1,c\n").expect("plain");
+    let odd = load("\u{feff}# remark\r\n\r\n\"t_s\", \"x_m\" ,force_N,note\r\n-0, 0,1,a\r\n1,\"1e-3\",1,b\r\n2,0,1,c")
+        .expect("odd");
+    assert_eq!(
+        (&plain.t_s, &plain.position, &plain.effort),
+        (&odd.t_s, &odd.position, &odd.effort)
+    );
+    assert!(plain.t_s.first().is_some_and(|t| t.is_sign_positive()));
+    let notes: Vec<_> = odd
+        .warnings
+        .iter()
+        .filter(|w| w.code == "unused-columns")
+        .collect();
+    assert_eq!(notes.len(), 1);
+    assert!(notes.iter().all(|w| w.message.contains("note")));
+}
+
+/// Rows without end, made on the fly.
+struct Endless {
+    row: u64,
+    buffer: Vec<u8>,
+}
+impl Read for Endless {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        if self.buffer.is_empty() {
+            self.buffer = format!("{},{},1\n", self.row, self.row % 7).into_bytes();
+            self.row += 1;
+        }
+        let n = out.len().min(self.buffer.len());
+        out[..n].copy_from_slice(&self.buffer[..n]);
+        self.buffer.drain(..n);
+        Ok(n)
+    }
+}
+
+#[test]
+fn a_stream_without_end_is_refused_at_the_sample_limit() {
+    let options = LoadOptions {
+        max_samples: 50_000,
+        ..LoadOptions::default()
+    };
+    let input = (&b"t_s,x_m,force_N\n"[..]).chain(Endless {
+        row: 0,
+        buffer: Vec::new(),
+    });
+    let e = load_csv(input, "endless.csv", &options).expect_err("endless");
+    assert!(
+        matches!(e.problem, Problem::TooManySamples { limit: 50_000, .. }),
+        "{e}"
+    );
+    assert!(e.to_string().contains("line 50002"), "{e}");
+}
+
+#[test]
+fn a_line_without_end_is_refused_before_it_fills_memory() {
+    for head in ["", "t_s,x_m,force_N\n", "t_s,x_m,force_N\n0,0,\"1\n"] {
+        let e = load_csv(
+            head.as_bytes().chain(io::repeat(b'1')),
+            "long.csv",
+            &LoadOptions::default(),
+        );
+        let e = e.expect_err("endless line").to_string();
+        assert!(e.contains("64 KiB") || e.contains("not a number"), "{e}");
+    }
+}
