@@ -121,6 +121,51 @@ fn a_frozen_encoder_is_found_under_a_load_though_later() {
     }
 }
 
+/// Of a weight that was held for half a second and taken off, the watch remembers nothing in the motion that follows: its ticks are ordinary again,
+/// which is what the budget of a tick counts on.
+#[test]
+fn ticks_after_a_push_are_ordinary_again() {
+    let axis = Axis::PAPER_AXIS;
+    let mut stage = Stage::try_new(StageConfig::default()).expect("the default stage");
+    let first = stage.reading().count.cast_unsigned();
+    let mut controller = Controller::new(coefficients(&axis, false), first);
+    let (mut push, mut even, mut ordinary) = (0, 0, 0);
+    for tick in 0..60_000_u32 {
+        match tick {
+            100 => assert_eq!(controller.enable(), Ok(())),
+            600 => {
+                let far = Move::plan(5e-3, 2e-3, 0.2, axis.grid()).expect("a move");
+                assert_eq!(controller.start(far), Ok(()));
+            }
+            _ => {}
+        }
+        controller.heard();
+        // Comes in a tenth of a second, stays for half a second, and goes as it came.
+        let share = (f64::from(tick) - 2000.0).min(16_000.0 - f64::from(tick)) / 2000.0;
+        let force = -4.5 * share.clamp(0.0, 1.0);
+        stage.set_external_force_n(force).expect("finite");
+        let reading = stage.reading();
+        let measured = Measurement {
+            count: reading.count.cast_unsigned(),
+            supply: (reading.supply_v * 1e3).round() as u16,
+            current: (reading.current_a * 1e4).round() as i16,
+            late: false,
+        };
+        let known = controller.ordinary_tick(measured);
+        // At 2 mm/s, long after the weight is off.
+        let cruises = (20_000..45_000).contains(&tick);
+        even += u32::from(cruises);
+        ordinary += u32::from(cruises && known.is_some());
+        let command = known.unwrap_or_else(|| controller.any_tick(measured));
+        assert_eq!(command.fault, None, "tick {tick}");
+        push = push.max(command.code.abs());
+        stage.tick(f64::from(command.code) / f64::from(axis.hardware.steps));
+    }
+    println!("{ordinary} of {even} ticks ordinary, largest code {push}");
+    assert!(push > 850, "no push that counts: {push}");
+    assert!(ordinary * 10 >= even * 9, "{ordinary} of {even}");
+}
+
 /// An offset of four times the limit is found by whoever enables, however soon after power; half of the limit is none at any time.
 #[test]
 fn an_offset_of_the_current_is_known_before_the_bridge_is_driven() {

@@ -115,8 +115,8 @@ fn of_pressures(names: &Names, open: &[usize]) -> Option<String> {
 /// What is in a unit of the target needs no factor, for it is converted; nor does a name that ends in the quantity, whose unit its reader knows.
 fn scale(names: &Names, target: &Known, column: usize) -> &'static str {
     let name = &names.columns[column];
-    let words = name.split(|c: char| !c.is_alphabetic());
-    let last = words.filter(|w| !w.is_empty()).next_back();
+    let mut words = name.split(|c: char| !c.is_alphabetic());
+    let last = words.rfind(|w| !w.is_empty());
     let is_word = last.is_some_and(|w| quantity(w).slot.is_some());
     let bare = split(name).1.is_none() && (is_word || quantity(name).slot.is_some());
     match names.unit(column) {

@@ -4,9 +4,7 @@ use std::path::Path;
 
 use super::known::Slot;
 use super::table::Data;
-use super::{
-    EffortRole, LoadOptions, MotionKind, Needs, Problem, RecordingError, Warning, extra, table,
-};
+use super::{EffortRole, LoadOptions, MotionKind, Needs, Problem, RecordingError, Warning, table};
 
 /// Speeds and the effort that each took.
 #[derive(Clone, Debug)]
@@ -63,7 +61,11 @@ pub fn load_speeds(path: &Path, options: &LoadOptions) -> Result<Option<Speeds>,
     effort
         .iter_mut()
         .for_each(|f| *f *= options.sign.unwrap_or(1.0));
-    extra::sort(table.extra, velocity.len(), &mut warnings);
+    if !table.extra.is_empty() {
+        let names: Vec<&str> = table.extra.iter().map(|e| e.name.as_str()).collect();
+        let said = format!("not used: {}", names.join(", "));
+        warnings.push(Warning::new("unused-columns", said));
+    }
     let name = path.file_name().unwrap_or(path.as_os_str());
     Ok(Some(Speeds {
         name: name.to_string_lossy().into_owned(),
