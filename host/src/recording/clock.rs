@@ -30,10 +30,16 @@ impl Clock {
     }
 }
 
-/// Days from a fixed one to a Gregorian `year-month-day`.
+/// Days from a fixed one to a Gregorian `year-month-day`, `year/month/day` or `day.month.year`.
 fn day(date: &str) -> Option<i64> {
-    let mut parts = date.splitn(3, '-').map(|p| p.parse::<i64>().ok());
-    let (year, month, day) = (parts.next()??, parts.next()??, parts.next()??);
+    let mut parts = date
+        .splitn(3, ['-', '/', '.'])
+        .map(|p| p.parse::<i64>().ok());
+    let (first, month, last) = (parts.next()??, parts.next()??, parts.next()??);
+    let (year, day) = match date.contains('.') {
+        true => (last, first),
+        false => (first, last),
+    };
     if !(1..=12).contains(&month) || !(1..=31).contains(&day) {
         return None;
     }
@@ -93,6 +99,8 @@ mod tests {
             ["2024-12-31T23:59:59.5Z", "2025-01-01T01:00:00.25+01:00"],
             ["2025-01-01T00:59:59.5+0100", "2024-12-31T19:00:00.25-05:00"],
             ["23:59:59.5", "0:00:00.25"],
+            ["2024/02/28 23:59:59.5", "2024/02/29 00:00:00.25"],
+            ["28.02.2024 23:59:59,5", "29.02.2024 00:00:00,25"],
         ] {
             let mut clock = Clock::default();
             let [a, b] = stamps.map(|s| clock.seconds(s).unwrap_or_else(|| panic!("{s}")));

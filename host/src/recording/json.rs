@@ -5,6 +5,7 @@ use std::io::Read;
 
 use serde_json::Value;
 
+use super::clock::Clock;
 use super::error::Problem;
 use super::layout::Layout;
 use super::variables::Variable;
@@ -139,12 +140,13 @@ fn cell(value: &Value) -> String {
     }
 }
 
-/// The number of a cell, NaN where it is lost; `None` for words.
-fn number(value: &Value) -> Option<f64> {
+/// The number of a cell, the seconds of a stamp, NaN where it is lost; `None` for words.
+fn number(value: &Value, clock: &mut Clock) -> Option<f64> {
     match value {
         Value::Null => Some(f64::NAN),
         Value::Bool(is) => Some(f64::from(u8::from(*is))),
         Value::Number(number) => number.as_f64(),
+        Value::String(text) => clock.seconds(text),
         _ => None,
     }
 }
@@ -177,15 +179,17 @@ fn longest_of_objects(value: &Value) -> Option<&[Value]> {
 
 fn of_rows(rows: &[Value]) -> Vec<Variable> {
     let mut found: Vec<Variable> = Vec::new();
+    let mut clocks: Vec<Clock> = Vec::new();
     let mut places: HashMap<String, usize> = HashMap::new();
     for (i, row) in rows.iter().enumerate() {
         flatten(String::new(), row, &mut |name, value| {
             let place = *places.entry(name).or_insert_with_key(|name| {
                 found.push(Variable::column(name, vec![f64::NAN; rows.len()]));
+                clocks.push(Clock::default());
                 found.len() - 1
             });
             let values = &mut found[place].values;
-            match (number(value), &mut *values) {
+            match (number(value, &mut clocks[place]), &mut *values) {
                 (Some(number), Ok(values)) => values[i] = number,
                 (None, _) => *values = Err("words"),
                 _ => {}
@@ -207,7 +211,9 @@ fn arrays(name: String, value: &Value, found: &mut Vec<Variable>) {
             }
         }
         Value::Array(elements) => {
-            let values: Option<Vec<f64>> = elements.iter().map(number).collect();
+            let mut clock = Clock::default();
+            let values = elements.iter().map(|value| number(value, &mut clock));
+            let values: Option<Vec<f64>> = values.collect();
             found.extend(values.map(|values| Variable::column(name, values)));
         }
         _ => {}

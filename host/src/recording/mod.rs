@@ -30,6 +30,7 @@ mod mat;
 mod names;
 mod propose;
 mod rate;
+mod read;
 mod repair;
 mod samples;
 mod segments;
@@ -45,8 +46,7 @@ mod units;
 mod variables;
 mod words;
 
-use std::fs::File;
-use std::io::{Read, Seek};
+use std::io::Read;
 use std::ops::Range;
 use std::path::Path;
 
@@ -329,51 +329,12 @@ pub fn parse_map(argument: &str) -> Result<(String, String), String> {
 /// [`RecordingError`] names the file as given, the place, the reason and the remedy.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Recording, RecordingError> {
     let name = path.display().to_string();
-    table(path, options)
+    read::file(path, options)
         .and_then(|table| assemble(table, &name, options))
         .map_err(|problem| RecordingError {
             file: name,
             problem,
         })
-}
-
-/// The columns of a file that the options ask for.
-fn table(path: &Path, options: &LoadOptions) -> Result<Table, Problem> {
-    let mut file = File::open(path)?;
-    let bytes = file.metadata()?.len();
-    let mut start = Vec::new();
-    file.by_ref()
-        .take(formats::MAGIC_BYTES)
-        .read_to_end(&mut start)?;
-    let format = formats::of(&start);
-    let is_mat = mat::is_mat(&start)
-        || path
-            .extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case("mat"));
-    let limit = if is_mat || format.is_some() {
-        options.max_bytes / 2
-    } else {
-        options.max_bytes
-    };
-    if bytes > limit {
-        return Err(Problem::TooLarge { bytes, limit });
-    }
-    if let Some(format) = format {
-        file.rewind()?;
-        let input = formats::Input {
-            path,
-            file,
-            start: &start,
-            budget: options.max_bytes,
-        };
-        let found = formats::variables(format, input)?;
-        return variables::table(&found, options);
-    }
-    let input = start.as_slice().chain(file);
-    match is_mat {
-        true => mat_table(input, options),
-        false => text_table(input, options),
-    }
 }
 
 /// Reads CSV from any stream; `name` stands in messages.
@@ -385,44 +346,12 @@ pub fn load_csv(
     name: &str,
     options: &LoadOptions,
 ) -> Result<Recording, RecordingError> {
-    text_table(input, options)
+    read::text(input, options)
         .and_then(|table| assemble(table, name, options))
         .map_err(|problem| RecordingError {
             file: name.into(),
             problem,
         })
-}
-
-/// The table of a text file, by what its beginning tells.
-fn text_table(mut input: impl Read, options: &LoadOptions) -> Result<Table, Problem> {
-    let mut start = Vec::new();
-    input
-        .by_ref()
-        .take(formats::MAGIC_BYTES)
-        .read_to_end(&mut start)?;
-    let input = start.as_slice().chain(input);
-    if json::is_json(&start) {
-        // Its values take several times the room of the text.
-        return match json::read(input, options.max_bytes / 8)? {
-            json::Content::Lines(layout, rows) => csv::read(layout, rows.as_bytes(), options),
-            json::Content::Columns(found) => variables::table(&found, options),
-        };
-    }
-    let mut rest = layout::text(input);
-    let head = layout::head(&mut rest)?;
-    if twincat::is_export(&head) {
-        return twincat::read(&head, rest, options);
-    }
-    let mut layout = layout::of(&head)?;
-    let samples = head.get(layout.skip..).unwrap_or_default();
-    let unnamed = match layout.headless {
-        true => headless::name(&mut layout, samples),
-        false => None,
-    };
-    csv::read(layout, samples.chain(rest), options).map_err(|problem| match (problem, unnamed) {
-        (Problem::Columns { .. }, Some(unnamed)) => unnamed,
-        (problem, _) => problem,
-    })
 }
 
 /// Reads a MATLAB v5 file from any stream; `name` stands in messages.
@@ -434,26 +363,12 @@ pub fn load_mat(
     name: &str,
     options: &LoadOptions,
 ) -> Result<Recording, RecordingError> {
-    mat_table(input, options)
+    read::mat(input, options)
         .and_then(|table| assemble(table, name, options))
         .map_err(|problem| RecordingError {
             file: name.into(),
             problem,
         })
-}
-
-fn mat_table(input: impl Read, options: &LoadOptions) -> Result<Table, Problem> {
-    let limit = options.max_bytes / 2;
-    let mut bytes = Vec::new();
-    let read = input
-        .take(limit.saturating_add(1))
-        .read_to_end(&mut bytes)?;
-    if read as u64 > limit {
-        let bytes = read as u64;
-        return Err(Problem::TooLarge { bytes, limit });
-    }
-    let found = mat::variables(&bytes, options)?;
-    variables::table(&found, options)
 }
 
 /// Turns a table into a recording: time, repairs, even samples, parts of the motion, sign, warnings.

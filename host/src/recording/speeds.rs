@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::known::Slot;
 use super::table::Data;
-use super::{EffortRole, LoadOptions, MotionKind, Needs, Problem, RecordingError, Warning, table};
+use super::{EffortRole, LoadOptions, MotionKind, Needs, Problem, RecordingError, Warning, read};
 
 /// Speeds and the effort that each took.
 #[derive(Clone, Debug)]
@@ -36,7 +36,7 @@ pub fn load_speeds(path: &Path, options: &LoadOptions) -> Result<Option<Speeds>,
         file: path.display().to_string(),
         problem,
     };
-    let mut table = match table(path, &options) {
+    let mut table = match read::file(path, &options) {
         Ok(table) => table,
         Err(
             problem @ (Problem::Cell { .. } | Problem::Ragged { .. } | Problem::Separator { .. }),

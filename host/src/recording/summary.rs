@@ -27,8 +27,8 @@ const LEAST_TRAVEL: f64 = 1e-10;
 /// Most effort by unit: a press's 10 MN, a slewing ring's 1 MN·m, an inverter's 2 kV; of currents those of 100 A, which few positioning axes
 /// have, where a drive that tells mA shows hundreds.
 const MOST_EFFORT: [(&str, f64); 4] = [("N", 1e7), ("Nm", 1e6), ("A", 100.0), ("V", 2e3)];
-/// Sample times that a recording of friction has (s).
-const SAMPLE_TIMES: std::ops::RangeInclusive<f64> = 1e-7..=1.0;
+/// Sample times that a recording of friction has (s): the slowest servos tell ten a second.
+const SAMPLE_TIMES: std::ops::RangeInclusive<f64> = 1e-7..=0.5;
 
 /// Three digits with the prefix that suits them.
 fn short(value: f64, unit: &str) -> String {
@@ -50,14 +50,14 @@ fn range(values: &[f64]) -> Option<(f64, f64)> {
     })
 }
 
-/// The column that a role is read from, and the mapping of a thousandth of it.
-fn in_thousandths(plan: &Plan, slot: Slot) -> Option<(String, String)> {
+/// The column that a role is read from, and the mapping of so many times what it is.
+fn rescaled(plan: &Plan, slot: Slot, scale: f64) -> Option<(String, String)> {
     let of = |slot| plan.sources.iter().find(|s| s.known.slot == slot);
     let source = of(slot).or(of(Slot::Step).filter(|_| slot == Slot::Time))?;
     let name = |&i: &usize| plan.names.get(i).map_or("", String::as_str);
     let term = |factor: f64, columns: &[usize]| {
         let columns: Vec<&str> = columns.iter().map(name).collect();
-        format!("{}*{}", 1e-3 * factor, columns.join("*"))
+        format!("{}*{}", scale * factor, columns.join("*"))
     };
     let terms: Vec<String> = source
         .terms
@@ -177,8 +177,8 @@ impl Recording {
         };
         let unit = self.position_unit();
         let (mut asked, mut maps) = (Vec::new(), Vec::new());
-        let mut ask = |found: String, slot: Slot, unit: &str| {
-            let Some((column, map)) = in_thousandths(plan, slot) else {
+        let mut ask = |found: String, slot: Slot, unit: &str, scale: f64| {
+            let Some((column, map)) = rescaled(plan, slot, scale) else {
                 return;
             };
             asked.push(format!(
@@ -192,16 +192,19 @@ impl Recording {
             true => Slot::Velocity,
             false => Slot::Position,
         };
-        if !SAMPLE_TIMES.contains(&self.sample_time_s) {
-            let found = format!("a sample every {} s", self.sample_time_s);
-            ask(found, Slot::Time, "ms");
+        let step = self.sample_time_s;
+        if !SAMPLE_TIMES.contains(&step) {
+            let units = [("ms", 1e-3), ("µs", 1e-6), ("ns", 1e-9)];
+            let of_step = units.iter().find(|u| u.1 * step <= *SAMPLE_TIMES.end());
+            let (unit, scale) = of_step.unwrap_or(&units[0]);
+            ask(format!("a sample every {step} s"), Slot::Time, unit, *scale);
         }
         if travel > most.travel {
-            ask(format!("a travel of {travel:.4} {unit}"), position, milli);
+            let found = format!("a travel of {travel:.4} {unit}");
+            ask(found, position, milli, 1e-3);
         } else if speed > most.speed {
             let found = format!("a speed of {speed:.4} {unit}/s");
-            ask(found.clone(), position, milli);
-            ask(found, Slot::Time, "ms");
+            ask(found, position, milli, 1e-3);
         }
         let effort = range(&self.effort).map_or(0.0, |(low, high)| high.max(-low));
         let of_unit = MOST_EFFORT.iter().find(|m| m.0 == self.effort_unit());
@@ -209,7 +212,7 @@ impl Recording {
             && effort > *most
         {
             let found = format!("a {} of {effort:.4} {unit}", self.role.name());
-            ask(found, Slot::Effort, &format!("m{unit}"));
+            ask(found, Slot::Effort, &format!("m{unit}"), 1e-3);
         }
         if travel > 0.0 && travel < LEAST_TRAVEL {
             asked.push(format!(

@@ -205,6 +205,17 @@ fn joint_states_echoed_as_csv_are_named_by_their_joints() {
     is_joint("one joint", &r, 1.0);
 }
 
+/// The same with a date for the time.
+fn rows_of_stamps() -> String {
+    let row = |i: i32| {
+        let (t, q, _, f) = joint(i);
+        format!(
+            "{{\"t\": \"2025-11-09T09:27:{t:06.3}Z\", \"state\": {{\"pos\": {q:.9}}}, \"torque\": [{f:.9}]}}"
+        )
+    };
+    (0..4000).map(row).collect::<Vec<_>>().join(",")
+}
+
 #[test]
 fn json_is_read_by_lines_rows_and_arrays() {
     let object = |(t, q, _, f): (f64, f64, f64, f64)| {
@@ -221,6 +232,7 @@ fn json_is_read_by_lines_rows_and_arrays() {
     for (name, json) in [
         ("lines", lines.clone()),
         ("rows", format!("[\n  {rows}\n]")),
+        ("stamps", format!("[{}]", rows_of_stamps())),
         (
             "rows within",
             format!("{{\"rate\": 500, \"samples\": [{rows}]}}"),
@@ -317,6 +329,18 @@ fn a_current_of_hundreds_is_asked_about_by_its_column_and_travel_is_counted() {
     let map = asked.maps[0].split_once('=').expect("a map");
     let r = text(&csv, &[map]).expect("as told");
     assert!(!warns(&r, "implausible") && r.in_one_line().contains("current ±"));
+    // A time in another unit is told by how long its steps are.
+    for (per_second, factor) in [(1e3, "0.001"), (1e6, "0.000001"), (1e9, "0.000000001")] {
+        let csv = joint_rows("t,q_rad,torque_Nm\n", |_, (t, q, _, f)| {
+            format!("{:.0},{q:.9},{f:.9}", per_second * t)
+        });
+        let r = text(&csv, &[]).expect("taken as seconds");
+        let asked = r.warnings.iter().find(|w| w.code == "implausible");
+        let map = format!("t_s={factor}*t");
+        assert_eq!(asked.expect("asked").maps, [map.as_str()]);
+        let map = map.split_once('=').expect("a map");
+        is_joint(factor, &text(&csv, &[map]).expect("as told"), 1.0);
+    }
     // What is no multiple of anything has no counts.
     let csv = joint_rows("t_s,q_rad,torque_Nm\n", |_, (t, q, _, f)| {
         format!("{t},{q},{f}")

@@ -1,0 +1,94 @@
+//! From a file or a stream to a table, by what the first bytes tell.
+
+use std::fs::File;
+use std::io::{Read, Seek};
+use std::path::Path;
+
+use super::table::Table;
+use super::{LoadOptions, Problem, csv, formats, headless, json, layout, twincat, variables};
+
+/// The columns of a file that the options ask for.
+pub(super) fn file(path: &Path, options: &LoadOptions) -> Result<Table, Problem> {
+    let mut file = File::open(path)?;
+    let bytes = file.metadata()?.len();
+    let mut start = Vec::new();
+    file.by_ref()
+        .take(formats::MAGIC_BYTES)
+        .read_to_end(&mut start)?;
+    let format = formats::of(&start);
+    let is_mat = super::mat::is_mat(&start)
+        || path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("mat"));
+    let limit = if is_mat || format.is_some() {
+        options.max_bytes / 2
+    } else {
+        options.max_bytes
+    };
+    if bytes > limit {
+        return Err(Problem::TooLarge { bytes, limit });
+    }
+    if let Some(format) = format {
+        file.rewind()?;
+        let input = formats::Input {
+            path,
+            file,
+            start: &start,
+            budget: options.max_bytes,
+        };
+        let found = formats::variables(format, input)?;
+        return variables::table(&found, options);
+    }
+    let input = start.as_slice().chain(file);
+    match is_mat {
+        true => mat(input, options),
+        false => text(input, options),
+    }
+}
+
+/// The table of a text file, by what its beginning tells.
+pub(super) fn text(mut input: impl Read, options: &LoadOptions) -> Result<Table, Problem> {
+    let mut start = Vec::new();
+    input
+        .by_ref()
+        .take(formats::MAGIC_BYTES)
+        .read_to_end(&mut start)?;
+    let input = start.as_slice().chain(input);
+    if json::is_json(&start) {
+        // Its values take several times the room of the text.
+        return match json::read(input, options.max_bytes / 8)? {
+            json::Content::Lines(layout, rows) => csv::read(layout, rows.as_bytes(), options),
+            json::Content::Columns(found) => variables::table(&found, options),
+        };
+    }
+    let mut rest = layout::text(input);
+    let head = layout::head(&mut rest)?;
+    if twincat::is_export(&head) {
+        return twincat::read(&head, rest, options);
+    }
+    let mut layout = layout::of(&head)?;
+    let samples = head.get(layout.skip..).unwrap_or_default();
+    let unnamed = match layout.headless {
+        true => headless::name(&mut layout, samples),
+        false => None,
+    };
+    csv::read(layout, samples.chain(rest), options).map_err(|problem| match (problem, unnamed) {
+        (Problem::Columns { .. }, Some(unnamed)) => unnamed,
+        (problem, _) => problem,
+    })
+}
+
+/// The table of a MATLAB file.
+pub(super) fn mat(input: impl Read, options: &LoadOptions) -> Result<Table, Problem> {
+    let limit = options.max_bytes / 2;
+    let mut bytes = Vec::new();
+    let read = input
+        .take(limit.saturating_add(1))
+        .read_to_end(&mut bytes)?;
+    if read as u64 > limit {
+        let bytes = read as u64;
+        return Err(Problem::TooLarge { bytes, limit });
+    }
+    let found = super::mat::variables(&bytes, options)?;
+    variables::table(&found, options)
+}
