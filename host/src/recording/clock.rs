@@ -1,5 +1,7 @@
 //! Time stamps that are written as a date or a time of day, in seconds from the day of the first.
 
+use super::Warning;
+
 /// Seconds of a day.
 const DAY: f64 = 86_400.0;
 
@@ -28,6 +30,24 @@ impl Clock {
         self.last = Some(seconds);
         Some(self.midnights + seconds)
     }
+}
+
+/// Seconds of one of what a stamp since 1970 counts, by how large it is: milliseconds, microseconds, nanoseconds; `None` where it is in seconds or
+/// no such stamp.
+pub(super) fn since_1970(stamp: f64) -> Option<f64> {
+    /// The years 2001 to 2286.
+    const SECONDS: std::ops::Range<f64> = 1e9..1e10;
+    [1e-3, 1e-6, 1e-9]
+        .into_iter()
+        .find(|unit| SECONDS.contains(&(unit * stamp)))
+}
+
+/// Says in what such stamps are taken.
+pub(super) fn said(unit: f64) -> Warning {
+    Warning::new(
+        "since-1970",
+        format!("the time counts since 1970 in units of {unit:e} s: taken as that"),
+    )
 }
 
 /// Days from a fixed one to a Gregorian `year-month-day`, `year/month/day` or `day.month.year`.

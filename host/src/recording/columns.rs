@@ -259,8 +259,8 @@ fn axis_and_role(
     }
     if needs != Needs::Speeds && of(Slot::Time).or(of(Slot::Step)).is_none() {
         complaints.push(match (of(Slot::Position), of(Slot::Velocity)) {
-            (None, Some(_)) => "no time (`t_s`, or the step `dt_s`; a table of speed and effort without time is for `preslide identify`)".into(),
-            _ => "no time (`t_s`, or the step `dt_s`)".into(),
+            (None, Some(_)) => "no time (`t_s`, or the step between samples `dt_s`, which may be a number; a table of speed and effort without time is for `preslide identify`)".into(),
+            _ => "no time (`t_s`, or the step between samples `dt_s`, which may be a number)".into(),
         });
     }
     let by_time = [Slot::Time, Slot::Step, Slot::Position]

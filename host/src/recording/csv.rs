@@ -3,7 +3,7 @@
 use std::io::Read;
 
 use super::LoadOptions;
-use super::clock::Clock;
+use super::clock::{self, Clock};
 use super::columns::{self, Plan};
 use super::error::Problem;
 use super::extra::Reading;
@@ -74,6 +74,8 @@ struct Rows {
     broken: (Option<Problem>, Vec<Broken>),
     /// For stamps that are dates or times of day.
     clock: Clock,
+    /// What the first stamp tells of those since 1970.
+    since_1970: Option<Option<f64>>,
 }
 
 impl Rows {
@@ -92,6 +94,7 @@ impl Rows {
             samples: 0,
             broken: (None, Vec::new()),
             clock: Clock::default(),
+            since_1970: None,
             plan,
             layout,
         }
@@ -143,9 +146,19 @@ impl Rows {
                     values.push(seconds);
                     Ok(())
                 }
-                Data::Numbers(values) => source
-                    .value(|column| number(cell(record, column), comma))
-                    .map(|value| values.push(value)),
+                Data::Numbers(values) => {
+                    let since_1970 = &mut self.since_1970;
+                    source
+                        .value(|column| {
+                            let value = number(cell(record, column), comma)?;
+                            let unit = match source.is_bare_time() {
+                                true => *since_1970.get_or_insert(clock::since_1970(value)),
+                                false => None,
+                            };
+                            Ok(value * unit.unwrap_or(1.0))
+                        })
+                        .map(|value| values.push(value))
+                }
             };
             if let Err((column, what)) = refused {
                 for data in &mut self.data[..k] {
@@ -219,6 +232,9 @@ impl Rows {
     }
 
     fn finish(mut self) -> Result<Table, Problem> {
+        if let Some(Some(unit)) = self.since_1970 {
+            self.plan.warnings.push(clock::said(unit));
+        }
         if let (Some(problem), mut rows) = self.broken {
             let end = rows.iter().rev();
             let footer = end.take_while(|row| row.samples == self.samples && !row.has_time);

@@ -37,6 +37,13 @@ impl Source {
         self.terms.iter().flat_map(|t| t.columns.iter().copied())
     }
 
+    /// A time whose unit nothing tells.
+    pub(super) fn is_bare_time(&self) -> bool {
+        let bare =
+            matches!(self.terms.as_slice(), [Term { factor: 1.0, columns }] if columns.len() == 1);
+        self.known.slot == Slot::Time && bare
+    }
+
     /// Its value, of those of the columns; or the column that has none, and why.
     pub(super) fn value(
         &self,

@@ -79,7 +79,7 @@ pub(super) fn propose(names: &Names, sources: &[Source], open: &[usize]) -> Vec<
         if slot == Slot::Time && found.is_none() {
             // Without a position it may be a table of speeds, which needs none.
             let is_table = has(Slot::Velocity) && !has(Slot::Position);
-            maps.extend((!is_table).then(|| "--map dt_s=SECONDS".to_owned()));
+            maps.extend((!is_table).then(|| "--map dt_s=0.001".to_owned()));
             continue;
         }
         if let (Slot::Effort, None, Some(sum)) = (slot, found, of_pressures(names, open)) {

@@ -1,6 +1,7 @@
 //! Files that hold variables by name (`.mat`, NPZ, Parquet and their like): which of them the recording is made of.
 
 use super::LoadOptions;
+use super::clock;
 use super::columns;
 use super::error::Problem;
 use super::expression::Term;
@@ -74,7 +75,12 @@ pub(super) fn table(variables: &[Variable], options: &LoadOptions) -> Result<Tab
     let mut found = Vec::new();
     let mut length: Option<(String, usize)> = None;
     for source in &plan.sources {
-        let (name, values) = sum(variables, source, &listing)?;
+        let (name, mut values) = sum(variables, source, &listing)?;
+        let since_1970 = values.first().copied().and_then(clock::since_1970);
+        if let Some(unit) = since_1970.filter(|_| source.is_bare_time()) {
+            values.iter_mut().for_each(|t| *t *= unit);
+            plan.warnings.push(clock::said(unit));
+        }
         match &length {
             // A number alone is the same for all samples.
             _ if source.terms.is_empty() => {}

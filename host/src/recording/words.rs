@@ -5,8 +5,8 @@ use super::units::{self, Unit};
 
 /// Words of quantities: as they stand alone or before a unit.
 #[rustfmt::skip]
-pub(super) const WORDS: [(&str, Slot); 67] = [
-    ("t", Slot::Time), ("time", Slot::Time), ("timestamp", Slot::Time), ("zeit", Slot::Time), ("stamp", Slot::Time),
+pub(super) const WORDS: [(&str, Slot); 68] = [
+    ("t", Slot::Time), ("time", Slot::Time), ("timestamp", Slot::Time), ("zeit", Slot::Time), ("stamp", Slot::Time), ("ts", Slot::Time),
     ("dt", Slot::Step), ("delta_t", Slot::Step), ("timestep", Slot::Step), ("time_step", Slot::Step), ("sample_time", Slot::Step), ("zeitschritt", Slot::Step),
     ("dtime", Slot::Step),
     ("x", Slot::Position), ("q", Slot::Position), ("pos", Slot::Position), ("position", Slot::Position), ("angle", Slot::Position),

@@ -127,12 +127,21 @@ fn a_time_step_a_row_and_a_stamp_in_parts_are_times() {
         format!("{q:.9},{f:.9}")
     });
     let e = text(&csv, &[]).expect_err("no time").to_string();
-    assert!(e.contains("--map dt_s=SECONDS"), "{e}");
+    assert!(e.contains("--map dt_s=0.001"), "{e}");
     is_joint(
         "a number",
         &text(&csv, &[("dt_s", "0.002")]).expect("a step"),
         1.0,
     );
+    // Since 1970, in whatever a tool counts it in.
+    for per_second in [1e3, 1e6, 1e9] {
+        let csv = joint_rows("timestamp,q_rad,torque_Nm\n", |_, (t, q, _, f)| {
+            format!("{:.0},{q:.9},{f:.9}", per_second * (1.764e9 + t))
+        });
+        let r = text(&csv, &[]).unwrap_or_else(|e| panic!("{per_second}: {e}"));
+        assert!(warns(&r, "since-1970") && !warns(&r, "implausible"));
+        is_joint("since 1970", &r, 1.0);
+    }
     for bad in ["0", "-0.002", "0*q_rad"] {
         assert!(text(&csv, &[("dt_s", bad)]).is_err(), "{bad}");
     }
