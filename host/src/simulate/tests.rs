@@ -225,7 +225,7 @@ fn wrong_axes_and_missing_columns_are_refused_with_a_remedy() {
     let error = load("t_s,x_m,force_N\n0,1,x\n1,2,2\n", Needs::Effort).expect_err("text");
     assert!(error.contains("line 2"), "{error}");
 
-    let ramp = load("t_s,force_N\n0,0\n1,0.1\n2,0.2\n", Needs::Effort).expect("valid");
+    let ramp = load("t_s,force_N\n0,0\n0.01,0.1\n0.02,0.2\n", Needs::Effort).expect("valid");
     assert!(
         ramp.position.is_empty() && ramp.warnings.is_empty(),
         "{:?}",
