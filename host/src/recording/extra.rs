@@ -101,8 +101,7 @@ impl Reading {
     /// Leaves out samples, ascending.
     pub(super) fn leave_out(&mut self, samples: &[usize]) {
         let out = |i: usize| samples.binary_search(&i).is_ok();
-        let mut at = 0..;
-        self.values.retain(|_| at.next().is_none_or(|i| !out(i)));
+        lost::leave_out(&mut self.values, samples);
         let before = |i: usize| samples.partition_point(|&s| s < i);
         self.broken.1.retain(|&i| !out(i));
         self.broken.1.iter_mut().for_each(|i| *i -= before(*i));

@@ -84,17 +84,12 @@ fn guess(columns: &[Vec<f64>]) -> Vec<String> {
     let Some(position) = position else {
         return Vec::new();
     };
-    maps.push(format!(
-        "{}{}",
-        match travel(&columns[position]) {
-            x if x > MOST_METRES => "q_rad=",
-            _ => "x_m=",
-        },
-        match travel(&columns[position]) {
-            x if x > MOST_RADIANS => format!("{}[deg]", name(position)),
-            _ => name(position),
-        }
-    ));
+    let (target, unit) = match travel(&columns[position]) {
+        x if x > MOST_RADIANS => ("q_rad", "[deg]"),
+        x if x > MOST_METRES => ("q_rad", ""),
+        _ => ("x_m", ""),
+    };
+    maps.push(format!("{target}={}{unit}", name(position)));
     let is_motion =
         |i: usize| i == position || moves.is_some_and(|m| m.1 == i) || alike(columns, i, position);
     let Some(effort) = open.iter().rev().copied().find(|&i| !is_motion(i)) else {
@@ -120,6 +115,11 @@ fn steps(values: &[f64]) -> Vec<f64> {
     values.windows(2).map(|p| p[1] - p[0]).collect()
 }
 
+fn ascending(mut values: Vec<f64>) -> Vec<f64> {
+    values.sort_by(f64::total_cmp);
+    values
+}
+
 fn is_whole(values: &[f64]) -> bool {
     values.iter().all(|v| v.fract() == 0.0)
 }
@@ -132,8 +132,7 @@ fn is_counter(values: &[f64]) -> bool {
 /// It rises in steps of one length, but for some jitter.
 fn is_clock(values: &[f64]) -> bool {
     const JITTER: f64 = 0.5;
-    let mut sorted = steps(values);
-    sorted.sort_by(f64::total_cmp);
+    let sorted = ascending(steps(values));
     let [first, .., last] = sorted.as_slice() else {
         return false;
     };
@@ -145,8 +144,7 @@ fn is_clock(values: &[f64]) -> bool {
 
 /// A clock's column times what makes seconds of it, by the usual rates of 20 Hz to 20 kHz.
 fn in_seconds(values: &[f64], name: &str) -> String {
-    let mut sorted = steps(values);
-    sorted.sort_by(f64::total_cmp);
+    let sorted = ascending(steps(values));
     let step = sorted[sorted.len() / 2];
     match step {
         s if s <= 0.2 && !is_whole(values) => name.to_owned(),

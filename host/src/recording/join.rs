@@ -1,7 +1,7 @@
 //! Several recordings of one machine as one.
 
 use super::checks::{self, FLIPPED};
-use super::{Recording, Warning, extra, segments, timing};
+use super::{EffortRole, MotionKind, Recording, Warning, extra, segments, timing};
 
 /// Code of the warning that names columns which not all recordings have.
 pub const DROPPED: &str = "columns-dropped";
@@ -14,6 +14,22 @@ pub const FLIPPED_ALIKE: &str = "effort-sign-alike";
 
 /// Sample times within this ratio are one rate.
 const SAME_RATE: f64 = 1.1;
+
+/// Refuses to pool two files, by their names, of which one moves or is driven otherwise than the other.
+pub(super) fn one_machine(
+    what: &str,
+    [name, next_name]: [&str; 2],
+    [own, next]: [(MotionKind, EffortRole); 2],
+) -> Result<(), String> {
+    if own == next {
+        return Ok(());
+    }
+    let [is, next_is] =
+        [own, next].map(|(kind, role)| format!("{} with a {}", kind.name(), role.name()));
+    Err(format!(
+        "{name} is {is}, {next_name} is {next_is}: they are not of one machine; give {what} with the same columns"
+    ))
+}
 
 impl Recording {
     /// Joins recordings of one machine, in order; segments and repeats are numbered on.
@@ -28,17 +44,12 @@ impl Recording {
         let mut whole = rest.next().ok_or("no recording given")?;
         whole.warnings.extend(turned);
         for next in rest {
-            if (next.kind, next.role) != (whole.kind, whole.role) {
-                return Err(format!(
-                    "{} is {} with a {}, {} is {} with a {}: they are not of one machine; give recordings with the same columns",
-                    whole.name,
-                    whole.kind.name(),
-                    whole.role.name(),
-                    next.name,
-                    next.kind.name(),
-                    next.role.name(),
-                ));
-            }
+            let of = |r: &Recording| (r.kind, r.role);
+            one_machine(
+                "recordings",
+                [&whole.name, &next.name],
+                [&whole, &next].map(of),
+            )?;
             let ratio = next.sample_time_s / whole.sample_time_s;
             if !(1.0 / SAME_RATE..SAME_RATE).contains(&ratio) {
                 whole.warnings.push(Warning::new(

@@ -112,20 +112,24 @@ fn lines(text: &str) -> Option<Content> {
     Some(Content::Lines(layout, written))
 }
 
-/// The values that are no objects nor arrays, by the names of all that they are in.
-fn flatten(name: String, value: &Value, take: &mut impl FnMut(String, &Value)) {
-    let within = |part: &str| match name.as_str() {
+/// The name of a part of what has that name.
+fn within(name: &str, part: &str) -> String {
+    match name {
         "" => part.to_owned(),
         name => format!("{name}.{part}"),
-    };
+    }
+}
+
+/// The values that are no objects nor arrays, by the names of all that they are in.
+fn flatten(name: String, value: &Value, take: &mut impl FnMut(String, &Value)) {
     match value {
         Value::Object(members) => members
             .iter()
-            .for_each(|(key, value)| flatten(within(key), value, take)),
+            .for_each(|(key, value)| flatten(within(&name, key), value, take)),
         Value::Array(elements) if elements.len() <= MOST_ELEMENTS => elements
             .iter()
             .enumerate()
-            .for_each(|(i, value)| flatten(within(&i.to_string()), value, take)),
+            .for_each(|(i, value)| flatten(within(&name, &i.to_string()), value, take)),
         Value::Array(_) => {}
         value => take(name, value),
     }
@@ -203,11 +207,7 @@ fn arrays(name: String, value: &Value, found: &mut Vec<Variable>) {
     match value {
         Value::Object(members) => {
             for (key, value) in members {
-                let name = match name.as_str() {
-                    "" => key.clone(),
-                    name => format!("{name}.{key}"),
-                };
-                arrays(name, value, found);
+                arrays(within(&name, key), value, found);
             }
         }
         Value::Array(elements) => {

@@ -39,9 +39,12 @@ impl Source {
 
     /// A time whose unit nothing tells.
     pub(super) fn is_bare_time(&self) -> bool {
-        let bare =
-            matches!(self.terms.as_slice(), [Term { factor: 1.0, columns }] if columns.len() == 1);
-        self.known.slot == Slot::Time && bare
+        self.known.slot == Slot::Time && self.is_one_column()
+    }
+
+    /// A column as it stands, but for an offset.
+    fn is_one_column(&self) -> bool {
+        matches!(self.terms.as_slice(), [Term { factor: 1.0, columns }] if columns.len() == 1)
     }
 
     /// Its value, of those of the columns; or the column that has none, and why.
@@ -163,8 +166,7 @@ impl Names<'_> {
         if source.terms.is_empty() && source.offset <= 0.0 {
             return Err(fail("a time step is above 0 s".into()));
         }
-        let plain = matches!(source.terms.as_slice(), [Term { factor: 1.0, columns }] if columns.len() == 1);
-        if known.slot.is_label() && !(plain && source.offset == 0.0) {
+        if known.slot.is_label() && !(source.is_one_column() && source.offset == 0.0) {
             return Err(fail(
                 "segments and repeats are numbers of parts; map one column without a factor".into(),
             ));

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use super::dropouts::extremes;
+use super::join::one_machine;
 use super::known::Slot;
 use super::table::Data;
 use super::{EffortRole, LoadOptions, MotionKind, Needs, Problem, RecordingError, Warning, read};
@@ -78,6 +80,11 @@ pub fn load_speeds(path: &Path, options: &LoadOptions) -> Result<Option<Speeds>,
 }
 
 impl Speeds {
+    /// Lowest and highest velocity (m/s or rad/s) and effort.
+    pub fn ranges(&self) -> [(f64, f64); 2] {
+        [&self.velocity, &self.effort].map(|values| extremes(values))
+    }
+
     /// The tables of one machine as one.
     ///
     /// # Errors
@@ -86,17 +93,8 @@ impl Speeds {
         let mut rest = tables.into_iter();
         let mut whole = rest.next().ok_or("no table given")?;
         for next in rest {
-            if (next.kind, next.role) != (whole.kind, whole.role) {
-                return Err(format!(
-                    "{} is {} with a {}, {} is {} with a {}: they are not of one machine; give tables with the same columns",
-                    whole.name,
-                    whole.kind.name(),
-                    whole.role.name(),
-                    next.name,
-                    next.kind.name(),
-                    next.role.name(),
-                ));
-            }
+            let of = |t: &Speeds| (t.kind, t.role);
+            one_machine("tables", [&whole.name, &next.name], [&whole, &next].map(of))?;
             whole.name = format!("{}, {}", whole.name, next.name);
             whole.velocity.extend(next.velocity);
             whole.effort.extend(next.effort);

@@ -153,11 +153,9 @@ fn leave_out_broken(
     }
     let places: Vec<u64> = broken.iter().map(|&i| i as u64 + 1).collect();
     warnings.push(lost::said("element", &places, &problem.found()));
-    let kept = |values: &mut Vec<f64>| {
-        let mut at = 0..;
-        values.retain(|_| at.next().is_none_or(|i| broken.binary_search(&i).is_err()));
-    };
-    found.iter_mut().for_each(|(_, values)| kept(values));
+    for (_, values) in found.iter_mut() {
+        lost::leave_out(values, &broken);
+    }
     let same = extra.iter_mut().filter(|e| e.values.len() == samples);
     same.for_each(|e| e.leave_out(&broken));
     let after = broken.iter().enumerate();

@@ -94,7 +94,6 @@ impl SpeedTable {
             .iter()
             .map(|(name, e)| (key(self.speeds.kind, name).to_owned(), json!(e)))
             .collect();
-        let warnings = self.speeds.warnings.iter().map(ToString::to_string);
         json!({
             "schema": "preslide.identification/1",
             "recording": self.speeds.name,
@@ -119,7 +118,7 @@ impl SpeedTable {
                 "nmse_test": self.nmse_held_out,
             }],
             "recommended": { "kind": "coulomb", "blocks": 0, "reason": self.recommendation() },
-            "warnings": warnings.chain(self.notes()).collect::<Vec<_>>(),
+            "warnings": self.warnings().chain(self.notes()).collect::<Vec<_>>(),
             "seconds": seconds,
         })
     }
@@ -142,14 +141,13 @@ impl SpeedTable {
             of(&self.speeds.effort),
         ))
         .with(Series::line(self.law(), v, of(&self.fitted)).emphasis(Emphasis::Strong));
-        let warnings = self.speeds.warnings.iter().map(ToString::to_string);
         Page {
             title: format!("Identification of {}", self.speeds.name),
             lead: self.recommendation(),
             command,
             sections: vec![Section {
                 heading: "Friction".to_owned(),
-                paragraphs: warnings.chain(self.notes()).collect(),
+                paragraphs: self.warnings().chain(self.notes()).collect(),
                 tables: vec![self.table()],
                 figures: vec![figure],
             }],
@@ -158,14 +156,7 @@ impl SpeedTable {
 
     /// Rows, speeds and efforts in one line, as of recordings.
     pub fn in_one_line(&self) -> String {
-        let range = |values: &[f64]| {
-            let finite = values.iter().copied();
-            finite.fold((f64::INFINITY, f64::NEG_INFINITY), |r, v| {
-                (r.0.min(v), r.1.max(v))
-            })
-        };
-        let (slow, fast) = range(&self.speeds.velocity);
-        let (low, high) = range(&self.speeds.effort);
+        let [(slow, fast), (low, high)] = self.speeds.ranges();
         format!(
             "{}   {} rows without time · {} to {} {} · {} {} to {} {}",
             self.speeds.name,
