@@ -294,7 +294,7 @@ fn a_map_adds_up_products_of_columns() {
     let csv = "Zeit [s];Weg [mm];pA [bar];pB [bar]\n0,00;10,0;4,25;5,00\n0,01;10,5;4,50;5,25\n0,02;11,0;4,75;5,00\n";
     let e = text(csv, &[]).expect_err("no effort").to_string();
     assert!(
-        e.contains("--map 'force_N=AREA*pA [bar]-AREA*pB [bar]'"),
+        e.contains("--map 'force_N=1e5*AREA_M2*pA [bar]-1e5*AREA_M2*pB [bar]'"),
         "{e}"
     );
     for map in [
