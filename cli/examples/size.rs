@@ -91,7 +91,7 @@ fn answer(text: String) -> Result<Answer, String> {
     let identifying = lap();
     let mass = found.best().rigid_body.iter().find(|p| p.0 == "mass");
     let mass = mass.map_or(f64::NAN, |m| m.1.value);
-    let found = diagnose(&recording, None, &quiet("diagnose")).map_err(|e| e.to_string())?;
+    let found = diagnose(&recording, None, None, &quiet("diagnose")).map_err(|e| e.to_string())?;
     let diagnosing = lap();
     let names = found.confident().map(|e| e.id()).collect();
     let few = shortened(&recording, &Options::default());

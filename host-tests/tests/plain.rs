@@ -17,6 +17,7 @@ use preslide_host::simulate;
 use preslide_host_tests::shared;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use std::sync::Arc;
 
 /// 0.12 kg·m² with two blocks of 1.1 N·m, and a force of the position.
 struct Machine {
@@ -271,9 +272,10 @@ fn what_the_fit_cannot_explain_is_not_consistent() {
         return;
     };
     let progress = Progress::new("test", 0);
-    let alone = diagnose(&recording, None, &progress).unwrap_or_else(|e| panic!("{e}"));
+    let alone = diagnose(&recording, None, None, &progress).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(alone.verdict, Verdict::Consistent);
-    let found = alone.beside(Fit::of(&recording));
+    let fit = Some(Arc::new(Fit::of(&recording)));
+    let found = diagnose(&recording, None, fit, &progress).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(found.verdict, Verdict::InsufficientData);
     assert!(found.verdict_words(&recording).contains("the fit leaves"));
 }
@@ -299,7 +301,7 @@ fn stick_and_slip_is_told_by_its_levels() {
     if let Some(recording) = case("hunting_at_rest.csv") {
         let progress = Progress::new("test", 0);
         let identified = identify(&recording, &Options::default(), &progress).err();
-        let diagnosed = diagnose(&recording, None, &progress)
+        let diagnosed = diagnose(&recording, None, None, &progress)
             .err()
             .map(|e| e.to_string());
         for said in [identified, diagnosed] {

@@ -104,7 +104,7 @@ impl Demo {
     ) -> Result<(Diagnosis, Model), Failure> {
         say!("\n3. What is missing: preslide diagnose, from that recording and that model alone\n");
         let progress = Progress::new("diagnose, steps of the search", 0);
-        let diagnosis = diagnose(recording, Some(before), &progress)?;
+        let diagnosis = diagnose(recording, Some(before), None, &progress)?;
         progress.finish();
         say!("{}\n", diagnosis.verdict_words(recording));
         say!("{}", diagnosis.table(recording).to_text());

@@ -9,6 +9,7 @@ use preslide_host::model::Model;
 use preslide_host::progress::Progress;
 use preslide_host::recording::{Recording, Simulated};
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Where recording and model differ, what physics is missing, and the proof
@@ -65,13 +66,16 @@ impl Diagnose {
         let model = self.model.as_deref().map(Model::load).transpose()?;
         // However many samples there are: what is said must not turn on the length of the recording.
         let loaded = self.recordings.load()?;
-        let fit = self.simulated.is_empty().then(|| Fit::of(&loaded));
+        let fit = self
+            .simulated
+            .is_empty()
+            .then(|| Arc::new(Fit::of(&loaded)));
         let mut recording = thin(loaded, 0);
         let simulated = self.take_simulated(&mut recording)?;
         let progress = Progress::new("diagnose, steps of the search", 0);
         let found = match simulated {
             Some(simulated) => diagnose_simulation(&recording, simulated, &progress),
-            None => diagnose(&recording, model.as_ref(), &progress),
+            None => diagnose(&recording, model.as_ref(), fit.clone(), &progress),
         };
         let found = match found {
             Ok(found) => found,
@@ -82,7 +86,7 @@ impl Diagnose {
                 });
                 self.outputs.write_json(&answer)?;
                 // Why there is none is said once.
-                if let Some(fit) = fit.filter(Fit::is_found) {
+                if let Some(fit) = fit.filter(|fit| fit.is_found()) {
                     say!("Note: {}.", fit.words(&recording));
                 }
                 return Err(Failure::Data(format!("insufficient-data: {message}")));
@@ -90,10 +94,6 @@ impl Diagnose {
             Err(refusal) => return Err(refusal.into()),
         };
         progress.finish();
-        let found = match fit {
-            Some(fit) => found.beside(fit),
-            None => found,
-        };
         say!("{}\n", found.verdict_words(&recording));
         if let Some(fit) = &found.fit {
             say!("Note: {}.\n", fit.words(&recording));

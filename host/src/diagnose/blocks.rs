@@ -5,13 +5,15 @@
 
 use super::effect::grid::spread;
 use super::signals::Signals;
-use crate::signal::{Deflection, LATE};
+use crate::signal::{Deflection, LATE, step_at_reversals};
 use crate::statistics::quantile_between_ranks;
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 /// Blocks of the over-resolved core: error of the hysteresis core is the main impostor of other physics, and an earlier engine named
-/// 45 % of simulated effects with the paper's six blocks, 71 % with 24.
-const CORE: usize = 24;
+/// 45 % of simulated effects with the paper's six blocks, 71 % with 24. More where displacements of more decades are resolved.
+const CORE: RangeInclusive<f64> = 24.0..=36.0;
+/// Ratio of neighbours that is wanted.
+const RATIO: f64 = 1.3;
 /// Bristles beside them.
 const BRISTLES: usize = 12;
 /// Longest yield displacement over the longest relaxation length: a bristle slips after some three of its lengths.
@@ -86,19 +88,39 @@ pub fn lengths(yields: &[f64]) -> Vec<f64> {
     })
 }
 
-/// Log-spaced yields from what a typical sample moves to the share [`LATE`] of the travel.
-pub fn yields(s: &Signals) -> Vec<f64> {
+/// Log-spaced yields from what a typical slow sample moves, or one near a reversal, to the share [`LATE`] of the travel, with those of a fit
+/// in the places of their neighbours: a block that lies between two of the grid leaves an error that looks like creep or delay.
+pub fn yields(s: &Signals, fitted: &[f64]) -> Vec<f64> {
     let steps: Vec<f64> =
         s.x.windows(2)
             .map(|p| (p[1] - p[0]).abs())
             .filter(|d| *d > 0.0)
             .collect();
     let long = LATE * s.travel();
-    let short = (0.5 * quantile_between_ranks(&steps, 0.1))
+    let typical = quantile_between_ranks(&steps, 0.1);
+    let local = step_at_reversals(&s.x, &s.pieces, s.turns());
+    let short = (0.5 * local.unwrap_or(typical).min(typical))
         .max(quantile_between_ranks(&steps, 0.0))
         .min(long / 10.0)
         .max(long / 3e4);
-    spread(short, long, CORE)
+    let wanted = ((long / short).ln() / RATIO.ln()).ceil();
+    let count = wanted.clamp(*CORE.start(), *CORE.end()) as usize;
+    let grid = spread(short, long, count);
+    with(grid, fitted)
+}
+
+/// The yields of a grid, each of those `fitted` within it in place of what lies closer to it than half a step.
+fn with(mut grid: Vec<f64>, fitted: &[f64]) -> Vec<f64> {
+    let [.., before, long] = grid[..] else {
+        return grid;
+    };
+    let (short, half_a_step) = (grid[0], 0.5 * (long / before).ln());
+    for &d in fitted.iter().filter(|d| (short..=long).contains(*d)) {
+        grid.retain(|g| (g / d).ln().abs() > half_a_step);
+        grid.push(d);
+    }
+    grid.sort_by(f64::total_cmp);
+    grid
 }
 
 #[cfg(test)]

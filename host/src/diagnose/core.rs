@@ -36,9 +36,9 @@ pub struct Core {
 }
 
 impl Core {
-    /// Blocks and bristles whose lengths a recording can tell.
-    pub fn new(rows: &Rows) -> Self {
-        let yields = yields(&rows.s);
+    /// Blocks and bristles whose lengths a recording can tell, blocks of the yields `fitted` (m or rad) among them.
+    pub fn new(rows: &Rows, fitted: &[f64]) -> Self {
+        let yields = yields(&rows.s, fitted);
         let bristles = lengths(&yields);
         let (fine, pieces) = between_samples(&rows.s);
         let blocks = yields.par_iter().map(|&d| deflection(&fine, &pieces, d));

@@ -1,9 +1,11 @@
 //! The model file that a diagnosis ends in: the confident effects on the user's own model with its parameters refitted, or on the refitted core.
 
 use super::effect::ALWAYS_FREE;
+use super::given::Given;
 use super::ground::{Ground, Hypothesis};
 use super::modelled::effort_of;
 use super::parameters::parameters;
+use super::term::Term;
 use super::verdict::{Diagnosis, Name};
 use super::weak::Column;
 use crate::friction::{FrictionModel, MOST_BLOCKS};
@@ -31,7 +33,7 @@ struct Candidate {
 }
 
 impl Diagnosis {
-    /// The extended model: never one that leaves more on rows held out than the model that was given. Against a simulation the effects are
+    /// The extended model, of the user's or of the fit's: never one that leaves more on rows held out than that. Against a simulation the effects are
     /// what it lacks, and inertia and friction are the recording's own, which their levels refer to.
     pub fn extended_model(&self, recording: &Recording, user: Option<&Model>) -> Extended {
         let ground = &self.ground;
@@ -44,10 +46,14 @@ impl Diagnosis {
         let refitted = ground.fit(&terms);
         let state = refitted.as_ref().unwrap_or(&self.states[1]);
         let core = self.on_the_core(state, recording, user);
-        let (Some(user), Some(given)) = (user, &self.given_model) else {
+        let recording = &recording.at_one_rate();
+        let of_fit = self.fit.as_ref().and_then(|fit| fit.model());
+        let judged = of_fit.filter(|_| user.is_none());
+        let judged = judged.and_then(|m| Given::of(ground, &self.states[1], recording, m));
+        let own = user.zip(self.given_model.as_ref());
+        let Some((user, given)) = own.or_else(|| of_fit.zip(judged.as_ref())) else {
             return core;
         };
-        let recording = &recording.at_one_rate();
         let nmse = |model: &Model| {
             let modelled = ground.rows.weak.rows(&effort_of(model, recording).ok()?);
             let measured = ground.rows.weak.rows(&Column::of(recording.effort.clone()));
@@ -82,7 +88,11 @@ impl Diagnosis {
     /// The confident effects on the user's own friction law, its parameters refitted.
     fn on_their_own(&self, state: &Hypothesis, mut model: Model, user: &Model) -> Extended {
         let mut refused = Vec::new();
-        for index in self.given..state.terms.len() {
+        let in_fit = |term: &Term| {
+            let mut own = self.effects.iter().filter(|e| e.in_fit);
+            own.any(|e| e.term.as_ref().is_some_and(|own| own.is_like(term)))
+        };
+        for index in (self.given..state.terms.len()).filter(|i| !in_fit(&state.terms[*i])) {
             enter(&self.ground, state, index, &mut model, &mut refused);
         }
         self.enter_shift(&mut model, &mut refused);

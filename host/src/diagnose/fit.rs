@@ -1,12 +1,35 @@
 //! The fit that every command tells, beside a diagnosis: what `identify` prints of the same recording.
 
+use super::effect::{
+    Effect, constant_force::ConstantForce, gravity::Gravity, position_spring::PositionSpring,
+    viscous::Viscous, viscous_asymmetry::ViscousAsymmetry,
+};
+use super::term::{Subject, Term};
+use crate::identify::plain::Place;
 use crate::identify::{Identification, MANY, Options, STEPS, identify, thinned};
+use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::Recording;
 use serde_json::Value;
 
 /// What `identify` finds in a recording, or why it finds nothing.
 pub struct Fit(Result<Identification, String>);
+
+/// What a diagnosis without a model begins with, so that it says what the fit lacks.
+#[derive(Clone, Default)]
+pub struct Known {
+    /// Its plain physics.
+    pub terms: Vec<Term>,
+    /// Yield displacements of its blocks (m or rad).
+    pub yields: Vec<f64>,
+}
+
+impl Known {
+    /// Whether a term is of the fit's physics.
+    pub fn has(&self, term: &Term) -> bool {
+        self.terms.iter().any(|known| known.is_like(term))
+    }
+}
 
 impl Fit {
     /// Fits a recording as it was loaded, over the same rows as `identify`.
@@ -22,6 +45,43 @@ impl Fit {
     /// Whether there is one.
     pub fn is_found(&self) -> bool {
         self.0.is_ok()
+    }
+
+    /// What it has.
+    pub(super) fn known(&self) -> Known {
+        let Ok(found) = &self.0 else {
+            return Known::default();
+        };
+        let plain = found.plain;
+        let mut terms: Vec<Term> = Vec::new();
+        let mut has = |effect: &'static dyn Effect, shape: &[f64]| {
+            terms.push(Term::new(Subject::Effect(effect), shape));
+        };
+        if plain.viscous {
+            has(&Viscous, &[]);
+        }
+        if plain.by_direction {
+            has(&ViscousAsymmetry, &[]);
+        }
+        match plain.place {
+            // Its free centre holds the constant force.
+            Place::Spring => has(&PositionSpring, &[1.0]),
+            Place::Gravity => {
+                has(&ConstantForce, &[]);
+                has(&Gravity, &[]);
+            }
+            Place::Nowhere => has(&ConstantForce, &[]),
+        }
+        let blocks = found.best().blocks.iter();
+        Known {
+            terms,
+            yields: blocks.map(|(_, yields)| yields.value).collect(),
+        }
+    }
+
+    /// The model that it recommends.
+    pub(super) fn model(&self) -> Option<&Model> {
+        self.0.as_ref().ok().map(|found| &found.best().model)
     }
 
     /// The object `fit` of every command; null where there is none.

@@ -8,18 +8,20 @@ use super::modelled::effort_of;
 use super::normal::{Bound, Normal};
 use super::term::{Subject, Term};
 use super::weak::Column;
+use crate::effects::form;
 use crate::friction::FrictionModel;
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::statistics::{Estimate, jackknife};
 
 /// Keys of an effect's size, to which its force is in proportion.
-const SIZES: [&str; 7] = [
+const SIZES: [&str; 8] = [
     "force_N",
     "level",
     "asymmetry",
     "stiffness_N_per_m",
     "drag_N_s2_per_m2",
+    "half_difference_N_s_per_m",
     "level_per_K",
     "level_per_N",
 ];
@@ -146,6 +148,17 @@ impl Given {
     }
 }
 
+/// Whether a term is one of a model's own parts.
+fn is_among(term: &Term, shares: &[Share]) -> bool {
+    let id = term.effect().map_or("", |effect| effect.id());
+    shares.iter().any(|share| match share.part {
+        Part::Viscous | Part::ViscousOf(_) => id == form::VISCOUS.id,
+        Part::Constant => id == form::CONSTANT_FORCE.id,
+        Part::Effect(_) => share.key.split('.').next() == Some(id),
+        Part::Inertia | Part::Level => false,
+    })
+}
+
 /// Measured less modelled.
 fn left(measured: &[f64], modelled: &[f64]) -> Vec<f64> {
     measured.iter().zip(modelled).map(|(m, f)| m - f).collect()
@@ -243,7 +256,7 @@ impl Fit {
         let named = extended
             .terms
             .iter()
-            .filter(|t| !t.given && t.effect().is_some() && !t.is_delay());
+            .filter(|t| !t.given && t.effect().is_some() && !t.is_delay() && !is_among(t, &shares));
         let mut columns: Vec<Vec<f64>> = shares.iter().map(|s| s.force.clone()).collect();
         for term in named.chain([&delay]) {
             columns.extend(ground.columns(term).iter().cloned());

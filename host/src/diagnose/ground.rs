@@ -79,12 +79,10 @@ pub struct Nmse {
 }
 
 impl Ground {
-    /// Finds friction and noise of a recording, with the terms of a model that is given.
-    ///
-    /// # Errors
-    /// What the recording lacks.
-    pub fn new(rows: Rows, given: &[Term]) -> Option<Self> {
-        let core = Core::new(&rows);
+    /// Finds friction and noise of a recording, beside the terms of a model that is given and blocks of the yields `fitted` among others (m
+    /// or rad); `None` where the motion does not tell them.
+    pub fn new(rows: Rows, given: &[Term], fitted: &[f64]) -> Option<Self> {
+        let core = Core::new(&rows, fitted);
         let course_less = Baseline::default();
         let noise = Noise::white(
             &rows.target,
@@ -325,9 +323,12 @@ impl Ground {
         self.fit_columns(&self.noise, terms, &[], |t| self.bound(t))
     }
 
-    /// The same for the terms of a user's model, whose signs are the user's.
+    /// The same with the signs of a user's model as they are.
     pub fn fit_as_given(&self, terms: &[Term]) -> Option<Hypothesis> {
-        self.fit_columns(&self.noise, terms, &[], |_| Bound::Free)
+        self.fit_columns(&self.noise, terms, &[], |t| match t.given {
+            true => Bound::Free,
+            false => self.bound(t),
+        })
     }
 
     /// Fits core and terms, all rows alike.

@@ -54,12 +54,13 @@ use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::{Recording, Simulated};
 use crate::signal::StickSlip;
-use fit::Fit;
+use fit::{Fit, Known};
 use ground::Ground;
 use reproduced::Reproduced;
 use rows::Rows;
 use shift::Shift;
 use std::ops::Range;
+use std::sync::Arc;
 use term::Term;
 use thiserror::Error;
 pub use verdict::Diagnosis;
@@ -77,17 +78,31 @@ pub enum Refusal {
     Data(String),
 }
 
-/// Diagnoses a recording against a model, or against rigid body and GMS alone.
+/// Diagnoses a recording against a model; without one against what the fit has, or against rigid body and GMS alone. What the fit cannot
+/// explain is not consistent with anything.
 ///
 /// # Errors
 /// [`Refusal`], with what to do.
 pub fn diagnose(
     recording: &Recording,
     model: Option<&Model>,
+    fit: Option<Arc<Fit>>,
     progress: &Progress,
 ) -> Result<Diagnosis, Refusal> {
+    let known = fit.as_ref().filter(|_| model.is_none());
+    let known = known.map(|fit| fit.known()).unwrap_or_default();
     // The weak form has one kernel for all pieces.
-    judge(&recording.at_one_rate(), model, None, progress)
+    let recording = recording.at_one_rate();
+    let mut found = judge(&recording, model, &known, None, progress)?;
+    found.doubt = fit
+        .as_ref()
+        .and_then(|fit| fit.doubt(EXPLAINS_LITTLE))
+        .filter(|_| found.verdict == Verdict::Consistent);
+    if found.doubt.is_some() {
+        found.verdict = Verdict::InsufficientData;
+    }
+    found.fit = fit;
+    Ok(found)
 }
 
 /// Diagnoses a recording against a simulation of the user's own: what lies between the two is inertia, friction and effects, each of
@@ -102,14 +117,16 @@ pub fn diagnose_simulation(
 ) -> Result<Diagnosis, Refusal> {
     let (position, effort) = match simulated {
         Simulated::Effort(effort) => {
-            return judge(recording, None, Some((&Column::of(effort), 0.0)), progress);
+            let simulated = Some((&Column::of(effort), 0.0));
+            return judge(recording, None, &Known::default(), simulated, progress);
         }
         Simulated::Motion { position, effort } => (position, effort),
     };
     let own = recording.of_simulation(&position, effort.as_deref());
     let reproduced = Reproduced::of(&own, progress)?;
     let effort = reproduced.effort(recording)?;
-    let mut found = judge(recording, None, Some((&effort, reproduced.nmse)), progress)?;
+    let simulated = Some((&effort, reproduced.nmse));
+    let mut found = judge(recording, None, &Known::default(), simulated, progress)?;
     if found.verdict != Verdict::Consistent && reproduced.misses_too_much(found.baseline.test) {
         return Err(Refusal::Data(format!(
             "{}: {}; the mismatch is {:.3} % and may be that. Prescribe the recorded motion in the simulation instead (inverse dynamics: a motion-actuated joint of Simscape, `mj_inverse` of MuJoCo, a stiff position controller in any other) and log the {} that it takes",
@@ -123,23 +140,10 @@ pub fn diagnose_simulation(
     Ok(found)
 }
 
-impl Diagnosis {
-    /// Beside the fit: what that cannot explain is not consistent with anything.
-    pub fn beside(mut self, fit: Fit) -> Self {
-        self.doubt = fit
-            .doubt(EXPLAINS_LITTLE)
-            .filter(|_| self.verdict == Verdict::Consistent);
-        if self.doubt.is_some() {
-            self.verdict = Verdict::InsufficientData;
-        }
-        self.fit = Some(fit);
-        self
-    }
-}
-
 fn judge(
     recording: &Recording,
     model: Option<&Model>,
+    known: &Known,
     simulated: Option<(&Column, f64)>,
     progress: &Progress,
 ) -> Result<Diagnosis, Refusal> {
@@ -160,10 +164,11 @@ fn judge(
             recording.name
         ))
     };
+    let beside = [given.as_slice(), &known.terms].concat();
     let ground_of = |recording: &Recording, outside: &[Range<usize>]| {
         let rows = Rows::new(recording, outside).map_err(Refusal::Data)?;
         progress.inc(1);
-        Ground::new(rows, &given).ok_or_else(unable)
+        Ground::new(rows, &beside, &known.yields).ok_or_else(unable)
     };
     let mut ground = ground_of(recording, &[])?;
     let has_delay = given.iter().any(Term::is_delay);
@@ -181,7 +186,7 @@ fn judge(
             ground = ground.against(simulated, missed).ok_or_else(unable)?;
         }
         progress.inc(1);
-        search::search(ground, &given, &lengths, progress).ok_or_else(unable)
+        search::search(ground, &given, known, &lengths, progress).ok_or_else(unable)
     };
     let mut found = searched(ground)?;
     let event = unnamed::happened(&found);

@@ -6,12 +6,12 @@
 use super::axis::Axis;
 use super::change::Change;
 use super::curve::hats;
-use super::effect::{ALWAYS_FREE, Class, Effect, rank};
+use super::effect::{ALWAYS_FREE, Class, Effect};
 use super::evidence::{Evidence, at_its_largest, evidence};
 use super::ground::{Ground, Hypothesis};
 use super::offer::{Offer, offer_of, offers, refined};
 use super::placebo::Placebo;
-use super::search::{Found, MATERIAL, beside};
+use super::search::{Found, MATERIAL, beside, simplicity};
 use super::term::{Subject, Term};
 
 /// Share of a term's explanation that a rival must reach by itself to be looked at.
@@ -124,10 +124,10 @@ impl Standing {
     }
 
     /// Whether a rival is simpler. Plain physics stays, which every machine may have, and a delay, which every recording may have.
-    fn gives_way(&self, rival: &dyn Effect) -> bool {
+    fn gives_way(&self, own: &Offer, rival: &Offer) -> bool {
         let stays = |e: &dyn Effect| e.class() == Class::Plain || e.id() == ALWAYS_FREE.id();
-        let own = self.term.effect().filter(|e| !stays(*e));
-        own.is_some_and(|own| rank(rival) < rank(own))
+        let may = self.term.effect().is_some_and(|e| !stays(e));
+        may && simplicity(rival) < simplicity(own)
     }
 
     /// Compares with one rival in the same place. What has no name is only told: a curve that contains the effect's own does as well.
@@ -151,7 +151,7 @@ impl Standing {
             return;
         }
         let best = self.better.as_ref().map_or(1.0, |better| better.1);
-        if ratio > best && self.gives_way(effect) && effect.lacks(&ground.rows.s).is_none() {
+        if ratio > best && self.gives_way(own, rival) && effect.lacks(&ground.rows.s).is_none() {
             self.better = Some((rival.term.clone(), ratio));
         }
         self.rival = self.rival.max(ratio);

@@ -16,6 +16,8 @@ use std::sync::Arc;
 const SLOW: f64 = 0.2;
 /// Fewest periods of a line within the travel.
 const PERIODS: f64 = 1.5;
+/// The same of a line whose period was refined, which may lie a little beyond: a longer one is a slope and no ripple.
+const REFINED: f64 = 1.25;
 
 /// A candidate, judged.
 #[derive(Clone)]
@@ -187,8 +189,11 @@ impl Lines {
         let x = weak.at_centres(&s.x);
         let t = weak.at_centres(&s.t);
         let friction = weak.at_centres(&ground.baseline.friction);
-        let weights = ground.noise.inverse(&hypothesis.residual(&ground.rows));
-        let by_friction: Vec<f64> = weights.iter().zip(&friction).map(|(w, f)| w * f).collect();
+        let left = hypothesis.residual(&ground.rows);
+        let weights = ground.noise.inverse(&left);
+        let by_friction = |values: &[f64]| -> Vec<f64> {
+            values.iter().zip(&friction).map(|(w, f)| w * f).collect()
+        };
         let (travel, slow) = (s.travel(), s.moving_speed(SLOW).max(1e-300));
         let row_s = weak.half_width_s;
         let (lowest, finest) = (PERIODS / travel, 0.5 / (row_s * slow));
@@ -197,22 +202,19 @@ impl Lines {
         let in_position = (finest * travel).max(1.0);
         let in_time = (fastest * duration).max(1.0);
         let comb = spectra::comb(&x, lowest, finest);
-        let invert = |lines| {
+        // Those of the weighted mismatch, and the strongest of the mismatch itself: a noise model that took a line for its own gives it no weight.
+        let periods = |weighted: &[f64], left: &[f64]| {
+            let mut lines = spectra::lines(&x, weighted, lowest, finest);
+            lines.extend(spectra::strongest(&x, left, lowest, finest));
             let lines = spectra::with_aliases(lines, comb, lowest);
             lines.into_iter().map(|nu| 1.0 / nu).collect()
         };
         Self(BTreeMap::from([
-            (
-                Line::Force as u8,
-                (
-                    invert(spectra::lines(&x, &weights, lowest, finest)),
-                    in_position,
-                ),
-            ),
+            (Line::Force as u8, (periods(&weights, &left), in_position)),
             (
                 Line::Level as u8,
                 (
-                    invert(spectra::lines(&x, &by_friction, lowest, finest)),
+                    periods(&by_friction(&weights), &by_friction(&left)),
                     in_position,
                 ),
             ),
@@ -270,6 +272,9 @@ pub fn refined(ground: &Ground, without: &Hypothesis, term: &Term) -> Term {
                     _ => trial.shape[j] * (sign * steps[j]).exp(),
                 };
                 trial.shape[j] = effect.within(&ground.scene(), j, trial.shape[j]);
+                if scales[j] == Scale::Period {
+                    trial.shape[j] = trial.shape[j].min(s.travel() / REFINED);
+                }
                 if let Some(reached) = value_of(&trial)
                     && reached > value * (1.0 + 1e-9)
                 {

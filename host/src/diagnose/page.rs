@@ -73,7 +73,7 @@ impl Diagnosis {
                 self.recommendation()
             ),
             command,
-            sections: [self.located(recording), self.missing(recording)]
+            sections: [self.located(recording), self.missing_section(recording)]
                 .into_iter()
                 .chain(self.given_section())
                 .chain(self.second_position(recording))
@@ -119,7 +119,7 @@ impl Diagnosis {
 
     /// The coordinate that organises the mismatch, whether it flips with direction, and where it is.
     fn organiser(&self) -> (Axis, bool, Option<Place>) {
-        if let Some(first) = self.confident().next() {
+        if let Some(first) = self.missing().next() {
             let own = first.places.first();
             let axis = own.map_or(Axis::SinceReversal, |p| p.axis);
             let odd = self.organised.iter().find_map(|o| match o.term.subject {
@@ -144,7 +144,7 @@ impl Diagnosis {
     fn located(&self, recording: &Recording) -> Section {
         let (axis, odd, place) = self.organiser();
         let mut paragraphs: Vec<String> = self
-            .confident()
+            .missing()
             .map(|e| format!("{}.", self.sentence(e, recording)))
             .collect();
         let nameless = self.nameless().map(|u| u.words(self, recording));
@@ -155,7 +155,7 @@ impl Diagnosis {
         }
         let event = self.unnamed.iter().find_map(|u| u.happened.as_ref());
         let alone = event.is_some()
-            && self.confident().next().is_none()
+            && self.missing().next().is_none()
             && self.nameless().all(|u| u.happened.is_some());
         let first = self.mismatch_over(axis, odd, place, recording);
         let figures = first.filter(|_| !alone).into_iter();
@@ -265,7 +265,7 @@ impl Diagnosis {
             );
             figure.note = format!(
                 "The dashed lines mark where it has more than {} of its largest force: {}.",
-                if self.confident().next().is_some() {
+                if self.missing().next().is_some() {
                     "a fifth"
                 } else {
                     "half"
@@ -285,7 +285,7 @@ impl Diagnosis {
     }
 
     /// The ranked names with how sure and why not the others.
-    fn missing(&self, recording: &Recording) -> Section {
+    fn missing_section(&self, recording: &Recording) -> Section {
         let rows = &self.ground.rows;
         let evidence = self.effects.iter().map(|e| {
             let Some(standing) = &e.standing else {

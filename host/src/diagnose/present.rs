@@ -100,7 +100,7 @@ impl Diagnosis {
             .map(|(key, ratio)| json!({"id": key, "of_its_own": ratio}))
             .collect();
         json!({
-            "id": e.id(), "name": e.name.name(), "rank": index + 1, "level": e.level(), "confidence": e.confidence,
+            "id": e.id(), "name": e.name.name(), "rank": index + 1, "level": e.level(), "in_fit": e.in_fit, "confidence": e.confidence,
             "share_of_mismatch": e.evidence.share, "standard_errors": e.evidence.z, "blocks": e.evidence.blocks,
             "nmse_test_without": finite(e.nmse_test[0]), "nmse_test_with": finite(e.nmse_test[1]),
             "where": place, "parameters": parameters, "source": e.source,
@@ -175,7 +175,10 @@ impl Diagnosis {
             let nmse = |v: f64| finite(v).map_or("–".to_owned(), |v| format!("{v:.3}"));
             vec![
                 e.id().to_owned(),
-                e.level().to_owned(),
+                match e.confident && e.in_fit {
+                    true => "in the fit".to_owned(),
+                    false => e.level().to_owned(),
+                },
                 probability(e.confidence),
                 format!("{:.1}", 100.0 * e.evidence.share),
                 format!("{:.1}", e.evidence.z),

@@ -2,6 +2,7 @@
 //! simulation would have needed for the recorded motion comes from a model of the simulation.
 
 use super::effect::ALWAYS_FREE;
+use super::fit::Known;
 use super::modelled::effort_of;
 use super::term::{Subject, Term};
 use super::weak::Column;
@@ -30,7 +31,7 @@ impl Reproduced {
     /// # Errors
     /// [`Refusal`], where its motion does not tell.
     pub fn of(own: &Recording, progress: &Progress) -> Result<Self, Refusal> {
-        let found = judge(own, None, None, progress)?;
+        let found = judge(own, None, &Known::default(), None, progress)?;
         let model = found.extended_model(own, None).model;
         let rows = &found.ground.rows;
         let modelled = rows

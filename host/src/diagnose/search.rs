@@ -2,6 +2,7 @@
 
 use super::change::Change;
 use super::effect::{self, Class, Effect};
+use super::fit::Known;
 use super::ground::{Ground, Hypothesis};
 use super::offer::{Offer, offer_of, offers, refined};
 use super::polish::polished;
@@ -48,12 +49,15 @@ pub struct Found {
     pub rest: Vec<Offer>,
     /// Number of candidates, among which chance picks.
     pub families: usize,
+    /// What the fit has.
+    pub known: Known,
 }
 
-/// Searches on top of the given terms, and of a delay, which every recording may have.
+/// Searches on top of the given terms, and of a delay, which every recording may have; of `known` physics what these rows show stays, too.
 pub fn search(
     mut ground: Ground,
     given: &[Term],
+    known: &Known,
     periods: &[f64],
     progress: &Progress,
 ) -> Option<Found> {
@@ -63,7 +67,9 @@ pub fn search(
     } else {
         [given, &[delay]].concat()
     };
-    let mut hypothesis = ground.fit(&first)?;
+    let begun = ground.fit(&[first.as_slice(), &known.terms].concat())?;
+    // What they do not show yet may come back beside what they lack.
+    let mut hypothesis = sifted(&ground, begun, first.len(), &mut Vec::new())?;
     let visible = SEEN.min(MATERIAL * hypothesis.nmse(&ground.rows).test);
     let mut barred: Vec<Term> = Vec::new();
     loop {
@@ -88,6 +94,7 @@ pub fn search(
                 ground,
                 rest: list,
                 families,
+                known: known.clone(),
             });
         };
         let terms = with(&ground, &hypothesis, &next.term)?;
@@ -197,7 +204,16 @@ fn pick<'a>(ground: &Ground, list: &'a [Offer], families: usize, least: f64) -> 
         .or(Some(best))
 }
 
-/// The simplest effect, in the catalogue's order, that explains nearly as much as `leader`. Plain physics is all as simple: there the order
+/// What a candidate is simple by: fewest parameters, then the catalogue's order.
+pub fn simplicity(offer: &Offer) -> (usize, usize) {
+    let parameters = offer.term.shape.len() + offer.trial.coefficients.len();
+    (
+        parameters,
+        offer.term.effect().map_or(usize::MAX, effect::rank),
+    )
+}
+
+/// The simplest effect that explains nearly as much as `leader`. Plain physics is all as simple: there the order
 /// decides between equivalents only, and a drag that explains more is no viscous friction.
 fn simplest<'a>(ground: &Ground, leader: &'a Offer, fit: &[&'a Offer]) -> &'a Offer {
     let plain = leader.term.effect().filter(|e| e.class() == Class::Plain);
@@ -213,7 +229,7 @@ fn simplest<'a>(ground: &Ground, leader: &'a Offer, fit: &[&'a Offer]) -> &'a Of
     fit.iter()
         .copied()
         .filter(near)
-        .min_by_key(|o| o.term.effect().map(effect::rank))
+        .min_by_key(|o| simplicity(o))
         .unwrap_or(leader)
 }
 

@@ -185,6 +185,14 @@ impl Signals {
         }
     }
 
+    /// First samples of the strokes that follow a reversal.
+    pub fn turns(&self) -> impl Iterator<Item = usize> {
+        let pairs = self.direction.windows(2).enumerate();
+        pairs
+            .filter(|(_, pair)| pair[0] != pair[1])
+            .map(|(i, _)| i + 1)
+    }
+
     /// Derivative by time of a column, with the filter of the velocity: zero-phase.
     pub fn smooth_slope(&self, values: &[f64]) -> Vec<f64> {
         self.filter.derivative(values, 1)

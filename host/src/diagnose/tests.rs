@@ -83,11 +83,18 @@ fn made_of(blocks: &[(f64, f64)], more: impl Fn(f64, f64, f64) -> f64) -> Record
 }
 
 fn ground(recording: &Recording) -> Ground {
-    Ground::new(Rows::new(recording, &[]).expect("rows"), &[]).expect("a fit")
+    Ground::new(Rows::new(recording, &[]).expect("rows"), &[], &[]).expect("a fit")
 }
 
 fn found(recording: &Recording) -> Found {
-    search(ground(recording), &[], &[], &Progress::new("", 0)).expect("a hypothesis")
+    search(
+        ground(recording),
+        &[],
+        &Known::default(),
+        &[],
+        &Progress::new("", 0),
+    )
+    .expect("a hypothesis")
 }
 
 fn by_id(id: &str) -> Term {
@@ -147,7 +154,7 @@ fn curves_over_speed_beside_viscous_friction_leave_its_level_to_the_core() {
 #[test]
 fn friction_without_hysteresis_is_the_cores() {
     let smooth = made_of(&[], |_, _, v| 3.0 * (v / 2e-3).tanh());
-    let found = diagnose(&smooth, None, &Progress::new("", 0)).expect("a diagnosis");
+    let found = diagnose(&smooth, None, None, &Progress::new("", 0)).expect("a diagnosis");
     let words = found.verdict_words(&smooth);
     assert_eq!(found.verdict, Verdict::Consistent, "{words}");
     assert!(words.contains("tanh(v/v0)"), "{words}");
@@ -359,7 +366,7 @@ fn a_level_refers_to_the_friction_that_it_is_stated_with() {
         let spot = (-((x - at) / width).powi(2)).exp();
         60.0 * v + 3.0 * level * v.signum() * spot
     });
-    let found = diagnose(&recording, None, &Progress::new("", 0)).expect("a diagnosis");
+    let found = diagnose(&recording, None, None, &Progress::new("", 0)).expect("a diagnosis");
     let ids: Vec<&str> = found.confident().map(|e| e.id()).collect();
     assert!(ids.contains(&"local_friction_spot"), "{ids:?}");
     let spot = found.confident().find(|e| e.id() == "local_friction_spot");
@@ -372,7 +379,7 @@ fn a_level_refers_to_the_friction_that_it_is_stated_with() {
 fn verdicts_say_what_the_recording_says() {
     let of = |more: &dyn Fn(f64, f64, f64) -> f64| {
         let recording = made(more);
-        diagnose(&recording, None, &Progress::new("", 0)).expect("a diagnosis")
+        diagnose(&recording, None, None, &Progress::new("", 0)).expect("a diagnosis")
     };
     assert_eq!(of(&|_, _, _| 0.0).verdict, Verdict::Consistent);
     let viscous = of(&|_, _, v| 8.0 * v);
@@ -394,7 +401,7 @@ fn what_happens_now_and_then_has_its_times_and_no_name() {
     let within = |t: f64| times.iter().any(|[from, to]| (*from..*to).contains(&t));
     // Half as much friction again while something lies in the guideway.
     let recording = made(|t, _, v| if within(t) { 1.5 * v.signum() } else { 0.0 });
-    let found = diagnose(&recording, None, &Progress::new("", 0)).expect("a diagnosis");
+    let found = diagnose(&recording, None, None, &Progress::new("", 0)).expect("a diagnosis");
     assert_eq!(found.verdict, Verdict::UnknownPhysics);
     let unknown = found.unknown().expect("an event");
     let said = &unknown.happened.as_ref().expect("times").times;
@@ -433,7 +440,7 @@ fn what_happens_now_and_then_does_not_pull_at_what_is_always_there() {
     };
     let chip = move |t: f64, v: f64| if within(t) { 1.5 * v.signum() } else { 0.0 };
     let value = |recording: &Recording| {
-        let found = diagnose(recording, None, &Progress::new("", 0)).expect("a diagnosis");
+        let found = diagnose(recording, None, None, &Progress::new("", 0)).expect("a diagnosis");
         let viscous = found.confident().find(|e| e.id() == "viscous");
         viscous.expect("viscous friction").parameters[0].1.value
     };
@@ -461,7 +468,8 @@ fn a_hysteresis_that_is_too_soft_is_a_parameter_and_one_that_is_too_stiff_may_be
     };
     let told = |factor: f64| {
         let model = Model::of_friction(MotionKind::Linear, friction(factor));
-        let found = diagnose(&recording, Some(&model), &Progress::new("", 0)).expect("a diagnosis");
+        let found =
+            diagnose(&recording, Some(&model), None, &Progress::new("", 0)).expect("a diagnosis");
         println!("{factor}: {}", found.verdict_words(&recording));
         let id = found.confident().next().map(verdict::Named::id);
         (found.verdict, id, found.displacement_factor())
@@ -501,7 +509,7 @@ fn friction_that_follows_a_measured_temperature_is_named_though_friction_wanders
             let drift = per_kelvin * (temperature(i as f64 * STEP_S) - 25.0);
             recording.effort[i] += (drift + 0.04 * level[i]) * friction[i];
         }
-        let found = diagnose(&recording, None, &Progress::new("", 0)).expect("a diagnosis");
+        let found = diagnose(&recording, None, None, &Progress::new("", 0)).expect("a diagnosis");
         println!(
             "seed {seed}, {per_kelvin} 1/K: {}",
             found.verdict_words(&recording)

@@ -27,6 +27,7 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::statistics::Estimate;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// The same where it is beyond doubt that something is there.
 const NAMED_SURELY: f64 = 0.015;
@@ -97,6 +98,8 @@ pub struct Named {
     pub term: Option<Term>,
     /// Enters the extended model; otherwise a hint.
     pub confident: bool,
+    /// The fit has it: it is there, and nothing is missing.
+    pub in_fit: bool,
     /// Probability that it is there and so named.
     pub confidence: f64,
     /// What it explains, everything else given.
@@ -118,6 +121,11 @@ pub struct Named {
 }
 
 impl Named {
+    /// Whether it is certain, and no part of the fit.
+    pub fn is_missing(&self) -> bool {
+        self.confident && !self.in_fit
+    }
+
     /// What its confidence is computed from, where that is fitted.
     pub fn features(&self) -> Option<BTreeMap<&'static str, f64>> {
         match (&self.standing, self.name) {
@@ -165,7 +173,7 @@ pub struct Diagnosis {
     /// What further columns say that measure the position, too.
     pub second_positions: Vec<SecondPosition>,
     /// The fit that every command tells.
-    pub fit: Option<Fit>,
+    pub fit: Option<Arc<Fit>>,
     /// Why the fit lets nothing be called consistent.
     pub(super) doubt: Option<String>,
 }
@@ -203,7 +211,7 @@ pub fn conclude(
         .collect();
     let kept: Vec<Term> = found.hypothesis.terms[..given].to_vec();
     let (ground, extended) = measured(&found, &kept, &mut effects)?;
-    let first = ground.fit_as_given(&kept)?;
+    let first = ground.fit_as_given(&[kept.as_slice(), &found.known.terms].concat())?;
     // Where all names together leave much of the effort, none of them is sure.
     let reached = extended.nmse(&ground.rows);
     effects
@@ -237,8 +245,8 @@ pub fn conclude(
         effects.push(shifted(&ground, shift));
     }
     effects.sort_by(|a, b| {
-        (b.confident, b.evidence.share)
-            .partial_cmp(&(a.confident, a.evidence.share))
+        (b.is_missing(), b.confident, b.evidence.share)
+            .partial_cmp(&(a.is_missing(), a.confident, a.evidence.share))
             .unwrap_or(std::cmp::Ordering::Equal)
     });
     hint(&found, &mut effects);
@@ -257,7 +265,7 @@ pub fn conclude(
     // What the wrong ones are worth (%), where any is.
     let differs = given_model.as_ref().and_then(Given::worth);
     let verdict = verdict(
-        &effects,
+        effects.iter().any(Named::is_missing),
         likely(&unnamed),
         [after.test, noise_floor],
         differs,
@@ -293,12 +301,12 @@ pub fn conclude(
 }
 
 fn verdict(
-    effects: &[Named],
+    is_missing: bool,
     unknown: Option<&Unknown>,
     [left, noise]: [f64; 2],
     differs: Option<f64>,
 ) -> Verdict {
-    if effects.iter().any(|e| e.confident) {
+    if is_missing {
         Verdict::MissingPhysics
     } else if differs.is_some_and(|worth| worth > left) {
         // More than all that is left, with a name or without.
@@ -335,6 +343,7 @@ fn named(found: &Found, standing: &Standing, mechanics: &[(String, f64)]) -> Opt
         confident: confidence >= LIKELY
             && is_material(effect, standing)
             && is_told(effect, &found.ground.rows.s),
+        in_fit: found.known.has(&standing.term),
         confidence,
         evidence: standing.evidence,
         standing: Some(standing.clone()),
@@ -367,16 +376,20 @@ fn is_material(effect: &dyn Effect, standing: &Standing) -> bool {
     standing.size() >= least
 }
 
-/// The given terms, what widens the core, and the confident effects.
+/// The given terms, what widens the core, what of the fit holds, and the effects that are missing.
 fn extend(found: &Found, kept: &[Term], effects: &[Named]) -> Option<Hypothesis> {
-    let wider = found.hypothesis.terms[kept.len()..]
+    let of_fit = |term: &Term| {
+        let mut own = effects.iter().filter(|e| e.in_fit);
+        own.any(|e| e.term.as_ref().is_some_and(|own| own.is_like(term)))
+    };
+    let stays = found.hypothesis.terms[kept.len()..]
         .iter()
-        .filter(|t| matches!(t.subject, Subject::Change(Change::LateYields)));
-    let confident = effects
+        .filter(|term| matches!(term.subject, Subject::Change(Change::LateYields)) || of_fit(term));
+    let missing = effects
         .iter()
-        .filter(|e| e.confident)
+        .filter(|e| e.is_missing())
         .filter_map(|e| e.term.as_ref());
-    let terms: Vec<Term> = kept.iter().chain(wider).chain(confident).cloned().collect();
+    let terms: Vec<Term> = kept.iter().chain(stays).chain(missing).cloned().collect();
     found.ground.fit(&terms)
 }
 
@@ -484,6 +497,7 @@ fn wrong_shape(ground: &Ground, shape: Shape) -> Named {
         name: Name::Hysteresis,
         term: None,
         confident,
+        in_fit: false,
         confidence: if confident {
             confidence::of_hysteresis(shape.shorter.1, core)
         } else {
@@ -518,6 +532,7 @@ fn shifted(ground: &Ground, shift: Shift) -> Named {
         name: Name::Entry(ALWAYS_FREE),
         term: None,
         confident: true,
+        in_fit: false,
         confidence: confidence::of_evidence(&shift.evidence),
         evidence: shift.evidence,
         standing: None,
@@ -538,6 +553,7 @@ fn correction(ground: &Ground, corrected: Corrected) -> Named {
         name: Name::Correction(corrected.what),
         term: None,
         confident: !doubtful,
+        in_fit: false,
         confidence: if doubtful { sure.min(EVEN) } else { sure },
         evidence: corrected.evidence,
         standing: None,
@@ -567,6 +583,7 @@ fn hint(found: &Found, effects: &mut Vec<Named>) {
             name: Name::Entry(effect),
             term: Some(offer.term.clone()),
             confident: false,
+            in_fit: false,
             confidence: confidence::of_a_hint(Some(&offer.evidence)),
             evidence: offer.evidence,
             standing: None,

@@ -420,7 +420,7 @@ impl Diagnosis {
                 )
             }
             Verdict::MissingPhysics => {
-                let names: Vec<&str> = self.confident().map(Named::id).collect();
+                let names: Vec<&str> = self.missing().map(Named::id).collect();
                 format!("missing-physics: {} ({figures})", names.join(", "))
             }
             Verdict::UnknownPhysics => format!("unknown-physics ({figures})"),
@@ -478,11 +478,16 @@ impl Diagnosis {
         self.effects.iter().filter(|e| e.confident)
     }
 
+    /// Those of them that the fit has not.
+    pub fn missing(&self) -> impl Iterator<Item = &Named> {
+        self.effects.iter().filter(|e| e.is_missing())
+    }
+
     /// What to do.
     pub fn recommendation(&self) -> String {
         let advice = match (self.verdict, self.unknown()) {
             (Verdict::MissingPhysics, _) => {
-                let mut each: Vec<String> = self.confident().map(|e| self.advice(e)).collect();
+                let mut each: Vec<String> = self.missing().map(|e| self.advice(e)).collect();
                 each.dedup();
                 each.join(" Also: ")
             }
@@ -560,7 +565,8 @@ impl Diagnosis {
             )
         };
         let by_confidence = |a: &&Named, b: &&Named| a.confidence.total_cmp(&b.confidence);
-        let Some(likeliest) = self.effects.iter().max_by(by_confidence) else {
+        let suspected = self.effects.iter().filter(|e| !e.in_fit);
+        let Some(likeliest) = suspected.max_by(by_confidence) else {
             return keep;
         };
         format!(

@@ -21,7 +21,7 @@ use crate::friction::FrictionModel;
 use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::Recording;
-use crate::signal::{Kinematics, Split, StickSlip, Window, check_windows};
+use crate::signal::{Kinematics, Split, StickSlip, Window, check_windows, step_at_reversals};
 use crate::statistics::Estimate;
 use family::Family;
 use fitting::Fitting;
@@ -187,9 +187,6 @@ const BESIDE_GAP: f64 = 0.5;
 /// Shortest yield displacement that is tried, relative to half of the longest stroke.
 const FINEST: f64 = 1e-6;
 
-/// Samples on either side of a reversal whose steps tell what displacements are resolved there.
-const NEAR: usize = 8;
-
 /// Samples from which on a recording is thinned that models are compared on.
 pub const MANY: usize = 60_000;
 
@@ -346,13 +343,8 @@ fn typical(steps: &[f64]) -> Option<f64> {
 /// longest stroke, beyond which a block never slips.
 fn yield_range(recording: &Recording, train: &[usize]) -> Result<(f64, f64), String> {
     let steps = steps(recording, train.windows(2).map(|pair| (pair[0], pair[1])));
-    let near = reversals(recording, train).flat_map(|turn| {
-        let piece = recording.pieces.iter().find(|piece| piece.contains(&turn));
-        let piece = piece.cloned().unwrap_or(turn..turn + 1);
-        let from = turn.saturating_sub(NEAR).max(piece.start);
-        (from..(turn + NEAR).min(piece.end - 1)).map(|i| (i, i + 1))
-    });
-    let mut near = self::steps(recording, near);
+    let turns = reversals(recording, train);
+    let local = step_at_reversals(&recording.position, &recording.pieces, turns);
     let mut extent = std::collections::BTreeMap::new();
     for &i in train {
         let x = recording.position[i];
@@ -366,8 +358,7 @@ fn yield_range(recording: &Recording, train: &[usize]) -> Result<(f64, f64), Str
         .fold(0.0, f64::max)
         / 2.0;
     let typical = typical(&steps).unwrap_or(longest);
-    let local = crate::statistics::quantile(&mut near, 0.5).unwrap_or(typical);
-    let shortest = local.min(typical) / 2.0;
+    let shortest = local.unwrap_or(typical).min(typical) / 2.0;
     // A filtered position creeps by rounding errors while it rests.
     let shortest = shortest.max(longest * FINEST);
     if shortest.max(steps.first().copied().unwrap_or(0.0)) >= longest / 2.0 {

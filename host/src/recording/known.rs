@@ -86,7 +86,7 @@ impl Known {
 
 /// The format's column names (design, "Recording").
 #[rustfmt::skip]
-pub(super) const KNOWN: [Known; 20] = [
+pub(super) const KNOWN: [Known; 21] = [
     known("t_s", Slot::Time, None, None, Some(Dimension::Time)),
     known("dt_s", Slot::Step, None, None, Some(Dimension::Time)),
     known("x_m", Slot::Position, LINEAR, None, Some(Dimension::Length)),
@@ -104,6 +104,7 @@ pub(super) const KNOWN: [Known; 20] = [
     known("temperature_C", Slot::Temperature, None, None, Some(Dimension::Temperature)),
     known("normal_N", Slot::Load, None, None, Some(Dimension::Force)),
     known("load_N", Slot::Load, None, None, Some(Dimension::Force)),
+    known("load_Nm", Slot::Load, ROTARY, None, Some(Dimension::Torque)),
     known("pressure_Pa", Slot::Pressure, None, None, Some(Dimension::Pressure)),
     known("segment", Slot::Segment, None, None, None),
     known("repeat", Slot::Repeat, None, None, None),

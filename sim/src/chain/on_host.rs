@@ -115,7 +115,7 @@ pub fn rehearse(trial: &Trial) -> anyhow::Result<Row> {
     let progress = Progress::new("identify", STEPS);
     let found = identify(&recording, &Options::default(), &progress).map_err(anyhow::Error::msg)?;
     let before = &found.best().model;
-    let diagnosis = diagnose(&recording, Some(before), &progress)?;
+    let diagnosis = diagnose(&recording, Some(before), None, &progress)?;
     let after = diagnosis.extended_model(&recording, Some(before)).model;
     let mut refit = after.clone();
     refit.effects.clear();

@@ -1,4 +1,5 @@
-//! `m = 1 + c·(load − load0)` with a measured load, else friction that grows by a share of the effort that is transmitted.
+//! `m = 1 + c·(load − load0)` with a measured load, else friction that grows by a share of what is transmitted: of a measured load that pushes
+//! both ways, its size; without one, the effort beside friction.
 
 use super::readout::{enter, known};
 use super::{Class, Effect, Fitted, Scale, Scene};
@@ -59,7 +60,7 @@ impl Effect for LoadDependentFriction {
     }
 
     fn grid(&self, scene: &Scene) -> Vec<Vec<f64>> {
-        if scene.s.load.is_some() {
+        if scene.s.load.as_ref().is_some_and(|load| !is_signed(load)) {
             return vec![Vec::new()];
         }
         let load = transmitted(scene);
@@ -104,8 +105,17 @@ impl Effect for LoadDependentFriction {
     }
 }
 
-/// Size of the effort that the model has beside friction: weight, inertia, load (N or N·m). That the effect is itself a part of the
-/// fitted effort is of second order.
+/// Whether a load pushes both ways, as through a gear: friction follows its size.
+fn is_signed(load: &[f64]) -> bool {
+    let (low, high) = bounds(load);
+    low < 0.0 && high > 0.0
+}
+
+/// Size of what is transmitted (N or N·m): a measured load's, or that of the effort that the model has beside friction: weight, inertia. That
+/// the effect is itself a part of the fitted effort is of second order.
 fn transmitted(scene: &Scene) -> Vec<f64> {
+    if let Some(load) = &scene.s.load {
+        return load.iter().map(|load| load.abs()).collect();
+    }
     scene.sampled(|i| (scene.core.fitted[i] - scene.core.friction[i]).abs())
 }

@@ -35,6 +35,7 @@ pub mod stribeck;
 mod tests;
 pub mod thermal_drift;
 pub mod viscous;
+pub mod viscous_asymmetry;
 mod wave;
 
 use super::axis::Axis;
@@ -46,9 +47,10 @@ use crate::model::Model;
 use crate::statistics::Estimate;
 
 /// Every effect, in the order in which ties are decided: the simpler one first.
-pub static ALL: [&dyn Effect; 26] = [
+pub static ALL: [&dyn Effect; 27] = [
     &constant_force::ConstantForce,
     &viscous::Viscous,
+    &viscous_asymmetry::ViscousAsymmetry,
     &coulomb_asymmetry::CoulombAsymmetry,
     &quadratic_drag::QuadraticDrag,
     &stribeck::Stribeck,

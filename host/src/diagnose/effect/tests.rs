@@ -192,7 +192,7 @@ fn forces_flip_with_a_mirrored_motion_where_the_physics_does() {
     let back = Stage::new(MotionKind::Linear, -1.0);
     for effect in ALL {
         let side = match effect.id() {
-            "constant_force" | "coulomb_asymmetry" => 1.0,
+            "constant_force" | "coulomb_asymmetry" | "viscous_asymmetry" => 1.0,
             // Not the same place, or no part of this axis's motion.
             "gravity"
             | "position_force"

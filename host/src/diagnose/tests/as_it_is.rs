@@ -18,7 +18,7 @@ fn model(level: f64, inertia: f64, viscous: f64) -> Model {
 }
 
 fn told(recording: &Recording, model: Option<&Model>) -> Diagnosis {
-    let found = diagnose(recording, model, &Progress::new("", 0)).expect("a diagnosis");
+    let found = diagnose(recording, model, None, &Progress::new("", 0)).expect("a diagnosis");
     println!("{}", found.verdict_words(recording));
     found
 }
