@@ -19,7 +19,7 @@ pub struct Diagnose {
     #[command(flatten)]
     recordings: RecordingArgs,
 
-    /// The model to check; without it rigid body and Maxwell-slip friction alone
+    /// The model to check; without it the fit of `preslide identify`
     #[arg(long, value_name = "MODEL.toml")]
     model: Option<PathBuf>,
 
@@ -37,7 +37,7 @@ pub struct Diagnose {
     #[arg(long, value_name = "MOTION.csv")]
     experiment: Option<PathBuf>,
 
-    /// Write the model extended by what was found with confidence
+    /// Write the model, or the fit, extended by what was found with confidence
     #[arg(short, long, value_name = "EXTENDED.toml")]
     output: Option<PathBuf>,
 

@@ -105,7 +105,13 @@ pub const MACHINES: &[Machine] = &[
     Machine {
         name: "emps",
         files: &["recordings/emps/emps_tracking.csv"],
-        known: &[&["constant_force", "coulomb_asymmetry"], &["viscous"]],
+        // Viscous friction by direction and a ripple of half a turn of its screw: `../shared/design/diagnosis.md`.
+        known: &[
+            &["constant_force", "coulomb_asymmetry"],
+            &["viscous"],
+            &["viscous_asymmetry"],
+            &["periodic_force"],
+        ],
         absent: &["gravity", "encoder_error"],
         ..BARE
     },

@@ -419,6 +419,17 @@ impl Hypothesis {
         }
     }
 
+    /// Force of the core without inertia, at the rows.
+    pub fn friction(&self, ground: &Ground) -> Vec<f64> {
+        let first = ground.core.first_of_friction();
+        let own = ground.core.rows.iter().zip(&self.normal.coefficients);
+        let mut force = vec![0.0; ground.rows.force.len()];
+        for (column, c) in own.skip(first) {
+            force.iter_mut().zip(column).for_each(|(f, v)| *f += c * v);
+        }
+        force
+    }
+
     /// Force of term `index` at the rows.
     pub fn force_of(&self, index: usize) -> Vec<f64> {
         let own = &self.columns[index + 1];

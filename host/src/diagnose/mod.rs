@@ -12,6 +12,7 @@ pub mod confidence;
 pub mod core;
 mod credible;
 pub mod curve;
+mod drift;
 pub mod effect;
 mod event;
 pub mod evidence;
@@ -78,8 +79,8 @@ pub enum Refusal {
     Data(String),
 }
 
-/// Diagnoses a recording against a model; without one against what the fit has, or against rigid body and GMS alone. What the fit cannot
-/// explain is not consistent with anything.
+/// Diagnoses a recording against a model; without one against what the fit has, or, without a fit, against rigid body and
+/// GMS alone. What the fit cannot explain is not consistent with anything.
 ///
 /// # Errors
 /// [`Refusal`], with what to do.

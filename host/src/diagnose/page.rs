@@ -76,6 +76,7 @@ impl Diagnosis {
             sections: [self.located(recording), self.missing_section(recording)]
                 .into_iter()
                 .chain(self.given_section())
+                .chain(self.fit_section(recording))
                 .chain(self.second_position(recording))
                 .chain([
                     self.maps(recording),
@@ -99,6 +100,16 @@ impl Diagnosis {
             heading: "Your model".to_owned(),
             paragraphs: vec![format!("{}.", capital(&self.given_words()?))],
             tables: self.given_table().into_iter().collect(),
+            ..Section::default()
+        })
+    }
+
+    /// The fit that every command tells.
+    fn fit_section(&self, recording: &Recording) -> Option<Section> {
+        let fit = self.fit.as_ref()?;
+        Some(Section {
+            heading: "The fit".to_owned(),
+            paragraphs: vec![format!("{}.", capital(&fit.words(recording)))],
             ..Section::default()
         })
     }

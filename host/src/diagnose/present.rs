@@ -114,7 +114,7 @@ impl Diagnosis {
         json!({
             "axis": u.axis.name(&self.ground.rows.s),
             "symmetry": if u.odd { "odd" } else { "even" },
-            "core": u.change.map(|c| c.name()), "like": u.like.map(|e| e.id()), "confidence": u.confidence,
+            "rises_by": u.rises_by, "core": u.change.map(|c| c.name()), "like": u.like.map(|e| e.id()), "confidence": u.confidence,
             "from": u.place.map(|p| p.from), "to": u.place.map(|p| p.to), "share": u.place.map(|p| p.share),
             "unit": unit, "rms": u.rms, "share_of_mismatch": u.evidence.share, "standard_errors": u.evidence.z,
             "segments": u.evidence.blocks.round(), "segments_of": self.ground.rows.blocks.len(),
@@ -189,7 +189,13 @@ impl Diagnosis {
             ]
         };
         Table {
-            caption: "Physics that the model leaves out; share: of the mismatch on stretches held out; z: standard errors between stretches".to_owned(),
+            caption: format!(
+                "Physics that the {}; share: of the mismatch on stretches held out; z: standard errors between stretches",
+                match self.effects.iter().any(|e| e.in_fit) {
+                    true => "recording shows, in the fit or missing from it",
+                    false => "model leaves out",
+                }
+            ),
             head: [
                 "effect",
                 "level",

@@ -57,6 +57,8 @@ pub struct Unknown {
     pub features: Option<BTreeMap<&'static str, f64>>,
     /// When it happened, where it is an event.
     pub happened: Option<Happened>,
+    /// By what share of itself the friction level rises from the beginning to the end, where it is that.
+    pub rises_by: Option<f64>,
     /// Where it is.
     pub place: Option<Place>,
     /// Root mean square (N or N·m) of what it takes off the residual on stretches held out: its own force may be far larger.
@@ -93,10 +95,11 @@ impl Unknown {
     }
 }
 
-/// All that are material, largest first, beside an event; `is_doubtful` tells of an effect whether it is suspected only.
+/// All that are material, largest first, beside an event and a drift; `is_doubtful` tells of an effect whether it is suspected only.
 pub fn unnamed(
     found: &Found,
     event: Option<Unknown>,
+    drift: Option<Unknown>,
     standings: &[Standing],
     is_doubtful: impl Fn(&dyn Effect) -> bool,
 ) -> Vec<Unknown> {
@@ -114,7 +117,11 @@ pub fn unnamed(
         .filter(|s| s.size() >= UNNAMED && s.size() * s.left >= NOTICEABLE)
         .filter(|s| rms(&found.hypothesis.force_of(s.index)) >= SLIGHT * usual);
     let mut all: Vec<Unknown> = material.map(|s| unknown(found, s, usual)).collect();
-    all.extend(event);
+    if drift.is_some() {
+        // Once, by what it does.
+        all.retain(|u| !(u.odd && u.axis.is_akin(Axis::Time)));
+    }
+    all.extend(event.into_iter().chain(drift));
     all.sort_by(|a, b| b.size.total_cmp(&a.size));
     all
 }
@@ -166,6 +173,7 @@ pub fn happened(found: &Found) -> Option<Unknown> {
         rms: rows.rms_of(event.share * left),
         wanders: false,
         happened: Some(happened),
+        rises_by: None,
     })
 }
 
@@ -206,6 +214,7 @@ fn unknown(found: &Found, standing: &Standing, usual: f64) -> Unknown {
         size: standing.size(),
         features: Some(features_of_presence(standing)),
         happened: None,
+        rises_by: None,
         place: Place::of(rows, axis, &varying),
         rms: rows.rms_of(standing.size() * standing.left),
         wanders: odd

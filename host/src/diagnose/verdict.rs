@@ -4,6 +4,7 @@ use super::axis::Axis;
 use super::change::Change;
 use super::confidence::{self, confidence};
 use super::credible::sieved;
+use super::drift::drift;
 use super::effect::{self, ALWAYS_FREE, Class, Effect};
 use super::evidence::{Evidence, NAMED};
 use super::fit::Fit;
@@ -254,7 +255,7 @@ pub fn conclude(
         let own = |n: &&Named| matches!(n.name, Name::Entry(e) if e.id() == effect.id());
         effects.iter().find(own).is_some_and(|n| !n.confident)
     };
-    let unnamed = unnamed(&found, event, &standings, is_doubtful);
+    let unnamed = unnamed(&found, event, drift(&found), &standings, is_doubtful);
     let after = if ground.core.corrects && !effects.iter().any(|e| e.confident) {
         baseline
     } else {

@@ -68,6 +68,15 @@ pub(super) fn capital(text: &str) -> String {
         .map_or(String::new(), |c| c.to_uppercase().chain(letters).collect())
 }
 
+/// In seconds, or minutes where they are many.
+fn duration(seconds: f64) -> String {
+    const MANY: f64 = 300.0;
+    match seconds < MANY {
+        true => format!("{} s", three(seconds)),
+        false => format!("{} minutes", three(seconds / 60.0)),
+    }
+}
+
 fn percent(share: f64) -> String {
     format!("{:.0} %", 100.0 * share.clamp(0.0, 1.0))
 }
@@ -142,6 +151,9 @@ impl Unknown {
     /// What it asks for: the experiment of what it is most like, or eyes.
     fn advice(&self, found: &Diagnosis) -> String {
         let axis = self.axis.name(&found.ground.rows.s);
+        if self.rises_by.is_some() {
+            return "record the temperature beside the motion (`temperature_C`), and the same strokes again after a rest: warmth goes back, run-in does not.".to_owned();
+        }
         if self.happened.is_some() {
             return "look at what happened then: a knock, something in the guideway, a cable that caught. All else is said without these stretches.".to_owned();
         }
@@ -163,6 +175,17 @@ impl Unknown {
         let s = &found.ground.rows.s;
         if let Some(happened) = &self.happened {
             return self.event_words(&happened.times, recording);
+        }
+        if let Some(rise) = self.rises_by {
+            return format!(
+                "friction {} by {} within {}; time, path or warmth, this recording cannot say which: {} RMS, {} of what is left, there with a probability of {}",
+                if rise > 0.0 { "rises" } else { "falls" },
+                percent(rise.abs()),
+                duration(s.duration()),
+                quantity(self.rms, recording.effort_unit()),
+                percent(self.size),
+                probability(self.confidence),
+            );
         }
         let place = self.place.map_or(String::new(), |p| {
             format!(", largest {}", place_words(&p, recording))
@@ -433,6 +456,10 @@ impl Diagnosis {
                 self.extended.test
             ),
         };
+        let in_fit: Vec<&str> = self.in_fit().map(Named::id).collect();
+        if !in_fit.is_empty() {
+            text += &format!("; in the fit: {}", in_fit.join(", "));
+        }
         if let Some(words) = self.too_soft() {
             text += &format!("; {words}");
         }
@@ -478,9 +505,14 @@ impl Diagnosis {
         self.effects.iter().filter(|e| e.confident)
     }
 
-    /// Those of them that the fit has not.
+    /// Those of them that the fit has.
+    pub fn in_fit(&self) -> impl Iterator<Item = &Named> {
+        self.confident().filter(|e| e.in_fit)
+    }
+
+    /// Those that it has not.
     pub fn missing(&self) -> impl Iterator<Item = &Named> {
-        self.effects.iter().filter(|e| e.is_missing())
+        self.confident().filter(|e| e.is_missing())
     }
 
     /// What to do.

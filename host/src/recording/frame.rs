@@ -51,16 +51,21 @@ impl Frame {
         for range in out {
             kept[range.clone()].fill(false);
         }
+        self.keep(&kept);
+    }
+
+    /// Keeps some of the samples, in pieces as they are.
+    pub(super) fn keep(&mut self, kept: &[bool]) {
         fn keep<T>(values: &mut Vec<T>, kept: &[bool]) {
             let mut flags = kept.iter();
             values.retain(|_| *flags.next().unwrap_or(&true));
         }
-        keep(&mut self.t_s, &kept);
-        self.numbers.iter_mut().for_each(|c| keep(&mut c.1, &kept));
-        self.parts.iter_mut().for_each(|c| keep(&mut c.1, &kept));
+        keep(&mut self.t_s, kept);
+        self.numbers.iter_mut().for_each(|c| keep(&mut c.1, kept));
+        self.parts.iter_mut().for_each(|c| keep(&mut c.1, kept));
         self.extra
             .iter_mut()
-            .for_each(|e| keep(&mut e.values, &kept));
+            .for_each(|e| keep(&mut e.values, kept));
         let mut before = vec![0; kept.len() + 1];
         for (i, &kept) in kept.iter().enumerate() {
             before[i + 1] = before[i] + usize::from(kept);

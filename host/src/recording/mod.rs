@@ -20,6 +20,7 @@ mod extra;
 mod formats;
 mod frame;
 mod headless;
+mod held;
 mod join;
 mod json;
 mod known;
@@ -379,6 +380,7 @@ fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recor
     let mut warnings = std::mem::take(&mut table.plan.warnings);
     let (mut frame, mut constant_extra) = frame_of(&mut table, &mut warnings)?;
     let (kind, role) = (table.plan.kind, table.plan.role);
+    held::keep_readings(&mut frame, &mut table.place, &mut warnings);
     repair::repair(&mut frame, (kind, role), &table, &mut warnings);
     let count = frame.column(Slot::Position).and_then(|x| summary::count(x));
     extra::move_constant((&mut frame.extra, &mut constant_extra));

@@ -47,10 +47,20 @@ pub(super) struct Location {
 impl Location {
     /// "line 17" or "element 16", for messages.
     pub(super) fn of(&self, sample: usize) -> String {
+        format!("{} {}", self.what, self.number(sample))
+    }
+
+    fn number(&self, sample: usize) -> u64 {
         let before = self.breaks.partition_point(|&(first, _)| first <= sample);
         let known = before.checked_sub(1).and_then(|i| self.breaks.get(i));
         let (first, place) = known.copied().unwrap_or((0, 1));
-        let place = place + sample.saturating_sub(first) as u64;
-        format!("{} {place}", self.what)
+        place + sample.saturating_sub(first) as u64
+    }
+
+    /// The places of the samples that are kept.
+    pub(super) fn keep(&mut self, kept: &[bool]) {
+        let old = (0..kept.len()).filter(|i| kept[*i]);
+        let places = old.map(|i| self.number(i)).enumerate();
+        self.breaks = places.collect();
     }
 }
