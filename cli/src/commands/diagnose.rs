@@ -41,6 +41,10 @@ pub struct Diagnose {
     #[arg(short, long, value_name = "EXTENDED.toml")]
     output: Option<PathBuf>,
 
+    /// Print every candidate that was judged with its share of the mismatch, its standard errors and its parameters
+    #[arg(long)]
+    table: bool,
+
     #[command(flatten)]
     outputs: OutputArgs,
 }
@@ -113,7 +117,15 @@ impl Diagnose {
         if let Some(per) = recording.per_unit() {
             say!("Note: {per}.\n");
         }
-        if !found.effects.is_empty() {
+        say!("{}", found.budget_text(&recording));
+        let besides = [
+            found.in_fit_words(&recording),
+            found.possible_words(&recording),
+        ];
+        for words in besides.into_iter().flatten() {
+            say!("{words}.\n");
+        }
+        if self.table && !found.effects.is_empty() {
             say!("{}", found.table(&recording).to_text());
         }
         for second in &found.second_positions {

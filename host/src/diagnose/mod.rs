@@ -6,6 +6,7 @@
 
 pub mod axis;
 mod blocks;
+mod budget;
 pub mod change;
 pub mod column;
 pub mod confidence;
@@ -211,6 +212,21 @@ fn judge(
     .ok_or_else(unable)
 }
 
+/// Fewest samples on the way across the travel that show a motion: of a stroke of five, as a servo at 10 Hz has, velocity and acceleration are
+/// anybody's guess.
+const RESOLVED: f64 = 12.0;
+
+/// Samples on the way across the travel, by the step of a typical part of the path.
+fn samples_across(recording: &Recording) -> f64 {
+    let (low, high) = recording.ends();
+    let steps = recording.pieces.iter().flat_map(|piece| {
+        let own = recording.position[piece.clone()].windows(2);
+        own.map(|pair| (pair[1] - pair[0]).abs())
+    });
+    let (path, squares) = steps.fold((0.0, 0.0), |(p, s), step| (p + step, s + step * step));
+    (high - low) * path / squares.max(1e-300)
+}
+
 /// Refuses what is no recording of motion and effort, or not the model's kind of axis.
 fn check(recording: &Recording, model: Option<&Model>) -> Result<(), Refusal> {
     for (code, remedy) in FATAL {
@@ -220,6 +236,14 @@ fn check(recording: &Recording, model: Option<&Model>) -> Result<(), Refusal> {
                 recording.name
             )));
         }
+    }
+    let across = samples_across(recording);
+    if across < RESOLVED {
+        return Err(Refusal::Data(format!(
+            "{}: the axis crosses its travel within {across:.0} samples, so that nobody saw how it moved; sample {:.0} times as fast, or move slower",
+            recording.name,
+            (RESOLVED / across).ceil()
+        )));
     }
     if let Some(model) = model
         && model.motion != recording.kind

@@ -73,24 +73,28 @@ impl Diagnosis {
                 self.recommendation()
             ),
             command,
-            sections: [self.located(recording), self.missing_section(recording)]
-                .into_iter()
-                .chain(self.given_section())
-                .chain(self.fit_section(recording))
-                .chain(self.second_position(recording))
-                .chain([
-                    self.maps(recording),
-                    Section {
-                        heading: "What this recording cannot show".to_owned(),
-                        paragraphs: self
-                            .lacks
-                            .iter()
-                            .map(|l| format!("{}: hides {}.", l.missing, l.hides.join(", ")))
-                            .collect(),
-                        ..Section::default()
-                    },
-                ])
-                .collect(),
+            sections: [
+                self.budget_section(recording),
+                self.located(recording),
+                self.missing_section(recording),
+            ]
+            .into_iter()
+            .chain(self.given_section())
+            .chain(self.fit_section(recording))
+            .chain(self.second_position(recording))
+            .chain([
+                self.maps(recording),
+                Section {
+                    heading: "What this recording cannot show".to_owned(),
+                    paragraphs: self
+                        .lacks
+                        .iter()
+                        .map(|l| format!("{}: hides {}.", l.missing, l.hides.join(", ")))
+                        .collect(),
+                    ..Section::default()
+                },
+            ])
+            .collect(),
         }
     }
 
@@ -102,6 +106,17 @@ impl Diagnosis {
             tables: self.given_table().into_iter().collect(),
             ..Section::default()
         })
+    }
+
+    /// What explains the mismatch, and how much of it.
+    fn budget_section(&self, recording: &Recording) -> Section {
+        let besides = [self.in_fit_words(recording), self.possible_words(recording)];
+        Section {
+            heading: "What explains the mismatch".to_owned(),
+            paragraphs: besides.into_iter().flatten().map(|w| w + ".").collect(),
+            tables: vec![self.budget_table(recording)],
+            ..Section::default()
+        }
     }
 
     /// The fit that every command tells.

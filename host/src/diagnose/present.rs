@@ -60,6 +60,7 @@ impl Diagnosis {
                     "key": p.key, "given": p.given, "refitted": p.found, "differs": p.differs, "worth_nmse": p.worth,
                 })).collect::<Vec<_>>(),
             })),
+            "budget": self.budget_json(),
             "effects": self.effects.iter().enumerate().map(|(i, e)| self.effect_json(i, e, recording)).collect::<Vec<_>>(),
             "unknown": self.unknown().map(|u| self.unknown_json(u, recording)),
             "unnamed": self.unnamed.iter().map(|u| self.unknown_json(u, recording)).collect::<Vec<_>>(),

@@ -1,6 +1,7 @@
 //! From the hypothesis to what is said: names with their confidence, what has no name, and what the recording cannot tell.
 
 use super::axis::Axis;
+use super::budget::{Item, budget};
 use super::change::Change;
 use super::confidence::{self, confidence};
 use super::credible::sieved;
@@ -153,6 +154,8 @@ pub struct Diagnosis {
     pub noise_floor: f64,
     /// Confident ones first.
     pub effects: Vec<Named>,
+    /// What each missing effect takes off, in turn.
+    pub budget: Vec<Item>,
     /// What may be left and has no name, largest first; [`Diagnosis::unknown`] is the one that is stated.
     pub unnamed: Vec<Unknown>,
     /// What the recording lacks.
@@ -279,8 +282,18 @@ pub fn conclude(
         list.retain(|o| matches!(o.term.subject, Subject::Curve(_)) && o.evidence.share > 0.0);
         list
     };
+    let is_missing = |term: &Term| {
+        let mut own = effects.iter().filter(|e| e.is_missing());
+        own.any(|e| e.term.as_ref().is_some_and(|t| t.is_near(term)))
+    };
+    let stays: Vec<Term> = (extended.terms.iter())
+        .filter(|t| !is_missing(t))
+        .cloned()
+        .collect();
+    let budget = budget(&ground, &stays, &effects, [baseline.test, after.test]);
     Some(Diagnosis {
         verdict,
+        budget,
         baseline,
         given_model,
         extended: after,

@@ -22,7 +22,7 @@ pub fn quantity(value: f64, unit: &str) -> String {
 }
 
 /// A value and how far it may be off, to two figures of that, in the prefix that suits the value: `5.0002 ± 0.0011 mm`.
-fn within(value: f64, reach: f64, unit: &str) -> String {
+pub(super) fn within(value: f64, reach: f64, unit: &str) -> String {
     /// Decimals that a double still has.
     const MOST: f64 = 9.0;
     let shown = display_unit(unit, value);
@@ -240,7 +240,7 @@ impl Unknown {
     }
 }
 
-fn place_words(place: &Place, recording: &Recording) -> String {
+pub(super) fn place_words(place: &Place, recording: &Recording) -> String {
     between(
         place.from,
         place.to,

@@ -1,0 +1,131 @@
+//! A diagnosis without a model says what the fit of `identify` has and what it lacks: the files of `../shared/cases` with their right values.
+
+use std::sync::Arc;
+
+use preslide_host::diagnose::fit::Fit;
+use preslide_host::diagnose::verdict::{Named, Verdict};
+use preslide_host::diagnose::{Diagnosis, diagnose};
+use preslide_host::progress::Progress;
+use preslide_host::recording::{self, LoadOptions, Recording};
+use preslide_host_tests::shared;
+
+fn case(name: &str) -> Option<Recording> {
+    let file = shared("cases")?.join(name);
+    Some(recording::load(&file, &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}")))
+}
+
+fn told(recording: &Recording) -> Diagnosis {
+    let fit = Some(Arc::new(Fit::of(recording)));
+    let found = diagnose(recording, None, fit, &Progress::new("test", 0));
+    let found = found.unwrap_or_else(|e| panic!("{e}"));
+    println!("{}: {}", recording.name, found.verdict_words(recording));
+    found
+}
+
+/// The first parameters of a name, each right within a share of the truth and inside its interval.
+fn holds(named: &Named, truths: &[(f64, f64)]) {
+    for ((key, estimate), (truth, share)) in named.parameters.iter().zip(truths) {
+        let [low, high] = estimate.ci95.expect("an interval");
+        println!("  {key} {} ({low} … {high}), true {truth}", estimate.value);
+        assert!((estimate.value / truth - 1.0).abs() < *share, "{key}");
+        assert!((low..=high).contains(truth), "{key}");
+    }
+}
+
+fn the_only_missing<'a>(found: &'a Diagnosis, id: &str) -> &'a Named {
+    let missing: Vec<&Named> = found.missing().collect();
+    let ids: Vec<&str> = missing.iter().map(|e| e.id()).collect();
+    assert_eq!(ids, [id]);
+    missing[0]
+}
+
+fn of_the_fit<'a>(found: &'a Diagnosis, id: &str) -> &'a Named {
+    found.in_fit().find(|e| e.id() == id).expect(id)
+}
+
+#[test]
+fn a_circle_of_any_radius_lacks_nothing() {
+    for radius in [30, 50, 100] {
+        if let Some(recording) = case(&format!("circle_R{radius}.csv")) {
+            let found = told(&recording);
+            assert_eq!(found.verdict, Verdict::Consistent);
+            // Noise of the effort leaves 0.00015 %.
+            assert!(found.baseline.test < 5e-4, "{}", found.baseline.test);
+            holds(of_the_fit(&found, "viscous"), &[(300.0, 0.01)]);
+        }
+    }
+}
+
+#[test]
+fn a_pair_of_fast_spins_hides_no_cogging() {
+    for speed in [15, 20] {
+        if let Some(recording) = case(&format!("cogging_spin_{speed}.csv")) {
+            let found = told(&recording);
+            let cogging = the_only_missing(&found, "periodic_force");
+            holds(cogging, &[(0.667, 0.01)]);
+            assert!(found.extended.test < 0.01, "{}", found.extended.test);
+        }
+    }
+}
+
+#[test]
+fn friction_follows_a_load_that_pushes_both_ways() {
+    if let Some(recording) = case("strainwave_load.csv") {
+        let found = told(&recording);
+        holds(
+            the_only_missing(&found, "load_dependent_friction"),
+            &[(0.15, 0.01)],
+        );
+        holds(of_the_fit(&found, "gravity"), &[(12.0, 0.01)]);
+    }
+}
+
+#[test]
+fn friction_that_falls_is_told_without_a_temperature() {
+    if let Some(recording) = case("warming_no_temperature.csv") {
+        let found = told(&recording);
+        assert_eq!(found.verdict, Verdict::UnknownPhysics);
+        let falls = found.unknown().and_then(|u| u.rises_by).expect("a drift");
+        // By a third from the first moment to the last, and less between the means of the first and the last fifth.
+        assert!((-0.35..-0.22).contains(&falls), "{falls}");
+        let words = found.verdict_words(&recording);
+        assert!(words.contains("friction falls by") && words.contains("cannot say which"));
+    }
+}
+
+/// The benchmark's position as a slower bus would have read it.
+#[test]
+fn a_position_that_is_held_is_taken_where_it_was_read() {
+    let Some(file) = shared("recordings").map(|s| s.join("emps/emps_tracking.csv")) else {
+        return;
+    };
+    let text = std::fs::read_to_string(&file).expect("the recording");
+    let mut lines = text.lines().filter(|line| !line.starts_with('#'));
+    let head = lines.next().expect("a head");
+    let at = head.split(',').position(|key| key == "x_m").expect("x_m");
+    let (mut held, mut last) = (format!("{head}\n"), String::new());
+    for (row, line) in lines.enumerate() {
+        let mut cells: Vec<&str> = line.split(',').collect();
+        if row % 10 == 3 || last.is_empty() {
+            last = cells[at].to_owned();
+        }
+        cells[at] = &last;
+        held += &format!("{}\n", cells.join(","));
+    }
+    let recording = recording::load_csv(held.as_bytes(), "held.csv", &LoadOptions::default());
+    let recording = recording.unwrap_or_else(|e| panic!("{e}"));
+    let said = recording.warnings.iter().find(|w| w.code == "held");
+    println!("{}", said.expect("a warning"));
+    let found = preslide_host::identify::identify(
+        &recording,
+        &preslide_host::identify::Options::default(),
+        &Progress::new("test", 100),
+    );
+    let found = found.unwrap_or_else(|e| panic!("{e}"));
+    for (name, truth, share) in [("mass", 95.15, 0.01), ("viscous", 203.9, 0.02)] {
+        let own = found.best().rigid_body.iter().find(|p| p.0 == name);
+        let value = own.expect(name).1.value;
+        println!("  {name} {value}, {truth} of the rows as they are");
+        assert!((value / truth - 1.0).abs() < share, "{name}: {value}");
+    }
+}
