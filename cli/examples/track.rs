@@ -10,7 +10,9 @@ use preslide::control::{LearningSettings, Settings};
 use preslide_axis::AxisFile;
 use preslide_sim::rig::sensed;
 use preslide_sim::stage::{ElectricalConfig, Sampling, SenseConfig, StageConfig};
-use preslide_sim::tracking::{adaptation, dead_time, electrical, print, table, watch};
+use preslide_sim::tracking::{
+    TRACKING_SEEDS, adaptation, dead_time, electrical, print, table, watch,
+};
 
 fn main() -> anyhow::Result<()> {
     let mut settings = AxisFile::chosen(None)?.axis();
@@ -29,9 +31,11 @@ fn main() -> anyhow::Result<()> {
             adaptation::print(&adaptation::table(&settings, &learning, 6, progress)?)
         }
         Some("watch") => watch::print(&watch::study(&settings, &learning, 400, 12, progress)?),
-        Some("dead-time") => {
-            dead_time::print(&dead_time::study(&settings, &ElectricalConfig::default())?)
-        }
+        Some("dead-time") => dead_time::print(&dead_time::study(
+            &settings,
+            &ElectricalConfig::default(),
+            &TRACKING_SEEDS,
+        )?),
         Some("identify") => sensed::print(&sensed::study()?),
         Some(word) if word.starts_with("--electrical") => {
             stage = electrical(&mut settings, stage);

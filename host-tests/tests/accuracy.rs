@@ -126,12 +126,38 @@ macro_rules! each_block_number {
     };
 }
 
+/// Some of them, with the smallest and the largest: what a gate can afford.
+macro_rules! some_block_numbers {
+    ($do:ident) => {
+        $do!(1);
+        $do!(4);
+        $do!(10);
+    };
+}
+
+/// Which numbers of blocks run.
+#[derive(Clone, Copy, PartialEq)]
+enum Sizes {
+    Some,
+    All,
+}
+
 fn header(what: &str) {
     println!("\n{what}: {TICKS} ticks, seed {SEED}, errors in N (F_s = {BREAKAWAY} N)");
 }
 
 #[test]
 fn quasi_static_gms_is_within_bounds_of_the_masing_rules() {
+    quasi_static_gms(Sizes::Some);
+}
+
+#[test]
+#[ignore = "long study: cargo xtask test --all"]
+fn quasi_static_gms_of_every_size_is_within_bounds_of_the_masing_rules() {
+    quasi_static_gms(Sizes::All);
+}
+
+fn quasi_static_gms(sizes: Sizes) {
     fn check<const N: usize, S: Scalar>(
         units: Units,
         bounds: &Bounds,
@@ -162,7 +188,14 @@ fn quasi_static_gms_is_within_bounds_of_the_masing_rules() {
             each_arithmetic!(check, $n, BOUNDS, &path, &reference);
         };
     }
-    each_block_number!(at);
+    match sizes {
+        Sizes::Some => {
+            some_block_numbers!(at);
+        }
+        Sizes::All => {
+            each_block_number!(at);
+        }
+    }
 }
 
 /// Share of the ticks on which the full law may differ by more than rounding, up to `F_s − F_c`.
@@ -174,7 +207,13 @@ const TIES: f64 = 1e-3;
 /// Attraction parameter for which the lag is a tenth of the gap per tick (N/s).
 const ATTRACTION: f64 = 2_000.0;
 
-fn gms_against_the_equations(what: &str, stribeck: Stribeck, path: &[Tick], bounds: [Bounds; 5]) {
+fn gms_against_the_equations(
+    what: &str,
+    stribeck: Stribeck,
+    path: &[Tick],
+    bounds: [Bounds; 5],
+    sizes: Sizes,
+) {
     fn check<const N: usize, S: Scalar>(
         units: Units,
         bounds: &Bounds,
@@ -221,11 +260,34 @@ fn gms_against_the_equations(what: &str, stribeck: Stribeck, path: &[Tick], boun
             each_arithmetic!(check, $n, bounds, what, sliding, path, &reference);
         };
     }
-    each_block_number!(at);
+    match sizes {
+        Sizes::Some => {
+            some_block_numbers!(at);
+        }
+        Sizes::All => {
+            each_block_number!(at);
+        }
+    }
 }
 
 #[test]
 fn gms_at_speeds_that_need_no_interpolation_is_within_bounds_of_the_equations() {
+    gms_without_interpolation(Sizes::Some);
+}
+
+#[test]
+fn gms_with_interpolated_stribeck_curve_is_within_bounds_of_the_equations() {
+    gms_with_interpolation(Sizes::Some);
+}
+
+#[test]
+#[ignore = "long study: cargo xtask test --all"]
+fn gms_of_every_size_is_within_bounds_of_the_equations() {
+    gms_without_interpolation(Sizes::All);
+    gms_with_interpolation(Sizes::All);
+}
+
+fn gms_without_interpolation(sizes: Sizes) {
     // Standstill (F_s) and a hundred Stribeck velocities (F_c), changing every few ticks.
     let path: Vec<Tick> = random_reversals(SEED, TICKS, 4_000.0, 200.0)
         .into_iter()
@@ -245,11 +307,10 @@ fn gms_at_speeds_that_need_no_interpolation_is_within_bounds_of_the_equations() 
         bounds("I8F24", 1.6e-7, 3.2e-5, 1.8e-7),
         bounds("I32F32", 6.5e-10, 3.2e-5, 1.7e-7),
     ];
-    gms_against_the_equations("GMS, s(v) exact", stribeck, &path, BOUNDS);
+    gms_against_the_equations("GMS, s(v) exact", stribeck, &path, BOUNDS, sizes);
 }
 
-#[test]
-fn gms_with_interpolated_stribeck_curve_is_within_bounds_of_the_equations() {
+fn gms_with_interpolation(sizes: Sizes) {
     let path: Vec<Tick> = random_reversals(SEED, TICKS, 4_000.0, 200.0)
         .into_iter()
         .map(|counts| (counts, f64::from(counts) * COUNT / SAMPLE_TIME))
@@ -267,7 +328,7 @@ fn gms_with_interpolated_stribeck_curve_is_within_bounds_of_the_equations() {
         bounds("I8F24", 3.6e-5, 2e-5, 1.4e-6),
         bounds("I32F32", 3.6e-5, 2e-5, 1.4e-6),
     ];
-    gms_against_the_equations("GMS, s(v) by table", stribeck, &path, BOUNDS);
+    gms_against_the_equations("GMS, s(v) by table", stribeck, &path, BOUNDS, sizes);
 }
 
 /// A tenth of the ticks of the others, none faster than 2 mm/s: the references integrate adaptively.

@@ -3,7 +3,7 @@
 use preslide::control::Settings;
 use preslide_sim::stage::ElectricalConfig;
 use preslide_sim::stage::electrical::{Bridge, Winding};
-use preslide_sim::tracking::dead_time;
+use preslide_sim::tracking::{TRACKING_SEEDS, dead_time};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
@@ -186,14 +186,24 @@ fn the_reference_sees_the_dead_time() {
 }
 
 /// Told of the dead time, the controller wins back at least 80 % of what it costs, in both arithmetics and both motions.
-#[test]
-fn the_dead_time_is_made_up_for() {
-    let rows = dead_time::study(&Settings::PAPER_AXIS, &ElectricalConfig::default())
-        .expect("the study runs");
+fn the_dead_time_is_made_up_for(seeds: &[u64]) {
+    let electrical = ElectricalConfig::default();
+    let rows = dead_time::study(&Settings::PAPER_AXIS, &electrical, seeds).expect("the study runs");
     print!("{}", dead_time::print(&rows));
     for arithmetic in [0, 1] {
         let nested = dead_time::share(&rows, |row| row.errors[arithmetic].nested_m);
         let slide = dead_time::share(&rows, |row| row.errors[arithmetic].slide_m);
         assert!(nested >= 0.8 && slide >= 0.8, "{nested} {slide}");
     }
+}
+
+#[test]
+fn the_dead_time_is_made_up_for_on_a_stage() {
+    the_dead_time_is_made_up_for(&TRACKING_SEEDS[..1]);
+}
+
+#[test]
+#[ignore = "long study: cargo xtask test --all"]
+fn the_dead_time_is_made_up_for_on_every_stage() {
+    the_dead_time_is_made_up_for(&TRACKING_SEEDS);
 }

@@ -3,8 +3,8 @@
 use crate::process::{cargo, released, root, run};
 use std::process::Command;
 
-/// Builds the tool, unless another is named with `--preslide`, and runs a judge with the arguments of the program behind it.
-pub fn judge(program: &str, arguments: &[String]) -> Result<(), String> {
+/// Builds the tool, unless another is named with `--preslide`, and runs a judge with its arguments.
+pub fn judge(name: &str, arguments: &[String]) -> Result<(), String> {
     let named = |argument: &String| argument.starts_with("--preslide") || argument == "--help";
     let mut build = cargo(&["build", "--release", "--package", "preslide-host-tests"]);
     if !arguments.iter().any(named) {
@@ -12,8 +12,8 @@ pub fn judge(program: &str, arguments: &[String]) -> Result<(), String> {
         build.args(["--package", "preslide-cli"]);
     }
     run(build.arg("--bins"))?;
-    let program = released(program);
-    run(Command::new(program).args(arguments).current_dir(root()))
+    let mut judge = Command::new(released("judge"));
+    run(judge.arg(name).args(arguments).current_dir(root()))
 }
 
 /// Answers that must not flip.

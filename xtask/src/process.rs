@@ -62,15 +62,22 @@ fn shown(command: &Command) -> String {
     words.join(" ")
 }
 
-/// Shows the command, runs it with this process's output, and reports failure with the command in it.
+/// Shows the command, runs it with this process's output, tells how long it took, and reports failure with the command in it.
 pub fn run(command: &mut Command) -> Result<(), String> {
     let line = shown(command);
     println!("$ {line}");
+    let start = Instant::now();
     let status = command
         .stdin(Stdio::null())
         .status()
         .map_err(|error| format!("`{line}` did not start: {error}"))?;
+    tell_time(start);
     succeeded(&line, status)
+}
+
+/// How long a command took: a step's minutes are those of its commands.
+fn tell_time(start: Instant) {
+    println!("  ({:.1} s)", start.elapsed().as_secs_f64());
 }
 
 /// The command's end as a result.
@@ -86,6 +93,7 @@ fn succeeded(line: &str, status: ExitStatus) -> Result<(), String> {
 pub fn run_counting(command: &mut Command, word: &str) -> Result<usize, String> {
     let line = shown(command);
     println!("$ {line}");
+    let start = Instant::now();
     let started = command.stdin(Stdio::null()).stderr(Stdio::piped()).spawn();
     let mut child = started.map_err(|error| format!("`{line}` did not start: {error}"))?;
     let mut count = 0;
@@ -96,6 +104,7 @@ pub fn run_counting(command: &mut Command, word: &str) -> Result<usize, String> 
         }
     }
     let status = child.wait().map_err(|error| format!("`{line}`: {error}"))?;
+    tell_time(start);
     succeeded(&line, status)?;
     Ok(count)
 }
@@ -113,7 +122,10 @@ pub fn run_for(command: &mut Command, limit: Duration) -> Result<(), String> {
             .try_wait()
             .map_err(|error| format!("`{line}` cannot be waited for: {error}"))?;
         match ended {
-            Some(status) => return succeeded(&line, status),
+            Some(status) => {
+                tell_time(start);
+                return succeeded(&line, status);
+            }
             None if start.elapsed() < limit => std::thread::sleep(Duration::from_millis(20)),
             None => {
                 // It may have ended in this moment; either way it is gone after the wait.

@@ -6,7 +6,6 @@
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Complex, DMatrix, DVector};
-use rustfft::FftPlanner;
 
 use super::motion::{Extent, Motion, slope};
 use super::oracle::{YIELDS, binned};
@@ -288,9 +287,7 @@ fn strongest(along: &[f64], values: &[f64], [from, to]: [f64; 2]) -> Vec<f64> {
     for (s, value) in along.iter().zip(values) {
         sums[((s * cells as f64) as usize).min(cells - 1)] += value;
     }
-    FftPlanner::new()
-        .plan_fft_forward(sums.len())
-        .process(&mut sums);
+    preslide_fft::in_place(&mut sums);
     let powers: Vec<f64> = sums.iter().map(|c| c.norm_sqr()).collect();
     let wanted = (2.0 * from).ceil() as usize..=(2.0 * to) as usize;
     let mut peaks: Vec<usize> = wanted

@@ -59,7 +59,7 @@ impl Share {
 }
 
 /// Probability of at most `k` of `n` at probability `p` each.
-pub(super) fn at_most(k: usize, n: usize, p: f64) -> f64 {
+fn at_most(k: usize, n: usize, p: f64) -> f64 {
     if p <= 0.0 {
         return 1.0;
     }

@@ -3,7 +3,7 @@
 use super::rows::Rows;
 use super::signals::bounds;
 use crate::statistics::quantile_between_ranks;
-use realfft::RealFftPlanner;
+use preslide_fft::Planner;
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
@@ -64,7 +64,7 @@ impl Spectrum {
             binned[left as usize % size] += w * (1.0 - part);
             binned[(left as usize + 1) % size] += w * part;
         }
-        let forward = RealFftPlanner::<f64>::new().plan_fft_forward(size);
+        let forward = Planner::new().forward(size);
         let mut spectrum = forward.make_output_vec();
         forward.process(&mut binned, &mut spectrum).ok()?;
         let (first, last) = ((from / step).ceil() as usize, (to / step) as usize);

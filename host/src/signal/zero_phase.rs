@@ -1,8 +1,7 @@
 //! Velocity and acceleration from a measured position: a zero-phase low-pass whose band is chosen from the data.
 
 use crate::recording::Recording;
-use realfft::num_complex::Complex;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use preslide_fft::{Complex64, ComplexToReal, Planner, RealToComplex};
 use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
@@ -52,7 +51,7 @@ impl Piece {
     /// `usual` is the recording's sample time, for a piece that has none of its own. The others keep to theirs,
     /// so that runs of very different rates stay as long as they are.
     fn new(
-        planner: &mut RealFftPlanner<f64>,
+        planner: &mut Planner,
         t_s: &[f64],
         rows: Range<usize>,
         usual: f64,
@@ -82,8 +81,8 @@ impl Piece {
             length,
             margin,
             sample_time,
-            forward: planner.plan_fft_forward(size),
-            inverse: planner.plan_fft_inverse(size),
+            forward: planner.forward(size),
+            inverse: planner.inverse(size),
         }
     }
 
@@ -107,7 +106,7 @@ impl Piece {
         circle
     }
 
-    fn spectrum(&self, values: &[f64]) -> Vec<Complex<f64>> {
+    fn spectrum(&self, values: &[f64]) -> Vec<Complex64> {
         let mut circle = self.continued(values);
         let mut spectrum = self.forward.make_output_vec();
         // The lengths come from the plan itself, the only thing that can be wrong.
@@ -120,7 +119,7 @@ impl Piece {
         bin as f64 / (self.forward.len() as f64 * self.sample_time)
     }
 
-    fn back(&self, mut spectrum: Vec<Complex<f64>>, out: &mut [f64]) {
+    fn back(&self, mut spectrum: Vec<Complex64>, out: &mut [f64]) {
         if let Some(first) = spectrum.first_mut() {
             first.im = 0.0;
         }
@@ -186,7 +185,7 @@ impl ZeroPhase {
     /// A filter with the cut-off (−6 dB) `cutoff_hz` for the samples of `recording`.
     pub fn new(recording: &Recording, cutoff_hz: f64) -> Self {
         let usual = recording.sample_time_s();
-        let mut planner = RealFftPlanner::new();
+        let mut planner = Planner::new();
         Self {
             cutoff_hz,
             pieces: recording
@@ -223,7 +222,7 @@ impl ZeroPhase {
         let longest = &(longest.start + spare..longest.end - spare);
         let lowest = (10.0 / (longest.len() as f64 * sample_time)).min(highest);
         let piece = Piece::new(
-            &mut RealFftPlanner::new(),
+            &mut Planner::new(),
             &recording.t_s,
             longest.clone(),
             sample_time,
@@ -287,7 +286,7 @@ impl ZeroPhase {
                 .for_each(|(c, kept)| *c *= kept);
             for _ in 0..order {
                 let bins = spectrum.iter_mut().enumerate();
-                bins.for_each(|(bin, c)| *c *= Complex::new(0.0, TAU * piece.frequency(bin)));
+                bins.for_each(|(bin, c)| *c *= Complex64::new(0.0, TAU * piece.frequency(bin)));
             }
             piece.back(spectrum, &mut out[piece.rows.clone()]);
         }

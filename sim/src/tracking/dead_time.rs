@@ -2,7 +2,7 @@
 //!
 //! The friction fed forward is the stage's own ([`Perfect`]), so that nothing else hides the bridge's part.
 
-use super::{Axis, FIXED_UNITS, Perfect, Step, TRACKING_SEEDS, Tracking, TrackingError, motions};
+use super::{Axis, FIXED_UNITS, Perfect, Step, Tracking, TrackingError, motions};
 use crate::stage::{ElectricalConfig, StageConfig};
 use fixed::types::I16F16;
 use preslide::control::{Hardware, Settings};
@@ -40,13 +40,14 @@ pub struct Row {
     pub errors: [Errors; 2],
 }
 
-/// All bridges, with the dead time and the diodes of `electrical`.
+/// All bridges, with the dead time and the diodes of `electrical`, on a stage of each seed.
 ///
 /// # Errors
 /// [`TrackingError`] where a controller or a stage cannot be built.
 pub fn study(
     settings: &Settings,
     electrical: &ElectricalConfig,
+    seeds: &[u64],
 ) -> Result<Vec<Row>, TrackingError> {
     let bridges = [
         Bridge::Ideal,
@@ -58,8 +59,8 @@ pub fn study(
         Ok(Row {
             bridge,
             errors: [
-                errors::<f32>(settings, electrical, bridge, Units::SI)?,
-                errors::<I16F16>(settings, electrical, bridge, FIXED_UNITS)?,
+                errors::<f32>(settings, electrical, bridge, Units::SI, seeds)?,
+                errors::<I16F16>(settings, electrical, bridge, FIXED_UNITS, seeds)?,
             ],
         })
     };
@@ -80,6 +81,7 @@ fn errors<S: Scalar + Send + Sync>(
     electrical: &ElectricalConfig,
     bridge: Bridge,
     units: Units,
+    seeds: &[u64],
 ) -> Result<Errors, TrackingError> {
     let hardware = match bridge {
         Bridge::MadeUp => settings
@@ -110,7 +112,7 @@ fn errors<S: Scalar + Send + Sync>(
         let plan = |step: &Step| step.plan(settings);
         let moves = steps.iter().map(plan).collect::<Result<Vec<_>, _>>()?;
         let mut tracking = Tracking::default();
-        for seed in TRACKING_SEEDS {
+        for &seed in seeds {
             let stage = StageConfig {
                 seed,
                 ..stage.clone()

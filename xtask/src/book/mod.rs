@@ -203,7 +203,6 @@ impl Walk<'_> {
             Ok(text) => self.printed = Some(text),
             Err(reason) => self.failures.push(format!("{place}: {reason}")),
         }
-        println!("  ({:.1} s)", start.elapsed().as_secs_f64());
     }
 
     fn printed_by(&self, block: &CodeBlock, folder: Option<&Path>) -> Result<String, String> {

@@ -2,9 +2,8 @@
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
-use clap::Parser;
+use clap::Args;
 use preslide_host_tests::judge::calibrate::{
     CALIBRATION, Judged, Names, committed, fit, held_without, left_out, widths,
 };
@@ -12,9 +11,8 @@ use preslide_host_tests::judge::calibrate::{
 /// Fits the confidence of names and the width of intervals, each source, machine and effect left out in turn
 ///
 /// The names come from files that `cargo xtask sources --json FILE` and `cargo xtask inject --json FILE` write.
-#[derive(Parser)]
-#[command(name = "cargo xtask calibrate")]
-struct Options {
+#[derive(Args)]
+pub struct Options {
     /// Judged cases
     #[arg(required = true, value_name = "FILE.json")]
     cases: Vec<PathBuf>,
@@ -29,7 +27,8 @@ struct Options {
     bless: bool,
 }
 
-fn run(o: &Options) -> Result<(), String> {
+/// What `cargo xtask calibrate` does.
+pub fn run(o: &Options) -> Result<(), String> {
     let names = Names::read(&o.cases, &o.unnamed)?;
     let fitted = |judged: &Judged, what: &str| {
         fit(judged.stated.iter()).ok_or(format!(
@@ -123,14 +122,4 @@ fn counted(judged: &Judged) -> String {
     lines
         .map(|(source, [right, all])| format!("{source:?} = [{right}, {all}]\n"))
         .collect()
-}
-
-fn main() -> ExitCode {
-    match run(&Options::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(reason) => {
-            eprintln!("calibrate: {reason}");
-            ExitCode::FAILURE
-        }
-    }
 }

@@ -2,9 +2,8 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
-use clap::Parser;
+use clap::Args;
 use preslide_host_tests::judge::case::Case;
 use preslide_host_tests::judge::inject::EFFECTS;
 use preslide_host_tests::judge::source::{self, injection};
@@ -12,9 +11,8 @@ use preslide_host_tests::judge::summary::Share;
 use preslide_host_tests::judge::tool::Tool;
 
 /// Known effects added to real recordings, at shares of their effort's deviation
-#[derive(Parser)]
-#[command(name = "cargo xtask inject")]
-struct Options {
+#[derive(Args)]
+pub struct Options {
     /// The program to judge [default: the one built beside this]
     #[arg(long, value_name = "PROGRAM")]
     preslide: Option<PathBuf>,
@@ -46,7 +44,8 @@ struct Options {
     json: Option<PathBuf>,
 }
 
-fn run(o: &Options) -> Result<(), String> {
+/// What `cargo xtask inject` does.
+pub fn run(o: &Options) -> Result<(), String> {
     let wanted = |machine: &str, effect: &str| {
         let hit = |word: &String| machine.contains(word.as_str()) || effect.contains(word.as_str());
         o.only.is_empty() || o.only.iter().any(hit)
@@ -126,14 +125,4 @@ fn table(cases: &[Case]) -> String {
         *names.entry(&name.id).or_default() += 1;
     }
     text + &format!(" {names:?}")
-}
-
-fn main() -> ExitCode {
-    match run(&Options::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(reason) => {
-            eprintln!("inject: {reason}");
-            ExitCode::FAILURE
-        }
-    }
 }

@@ -1,11 +1,10 @@
 //! Runs `preslide diagnose` on generated recordings whose truth it does not see, and prints what it is worth.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-use clap::Parser;
+use clap::Args;
 use preslide_host_tests::judge::case::Case;
 use preslide_host_tests::judge::summary;
 use preslide_host_tests::judge::tool::Tool;
@@ -14,9 +13,8 @@ use preslide_host_tests::trials::{Kind, catalogue_plan, clean_plan, report, tria
 use rayon::prelude::*;
 
 /// Runs `preslide diagnose` on generated recordings whose truth it does not see, and prints what it is worth.
-#[derive(Parser)]
-#[command(name = "trials")]
-struct Options {
+#[derive(Args)]
+pub struct Options {
     /// Trials of the plan to run.
     #[arg(long, value_name = "N", default_value_t = 300)]
     count: usize,
@@ -183,7 +181,11 @@ fn sizes(plan: &[(u64, Kind)]) {
     println!("{}", lines.join("\n"));
 }
 
-fn run(o: &Options) -> Result<(), String> {
+/// What `cargo xtask trials` does.
+pub fn run(o: &Options) -> Result<(), String> {
+    // 0 is rayon's word for the number of cores.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(o.jobs.unwrap_or(0));
+    pool.build_global().map_err(|e| e.to_string())?;
     let plan = plan(o);
     if plan.is_empty() {
         return Err(
@@ -198,18 +200,4 @@ fn run(o: &Options) -> Result<(), String> {
         return Ok(());
     }
     judge(o, &plan)
-}
-
-fn main() -> ExitCode {
-    let o = Options::parse();
-    // 0 is rayon's word for the number of cores.
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(o.jobs.unwrap_or(0));
-    let result = pool.build_global().map_err(|e| e.to_string());
-    match result.and_then(|()| run(&o)) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(reason) => {
-            eprintln!("trials: {reason}");
-            ExitCode::FAILURE
-        }
-    }
 }

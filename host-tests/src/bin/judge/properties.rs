@@ -2,9 +2,8 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
-use clap::Parser;
+use clap::Args;
 use preslide_host_tests::judge::properties::{Outcome, PROPERTIES, Property, compare};
 use preslide_host_tests::judge::real::machine;
 use preslide_host_tests::judge::table::Recording;
@@ -14,9 +13,8 @@ use preslide_host_tests::trials::score::{Diagnosis, Named};
 use preslide_host_tests::trials::{Kind, repeatable, trial};
 
 /// Answers that must not flip: made and real recordings, each changed in fifteen ways
-#[derive(Parser)]
-#[command(name = "cargo xtask properties")]
-struct Options {
+#[derive(Args)]
+pub struct Options {
     /// The program to judge [default: the one built beside this]
     #[arg(long, value_name = "PROGRAM")]
     preslide: Option<PathBuf>,
@@ -179,7 +177,8 @@ fn nothing_is_called_so() -> String {
     )
 }
 
-fn run(o: &Options) -> Result<(), String> {
+/// What `cargo xtask properties` does.
+pub fn run(o: &Options) -> Result<(), String> {
     let tool = Tool::new(o.preslide.as_deref())?;
     let (mut held, mut asked) = (0, 0);
     if wanted(&o.only, "stages") {
@@ -212,15 +211,5 @@ fn run(o: &Options) -> Result<(), String> {
             "{held} answers hold where {least} did; the lines above tell which do not"
         )),
         _ => Ok(()),
-    }
-}
-
-fn main() -> ExitCode {
-    match run(&Options::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(reason) => {
-            eprintln!("properties: {reason}");
-            ExitCode::FAILURE
-        }
     }
 }

@@ -2,17 +2,15 @@
 //! Markdown.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
-use clap::Parser;
+use clap::Args;
 use preslide_host_tests::judge::real::shared;
 use preslide_host_tests::judge::tool::Tool;
 use preslide_host_tests::trials::score::{Diagnosis, Named};
 
 /// What the diagnosis says of each real recording, without a model
-#[derive(Parser)]
-#[command(name = "cargo xtask real")]
-struct Options {
+#[derive(Args)]
+pub struct Options {
     /// Only recordings with this in their names
     name: Option<String>,
     /// The program to judge [default: the one built beside this]
@@ -283,7 +281,8 @@ fn row(case: &Case, answer: &Result<Diagnosis, String>, seconds: f64) -> String 
     )
 }
 
-fn run(o: &Options) -> Result<(), String> {
+/// What `cargo xtask real` does.
+pub fn run(o: &Options) -> Result<(), String> {
     let Some(root) = shared() else {
         return Ok(());
     };
@@ -313,14 +312,4 @@ fn run(o: &Options) -> Result<(), String> {
         let _ = std::fs::remove_dir_all(&folder);
     }
     Ok(())
-}
-
-fn main() -> ExitCode {
-    match run(&Options::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(reason) => {
-            eprintln!("real: {reason}");
-            ExitCode::FAILURE
-        }
-    }
 }

@@ -1,6 +1,6 @@
 //! Speed on the host: a model step, and whole identifications of the real recordings.
 //!
-//! `cargo bench -p preslide-cli`. The recordings are read from `../shared/recordings`; without them only the step
+//! `cargo bench -p preslide-bench`. The recordings are read from `../shared/recordings`; without them only the step
 //! is measured, and a line says so.
 
 use criterion::{Criterion, criterion_group, criterion_main};

@@ -1,10 +1,9 @@
 //! Every source of recordings with a known truth, asked of `preslide diagnose`: one table, curves, and a gate for CI.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
-use clap::{Parser, ValueEnum};
-use preslide_host_tests::judge::baseline;
+use clap::{Args, ValueEnum};
+use preslide_host_tests::judge::baseline::{self, Set};
 use preslide_host_tests::judge::beside::{self, Answers};
 use preslide_host_tests::judge::case::{Case, Sort};
 use preslide_host_tests::judge::naive::Recipe;
@@ -37,9 +36,8 @@ enum Source {
 }
 
 /// The diagnosis on every source of recordings with a known truth, in one table
-#[derive(Parser)]
-#[command(name = "cargo xtask sources")]
-struct Options {
+#[derive(Args)]
+pub struct Options {
     /// The program to judge [default: the one built beside this]
     #[arg(long, value_name = "PROGRAM")]
     preslide: Option<PathBuf>,
@@ -112,11 +110,11 @@ struct Options {
     /// True and false names over the threshold of confidence, as CSV; a picture beside it as .svg. With recipes: one picture a source
     #[arg(long, value_name = "FILE.csv")]
     curves: Option<PathBuf>,
-    /// The fixed small set of CI, held against the committed baseline
-    #[arg(long)]
-    ci: bool,
-    /// With --ci: write the baseline instead
-    #[arg(long)]
+    /// The fixed set, held against the committed answers: the part that CI asks, or all of it
+    #[arg(long, value_name = "SET", num_args = 0..=1, default_missing_value = "gate")]
+    ci: Option<Set>,
+    /// With --ci: take the answers as the committed ones
+    #[arg(long, requires = "ci")]
     bless: bool,
 }
 
@@ -211,15 +209,15 @@ fn compare(o: &Options) -> Result<(), String> {
     Ok(())
 }
 
-fn run(o: &Options) -> Result<(), String> {
+/// What `cargo xtask sources` does.
+pub fn run(o: &Options) -> Result<(), String> {
     if o.recipes != [PRESLIDE] {
         return compare(o);
     }
     let tool = Tool::new(o.preslide.as_deref())?;
-    let cases = if o.ci {
-        baseline::cases(&tool, o.jobs)?
-    } else {
-        ask(o, &tool)?
+    let cases = match o.ci {
+        Some(set) => baseline::cases(&tool, set, o.jobs)?,
+        None => ask(o, &tool)?,
     };
     println!("{}", summary::table(&cases));
     write_json(o.json.as_deref(), &cases)?;
@@ -231,18 +229,8 @@ fn run(o: &Options) -> Result<(), String> {
         )?;
     }
     match (o.ci, o.bless) {
-        (true, true) => baseline::bless(&cases),
-        (true, false) => baseline::compare(&cases),
-        _ => Ok(()),
-    }
-}
-
-fn main() -> ExitCode {
-    match run(&Options::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(reason) => {
-            eprintln!("sources: {reason}");
-            ExitCode::FAILURE
-        }
+        (Some(_), true) => baseline::bless(&cases),
+        (Some(_), false) => baseline::compare(&cases),
+        (None, _) => Ok(()),
     }
 }
