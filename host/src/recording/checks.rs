@@ -179,7 +179,7 @@ pub(super) fn sign(
         return;
     }
     let found = format!(
-        "friction would give back {1:.0} % of the work that the {0} exchanges, and it only takes",
+        "friction would return {1:.0} % of the work that the {0} does, and friction never returns work",
         role.name(),
         -100.0 * net / exchanged
     );

@@ -42,7 +42,7 @@ impl Recording {
         fewer.warnings.push(Warning::new(
             "decimated",
             format!(
-                "every {factor}th of {} samples is kept, low-passed: {:.4e} s apart",
+                "one sample in {factor} of {} is kept, low-passed: {:.4e} s apart",
                 self.len(),
                 fewer.sample_time_s
             ),

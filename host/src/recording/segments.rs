@@ -147,7 +147,10 @@ pub(super) fn repeats(
     let Some(period) = period(x, t, motion) else {
         return none(
             warnings,
-            format!("the motion of {} strokes has no period", motion.count()),
+            match motion.count() {
+                1 => "the motion is one stroke".to_owned(),
+                count => format!("the motion of {count} strokes has no period"),
+            },
         );
     };
     let cycles = motion.count() / period;
