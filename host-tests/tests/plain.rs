@@ -284,7 +284,7 @@ fn a_motion_that_is_not_seen_is_not_diagnosed() {
         if let Some(recording) = case(name) {
             let said = diagnose(&recording, None, None, &Progress::new("test", 0)).err();
             let said = said.expect("a refusal").to_string();
-            assert!(said.contains("within 6 samples"), "{said}");
+            assert!(said.contains("within 7 samples"), "{said}");
         }
     }
 }

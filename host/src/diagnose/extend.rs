@@ -190,7 +190,7 @@ fn as_given(user: &Model) -> Extended {
         model: user.clone(),
         refused: Vec::new(),
         replaces: vec![
-            "nothing: no refit leaves less on stretches held out than the model that was given"
+            "nothing: no refit leaves less on stretches held out than the model as it is"
                 .to_owned(),
         ],
     }

@@ -96,12 +96,15 @@ pub fn diagnose(
     // The weak form has one kernel for all pieces.
     let recording = recording.at_one_rate();
     let mut found = judge(&recording, model, &known, None, progress)?;
-    found.doubt = fit
+    if StickSlip::of(&recording).is_some() {
+        found.names_nothing("the axis sticks and slips, and what it does in between is friction's own: breakaway and kinetic level, which the fit tells, are all that such a motion shows");
+    }
+    let doubt = fit
         .as_ref()
         .and_then(|fit| fit.doubt(EXPLAINS_LITTLE))
         .filter(|_| found.verdict == Verdict::Consistent);
-    if found.doubt.is_some() {
-        found.verdict = Verdict::InsufficientData;
+    if let Some(doubt) = doubt {
+        found.names_nothing(&doubt);
     }
     found.fit = fit;
     Ok(found)
@@ -140,6 +143,17 @@ pub fn diagnose_simulation(
     }
     found.reproduced = Some(reproduced);
     Ok(found)
+}
+
+impl Diagnosis {
+    /// The recording does not say, for this reason.
+    fn names_nothing(&mut self, why: &str) {
+        self.verdict = Verdict::InsufficientData;
+        self.doubt = Some(why.to_owned());
+        let names = self.effects.iter_mut().filter(|e| !e.in_fit);
+        names.for_each(|e| e.confident = false);
+        self.budget.clear();
+    }
 }
 
 fn judge(

@@ -17,7 +17,7 @@ pub const MATERIAL: f64 = 0.01;
 /// large mismatch is as small to the machine's user as it is sure.
 const SEEN: f64 = 0.05;
 /// Least deviation of a candidate's force, of the measured effort's: below it nothing is to be gained on a machine, however repeatable the recording.
-const WORTH: f64 = 0.002;
+pub const WORTH: f64 = 0.002;
 /// Share of the best candidate's explanation that plain physics needs to be taken first: every machine may have it, and a free
 /// curve that bends to two effects at once would hide both.
 const PLAIN: f64 = 0.15;

@@ -448,7 +448,7 @@ impl Diagnosis {
             }
             Verdict::UnknownPhysics => format!("unknown-physics ({figures})"),
             Verdict::InsufficientData if self.doubt.is_some() => format!(
-                "insufficient-data: {}; record more strokes, faster sampled, at several speeds ({figures})",
+                "insufficient-data: {}; record strokes at several speeds, sampled fast enough to see them ({figures})",
                 self.doubt.as_deref().unwrap_or_default()
             ),
             Verdict::InsufficientData => format!(
