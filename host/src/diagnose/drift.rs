@@ -4,6 +4,7 @@ use super::axis::Axis;
 use super::confidence;
 use super::curve::Curve;
 use super::effect::thermal_drift::ThermalDrift;
+use super::effect::viscous::Viscous;
 use super::effect::{Class, Effect};
 use super::offer::offer_of;
 use super::place::Place;
@@ -34,6 +35,7 @@ pub fn drift(found: &Found) -> Option<Unknown> {
         }),
         &[],
     );
+    let viscous = Term::new(Subject::Effect(&Viscous), &[]);
     let others = terms.iter().filter(|t| !t.is_like(&curve));
     let mut terms: Vec<Term> = others.cloned().collect();
     // All rows alike: the noise model takes friction that wanders slowly for its own.
@@ -42,7 +44,12 @@ pub fn drift(found: &Found) -> Option<Unknown> {
     terms.push(curve);
     let with = ground.fit_unweighted(&terms)?;
     let force = with.force_of(terms.len() - 1);
-    let friction = with.friction(ground);
+    // What warms thins the oil, too: viscous friction is a part of the level.
+    let mut friction = with.friction(ground);
+    for index in (0..terms.len()).filter(|i| terms[*i].is_like(&viscous)) {
+        let own = with.force_of(index);
+        friction.iter_mut().zip(own).for_each(|(f, v)| *f += v);
+    }
     let part = (PART * force.len() as f64) as usize;
     let level = |rows: std::ops::Range<usize>| {
         let own = &friction[rows.clone()];
