@@ -23,25 +23,25 @@ pub enum Set {
 
 /// A set apart from those that are reported.
 const SEED: u64 = 777;
-/// Trials of the project's plan, and those of them that the gate asks: each sort of question is among them.
+/// Trials of the project's plan, and those of them that the gate asks: the first of each sort of question.
 const TRIALS: usize = 20;
-const GATE_TRIALS: [usize; 7] = [0, 1, 2, 3, 5, 17, 18];
+const GATE_TRIALS: [usize; 7] = [0, 1, 2, 4, 8, 14, 18];
 /// The first machines.
 const MACHINES: u64 = 10;
-const GATE_MACHINES: u64 = 3;
-/// Recordings and effects that are joined; the gate asks the first.
+const GATE_MACHINES: u64 = 2;
+/// Recordings and effects that are joined; the gate asks the last.
 const INJECTED: [(&str, &str); 6] = [
     ("emps", "viscous"),
     ("emps", "periodic_force"),
     ("tribometer", "external_vibration"),
-    ("seal_5bar", "local_friction_spot"),
     ("joint4", "stribeck"),
     ("damper_30lb", "position_friction"),
+    ("seal_5bar", "local_friction_spot"),
 ];
 const GATE_INJECTED: usize = 1;
-/// Machines as they are and controls; the gate asks the last.
+/// Machines as they are and controls; the gate asks the last, a control.
 const BENCHES: [&str; 4] = ["emps", "joint4", "silverbox", "tanks"];
-const GATE_BENCHES: [&str; 2] = ["silverbox", "tanks"];
+const GATE_BENCHES: usize = 1;
 
 type Answers = BTreeMap<String, String>;
 
@@ -72,7 +72,10 @@ pub fn cases(tool: &Tool, set: Set, jobs: usize) -> Result<Vec<Case>, String> {
     let (injected, benches) = if whole {
         (&INJECTED[..], &BENCHES[..])
     } else {
-        (&INJECTED[..GATE_INJECTED], &GATE_BENCHES[..])
+        (
+            &INJECTED[INJECTED.len() - GATE_INJECTED..],
+            &BENCHES[BENCHES.len() - GATE_BENCHES..],
+        )
     };
     let wanted = |machine: &str, effect: &str| injected.contains(&(machine, effect));
     let pairs = injection::pairs(wanted, 0, 1);
