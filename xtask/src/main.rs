@@ -49,7 +49,7 @@ const COMMANDS: &[Command] = &[
     },
     Command {
         name: "qemu",
-        help: "the firmware in QEMU against the simulated stage: agreement, faults, sizes; --bless takes new outputs",
+        help: "the firmware in QEMU against the simulated stage: agreement, faults, sizes; --long with all of the commissioning chapter's motion; --bless takes new outputs",
         run: qemu::run_command,
     },
     Command {

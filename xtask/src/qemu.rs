@@ -34,7 +34,8 @@ const GOLDEN: &str = "firmware/boards/qemu/expected";
 const LIMIT: Duration = Duration::from_secs(600);
 
 pub fn run_command(arguments: &[String]) -> Result<(), String> {
-    let bless = crate::given("qemu", &["--bless"], arguments)?.is_some();
+    let flag = crate::given("qemu", &["--bless", "--long"], arguments)?;
+    let bless = flag == Some("--bless");
     Need::Qemu.ensure()?;
     Need::ArmGcc.ensure()?;
     let rig = build_rig()?;
@@ -54,7 +55,7 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     }
     hammered(&fixed)?;
     typed(&fixed)?;
-    crate::commission::run(&fixed)?;
+    crate::commission::run(&fixed, flag == Some("--long"))?;
     // It cannot be run here, but it must build, fit and not panic.
     build("preslide-stm32g474", "stm32g474", &["--features", "log"])?;
     let board = build("preslide-stm32g474", "stm32g474", &[])?;

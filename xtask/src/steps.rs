@@ -196,7 +196,13 @@ pub const STEPS: &[Step] = &[
         needs: &[Need::Qemu, Need::ArmGcc],
         paths: RIG,
         lane: Lane::Emulator,
-        run: |_| crate::qemu::run_command(&[]),
+        run: |tier| {
+            let long = ["--long".to_owned()];
+            crate::qemu::run_command(match tier {
+                Tier::Gate => &[],
+                Tier::All => &long,
+            })
+        },
     },
     Step {
         name: "chain",

@@ -58,6 +58,7 @@ fn real(name: &str) -> Option<Recording> {
 /// Some steps of the optimiser lead where no LuGre force resists this motion; the fit must come back from them. A
 /// model that contains another must fit no worse.
 #[test]
+#[ignore = "long study: cargo xtask test --all"]
 fn models_fit_no_worse_than_their_special_cases() {
     let Some(recording) = real("pneumatic_seal/O-ring_3bar.csv") else {
         return;
@@ -70,6 +71,7 @@ fn models_fit_no_worse_than_their_special_cases() {
 }
 
 #[test]
+#[ignore = "long study: cargo xtask test --all"]
 fn tribometer() {
     let Some(recording) = real("tribometer_reciprocating/reciprocating_5N.csv") else {
         return;

@@ -21,7 +21,7 @@ mod printed;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use crate::process::{cargo, released, root, run, run_for};
 use crate::tools::mdbook;
@@ -194,7 +194,6 @@ impl Walk<'_> {
     fn run(&mut self, place: &str, block: &CodeBlock, folder: Option<&Path>) {
         self.counts[0] += 1;
         self.printed = None;
-        let start = Instant::now();
         println!("\n{place}");
         for line in &block.lines {
             println!("  {line}");

@@ -215,22 +215,25 @@ pub fn run(o: &Options) -> Result<(), String> {
         return compare(o);
     }
     let tool = Tool::new(o.preslide.as_deref())?;
-    let cases = match o.ci {
-        Some(set) => baseline::cases(&tool, set, o.jobs)?,
-        None => ask(o, &tool)?,
+    let Some(set) = o.ci else {
+        return tell(o, &ask(o, &tool)?);
     };
-    println!("{}", summary::table(&cases));
-    write_json(o.json.as_deref(), &cases)?;
+    let asked = baseline::ask(&tool, set, o.jobs)?;
+    tell(o, &asked.cases)?;
+    if o.bless {
+        baseline::bless(&asked)
+    } else {
+        baseline::compare(&asked)
+    }
+}
+
+/// The table, and the files that were asked for.
+fn tell(o: &Options, cases: &[Case]) -> Result<(), String> {
+    println!("{}", summary::table(cases));
+    write_json(o.json.as_deref(), cases)?;
     if let Some(file) = &o.curves {
-        write(file, summary::curves_csv(&cases))?;
-        write(
-            &file.with_extension("svg"),
-            summary::curves_svg(&cases, 1.0),
-        )?;
+        write(file, summary::curves_csv(cases))?;
+        write(&file.with_extension("svg"), summary::curves_svg(cases, 1.0))?;
     }
-    match (o.ci, o.bless) {
-        (Some(_), true) => baseline::bless(&cases),
-        (Some(_), false) => baseline::compare(&cases),
-        (None, _) => Ok(()),
-    }
+    Ok(())
 }
