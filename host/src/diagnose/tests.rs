@@ -349,11 +349,14 @@ fn no_viscous_force_drives_the_axis_but_a_users_own_model_keeps_its_sign() {
     // Friction that falls with speed looks like it.
     let recording = made(|_, _, v| 1.5 * v.signum() * (-v.abs() / 0.03).exp());
     let ground = ground(&recording);
-    let terms = [by_id("viscous"), by_id("quadratic_drag")];
-    for term in terms.each_ref().map(std::slice::from_ref) {
-        let bound = ground.fit(term).expect("a fit");
+    for term in [by_id("viscous"), by_id("quadratic_drag")] {
+        let bound = ground.fit(std::slice::from_ref(&term)).expect("a fit");
         assert_eq!(bound.coefficients(0), [0.0]);
-        let free = ground.fit_as_given(term).expect("a fit");
+        let own = Term {
+            given: true,
+            ..term
+        };
+        let free = ground.fit_as_given(&[own]).expect("a fit");
         assert!(free.coefficients(0)[0] < -1.0, "{:?}", free.coefficients(0));
         assert!(free.normal.loss() < bound.normal.loss());
     }
