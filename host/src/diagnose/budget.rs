@@ -13,6 +13,8 @@ use serde_json::{Value, json};
 
 /// Confidence from which a name is certain.
 const CERTAIN: f64 = 0.9;
+/// Share of the mismatch below which nobody misses a row.
+const SEEN: f64 = 0.005;
 /// Cells of a bar.
 const BAR: f64 = 10.0;
 /// Parameters told of one finding: a map has as many as cosines.
@@ -123,6 +125,12 @@ impl Diagnosis {
         (self.extended.test - self.noise_floor).max(0.0)
     }
 
+    /// What fitting the hysteresis anew beside the effects takes off besides (% of the effort's variance).
+    fn refitted(&self) -> f64 {
+        let items: f64 = self.budget.iter().map(|item| item.nmse).sum();
+        (self.baseline.test - items - self.extended.test).max(0.0)
+    }
+
     /// The budget for machines: what is taken off, of the residual without all of it.
     pub(super) fn budget_json(&self) -> Value {
         let share = |nmse: f64| nmse / self.baseline.test.max(1e-300);
@@ -133,6 +141,7 @@ impl Diagnosis {
                     "share": share(item.nmse), "rms": rms(item.nmse) })
         });
         let rest = [
+            ("refitted_hysteresis", self.refitted()),
             ("noise", self.noise_floor),
             ("not_explained", self.not_explained()),
         ];
@@ -195,6 +204,10 @@ impl Diagnosis {
                 )
             })
             .collect();
+        if self.refitted() >= SEEN * whole {
+            let what = "hysteresis fitted anew".to_owned();
+            rows.push(row(what, self.refitted(), "", String::new()));
+        }
         rows.push(row(
             "measurement noise".to_owned(),
             self.noise_floor,
