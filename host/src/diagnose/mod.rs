@@ -4,6 +4,7 @@
 //! hypothesis stands on) → [`offer`] (every candidate on top of one) → [`search`] (which of them the recording asks for) →
 //! [`naming`] and [`confidence`] (what each may be called) → [`verdict`], and `unnamed` (what has no name). The catalogue is [`effect`], one file each.
 
+mod account;
 pub mod axis;
 mod blocks;
 mod budget;

@@ -1,7 +1,7 @@
 //! From the hypothesis to what is said: names with their confidence, what has no name, and what the recording cannot tell.
 
 use super::axis::Axis;
-use super::budget::{Item, budget};
+use super::budget::{Finding, Item, budget};
 use super::change::Change;
 use super::confidence::{self, confidence};
 use super::credible::sieved;
@@ -290,7 +290,15 @@ pub fn conclude(
         .filter(|t| !is_missing(t))
         .cloned()
         .collect();
-    let budget = budget(&ground, &stays, &effects, [baseline.test, after.test]);
+    let missing = effects.iter().enumerate().filter(|(_, e)| e.is_missing());
+    let findings: Vec<Finding> = missing
+        .map(|(effect, e)| Finding {
+            effect,
+            term: e.term.as_ref(),
+            nmse: e.nmse_test,
+        })
+        .collect();
+    let budget = budget(&ground, &stays, &findings, [baseline.test, after.test]);
     Some(Diagnosis {
         verdict,
         budget,

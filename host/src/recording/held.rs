@@ -114,14 +114,14 @@ mod tests {
 
     #[test]
     fn a_column_that_repeats_in_step_is_held_and_a_coarse_encoder_is_not() {
-        let whole = [0..4000];
-        assert_eq!(held(&moved(10), &whole), Some(Held { rows: 10, first: 1 }));
-        assert_eq!(held(&moved(1), &whole), None);
+        let whole = std::slice::from_ref(&(0..4000));
+        assert_eq!(held(&moved(10), whole), Some(Held { rows: 10, first: 1 }));
+        assert_eq!(held(&moved(1), whole), None);
         let coarse: Vec<f64> = moved(1).iter().map(|x| (50.0 * x).round()).collect();
-        assert_eq!(held(&coarse, &whole), None);
+        assert_eq!(held(&coarse, whole), None);
         // One speed, one count every five rows.
         let steady: Vec<f64> = (0..4000).map(|i| f64::from(i / 5)).collect();
-        assert_eq!(held(&steady, &whole), None);
+        assert_eq!(held(&steady, whole), None);
     }
 
     #[test]

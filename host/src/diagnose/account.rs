@@ -1,0 +1,218 @@
+//! The budget in figures and words: root mean squares of what is taken off, never more than is left.
+
+use super::verdict::{Diagnosis, Name, Named};
+use super::words::{place_words, probability, quantity, within};
+use crate::model::key_of;
+use crate::recording::{MotionKind, Recording};
+use crate::report::Table;
+use crate::statistics::Estimate;
+use serde_json::{Value, json};
+
+/// Confidence from which a name is certain.
+const CERTAIN: f64 = 0.9;
+/// Share of the mismatch below which nobody misses a row.
+const SEEN: f64 = 0.005;
+/// Cells of a bar.
+const BAR: f64 = 10.0;
+/// Parameters told of one finding: a map has as many as cosines.
+const TOLD: usize = 3;
+
+impl Named {
+    /// How sure it is, in a word.
+    pub fn certainty(&self) -> &'static str {
+        match (self.confident, self.confidence >= CERTAIN) {
+            (true, true) => "certain",
+            (true, false) => "likely",
+            (false, _) => "possible",
+        }
+    }
+
+    /// Its size in the machine's units.
+    fn size(&self, kind: MotionKind) -> String {
+        let told = self.parameters.iter().take(TOLD);
+        let told: Vec<String> = told
+            .map(|(key, e)| parameter(&key_of(kind, key), e))
+            .collect();
+        told.join(", ")
+    }
+}
+
+/// A parameter by its key in a model file: `period 2.50 ± 0.01 mm`.
+fn parameter(key: &str, estimate: &Estimate) -> String {
+    /// Endings of keys, the longest first, with the unit that they stand for and what of the key is no unit.
+    const UNITS: [(&str, &str); 15] = [
+        ("_Nm_s2_per_rad2", "N·m·s²/rad²"),
+        ("_N_s2_per_m2", "N·s²/m²"),
+        ("_Nm_s_per_rad", "N·m·s/rad"),
+        ("_N_s_per_m", "N·s/m"),
+        ("_Nm_per_rad", "N·m/rad"),
+        ("_N_per_m", "N/m"),
+        ("_rad_s", "rad/s"),
+        ("_m_s", "m/s"),
+        ("_per_K", "1/K"),
+        ("_rad", "rad"),
+        ("_Nm", "Nm"),
+        ("_Hz", "Hz"),
+        ("_N", "N"),
+        ("_m", "m"),
+        ("_s", "s"),
+    ];
+    let unit = UNITS
+        .iter()
+        .find_map(|(ending, unit)| Some((key.strip_suffix(ending)?, *unit)));
+    let (name, unit) = unit.unwrap_or((key, ""));
+    let size = match estimate.reach() {
+        Some(reach) => within(estimate.value, reach, unit),
+        None => quantity(estimate.value, unit),
+    };
+    format!("{} {size}", name.replace('_', " "))
+        .trim_end()
+        .to_owned()
+}
+
+impl Diagnosis {
+    /// What is left over the budget's items and the noise (% of the effort's variance).
+    fn not_explained(&self) -> f64 {
+        (self.extended.test - self.noise_floor).max(0.0)
+    }
+
+    /// What fitting the hysteresis anew beside the effects takes off besides (% of the effort's variance).
+    fn refitted(&self) -> f64 {
+        let items: f64 = self.budget.iter().map(|item| item.nmse).sum();
+        (self.baseline.test - items - self.extended.test).max(0.0)
+    }
+
+    /// The budget for machines: what is taken off, of the residual without all of it.
+    pub(super) fn budget_json(&self) -> Value {
+        let share = |nmse: f64| nmse / self.baseline.test.max(1e-300);
+        let rms = |nmse: f64| self.ground.rows.rms_of(nmse);
+        let items = self.budget.iter().map(|item| {
+            let effect = &self.effects[item.effect];
+            json!({ "what": effect.id(), "certainty": effect.certainty(), "probability": effect.confidence,
+                    "share": share(item.nmse), "rms": rms(item.nmse) })
+        });
+        let rest = [
+            ("refitted_hysteresis", self.refitted()),
+            ("noise", self.noise_floor),
+            ("not_explained", self.not_explained()),
+        ];
+        let rest = rest
+            .map(|(what, nmse)| json!({ "what": what, "share": share(nmse), "rms": rms(nmse) }));
+        json!({ "rms": rms(self.baseline.test), "items": items.chain(rest).collect::<Vec<_>>() })
+    }
+
+    /// Who leaves the mismatch.
+    fn whose(&self) -> &'static str {
+        match (self.ground.core.corrects, self.given_model.is_some()) {
+            (true, _) => "Your simulation",
+            (_, true) => "Your model with its parameters refitted",
+            _ if self.fit.is_some() => "The fit of `preslide identify`",
+            _ => "The best plain model",
+        }
+    }
+
+    /// The budget for a terminal of 100 columns: the sizes of each finding stand below it.
+    pub fn budget_text(&self, recording: &Recording) -> String {
+        let mut table = self.budget_table(recording);
+        let sizes: Vec<String> = table.rows.iter_mut().filter_map(Vec::pop).collect();
+        let text = table.to_text();
+        let mut lines = text.lines();
+        let mut all: Vec<String> = lines.next().map(str::to_owned).into_iter().collect();
+        for (line, size) in lines.zip(sizes) {
+            all.push(format!("  {line}"));
+            all.extend((!size.is_empty()).then(|| format!("      {size}")));
+        }
+        all.push(String::new());
+        all.join("\n")
+    }
+
+    /// The budget for a page.
+    pub fn budget_table(&self, recording: &Recording) -> Table {
+        let whole = self.baseline.test.max(1e-300);
+        let force = |nmse: f64| quantity(self.ground.rows.rms_of(nmse), recording.effort_unit());
+        let row = |what: String, nmse: f64, sure: &str, size: String| {
+            let share = (nmse / whole).clamp(0.0, 1.0);
+            let bar = "█".repeat((BAR * share).round() as usize);
+            vec![
+                what,
+                bar,
+                force(nmse),
+                format!("{:.0} %", 100.0 * share),
+                sure.to_owned(),
+                size,
+            ]
+        };
+        let mut rows: Vec<Vec<String>> = self
+            .budget
+            .iter()
+            .map(|item| {
+                let e = &self.effects[item.effect];
+                row(
+                    e.name.name().to_owned(),
+                    item.nmse,
+                    e.certainty(),
+                    e.size(recording.kind),
+                )
+            })
+            .collect();
+        if self.refitted() >= SEEN * whole {
+            let what = "hysteresis fitted anew".to_owned();
+            rows.push(row(what, self.refitted(), "", String::new()));
+        }
+        rows.push(row(
+            "measurement noise".to_owned(),
+            self.noise_floor,
+            "",
+            String::new(),
+        ));
+        let most = self.nameless().next().map(|u| {
+            let place = u.place.map_or(String::new(), |p| {
+                format!("most {}", place_words(&p, recording))
+            });
+            format!("follows {} {place}", u.axis.name(&self.ground.rows.s))
+        });
+        rows.push(row(
+            "not explained".to_owned(),
+            self.not_explained(),
+            "",
+            most.unwrap_or_default(),
+        ));
+        Table {
+            caption: format!(
+                "{} leaves {} RMS on stretches held out. What explains it:",
+                self.whose(),
+                force(self.baseline.test)
+            ),
+            head: Vec::new(),
+            rows,
+        }
+    }
+
+    /// What may be there besides, each with what it would take off; nothing where nothing may.
+    pub fn possible_words(&self, recording: &Recording) -> Option<String> {
+        let force = |nmse: f64| quantity(self.ground.rows.rms_of(nmse), recording.effort_unit());
+        let possible = self.effects.iter().filter(|e| !e.confident && !e.in_fit);
+        let each: Vec<String> = possible
+            .filter(|e| !matches!(e.name, Name::Correction(_)))
+            .map(|e| {
+                let worth = e.evidence.share.clamp(0.0, 1.0) * self.extended.test;
+                format!(
+                    "{} ({}, would take {})",
+                    e.name.name(),
+                    probability(e.confidence),
+                    force(worth)
+                )
+            })
+            .collect();
+        (!each.is_empty()).then(|| format!("Possible: {}", each.join("; ")))
+    }
+
+    /// What the fit has, with its sizes.
+    pub fn in_fit_words(&self, recording: &Recording) -> Option<String> {
+        let each: Vec<String> = self
+            .in_fit()
+            .map(|e| format!("{} ({})", e.name.name(), e.size(recording.kind)))
+            .collect();
+        (!each.is_empty()).then(|| format!("In the fit: {}", each.join("; ")))
+    }
+}
