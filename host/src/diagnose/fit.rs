@@ -5,6 +5,7 @@ use super::effect::{
     viscous::Viscous, viscous_asymmetry::ViscousAsymmetry,
 };
 use super::term::{Subject, Term};
+use crate::friction::FrictionModel;
 use crate::identify::plain::Place;
 use crate::identify::{Identification, MANY, Options, STEPS, identify, thinned};
 use crate::model::Model;
@@ -25,6 +26,16 @@ pub struct Known {
 }
 
 impl Known {
+    /// Blocks alone: of a user's model, whose own law the core can then follow.
+    pub(super) fn of_blocks(friction: &FrictionModel) -> Self {
+        let breakaway = friction.breakaway().unwrap_or(0.0);
+        let blocks = friction.blocks().iter();
+        Self {
+            terms: Vec::new(),
+            yields: blocks.map(|b| b.yield_displacement(breakaway)).collect(),
+        }
+    }
+
     /// Whether a term is of the fit's physics.
     pub fn has(&self, term: &Term) -> bool {
         self.terms.iter().any(|known| known.is_like(term))

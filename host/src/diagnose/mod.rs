@@ -92,8 +92,11 @@ pub fn diagnose(
     fit: Option<Arc<Fit>>,
     progress: &Progress,
 ) -> Result<Diagnosis, Refusal> {
-    let known = fit.as_ref().filter(|_| model.is_none());
-    let known = known.map(|fit| fit.known()).unwrap_or_default();
+    let known = match (model, &fit) {
+        (Some(model), _) => Known::of_blocks(&model.friction),
+        (None, Some(fit)) => fit.known(),
+        (None, None) => Known::default(),
+    };
     // The weak form has one kernel for all pieces.
     let recording = recording.at_one_rate();
     let mut found = judge(&recording, model, &known, None, progress)?;
