@@ -18,7 +18,7 @@ pub struct Step {
 /// How much of a step runs.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Tier {
-    /// What everyone and CI runs: a quarter of an hour.
+    /// What everyone and CI runs: a quarter of an hour is the aim.
     Gate,
     /// With the long studies, before a release.
     All,
