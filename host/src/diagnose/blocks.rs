@@ -89,8 +89,9 @@ pub fn lengths(yields: &[f64]) -> Vec<f64> {
 }
 
 /// Log-spaced yields from what a typical slow sample moves, or one near a reversal, to the share [`LATE`] of the travel, with those of a fit
-/// in the places of their neighbours: a block that lies between two of the grid leaves an error that looks like creep or delay.
-pub fn yields(s: &Signals, fitted: &[f64]) -> Vec<f64> {
+/// in the places of their neighbours: a block that lies between two of the grid leaves an error that looks like creep or delay. Without a fit
+/// the grid begins with the slow sample: blocks that are known from reversals alone, and not held by a fit, track worse (`cargo xtask chain --count 1`: 315 nm for 203).
+pub fn yields(s: &Signals, fitted: Option<&[f64]>) -> Vec<f64> {
     let steps: Vec<f64> =
         s.x.windows(2)
             .map(|p| (p[1] - p[0]).abs())
@@ -98,15 +99,17 @@ pub fn yields(s: &Signals, fitted: &[f64]) -> Vec<f64> {
             .collect();
     let long = LATE * s.travel();
     let typical = quantile_between_ranks(&steps, 0.1);
-    let local = step_at_reversals(&s.x, &s.pieces, s.turns());
+    let local = fitted.and_then(|_| step_at_reversals(&s.x, &s.pieces, s.turns()));
     let short = (0.5 * local.unwrap_or(typical).min(typical))
         .max(quantile_between_ranks(&steps, 0.0))
         .min(long / 10.0)
         .max(long / 3e4);
+    let Some(fitted) = fitted else {
+        return spread(short, long, *CORE.start() as usize);
+    };
     let wanted = ((long / short).ln() / RATIO.ln()).ceil();
     let count = wanted.clamp(*CORE.start(), *CORE.end()) as usize;
-    let grid = spread(short, long, count);
-    with(grid, fitted)
+    with(spread(short, long, count), fitted)
 }
 
 /// The yields of a grid, each of those `fitted` within it in place of what lies closer to it than half a step.

@@ -5,7 +5,6 @@ use super::effect::{
     viscous::Viscous, viscous_asymmetry::ViscousAsymmetry,
 };
 use super::term::{Subject, Term};
-use crate::friction::FrictionModel;
 use crate::identify::plain::Place;
 use crate::identify::{Identification, MANY, Options, STEPS, identify, thinned};
 use crate::model::Model;
@@ -22,20 +21,10 @@ pub struct Known {
     /// Its plain physics.
     pub terms: Vec<Term>,
     /// Yield displacements of its blocks (m or rad).
-    pub yields: Vec<f64>,
+    pub yields: Option<Vec<f64>>,
 }
 
 impl Known {
-    /// Blocks alone: of a user's model, whose own law the core can then follow.
-    pub(super) fn of_blocks(friction: &FrictionModel) -> Self {
-        let breakaway = friction.breakaway().unwrap_or(0.0);
-        let blocks = friction.blocks().iter();
-        Self {
-            terms: Vec::new(),
-            yields: blocks.map(|b| b.yield_displacement(breakaway)).collect(),
-        }
-    }
-
     /// Whether a term is of the fit's physics.
     pub fn has(&self, term: &Term) -> bool {
         self.terms.iter().any(|known| known.is_like(term))
@@ -86,7 +75,7 @@ impl Fit {
         let blocks = found.best().blocks.iter();
         Known {
             terms,
-            yields: blocks.map(|(_, yields)| yields.value).collect(),
+            yields: Some(blocks.map(|(_, yields)| yields.value).collect()),
         }
     }
 

@@ -81,7 +81,7 @@ pub struct Nmse {
 impl Ground {
     /// Finds friction and noise of a recording, beside the terms of a model that is given and blocks of the yields `fitted` among others (m
     /// or rad); `None` where the motion does not tell them.
-    pub fn new(rows: Rows, given: &[Term], fitted: &[f64]) -> Option<Self> {
+    pub fn new(rows: Rows, given: &[Term], fitted: Option<&[f64]>) -> Option<Self> {
         let core = Core::new(&rows, fitted);
         let course_less = Baseline::default();
         let noise = Noise::white(

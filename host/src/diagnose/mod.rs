@@ -92,11 +92,8 @@ pub fn diagnose(
     fit: Option<Arc<Fit>>,
     progress: &Progress,
 ) -> Result<Diagnosis, Refusal> {
-    let known = match (model, &fit) {
-        (Some(model), _) => Known::of_blocks(&model.friction),
-        (None, Some(fit)) => fit.known(),
-        (None, None) => Known::default(),
-    };
+    let known = fit.as_ref().filter(|_| model.is_none());
+    let known = known.map(|fit| fit.known()).unwrap_or_default();
     // The weak form has one kernel for all pieces.
     let recording = recording.at_one_rate();
     let mut found = judge(&recording, model, &known, None, progress)?;
@@ -188,7 +185,7 @@ fn judge(
     let ground_of = |recording: &Recording, outside: &[Range<usize>]| {
         let rows = Rows::new(recording, outside).map_err(Refusal::Data)?;
         progress.inc(1);
-        Ground::new(rows, &beside, &known.yields).ok_or_else(unable)
+        Ground::new(rows, &beside, known.yields.as_deref()).ok_or_else(unable)
     };
     let mut ground = ground_of(recording, &[])?;
     let has_delay = given.iter().any(Term::is_delay);

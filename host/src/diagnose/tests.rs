@@ -83,7 +83,7 @@ fn made_of(blocks: &[(f64, f64)], more: impl Fn(f64, f64, f64) -> f64) -> Record
 }
 
 fn ground(recording: &Recording) -> Ground {
-    Ground::new(Rows::new(recording, &[]).expect("rows"), &[], &[]).expect("a fit")
+    Ground::new(Rows::new(recording, &[]).expect("rows"), &[], None).expect("a fit")
 }
 
 fn found(recording: &Recording) -> Found {
