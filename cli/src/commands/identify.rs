@@ -3,9 +3,12 @@
 use super::{Failure, OutputArgs, RecordingArgs, SplitArgs, command_line, thin, write_text};
 use clap::Args;
 use preslide_host::identify::family::Family;
-use preslide_host::identify::{Identification, MANY, STEPS, identify, speed_table};
+use preslide_host::identify::{
+    Identification, MANY, Options, STEPS, identify, motion, speed_table,
+};
 use preslide_host::progress::Progress;
 use preslide_host::recording::{Recording, Speeds};
+use preslide_host::simulate::closed::Controller;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -29,6 +32,15 @@ pub struct Identify {
     #[arg(long, value_name = "KIND", conflicts_with = "blocks")]
     friction: Option<Family>,
 
+    /// What is made small: the force's error, or that of the motion that a simulation makes of the force (or, with --controller, of
+    /// the reference). `motion` has Coulomb friction and the physics that moves the simulation closer in windows that were left out
+    #[arg(long, value_enum, default_value_t = Criterion::Force, conflicts_with_all = ["blocks", "friction", "test"])]
+    criterion: Criterion,
+
+    /// Gains of the controller that drove the axis, for --criterion motion in closed loop; as for `simulate --controller`
+    #[arg(long, value_name = "GAINS.toml")]
+    controller: Option<PathBuf>,
+
     /// Write the model
     #[arg(short, long, value_name = "MODEL.toml")]
     output: Option<PathBuf>,
@@ -37,17 +49,36 @@ pub struct Identify {
     outputs: OutputArgs,
 }
 
+/// What a fit makes small.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Criterion {
+    Force,
+    Motion,
+}
+
 impl Identify {
     /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
         let start = Instant::now();
-        self.recordings
-            .check_outputs(None, &[("-o", self.output.as_ref())], &self.outputs)?;
+        self.recordings.check_outputs(
+            self.controller.as_ref(),
+            &[("-o", self.output.as_ref())],
+            &self.outputs,
+        )?;
         if let Some(table) = self.recordings.load_speeds()? {
             return self.of_speeds(table, start);
         }
+        if self.controller.is_some() && self.criterion == Criterion::Force {
+            return Err(Failure::Input(
+                "--controller is for the motion: add --criterion motion, or leave it away"
+                    .to_owned(),
+            ));
+        }
         let recording = self.recordings.load()?;
         let recording = thin(recording, MANY);
+        if self.criterion == Criterion::Motion {
+            return self.of_motion(recording, start);
+        }
         let options = self.split.options(&recording)?;
         let more = if self.friction.is_some() { 2 } else { 0 };
         let progress = Progress::new("identify", STEPS + more);
@@ -84,6 +115,37 @@ impl Identify {
 }
 
 impl Identify {
+    /// Parameters from the motion, beginning with those from the force.
+    fn of_motion(self, recording: Recording, start: Instant) -> Result<(), Failure> {
+        let controller = self.controller.as_deref().map(Controller::load);
+        let controller = controller.transpose().map_err(Failure::Input)?;
+        let recording = match self.split.options(&recording)?.train {
+            Some((from, to)) => recording.slice_time(from, to)?,
+            None => recording,
+        };
+        let progress = Progress::new("identify", STEPS + motion::STEPS);
+        let force = identify(&recording, &Options::default(), &progress).map_err(Failure::Data)?;
+        let found = motion::fit(&recording, &force, controller.as_ref(), &progress);
+        let found = found.map_err(Failure::Data)?;
+        progress.finish();
+        say!("{}", found.error_table(&recording).to_text());
+        say!("{}", found.table(&recording).to_text());
+        for note in found.notes(&recording) {
+            say!("Note: {note}.");
+        }
+        say!("{}", found.conclusion(&recording));
+        if let Some(path) = &self.output {
+            let mut remarks = vec![format!("identified from the motion of {}", recording.name)];
+            remarks.push(found.conclusion(&recording));
+            remarks.extend(recording.per_unit());
+            write_text(path, &found.model.to_toml(&remarks))?;
+        }
+        let seconds = start.elapsed().as_secs_f64();
+        let page = || found.page(&recording, command_line());
+        self.outputs
+            .write(&found.to_json(&recording, seconds), page)
+    }
+
     /// What a table of speed and effort without time tells.
     fn of_speeds(self, table: Speeds, start: Instant) -> Result<(), Failure> {
         if self.split.is_given() || self.friction.is_some() || self.blocks.is_some_and(|n| n > 0) {

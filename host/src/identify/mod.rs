@@ -6,6 +6,7 @@ mod fit;
 mod fitting;
 mod judge;
 pub mod maxwell_slip;
+pub mod motion;
 mod notes;
 pub mod plain;
 mod present;

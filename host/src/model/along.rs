@@ -14,6 +14,7 @@
 //! - `channel_delay`: the force `τ` earlier, interpolated; each piece begins and ends with its own first and last value.
 
 use super::Model;
+use super::running::Running;
 use crate::effects::Effect;
 use crate::effects::form::{self, Column, Form, encoder_error};
 use crate::friction::{Path, Transmission};
@@ -160,12 +161,7 @@ impl Model {
         friction: Vec<f64>,
         springs: &[f64],
     ) -> Result<Vec<f64>, String> {
-        let mut running = Vec::new();
-        for effect in &self.effects {
-            let term = effect.term(path.sample_time);
-            let term = term.map_err(|e| refused_by(effect.id(), e))?;
-            running.extend(term);
-        }
+        let mut running = Running::of(self, path.sample_time)?;
         let mut force = friction;
         for (number, piece) in path.pieces.iter().enumerate() {
             for i in piece.clone() {
@@ -183,22 +179,17 @@ impl Model {
                         ..at
                     };
                     for _ in 0..missing_ticks(measured.t_s, i, path.sample_time) {
-                        for term in &mut running {
-                            term(&still);
-                        }
+                        running.tick(&still);
                     }
                 }
-                let mut level = 1.0;
-                let mut added = springs[i] + self.constant_force + self.viscous * at.velocity;
-                for term in &mut running {
-                    let (change, more) = term(&at);
-                    level += change;
-                    added += more;
-                }
-                force[i] = level.max(0.0) * force[i] + added;
-                if let Some(acceleration) = &motion.acceleration {
-                    force[i] += self.inertia * acceleration[i];
-                }
+                let [level, load, of_speed] = running.tick(&at);
+                let a = motion.acceleration.as_ref().map_or(0.0, |all| all[i]);
+                force[i] = level.max(0.0) * force[i]
+                    + springs[i]
+                    + load
+                    + of_speed
+                    + self.inertia * a
+                    + running.of_transmitted(at.friction, load, a);
             }
         }
         Ok(force)

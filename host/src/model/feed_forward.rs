@@ -1,8 +1,8 @@
 //! A model file's friction and effects as a controller's feed-forward, chosen at run time: what `preslide export` fixes at
 //! compile time for the firmware, here for the closed loop on the host.
 
+use super::running::Running;
 use super::{Model, refused};
-use crate::effects::Effect;
 use crate::effects::form::{self, encoder_error};
 use crate::effects::term::{FAR, Term};
 use crate::friction::Visitor;
@@ -12,16 +12,16 @@ use preslide::effects::{Bounds, EncoderError, LARGEST_LEVEL, Situation, With};
 /// All effects of a model, viscous and constant force among them, as one of the library's effects.
 #[derive(Clone)]
 pub struct Chosen {
-    terms: Vec<Term>,
+    running: Running,
     encoders: Vec<EncoderError<f64>>,
-    viscous: f64,
-    constant: f64,
+    sample_time: f64,
 }
 
-/// Their memories, and the force of the tick whose level has been asked for.
+/// Their memories, the velocity of the last tick, and the force of the tick whose level has been asked for.
 #[derive(Clone)]
 pub struct Memory {
-    terms: Vec<Term>,
+    running: Running,
+    velocity: f64,
     force: f64,
 }
 
@@ -33,19 +33,13 @@ impl Clone for Term {
 
 impl Chosen {
     fn try_new(model: &Model, sample_time: f64) -> Result<Self, String> {
-        let said = |effect: &Effect, e: ParamError| format!("effect {}: {e}", effect.id());
-        let (mut terms, mut encoders) = (Vec::new(), Vec::new());
-        for effect in &model.effects {
-            terms.extend(effect.term(sample_time).map_err(|e| said(effect, e))?);
-            if effect.is(&form::ENCODER_ERROR) {
-                encoders.push(encoder_error::correction(effect).map_err(|e| said(effect, e))?);
-            }
-        }
+        let encoders = model.of(&form::ENCODER_ERROR).map(|effect| {
+            encoder_error::correction(effect).map_err(|e| format!("effect {}: {e}", effect.id()))
+        });
         Ok(Self {
-            terms,
-            encoders,
-            viscous: model.viscous,
-            constant: model.constant_force,
+            running: Running::of(model, sample_time)?,
+            encoders: encoders.collect::<Result<_, _>>()?,
+            sample_time,
         })
     }
 }
@@ -65,20 +59,21 @@ impl preslide::effects::Effect<f64> for Chosen {
 
     fn at_rest(&self) -> Memory {
         Memory {
-            terms: self.terms.clone(),
+            running: self.running.clone(),
+            velocity: 0.0,
             force: 0.0,
         }
     }
 
     fn level(&self, state: &mut Memory, at: &Situation<f64>) -> f64 {
-        let mut sum = 0.0;
-        state.force = self.constant + self.viscous * at.velocity;
-        for term in &mut state.terms {
-            let (level, force) = term(at);
-            sum += level;
-            state.force += force;
+        let [level, load, of_speed] = state.running.tick(at);
+        state.force = load + of_speed;
+        if self.running.has_gear() {
+            let acceleration = (at.velocity - state.velocity) / self.sample_time;
+            state.force += self.running.of_transmitted(at.friction, load, acceleration);
+            state.velocity = at.velocity;
         }
-        sum
+        level - 1.0
     }
 
     fn force(&self, state: &mut Memory, _at: &Situation<f64>) -> f64 {

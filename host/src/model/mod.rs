@@ -5,6 +5,7 @@ mod check;
 mod feed_forward;
 mod friction;
 mod refuse;
+mod running;
 mod write;
 
 use crate::effects::{Effect, form};

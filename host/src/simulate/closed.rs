@@ -92,7 +92,7 @@ impl Controller {
         Ok(read)
     }
 
-    fn pid(&self) -> Result<Pid<f64>, String> {
+    pub(crate) fn pid(&self) -> Result<Pid<f64>, String> {
         let gains = PidGains {
             proportional: self.proportional,
             integral: self.integral,
@@ -190,8 +190,18 @@ fn notes(model: &Model, recording: &Recording, steps: u32, change: f64) -> Vec<S
     notes
 }
 
+/// What a limit leaves of a force (N or N·m), and what it cut.
+pub(crate) fn limited(asked: f64, limit: f64) -> (f64, Saturation) {
+    let cut = match asked {
+        a if a > limit => Saturation::Above,
+        a if a < -limit => Saturation::Below,
+        _ => Saturation::None,
+    };
+    (asked.clamp(-limit, limit), cut)
+}
+
 /// Reference and its velocity at every tick: cubic between samples, with the slopes of their neighbours.
-fn at_ticks(t_s: &[f64], reference: &[f64], tick: f64) -> Vec<[f64; 2]> {
+pub(crate) fn at_ticks(t_s: &[f64], reference: &[f64], tick: f64) -> Vec<[f64; 2]> {
     let last = t_s.len() - 1;
     let slope = |i: usize| {
         let (a, b) = (i.saturating_sub(1), (i + 1).min(last));
@@ -223,7 +233,7 @@ fn at_ticks(t_s: &[f64], reference: &[f64], tick: f64) -> Vec<[f64; 2]> {
 }
 
 /// Values at ticks, brought to the recording's times.
-fn sampled(t_s: &[f64], values: &[f64], tick: f64) -> Vec<f64> {
+pub(crate) fn sampled(t_s: &[f64], values: &[f64], tick: f64) -> Vec<f64> {
     let at = |t: &f64| {
         let place = (t - t_s[0]) / tick;
         let low = (place.floor() as usize).min(values.len() - 1);
@@ -298,12 +308,8 @@ impl Visitor for Loop<'_> {
         };
         for [r, speed] in self.wanted {
             let asked = self.pid.step(&mut memory, r - body.x, speed - body.v, cut);
-            let force = asked.clamp(-self.limit, self.limit);
-            cut = match asked {
-                a if a > self.limit => Saturation::Above,
-                a if a < -self.limit => Saturation::Below,
-                _ => Saturation::None,
-            };
+            let force;
+            (force, cut) = limited(asked, self.limit);
             track.x.push(body.x);
             track.v.push(body.v);
             track.force.push(force);

@@ -62,6 +62,8 @@ pub struct Agreement {
 pub struct PositionError {
     /// Root mean square of their difference (m or rad), over the samples that were not given.
     pub rmse: f64,
+    /// Mean magnitude of their difference (m or rad).
+    pub mean_abs: f64,
     /// NMSE (13) (%) between the two, over the same samples.
     pub nmse: f64,
     /// Samples at the start that were given.
@@ -198,9 +200,11 @@ fn agreement(
 /// A simulated position against the measured one, from `given` samples on.
 fn position_error(simulated: &[f64], measured: &[f64], given: usize) -> PositionError {
     let rows: Vec<usize> = (given..measured.len()).collect();
-    let squares = rows.iter().map(|&i| (simulated[i] - measured[i]).powi(2));
+    let apart = || rows.iter().map(|&i| simulated[i] - measured[i]);
+    let count = rows.len() as f64;
     PositionError {
-        rmse: (squares.sum::<f64>() / rows.len() as f64).sqrt(),
+        rmse: (apart().map(|e| e * e).sum::<f64>() / count).sqrt(),
+        mean_abs: apart().map(f64::abs).sum::<f64>() / count,
         nmse: nmse(measured, simulated, &rows),
         given,
     }

@@ -57,6 +57,7 @@ impl Simulation {
             "following_rms": self.following.map(|f| f.rms),
             "following_max": self.following.map(|f| f.max),
             "position_rmse": self.position_error.map(|e| e.rmse),
+            "position_mean_abs": self.position_error.map(|e| e.mean_abs),
             "position_nmse": self.position_error.map(|e| e.nmse),
             "position_range": range(&self.position),
             "force_range": range(&self.force),
@@ -94,8 +95,8 @@ impl Simulation {
         if let Some(following) = self.following {
             let measured = self.position_error.map_or(String::new(), |e| {
                 format!(
-                    "; the simulated motion is {:.4e} {x} RMSE from the measured one",
-                    e.rmse
+                    "; the simulated motion is {:.4e} {x} RMSE from the measured one, {:.4e} {x} in mean magnitude",
+                    e.rmse, e.mean_abs
                 )
             });
             return format!(
@@ -105,8 +106,8 @@ impl Simulation {
         }
         if let Some(error) = self.position_error {
             return format!(
-                "The simulated motion is {:.4e} {x} RMSE from the measured one ({:.4} % of its variance) from {} given samples on.",
-                error.rmse, error.nmse, error.given
+                "The simulated motion is {:.4e} {x} RMSE from the measured one ({:.4} % of its variance), {:.4e} {x} in mean magnitude, from {} given samples on.",
+                error.rmse, error.nmse, error.mean_abs, error.given
             );
         }
         match (&self.agreement, self.breakaway) {

@@ -1,7 +1,7 @@
 //! `m = 1 + c·(load − load0)` with a measured load, else friction that grows by a share of what is transmitted: of a measured load that pushes
 //! both ways, its size; without one, the effort beside friction.
 
-use super::readout::{enter, known};
+use super::readout::{enter, known, value_of};
 use super::{Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::{Signals, bounds, mean};
@@ -12,6 +12,8 @@ use crate::statistics::{Estimate, quantile_between_ranks};
 
 /// Key of the friction that a unit of transmitted effort brings (-), as in a gear.
 const SHARE: &str = "share_of_transmitted";
+/// Key of its mean (N or N·m), which the friction level is that of.
+const MEAN: &str = "transmitted_N";
 /// Share of the friction level by which the transmitted effort must vary.
 const LEAST: f64 = 0.1;
 
@@ -93,15 +95,31 @@ impl Effect for LoadDependentFriction {
             Some(load) if fitted.shape.is_empty() => {
                 vec![fitted.entry("level_per_N", 0), known("load_N", mean(load))]
             }
-            _ => vec![fitted.entry(SHARE, 0)],
+            _ => vec![
+                fitted.entry(SHARE, 0),
+                known(MEAN, mean(&transmitted(&fitted.scene))),
+            ],
         }
     }
 
     fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
-        if values.iter().any(|(key, _)| key == SHARE) {
-            return Err("a model file has friction that follows a recorded load only; record the load as load_N".to_owned());
+        if !values.iter().any(|(key, _)| key == SHARE) {
+            return enter(self.id(), values, &[], model);
         }
-        enter(self.id(), values, &[], model)
+        // Friction as fitted is that at the mean of what is transmitted, the model's that of an unloaded gear.
+        let share = value_of(values, SHARE);
+        let level = model.friction.breakaway().unwrap_or(0.0);
+        let unloaded = 1.0 - share * value_of(values, MEAN) / level;
+        let friction = (unloaded > 0.0).then(|| model.friction.scaled(unloaded));
+        let friction = friction.flatten().ok_or(
+            "friction of what is transmitted is more than all of the friction; identify --criterion motion fits it to the motion",
+        )?;
+        model.friction = friction;
+        let values = [share, 0.0];
+        model
+            .effects
+            .push(Entry::of(&form::TRANSMITTED_FRICTION, &values));
+        Ok(())
     }
 }
 

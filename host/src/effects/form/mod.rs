@@ -25,6 +25,7 @@ mod quadratic_drag;
 mod run_in;
 mod stribeck;
 mod thermal_drift;
+mod transmitted_friction;
 mod viscous;
 mod viscous_asymmetry;
 mod warm_up;
@@ -53,6 +54,7 @@ pub(crate) use quadratic_drag::QUADRATIC_DRAG;
 pub(crate) use run_in::RUN_IN;
 pub(crate) use stribeck::STRIBECK;
 pub(crate) use thermal_drift::THERMAL_DRIFT;
+pub(crate) use transmitted_friction::TRANSMITTED_FRICTION;
 pub(crate) use viscous::VISCOUS;
 pub(crate) use viscous_asymmetry::VISCOUS_ASYMMETRY;
 pub(crate) use warm_up::WARM_UP;
@@ -100,7 +102,7 @@ impl Form {
 }
 
 /// The forms of the ids of a model file, in the order of [the table](super). Two of an id are two sets of keys.
-pub(crate) static ALL: [&Form; 26] = [
+pub(crate) static ALL: [&Form; 27] = [
     &CONSTANT_FORCE,
     &COULOMB_ASYMMETRY,
     &VISCOUS_ASYMMETRY,
@@ -124,6 +126,7 @@ pub(crate) static ALL: [&Form; 26] = [
     &RUN_IN,
     &DWELL_AGING,
     &LOAD_DEPENDENT_FRICTION,
+    &TRANSMITTED_FRICTION,
     &ACTUATOR_DEAD_ZONE,
     &ACTUATOR_SATURATION,
     &CREEP,

@@ -60,6 +60,9 @@ fn effects_along_a_recording_are_their_formulas() {
     near(0, 1e-12, &|i| friction(i) * (1.0 + 0.1 * v[i].signum()));
     near(1, 1e-12, &|i| friction(i) + 40.0 * v[i] * v[i].abs());
     near(every.len() - 1, 1e-12, &|i| friction(i) + 6.0 * v[i].abs());
+    near(every.len() - 2, 1e-12, &|i| {
+        friction(i) * (1.0 + 0.3 * (1.6 * a[i] + 0.05).abs() / 0.8)
+    });
     near(2, 3e-4, &|i| friction(i) * (1.0 + 0.3 * exp(i, 2.0)));
     near(4, 1e-12, &|i| friction(i) + 12.0 * (x[i] - 1.0 / 3.0));
     near(5, 1e-6, &|i| friction(i) + map(i, &[0.1, 0.0, -0.05]));

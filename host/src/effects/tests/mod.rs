@@ -95,6 +95,10 @@ pub(crate) fn every() -> Vec<Effect> {
         ("actuator_dead_zone", &[("width_N", 0.2)]),
         ("actuator_saturation", &[("limit_N", 0.7)]),
         ("creep", &[("rate_m_s", 1e-3), ("share_of_breakaway", 1.0)]),
+        (
+            "load_dependent_friction",
+            &[("share_of_transmitted", 0.3), ("motor_mass_kg", 0.4)],
+        ),
         ("viscous_asymmetry", &[("half_difference_N_s_per_m", 6.0)]),
     ]
     .map(|(id, values)| Effect::new(id, values).expect(id))

@@ -1,0 +1,247 @@
+//! A motion fit for people and for machines.
+
+use super::search::{SEED, long_pieces};
+use super::told::NUDGE;
+use super::{Apart, MotionFit};
+use crate::recording::{MotionKind, Recording};
+use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Table};
+use serde_json::{Value, json};
+
+impl MotionFit {
+    /// `preslide.motion_fit/1`; `seconds` is the time it took.
+    pub fn to_json(&self, recording: &Recording, seconds: f64) -> Value {
+        let apart = |a: Apart| json!({ "rms": a.rms, "mean_abs": a.mean_abs });
+        let parameters = self.parameters.iter();
+        json!({
+            "schema": "preslide.motion_fit/1",
+            "recording": recording.name,
+            "effort_unit": recording.effort_unit(),
+            "position_unit": recording.position_unit(),
+            "closed_loop": self.closed_loop,
+            "fit": {
+                "parameters": parameters.map(|(name, e)| ((*name).to_owned(), json!(e))).collect::<serde_json::Map<_, _>>(),
+                "motion_error": apart(self.errors[1]),
+                "motion_error_of_force_fit": apart(self.errors[0]),
+                "motion_error_held_out": self.held_out.map(apart),
+            },
+            "starts": { "seed": SEED, "losses": self.starts, "agree": self.agree, "window_s": self.window_s },
+            "tried": self.tried.iter().map(|t| json!({ "id": t.id, "change": t.change, "taken": t.taken })).collect::<Vec<_>>(),
+            "moved_by_one_percent": { "drive_gain": self.moves[0], "friction": self.moves[1] },
+            "told_together": self.together,
+            "notes": self.notes(recording),
+            "seconds": seconds,
+        })
+    }
+
+    /// Parameters with their intervals, beside those of the fit of the force.
+    pub fn table(&self, recording: &Recording) -> Table {
+        let before = self.before.iter();
+        Table {
+            caption: "Parameters from the motion".to_owned(),
+            head: [
+                "parameter",
+                "value",
+                "95 % from",
+                "to",
+                "from the force",
+                "unit",
+            ]
+            .map(String::from)
+            .to_vec(),
+            rows: self
+                .parameters
+                .iter()
+                .zip(before)
+                .map(|((name, e), before)| {
+                    let [from, to] = e.ci95.map_or(["–".to_owned(), "–".to_owned()], |ci| {
+                        ci.map(|v| format!("{v:.4}"))
+                    });
+                    vec![
+                        (*name).to_owned(),
+                        format!("{:.4}", e.value),
+                        from,
+                        to,
+                        format!("{before:.4}"),
+                        unit(recording, name),
+                    ]
+                })
+                .collect(),
+        }
+    }
+
+    /// What a simulation leaves of the motion.
+    pub fn error_table(&self, recording: &Recording) -> Table {
+        let (scale, unit) = small(recording.kind);
+        let row = |name: &str, apart: Option<Apart>| {
+            let shown = |v: f64| format!("{:.3}", scale * v);
+            let figures = apart.map(|a| [shown(a.rms), shown(a.mean_abs)]);
+            let [rms, mean] = figures.unwrap_or(["–".to_owned(), "–".to_owned()]);
+            vec![name.to_owned(), rms, mean]
+        };
+        Table {
+            caption: format!(
+                "Simulated less measured position [{unit}], {}, each piece from its measured start",
+                if self.closed_loop {
+                    "closed loop"
+                } else {
+                    "open loop"
+                }
+            ),
+            head: ["parameters from", "RMS", "mean magnitude"]
+                .map(String::from)
+                .to_vec(),
+            rows: vec![
+                row("the force (fitted here)", Some(self.errors[0])),
+                row("the motion (fitted here)", Some(self.errors[1])),
+                row("the motion (each quarter, from the others)", self.held_out),
+            ],
+        }
+    }
+
+    /// What a person must know beside the tables, a sentence without its full stop each.
+    pub fn notes(&self, recording: &Recording) -> Vec<String> {
+        let (scale, unit) = small(recording.kind);
+        let mut notes = Vec::new();
+        notes.push(format!(
+            "{} starts (seed {SEED}) {} in windows of {:.3} s",
+            self.starts.len(),
+            if self.agree {
+                "end at one place"
+            } else {
+                "end at several places: do not trust the intervals;"
+            },
+            self.window_s,
+        ));
+        let percent = 100.0 * NUDGE;
+        notes.push(format!(
+            "{percent} % more drive gain moves the simulation by {:.3} {unit} RMS, {percent} % more friction by {:.3}: a machine that changes by as much cannot be simulated better",
+            scale * self.moves[0],
+            scale * self.moves[1],
+        ));
+        for (one, other, of) in &self.together {
+            notes.push(format!(
+                "{one} and {other} are told together only (correlation {of:.3}): their intervals are those of a valley along which both change"
+            ));
+        }
+        let list = |taken: bool| {
+            let of = self.tried.iter().filter(|t| t.taken == taken);
+            let shown = of.map(|t| format!("{} ({:+.1} %)", t.id, 100.0 * t.change));
+            shown.collect::<Vec<_>>().join(", ")
+        };
+        let lists = [("Taken", list(true)), ("Tried and left", list(false))];
+        for (verb, list) in lists.into_iter().filter(|l| !l.1.is_empty()) {
+            notes.push(format!(
+                "{verb}, by what it changes of the loss in windows that it was not fitted to: {list}"
+            ));
+        }
+        notes.push(
+            "Friction is Coulomb's: a motion of this size tells nothing of pre-sliding; without --criterion motion the blocks are fitted to the force"
+                .to_owned(),
+        );
+        notes.extend(recording.per_unit());
+        notes
+    }
+
+    /// The outcome in one sentence.
+    pub fn conclusion(&self, recording: &Recording) -> String {
+        let (scale, unit) = small(recording.kind);
+        let held = self.held_out.map_or(String::new(), |a| {
+            format!("; held out {:.3} {unit}", scale * a.rms)
+        });
+        format!(
+            "With these parameters a simulation, left to itself, stays within {:.3} {unit} RMS of the machine, with those of the force {:.3}{held}.",
+            scale * self.errors[1].rms,
+            scale * self.errors[0].rms,
+        )
+    }
+
+    /// The report.
+    pub fn page(&self, recording: &Recording, command: String) -> Page {
+        Page {
+            title: format!("Motion fit of {}", recording.name),
+            lead: self.conclusion(recording),
+            command,
+            sections: vec![
+                Section {
+                    heading: "Motion".to_owned(),
+                    tables: vec![self.error_table(recording)],
+                    figures: self.figures(recording),
+                    ..Section::default()
+                },
+                Section {
+                    heading: "Parameters".to_owned(),
+                    tables: vec![self.table(recording)],
+                    paragraphs: self
+                        .notes(recording)
+                        .iter()
+                        .map(|n| format!("{n}."))
+                        .collect(),
+                    ..Section::default()
+                },
+            ],
+        }
+    }
+
+    /// Measured and simulated position, and what is between them.
+    fn figures(&self, recording: &Recording) -> Vec<Figure> {
+        let unit = recording.position_unit();
+        // Short pieces are not simulated.
+        let rows: Vec<usize> = long_pieces(recording).into_iter().flatten().collect();
+        let step = recording.sample_time_s();
+        let time: Vec<f64> = (0..rows.len()).map(|i| i as f64 * step).collect();
+        let measured: Vec<f64> = rows.iter().map(|&i| recording.position[i]).collect();
+        let error = |simulated: &[f64]| -> Vec<f64> {
+            simulated
+                .iter()
+                .zip(&measured)
+                .map(|(s, m)| s - m)
+                .collect()
+        };
+        let axis = || Axis::new("time, pieces one after the other", "s");
+        let [force, motion] = &self.simulated;
+        vec![
+            Figure::new(
+                "What a simulation leaves",
+                axis(),
+                Axis::new("simulated − measured", unit),
+            )
+            .with(Series::line("from the force", time.clone(), error(force)))
+            .with(
+                Series::line("from the motion", time.clone(), error(motion))
+                    .colour(Colour::Vermillion)
+                    .emphasis(Emphasis::Strong),
+            ),
+            Figure::new("Position", axis(), Axis::new("position", unit))
+                .with(
+                    Series::line("measured", time.clone(), measured.clone()).colour(Colour::Black),
+                )
+                .with(
+                    Series::line("simulated", time.clone(), motion.clone())
+                        .colour(Colour::Vermillion)
+                        .emphasis(Emphasis::Strong),
+                ),
+        ]
+    }
+}
+
+/// A factor and the unit in which people read a position's error.
+fn small(kind: MotionKind) -> (f64, &'static str) {
+    match kind {
+        MotionKind::Linear => (1e3, "mm"),
+        MotionKind::Rotary => (1e3, "mrad"),
+    }
+}
+
+fn unit(recording: &Recording, name: &str) -> String {
+    let (x, f) = (recording.position_unit(), recording.effort_unit());
+    match name {
+        "mass" | "viscous" | "spring" | "coulomb" | "offset" => {
+            crate::identify::present::unit(recording, name)
+        }
+        "viscous_half_difference" => format!("{f}·s/{x}"),
+        "drag" => format!("{f}·s²/{x}²"),
+        "stribeck_velocity" => format!("{x}/s"),
+        "gravity_sine" | "gravity_cosine" | "stribeck" => f.to_owned(),
+        _ => "-".to_owned(),
+    }
+}
