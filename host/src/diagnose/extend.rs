@@ -1,6 +1,5 @@
 //! The model file that a diagnosis ends in: the confident effects on the user's own model with its parameters refitted, or on the refitted core.
 
-use super::effect::ALWAYS_FREE;
 use super::given::Given;
 use super::ground::{Ground, Hypothesis};
 use super::modelled::effort_of;
@@ -95,7 +94,7 @@ impl Diagnosis {
         for index in (self.given..state.terms.len()).filter(|i| !in_fit(&state.terms[*i])) {
             enter(&self.ground, state, index, &mut model, &mut refused);
         }
-        self.enter_shift(&mut model, &mut refused);
+        self.enter_channel(&mut model, &mut refused);
         Extended {
             replaces: changes(user, &model),
             model,
@@ -103,14 +102,13 @@ impl Diagnosis {
         }
     }
 
-    /// Enters a delay that the recording was shifted by.
-    fn enter_shift(&self, model: &mut Model, refused: &mut Vec<String>) {
-        let delay = self
-            .confident()
-            .filter(|e| e.term.is_none() && e.id() == ALWAYS_FREE.id());
-        for delay in delay {
-            if let Err(reason) = ALWAYS_FREE.extend(&delay.parameters, model) {
-                refused.push(format!("{}: {reason}", delay.id()));
+    /// Enters what lies between the machine and the recorded effort: a delay, an end.
+    fn enter_channel(&self, model: &mut Model, refused: &mut Vec<String>) {
+        for own in self.confident().filter(|e| e.term.is_none()) {
+            if let Name::Entry(effect) = own.name
+                && let Err(reason) = effect.extend(&own.parameters, model)
+            {
+                refused.push(format!("{}: {reason}", own.id()));
             }
         }
     }
@@ -150,7 +148,7 @@ impl Diagnosis {
         for index in 0..state.terms.len() {
             enter(ground, state, index, &mut model, &mut refused);
         }
-        self.enter_shift(&mut model, &mut refused);
+        self.enter_channel(&mut model, &mut refused);
         let mut replaces = user.map(|u| changes(u, &model)).unwrap_or_default();
         if let Some(user) = user {
             replaces.push(format!(

@@ -9,6 +9,7 @@ pub mod axis;
 mod blocks;
 mod budget;
 pub mod change;
+mod channel;
 pub mod column;
 pub mod confidence;
 pub mod core;
@@ -52,11 +53,13 @@ pub mod verdict;
 pub mod weak;
 pub mod words;
 
+use crate::effects::form;
 use crate::identify::FATAL;
 use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::{Recording, Simulated};
-use crate::signal::StickSlip;
+use crate::signal::{Kinematics, Saturation, StickSlip, not_yet_known};
+use channel::Channel;
 use fit::{Fit, Known};
 use ground::Ground;
 use reproduced::Reproduced;
@@ -187,7 +190,21 @@ fn judge(
         progress.inc(1);
         Ground::new(rows, &beside, known.yields.as_deref()).ok_or_else(unable)
     };
-    let mut ground = ground_of(recording, &[])?;
+    let has_limit = model.is_some_and(|m| m.of(&form::ACTUATOR_SATURATION).next().is_some());
+    let kinematics = Kinematics::of(recording);
+    let saturation = (simulated.is_none() && !has_limit)
+        .then(|| Saturation::of(recording, &kinematics))
+        .flatten();
+    let arrived = saturation
+        .as_ref()
+        .and_then(|found| found.arrived(recording));
+    let recording = arrived.as_ref().unwrap_or(recording);
+    let mut unknown = saturation
+        .as_ref()
+        .map_or_else(Vec::new, |found| found.unknown(0));
+    let later = recording.joined.iter().skip(1);
+    unknown.extend(later.map(|file| not_yet_known(recording, file)));
+    let mut ground = ground_of(recording, &unknown)?;
     let has_delay = given.iter().any(Term::is_delay);
     let shift = if simulated.is_none() && !has_delay {
         Shift::of(&ground, recording)
@@ -196,7 +213,7 @@ fn judge(
     };
     let aligned = shift.as_ref().map(|s| s.taken_off(recording));
     if let Some(aligned) = &aligned {
-        ground = ground_of(aligned, &[])?;
+        ground = ground_of(aligned, &unknown)?;
     }
     let searched = |mut ground: Ground| {
         if let Some((simulated, missed)) = simulated {
@@ -209,13 +226,14 @@ fn judge(
     let event = unnamed::happened(&found);
     // An event belongs to no effect, and pulls at all of them: all else is said without it, or not at all.
     if let Some(happened) = event.as_ref().and_then(|e| e.happened.as_ref()) {
-        let ground = ground_of(aligned.as_ref().unwrap_or(recording), &happened.samples)?;
+        let outside = [happened.samples.as_slice(), &unknown].concat();
+        let ground = ground_of(aligned.as_ref().unwrap_or(recording), &outside)?;
         found = searched(ground)?;
     }
     verdict::conclude(
         found,
         event,
-        shift,
+        Channel { shift, saturation },
         given.len(),
         &periods,
         model.map(|m| (m, recording)),

@@ -21,7 +21,7 @@ const SHORT: f64 = 2.0;
 /// Share of what the first term leaves that the shift must take off, and standard errors: an elastic drive looks a little like one, too.
 const TAKES: f64 = 0.25;
 /// See [`TAKES`].
-const SURE: f64 = 3.0;
+pub const SURE: f64 = 3.0;
 /// Of the columns' squares, added to keep the normal equations solvable.
 const RIDGE: f64 = 1e-9;
 /// Steps of the search between two places of the first look.

@@ -3,10 +3,11 @@
 use super::axis::Axis;
 use super::budget::{Finding, Item, budget};
 use super::change::Change;
+use super::channel::Channel;
 use super::confidence::{self, confidence};
 use super::credible::sieved;
 use super::drift::drift;
-use super::effect::{self, ALWAYS_FREE, Class, Effect};
+use super::effect::{self, Class, Effect};
 use super::evidence::{Evidence, NAMED};
 use super::fit::Fit;
 use super::given::Given;
@@ -20,7 +21,6 @@ use super::place::Place;
 use super::reproduced::Reproduced;
 use super::search::{Found, WORTH};
 use super::second_position::SecondPosition;
-use super::shift::Shift;
 use super::signals::Signals;
 use super::simulation::{self, Corrected, Correction};
 use super::term::{Subject, Term};
@@ -201,7 +201,7 @@ impl Diagnosis {
 pub fn conclude(
     mut found: Found,
     event: Option<Unknown>,
-    shift: Option<Shift>,
+    channel: Channel,
     given: usize,
     mechanics: &[(String, f64)],
     user: Option<(&Model, &Recording)>,
@@ -241,12 +241,12 @@ pub fn conclude(
         }
         effects.push(wrong_shape(&ground, shape));
     }
-    if let Some(shift) = shift {
-        let [without, with] = shift.nmse;
+    for own in channel.named(&ground) {
+        let [without, with] = own.nmse_test;
         baseline.test += without - with;
         baseline.train += without - with;
-        effects.retain(|e| e.id() != ALWAYS_FREE.id());
-        effects.push(shifted(&ground, shift));
+        effects.retain(|e| e.id() != own.id());
+        effects.push(own);
     }
     effects.sort_by(|a, b| {
         (b.is_missing(), b.confident, b.evidence.share)
@@ -547,25 +547,6 @@ fn wrong_shape(ground: &Ground, shape: Shape) -> Named {
             Some(_) => Vec::new(),
             None => hysteresis::rivals(&ground.rows.s),
         },
-    }
-}
-
-/// A delay that the whole recording was shifted by.
-fn shifted(ground: &Ground, shift: Shift) -> Named {
-    Named {
-        name: Name::Entry(ALWAYS_FREE),
-        term: None,
-        confident: true,
-        in_fit: false,
-        confidence: confidence::of_evidence(&shift.evidence),
-        evidence: shift.evidence,
-        standing: None,
-        nmse_test: shift.nmse,
-        places: Place::all(&ground.rows, ALWAYS_FREE.axis(), &shift.force),
-        force: shift.force,
-        parameters: vec![("delay_s".to_owned(), shift.delay)],
-        source: None,
-        ambiguous: Vec::new(),
     }
 }
 

@@ -51,6 +51,7 @@ impl Identification {
             "parameters": self.parameters_json(recording),
             "rows": self.split.folds.iter().map(Vec::len).sum::<usize>(),
             "stick_slip": self.stick_slip,
+            "saturation": self.saturation,
         })
     }
 

@@ -18,11 +18,15 @@ pub mod speed_table;
 pub mod virgin;
 pub mod weights;
 
+use crate::effects::{Effect, form};
 use crate::friction::FrictionModel;
 use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::Recording;
-use crate::signal::{Kinematics, Split, StickSlip, Window, check_windows, step_at_reversals};
+use crate::signal::{
+    Kinematics, Saturation, Split, StickSlip, Window, check_windows, not_yet_known,
+    step_at_reversals,
+};
 use crate::statistics::Estimate;
 use family::Family;
 use fitting::Fitting;
@@ -169,6 +173,8 @@ pub struct Identification {
     pub plain: Plain,
     /// Breakaway and kinetic levels, where the axis sticks and slips.
     pub stick_slip: Option<StickSlip>,
+    /// Where the effort ends, if it does.
+    pub saturation: Option<Saturation>,
 }
 
 /// Warnings of the loader that leave nothing to identify or diagnose, with what would.
@@ -232,8 +238,23 @@ pub fn identify(
     let mut split = split(recording, options)?;
     let inertial = recording.role.contains_inertia();
     let kinematics = Kinematics::of(recording);
+    let saturation = Saturation::of(recording, &kinematics);
+    let arrived = saturation
+        .as_ref()
+        .and_then(|found| found.arrived(recording));
+    let recording = arrived.as_ref().unwrap_or(recording);
     if inertial {
         keep_from_gaps(&mut split, recording, kinematics.filter.cutoff_hz());
+    }
+    let reach = kinematics.filter.reach(recording);
+    let mut unknown = saturation
+        .as_ref()
+        .map_or_else(Vec::new, |found| found.unknown(reach));
+    // The first file begins from rest, as the models do; what another began with nobody saw.
+    let later = recording.joined.iter().skip(1);
+    unknown.extend(later.map(|file| not_yet_known(recording, file)));
+    for fold in &mut split.folds {
+        fold.retain(|i| !unknown.iter().any(|range| range.contains(i)));
     }
     let effort = if inertial {
         kinematics.filter.smooth(&recording.effort)
@@ -242,6 +263,11 @@ pub fn identify(
     };
     let mut notes: Vec<String> = recording.per_unit().into_iter().collect();
     notes.extend(overlap(options));
+    notes.extend(
+        saturation
+            .as_ref()
+            .map(|found| found.words(recording.effort_unit())),
+    );
     let stick_slip = StickSlip::of(recording);
     if let Some(hunting) = stick_slip.filter(|found| found.hunts) {
         return Err(hunting.refusal(recording));
@@ -269,7 +295,13 @@ pub fn identify(
         yield_range: found.range,
         plain: found.plain,
         stick_slip,
+        saturation,
     };
+    if let Some(found) = &identification.saturation {
+        let limit = Effect::of(&form::ACTUATOR_SATURATION, &[found.limit.value]);
+        let models = identification.candidates.iter_mut().map(|c| &mut c.model);
+        models.for_each(|model| model.effects.push(limit.clone()));
+    }
     identification.recommendation = identification.recommended_in_words();
     Ok(identification)
 }

@@ -1,5 +1,6 @@
 //! The stop operator: the deflection of one Maxwell-slip block, and how it changes with the yield displacement.
 
+use crate::recording::Recording;
 use preslide::Scalar;
 use std::ops::Range;
 
@@ -15,6 +16,18 @@ pub struct Deflection {
     pub z: Vec<f64>,
     /// `∂z/∂D` (-): 0 until the block first slips, then ±1 since its last slip.
     pub slope: Vec<f64>,
+}
+
+/// A stretch counts from where the axis has moved by this share of the travel: until then what friction did before is not known.
+const FORGOTTEN: f64 = 0.03;
+
+/// Samples at the start of a stretch in which friction still holds what nobody recorded.
+pub fn not_yet_known(recording: &Recording, stretch: &Range<usize>) -> Range<usize> {
+    let (low, high) = recording.ends();
+    let start = recording.position[stretch.start];
+    let gone = |i: &usize| (recording.position[*i] - start).abs() > FORGOTTEN * (high - low);
+    let end = stretch.clone().find(gone).unwrap_or(stretch.end);
+    stretch.start..end
 }
 
 impl Deflection {

@@ -4,13 +4,15 @@
 mod deflection;
 mod kinematics;
 mod resolution;
+mod saturation;
 mod split;
 mod stick_slip;
 mod zero_phase;
 
-pub use deflection::Deflection;
+pub use deflection::{Deflection, not_yet_known};
 pub use kinematics::Kinematics;
 pub use resolution::step_at_reversals;
+pub use saturation::{End, Saturation};
 pub use split::{FEWEST, GROUPS, Split, Window, check_windows, parse_window};
 pub use stick_slip::{Levels, StickSlip};
 pub use zero_phase::ZeroPhase;

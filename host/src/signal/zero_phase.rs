@@ -270,6 +270,11 @@ impl ZeroPhase {
         self.cutoff_hz
     }
 
+    /// Samples to each side over which the filter spreads one: half a period of its cut-off.
+    pub fn reach(&self, recording: &Recording) -> usize {
+        (0.5 / (self.cutoff_hz * recording.sample_time_s())).ceil() as usize
+    }
+
     /// The low-passed `values`, one for every sample of the recording.
     pub fn smooth(&self, values: &[f64]) -> Vec<f64> {
         self.derivative(values, 0)

@@ -1,0 +1,318 @@
+//! An effort with an end: the command exceeds what the drive gives, or the reading stops where the force goes on.
+//!
+//! Both are judged by the plain error of rigid body and hysteresis in newtons, which is fitted to the effort as it was recorded and to the
+//! effort with its end. Beyond its end a *command* did not arrive: there the effort was the limit. Samples at the end of a *reading*
+//! pile up; there the effort is not known, and the motion asks for more than was read.
+
+use super::{Deflection, Kinematics, not_yet_known};
+use crate::recording::Recording;
+use crate::statistics::{Estimate, quantile_between_ranks};
+use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+use std::ops::Range;
+
+/// Share of the samples beyond the limit of a command at most: more would be explained by the limit alone.
+const RARE: f64 = 0.05;
+/// Limits that are tried before the search between two of them, and its steps.
+const PLACES: usize = 24;
+const STEPS: usize = 12;
+/// Of the squares that the fit of the recorded effort leaves, the fit with an end must not leave more; an interior least, so that it is no
+/// limit that explains itself, must leave no more of what the lowest one tried does.
+const LEAVES: f64 = 0.5;
+const INTERIOR: f64 = 0.9;
+/// What is left where the command is cut may be this many times what is left elsewhere: at an outlier of the reading it is far more.
+const LIKE_ELSEWHERE: f64 = 3.0;
+/// A reading piles up where its highest values, within this share of the end, are so many and so many times those in a band as wide below.
+const BAND: f64 = 0.03;
+const PILED: usize = 20;
+const TIMES: f64 = 2.0;
+/// Share of the samples of a pile at most.
+const MOST_PILED: f64 = 0.5;
+/// Share of the piled samples in which the motion must ask for more than was read.
+const ASKS_FOR_MORE: f64 = 0.75;
+/// Yields of the blocks beside the rigid body, as shares of the travel, and samples that are fitted at most.
+const YIELDS: [f64; 7] = [3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.25];
+const MOST: usize = 30_000;
+/// Blocks of contiguous samples by which the interval is told.
+const BLOCKS: usize = 24;
+
+/// Whose end it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum End {
+    /// The drive gives no more than this of the command.
+    Command,
+    /// The reading shows no more than this of the force.
+    Reading,
+}
+
+/// An effort with an end.
+#[derive(Clone, Debug, Serialize)]
+pub struct Saturation {
+    /// Whose.
+    pub of: End,
+    /// Magnitude (N or N·m).
+    pub limit: Estimate,
+    /// Share of the samples beyond it.
+    pub share: f64,
+    /// RMS (N or N·m) that rigid body and hysteresis leave of the samples within, without the end and with it.
+    pub leaves: [f64; 2],
+    /// Samples at or beyond the end.
+    #[serde(skip)]
+    pub beyond: Vec<bool>,
+    /// What a fit leaves at every sample, without the end and with it, where that can be told.
+    #[serde(skip)]
+    pub residuals: [Vec<f64>; 2],
+}
+
+impl Saturation {
+    /// The end of a recording's effort, where one is seen.
+    pub fn of(recording: &Recording, kinematics: &Kinematics) -> Option<Self> {
+        if !recording.role.contains_inertia() {
+            return None;
+        }
+        let plain = Rigid::of(recording, kinematics);
+        let command = plain.command();
+        command.or_else(|| plain.reading())
+    }
+
+    /// The recording with the effort that arrived, where the command is what ends.
+    pub fn arrived(&self, recording: &Recording) -> Option<Recording> {
+        (self.of == End::Command).then(|| {
+            let mut arrived = recording.clone();
+            let limit = self.limit.value;
+            arrived
+                .effort
+                .iter_mut()
+                .for_each(|f| *f = f.clamp(-limit, limit));
+            arrived
+        })
+    }
+
+    /// Samples of which the effort is not known, `reach` to each side among them, where the reading is what ends.
+    pub fn unknown(&self, reach: usize) -> Vec<Range<usize>> {
+        let mut ranges: Vec<Range<usize>> = Vec::new();
+        if self.of == End::Command {
+            return ranges;
+        }
+        for (i, _) in self
+            .beyond
+            .iter()
+            .enumerate()
+            .filter(|(_, beyond)| **beyond)
+        {
+            let own = i.saturating_sub(reach)..(i + reach + 1).min(self.beyond.len());
+            match ranges.last_mut() {
+                Some(last) if own.start <= last.end => last.end = own.end,
+                _ => ranges.push(own),
+            }
+        }
+        ranges
+    }
+
+    /// In words, a sentence without its full stop.
+    pub fn words(&self, unit: &str) -> String {
+        let (limit, percent) = (self.limit.value, 100.0 * self.share);
+        match self.of {
+            End::Command => format!(
+                "the command exceeds what the drive gives: no more than ±{limit:.4} {unit} arrives ({percent:.1} % of the samples ask for more), and the fit takes the effort as that"
+            ),
+            End::Reading => format!(
+                "the reading ends at ±{limit:.4} {unit} while the motion takes more ({percent:.1} % of the samples stand there): these samples are left out of the fit"
+            ),
+        }
+    }
+}
+
+/// Rigid body and hysteresis along a recording, to be fitted to one effort or another.
+struct Rigid<'a> {
+    recording: &'a Recording,
+    kinematics: &'a Kinematics,
+    columns: Vec<Vec<f64>>,
+    /// Samples that are fitted.
+    rows: Vec<usize>,
+}
+
+impl<'a> Rigid<'a> {
+    fn of(recording: &'a Recording, kinematics: &'a Kinematics) -> Self {
+        let (low, high) = recording.ends();
+        let smooth = |column: Vec<f64>| kinematics.filter.smooth(&column);
+        let blocks = YIELDS.iter().map(|share| {
+            let block =
+                Deflection::along(&recording.position, &recording.pieces, share * (high - low));
+            smooth(block.z)
+        });
+        let mut columns: Vec<Vec<f64>> = blocks.collect();
+        columns.push(kinematics.acceleration.clone());
+        columns.push(kinematics.velocity.clone());
+        columns.push(vec![1.0; recording.len()]);
+        let position = recording.position.iter();
+        columns.push(position.clone().map(|x| x.sin()).collect());
+        columns.push(position.map(|x| x.cos()).collect());
+        let every = recording.len().div_ceil(MOST);
+        let known = (recording.pieces.iter())
+            .flat_map(|piece| not_yet_known(recording, piece).end..piece.end);
+        Self {
+            recording,
+            kinematics,
+            columns,
+            rows: known.step_by(every).collect(),
+        }
+    }
+
+    /// What the fit leaves of an effort at every sample, fitted to the rows that `fits` admits.
+    fn left(&self, effort: &[f64], fits: impl Fn(usize) -> bool) -> Option<Vec<f64>> {
+        let rows: Vec<usize> = self.rows.iter().copied().filter(|i| fits(*i)).collect();
+        let p = self.columns.len();
+        let matrix = DMatrix::from_fn(rows.len(), p, |r, c| self.columns[c][rows[r]]);
+        let target = DVector::from_fn(rows.len(), |r, _| effort[rows[r]]);
+        let mut gram = matrix.tr_mul(&matrix);
+        for j in 0..p {
+            gram[(j, j)] += 1e-9 * gram[(j, j)] + f64::MIN_POSITIVE;
+        }
+        let solved = gram.cholesky()?.solve(&matrix.tr_mul(&target));
+        let modelled = |i: usize| -> f64 { (0..p).map(|c| solved[c] * self.columns[c][i]).sum() };
+        Some((0..effort.len()).map(|i| effort[i] - modelled(i)).collect())
+    }
+
+    fn squares(&self, left: &[f64], of: impl Fn(usize) -> bool) -> f64 {
+        let rows = self.rows.iter().filter(|i| of(**i));
+        let (sum, count) = rows.fold((0.0, 0.0), |(s, n), i| (s + left[*i].powi(2), n + 1.0));
+        sum / f64::max(count, 1.0)
+    }
+
+    fn cut(&self, limit: f64) -> Vec<f64> {
+        let effort = self.recording.effort.iter();
+        let cut: Vec<f64> = effort.map(|f| f.clamp(-limit, limit)).collect();
+        self.kinematics.filter.smooth(&cut)
+    }
+
+    /// The limit of a drive that is asked for more.
+    fn command(&self) -> Option<Saturation> {
+        let size: Vec<f64> = self.recording.effort.iter().map(|f| f.abs()).collect();
+        let lowest = quantile_between_ranks(&size, 1.0 - RARE);
+        let highest = size.iter().fold(0.0, |most: f64, f| most.max(*f));
+        if lowest <= 0.0 || highest <= lowest {
+            return None;
+        }
+        let without = self.left(&self.cut(highest), |_| true)?;
+        let loss = |limit: f64| {
+            let left = self.left(&self.cut(limit), |_| true);
+            left.map_or(f64::INFINITY, |left| self.squares(&left, |_| true))
+        };
+        let ratio = (highest / lowest).powf(1.0 / PLACES as f64);
+        let places = (0..PLACES).map(|k| lowest * ratio.powi(k as i32));
+        let (mut best, mut least) = places
+            .map(|limit| (limit, loss(limit)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let whole = self.squares(&without, |_| true);
+        if least > LEAVES * whole || least > INTERIOR * loss(lowest) {
+            return None;
+        }
+        let mut step = ratio;
+        for _ in 0..STEPS {
+            step = step.sqrt();
+            let beside = [best / step, best * step].map(|limit| (limit, loss(limit)));
+            if let Some(better) = beside.into_iter().find(|b| b.1 < least) {
+                (best, least) = better;
+            }
+        }
+        let beyond: Vec<bool> = size.iter().map(|f| *f > best).collect();
+        let with = self.left(&self.cut(best), |_| true)?;
+        let (at, elsewhere) = (
+            self.squares(&with, |i| beyond[i]),
+            self.squares(&with, |i| !beyond[i]),
+        );
+        if at > LIKE_ELSEWHERE.powi(2) * elsewhere {
+            return None;
+        }
+        // Where the loss has grown by what two standard deviations of its blocks' own would.
+        let grown = |limit: f64| loss(limit) > least * (1.0 + 4.0 / BLOCKS as f64);
+        let edge = |towards: f64| {
+            let mut at = best;
+            while at > lowest && at < highest && !grown(at) {
+                at *= towards;
+            }
+            at
+        };
+        let limit = Estimate {
+            value: best,
+            ci95: Some([edge(0.99), edge(1.01)]),
+        };
+        Some(self.told(End::Command, limit, beyond, [without, with]))
+    }
+
+    /// The end of a reading at which its samples pile up.
+    fn reading(&self) -> Option<Saturation> {
+        let size: Vec<f64> = self.recording.effort.iter().map(|f| f.abs()).collect();
+        let end = quantile_between_ranks(&size, 0.999);
+        let count = |from: f64, to: f64| size.iter().filter(|f| (from..to).contains(*f)).count();
+        let band = BAND * end;
+        let (piled, below) = (
+            count(end - band, f64::INFINITY),
+            count(end - 2.0 * band, end - band),
+        );
+        let share = piled as f64 / size.len() as f64;
+        if piled < PILED || (piled as f64) < TIMES * below as f64 || share > MOST_PILED {
+            return None;
+        }
+        let top: Vec<f64> = size.iter().copied().filter(|f| *f >= end - band).collect();
+        let beyond: Vec<bool> = size.iter().map(|f| *f >= end - band).collect();
+        let near = self.near(&beyond);
+        let effort = self.kinematics.filter.smooth(&self.recording.effort);
+        let without = self.left(&effort, |_| true)?;
+        let with = self.left(&effort, |i| !near[i])?;
+        let [before, after] = [&without, &with].map(|left| self.squares(left, |i| !near[i]));
+        let asks = self.rows.iter().filter(|i| beyond[**i]);
+        // What is left of the reading is less than nothing where the motion asks for more.
+        let (more, all) = asks.fold((0.0, 0.0), |(more, all), &i| {
+            let lacks = -with[i] * self.recording.effort[i].signum();
+            (more + f64::from(u8::from(lacks > 0.0)), all + 1.0)
+        });
+        if after > LEAVES * before || more < ASKS_FOR_MORE * all {
+            return None;
+        }
+        let middle = quantile_between_ranks(&top, 0.5);
+        let reach = quantile_between_ranks(&top, 0.84) - middle;
+        let limit = Estimate {
+            value: middle,
+            ci95: Some([middle - reach, middle + reach]),
+        };
+        // What is not known is left out.
+        let mut with = with;
+        let known = near.iter().zip(&mut with);
+        known
+            .filter(|(near, _)| **near)
+            .for_each(|(_, left)| *left = 0.0);
+        Some(self.told(End::Reading, limit, beyond, [without, with]))
+    }
+
+    /// Samples into which the filter carries those beyond.
+    fn near(&self, beyond: &[bool]) -> Vec<bool> {
+        let reach = self.kinematics.filter.reach(self.recording);
+        let mut near = vec![false; beyond.len()];
+        for (i, _) in beyond.iter().enumerate().filter(|(_, b)| **b) {
+            let end = (i + reach + 1).min(near.len());
+            near[i.saturating_sub(reach)..end].fill(true);
+        }
+        near
+    }
+
+    fn told(
+        &self,
+        of: End,
+        limit: Estimate,
+        beyond: Vec<bool>,
+        residuals: [Vec<f64>; 2],
+    ) -> Saturation {
+        let leaves = [0, 1].map(|k: usize| self.squares(&residuals[k], |i| !beyond[i]).sqrt());
+        Saturation {
+            of,
+            limit,
+            share: beyond.iter().filter(|b| **b).count() as f64 / beyond.len() as f64,
+            leaves,
+            beyond,
+            residuals,
+        }
+    }
+}
