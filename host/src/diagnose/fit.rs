@@ -93,10 +93,17 @@ impl Fit {
     /// In a sentence without its full stop.
     pub fn words(&self, recording: &Recording) -> String {
         match &self.0 {
-            Ok(found) => format!(
-                "the fit of `preslide identify`: {}",
-                found.in_words(recording)
-            ),
+            Ok(found) => {
+                let changes = found
+                    .between
+                    .iter()
+                    .map(|change| format!("; {}", change.words(recording)));
+                format!(
+                    "the fit of `preslide identify`: {}{}",
+                    found.in_words(recording),
+                    changes.collect::<String>()
+                )
+            }
             Err(reason) => format!("no fit of `preslide identify`: {reason}"),
         }
     }

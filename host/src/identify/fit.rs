@@ -52,6 +52,7 @@ impl Identification {
             "rows": self.split.folds.iter().map(Vec::len).sum::<usize>(),
             "stick_slip": self.stick_slip,
             "saturation": self.saturation,
+            "between": self.between,
         })
     }
 

@@ -1,5 +1,6 @@
 //! From a recording to parameters: the rigid body, and friction models of every size.
 
+mod between;
 mod evidence;
 pub mod family;
 mod fit;
@@ -28,6 +29,8 @@ use crate::signal::{
     step_at_reversals,
 };
 use crate::statistics::Estimate;
+use between::between;
+pub use between::{Change, Changed};
 use family::Family;
 use fitting::Fitting;
 use nalgebra::{DMatrix, DVector};
@@ -175,6 +178,8 @@ pub struct Identification {
     pub stick_slip: Option<StickSlip>,
     /// Where the effort ends, if it does.
     pub saturation: Option<Saturation>,
+    /// What later files have otherwise than the first.
+    pub between: Vec<Change>,
 }
 
 /// Warnings of the loader that leave nothing to identify or diagnose, with what would.
@@ -281,6 +286,9 @@ pub fn identify(
         inertial,
     };
     let found = fitting.fit(progress, &mut notes)?;
+    let hysteresis = &found.candidates[found.recommended].model.friction;
+    let between = between(&fitting, found.plain, hysteresis);
+    notes.extend(between.iter().map(|change| change.words(recording)));
     let mut identification = Identification {
         band_hz: kinematics.filter.cutoff_hz(),
         filtered: inertial,
@@ -296,6 +304,7 @@ pub fn identify(
         plain: found.plain,
         stick_slip,
         saturation,
+        between,
     };
     if let Some(found) = &identification.saturation {
         let limit = Effect::of(&form::ACTUATOR_SATURATION, &[found.limit.value]);

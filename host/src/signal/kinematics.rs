@@ -8,6 +8,7 @@ use crate::recording::Recording;
 const STANDSTILL: f64 = 1e-3;
 
 /// Velocity, acceleration and effort of a recording, filtered alike.
+#[derive(Clone)]
 pub struct Kinematics {
     /// The filter and its band.
     pub filter: ZeroPhase,

@@ -12,9 +12,9 @@ use serde::Serialize;
 use std::ops::Range;
 
 /// Share of the samples beyond the limit of a command at most: more would be explained by the limit alone.
-const RARE: f64 = 0.05;
+const RARE: f64 = 0.2;
 /// Limits that are tried before the search between two of them, and its steps.
-const PLACES: usize = 24;
+const PLACES: usize = 32;
 const STEPS: usize = 12;
 /// Of the squares that the fit of the recorded effort leaves, the fit with an end must not leave more; an interior least, so that it is no
 /// limit that explains itself, must leave no more of what the lowest one tried does.
@@ -314,5 +314,101 @@ impl<'a> Rigid<'a> {
             beyond,
             residuals,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::{LoadOptions, load_csv};
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use std::f64::consts::TAU;
+    use std::fmt::Write as _;
+
+    const SEED: u64 = 3;
+
+    /// A body of 2 kg with one block that is moved as asked, its force with noise of 5 mN, as `recorded` has it of time, acceleration and force.
+    fn moved(recorded: impl Fn(f64, f64, f64) -> f64) -> Recording {
+        println!("seed {SEED}");
+        let mut random = ChaCha8Rng::seed_from_u64(SEED);
+        let (mut text, mut stop, mut last) = ("t_s,x_m,force_N\n".to_owned(), 0.0_f64, 0.0);
+        for i in 0..20_000 {
+            let t = f64::from(i) * 1e-3;
+            let parts = [(0.02, 0.31, 0.0), (0.004, 1.7, 1.0), (2e-4, 9.0, 2.0)];
+            let (mut x, mut v, mut a) = (0.0, 0.0, 0.0);
+            for (size, hertz, phase) in parts {
+                let w = TAU * hertz;
+                x += size * (w * t + phase).sin();
+                v += size * w * (w * t + phase).cos();
+                a -= size * w * w * (w * t + phase).sin();
+            }
+            stop = (stop + x - last).clamp(-2e-5, 2e-5);
+            last = x;
+            let force = 2.0 * a + 5.0 * v + 5e4 * stop + 0.01 * random.random_range(-1.0..1.0);
+            let _ = writeln!(text, "{t:.3},{x:.7e},{:.6}", recorded(t, a, force));
+        }
+        load_csv(text.as_bytes(), "made.csv", &LoadOptions::default()).expect("valid")
+    }
+
+    fn found(recording: &Recording) -> Option<Saturation> {
+        Saturation::of(recording, &Kinematics::of(recording))
+    }
+
+    #[test]
+    fn a_reading_that_ends_is_told_with_its_end() {
+        let found = found(&moved(|_, _, f| f.clamp(-2.2, 2.2))).expect("an end");
+        assert_eq!(found.of, End::Reading);
+        assert!(
+            (found.limit.value / 2.2 - 1.0).abs() < 5e-3,
+            "{:?}",
+            found.limit
+        );
+        assert!(
+            found.leaves[1] < 0.5 * found.leaves[0],
+            "{:?}",
+            found.leaves
+        );
+        let unknown = found.unknown(0);
+        let left_out: usize = unknown.iter().map(ExactSizeIterator::len).sum();
+        assert_eq!(left_out, found.beyond.iter().filter(|b| **b).count());
+    }
+
+    /// A loop whose reference jumps twice a second asks for twice what the drive gives.
+    #[test]
+    fn a_command_that_does_not_arrive_is_cut_to_what_does() {
+        let (dt, most) = (1e-4, 3.0);
+        let (mut x, mut v, mut stop) = (0.0, 0.0, 0.0_f64);
+        let mut text = "t_s,x_m,force_N\n".to_owned();
+        for i in 0..200_000 {
+            let t = f64::from(i) * dt;
+            let jumps = if (2.0 * t).fract() < 0.5 { 5e-4 } else { -5e-4 };
+            let reference = 0.02 * (TAU * 0.31 * t).sin() + jumps;
+            let asked = 6000.0 * (reference - x) - 80.0 * v;
+            if i % 10 == 0 {
+                let _ = writeln!(text, "{t:.3},{x:.8e},{asked:.6}");
+            }
+            stop = (stop + dt * v).clamp(-2e-5, 2e-5);
+            v += dt / 2.0 * (f64::clamp(asked, -most, most) - 5.0 * v - 5e4 * stop);
+            x += dt * v;
+        }
+        let recording = load_csv(text.as_bytes(), "made.csv", &LoadOptions::default());
+        let recording = recording.expect("valid");
+        let found = found(&recording).expect("an end");
+        println!("{:?} {} {:?}", found.limit, found.share, found.leaves);
+        assert_eq!(found.of, End::Command);
+        assert!((found.limit.value / most - 1.0).abs() < 0.03);
+        let arrived = found.arrived(&recording).expect("a command");
+        assert!(arrived.effort.iter().all(|f| f.abs() <= found.limit.value));
+    }
+
+    #[test]
+    fn neither_friction_nor_outliers_are_an_end() {
+        assert!(found(&moved(|_, _, f| f)).is_none(), "nothing is cut");
+        let spike = |t: f64| (t * 1e3).round() as u64 % 997 == 0;
+        let spiked = moved(|t, _, f| if spike(t) { 9.0 } else { f });
+        assert!(found(&spiked).is_none(), "outliers");
+        let slow = moved(|_, a, f| f - 2.0 * a);
+        assert!(found(&slow).is_none(), "a level of friction");
     }
 }

@@ -28,12 +28,14 @@ const MARGIN: f64 = 5.0;
 /// Works in the frequency domain on samples spaced evenly at the piece's mean sample time, each piece continued at its
 /// ends by point reflection, which keeps value and slope. Pieces with uneven time stamps are interpolated
 /// linearly to that spacing and back.
+#[derive(Clone)]
 pub struct ZeroPhase {
     cutoff_hz: f64,
     pieces: Vec<Piece>,
     samples: usize,
 }
 
+#[derive(Clone)]
 struct Piece {
     rows: Range<usize>,
     /// Time stamps in sample times from the piece's first one; `None` where they are even.
