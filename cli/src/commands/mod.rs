@@ -187,17 +187,44 @@ impl ReadingArgs {
         }
     }
 
+    /// Loads one of several files, of which one has the columns to ignore and another has not: those go to `not_there`.
+    fn load_one(
+        &self,
+        path: &Path,
+        needs: Needs,
+        not_there: &mut Vec<String>,
+    ) -> Result<Recording, RecordingError> {
+        let mut options = self.options(needs);
+        loop {
+            let error = match recording::load(path, &options) {
+                Ok(recording) => return Ok(recording),
+                Err(error) => error,
+            };
+            let Some(name) = error.problem.not_there() else {
+                return Err(error);
+            };
+            not_there.push(name.to_owned());
+            options.ignore.retain(|own| own != name);
+        }
+    }
+
     /// Loads recordings and joins them into one, telling the user what the loader noticed.
     pub fn load(&self, paths: &[PathBuf], needs: Needs) -> Result<Recording, Failure> {
-        let options = self.options(needs);
         let (mut recordings, mut wrong) = (Vec::new(), Vec::new());
+        let mut nowhere = self.ignore.clone();
         for path in paths {
-            match recording::load(path, &options) {
+            let mut not_there = Vec::new();
+            let loaded = self.load_one(path, needs, &mut not_there);
+            nowhere.retain(|name| not_there.contains(name));
+            match loaded {
                 Ok(recording) => recordings.push(recording),
                 Err(error) => wrong.push(error),
             }
         }
-        if !wrong.is_empty() {
+        if let Some(path) = paths.first().filter(|_| !nowhere.is_empty()) {
+            recording::load(path, &self.options(needs))?;
+        }
+        if recordings.is_empty() {
             return Err(Failure::Input(all_wrong(&wrong)));
         }
         for recording in &recordings {
@@ -209,7 +236,12 @@ impl ReadingArgs {
                 }
             }
         }
-        let whole = Recording::join(recordings).map_err(Failure::Input)?;
+        let mut whole = Recording::join(recordings).map_err(Failure::Input)?;
+        for error in wrong {
+            let warning = recording::Warning::left_out(&error);
+            eprintln!("warning: {warning}");
+            whole.warnings.push(warning);
+        }
         let of_joining = [
             recording::COPIES,
             recording::DROPPED,

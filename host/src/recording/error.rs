@@ -215,7 +215,15 @@ impl Problem {
         }
     }
 
-    /// The options of the command that would read the file, as far as that is known.
+    /// The column to ignore that the file has not.
+    pub fn not_there(&self) -> Option<&str> {
+        match self {
+            Self::Ignore { name, .. } => Some(name),
+            _ => None,
+        }
+    }
+
+    /// The options of the command that would read the file, where names and units let them be guessed.
     pub fn maps(&self) -> &[String] {
         match self {
             Problem::Columns { maps, .. } | Problem::NoHeader { maps, .. } => maps,

@@ -154,6 +154,14 @@ impl Warning {
             maps: Vec::new(),
         }
     }
+
+    /// That a file of several is left out, and why.
+    pub fn left_out(error: &RecordingError) -> Self {
+        Self::new(
+            "left-out",
+            format!("{error}; the other files are used without it"),
+        )
+    }
 }
 
 impl std::fmt::Display for Warning {

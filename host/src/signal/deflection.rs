@@ -24,7 +24,10 @@ const FORGOTTEN: f64 = 0.03;
 /// Samples at the start of a stretch in which friction still holds what nobody recorded.
 pub fn not_yet_known(recording: &Recording, stretch: &Range<usize>) -> Range<usize> {
     let (low, high) = recording.ends();
-    let start = recording.position[stretch.start];
+    // Of a file that is a copy of another no samples are left.
+    let Some(start) = recording.position.get(stretch.start) else {
+        return stretch.clone();
+    };
     let gone = |i: &usize| (recording.position[*i] - start).abs() > FORGOTTEN * (high - low);
     let end = stretch.clone().find(gone).unwrap_or(stretch.end);
     stretch.start..end
