@@ -1,5 +1,6 @@
 //! `cargo run --release --example track` prints the tracking table; behind `--`: `adaptation`, tracking with and without adaptation of
-//! the friction level; `watch`, the watch's false alarms, asked for and measured, and its delays; `dead-time`, what the bridge's dead
+//! the friction level; `observer`, the observer's rows
+//! with friction and mass that it was not told; `watch`, the watch's false alarms, asked for and measured, and its delays; `dead-time`, what the bridge's dead
 //! time costs and what making up for it wins back; `identify`, what a capture says of friction by how the current is sampled.
 //!
 //! `--electrical` puts the table on the electrical stage, its dead time told to the controller; `--electrical=untold` does not tell;
@@ -11,7 +12,7 @@ use preslide_axis::AxisFile;
 use preslide_sim::rig::sensed;
 use preslide_sim::stage::{ElectricalConfig, Sampling, SenseConfig, StageConfig};
 use preslide_sim::tracking::{
-    TRACKING_SEEDS, adaptation, dead_time, electrical, print, table, watch,
+    TRACKING_SEEDS, adaptation, dead_time, electrical, observer, print, table, watch,
 };
 
 fn main() -> anyhow::Result<()> {
@@ -31,6 +32,7 @@ fn main() -> anyhow::Result<()> {
             adaptation::print(&adaptation::table(&settings, &learning, 6, progress)?)
         }
         Some("watch") => watch::print(&watch::study(&settings, &learning, 400, 12, progress)?),
+        Some("observer") => observer::print(&observer::study(&settings, &stage, progress)?),
         Some("dead-time") => dead_time::print(&dead_time::study(
             &settings,
             &ElectricalConfig::default(),
@@ -43,7 +45,7 @@ fn main() -> anyhow::Result<()> {
             print(&table(&settings, &stage, &only, progress)?)
         }
         Some(other) => bail!(
-            "give `adaptation`, `watch`, `dead-time`, `identify`, `--electrical` or nothing, not `{other}`"
+            "give `adaptation`, `observer`, `watch`, `dead-time`, `identify`, `--electrical` or nothing, not `{other}`"
         ),
     };
     print!("{text}");

@@ -4,7 +4,8 @@ use fixed::types::I16F16;
 use preslide::control::learning::{Adaptation, MismatchWatch};
 use preslide::control::{
     Axis, Coefficients, Command, Controller, Fault, Learning, LearningSettings, Measurement, Move,
-    Pid, PidGains, PidState, Planner, Refused, Saturation, VelocitySource,
+    Observed, ObserverSettings, Pid, PidGains, PidState, Planner, Refused, Saturation,
+    VelocitySource,
 };
 use preslide::{Bound, Friction, Gms, LuGre, QuasiStaticGms, Scalar, Sliding, Units};
 use preslide_host_tests::table3;
@@ -128,7 +129,7 @@ fn never_exceeds<F: Friction + Clone>(
 /// 10⁷ ticks in all, over the models and arithmetics.
 #[test]
 fn the_command_never_exceeds_its_limit_over_ten_million_random_ticks() {
-    let part = 10_000_000 / 7;
+    let part = 10_000_000 / 9;
     let full = Gms::<3>::try_new(&table3::blocks::<3>(), 0.9, sliding(), 50e-6, Units::SI)
         .expect("Table 3 is valid");
     let lugre =
@@ -154,6 +155,13 @@ fn the_command_never_exceeds_its_limit_over_ten_million_random_ticks() {
         part,
         3,
     );
+    let observer = ObserverSettings::PAPER_AXIS;
+    let float = quasi_static::<f32>(Units::SI);
+    let float = Observed::try_new(float, &observer, &Axis::PAPER_AXIS, Units::SI).expect("valid");
+    never_exceeds(float, Units::SI, VelocitySource::Reference, part, 8);
+    let fixed = quasi_static::<I16F16>(COUNTS);
+    let fixed = Observed::try_new(fixed, &observer, &Axis::PAPER_AXIS, COUNTS).expect("valid");
+    never_exceeds(fixed, COUNTS, VelocitySource::Measured, part, 9);
     let learning = LearningSettings::PAPER_AXIS;
     let adaptive = |units| Learning::try_new(quasi_static(units), &learning, units);
     let fixed: Learning<_, Both<I16F16>> = adaptive(COUNTS).expect("valid");

@@ -15,6 +15,7 @@ mod identify;
 mod identify_core;
 mod kernels;
 mod learning;
+mod observer;
 mod on_the_fit;
 mod parameters;
 mod plain;

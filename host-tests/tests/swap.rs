@@ -3,7 +3,7 @@
 use fixed::types::I16F16;
 use preslide::control::learning::{Adaptation, MismatchWatch};
 use preslide::control::{Axis, Coefficients, Command, Controller, Measurement, Move};
-use preslide::control::{Learning, LearningSettings, NoFriction};
+use preslide::control::{Learning, LearningSettings, NoFriction, Observed, ObserverSettings};
 use preslide::effects::{ConstantForce, With};
 use preslide::{
     Block, BoucWen, Coulomb, Dahl, ElastoPlastic, Friction, Gms, Hsieh, HsiehParams, Leuven,
@@ -181,6 +181,15 @@ fn every_model(at: u32, speed: f64) {
             .expect("valid")
     };
     same("learning", learning, u, at, speed);
+    let observed = || {
+        // An axis that does not do what is commanded is a disturbance without end: it is not to be pushed at with all that there is.
+        let settings = ObserverSettings {
+            limit: 0.1,
+            ..ObserverSettings::PAPER_AXIS
+        };
+        Observed::try_new(quasi(), &settings, &Axis::PAPER_AXIS, u).expect("valid")
+    };
+    same("observed", observed, u, at, speed);
 }
 
 proptest! {

@@ -30,6 +30,8 @@ pub struct Coefficients<F: Friction> {
     /// The nominal supply in whole codes, and what it is of that.
     pub(crate) supply_nominal: i32,
     pub(crate) supply_part: F::Scalar,
+    /// The force of a code at that supply in whole codes.
+    force_per_code: F::Scalar,
     pub(crate) limiter: Limiter,
     /// The largest |code| that is neither cut nor a push to watch.
     pub(crate) gentle: i32,
@@ -92,9 +94,9 @@ impl<F: Friction> Coefficients<F> {
         // The velocity is measured d ago, so that `K_d·(v_ref − v)` is `K_d·d·a` in a motion without an error: as much mass.
         let per_mass = units.velocity / units.force;
         let mass = not_negative("moving mass", axis.feed_forward.mass)?;
-        let by_delay = match mass > 0.0 {
+        let by_delay = match mass > 0.0 && !F::OBSERVES {
             true => axis.gains.derivative * scale.delay() * sample_time,
-            // Who feeds none forward has what the feedback adds.
+            // Who feeds none forward has what the feedback adds; an observed velocity is of now.
             false => 0.0,
         };
         let sign = |reversed| if reversed { -1 } else { 1 };
@@ -114,6 +116,12 @@ impl<F: Friction> Coefficients<F> {
             mass_beside: nearest(
                 "moving mass less the derivative gain times the velocity's delay",
                 (mass - by_delay) * per_mass,
+            )?,
+            force_per_code: nearest(
+                "force of a PWM code",
+                axis.motor.force_per_volt() * hardware.supply_code * nominal
+                    / f64::from(hardware.steps)
+                    / units.force,
             )?,
             motor,
             supply_nominal: nominal as i32,
@@ -195,6 +203,15 @@ impl<F: Friction> Coefficients<F> {
             self.compensator.friction().set_position(state, place);
         }
         self.compensator.step(state, motion)
+    }
+
+    /// The force of so many codes at the measured supply voltage.
+    #[inline]
+    pub(super) fn force(&self, codes: i32, supply: u16) -> F::Scalar {
+        // At least 1 by construction.
+        let nominal = self.supply_nominal.cast_unsigned();
+        let per_code = self.force_per_code.rate(supply.into(), nominal);
+        per_code.mul_input(F::Scalar::from_int(codes))
     }
 
     /// Nominal over measured supply voltage, the latter within what is healthy.

@@ -351,7 +351,10 @@ impl<F: Friction, C: Count> Controller<F, C> {
             cold_path();
             self.turn_count = within(self.turn_count.wrapping_add(counts), c.turn);
         }
-        let velocity = c.scale.velocity(&mut self.timing, counts);
+        let window = || c.scale.velocity(&mut self.timing, counts);
+        let displacement = c.scale.displacement(counts);
+        let velocity =
+            (c.compensator.friction()).velocity(&mut self.friction, displacement, window);
         if !ORDINARY && let Some(command) = self.watch(&measured, counts) {
             return command;
         }
@@ -362,11 +365,12 @@ impl<F: Friction, C: Count> Controller<F, C> {
             }
         }
         let c = &self.coefficients;
-        let boost = c.boost(if ORDINARY {
+        let supply = if ORDINARY {
             measured.supply
         } else {
             c.monitor.usable(measured.supply)
-        });
+        };
+        let boost = c.boost(supply);
         let reference = if ORDINARY {
             self.reference.step_evenly()
         } else {
@@ -415,6 +419,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
         else {
             return self.trip(Fault::NotANumber);
         };
+        let mut lost = F::Scalar::ZERO;
         let (code, cut) = if c.is_gentle(code) {
             if !ORDINARY {
                 self.cut = Saturation::None;
@@ -424,9 +429,10 @@ impl<F: Friction, C: Count> Controller<F, C> {
         } else {
             cold_path();
             self.steady = false;
-            let (code, cut) = c.limiter.apply(code);
+            let (passed, cut) = c.limiter.apply(code);
             self.cut = cut;
-            (code, cut)
+            lost = c.force(code.wrapping_sub(passed), supply);
+            (passed, cut)
         };
         self.code = code;
         // What was cut, bumped by another model or held for longer than a tick does not tell the friction.
@@ -441,6 +447,8 @@ impl<F: Friction, C: Count> Controller<F, C> {
             tells.then(|| c.beside_mass(force, acceleration))
         };
         c.compensator.friction().spent(&mut self.friction, told);
+        let acted = || force.sub_input(lost);
+        (c.compensator.friction()).acted(&mut self.friction, velocity_error, acted);
         Command {
             code: code.wrapping_mul(c.code_sign),
             position: self.position,
@@ -508,6 +516,8 @@ impl<F: Friction, C: Count> Controller<F, C> {
         let immediate = leaving.old.immediate(now);
         let mut difference = immediate.sub_input(self.coefficients.immediate(now));
         if let Some(state) = &mut leaving.friction {
+            let model = self.coefficients.compensator.friction();
+            model.hand_observed(&self.friction, state);
             let left = leaving.old.feed_forward(state, now);
             difference = difference.add_input(left.sub_input(friction));
         }

@@ -60,6 +60,11 @@ impl Motor {
         self.efficiency * self.torque_constant * self.transmission() / self.resistance
     }
 
+    /// What the motor brakes at a held voltage, `η·(k_M·2π·n/lead)²/R` (N·s/m).
+    pub fn braking(&self) -> f64 {
+        self.force_per_volt() * self.torque_constant * self.transmission()
+    }
+
     /// A PWM period in the winding's time constants, `T·R/L` (-); 0 where the inductance is not known.
     pub(super) fn ripple(&self, period: f64) -> f64 {
         if self.inductance > 0.0 {

@@ -63,6 +63,9 @@ pub trait Friction: Clone + PartialEq {
     /// The model's memory.
     type State: Clone;
 
+    /// It estimates the velocity itself ([`Friction::velocity`]), without lag.
+    const OBSERVES: bool = false;
+
     /// The state of a body that was never moved: no force, no memory.
     fn at_rest(&self) -> Self::State;
 
@@ -91,6 +94,34 @@ pub trait Friction: Clone + PartialEq {
             self.at_rest()
         }
     }
+
+    /// The axis's velocity after a `displacement` that was measured: what the encoder's window says, unless the model observes the axis
+    /// ([`crate::control::Observed`]).
+    #[inline]
+    fn velocity(
+        &self,
+        _state: &mut Self::State,
+        _displacement: Self::Scalar,
+        window: impl FnOnce() -> Self::Scalar,
+    ) -> Self::Scalar {
+        window()
+    }
+
+    /// Lets a model that observes the axis ask what force acts until the next tick, as cut by the limiter; `velocity_error` is by how
+    /// much the reference is faster than the axis. For the others it is no code.
+    #[inline]
+    fn acted(
+        &self,
+        _state: &mut Self::State,
+        _velocity_error: Self::Scalar,
+        _force: impl FnOnce() -> Self::Scalar,
+    ) {
+    }
+
+    /// Gives the memory of a model that is being left ([`Controller::swap`](crate::control::Controller::swap)) what this one observes
+    /// with `state`, so that only the models' own forces fade. For those that do not observe it is no code.
+    #[inline]
+    fn hand_observed(&self, _state: &Self::State, _left: &mut Self::State) {}
 
     /// Lets the model ask what the drive spent on friction in the tick of the last [`Friction::step`], in force units; `None`
     /// where that is not known, as where the command was cut.

@@ -1,7 +1,8 @@
 //! `preslide tune`.
 
 use super::{
-    Failure, OutputArgs, ReadingArgs, SplitArgs, command_line, outputs, parse_frequency, thin,
+    AxisArgs, Failure, OutputArgs, ReadingArgs, SplitArgs, command_line, outputs, parse_frequency,
+    thin,
 };
 use clap::Args;
 use preslide_drive::quantity;
@@ -10,8 +11,10 @@ use preslide_host::identify::{MANY, identify};
 use preslide_host::model::Model;
 use preslide_host::progress::Progress;
 use preslide_host::recording::Needs;
+use preslide_host::report::Page;
 use preslide_host::simulate::same_axis;
 use preslide_host::tune::cores::{Comparison, OnCore, budget_on};
+use preslide_host::tune::observer::{ASKED, Proposal, Told, propose};
 use preslide_host::tune::{Budget, Tuning, of_model, of_recording};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -62,6 +65,21 @@ pub struct Tune {
     #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_rate)]
     count: Option<f64>,
 
+    /// Propose an observer's gains too, for a drive whose first mode (rotor against load) is here; needs a Maxwell-slip model
+    #[arg(long, value_name = "FREQUENCY", value_parser = parse_frequency)]
+    resonance: Option<f64>,
+
+    /// Damping ratio of that mode
+    #[arg(long, default_value = "3%", value_parser = parse_percent, requires = "resonance")]
+    damping: f64,
+
+    /// Noise of the encoder beside its resolution, RMS, such as 5nm
+    #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_rate, requires = "resonance")]
+    noise: Option<f64>,
+
+    #[command(flatten)]
+    axis: AxisArgs,
+
     #[command(flatten)]
     outputs: OutputArgs,
 }
@@ -87,7 +105,8 @@ impl Tune {
     pub fn run(self) -> Result<(), Failure> {
         let start = Instant::now();
         let inputs = std::iter::once(&self.model).chain(&self.recording);
-        let inputs: Vec<&Path> = inputs.map(PathBuf::as_path).collect();
+        let mut inputs: Vec<&Path> = inputs.map(PathBuf::as_path).collect();
+        inputs.extend(self.axis.file());
         outputs::check(&inputs, &[], Some(&self.outputs))?;
         let model = Model::load(&self.model)?;
         let plans = self.plans().map_err(Failure::Input)?;
@@ -106,6 +125,8 @@ impl Tune {
                 "--count {count}: must be finite and above zero"
             )));
         }
+        let observer = self.observer(&model, count)?;
+        let observer = observer.as_ref();
         let mut tunings = Vec::new();
         if self.recording.is_empty() {
             for (costs, budget) in &plans {
@@ -124,12 +145,50 @@ impl Tune {
             }
         }
         if self.cpu == ALL {
-            self.compare(tunings, start)
+            self.compare(tunings, observer, start)
         } else {
             tunings
                 .into_iter()
-                .try_for_each(|tuning| self.present(&tuning, start))
+                .try_for_each(|tuning| self.present(&tuning, observer, start))
         }
+    }
+
+    /// The observer's gains, where a resonance is told.
+    fn observer(&self, model: &Model, count: f64) -> Result<Option<Proposal>, Failure> {
+        let Some(mode_hz) = self.resonance else {
+            return Ok(None);
+        };
+        let file = self.axis.read()?;
+        let mut axis = file.axis();
+        axis.encoder.count = count;
+        let told = Told {
+            noise: self.noise.unwrap_or(0.0),
+            mode_damping: self.damping,
+            ..Told::of_model(&model.friction, mode_hz).map_err(Failure::Input)?
+        };
+        (propose(&axis, &told, &ASKED).map(Some)).map_err(Failure::Data)
+    }
+
+    /// JSON and page, with the observer where there is one.
+    fn write(
+        &self,
+        mut json: serde_json::Value,
+        page: impl FnOnce() -> Page,
+        observer: Option<&Proposal>,
+    ) -> Result<(), Failure> {
+        if let Some(proposal) = observer {
+            say!("{}", proposal.table().to_text());
+            json["observer"] = proposal.to_json();
+        }
+        self.outputs.write(&json, || {
+            let mut page = page();
+            page.sections.extend(observer.map(Proposal::section));
+            page
+        })?;
+        if let Some(proposal) = observer {
+            say!("{}.", proposal.recommendation());
+        }
+        Ok(())
     }
 
     /// Costs and budget of each core that is asked for.
@@ -147,14 +206,19 @@ impl Tune {
         Ok(vec![(costs, on(core))])
     }
 
-    fn present(&self, tuning: &Tuning, start: Instant) -> Result<(), Failure> {
+    fn present(
+        &self,
+        tuning: &Tuning,
+        observer: Option<&Proposal>,
+        start: Instant,
+    ) -> Result<(), Failure> {
         say!("{}", tuning.table().to_text());
         for note in &tuning.notes {
             say!("Note: {note}.");
         }
         let seconds = start.elapsed().as_secs_f64();
-        self.outputs
-            .write(&tuning.to_json(seconds), || tuning.page(command_line()))?;
+        let page = || tuning.page(command_line());
+        self.write(tuning.to_json(seconds), page, observer)?;
         match &tuning.recommended {
             Ok(_) => {
                 say!("{}", tuning.recommendation());
@@ -164,7 +228,12 @@ impl Tune {
         }
     }
 
-    fn compare(&self, tunings: Vec<Tuning>, start: Instant) -> Result<(), Failure> {
+    fn compare(
+        &self,
+        tunings: Vec<Tuning>,
+        observer: Option<&Proposal>,
+        start: Instant,
+    ) -> Result<(), Failure> {
         let on = |(core, tuning)| OnCore { core, tuning };
         let comparison = Comparison {
             cores: CORES.iter().zip(tunings).map(on).collect(),
@@ -174,9 +243,8 @@ impl Tune {
             say!("Note: {note}.");
         }
         let seconds = start.elapsed().as_secs_f64();
-        let json = comparison.to_json(seconds);
-        self.outputs
-            .write(&json, || comparison.page(command_line()))?;
+        let page = || comparison.page(command_line());
+        self.write(comparison.to_json(seconds), page, observer)?;
         if comparison.fits() {
             return Ok(());
         }

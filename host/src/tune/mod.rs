@@ -2,6 +2,7 @@
 
 pub mod cores;
 pub mod kernel;
+pub mod observer;
 mod present;
 mod recommend;
 #[cfg(test)]

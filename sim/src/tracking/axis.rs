@@ -23,6 +23,9 @@ pub enum TrackingError {
     /// The identification experiment did not lead to a model.
     #[error("identification: {0}")]
     Identification(String),
+    /// No gains of an observer leave their margins.
+    #[error("observer: {0}")]
+    Observer(String),
     /// The controller gave up where it should not have.
     #[error("the axis stopped with {0:?}; the gains do not fit the stage")]
     Stopped(Fault),

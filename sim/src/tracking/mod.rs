@@ -9,6 +9,7 @@ mod circle;
 pub mod dead_time;
 mod identification;
 pub mod motions;
+pub mod observer;
 mod perfect;
 mod rivals;
 mod score;
@@ -62,13 +63,19 @@ pub fn table(
         ..stage.clone()
     };
     let experiment = Experiment::run(settings, identified.clone())?;
-    let benchmark = Benchmark { settings, stage };
+    let benchmark = Benchmark {
+        settings,
+        stage,
+        level: 1.0,
+    };
+    let observing = observer::Observing::tuned(&experiment, settings, stage)?;
     let mut tasks = rivals_tasks(&experiment, &identified, benchmark);
     tasks.extend(gms::<2>(&experiment, benchmark));
     tasks.extend(gms::<3>(&experiment, benchmark));
     tasks.extend(gms::<4>(&experiment, benchmark));
     tasks.extend(gms::<6>(&experiment, benchmark));
     tasks.extend(gms::<10>(&experiment, benchmark));
+    tasks.extend(observing.tasks(benchmark));
     tasks.retain(|(name, _)| only.is_empty() || only.iter().any(|part| name.contains(part)));
 
     let (done, all) = (AtomicUsize::new(0), tasks.len());
@@ -155,6 +162,8 @@ fn gms<'a, const N: usize>(e: &'a Experiment, benchmark: Benchmark<'a>) -> [Task
 struct Benchmark<'a> {
     settings: &'a Settings,
     stage: &'a StageConfig,
+    /// Friction, of what it is (-).
+    level: f64,
 }
 
 impl Benchmark<'_> {
@@ -185,6 +194,7 @@ impl Benchmark<'_> {
                 ..self.stage.clone()
             };
             let mut axis = Axis::try_new(settings, friction(moves)?, units, stage)?;
+            axis.stage_mut().set_friction_level(self.level)?;
             axis.follow(moves, observe);
             Ok::<_, TrackingError>(())
         };

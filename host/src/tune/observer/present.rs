@@ -1,0 +1,96 @@
+//! A proposal for people and for machines.
+
+use super::{ASKED, Proposal};
+use crate::report::{Section, Table};
+use serde_json::{Value, json};
+
+impl Proposal {
+    /// What to write into the axis's description and the program.
+    pub fn recommendation(&self) -> String {
+        let s = &self.settings;
+        format!(
+            "Observer: set the integral gain to 0 and build the controller with ObserverSettings {{ position: {:.5}, velocity: {:.3}, disturbance: {:.0}.0, mass: {}, braking: {:.2}, limit: {:?} }}",
+            s.position, s.velocity, s.disturbance, s.mass, s.braking, s.limit
+        )
+    }
+
+    /// Every case with its margins.
+    pub fn table(&self) -> Table {
+        let head = [
+            "case",
+            "gain may grow",
+            "may shrink",
+            "phase [°]",
+            "crossover [Hz]",
+            "gain at the mode",
+            "peak of the sensitivity",
+        ];
+        let factor = |value: f64| match value.is_finite() {
+            true => format!("×{value:.2}"),
+            false => "to none".to_owned(),
+        };
+        let rows = self.cases.iter().map(|(case, margins)| {
+            vec![
+                case.name.clone(),
+                factor(margins.gain),
+                match margins.reduction.is_finite() {
+                    true => format!("÷{:.2}", margins.reduction),
+                    false => "to none".to_owned(),
+                },
+                format!("{:.1}", margins.phase_deg),
+                format!("{:.0}", margins.crossover_hz),
+                format!("{:.2}", margins.at_mode),
+                format!("{:.2}", 1.0 / margins.distance),
+            ]
+        });
+        Table {
+            caption: format!(
+                "The loop with the observer; asked of every case: ×{} and ÷{} of gain, {}° of phase, at most {} at the drive's first mode",
+                ASKED.gain, ASKED.gain, ASKED.phase_deg, ASKED.at_mode
+            ),
+            head: head.map(str::to_owned).to_vec(),
+            rows: rows.collect(),
+        }
+    }
+
+    /// The page's section.
+    pub fn section(&self) -> Section {
+        Section {
+            heading: "Observer".to_owned(),
+            paragraphs: vec![format!("{}.", self.recommendation())],
+            tables: vec![self.table()],
+            figures: Vec::new(),
+        }
+    }
+
+    /// For `preslide.tuning/1`.
+    pub fn to_json(&self) -> Value {
+        let s = &self.settings;
+        let unbounded = |value: f64| value.is_finite().then_some(value);
+        let cases = self.cases.iter().map(|(case, margins)| {
+            json!({
+                "case": case.name,
+                "mass": case.machine.mass,
+                "contact_stiffness": case.machine.contact,
+                "delay_ticks": case.machine.delay,
+                "gain_margin": unbounded(margins.gain),
+                "gain_reduction": unbounded(margins.reduction),
+                "phase_deg": margins.phase_deg,
+                "crossover_hz": margins.crossover_hz,
+                "gain_at_mode": margins.at_mode,
+                "sensitivity_peak": 1.0 / margins.distance,
+            })
+        });
+        json!({
+            "position": s.position,
+            "velocity": s.velocity,
+            "disturbance": s.disturbance,
+            "mass": s.mass,
+            "braking": s.braking,
+            "limit": s.limit,
+            "integral_gain": self.gains.integral,
+            "walk_N2_per_s": self.belief.walk,
+            "cases": cases.collect::<Vec<_>>(),
+        })
+    }
+}

@@ -1,0 +1,234 @@
+//! Which gains to take: as fast as the margins let the filter be.
+
+use super::{Belief, Feedback, Gains, Machine, Margins};
+use crate::friction::FrictionModel;
+use preslide::ParamError;
+use preslide::control::{Axis, ObserverSettings, PidGains};
+
+/// What is told beside the axis (SI).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Told {
+    /// Noise of a reading beside its resolution, RMS (m).
+    pub noise: f64,
+    /// Breakaway force of the friction model (N).
+    pub breakaway: f64,
+    /// Stiffness of all its contacts (N/m).
+    pub contact: f64,
+    /// The drive's first mode (Hz), between rotor and load with both free.
+    pub mode_hz: f64,
+    /// Its damping ratio (-).
+    pub mode_damping: f64,
+}
+
+/// Damping ratio of a mode that nobody measured (-): steel couplings and screws have 2…5 %.
+pub const USUAL_DAMPING: f64 = 0.03;
+
+/// By how much friction may differ from its model (-): the paper's dispersion, ±15 %.
+pub const UNCERTAINTY: f64 = 0.15;
+
+/// The time (s) in which it does so at the soonest: a reversal as quick as the position loop, of some 150 rad/s, can follow.
+const CHANGES_IN: f64 = 0.007;
+
+/// A payload that nobody told of (kg).
+pub const UNTOLD_KG: f64 = 1.0;
+
+/// From one disturbance's walk to the next that is tried (-): the gains change by a thirtieth.
+const FINER: f64 = 1.25;
+
+/// Walks that are tried at most: down to 10⁻⁶ of what friction's uncertainty says, a filter of a tenth of the speed.
+const TRIES: usize = 62;
+
+/// What is asked in every case.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Asked {
+    /// Factor by which the loop's gain may grow or shrink (-).
+    pub gain: f64,
+    /// Phase (degrees).
+    pub phase_deg: f64,
+    /// Largest gain at the drive's mode (-).
+    pub at_mode: f64,
+}
+
+/// 6 dB of gain; 25° of phase, five less than is usual, since contacts that stick are here a spring without the damping that their
+/// hysteresis has; and half at the mode, whose damping is known to a factor of two.
+pub const ASKED: Asked = Asked {
+    gain: 2.0,
+    phase_deg: 25.0,
+    at_mode: 0.5,
+};
+
+impl Margins {
+    /// They are at least those.
+    pub fn reach(&self, asked: &Asked) -> bool {
+        self.radius < 1.0
+            && self.gain >= asked.gain
+            && self.reduction >= asked.gain
+            && self.phase_deg >= asked.phase_deg
+            && self.at_mode <= asked.at_mode
+    }
+}
+
+/// A machine that the loop has to bear.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Case {
+    /// In words.
+    pub name: String,
+    /// In numbers.
+    pub machine: Machine,
+}
+
+/// Sliding and sticking, as told and 15 % stiffer and softer; each as it is, with a kilogram more, and with a tick of delay, and both.
+pub fn cases(axis: &Axis, told: &Told) -> Vec<Case> {
+    let contacts = [
+        ("slides", 0.0),
+        ("sticks", 1.0),
+        ("sticks, +15 %", 1.0 + UNCERTAINTY),
+        ("sticks, −15 %", 1.0 - UNCERTAINTY),
+    ];
+    let changes = [
+        ("", 0.0, 0),
+        (", +1 kg", UNTOLD_KG, 0),
+        (", a tick late", 0.0, 1),
+        (", +1 kg, a tick late", UNTOLD_KG, 1),
+    ];
+    let case = |(contact, share): &(&str, f64), (change, more, delay): &(&str, f64, u32)| Case {
+        name: format!("{contact}{change}"),
+        machine: Machine {
+            mass: axis.feed_forward.mass + more,
+            braking: axis.motor.braking(),
+            contact: share * told.contact,
+            mode_hz: told.mode_hz,
+            mode_damping: told.mode_damping,
+            delay: *delay,
+        },
+    };
+    (contacts.iter())
+        .flat_map(|contact| changes.iter().map(move |change| case(contact, change)))
+        .collect()
+}
+
+/// Gains, and what they leave.
+#[derive(Clone, Debug)]
+pub struct Proposal {
+    /// For the controller.
+    pub settings: ObserverSettings,
+    /// The feedback beside it: the axis's without the integral, whose place the disturbance takes.
+    pub gains: PidGains,
+    /// What the filter believes.
+    pub belief: Belief,
+    /// Every case with its margins.
+    pub cases: Vec<(Case, Margins)>,
+}
+
+impl Proposal {
+    /// The feedback with the observer in it.
+    pub fn feedback(&self) -> Feedback {
+        Feedback {
+            pid: self.gains,
+            belief: self.belief,
+            gains: Gains {
+                position: self.settings.position,
+                velocity: self.settings.velocity,
+                disturbance: self.settings.disturbance,
+            },
+        }
+    }
+}
+
+impl Told {
+    /// From a friction model of Maxwell-slip blocks.
+    ///
+    /// # Errors
+    /// Why it has none.
+    pub fn of_model(friction: &FrictionModel, mode_hz: f64) -> Result<Self, String> {
+        let FrictionModel::Gms {
+            breakaway, blocks, ..
+        } = friction
+        else {
+            return Err(format!(
+                "the observer's margins need the contacts' stiffness, and a {} has no blocks that have one",
+                friction.kind()
+            ));
+        };
+        Ok(Self {
+            noise: 0.0,
+            breakaway: *breakaway,
+            contact: blocks.iter().map(|block| block.stiffness).sum(),
+            mode_hz,
+            mode_damping: USUAL_DAMPING,
+        })
+    }
+}
+
+/// The fastest filter that friction's uncertainty asks for and every case bears.
+///
+/// # Errors
+/// What is not usable in the axis, or why no filter will do.
+pub fn propose(axis: &Axis, told: &Told, asked: &Asked) -> Result<Proposal, String> {
+    let refused = |error: ParamError| error.to_string();
+    let gains = PidGains {
+        integral: 0.0,
+        ..axis.gains
+    };
+    let uncertain = UNCERTAINTY * told.breakaway;
+    let mut belief = Belief {
+        sample_time: axis.sample_time(),
+        mass: axis.feed_forward.mass,
+        braking: axis.motor.braking(),
+        // A count is as likely anywhere within ± a half.
+        reading: axis.encoder.count.powi(2) / 12.0 + told.noise.powi(2),
+        walk: uncertain * uncertain / CHANGES_IN,
+    };
+    let usable = belief.mass > 0.0 && belief.walk > 0.0 && told.mode_hz > 0.0;
+    if !(usable && told.mode_damping > 0.0) {
+        return Err("the observer needs a moving mass, a breakaway force, and a mode of the drive with its damping, all above zero".to_owned());
+    }
+    let cases = cases(axis, told);
+    for _ in 0..TRIES {
+        let filter = belief
+            .gains()
+            .ok_or("the Riccati recursion does not settle")?;
+        let feedback = Feedback {
+            pid: gains,
+            belief,
+            gains: filter,
+        };
+        let mut borne = Vec::new();
+        for case in &cases {
+            let margins = feedback.margins(&case.machine);
+            if !margins.reach(asked) {
+                break;
+            }
+            borne.push((case.clone(), margins));
+        }
+        if borne.len() == cases.len() {
+            let settings = ObserverSettings {
+                position: filter.position,
+                velocity: filter.velocity,
+                disturbance: filter.disturbance,
+                mass: belief.mass,
+                braking: belief.braking,
+                limit: axis.gains.integral_limit,
+            };
+            // What it cannot be built from is no proposal.
+            preslide::control::Observer::<f32>::try_new(
+                &settings,
+                belief.sample_time,
+                axis.watch.top_speed,
+                preslide::Units::SI,
+            )
+            .map_err(refused)?;
+            return Ok(Proposal {
+                settings,
+                gains,
+                belief,
+                cases: borne,
+            });
+        }
+        belief.walk /= FINER;
+    }
+    Err(format!(
+        "no observer leaves a gain margin of {}, {}° of phase and a gain of {} at the drive's mode of {:.0} Hz; lower the proportional gain",
+        asked.gain, asked.phase_deg, asked.at_mode, told.mode_hz
+    ))
+}

@@ -1,0 +1,81 @@
+use super::{ASKED, Told, propose};
+use crate::paper;
+use preslide::control::{Axis, ObserverSettings};
+
+/// The paper's axis on the simulated stage: ten blocks of Table 3, a mode of 368 Hz damped by 5 %.
+fn told() -> Told {
+    Told {
+        noise: 0.0,
+        breakaway: 0.9,
+        contact: (paper::REFERENCE.blocks.iter()).map(|block| block.0).sum(),
+        mode_hz: 368.0,
+        mode_damping: 0.05,
+    }
+}
+
+/// Every case is borne: sliding and sticking contacts, as told and 15 % off, each with 1 kg more, with a tick of delay, with both.
+#[test]
+fn the_paper_axis_has_its_proposal_and_margins() {
+    let proposal = propose(&Axis::PAPER_AXIS, &told(), &ASKED).expect("it has one");
+    assert_eq!(proposal.cases.len(), 16);
+    for (case, margins) in &proposal.cases {
+        assert!(margins.reach(&ASKED), "{}: {margins:?}", case.name);
+    }
+    let (found, kept) = (proposal.settings, ObserverSettings::PAPER_AXIS);
+    for (name, found, kept) in [
+        ("position", found.position, kept.position),
+        ("velocity", found.velocity, kept.velocity),
+        ("disturbance", found.disturbance, kept.disturbance),
+        ("mass", found.mass, kept.mass),
+        ("braking", found.braking, kept.braking),
+        ("limit", found.limit, kept.limit),
+    ] {
+        // Five digits are kept.
+        assert!((found / kept - 1.0).abs() < 1e-4, "{name}: {found} {kept}");
+    }
+}
+
+/// The gain margin by the closed loop's poles: a machine of a gain just below it is stable, one just above is not. A machine whose
+/// mass, braking and stiffness are divided by a factor has its gain multiplied by it.
+#[test]
+fn gain_margins_are_where_the_poles_leave_the_unit_circle() {
+    let proposal = propose(&Axis::PAPER_AXIS, &told(), &ASKED).expect("it has one");
+    let feedback = proposal.feedback();
+    for (case, margins) in &proposal.cases {
+        let stable = |factor: f64| {
+            let mut machine = case.machine;
+            machine.mass /= factor;
+            machine.braking /= factor;
+            machine.contact /= factor;
+            feedback.margins(&machine).radius < 1.0
+        };
+        let name = &case.name;
+        // Between two of the frequencies looked at, gains differ by up to 2 %.
+        assert!(stable(0.97 * margins.gain), "{name}: {margins:?}");
+        assert!(!stable(1.03 * margins.gain), "{name}: {margins:?}");
+        if margins.reduction.is_finite() {
+            assert!(stable(1.03 / margins.reduction), "{name}: {margins:?}");
+            assert!(!stable(0.97 / margins.reduction), "{name}: {margins:?}");
+        }
+    }
+}
+
+/// A mode that is lower or less damped leaves room for a slower filter only; where none is left, it says so.
+#[test]
+fn the_mode_decides_how_fast_it_may_be() {
+    let walk = |mode_hz, mode_damping| {
+        let told = Told {
+            mode_hz,
+            mode_damping,
+            contact: 0.0,
+            ..told()
+        };
+        propose(&Axis::PAPER_AXIS, &told, &ASKED).map(|proposal| proposal.belief.walk)
+    };
+    let as_it_is = walk(368.0, 0.05).expect("it has one");
+    assert!(walk(368.0, 0.03).expect("it has one") < as_it_is);
+    assert!(walk(300.0, 0.05).expect("it has one") < as_it_is);
+    assert!(walk(600.0, 0.05).expect("it has one") > as_it_is);
+    let error = walk(60.0, 0.02).expect_err("a mode at the crossover");
+    assert!(error.contains("60 Hz"), "{error}");
+}
