@@ -157,10 +157,10 @@ fn the_command_never_exceeds_its_limit_over_ten_million_random_ticks() {
     );
     let observer = ObserverSettings::PAPER_AXIS;
     let float = quasi_static::<f32>(Units::SI);
-    let float = Observed::try_new(float, &observer, &Axis::PAPER_AXIS, Units::SI).expect("valid");
+    let float = Observed::try_new(float, &observer, 50e-6, Units::SI).expect("valid");
     never_exceeds(float, Units::SI, VelocitySource::Reference, part, 8);
     let fixed = quasi_static::<I16F16>(COUNTS);
-    let fixed = Observed::try_new(fixed, &observer, &Axis::PAPER_AXIS, COUNTS).expect("valid");
+    let fixed = Observed::try_new(fixed, &observer, 50e-6, COUNTS).expect("valid");
     never_exceeds(fixed, COUNTS, VelocitySource::Measured, part, 9);
     let learning = LearningSettings::PAPER_AXIS;
     let adaptive = |units| Learning::try_new(quasi_static(units), &learning, units);

@@ -41,9 +41,9 @@ fn deviations<S: Scalar>(units: Units) -> [Deviation; 2] {
         mass: belief.mass,
         braking: belief.braking,
         limit: 5.0,
+        top_speed: 20e-3,
     };
-    let observer =
-        Observer::<S>::try_new(&settings, belief.sample_time, 20e-3, units).expect("valid");
+    let observer = Observer::<S>::try_new(&settings, belief.sample_time, units).expect("valid");
     let reference = WalkingDisturbance {
         sample_time: belief.sample_time,
         mass: belief.mass,
@@ -122,7 +122,7 @@ fn settings() -> Settings {
 
 fn observed<F: Friction>(friction: F, units: Units) -> Observed<F> {
     let observer = ObserverSettings::PAPER_AXIS;
-    Observed::try_new(friction, &observer, &Settings::PAPER_AXIS, units).expect("valid")
+    Observed::try_new(friction, &observer, 50e-6, units).expect("valid")
 }
 
 /// Pushed by 3 N against a drive that is cut at 1.8 N, the axis gives way for 40 ms. What is observed stays what pushes, within the

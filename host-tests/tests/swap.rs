@@ -183,11 +183,12 @@ fn every_model(at: u32, speed: f64) {
     same("learning", learning, u, at, speed);
     let observed = || {
         // An axis that does not do what is commanded is a disturbance without end: it is not to be pushed at with all that there is.
+        let axis = Axis::PAPER_AXIS;
         let settings = ObserverSettings {
             limit: 0.1,
             ..ObserverSettings::PAPER_AXIS
         };
-        Observed::try_new(quasi(), &settings, &Axis::PAPER_AXIS, u).expect("valid")
+        Observed::try_new(quasi(), &settings, axis.sample_time(), u).expect("valid")
     };
     same("observed", observed, u, at, speed);
 }

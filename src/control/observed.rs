@@ -1,6 +1,6 @@
 //! A friction model beside an observer of what it leaves out.
 
-use super::{Axis, Condition, Observer, ObserverSettings, ObserverState};
+use super::{Condition, Observer, ObserverSettings, ObserverState};
 use crate::param::{ParamError, Units, positive, to_scalar};
 use crate::{Friction, Motion, Scalar};
 
@@ -46,14 +46,14 @@ impl<M, S> ObservedState<M, S> {
 }
 
 impl<F: Friction> Observed<F> {
-    /// `friction` must have been built in the same `units`, for the same `axis`.
+    /// `friction` must have been built in the same `units`; `sample_time` is `T` (s).
     ///
     /// # Errors
     /// [`ParamError`] where a setting is out of range or does not fit the number type.
     pub fn try_new(
         friction: F,
         settings: &ObserverSettings,
-        axis: &Axis,
+        sample_time: f64,
         units: Units,
     ) -> Result<Self, ParamError> {
         let limit = positive("limit of the disturbance", settings.limit)? / units.force;
@@ -62,7 +62,7 @@ impl<F: Friction> Observed<F> {
             crate::param::fits::<F::Scalar>("limit of friction and disturbance", sum)?;
         }
         Ok(Self {
-            observer: Observer::try_new(settings, axis.sample_time(), axis.watch.top_speed, units)?,
+            observer: Observer::try_new(settings, sample_time, units)?,
             limit: to_scalar("limit of the disturbance", limit)?,
             friction,
         })

@@ -19,6 +19,8 @@ pub struct ObserverSettings {
     pub braking: f64,
     /// Bound on the disturbance that is compensated (N or N·m).
     pub limit: f64,
+    /// Speed (m/s or rad/s) up to twice which a velocity is held.
+    pub top_speed: f64,
 }
 
 impl ObserverSettings {
@@ -30,6 +32,7 @@ impl ObserverSettings {
         mass: 4.05,
         braking: 125.69,
         limit: 5.0,
+        top_speed: 20e-3,
     };
 }
 
@@ -123,20 +126,20 @@ impl<S: Scalar> Default for ObserverState<S> {
 }
 
 impl<S: Scalar> Observer<S> {
-    /// Computes the coefficients for the sample time `T` (s) and an axis that is at most as fast as `top_speed` (m/s).
+    /// Computes the coefficients for the sample time `T` (s).
     ///
     /// # Errors
     /// [`ParamError`] where a value is not finite, out of range, or does not fit `S` in `units`.
     pub fn try_new(
         settings: &ObserverSettings,
         sample_time: f64,
-        top_speed: f64,
         units: Units,
     ) -> Result<Self, ParamError> {
         units.check()?;
         positive("sample time", sample_time)?;
         // As many as leave room for twice the top speed.
-        let room = S::greatest() / (2.0 * positive("top speed", top_speed)? / units.velocity);
+        let room =
+            S::greatest() / (2.0 * positive("top speed", settings.top_speed)? / units.velocity);
         let parts = libm::exp2(libm::floor(libm::log2(room)).clamp(0.0, MOST_PARTS));
         let mass = positive("moving mass", settings.mass)?;
         let position = positive("observer's position gain", settings.position)?;

@@ -25,10 +25,11 @@ impl WalkingDisturbance {
         let n = readings.len();
         // Unknown: position, velocity and disturbance at the start, then every change. Each is one column; what the known forces do
         // by themselves is taken off the readings.
-        let mut columns: Vec<(Vec<f64>, f64)> = Vec::new();
-        columns.push(self.answer(n, 1.0, 0.0, |_| 0.0));
-        columns.push(self.answer(n, 0.0, 1.0, |_| 0.0));
-        columns.push(self.answer(n, 0.0, 0.0, |_| -1.0));
+        let columns = [
+            self.answer(n, 1.0, 0.0, |_| 0.0),
+            self.answer(n, 0.0, 1.0, |_| 0.0),
+            self.answer(n, 0.0, 0.0, |_| -1.0),
+        ];
         // A change before reading k acts on readings from k + 1 on; all of them are one answer, shifted.
         let step = columns[2].clone();
         let free = self.answer(n, 0.0, 0.0, |k| forces[k]);

@@ -74,13 +74,14 @@ impl Observing {
 
     fn alone(&self, benchmark: Benchmark, name: &str) -> Result<Row, TrackingError> {
         let none = NoFriction::<f32>::new();
-        let model = Observed::try_new(none, &self.observer, &self.settings, Units::SI)?;
+        let model =
+            Observed::try_new(none, &self.observer, self.settings.sample_time(), Units::SI)?;
         self.on(benchmark).row(name, "f32", model, Units::SI)
     }
 
     fn with_blocks(&self, benchmark: Benchmark, name: &str) -> Result<Row, TrackingError> {
         let gms = QuasiStaticGms::<4, f32>::try_new(&self.blocks, self.breakaway, Units::SI)?;
-        let model = Observed::try_new(gms, &self.observer, &self.settings, Units::SI)?;
+        let model = Observed::try_new(gms, &self.observer, self.settings.sample_time(), Units::SI)?;
         self.on(benchmark).row(name, "f32", model, Units::SI)
     }
 
@@ -88,13 +89,18 @@ impl Observing {
         let gms = QuasiStaticGms::<4, f32>::try_new(&self.blocks, self.breakaway, Units::SI)?;
         let learning = LearningSettings::PAPER_AXIS;
         let gms: Learning<_, Adaptation<f32>> = Learning::try_new(gms, &learning, Units::SI)?;
-        let model = Observed::try_new(gms, &self.observer, &self.settings, Units::SI)?;
+        let model = Observed::try_new(gms, &self.observer, self.settings.sample_time(), Units::SI)?;
         self.on(benchmark).row(name, "f32", model, Units::SI)
     }
 
     fn in_fixed_point(&self, benchmark: Benchmark, name: &str) -> Result<Row, TrackingError> {
         let gms = QuasiStaticGms::<4, I16F16>::try_new(&self.blocks, self.breakaway, FIXED_UNITS)?;
-        let model = Observed::try_new(gms, &self.observer, &self.settings, FIXED_UNITS)?;
+        let model = Observed::try_new(
+            gms,
+            &self.observer,
+            self.settings.sample_time(),
+            FIXED_UNITS,
+        )?;
         self.on(benchmark).row(name, "fixed", model, FIXED_UNITS)
     }
 

@@ -21,9 +21,19 @@ const EXCHANGE: &str = "preslide_qemu7reading";
 /// Kernel, and the build of the firmware with it: name and features.
 type Build = (&'static str, &'static str, &'static [&'static str]);
 
-const BUILDS: [Build; 6] = [
+const BUILDS: [Build; 8] = [
     ("quasi_static_i16f16", "qemu-fixed", &[]),
     ("quasi_static_f32", "qemu-float", &["--features", "float"]),
+    (
+        "quasi_static_i16f16_observer",
+        "qemu-fixed-observer",
+        &["--features", "observer"],
+    ),
+    (
+        "quasi_static_f32_observer",
+        "qemu-float-observer",
+        &["--features", "float,observer"],
+    ),
     (
         "quasi_static_i16f16_watch",
         "qemu-fixed-watch",

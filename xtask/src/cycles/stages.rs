@@ -60,6 +60,10 @@ pub const STAGES: &[(&str, &[(&str, &str)])] = &[
         &[("friction/gms.rs", ""), ("friction/quasi_static.rs", "")],
     ),
     ("watch, adaptation", &[("control/learning/", "")]),
+    (
+        "observer",
+        &[("control/observer.rs", ""), ("control/observed.rs", "")],
+    ),
     ("cross-fade", &[("control/leaving.rs", "")]),
     (
         "motor map",

@@ -28,15 +28,20 @@ preslide_app::model!(fixed::types::I16F16);
 #[cfg(feature = "watch")]
 type Number = <<Model as preslide_app::Model>::Friction as preslide::Friction>::Scalar;
 
-#[cfg(not(feature = "watch"))]
+#[cfg(not(any(feature = "watch", feature = "observer")))]
 type Source = Model;
+#[cfg(all(feature = "observer", not(feature = "watch")))]
+type Source = preslide_app::Observing<Model>;
 #[cfg(all(feature = "watch", not(feature = "adaptation")))]
 type Source = Learner<Model, MismatchWatch<Number>>;
 #[cfg(feature = "adaptation")]
 type Source = Learner<Model, (MismatchWatch<Number>, Adaptation<Number>)>;
 
-#[cfg(not(feature = "watch"))]
+#[cfg(not(any(feature = "watch", feature = "observer")))]
 const SOURCE: Source = MODEL;
+#[cfg(all(feature = "observer", not(feature = "watch")))]
+const SOURCE: Source =
+    preslide_app::Observing::new(MODEL, preslide::control::ObserverSettings::PAPER_AXIS);
 #[cfg(feature = "watch")]
 const SOURCE: Source = Learner::new(MODEL);
 

@@ -9,8 +9,8 @@ impl Proposal {
     pub fn recommendation(&self) -> String {
         let s = &self.settings;
         format!(
-            "Observer: set the integral gain to 0 and build the controller with ObserverSettings {{ position: {:.5}, velocity: {:.3}, disturbance: {:.0}.0, mass: {}, braking: {:.2}, limit: {:?} }}",
-            s.position, s.velocity, s.disturbance, s.mass, s.braking, s.limit
+            "Observer: set the integral gain to 0 and build the controller with ObserverSettings {{ position: {:.5}, velocity: {:.3}, disturbance: {:.0}.0, mass: {}, braking: {:.2}, limit: {:?}, top_speed: {:?} }}",
+            s.position, s.velocity, s.disturbance, s.mass, s.braking, s.limit, s.top_speed
         )
     }
 
@@ -88,6 +88,7 @@ impl Proposal {
             "mass": s.mass,
             "braking": s.braking,
             "limit": s.limit,
+            "top_speed": s.top_speed,
             "integral_gain": self.gains.integral,
             "walk_N2_per_s": self.belief.walk,
             "cases": cases.collect::<Vec<_>>(),

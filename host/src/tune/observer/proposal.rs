@@ -209,12 +209,12 @@ pub fn propose(axis: &Axis, told: &Told, asked: &Asked) -> Result<Proposal, Stri
                 mass: belief.mass,
                 braking: belief.braking,
                 limit: axis.gains.integral_limit,
+                top_speed: axis.watch.top_speed,
             };
             // What it cannot be built from is no proposal.
             preslide::control::Observer::<f32>::try_new(
                 &settings,
                 belief.sample_time,
-                axis.watch.top_speed,
                 preslide::Units::SI,
             )
             .map_err(refused)?;

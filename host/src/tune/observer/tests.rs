@@ -29,6 +29,7 @@ fn the_paper_axis_has_its_proposal_and_margins() {
         ("mass", found.mass, kept.mass),
         ("braking", found.braking, kept.braking),
         ("limit", found.limit, kept.limit),
+        ("top speed", found.top_speed, kept.top_speed),
     ] {
         // Five digits are kept.
         assert!((found / kept - 1.0).abs() < 1e-4, "{name}: {found} {kept}");
