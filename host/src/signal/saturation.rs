@@ -405,7 +405,7 @@ mod tests {
     #[test]
     fn neither_friction_nor_outliers_are_an_end() {
         assert!(found(&moved(|_, _, f| f)).is_none(), "nothing is cut");
-        let spike = |t: f64| (t * 1e3).round() as u64 % 997 == 0;
+        let spike = |t: f64| ((t * 1e3).round() as u64).is_multiple_of(997);
         let spiked = moved(|t, _, f| if spike(t) { 9.0 } else { f });
         assert!(found(&spiked).is_none(), "outliers");
         let slow = moved(|_, a, f| f - 2.0 * a);
