@@ -1,14 +1,12 @@
 //! What lies between the machine and the recorded effort: a delay, and an end of command or reading.
 
-use super::confidence;
-use super::effect::{ALWAYS_FREE, actuator_saturation::ActuatorSaturation};
-use super::evidence::{NAMED, evidence};
+use super::effect::{ALWAYS_FREE, Effect, actuator_saturation::ActuatorSaturation};
+use super::evidence::{Evidence, NAMED, evidence};
 use super::ground::Ground;
-use super::place::Place;
 use super::shift::{SURE, Shift};
-use super::verdict::{Name, Named};
 use super::weak::Column;
 use crate::signal::Saturation;
+use crate::statistics::Estimate;
 use std::ops::Range;
 
 /// What lies between the machine and the recorded effort, found before the search, which goes on without it.
@@ -19,57 +17,52 @@ pub struct Channel {
     pub saturation: Option<Saturation>,
 }
 
+/// An effect that was found there.
+pub struct Found {
+    /// Which.
+    pub effect: &'static dyn Effect,
+    /// It is sure enough, and enough of the mismatch.
+    pub confident: bool,
+    /// What it is worth.
+    pub evidence: Evidence,
+    /// Held-out NMSE (%) without and with it.
+    pub nmse: [f64; 2],
+    /// What it changes, at the rows (N or N·m).
+    pub force: Vec<f64>,
+    /// By key.
+    pub parameters: Vec<(String, Estimate)>,
+}
+
 impl Channel {
-    /// What there is of it, as effects.
-    pub fn named(self, ground: &Ground) -> impl Iterator<Item = Named> {
-        let shifted = self.shift.map(|shift| shifted(ground, shift));
+    /// What there is of it.
+    pub fn found(self, ground: &Ground) -> impl Iterator<Item = Found> {
+        let shifted = self.shift.map(|shift| Found {
+            effect: ALWAYS_FREE,
+            confident: true,
+            evidence: shift.evidence,
+            nmse: shift.nmse,
+            force: shift.force,
+            parameters: vec![("delay_s".to_owned(), shift.delay)],
+        });
         let limited = self.saturation.map(|end| limited(ground, &end));
         shifted.into_iter().chain(limited)
     }
 }
 
-/// A delay that the whole recording was shifted by.
-fn shifted(ground: &Ground, shift: Shift) -> Named {
-    Named {
-        name: Name::Entry(ALWAYS_FREE),
-        term: None,
-        confident: true,
-        in_fit: false,
-        confidence: confidence::of_evidence(&shift.evidence),
-        evidence: shift.evidence,
-        standing: None,
-        nmse_test: shift.nmse,
-        places: Place::all(&ground.rows, ALWAYS_FREE.axis(), &shift.force),
-        force: shift.force,
-        parameters: vec![("delay_s".to_owned(), shift.delay)],
-        source: None,
-        ambiguous: Vec::new(),
-    }
-}
-
 /// An end of the effort: of a command that was cut to it, of a reading whose samples there were left out.
-fn limited(ground: &Ground, end: &Saturation) -> Named {
+fn limited(ground: &Ground, end: &Saturation) -> Found {
     let [without, with] = &end.residuals;
     let change: Vec<f64> = without.iter().zip(with).map(|(a, b)| a - b).collect();
-    let blocks = blocks_of(without.len());
-    let evidence = evidence(&change, without, &blocks);
+    let evidence = evidence(&change, without, &blocks_of(without.len()));
     let rows = &ground.rows;
-    let of = |values: &[f64]| rows.nmse(&rows.weak.rows(&Column::of(values.to_vec())));
-    let force = rows.weak.rows(&Column::of(change));
-    Named {
-        name: Name::Entry(&ActuatorSaturation),
-        term: None,
+    let of = |values: &[f64]| rows.weak.rows(&Column::of(values.to_vec()));
+    Found {
+        effect: &ActuatorSaturation,
         confident: evidence.share >= NAMED && evidence.z >= SURE,
-        in_fit: false,
-        confidence: confidence::of_evidence(&evidence),
         evidence,
-        standing: None,
-        nmse_test: [of(without), of(with)],
-        places: Vec::new(),
-        force,
+        nmse: [without, with].map(|left| rows.nmse(&of(left))),
+        force: of(&change),
         parameters: vec![("limit_N".to_owned(), end.limit)],
-        source: None,
-        ambiguous: Vec::new(),
     }
 }
 

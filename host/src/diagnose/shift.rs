@@ -20,7 +20,7 @@ const PLACES: usize = 20;
 const SHORT: f64 = 2.0;
 /// Share of what the first term leaves that the shift must take off, and standard errors: an elastic drive looks a little like one, too.
 const TAKES: f64 = 0.25;
-/// See [`TAKES`].
+/// Standard errors that a delay or an end must be beyond nothing.
 pub const SURE: f64 = 3.0;
 /// Of the columns' squares, added to keep the normal equations solvable.
 const RIDGE: f64 = 1e-9;

@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::budget::{Finding, Item, budget};
 use super::change::Change;
-use super::channel::Channel;
+use super::channel::{self, Channel};
 use super::confidence::{self, confidence};
 use super::credible::sieved;
 use super::drift::drift;
@@ -241,7 +241,10 @@ pub fn conclude(
         }
         effects.push(wrong_shape(&ground, shape));
     }
-    for own in channel.named(&ground) {
+    for own in channel
+        .found(&ground)
+        .map(|own| in_the_channel(&ground, own))
+    {
         let [without, with] = own.nmse_test;
         baseline.test += without - with;
         baseline.train += without - with;
@@ -547,6 +550,25 @@ fn wrong_shape(ground: &Ground, shape: Shape) -> Named {
             Some(_) => Vec::new(),
             None => hysteresis::rivals(&ground.rows.s),
         },
+    }
+}
+
+/// What lies between the machine and the recorded effort, as it is stated.
+fn in_the_channel(ground: &Ground, own: channel::Found) -> Named {
+    Named {
+        name: Name::Entry(own.effect),
+        term: None,
+        confident: own.confident,
+        in_fit: false,
+        confidence: confidence::of_evidence(&own.evidence),
+        evidence: own.evidence,
+        standing: None,
+        nmse_test: own.nmse,
+        places: Place::all(&ground.rows, own.effect.axis(), &own.force),
+        force: own.force,
+        parameters: own.parameters,
+        source: None,
+        ambiguous: Vec::new(),
     }
 }
 
