@@ -129,3 +129,23 @@ fn a_position_that_is_held_is_taken_where_it_was_read() {
         assert!((value / truth - 1.0).abs() < share, "{name}: {value}");
     }
 }
+
+#[test]
+fn an_end_of_command_or_reading_is_named_with_its_place() {
+    if let Some(recording) = case("saturation_of_the_reading/rec.csv") {
+        let found = told(&recording);
+        holds(
+            the_only_missing(&found, "actuator_saturation"),
+            &[(0.906, 0.02)],
+        );
+        assert!(found.extended.test < 0.02, "{}", found.extended.test);
+    }
+    let parts = [1, 2, 3].map(|k| case(&format!("saturation_typical/rec{k}.csv")));
+    if let [Some(a), Some(b), Some(c)] = parts {
+        let found = told(&Recording::join(vec![a, b, c]).expect("one machine"));
+        holds(
+            the_only_missing(&found, "actuator_saturation"),
+            &[(1.183, 0.01)],
+        );
+    }
+}
