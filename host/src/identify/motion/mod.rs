@@ -16,10 +16,11 @@ mod told;
 mod window;
 
 use super::Identification;
+use crate::effects::form;
 use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::{MotionKind, Recording};
-use crate::signal::Kinematics;
+use crate::signal::{End, Kinematics};
 use crate::simulate::closed::Controller;
 use crate::statistics::{Estimate, quantile};
 use body::{Body, Place};
@@ -116,6 +117,15 @@ pub fn fit(
             "{name}: --controller follows a reference, and there is none; bring it in with --map {column}=COLUMN, or leave --controller away for the open loop"
         ));
     }
+    let arrived = force.saturation.as_ref();
+    if let Some(end) = arrived.filter(|end| end.of == End::Reading && controller.is_none()) {
+        return Err(format!(
+            "{name}: {}, and a simulation of the force needs all of it; simulate the loop (--controller), or map the command as the effort",
+            end.words(recording.effort_unit())
+        ));
+    }
+    let arrived = arrived.and_then(|end| end.arrived(recording));
+    let recording = arrived.as_ref().unwrap_or(recording);
     let coulomb = &force.candidates[0].model;
     if coulomb.inertia <= 0.0 {
         return Err(format!(
@@ -159,5 +169,8 @@ pub fn fit(
         steps: 1,
         every: recording.len().div_ceil(COMPARED),
     };
-    search.run(body, progress)
+    let mut found = search.run(body, progress)?;
+    let limit = coulomb.of(&form::ACTUATOR_SATURATION).cloned();
+    found.model.effects.extend(limit);
+    Ok(found)
 }
