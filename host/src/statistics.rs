@@ -1,5 +1,6 @@
 //! Estimates with their confidence, the jackknife, the paper's measure of fit, quantiles.
 
+use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -54,6 +55,71 @@ fn students_t(folds: usize) -> Option<f64> {
     let freedom = folds.checked_sub(1).filter(|&n| n > 0)?;
     let t = StudentsT::new(0.0, 1.0, freedom as f64).ok()?;
     Some(t.inverse_cdf(0.975))
+}
+
+/// Least squares on the same columns for many targets.
+pub struct LeastSquares<'a> {
+    columns: &'a [&'a [f64]],
+    /// Of each column to one of squares 1.
+    scale: Vec<f64>,
+    factor: nalgebra::Cholesky<f64, nalgebra::Dyn>,
+}
+
+impl<'a> LeastSquares<'a> {
+    /// Factors the normal equations; `None` where they cannot be.
+    pub fn of(columns: &'a [&'a [f64]]) -> Option<Self> {
+        /// Of the columns' squares, added to keep the normal equations solvable.
+        const RIDGE: f64 = 1e-9;
+        let scale: Vec<f64> = columns
+            .iter()
+            .map(|c| dot(c, c).sqrt().max(1e-300).recip())
+            .collect();
+        let p = columns.len();
+        let mut gram = DMatrix::from_diagonal_element(p, p, RIDGE);
+        for i in 0..p {
+            for j in 0..=i {
+                let product = scale[i] * scale[j] * dot(columns[i], columns[j]);
+                gram[(i, j)] += product;
+                if i != j {
+                    gram[(j, i)] += product;
+                }
+            }
+        }
+        Some(Self {
+            columns,
+            scale,
+            factor: gram.cholesky()?,
+        })
+    }
+
+    /// Products of the scaled columns with a target, and what they solve to.
+    fn solved(&self, target: &[f64]) -> [DVector<f64>; 2] {
+        let right = DVector::from_fn(self.columns.len(), |i, _| {
+            self.scale[i] * dot(self.columns[i], target)
+        });
+        let solution = self.factor.solve(&right);
+        [right, solution]
+    }
+
+    /// The coefficient of each column.
+    pub fn coefficients(&self, target: &[f64]) -> Vec<f64> {
+        let [_, solution] = self.solved(target);
+        solution
+            .iter()
+            .zip(&self.scale)
+            .map(|(c, s)| c * s)
+            .collect()
+    }
+
+    /// Squares that the columns leave of a target.
+    pub fn squares_left(&self, target: &[f64]) -> f64 {
+        let [right, solution] = self.solved(target);
+        dot(target, target) - right.dot(&solution)
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Normalised mean square error (%), the paper's eq. (13), over `rows`: `100·Σ(F − F̂)² / (N_s·σ²)`, `σ²` being the variance of the

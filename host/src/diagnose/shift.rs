@@ -8,8 +8,7 @@ use super::normal::{Bound, Normal};
 use super::term::{Subject, Term};
 use super::weak::Column;
 use crate::recording::Recording;
-use crate::statistics::Estimate;
-use nalgebra::{DMatrix, DVector};
+use crate::statistics::{Estimate, LeastSquares};
 use std::ops::Range;
 
 /// Longest shift that is looked for (s).
@@ -22,8 +21,6 @@ const SHORT: f64 = 2.0;
 const TAKES: f64 = 0.25;
 /// Standard errors that a delay or an end must be beyond nothing.
 pub const SURE: f64 = 3.0;
-/// Of the columns' squares, added to keep the normal equations solvable.
-const RIDGE: f64 = 1e-9;
 /// Steps of the search between two places of the first look.
 const STEPS: usize = 12;
 
@@ -45,9 +42,9 @@ impl Shift {
         let rows = &ground.rows;
         let (columns, bounds) = columns(ground);
         let all: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-        let fast = Fast::of(&all)?;
+        let fast = LeastSquares::of(&all)?;
         let shifted = |delay: f64| rows.weak.rows(&Column::of(earlier(recording, delay)));
-        let left = |delay: f64| fast.left(&shifted(delay));
+        let left = |delay: f64| fast.squares_left(&shifted(delay));
         let delay = least(left, recording.sample_time_s())?;
         if delay.abs() <= SHORT * recording.sample_time_s() {
             return None;
@@ -160,50 +157,6 @@ fn least(left: impl Fn(f64) -> f64, sample_time: f64) -> Option<f64> {
         }
     }
     Some(best)
-}
-
-/// Least squares for many targets: what they leave.
-struct Fast<'a> {
-    columns: &'a [&'a [f64]],
-    scale: Vec<f64>,
-    factor: nalgebra::Cholesky<f64, nalgebra::Dyn>,
-}
-
-impl<'a> Fast<'a> {
-    fn of(columns: &'a [&'a [f64]]) -> Option<Self> {
-        let square = |c: &[f64]| c.iter().map(|v| v * v).sum::<f64>();
-        let scale: Vec<f64> = columns
-            .iter()
-            .map(|c| square(c).sqrt().max(1e-300).recip())
-            .collect();
-        let p = columns.len();
-        let mut gram = DMatrix::from_diagonal_element(p, p, RIDGE);
-        for i in 0..p {
-            for j in 0..=i {
-                let product = scale[i] * scale[j] * dot(columns[i], columns[j]);
-                gram[(i, j)] += product;
-                if i != j {
-                    gram[(j, i)] += product;
-                }
-            }
-        }
-        Some(Self {
-            columns,
-            scale,
-            factor: gram.cholesky()?,
-        })
-    }
-
-    fn left(&self, target: &[f64]) -> f64 {
-        let right = DVector::from_fn(self.columns.len(), |i, _| {
-            self.scale[i] * dot(self.columns[i], target)
-        });
-        dot(target, target) - right.dot(&self.factor.solve(&right))
-    }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]

@@ -25,7 +25,7 @@ use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::Recording;
 use crate::signal::{
-    Kinematics, Saturation, Split, StickSlip, Window, check_windows, not_yet_known,
+    End, Kinematics, Saturation, Split, StickSlip, Window, check_windows, not_yet_known,
     step_at_reversals,
 };
 use crate::statistics::Estimate;
@@ -192,10 +192,6 @@ pub(crate) const FATAL: [(&str, &str); 3] = [
     ),
 ];
 
-/// Periods of the filter's cut-off beside a gap in which it knows the motion from one side only: accelerations there are half made up, and
-/// eight lost stretches of half a second took 1.2 % off a mass.
-const BESIDE_GAP: f64 = 0.5;
-
 /// Shortest yield displacement that is tried, relative to half of the longest stroke.
 const FINEST: f64 = 1e-6;
 
@@ -249,7 +245,7 @@ pub fn identify(
         .and_then(|found| found.arrived(recording));
     let recording = arrived.as_ref().unwrap_or(recording);
     if inertial {
-        keep_from_gaps(&mut split, recording, kinematics.filter.cutoff_hz());
+        keep_from_gaps(&mut split, recording, kinematics.filter.reach(recording));
     }
     let reach = kinematics.filter.reach(recording);
     let mut unknown = saturation
@@ -258,8 +254,12 @@ pub fn identify(
     // The first file begins from rest, as the models do; what another began with nobody saw.
     let later = recording.joined.iter().skip(1);
     unknown.extend(later.map(|file| not_yet_known(recording, file)));
+    let mut is_known = vec![true; recording.len()];
+    for range in unknown {
+        is_known[range].fill(false);
+    }
     for fold in &mut split.folds {
-        fold.retain(|i| !unknown.iter().any(|range| range.contains(i)));
+        fold.retain(|i| is_known[*i]);
     }
     let effort = if inertial {
         kinematics.filter.smooth(&recording.effort)
@@ -306,13 +306,23 @@ pub fn identify(
         saturation,
         between,
     };
-    if let Some(found) = &identification.saturation {
-        let limit = Effect::of(&form::ACTUATOR_SATURATION, &[found.limit.value]);
-        let models = identification.candidates.iter_mut().map(|c| &mut c.model);
-        models.for_each(|model| model.effects.push(limit.clone()));
+    for at in 0..identification.candidates.len() {
+        identification.limit(at);
     }
     identification.recommendation = identification.recommended_in_words();
     Ok(identification)
+}
+
+impl Identification {
+    /// Gives the model of a candidate the drive's end, where there is one; a reading's is the sensor's, and no machine's.
+    fn limit(&mut self, at: usize) {
+        let end = self
+            .saturation
+            .as_ref()
+            .filter(|end| end.of == End::Command);
+        let effect = end.map(|end| Effect::of(&form::ACTUATOR_SATURATION, &[end.limit.value]));
+        self.candidates[at].model.effects.extend(effect);
+    }
 }
 
 /// The samples to fit and to hold out, of a recording that can be fitted.
@@ -330,8 +340,7 @@ fn split(recording: &Recording, options: &Options) -> Result<Split, String> {
 }
 
 /// Leaves out of the fit what stands beside a gap within a recording; a fold of which that is most stays whole.
-fn keep_from_gaps(split: &mut Split, recording: &Recording, cutoff_hz: f64) {
-    let near = (BESIDE_GAP / (cutoff_hz * recording.sample_time_s())) as usize;
+fn keep_from_gaps(split: &mut Split, recording: &Recording, near: usize) {
     let starts = |at: usize| recording.joined.iter().any(|file| file.start == at);
     let cuts = recording.pieces.iter().map(|piece| piece.start);
     let cuts: Vec<usize> = cuts.filter(|at| !starts(*at)).collect();

@@ -491,7 +491,7 @@ impl Identification {
 }
 
 /// Both ends of the interval in words.
-fn bounds(estimate: &Estimate) -> [String; 2] {
+pub(super) fn bounds(estimate: &Estimate) -> [String; 2] {
     let ends = estimate.ci95.map(|ends| ends.map(digits));
     ends.unwrap_or_else(|| ["–", "–"].map(String::from))
 }

@@ -34,9 +34,7 @@ impl Running {
             let id = effect.id();
             let term = effect.term(sample_time);
             let term = term.map_err(|e| format!("effect {id}: {e}"))?;
-            let of_speed = [&form::QUADRATIC_DRAG, &form::VISCOUS_ASYMMETRY]
-                .iter()
-                .any(|form| effect.is(form));
+            let of_speed = form::OF_SPEED.contains(&effect.form);
             terms.extend(term.map(|term| (term, of_speed)));
         }
         let gear = model.of(&form::TRANSMITTED_FRICTION).next();

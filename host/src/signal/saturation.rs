@@ -6,8 +6,7 @@
 
 use super::{Deflection, Kinematics, not_yet_known};
 use crate::recording::Recording;
-use crate::statistics::{Estimate, quantile_between_ranks};
-use nalgebra::{DMatrix, DVector};
+use crate::statistics::{Estimate, LeastSquares, quantile_between_ranks};
 use serde::Serialize;
 use std::ops::Range;
 
@@ -91,23 +90,10 @@ impl Saturation {
 
     /// Samples of which the effort is not known, `reach` to each side among them, where the reading is what ends.
     pub fn unknown(&self, reach: usize) -> Vec<Range<usize>> {
-        let mut ranges: Vec<Range<usize>> = Vec::new();
-        if self.of == End::Command {
-            return ranges;
+        match self.of {
+            End::Command => Vec::new(),
+            End::Reading => spread(&self.beyond, reach),
         }
-        for (i, _) in self
-            .beyond
-            .iter()
-            .enumerate()
-            .filter(|(_, beyond)| **beyond)
-        {
-            let own = i.saturating_sub(reach)..(i + reach + 1).min(self.beyond.len());
-            match ranges.last_mut() {
-                Some(last) if own.start <= last.end => last.end = own.end,
-                _ => ranges.push(own),
-            }
-        }
-        ranges
     }
 
     /// In words, a sentence without its full stop.
@@ -122,6 +108,19 @@ impl Saturation {
             ),
         }
     }
+}
+
+/// Samples that are `beyond`, and `reach` to each side of them.
+fn spread(beyond: &[bool], reach: usize) -> Vec<Range<usize>> {
+    let mut ranges: Vec<Range<usize>> = Vec::new();
+    for (i, _) in beyond.iter().enumerate().filter(|(_, beyond)| **beyond) {
+        let own = i.saturating_sub(reach)..(i + reach + 1).min(beyond.len());
+        match ranges.last_mut() {
+            Some(last) if own.start <= last.end => last.end = own.end,
+            _ => ranges.push(own),
+        }
+    }
+    ranges
 }
 
 /// Rigid body and hysteresis along a recording, to be fitted to one effort or another.
@@ -160,18 +159,23 @@ impl<'a> Rigid<'a> {
         }
     }
 
-    /// What the fit leaves of an effort at every sample, fitted to the rows that `fits` admits.
+    /// The columns at some rows.
+    fn at(&self, rows: &[usize]) -> Vec<Vec<f64>> {
+        let one = |column: &Vec<f64>| rows.iter().map(|&i| column[i]).collect();
+        self.columns.iter().map(one).collect()
+    }
+
+    /// What is left of an effort at every sample by the fit to the rows that `fits` admits.
     fn left(&self, effort: &[f64], fits: impl Fn(usize) -> bool) -> Option<Vec<f64>> {
         let rows: Vec<usize> = self.rows.iter().copied().filter(|i| fits(*i)).collect();
-        let p = self.columns.len();
-        let matrix = DMatrix::from_fn(rows.len(), p, |r, c| self.columns[c][rows[r]]);
-        let target = DVector::from_fn(rows.len(), |r, _| effort[rows[r]]);
-        let mut gram = matrix.tr_mul(&matrix);
-        for j in 0..p {
-            gram[(j, j)] += 1e-9 * gram[(j, j)] + f64::MIN_POSITIVE;
-        }
-        let solved = gram.cholesky()?.solve(&matrix.tr_mul(&target));
-        let modelled = |i: usize| -> f64 { (0..p).map(|c| solved[c] * self.columns[c][i]).sum() };
+        let columns = self.at(&rows);
+        let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let target: Vec<f64> = rows.iter().map(|&i| effort[i]).collect();
+        let solved = LeastSquares::of(&columns)?.coefficients(&target);
+        let modelled = |i: usize| -> f64 {
+            let parts = solved.iter().zip(&self.columns);
+            parts.map(|(c, column)| c * column[i]).sum()
+        };
         Some((0..effort.len()).map(|i| effort[i] - modelled(i)).collect())
     }
 
@@ -196,9 +200,13 @@ impl<'a> Rigid<'a> {
             return None;
         }
         let without = self.left(&self.cut(highest), |_| true)?;
+        let columns = self.at(&self.rows);
+        let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let fit = LeastSquares::of(&columns)?;
         let loss = |limit: f64| {
-            let left = self.left(&self.cut(limit), |_| true);
-            left.map_or(f64::INFINITY, |left| self.squares(&left, |_| true))
+            let cut = self.cut(limit);
+            let target: Vec<f64> = self.rows.iter().map(|&i| cut[i]).collect();
+            fit.squares_left(&target) / target.len() as f64
         };
         let ratio = (highest / lowest).powf(1.0 / PLACES as f64);
         let places = (0..PLACES).map(|k| lowest * ratio.powi(k as i32));
@@ -291,9 +299,8 @@ impl<'a> Rigid<'a> {
     fn near(&self, beyond: &[bool]) -> Vec<bool> {
         let reach = self.kinematics.filter.reach(self.recording);
         let mut near = vec![false; beyond.len()];
-        for (i, _) in beyond.iter().enumerate().filter(|(_, b)| **b) {
-            let end = (i + reach + 1).min(near.len());
-            near[i.saturating_sub(reach)..end].fill(true);
+        for range in spread(beyond, reach) {
+            near[range].fill(true);
         }
         near
     }

@@ -183,6 +183,10 @@ fn interpolate(places: &[f64], values: &[f64], length: usize) -> Vec<f64> {
         .collect()
 }
 
+/// Periods of the cut-off over which the filter spreads a sample, and in which it knows the motion beside a gap from one side only:
+/// accelerations there are half made up, and eight lost stretches of half a second took 1.2 % off a mass.
+const REACH: f64 = 0.5;
+
 impl ZeroPhase {
     /// A filter with the cut-off (−6 dB) `cutoff_hz` for the samples of `recording`.
     pub fn new(recording: &Recording, cutoff_hz: f64) -> Self {
@@ -272,9 +276,9 @@ impl ZeroPhase {
         self.cutoff_hz
     }
 
-    /// Samples to each side over which the filter spreads one: half a period of its cut-off.
+    /// Samples to each side over which the filter spreads one.
     pub fn reach(&self, recording: &Recording) -> usize {
-        (0.5 / (self.cutoff_hz * recording.sample_time_s())).ceil() as usize
+        (REACH / (self.cutoff_hz * recording.sample_time_s())).ceil() as usize
     }
 
     /// The low-passed `values`, one for every sample of the recording.

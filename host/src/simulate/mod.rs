@@ -223,8 +223,7 @@ pub fn motion_of_force(
     force: &[f64],
     sample_time: f64,
 ) -> Result<Simulation, String> {
-    let of_speed = [&form::QUADRATIC_DRAG, &form::VISCOUS_ASYMMETRY];
-    let at_rest = |effect: &&Effect| !of_speed.iter().any(|form| effect.is(form));
+    let at_rest = |effect: &&Effect| !form::OF_SPEED.contains(&effect.form);
     let effects: Vec<&str> = model
         .effects
         .iter()

@@ -132,6 +132,9 @@ pub(crate) static ALL: [&Form; 27] = [
     &CREEP,
 ];
 
+/// What acts by speed alone: on the motor's side of a gear, and not at rest.
+pub(crate) static OF_SPEED: [&Form; 2] = [&QUADRATIC_DRAG, &VISCOUS_ASYMMETRY];
+
 /// Keys with what they may be; `cosine*` stands for `cosine1`, `cosine2`, … with what follows it.
 pub(super) type Keys = &'static [(&'static str, Range)];
 

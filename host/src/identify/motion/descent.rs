@@ -19,7 +19,7 @@ const DAMPING: [f64; 4] = [1e-2, 0.2, 4.0, 1e6];
 #[derive(Clone)]
 pub(super) struct Valley {
     pub(super) at: Vec<f64>,
-    /// Root of the mean loss: an RMS in which large errors count less.
+    /// See [`loss_of`].
     pub(super) loss: f64,
 }
 
@@ -31,7 +31,7 @@ pub(super) fn descend(
 ) -> Option<Valley> {
     let mut now = errors(&at)?;
     let mut at = at;
-    let mut loss = charbonnier(&now, rough);
+    let mut loss = loss_of(&now, rough);
     for step in STEPS {
         let mut damping = DAMPING[0];
         for _ in 0..MOST {
@@ -42,7 +42,7 @@ pub(super) fn descend(
                 let next = damped(&gram, &right, damping).map(|z| moved(&at, &z));
                 found = next.and_then(|next| {
                     let error = errors(&next)?;
-                    let own = charbonnier(&error, rough);
+                    let own = loss_of(&error, rough);
                     (own < loss).then_some((next, error, own))
                 });
                 damping *= DAMPING[if found.is_some() { 1 } else { 2 }];
@@ -50,23 +50,20 @@ pub(super) fn descend(
             let Some((next, error, own)) = found else {
                 break;
             };
-            let gained = 1.0 - own / loss;
+            let gained = 1.0 - (own / loss).powi(2);
             (at, now, loss) = (next, error, own);
             if gained < GAIN {
                 break;
             }
         }
     }
-    Some(Valley {
-        loss: (loss / now.len() as f64).sqrt(),
-        at,
-    })
+    Some(Valley { at, loss })
 }
 
-/// The sum of Charbonnier's loss beyond `rough`.
-pub(super) fn charbonnier(errors: &[f64], rough: f64) -> f64 {
+/// Root of the mean of Charbonnier's loss: an RMS in which errors beyond `rough` count less.
+pub(super) fn loss_of(errors: &[f64], rough: f64) -> f64 {
     let one = |e: &f64| 2.0 * rough * rough * ((1.0 + (e / rough).powi(2)).sqrt() - 1.0);
-    errors.iter().map(one).sum()
+    (errors.iter().map(one).sum::<f64>() / errors.len() as f64).sqrt()
 }
 
 /// Gram matrix of the slopes and their product with the errors, each sample weighted as its loss asks.

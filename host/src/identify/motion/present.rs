@@ -1,5 +1,6 @@
 //! A motion fit for people and for machines.
 
+use super::super::present::{self as force_fit, bounds, digits};
 use super::search::{SEED, long_pieces};
 use super::told::NUDGE;
 use super::{Apart, MotionFit};
@@ -53,15 +54,17 @@ impl MotionFit {
                 .iter()
                 .zip(before)
                 .map(|((name, e), before)| {
-                    let [from, to] = e.ci95.map_or(["–".to_owned(), "–".to_owned()], |ci| {
-                        ci.map(|v| format!("{v:.4}"))
-                    });
+                    let [from, to] = bounds(e);
+                    let shown = match (*name, recording.kind) {
+                        ("mass", MotionKind::Rotary) => "inertia",
+                        (name, _) => name,
+                    };
                     vec![
-                        (*name).to_owned(),
-                        format!("{:.4}", e.value),
+                        shown.to_owned(),
+                        digits(e.value),
                         from,
                         to,
-                        format!("{before:.4}"),
+                        digits(*before),
                         unit(recording, name),
                     ]
                 })
@@ -71,9 +74,9 @@ impl MotionFit {
 
     /// What a simulation leaves of the motion.
     pub fn error_table(&self, recording: &Recording) -> Table {
-        let (scale, unit) = small(recording.kind);
+        let unit = small(recording.kind);
         let row = |name: &str, apart: Option<Apart>| {
-            let shown = |v: f64| format!("{:.3}", scale * v);
+            let shown = |v: f64| format!("{:.3}", MILLI * v);
             let figures = apart.map(|a| [shown(a.rms), shown(a.mean_abs)]);
             let [rms, mean] = figures.unwrap_or(["–".to_owned(), "–".to_owned()]);
             vec![name.to_owned(), rms, mean]
@@ -100,7 +103,7 @@ impl MotionFit {
 
     /// What a person must know beside the tables, a sentence without its full stop each.
     pub fn notes(&self, recording: &Recording) -> Vec<String> {
-        let (scale, unit) = small(recording.kind);
+        let unit = small(recording.kind);
         let mut notes = Vec::new();
         notes.push(format!(
             "{} starts (seed {SEED}) {} in windows of {:.3} s",
@@ -115,8 +118,8 @@ impl MotionFit {
         let percent = 100.0 * NUDGE;
         notes.push(format!(
             "{percent} % more drive gain moves the simulation by {:.3} {unit} RMS, {percent} % more friction by {:.3}: a machine that changes by as much cannot be simulated better",
-            scale * self.moves[0],
-            scale * self.moves[1],
+            MILLI * self.moves[0],
+            MILLI * self.moves[1],
         ));
         for (one, other, of) in &self.together {
             notes.push(format!(
@@ -144,14 +147,14 @@ impl MotionFit {
 
     /// The outcome in one sentence.
     pub fn conclusion(&self, recording: &Recording) -> String {
-        let (scale, unit) = small(recording.kind);
+        let unit = small(recording.kind);
         let held = self.held_out.map_or(String::new(), |a| {
-            format!("; held out {:.3} {unit}", scale * a.rms)
+            format!("; held out {:.3} {unit}", MILLI * a.rms)
         });
         format!(
             "With these parameters a simulation, left to itself, stays within {:.3} {unit} RMS of the machine, with those of the force {:.3}{held}.",
-            scale * self.errors[1].rms,
-            scale * self.errors[0].rms,
+            MILLI * self.errors[1].rms,
+            MILLI * self.errors[0].rms,
         )
     }
 
@@ -224,24 +227,25 @@ impl MotionFit {
     }
 }
 
-/// A factor and the unit in which people read a position's error.
-fn small(kind: MotionKind) -> (f64, &'static str) {
-    match kind {
-        MotionKind::Linear => (1e3, "mm"),
-        MotionKind::Rotary => (1e3, "mrad"),
-    }
+/// Errors of a position are shown in thousandths of its unit.
+const MILLI: f64 = 1e3;
+
+/// That unit.
+fn small(kind: MotionKind) -> String {
+    format!("m{}", kind.unit())
 }
 
 fn unit(recording: &Recording, name: &str) -> String {
-    let (x, f) = (recording.position_unit(), recording.effort_unit());
+    let x = recording.position_unit();
+    let force = force_fit::unit(recording, "coulomb");
     match name {
-        "mass" | "viscous" | "spring" | "coulomb" | "offset" => {
-            crate::identify::present::unit(recording, name)
-        }
-        "viscous_half_difference" => format!("{f}·s/{x}"),
-        "drag" => format!("{f}·s²/{x}²"),
+        "viscous_half_difference" => unit(recording, "viscous"),
+        "drag" => format!("{force}·s²/{x}²"),
         "stribeck_velocity" => format!("{x}/s"),
-        "gravity_sine" | "gravity_cosine" | "stribeck" => f.to_owned(),
-        _ => "-".to_owned(),
+        "share_of_transmitted"
+        | "motor_share_of_inertia"
+        | "friction_cosine1"
+        | "friction_cosine2" => "-".to_owned(),
+        _ => force_fit::unit(recording, name),
     }
 }

@@ -136,6 +136,7 @@ impl Search<'_> {
         let mut settled = self.settle(&first, Settled::is_as_good)?;
         progress.inc(1);
         let mut tried: Vec<Tried> = Vec::new();
+        let mut left = self.loss_across(&settled.point, &settled);
         // What was left may show once something else is taken.
         for _ in 0..ROUNDS {
             let before = settled.point.terms.len();
@@ -146,10 +147,13 @@ impl Search<'_> {
             for (id, group) in GROUPS {
                 progress.set_message(format!("motion: {id}"));
                 if self.is_open(&settled.point, group) {
-                    let (found, next) = self.tried(&settled, id, group);
+                    let (found, next) = self.tried(&settled, left, id, group);
                     tried.retain(|t| t.id != id);
                     tried.push(found);
-                    settled = next.unwrap_or(settled);
+                    if let Some(next) = next {
+                        left = self.loss_across(&next.point, &next);
+                        settled = next;
+                    }
                 }
                 progress.inc(1);
             }
@@ -182,7 +186,7 @@ impl Search<'_> {
         self.sizes.place.travel[1] - self.sizes.place.travel[0]
     }
 
-    /// Steps to a sample (a tick) with which the simulation of a body no longer changes.
+    /// Steps to a sample (a tick) with which the simulation of a body through the shortest windows no longer changes.
     fn settled_steps(&self, body: &Body) -> u32 {
         let travel = self.travel();
         let windows = self
@@ -339,21 +343,24 @@ impl Search<'_> {
         errors.iter().all(|e| e.is_finite()).then_some(errors)
     }
 
-    /// Whether a group makes windows smaller that it was not fitted to, and the fit with it, whose starts must end as low.
+    /// The loss of each fold by the fit of the others, with a point's physics through the windows of a fit.
+    fn loss_across(&self, point: &Point, settled: &Settled) -> Option<f64> {
+        let folds = self.folds(settled.parts);
+        let errors = self.across(point, &folds, settled.rough)?;
+        Some(descent::loss_of(&errors, settled.rough))
+    }
+
+    /// Whether a group makes windows smaller that it was not fitted to, of which the fit so far leaves `left`, and the fit with it, whose starts must end as low.
     fn tried(
         &self,
         settled: &Settled,
+        left: Option<f64>,
         id: &'static str,
         group: &[Term],
     ) -> (Tried, Option<Settled>) {
-        let folds = self.folds(settled.parts);
-        let rough = settled.rough;
-        let loss = |point: &Point| {
-            let errors = self.across(point, &folds, rough)?;
-            Some((descent::charbonnier(&errors, rough) / errors.len() as f64).sqrt())
-        };
         let with = settled.point.with(group, &self.sizes);
-        let change = loss(&settled.point).and_then(|left| Some(loss(&with)? / left - 1.0));
+        let loss = |point: &Point| self.loss_across(point, settled);
+        let change = left.and_then(|left| Some(loss(&with)? / left - 1.0));
         let change = change.unwrap_or(0.0);
         let next = (change < -WORTH).then(|| self.through(&with, settled.parts));
         let next = next.flatten().filter(Settled::is_as_good);

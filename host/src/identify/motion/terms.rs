@@ -57,8 +57,6 @@ pub(super) struct Sizes {
 
 /// A parameter's scale is this share of the machine's size for it: starts are scattered by as much.
 const SHARE: f64 = 0.1;
-/// Where a group that was zero begins, in the same shares.
-const BEGIN: f64 = 1.0;
 
 impl Term {
     /// What counts as a large change of it (SI).
@@ -83,7 +81,7 @@ impl Term {
     pub(super) fn beginning(self, sizes: &Sizes) -> f64 {
         match self {
             Self::Transmitted | Self::MotorInertia | Self::Stribeck | Self::StribeckSpeed => {
-                BEGIN * self.scale(sizes)
+                self.scale(sizes)
             }
             _ => 0.0,
         }
@@ -222,24 +220,21 @@ impl Body {
         let friction = FrictionModel::Coulomb {
             coulomb: self.coulomb,
         };
-        let mut model = Model {
+        if self.along != [0.0; 2] {
+            let [one, two] = self.along;
+            let keys = ["from_m", "to_m", "cosine1", "cosine2"].map(str::to_owned);
+            let [from, to] = place.travel;
+            effects.push(Effect {
+                form: &form::POSITION_FRICTION,
+                values: keys.into_iter().zip([from, to, one, two]).collect(),
+            });
+        }
+        Model {
             inertia: self.inertia,
             viscous: self.viscous,
             constant_force,
             effects,
             ..Model::of_friction(place.kind, friction)
-        };
-        if self.along != [0.0; 2] {
-            let values = [
-                ("from_m", place.travel[0]),
-                ("to_m", place.travel[1]),
-                ("cosine1", self.along[0]),
-                ("cosine2", self.along[1]),
-            ];
-            model
-                .effects
-                .extend(Effect::new(form::POSITION_FRICTION.id, &values));
         }
-        model
     }
 }

@@ -132,6 +132,17 @@ fn value(found: &MotionFit, name: &str) -> f64 {
     own.unwrap_or_else(|| panic!("no {name}")).1.value
 }
 
+/// Parameters, each right within a share of the truth.
+fn holds(found: &MotionFit, truths: &[(&str, f64, f64)]) {
+    for (name, right, within) in truths {
+        let own = value(found, name);
+        assert!(
+            (own / right - 1.0).abs() < *within,
+            "{name}: {own} for {right}"
+        );
+    }
+}
+
 fn taken(found: &MotionFit) -> Vec<&'static str> {
     let own = found.tried.iter().filter(|t| t.taken);
     own.map(|t| t.id).collect()
@@ -224,19 +235,16 @@ fn friction_of_what_a_gear_transmits_comes_back_from_an_open_loop() {
         "{:?}",
         found.tried
     );
-    for (name, right, within) in [
-        ("mass", 0.02, 0.02),
-        ("share_of_transmitted", 0.3, 0.05),
-        ("viscous", 0.05, 0.05),
-        ("coulomb", 0.1, 0.05),
-        ("motor_share_of_inertia", 0.2, 0.2),
-    ] {
-        let own = value(&found, name);
-        assert!(
-            (own / right - 1.0).abs() < within,
-            "{name}: {own} for {right}"
-        );
-    }
+    holds(
+        &found,
+        &[
+            ("mass", 0.02, 0.02),
+            ("share_of_transmitted", 0.3, 0.05),
+            ("viscous", 0.05, 0.05),
+            ("coulomb", 0.1, 0.05),
+            ("motor_share_of_inertia", 0.2, 0.2),
+        ],
+    );
     // The encoder's count over the travel is 5e-6; what the two simulations differ by is a thousandth at most.
     let [low, high] = [made.ends().0, made.ends().1];
     assert!(
@@ -273,18 +281,15 @@ fn a_loop_tells_what_is_in_it_and_nothing_is_added_to_a_plain_axis() {
         "{:?}",
         found.tried
     );
-    for (name, right, within) in [
-        ("mass", 3.0, 0.02),
-        ("viscous", 25.0, 0.02),
-        ("coulomb", 4.0, 0.02),
-        ("offset", 0.7, 0.05),
-    ] {
-        let own = value(&found, name);
-        assert!(
-            (own / right - 1.0).abs() < within,
-            "{name}: {own} for {right}"
-        );
-    }
+    holds(
+        &found,
+        &[
+            ("mass", 3.0, 0.02),
+            ("viscous", 25.0, 0.02),
+            ("coulomb", 4.0, 0.02),
+            ("offset", 0.7, 0.05),
+        ],
+    );
     let mut alone = made;
     alone.reference = None;
     let force = identify(&alone, &Options::default(), &Progress::new("test", 0)).expect("a fit");

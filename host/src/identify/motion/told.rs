@@ -113,7 +113,7 @@ impl Search<'_> {
         let (gram, _) = normal(&slopes, &errors, rough);
         let independent = (errors.len() as f64 / lasting(&errors)).max(1.0);
         let free = independent - shares.len() as f64;
-        let square = descent::charbonnier(&errors, rough) / errors.len() as f64;
+        let square = descent::loss_of(&errors, rough).powi(2);
         let inverse = gram.try_inverse().filter(|_| free >= 1.0)?;
         let scale = square * errors.len() as f64 / free;
         Some((inverse * scale, free as usize + 1))
