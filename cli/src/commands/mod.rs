@@ -224,7 +224,8 @@ impl ReadingArgs {
         if let Some(path) = paths.first().filter(|_| !nowhere.is_empty()) {
             recording::load(path, &self.options(needs))?;
         }
-        if recordings.is_empty() {
+        let is_mistyped = |error: &RecordingError| error.problem.is_of_the_system();
+        if recordings.is_empty() || wrong.iter().any(is_mistyped) {
             return Err(Failure::Input(all_wrong(&wrong)));
         }
         for recording in &recordings {

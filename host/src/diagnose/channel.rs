@@ -1,11 +1,12 @@
 //! What lies between the machine and the recorded effort: a delay, and an end of command or reading.
 
-use super::effect::{ALWAYS_FREE, Effect, actuator_saturation::ActuatorSaturation};
+use super::effect::actuator_saturation::{ActuatorSaturation, READING};
+use super::effect::{ALWAYS_FREE, Effect};
 use super::evidence::{Evidence, NAMED, evidence};
 use super::ground::Ground;
 use super::shift::{SURE, Shift};
 use super::weak::Column;
-use crate::signal::Saturation;
+use crate::signal::{End, Saturation};
 use crate::statistics::Estimate;
 use std::ops::Range;
 
@@ -54,6 +55,10 @@ fn limited(ground: &Ground, end: &Saturation) -> Found {
     let [without, with] = &end.residuals;
     let change: Vec<f64> = without.iter().zip(with).map(|(a, b)| a - b).collect();
     let evidence = evidence(&change, without, &blocks_of(without.len()));
+    let key = match end.of {
+        End::Command => "limit_N",
+        End::Reading => READING,
+    };
     let rows = &ground.rows;
     let of = |values: &[f64]| rows.weak.rows(&Column::of(values.to_vec()));
     Found {
@@ -62,7 +67,7 @@ fn limited(ground: &Ground, end: &Saturation) -> Found {
         evidence,
         nmse: [without, with].map(|left| rows.nmse(&of(left))),
         force: of(&change),
-        parameters: vec![("limit_N".to_owned(), end.limit)],
+        parameters: vec![(key.to_owned(), end.limit)],
     }
 }
 

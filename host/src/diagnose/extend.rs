@@ -105,7 +105,9 @@ impl Diagnosis {
     /// Enters what lies between the machine and the recorded effort: a delay, an end.
     fn enter_channel(&self, model: &mut Model, refused: &mut Vec<String>) {
         for own in self.confident().filter(|e| e.term.is_none()) {
+            let has = model.effects.iter().any(|e| e.id() == own.id());
             if let Name::Entry(effect) = own.name
+                && !has
                 && let Err(reason) = effect.extend(&own.parameters, model)
             {
                 refused.push(format!("{}: {reason}", own.id()));

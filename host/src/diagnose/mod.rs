@@ -191,9 +191,8 @@ fn judge(
         Ground::new(rows, &beside, known.yields.as_deref()).ok_or_else(unable)
     };
     let has_limit = model.is_some_and(|m| m.of(&form::ACTUATOR_SATURATION).next().is_some());
-    let kinematics = Kinematics::of(recording);
     let saturation = (simulated.is_none() && !has_limit)
-        .then(|| Saturation::of(recording, &kinematics))
+        .then(|| Saturation::of(recording, &Kinematics::of(recording)))
         .flatten();
     let arrived = saturation
         .as_ref()

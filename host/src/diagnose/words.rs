@@ -1,7 +1,7 @@
 //! A diagnosis in sentences, in the machine's own units.
 
 use super::axis::Axis;
-use super::effect::Effect;
+use super::effect::{Effect, actuator_saturation::READING};
 use super::given::{Given, Refitted};
 use super::hysteresis;
 use super::place::{Place, means_over};
@@ -541,6 +541,9 @@ impl Diagnosis {
             (Name::Correction(_), _) => {
                 let name = effect.name.name();
                 format!("correct the {name} of the simulation ({words}).")
+            }
+            _ if effect.parameters.iter().any(|(key, _)| key == READING) => {
+                "record with a wider range, or the command in its place: the reading ends where the force goes on, and what it cut is left out.".to_owned()
             }
             (_, None) => format!("add {id} to the {}: {words}.", self.model_word()),
             (_, Some(rival)) => format!(

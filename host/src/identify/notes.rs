@@ -118,6 +118,7 @@ impl Identification {
         })?;
         self.recommended = self.candidates.len();
         self.candidates.push(candidate);
+        self.limit(self.recommended);
         self.say_taken();
         Ok(())
     }

@@ -215,6 +215,11 @@ impl Problem {
         }
     }
 
+    /// There is no such file, or it may not be read: the command is wrong, not what is in the file.
+    pub fn is_of_the_system(&self) -> bool {
+        matches!(self, Self::Io(_))
+    }
+
     /// The column to ignore that the file has not.
     pub fn not_there(&self) -> Option<&str> {
         match self {

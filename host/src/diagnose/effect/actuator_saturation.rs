@@ -17,6 +17,8 @@ const RARE: f64 = 0.95;
 const ACCELERATES: f64 = 0.3;
 /// Key of the coefficient: how much of the command above the limit is lost.
 const SHARE: &str = "share";
+/// Key of the end of a reading, which is the sensor's and no machine's.
+pub const READING: &str = "reading_limit_N";
 
 /// `actuator_saturation`.
 pub struct ActuatorSaturation;
@@ -88,6 +90,9 @@ impl Effect for ActuatorSaturation {
     }
 
     fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
+        if values.iter().any(|(key, _)| key == READING) {
+            return Err("the reading ends there, not the drive, and a model file describes the machine; the parameters are fitted without the samples at the end".to_owned());
+        }
         enter(self.id(), values, &[SHARE], model)
     }
 }
