@@ -2,13 +2,15 @@
 //! friction is a bristle of the machines' own laws, and the simulation is the same machine with something else in it: moved as the machine
 //! was, or by itself under the recorded force.
 
-use preslide_host::model::Model;
 use preslide_host_tests::judge::table::{Recording, Table};
 use preslide_host_tests::judge::tool::Tool;
 use preslide_host_tests::machines::Dice;
 use preslide_host_tests::machines::law::Law;
 use preslide_host_tests::trials::score::Diagnosis;
 use std::f64::consts::TAU;
+use std::io::Write as _;
+use std::path::Path;
+use std::process::{Command, Stdio};
 
 const SEED: u64 = 14;
 const RATE_HZ: f64 = 1000.0;
@@ -134,12 +136,119 @@ enum Run {
     Followed,
 }
 
-/// The recording of a machine with a simulation of it, diagnosed; and the model file.
-fn between(machine: Physics, simulation: Physics) -> (Diagnosis, Model) {
+/// What is to be added to a simulation.
+struct Correction {
+    names: Vec<String>,
+    columns: Vec<Vec<f64>>,
+    /// Largest difference of what the code in C adds (N).
+    of_c: f64,
+}
+
+impl Correction {
+    fn column(&self, name: &str) -> &[f64] {
+        let place = self.names.iter().position(|own| own == name);
+        &self.columns[place.unwrap_or_else(|| panic!("{:?} lacks {name}", self.names))]
+    }
+
+    /// Terms without their unit.
+    fn terms(&self) -> Vec<&str> {
+        let names = self.names[7..].iter();
+        names.filter_map(|name| name.strip_suffix("_N")).collect()
+    }
+
+    /// Share (%) of the measured force's variance that a column leaves.
+    fn leaves(&self, column: &str) -> f64 {
+        let measured = self.column("force_N");
+        let mean = measured.iter().sum::<f64>() / measured.len() as f64;
+        let apart = measured.iter().zip(self.column(column));
+        let left: f64 = apart.map(|(m, c)| (m - c).powi(2)).sum();
+        100.0 * left / measured.iter().map(|m| (m - mean).powi(2)).sum::<f64>()
+    }
+
+    /// Reads both files, compiles the code and runs it along the table.
+    fn read(csv: &Path, header: &Path) -> Self {
+        let text = std::fs::read_to_string(csv).expect("a table");
+        let mut lines = text.lines();
+        let names: Vec<String> = lines
+            .next()
+            .expect("names")
+            .split(',')
+            .map(String::from)
+            .collect();
+        let mut columns = vec![Vec::new(); names.len()];
+        for line in lines {
+            for (column, cell) in columns.iter_mut().zip(line.split(',')) {
+                column.push(cell.parse().expect("a number"));
+            }
+        }
+        let mut own = Self {
+            names,
+            columns,
+            of_c: f64::NAN,
+        };
+        own.of_c = own.run(header);
+        own
+    }
+
+    fn run(&self, header: &Path) -> f64 {
+        let folder = header.parent().expect("a folder");
+        let source = format!(
+            "#include <stdio.h>\n#include \"{}\"\nint main(void) {{\n\
+             struct preslide_correction s = {{{{0}}, {{0}}, 0, 0, 0}}; double t, x, v, a, f, worst = 0;\n\
+             while (scanf(\"%lf %lf %lf %lf %lf\", &t, &x, &v, &a, &f) == 5)\n\
+             worst = fmax(worst, fabs(preslide_correction_force(&s, t, x, v, a) - f));\n\
+             printf(\"%.17g\\n\", worst); return 0; }}\n",
+            header.display()
+        );
+        let (file, program) = (folder.join("main.c"), folder.join("main"));
+        std::fs::write(&file, source).expect("written");
+        // The compiler that Rust links with.
+        let compiled = Command::new("cc")
+            .args([
+                "-std=c99",
+                "-Wall",
+                "-Wextra",
+                "-Wconversion",
+                "-Werror",
+                "-pedantic",
+            ])
+            .args([&file, &"-o".into(), &program, &"-lm".into()])
+            .output()
+            .expect("a C compiler");
+        assert!(
+            compiled.status.success(),
+            "{}",
+            String::from_utf8_lossy(&compiled.stderr)
+        );
+        let mut run = Command::new(program)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("runs");
+        let keys = ["t_s", "x_m", "velocity_m_s", "acceleration_m_s2"].map(|key| self.column(key));
+        let (simulated, corrected) = (
+            self.column("force_sim_N"),
+            self.column("force_sim_corrected_N"),
+        );
+        let mut rows = String::new();
+        for i in 0..simulated.len() {
+            let cells = keys.map(|key| format!("{:e}", key[i])).join(" ");
+            rows += &format!("{cells} {:e}\n", corrected[i] - simulated[i]);
+        }
+        let mut input = run.stdin.take().expect("input");
+        std::thread::spawn(move || input.write_all(rows.as_bytes()));
+        let output = run.wait_with_output().expect("output").stdout;
+        let printed = String::from_utf8(output).expect("text");
+        printed.trim().parse().expect("a number")
+    }
+}
+
+/// The recording of a machine with a simulation of it, diagnosed; and the correction, where there is one.
+fn between(machine: Physics, simulation: Physics) -> (Diagnosis, Option<Correction>) {
     between_run(machine, simulation, Run::Inverse)
 }
 
-fn between_run(machine: Physics, simulation: Physics, run: Run) -> (Diagnosis, Model) {
+fn between_run(machine: Physics, simulation: Physics, run: Run) -> (Diagnosis, Option<Correction>) {
     let mut dice = Dice::new(SEED);
     let mut force = machine.force(&mut dice);
     force.iter_mut().for_each(|f| *f += 0.01 * dice.normal());
@@ -166,18 +275,22 @@ fn between_run(machine: Physics, simulation: Physics, run: Run) -> (Diagnosis, M
         columns: measured.into_iter().chain(thousands).collect(),
     };
     let folder = tempfile::tempdir().expect("a folder");
-    let file = folder.path().join("between.toml");
+    let [csv, header] = ["between.csv", "between.h"].map(|name| folder.path().join(name));
     let mut recording = Recording::new("simulated", table, None);
-    recording.arguments = ["--simulated", &names.join(","), "-o"]
+    let [table, code] = [&csv, &header].map(|path| path.display().to_string());
+    recording.arguments = ["--simulated", &names.join(","), "-o", &table, "-o", &code]
         .map(String::from)
         .to_vec();
-    recording.arguments.push(file.display().to_string());
     let tool = Tool::of_workspace().unwrap_or_else(|e| panic!("{e}"));
     let found = tool.diagnose(&recording).0;
     let found = found.unwrap_or_else(|e| panic!("seed {SEED}: {e}"));
     println!("seed {SEED}: {found:?}");
-    let model = Model::load(&file).expect("what lies between is a model file");
-    (found, model)
+    let correction = csv.exists().then(|| Correction::read(&csv, &header));
+    if let Some(correction) = &correction {
+        println!("{:?}, C {:e} N apart", correction.terms(), correction.of_c);
+        assert!(correction.of_c < 1e-9, "{}", correction.of_c);
+    }
+    (found, correction)
 }
 
 fn confident(found: &Diagnosis) -> Vec<&str> {
@@ -211,11 +324,11 @@ fn machine(of: Physics) -> Physics {
 
 #[test]
 fn an_exact_simulation_is_consistent() {
-    let (found, model) = between(machine(PLAIN), PLAIN);
+    let (found, correction) = between(machine(PLAIN), PLAIN);
     assert_eq!(found.verdict, "consistent", "{:?}", confident(&found));
     let (before, after) = found.nmse_test.expect("NMSE");
     assert!(before < 0.2 && after == before, "{before} {after}");
-    assert!(model.effects.is_empty());
+    assert!(correction.is_none());
 }
 
 #[test]
@@ -224,9 +337,24 @@ fn an_effect_that_a_simulation_lacks_is_named_and_the_improvement_shown() {
         cogging_n: 0.2,
         ..PLAIN
     };
-    let (found, model) = between(machine(cogged), PLAIN);
+    let (found, correction) = between(machine(cogged), PLAIN);
     assert_cogging(&found, cogged.cogging_n);
-    assert_eq!(model.effects.len(), 1);
+    assert_eq!(found.verdict, "missing-physics");
+    let correction = correction.expect("a correction");
+    assert_eq!(
+        correction.terms(),
+        ["inertia", "friction", "periodic_force"]
+    );
+    // Deltas, not the machine: its cogging is 0.2 N, and nothing else of it is 0.05 N.
+    let rms = |name: &str| {
+        let force = correction.column(name);
+        (force.iter().map(|f| f * f).sum::<f64>() / force.len() as f64).sqrt()
+    };
+    assert!((rms("periodic_force_N") * 2f64.sqrt() / 0.2 - 1.0).abs() < 0.05);
+    assert!(rms("inertia_N") < 0.05 && rms("friction_N") < 0.05);
+    let [before, after] = ["force_sim_N", "force_sim_corrected_N"].map(|c| correction.leaves(c));
+    println!("{before} % before, {after} % after");
+    assert!(after < 0.25 * before, "{before} {after}");
 }
 
 #[test]
@@ -236,7 +364,12 @@ fn wrong_inertia_and_friction_of_a_simulation_are_told_with_their_errors() {
         friction_n: 1.2 * PLAIN.friction_n,
         ..PLAIN
     };
-    let (found, _) = between(machine(PLAIN), off);
+    let (found, correction) = between(machine(PLAIN), off);
+    assert_eq!(found.verdict, "parameters-differ");
+    assert_eq!(
+        correction.expect("a correction").terms(),
+        ["inertia", "friction"]
+    );
     assert_eq!(confident(&found), ["friction", "inertia"]);
     let (before, after) = found.nmse_test.expect("NMSE");
     assert!(after < 0.2 * before, "{before} {after}");
@@ -253,6 +386,7 @@ fn a_simulation_with_too_much_of_an_effect_is_told_so() {
         ..PLAIN
     };
     let (found, _) = between(machine(PLAIN), stiff);
+    assert_eq!(found.verdict, "parameters-differ");
     assert_eq!(confident(&found), ["viscous"]);
     let viscous = value(&found, "viscous", "viscous_N_s_per_m");
     assert!((viscous / -PLAIN.viscous - 1.0).abs() < 0.05, "{viscous}");
@@ -295,9 +429,9 @@ fn a_simulation_that_follows_by_its_own_controller_is_told_the_same() {
         cogging_n: 0.2,
         ..PLAIN
     };
-    let (lacking, model) = between_run(machine(cogged), PLAIN, Run::Followed);
+    let (lacking, correction) = between_run(machine(cogged), PLAIN, Run::Followed);
     assert_cogging(&lacking, cogged.cogging_n);
-    assert_eq!(model.effects.len(), 1);
+    assert!(correction.is_some());
 }
 
 #[test]

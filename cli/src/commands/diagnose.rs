@@ -1,14 +1,19 @@
 //! `preslide diagnose`.
 
+use super::outputs::is_stdout;
 use super::{Failure, OutputArgs, RecordingArgs, command_line, thin, write_text};
 use clap::Args;
+use preslide_host::diagnose::correction::Language;
 use preslide_host::diagnose::fit::Fit;
 use preslide_host::diagnose::verdict::Verdict;
-use preslide_host::diagnose::{Refusal, diagnose, diagnose_simulation, effect, experiment};
+use preslide_host::diagnose::words::capital;
+use preslide_host::diagnose::{
+    Diagnosis, Refusal, diagnose, diagnose_simulation, effect, experiment,
+};
 use preslide_host::model::Model;
 use preslide_host::progress::Progress;
 use preslide_host::recording::{Recording, Simulated};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -24,10 +29,11 @@ pub struct Diagnose {
     model: Option<PathBuf>,
 
     /// Judge a simulation of your own: the column with the force or torque that it needs for the recorded motion; or with the
-    /// position that it comes to under the recorded force or torque, or under its own, which is then a second column
+    /// position that it comes to under the recorded force or torque, or under its own, which is then a second column. Or a file of its own
+    /// (simulation.csv, simulation.csv:force_N), of any rate and start
     #[arg(
         long,
-        value_name = "COLUMN[,COLUMN]",
+        value_name = "COLUMN[,COLUMN]|FILE[:COLUMN]",
         value_delimiter = ',',
         conflicts_with = "model"
     )]
@@ -37,9 +43,10 @@ pub struct Diagnose {
     #[arg(long, value_name = "MOTION.csv")]
     experiment: Option<PathBuf>,
 
-    /// Write the model, or the fit, extended by what was found with confidence
-    #[arg(short, long, value_name = "EXTENDED.toml")]
-    output: Option<PathBuf>,
+    /// Write the model, or the fit, extended by what was found with confidence; with --simulated what the simulation lacks: a table of forces,
+    /// term by term (.csv), or the code to add (.py, .c, .m), each kind once
+    #[arg(short, long, value_name = "FILE")]
+    output: Vec<PathBuf>,
 
     /// Print every candidate that was judged with its share of the mismatch, its standard errors and its parameters
     #[arg(long)]
@@ -59,15 +66,17 @@ fn not_tested() -> String {
 
 impl Diagnose {
     /// Runs the command.
-    pub fn run(self) -> Result<(), Failure> {
+    pub fn run(mut self) -> Result<(), Failure> {
         let start = Instant::now();
-        let own = [
-            ("-o", self.output.as_ref()),
-            ("--experiment", self.experiment.as_ref()),
-        ];
+        self.check_kinds()?;
+        let outputs = self.output.iter().map(|path| ("-o", Some(path)));
+        let own: Vec<_> = outputs
+            .chain([("--experiment", self.experiment.as_ref())])
+            .collect();
         self.recordings
             .check_outputs(self.model.as_ref(), &own, &self.outputs)?;
         let model = self.model.as_deref().map(Model::load).transpose()?;
+        self.recordings.take(&self.simulated);
         // However many samples there are: what is said must not turn on the length of the recording.
         let loaded = self.recordings.load()?;
         let fit = self
@@ -111,6 +120,12 @@ impl Diagnose {
         if let Some(table) = found.given_table() {
             say!("{}", table.to_text());
         }
+        if let Some(late) = found.simulated_late {
+            say!(
+                "Note: the simulation is {:.3} ms later than the recording, which is taken off.\n",
+                1e3 * late
+            );
+        }
         if let Some(reproduced) = &found.reproduced {
             say!("Note: {}.\n", reproduced.words(&recording));
         }
@@ -135,27 +150,12 @@ impl Diagnose {
             say!("Cannot show {}: {}.", lack.hides.join(", "), lack.missing);
         }
         say!("{}", found.recommendation());
-        if let Some(path) = &self.output {
-            let extended = found.extended_model(&recording, model.as_ref());
-            if !extended.replaces.is_empty() {
-                say!(
-                    "{} replaces {}.",
-                    path.display(),
-                    extended.replaces.join(", ")
-                );
+        if self.simulated.is_empty() {
+            for path in &self.output {
+                write_extended(path, &found, &recording, model.as_ref())?;
             }
-            for reason in &extended.refused {
-                say!("Not in {}: {reason}.", path.display());
-            }
-            let mut remarks = vec![
-                format!("diagnosed from {}", recording.name),
-                found.verdict_words(&recording),
-            ];
-            remarks.extend(recording.per_unit());
-            if !self.simulated.is_empty() {
-                remarks.push(format!("the effects are what {} lacks; inertia and friction are the recording's own, which their levels refer to", self.simulated.join(",")));
-            }
-            write_text(path, &extended.model.to_toml(&remarks))?;
+        } else {
+            self.write_correction(&found, &recording)?;
         }
         if let Some(path) = &self.experiment {
             let (motion, words) = experiment::profile(&recording, &found);
@@ -173,18 +173,108 @@ impl Diagnose {
         Ok(())
     }
 
+    /// A model goes in one file, a correction of a simulation in a table or code.
+    fn check_kinds(&self) -> Result<(), Failure> {
+        if self.simulated.is_empty() {
+            let several = self.output.len() > 1;
+            return match several {
+                true => Err(Failure::Input(
+                    "-o: there is one extended model; name one file".to_owned(),
+                )),
+                false => Ok(()),
+            };
+        }
+        let is_known = |path: &&PathBuf| is_table(path) || Language::of(path).is_some();
+        match self.output.iter().find(|path| !is_known(path)) {
+            Some(path) => Err(Failure::Input(format!(
+                "-o {}: with --simulated a correction is written, no model: name a file .csv (the force of each term at every sample), .py, .c, .h or .m (code to add to the simulation)",
+                path.display()
+            ))),
+            None => Ok(()),
+        }
+    }
+
+    /// What the simulation lacks, and what it leaves with that.
+    fn write_correction(&self, found: &Diagnosis, recording: &Recording) -> Result<(), Failure> {
+        let Some(correction) = found.correction(recording) else {
+            if !self.output.is_empty() {
+                say!("Nothing is stated that a correction could add: no file is written.");
+            }
+            return Ok(());
+        };
+        let words = capital(&correction.words(found, recording));
+        say!("{words}.");
+        let remarks = [
+            format!(
+                "What {} lacks of {}. {words}.",
+                self.simulated.join(","),
+                recording.name
+            ),
+            found.verdict_words(recording),
+        ];
+        for path in &self.output {
+            let text = match Language::of(path) {
+                Some(language) => correction.code(language, &remarks),
+                None => correction.csv(recording),
+            };
+            write_text(path, &text)?;
+        }
+        if self.output.is_empty() {
+            say!("Next: the same with -o correction.csv -o correction.py (or .c, .m)");
+        }
+        Ok(())
+    }
+
     /// The simulation's columns, with what is to be said of them.
     fn take_simulated(&self, recording: &mut Recording) -> Result<Option<Simulated>, Failure> {
         if self.simulated.is_empty() {
             return Ok(None);
         }
         let known = recording.warnings.len();
-        let values = recording
-            .take_simulated(&self.simulated)
-            .map_err(Failure::Input)?;
+        let of_file = match self.simulated.as_slice() {
+            [one] => recording.load_simulated(one).map_err(Failure::Input)?,
+            _ => None,
+        };
+        let values = match of_file {
+            Some(values) => values,
+            None => recording
+                .take_simulated(&self.simulated)
+                .map_err(Failure::Input)?,
+        };
         for warning in &recording.warnings[known..] {
             eprintln!("{}: warning: {warning}", recording.name);
         }
         Ok(Some(values))
     }
+}
+
+/// Whether a file is a table by its name.
+fn is_table(path: &Path) -> bool {
+    is_stdout(path) || path.extension().is_some_and(|ending| ending == "csv")
+}
+
+/// The user's model or the fit with what was found with confidence.
+fn write_extended(
+    path: &Path,
+    found: &Diagnosis,
+    recording: &Recording,
+    model: Option<&Model>,
+) -> Result<(), Failure> {
+    let extended = found.extended_model(recording, model);
+    if !extended.replaces.is_empty() {
+        say!(
+            "{} replaces {}.",
+            path.display(),
+            extended.replaces.join(", ")
+        );
+    }
+    for reason in &extended.refused {
+        say!("Not in {}: {reason}.", path.display());
+    }
+    let mut remarks = vec![
+        format!("diagnosed from {}", recording.name),
+        found.verdict_words(recording),
+    ];
+    remarks.extend(recording.per_unit());
+    write_text(path, &extended.model.to_toml(&remarks))
 }

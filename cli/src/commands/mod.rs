@@ -124,6 +124,11 @@ pub struct RecordingArgs {
 }
 
 impl RecordingArgs {
+    /// Columns that the command takes itself: nothing is said of them.
+    pub fn take(&mut self, columns: &[String]) {
+        self.reading.taken = columns.to_vec();
+    }
+
     /// Sees to it that the outputs can be written and are none of the recordings, nor the model.
     pub fn check_outputs(
         &self,
@@ -174,6 +179,10 @@ pub struct ReadingArgs {
     /// Take a column as if it were not there; may be given several times
     #[arg(long, value_name = "COLUMN")]
     ignore: Vec<String>,
+
+    /// Columns that the command takes itself.
+    #[arg(skip)]
+    taken: Vec<String>,
 }
 
 impl ReadingArgs {
@@ -183,6 +192,7 @@ impl ReadingArgs {
             map: self.map.clone(),
             sign: self.sign,
             ignore: self.ignore.clone(),
+            taken: self.taken.clone(),
             ..LoadOptions::default()
         }
     }

@@ -13,6 +13,7 @@ mod channel;
 pub mod column;
 pub mod confidence;
 pub mod core;
+pub mod correction;
 mod credible;
 pub mod curve;
 mod drift;
@@ -26,6 +27,8 @@ pub mod given;
 pub mod ground;
 mod hysteresis;
 pub mod lack;
+mod late;
+mod measured;
 mod modelled;
 pub mod naming;
 mod noise;
@@ -62,15 +65,17 @@ use crate::signal::{Kinematics, Saturation, StickSlip, not_yet_known};
 use channel::Channel;
 use fit::{Fit, Known};
 use ground::Ground;
+use late::{earlier, lateness};
 use reproduced::Reproduced;
 use rows::Rows;
 use shift::Shift;
+use signals::Signals;
 use std::ops::Range;
 use std::sync::Arc;
 use term::Term;
 use thiserror::Error;
 pub use verdict::Diagnosis;
-use verdict::{EXPLAINS_LITTLE, Verdict};
+use verdict::{EXPLAINS_LITTLE, UNEXPLAINED_OF_A_SIMULATION, Verdict};
 use weak::Column;
 
 /// Why there is no diagnosis.
@@ -126,8 +131,13 @@ pub fn diagnose_simulation(
 ) -> Result<Diagnosis, Refusal> {
     let (position, effort) = match simulated {
         Simulated::Effort(effort) => {
-            let simulated = Some((&Column::of(effort), 0.0));
-            return judge(recording, None, &Known::default(), simulated, progress);
+            let s = Signals::of(recording);
+            let late = lateness(&s, &recording.effort, &effort);
+            let effort = late.map_or(effort.clone(), |late| earlier(&s, &effort, late));
+            let simulated = Some((&Column::of(effort.clone()), 0.0));
+            let mut found = judge(recording, None, &Known::default(), simulated, progress)?;
+            (found.simulated, found.simulated_late) = (Some(effort), late);
+            return Ok(found);
         }
         Simulated::Motion { position, effort } => (position, effort),
     };
@@ -136,7 +146,11 @@ pub fn diagnose_simulation(
     let effort = reproduced.effort(recording)?;
     let simulated = Some((&effort, reproduced.nmse));
     let mut found = judge(recording, None, &Known::default(), simulated, progress)?;
-    if found.verdict != Verdict::Consistent && reproduced.misses_too_much(found.baseline.test) {
+    let missed = reproduced.misses_too_much(found.baseline.test);
+    if missed && found.baseline.test <= UNEXPLAINED_OF_A_SIMULATION {
+        found.tells_no_difference();
+    }
+    if found.verdict != Verdict::Consistent && missed {
         return Err(Refusal::Data(format!(
             "{}: {}; the mismatch is {:.3} % and may be that. Prescribe the recorded motion in the simulation instead (inverse dynamics: a motion-actuated joint of Simscape, `mj_inverse` of MuJoCo, a stiff position controller in any other) and log the {} that it takes",
             recording.name,
@@ -145,11 +159,30 @@ pub fn diagnose_simulation(
             recording.role.name()
         )));
     }
+    let s = &found.ground.rows.s;
+    let inertia = s.smooth_slope(&s.smooth_slope(&effort.curved));
+    found.simulated = Some(
+        effort
+            .value
+            .iter()
+            .zip(inertia)
+            .map(|(f, i)| f + i)
+            .collect(),
+    );
     found.reproduced = Some(reproduced);
     Ok(found)
 }
 
 impl Diagnosis {
+    /// The mismatch is no larger than what is not known of the simulation.
+    fn tells_no_difference(&mut self) {
+        self.verdict = Verdict::Consistent;
+        self.effects.iter_mut().for_each(|e| e.confident = false);
+        self.unnamed.clear();
+        self.budget.clear();
+        self.extended = self.baseline;
+    }
+
     /// The recording does not say, for this reason.
     fn names_nothing(&mut self, why: &str) {
         self.verdict = Verdict::InsufficientData;

@@ -69,6 +69,8 @@ impl Diagnosis {
             "noise": { "friction_variability": self.ground.noise.variability(), "disturbance": self.ground.noise.disturbance() },
             "excitation": self.lacks.iter().map(|l| json!({"missing": l.missing, "hides": l.hides})).collect::<Vec<_>>(),
             "blocks": self.ground.rows.blocks.len(),
+            "correction": self.correction(recording).map(|c| c.to_json(recording)),
+            "simulated_late_s": self.simulated_late,
             "reproduced_nmse": self.reproduced.as_ref().map(|r| r.nmse),
             "second_positions": self.second_positions.iter().map(|p| p.to_json(recording)).collect::<Vec<_>>(),
             "left_out": self.ground.rows.s.left_out.iter().map(|(name, kind)| json!({"column": name, "why": kind.words()})).collect::<Vec<_>>(),
@@ -101,7 +103,7 @@ impl Diagnosis {
             .map(|(key, ratio)| json!({"id": key, "of_its_own": ratio}))
             .collect();
         json!({
-            "id": e.id(), "name": e.name.name(), "rank": index + 1, "level": e.level(), "in_fit": e.in_fit, "confidence": e.confidence,
+            "id": e.id(), "name": e.name.name(), "rank": index + 1, "level": e.level(), "in_fit": e.in_fit, "in_simulation": e.in_simulation, "confidence": e.confidence,
             "share_of_mismatch": e.evidence.share, "standard_errors": e.evidence.z, "blocks": e.evidence.blocks,
             "nmse_test_without": finite(e.nmse_test[0]), "nmse_test_with": finite(e.nmse_test[1]),
             "where": place, "parameters": parameters, "source": e.source,

@@ -4,11 +4,23 @@ use super::axis::Axis;
 use super::effect::ALWAYS_FREE;
 use super::evidence::{Evidence, NAMED, chance, evidence};
 use super::ground::{Ground, Hypothesis};
+use super::noise::rms;
 use super::normal::{Bound, Normal};
 use super::search::ALPHA;
 use super::term::{Subject, Term};
 use crate::statistics::{Estimate, jackknife};
 use std::ops::Range;
+
+/// Standard deviations from which the simulation has a term itself.
+const SURE: f64 = 3.0;
+/// What it has of a term, over what it lacks of it, from which the difference is one of its own parameters: the machine may have five times as
+/// much.
+const SOME: f64 = 0.25;
+/// The same where it has too much of a term, of which it then has no less than that, but for how well its own is told: a machine of `cases/twins`
+/// whose drive is stiffer than its simulation's has 0.7.
+const ALL_OF_IT: f64 = 0.5;
+/// Squares that fewer blocks may leave, over those that all leave.
+const NEARLY: f64 = 1.1;
 
 /// A part of the core.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,6 +43,8 @@ pub struct Corrected {
     pub force: Vec<f64>,
     /// Key, value and interval.
     pub parameter: (String, Estimate),
+    /// The simulation has it, too, of another size.
+    pub in_simulation: bool,
 }
 
 impl Correction {
@@ -115,14 +129,13 @@ impl Correction {
         let without = Normal::new(&ground.noise, folds, &rest, &bounds, &rows.target)?;
         let trial = without.trial(&[&core[own.clone()]], |_, _| true)?;
         let found = evidence(&trial.force, &without.held_out, &rows.blocks);
-        let (coefficients, mut force) =
-            (&extended.normal.coefficients, vec![0.0; rows.force.len()]);
-        for j in own {
-            let added = force.iter_mut().zip(&core[j]);
-            added.for_each(|(f, v)| *f += coefficients[j] * v);
-        }
+        let coefficients = &extended.normal.coefficients;
+        let columns: Vec<&[f64]> = core[own.clone()].iter().map(Vec::as_slice).collect();
+        let coefficients_of_own = &coefficients[own.clone()];
+        let force = sum(&columns, coefficients_of_own);
         Some(Corrected {
             what: self,
+            in_simulation: has(ground, &rest, &core[own], &force) >= SOME,
             evidence: found,
             nmse: [
                 rows.nmse(&without.held_out_residual(&rest, &rows.target)),
@@ -147,6 +160,94 @@ impl Correction {
         let estimate = Estimate::new(value, Some(jackknife(&left_out)), folds);
         (key.to_owned(), estimate)
     }
+}
+
+/// Whether the simulation itself has a term of the hypothesis, of another size: then one of its own parameters is wrong.
+pub fn has_its_term(ground: &Ground, state: &Hypothesis, index: usize) -> bool {
+    let least = match state.terms[index].admits(state.coefficients(index)) {
+        true => SOME,
+        false => ALL_OF_IT,
+    };
+    let own = ground.columns(&state.terms[index]);
+    let others = (0..state.terms.len()).filter(|i| *i != index);
+    let others: Vec<_> = others.map(|i| ground.columns(&state.terms[i])).collect();
+    let rest = ground
+        .core
+        .rows
+        .iter()
+        .chain(others.iter().flat_map(|c| c.iter()));
+    let rest: Vec<&[f64]> = rest.map(Vec::as_slice).collect();
+    has(ground, &rest, &own, &state.force_of(index)) >= least
+}
+
+/// What the simulation's own effort, on the recorded motion, holds of some columns beside the `rest`, over the `force` by which it differs; 0 where
+/// that may be chance.
+fn has(ground: &Ground, rest: &[&[f64]], own: &[Vec<f64>], force: &[f64]) -> f64 {
+    let rows = &ground.rows;
+    let simulated = rows.force.iter().zip(&rows.target).map(|(f, t)| f - t);
+    let simulated: Vec<f64> = simulated.collect();
+    let bounds = vec![Bound::Free; rest.len()];
+    let found = || {
+        let without = Normal::new(&ground.noise, &rows.weak.folds, rest, &bounds, &simulated)?;
+        let trial = without.trial(&[own], |_, _| true)?;
+        let columns: Vec<&[f64]> = own.iter().map(Vec::as_slice).collect();
+        let size = rms(&sum(&columns, &trial.coefficients));
+        let sure = evidence(&trial.force, &without.held_out, &rows.blocks).z > SURE;
+        sure.then(|| size / rms(force).max(1e-300))
+    };
+    found().unwrap_or(0.0)
+}
+
+/// Stiffness (N/m or N·m/rad) and yield (m or rad) of the fewest blocks that tell the friction's difference about as well as all, with the inertia
+/// beside them; `target` is the mismatch at the rows without what else is stated.
+pub fn few_blocks(ground: &Ground, target: &[f64]) -> Option<(f64, Vec<(f64, f64)>)> {
+    let core = &ground.core;
+    let first = core.first_of_friction();
+    let yields: Vec<f64> = core.reaches().collect();
+    let folds = &ground.rows.weak.folds;
+    let normal = |chosen: &[usize]| {
+        let columns: Vec<&[f64]> = chosen.iter().map(|j| core.rows[*j].as_slice()).collect();
+        Normal::new(
+            &ground.noise,
+            folds,
+            &columns,
+            &vec![Bound::Free; columns.len()],
+            target,
+        )
+    };
+    let squares = |normal: &Normal| normal.held_out.iter().map(|e| e * e).sum::<f64>();
+    let all: Vec<usize> = (0..core.rows.len()).collect();
+    let least = squares(&normal(&all)?);
+    let mut chosen: Vec<usize> = (0..first).collect();
+    let mut shapes: Vec<usize> = (first..core.rows.len()).collect();
+    let mut fitted = normal(&chosen)?;
+    while squares(&fitted) > NEARLY * least && !shapes.is_empty() {
+        let columns: Vec<&[Vec<f64>]> = shapes
+            .iter()
+            .map(|j| std::slice::from_ref(&core.rows[*j]))
+            .collect();
+        let best = fitted.trial(&columns, |_, _| true)?.best;
+        chosen.push(shapes.remove(best));
+        fitted = normal(&chosen)?;
+    }
+    let inertia = if first > 0 {
+        fitted.coefficients[0]
+    } else {
+        0.0
+    };
+    let own = chosen[first..].iter().zip(&fitted.coefficients[first..]);
+    let mut blocks: Vec<(f64, f64)> = own.map(|(j, k)| (*k, yields[j - first])).collect();
+    blocks.sort_by(|a, b| a.1.total_cmp(&b.1));
+    Some((inertia, blocks))
+}
+
+/// Columns times their coefficients.
+fn sum(columns: &[&[f64]], coefficients: &[f64]) -> Vec<f64> {
+    let mut force = vec![0.0; columns.first().map_or(0, |c| c.len())];
+    for (column, c) in columns.iter().zip(coefficients) {
+        force.iter_mut().zip(*column).for_each(|(f, v)| *f += c * v);
+    }
+    force
 }
 
 /// Whether a correction is stated: material, no chance, and more than the target itself is off.

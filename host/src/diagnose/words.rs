@@ -61,7 +61,7 @@ pub fn probability(p: f64) -> String {
 }
 
 /// A sentence, its first letter large.
-pub(super) fn capital(text: &str) -> String {
+pub fn capital(text: &str) -> String {
     let mut letters = text.chars();
     letters
         .next()
@@ -430,7 +430,21 @@ impl Diagnosis {
             self.baseline.test, self.extended.test, self.noise_floor
         );
         let mut text = match self.verdict {
+            Verdict::Consistent if self.ground.core.corrects => format!(
+                "consistent: no difference larger than {:.3} % of the variance ({figures})",
+                self.baseline.test.max(self.ground.rows.missed)
+            ),
             Verdict::Consistent => format!("consistent: nothing material is missing ({figures})"),
+            Verdict::ParametersDiffer if self.ground.core.corrects => {
+                let names: Vec<&str> = self.missing().map(|e| e.name.name()).collect();
+                format!(
+                    "parameters-differ: no physics is missing, but the simulation's {} not the recording's ({figures})",
+                    match names.as_slice() {
+                        [one] => format!("{one} is"),
+                        many => format!("{} are", many.join(", ")),
+                    }
+                )
+            }
             Verdict::ParametersDiffer => {
                 let wrong = self.given_model.iter().flat_map(Given::wrong);
                 let keys: Vec<&str> = wrong.map(|p| p.key.as_str()).collect();
@@ -446,6 +460,10 @@ impl Diagnosis {
                 let names: Vec<&str> = self.missing().map(Named::id).collect();
                 format!("missing-physics: {} ({figures})", names.join(", "))
             }
+            Verdict::UnknownPhysics if self.unknown().is_none() => format!(
+                "unknown-physics: {:.3} % of the variance are neither noise nor anything of the catalogue ({figures})",
+                self.extended.test - self.noise_floor
+            ),
             Verdict::UnknownPhysics => format!("unknown-physics ({figures})"),
             Verdict::InsufficientData if self.doubt.is_some() => format!(
                 "insufficient-data: {}; record strokes at several speeds, sampled fast enough to see them ({figures})",
@@ -518,7 +536,9 @@ impl Diagnosis {
     /// What to do.
     pub fn recommendation(&self) -> String {
         let advice = match (self.verdict, self.unknown()) {
-            (Verdict::MissingPhysics, _) => {
+            (Verdict::MissingPhysics | Verdict::ParametersDiffer, _)
+                if self.missing().next().is_some() =>
+            {
                 let mut each: Vec<String> = self.missing().map(|e| self.advice(e)).collect();
                 each.dedup();
                 each.join(" Also: ")
@@ -529,6 +549,7 @@ impl Diagnosis {
                 "identify the model's hysteresis again (`preslide identify`); its kind can stay.".to_owned()
             }
             (Verdict::UnknownPhysics, Some(unknown)) => unknown.advice(self),
+            (Verdict::UnknownPhysics, None) => "look at the maps of what is left, on the page that --report writes; nothing of the catalogue explains it.".to_owned(),
             _ => self.keep(),
         };
         format!("Recommendation: {advice}")
@@ -545,6 +566,7 @@ impl Diagnosis {
             _ if effect.parameters.iter().any(|(key, _)| key == READING) => {
                 "record with a wider range, or the command in its place: the reading ends where the force goes on, and what it cut is left out.".to_owned()
             }
+            _ if effect.in_simulation => format!("correct the {} of the simulation ({words}).", effect.name.name()),
             (_, None) => format!("add {id} to the {}: {words}.", self.model_word()),
             (_, Some(rival)) => format!(
                 "{id} or {}, this recording cannot tell. To tell them apart: {}.",

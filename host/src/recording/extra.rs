@@ -117,8 +117,12 @@ impl Reading {
 /// What became of the further columns: those that vary, and those that stay at one value.
 pub(super) type Sorted = (Vec<Extra>, Vec<(String, f64)>);
 
-/// Keeps the columns of `samples` finite numbers; says in one line which are kept and which are not.
-pub(super) fn sort(readings: Vec<Reading>, samples: usize, warnings: &mut Vec<Warning>) -> Sorted {
+/// Keeps the columns of so many finite numbers; says in one line which are kept and which are not, but for those that are taken.
+pub(super) fn sort(
+    readings: Vec<Reading>,
+    (samples, taken): (usize, &[String]),
+    warnings: &mut Vec<Warning>,
+) -> Sorted {
     let (mut extra, mut constant) = (Vec::new(), Vec::new());
     let (mut left, mut held) = (Vec::new(), Vec::new());
     for mut reading in readings {
@@ -142,8 +146,9 @@ pub(super) fn sort(readings: Vec<Reading>, samples: usize, warnings: &mut Vec<Wa
             _ => left.push(format!("{name} (not one number for every sample)")),
         }
     }
-    if !extra.is_empty() {
-        let names: Vec<&str> = extra.iter().map(|e| e.name.as_str()).collect();
+    let names = extra.iter().map(|e| &e.name);
+    let names: Vec<&str> = (names.filter(|n| !taken.contains(n)).map(String::as_str)).collect();
+    if !names.is_empty() {
         warnings.push(Warning::new(
             "extra-columns",
             format!(

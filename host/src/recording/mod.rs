@@ -42,6 +42,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 mod timing;
+mod twin;
 mod twincat;
 mod units;
 mod variables;
@@ -297,6 +298,8 @@ pub struct LoadOptions {
     pub sign: Option<f64>,
     /// `--ignore`: columns that are taken as if they were not there.
     pub ignore: Vec<String>,
+    /// `--simulated`: further columns that the caller takes, of which nothing is said.
+    pub taken: Vec<String>,
     /// Largest file that is opened (bytes); all but text, which is a stream, half of it.
     pub max_bytes: u64,
     /// Most samples that are kept: with 8 columns of 8 bytes, 640 MB.
@@ -310,6 +313,7 @@ impl Default for LoadOptions {
             map: Vec::new(),
             sign: None,
             ignore: Vec::new(),
+            taken: Vec::new(),
             max_bytes: 1 << 30,
             max_samples: 10_000_000,
         }
@@ -386,7 +390,7 @@ fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recor
         return Err(Problem::Sign(sign));
     }
     let mut warnings = std::mem::take(&mut table.plan.warnings);
-    let (mut frame, mut constant_extra) = frame_of(&mut table, &mut warnings)?;
+    let (mut frame, mut constant_extra) = frame_of(&mut table, &options.taken, &mut warnings)?;
     let (kind, role) = (table.plan.kind, table.plan.role);
     held::keep_readings(&mut frame, &mut table.place, &mut warnings);
     repair::repair(&mut frame, (kind, role), &table, &mut warnings);
@@ -481,6 +485,7 @@ fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recor
 #[allow(clippy::type_complexity)]
 fn frame_of(
     table: &mut Table,
+    taken: &[String],
     warnings: &mut Vec<Warning>,
 ) -> Result<(Frame, Vec<(String, f64)>), Problem> {
     let mut frame = Frame {
@@ -519,7 +524,7 @@ fn frame_of(
     };
     let samples = t_s.len();
     let further = std::mem::take(&mut table.extra);
-    let (extra, constant) = extra::sort(further, samples, warnings);
+    let (extra, constant) = extra::sort(further, (samples, taken), warnings);
     if samples < 2 {
         return Err(Problem::TooShort { samples, needed: 2 });
     }

@@ -25,7 +25,7 @@ enum Taken {
 }
 
 /// Correlation beyond which a column of the other sign is the same quantity.
-const OPPOSED: f64 = -0.5;
+pub(super) const OPPOSED: f64 = -0.5;
 
 impl Recording {
     /// Takes a simulation out of the further columns, in the unit and with the sign of what was measured: an effort for the recorded
@@ -73,23 +73,17 @@ impl Recording {
         }
         let mut values = self.extra.remove(place).values;
         values.iter_mut().for_each(|v| *v *= factor);
-        let (measured, what) = if is_effort {
-            (&self.effort, "effort")
-        } else {
-            (&self.position, "position")
-        };
-        if correlation(&values, measured) < OPPOSED {
+        if is_effort {
+            return Ok(Taken::Effort(self.checked(name, values)?));
+        }
+        if correlation(&values, &self.position) < OPPOSED {
             values.iter_mut().for_each(|v| *v = -*v);
             self.warnings.push(Warning::new(
                 "simulated-sign",
-                format!("{name} has the sign opposite to the measured {what}: taken times -1"),
+                format!("{name} has the sign opposite to the measured position: taken times -1"),
             ));
         }
-        Ok(if is_effort {
-            Taken::Effort(values)
-        } else {
-            Taken::Position(values)
-        })
+        Ok(Taken::Position(values))
     }
 
     /// The same recording of another motion, under another effort where one is given: what a simulation did meanwhile.
@@ -128,7 +122,7 @@ fn other_quantity(recording: &Recording, name: &str) -> String {
     )
 }
 
-fn effort_of(role: EffortRole) -> Dimension {
+pub(super) fn effort_of(role: EffortRole) -> Dimension {
     match role {
         EffortRole::Force | EffortRole::Friction => Dimension::Force,
         EffortRole::Torque => Dimension::Torque,
@@ -137,7 +131,7 @@ fn effort_of(role: EffortRole) -> Dimension {
     }
 }
 
-fn position_of(kind: MotionKind) -> Dimension {
+pub(super) fn position_of(kind: MotionKind) -> Dimension {
     match kind {
         MotionKind::Linear => Dimension::Length,
         MotionKind::Rotary => Dimension::Angle,
@@ -145,7 +139,7 @@ fn position_of(kind: MotionKind) -> Dimension {
 }
 
 /// Correlation about the means.
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len().max(1) as f64;
     let (of_a, of_b) = (mean(a), mean(b));
     let (mut product, mut square, mut other) = (0.0, 0.0, 0.0);

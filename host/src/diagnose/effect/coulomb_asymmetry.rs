@@ -12,7 +12,7 @@ use crate::model::Model;
 use crate::statistics::Estimate;
 
 /// Share of the friction level over which its sign changes.
-const SMALL: f64 = 0.1;
+pub(in crate::diagnose) const SMALL: f64 = 0.1;
 
 /// `coulomb_asymmetry`.
 pub struct CoulombAsymmetry;

@@ -32,7 +32,7 @@ pub mod run_in;
 mod scene;
 pub mod stribeck;
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 pub mod thermal_drift;
 pub mod viscous;
 pub mod viscous_asymmetry;

@@ -40,14 +40,14 @@ fn motion(kind: MotionKind, side: f64) -> Recording {
 }
 
 /// The motion, the model and the effort that columns are made of.
-struct Stage {
-    s: Signals,
-    core: Baseline,
+pub(in crate::diagnose) struct Stage {
+    pub(in crate::diagnose) s: Signals,
+    pub(in crate::diagnose) core: Baseline,
     effort: Vec<f64>,
 }
 
 impl Stage {
-    fn new(kind: MotionKind, side: f64) -> Self {
+    pub(in crate::diagnose) fn new(kind: MotionKind, side: f64) -> Self {
         let recording = motion(kind, side);
         let mut s = Signals::of(&recording);
         s.extra = vec![("other_m".to_owned(), s.t.iter().map(|t| t.sin()).collect())];
@@ -75,7 +75,7 @@ impl Stage {
         Self { s, core, effort }
     }
 
-    fn scene(&self) -> Scene<'_> {
+    pub(in crate::diagnose) fn scene(&self) -> Scene<'_> {
         Scene {
             s: &self.s,
             core: &self.core,

@@ -1,0 +1,357 @@
+//! What is to be added to a simulation's force so that it meets the recording: deltas in absolute units, term by term, never the recording's
+//! whole friction.
+
+mod code;
+pub mod expr;
+mod formula;
+mod present;
+
+use super::ground::Ground;
+use super::signals::Signals;
+use super::simulation::{Correction as Core, few_blocks};
+use super::term::Term;
+use super::verdict::{Diagnosis, Name, Named};
+use super::weak::Column;
+use crate::recording::Recording;
+use crate::signal::Deflection;
+use crate::statistics::Estimate;
+pub use code::Language;
+use expr::{Expr, Input};
+use formula::formula;
+
+/// Share of a block's yield beyond which it slips, as the core has it.
+const SLIPS: f64 = 0.999;
+
+/// Parallel springs that slip: stiffness (N/m or N·m/rad, or that over a level) and yield displacement (m or rad).
+type Blocks = Vec<(f64, f64)>;
+
+/// What a simulation lacks of a recording.
+pub struct Correction {
+    /// What is added, one after the other.
+    pub terms: Vec<Added>,
+    /// Blocks of the friction's difference; a stiffness below zero is what the simulation has too much of.
+    blocks: Blocks,
+    /// Blocks of the recording's own friction, over its level.
+    direction: Blocks,
+    /// Velocity and acceleration that the terms were computed with.
+    motion: [Vec<f64>; 2],
+    /// Effort of the simulation for the recorded motion (N or N·m).
+    simulated: Vec<f64>,
+    /// Part of the measured effort's variance (%) that simulation and corrected simulation leave at the samples.
+    pub left: [f64; 2],
+}
+
+/// A term of a correction.
+pub struct Added {
+    /// Id in JSON and code; the second of one kind has a `_2` behind it.
+    pub id: String,
+    /// What it is, for a person.
+    words: &'static str,
+    /// `certain`, `likely`, or `refitted`: it stands for nothing that is stated, and goes with the others.
+    certainty: &'static str,
+    /// Keys of a linear axis, in absolute units.
+    pub parameters: Vec<(String, Estimate)>,
+    /// Force at the samples (N or N·m).
+    pub force: Vec<f64>,
+    /// The same as a formula; `None` where it is none of the motion at one instant.
+    formula: Option<Expr>,
+}
+
+impl Diagnosis {
+    /// What the simulation lacks, `None` where there is none to correct, or nothing is stated.
+    pub fn correction(&self, recording: &Recording) -> Option<Correction> {
+        let simulated = self.simulated.as_ref()?;
+        self.effects.iter().find(|e| e.confident)?;
+        let ground = &self.ground;
+        let state = &self.states[1];
+        let s = &ground.rows.s;
+        let stated = |term: &Term| self.effects.iter().find(|e| e.confident && e.is_of(term));
+        let own = state.terms.iter().enumerate();
+        let own: Vec<_> = own
+            .filter_map(|(i, term)| Some((i, term, stated(term)?)))
+            .collect();
+        let mut left = ground.rows.target.clone();
+        for (index, _, _) in &own {
+            let force = state.force_of(*index);
+            left.iter_mut().zip(force).for_each(|(l, f)| *l -= f);
+        }
+        let (inertia, blocks) = few_blocks(ground, &left)?;
+        let level = ground.baseline.level;
+        let direction: Blocks = ground
+            .baseline
+            .blocks
+            .iter()
+            .map(|(k, d)| (k / level, *d))
+            .collect();
+        let [difference, _] = deflected(s, &blocks);
+        let [all, slipping] = deflected(s, &direction);
+        let along = Along {
+            s,
+            sums: [difference, all, slipping],
+        };
+        let mut terms: Vec<Added> = Vec::new();
+        if ground.core.first_of_friction() > 0 {
+            terms.push(self.of_core(Core::Inertia, inertia, &along));
+        }
+        let sliding = blocks.iter().map(|(k, d)| k * d).sum();
+        terms.push(self.of_core(Core::Friction, sliding, &along));
+        for (index, term, stated) in own {
+            let mut added = along.of_effect(stated, term, state.coefficients(index), ground);
+            let before = terms.iter().filter(|t| t.words == added.words).count();
+            if before > 0 {
+                added.id += &format!("_{}", before + 1);
+            }
+            terms.push(added);
+        }
+        let mut corrected = simulated.clone();
+        for term in &terms {
+            corrected
+                .iter_mut()
+                .zip(&term.force)
+                .for_each(|(c, f)| *c += f);
+        }
+        let left = [simulated, &corrected].map(|own| nmse(&recording.effort, own));
+        Some(Correction {
+            terms,
+            blocks,
+            direction,
+            motion: [s.v.clone(), s.a.clone()],
+            simulated: simulated.clone(),
+            left,
+        })
+    }
+
+    /// Inertia, or level and shape of the hysteresis.
+    fn of_core(&self, core: Core, value: f64, along: &Along) -> Added {
+        let stated = |e: &&Named| matches!(e.name, Name::Correction(own) if own == core);
+        let stated = self.effects.iter().find(stated);
+        let (key, formula) = match core {
+            Core::Inertia => ("mass_kg", value * Expr::from(Input::Acceleration)),
+            Core::Friction => ("coulomb_N", Expr::from(Input::Blocks)),
+        };
+        let ci95 = stated.and_then(|e| e.parameters[0].1.ci95);
+        let estimate = Estimate { value, ci95 };
+        Added {
+            id: core.id().to_owned(),
+            words: match core {
+                Core::Inertia => "inertia",
+                Core::Friction => "Coulomb friction, and how it builds up after a reversal",
+            },
+            certainty: stated
+                .filter(|e| e.confident)
+                .map_or("refitted", |e| e.certainty()),
+            parameters: vec![(key.to_owned(), estimate)],
+            force: along.force(&formula),
+            formula: Some(formula),
+        }
+    }
+}
+
+impl Named {
+    /// Whether it is this term.
+    fn is_of(&self, term: &Term) -> bool {
+        let own = self.term.as_ref();
+        own.is_some_and(|own| own.is_like(term) && own.shape == term.shape)
+    }
+}
+
+/// A motion, and the sums over blocks along it: of the correction, of the direction, and of what slips of it.
+struct Along<'a> {
+    s: &'a Signals,
+    sums: [Vec<f64>; 3],
+}
+
+impl Along<'_> {
+    /// A formula at the samples.
+    fn force(&self, formula: &Expr) -> Vec<f64> {
+        let s = self.s;
+        let of = |column: &Option<Vec<f64>>, i: usize| column.as_ref().map_or(0.0, |c| c[i]);
+        let at = |i: usize| {
+            formula.value(&|input| match input {
+                Input::Time => s.t[i],
+                Input::Position => s.x[i],
+                Input::Velocity => s.v[i],
+                Input::Acceleration => s.a[i],
+                Input::Path => s.path[i],
+                Input::Temperature => of(&s.temperature, i),
+                Input::Load => of(&s.load, i),
+                Input::Blocks => self.sums[0][i],
+                Input::Direction => self.sums[1][i],
+                Input::Slipping => self.sums[2][i],
+            })
+        };
+        (0..s.x.len()).map(at).collect()
+    }
+
+    /// An effect, by its formula or by its columns.
+    fn of_effect(
+        &self,
+        stated: &Named,
+        term: &Term,
+        coefficients: &[f64],
+        ground: &Ground,
+    ) -> Added {
+        let level = ground.baseline.level;
+        let formula = formula(stated.id(), &stated.parameters, level);
+        let force = match &formula {
+            Some(formula) => self.force(formula),
+            None => self.of_columns(&term.columns(&ground.scene()), coefficients),
+        };
+        let absolute = stated
+            .parameters
+            .iter()
+            .map(|(key, e)| absolute(key, e, level));
+        Added {
+            id: stated.id().to_owned(),
+            words: stated.name.words(),
+            certainty: stated.certainty(),
+            parameters: absolute.collect(),
+            force,
+            formula,
+        }
+    }
+
+    /// The sum of columns, derivatives taken.
+    fn of_columns(&self, columns: &[Column], coefficients: &[f64]) -> Vec<f64> {
+        let mut force = vec![0.0; self.s.x.len()];
+        for (column, c) in columns.iter().zip(coefficients) {
+            let slope = |values: &Vec<f64>| match values.is_empty() {
+                true => Vec::new(),
+                false => self.s.smooth_slope(values),
+            };
+            let parts = [
+                column.value.clone(),
+                slope(&column.sloped),
+                slope(&slope(&column.curved)),
+            ];
+            for part in parts {
+                force.iter_mut().zip(part).for_each(|(f, p)| *f += c * p);
+            }
+        }
+        force
+    }
+}
+
+/// Force of blocks along a motion from no force on, and the part of those that slip.
+fn deflected(s: &Signals, blocks: &Blocks) -> [Vec<f64>; 2] {
+    let (mut all, mut slipping) = (vec![0.0; s.x.len()], vec![0.0; s.x.len()]);
+    for &(k, d) in blocks {
+        for (i, z) in Deflection::along(&s.x, &s.pieces, d)
+            .z
+            .into_iter()
+            .enumerate()
+        {
+            all[i] += k * z;
+            if z.abs() >= SLIPS * d {
+                slipping[i] += k * z;
+            }
+        }
+    }
+    [all, slipping]
+}
+
+/// A parameter that is a share of the friction level, as a force.
+fn absolute(key: &str, estimate: &Estimate, level: f64) -> (String, Estimate) {
+    let number = |key: &str| {
+        key.strip_prefix("cosine")
+            .is_some_and(|n| n.parse::<u32>().is_ok())
+    };
+    let named = match key {
+        "asymmetry" => Some("half_difference_N".to_owned()),
+        _ if key.starts_with("level") => Some(key.replacen("level", "force_N", 1)),
+        _ if number(key) => Some(format!("{key}_N")),
+        _ => None,
+    };
+    let scaled = Estimate {
+        value: level * estimate.value,
+        ci95: estimate.ci95.map(|ends| ends.map(|end| level * end)),
+    };
+    named.map_or_else(|| (key.to_owned(), *estimate), |key| (key, scaled))
+}
+
+/// What a model leaves of a measured effort's variance (%).
+fn nmse(measured: &[f64], modelled: &[f64]) -> f64 {
+    let mean = measured.iter().sum::<f64>() / measured.len().max(1) as f64;
+    let variance: f64 = measured.iter().map(|m| (m - mean).powi(2)).sum();
+    let left: f64 = measured
+        .iter()
+        .zip(modelled)
+        .map(|(a, b)| (a - b).powi(2))
+        .sum();
+    100.0 * left / variance.max(1e-300)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::effect::tests::Stage;
+    use crate::diagnose::effect::{ALL, Fitted};
+    use crate::recording::MotionKind;
+    use std::collections::BTreeSet;
+
+    /// Every formula is the force that its effect was fitted with, whatever its shape and coefficients.
+    #[test]
+    fn formulas_are_what_their_effects_are_fitted_with() {
+        let mut told = BTreeSet::new();
+        for kind in [MotionKind::Linear, MotionKind::Rotary] {
+            let stage = Stage::new(kind, 1.0);
+            let (scene, level) = (stage.scene(), stage.core.level);
+            let s = &stage.s;
+            let share = |(k, d): &(f64, f64)| (k / level, *d);
+            let direction: Blocks = stage.core.blocks.iter().map(share).collect();
+            let [all, slipping] = deflected(s, &direction);
+            let along = Along {
+                s,
+                sums: [vec![0.0; s.x.len()], all, slipping],
+            };
+            for effect in ALL {
+                let grid = effect.grid(&scene);
+                for shape in grid.first().into_iter().chain(grid.last()) {
+                    let columns = effect.columns(shape, &scene);
+                    let coefficients: Vec<f64> =
+                        (1..=columns.len()).map(|i| 0.3 / i as f64).collect();
+                    let values = effect.values(&Fitted {
+                        shape,
+                        coefficients: &coefficients,
+                        shape_errors: &[],
+                        errors: &[],
+                        folds: 2,
+                        at_shape: &|_| None,
+                        scene,
+                    });
+                    let Some(formula) = formula(effect.id(), &values, level) else {
+                        continue;
+                    };
+                    let own = along.force(&formula);
+                    let fitted = along.of_columns(&columns, &coefficients);
+                    let largest = |of: &mut dyn Iterator<Item = f64>| of.fold(0.0, f64::max);
+                    let size = largest(&mut fitted.iter().map(|f| f.abs()));
+                    let apart = largest(&mut own.iter().zip(&fitted).map(|(a, b)| (a - b).abs()));
+                    assert!(
+                        apart <= 1e-9 * size,
+                        "{} {shape:?}: {apart} of {size}: {formula}",
+                        effect.id()
+                    );
+                    told.insert(effect.id());
+                }
+            }
+        }
+        let without: Vec<&str> = (ALL.iter().map(|e| e.id()))
+            .filter(|id| !told.contains(id))
+            .collect();
+        // The drive, the encoder, the channels, and what remembers more than where it turned.
+        let stateful = [
+            "encoder_error",
+            "channel_delay",
+            "drive_compliance",
+            "frictional_lag",
+            "dwell_aging",
+            "axis_coupling",
+            "backlash",
+            "actuator_dead_zone",
+            "actuator_saturation",
+            "creep",
+        ];
+        assert_eq!(without, stateful);
+    }
+}

@@ -1,0 +1,97 @@
+//! A correction in words and in files.
+
+use super::{Added, Correction};
+use crate::diagnose::verdict::Diagnosis;
+use crate::diagnose::words::quantity;
+use crate::model::key_of;
+use crate::recording::{MotionKind, Recording};
+use serde_json::{Map, Value, json};
+use std::fmt::Write as _;
+
+impl Added {
+    fn to_json(&self, kind: MotionKind) -> Value {
+        let parameters: Map<String, Value> = (self.parameters.iter())
+            .map(|(key, estimate)| (key_of(kind, key), json!(estimate)))
+            .collect();
+        json!({
+            "id": self.id, "what": self.words, "certainty": self.certainty, "parameters": parameters,
+            "formula": self.formula.as_ref().map(ToString::to_string),
+        })
+    }
+}
+
+impl Correction {
+    /// `preslide.correction/1`: the deltas, in absolute units.
+    pub fn to_json(&self, recording: &Recording) -> Value {
+        let key = |key: &str| key_of(recording.kind, key);
+        let blocks: Vec<Value> = (self.blocks.iter())
+            .map(|(k, d)| json!({ key("stiffness_N_per_m"): k, key("yield_m"): d }))
+            .collect();
+        let direction: Vec<Value> = (self.direction.iter())
+            .map(|(k, d)| json!({ "share": k * d, key("yield_m"): d }))
+            .collect();
+        json!({
+            "schema": "preslide.correction/1", "recording": recording.name, "unit": recording.effort_unit(),
+            "nmse_simulation": self.left[0], "nmse_corrected": self.left[1],
+            "terms": self.terms.iter().map(|t| t.to_json(recording.kind)).collect::<Vec<_>>(),
+            "blocks": blocks, "direction": direction,
+        })
+    }
+
+    /// What simulation and correction leave, in a sentence without its full stop.
+    pub fn words(&self, found: &Diagnosis, recording: &Recording) -> String {
+        let force = |nmse: f64| quantity(found.ground.rows.rms_of(nmse), recording.effort_unit());
+        let [before, after] = self.left;
+        format!(
+            "your simulation plus this correction leaves {after:.3} % of the variance ({} RMS) at all samples of {}, your simulation alone {before:.3} % ({})",
+            force(after),
+            recording.name,
+            force(before)
+        )
+    }
+
+    /// A table of the recording, the simulation, every term, and their sum; the columns' names have the units.
+    pub fn csv(&self, recording: &Recording) -> String {
+        let (effort, unit) = (recording.role.name(), recording.effort_unit());
+        let length = recording.position_unit();
+        let position = match recording.kind {
+            MotionKind::Linear => "x_m",
+            MotionKind::Rotary => "q_rad",
+        };
+        let mut names = vec![
+            "t_s".to_owned(),
+            position.to_owned(),
+            format!("{effort}_{unit}"),
+        ];
+        names.push(format!("{effort}_sim_{unit}"));
+        names.push(format!("{effort}_sim_corrected_{unit}"));
+        names.extend([
+            format!("velocity_{length}_s"),
+            format!("acceleration_{length}_s2"),
+        ]);
+        names.extend(self.terms.iter().map(|t| format!("{}_{unit}", t.id)));
+        let [velocity, acceleration] = &self.motion;
+        let mut columns = vec![
+            &recording.t_s,
+            &recording.position,
+            &recording.effort,
+            &self.simulated,
+        ];
+        columns.extend([velocity, acceleration]);
+        columns.extend(self.terms.iter().map(|t| &t.force));
+        let mut text = names.join(",");
+        for i in 0..recording.t_s.len() {
+            text.push('\n');
+            let corrected = self.simulated[i] + self.terms.iter().map(|t| t.force[i]).sum::<f64>();
+            for (place, column) in columns.iter().enumerate() {
+                let comma = if place == 0 { "" } else { "," };
+                let _ = write!(text, "{comma}{}", column[i]);
+                if place == 3 {
+                    let _ = write!(text, ",{corrected}");
+                }
+            }
+        }
+        text.push('\n');
+        text
+    }
+}

@@ -1,0 +1,130 @@
+//! The confident effects beside one another: each improves what is held out, has a sign and is possible, and is measured with all others.
+
+use super::change::Change;
+use super::ground::{Ground, Hypothesis};
+use super::parameters::parameters;
+use super::place::Place;
+use super::search::Found;
+use super::simulation::has_its_term;
+use super::term::{Subject, Term};
+use super::verdict::{EVEN, Name, Named};
+
+/// The given terms, what widens the core, what of the fit holds, and the effects that are missing.
+fn extend(found: &Found, kept: &[Term], effects: &[Named]) -> Option<Hypothesis> {
+    let of_fit = |term: &Term| {
+        let mut own = effects.iter().filter(|e| e.in_fit);
+        own.any(|e| e.term.as_ref().is_some_and(|own| own.is_like(term)))
+    };
+    let stays = found.hypothesis.terms[kept.len()..]
+        .iter()
+        .filter(|term| matches!(term.subject, Subject::Change(Change::LateYields)) || of_fit(term));
+    let missing = effects
+        .iter()
+        .filter(|e| e.is_missing())
+        .filter_map(|e| e.term.as_ref());
+    let terms: Vec<Term> = kept.iter().chain(stays).chain(missing).cloned().collect();
+    found.ground.fit(&terms)
+}
+
+/// Recording and hypothesis with the confident effects, all effects measured in them. One whose own interval holds zero, or whose value is
+/// impossible, is no longer confident, the least first: a delay of −2 ± 4 ms may as well be one of 2 ms.
+pub(super) fn measured(
+    found: &Found,
+    kept: &[Term],
+    effects: &mut [Named],
+) -> Option<(Ground, Hypothesis)> {
+    loop {
+        let terms = shown(found, kept, effects)?.terms;
+        let ground = found.ground.settled(&terms)?;
+        let extended = ground.fit(&terms)?;
+        let mut signless = Vec::new();
+        for effect in effects.iter_mut() {
+            let with = weigh(&ground, kept, &extended, effect)?;
+            measure(&ground, &with, effect);
+            if effect.confident && (is_signless(effect, &with) || !is_possible(&ground, &with)) {
+                signless.push(effect);
+            }
+        }
+        let share = |e: &Named| e.evidence.share;
+        let least = signless
+            .into_iter()
+            .min_by(|a, b| share(a).total_cmp(&share(b)));
+        let Some(least) = least else {
+            return Some((ground, extended));
+        };
+        least.confident = false;
+        least.confidence = least.confidence.min(EVEN);
+    }
+}
+
+/// The extended hypothesis, in which every confident effect improves the prediction of what is held out, by more than the target itself is
+/// off: one that does not is no longer confident, the worst first.
+fn shown(found: &Found, kept: &[Term], effects: &mut [Named]) -> Option<Hypothesis> {
+    loop {
+        let extended = extend(found, kept, effects)?;
+        for effect in effects.iter_mut() {
+            weigh(&found.ground, kept, &extended, effect)?;
+        }
+        let loss = |e: &Named| e.nmse_test[1] - e.nmse_test[0];
+        let missed = found.ground.rows.missed;
+        let worst = effects
+            .iter_mut()
+            .filter(|e| e.confident && loss(e) >= -missed)
+            .max_by(|a, b| loss(a).total_cmp(&loss(b)));
+        let Some(effect) = worst else {
+            return Some(extended);
+        };
+        effect.confident = false;
+    }
+}
+
+/// Held-out NMSE of an effect, all confident ones beside it and nothing without a name: a free curve would share its coefficients. The
+/// hypothesis with it, its own term the last.
+fn weigh(
+    ground: &Ground,
+    kept: &[Term],
+    extended: &Hypothesis,
+    effect: &mut Named,
+) -> Option<Hypothesis> {
+    let own = effect.term.clone()?;
+    let is_own = |t: &Term| t.is_like(&own) && t.shape == own.shape;
+    let mut terms: Vec<Term> = extended.terms.clone();
+    if let Some(at) = terms.iter().skip(kept.len()).position(is_own) {
+        terms.remove(at + kept.len());
+    }
+    let without = ground.fit(&terms)?;
+    terms.push(own);
+    let with = ground.fit(&terms)?;
+    effect.nmse_test = [&without, &with].map(|h| h.nmse(&ground.rows).test);
+    Some(with)
+}
+
+/// Parameters, force and places of an effect, its term the last of a hypothesis.
+fn measure(ground: &Ground, with: &Hypothesis, effect: &mut Named) {
+    let Name::Entry(entry) = effect.name else {
+        return;
+    };
+    let index = with.terms.len() - 1;
+    effect.force = with.force_of(index);
+    effect.places = Place::all(&ground.rows, entry.axis(), &effect.force);
+    effect.parameters = parameters(ground, with, index);
+}
+
+/// Whether the interval of an effect's size, its first parameter, holds zero: of a map over the travel, that is one cosine of many.
+fn is_signless(effect: &Named, with: &Hypothesis) -> bool {
+    /// Coefficients of a size: one, or a cosine and a sine.
+    const MOST: usize = 2;
+    let of_size = with.coefficients(with.terms.len() - 1).len() <= MOST;
+    let holds_zero = |[low, high]: [f64; 2]| low <= 0.0 && 0.0 <= high;
+    let size = effect.parameters.first().and_then(|p| p.1.ci95);
+    of_size && size.is_some_and(holds_zero)
+}
+
+/// Whether the physics admits what the last term of a hypothesis is fitted with: a gap is not less than none, and a simulation has too much only
+/// of what it has.
+fn is_possible(ground: &Ground, with: &Hypothesis) -> bool {
+    let last = with.terms.len() - 1;
+    let (term, coefficients) = (&with.terms[last], with.coefficients(last));
+    term.admits(coefficients)
+        || ground.admits(term, coefficients) && has_its_term(ground, with, last)
+}

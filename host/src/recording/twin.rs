@@ -1,0 +1,352 @@
+//! A simulation in a file of its own, brought to the samples of the recording.
+
+use super::simulated::{Simulated, correlation, effort_of, position_of};
+use super::words::quantity;
+use super::{EffortRole, LoadOptions, MotionKind, Needs, Recording, Warning, load};
+use std::path::Path;
+
+/// Share of the travel by which a simulation may miss the recorded motion that it was to follow.
+const FOLLOWS: f64 = 0.01;
+/// Least share of the recording that both clocks must cover for them to be one clock.
+const SHARED: f64 = 0.9;
+/// Longest shift that is looked for (s).
+const LATEST_S: f64 = 0.5;
+/// Squares that a shift of the motion leaves, over those without, up to which it is the clock's and not the simulation's own.
+const SHIFTED: f64 = 0.25;
+/// Samples from which a shift is one.
+const LEAST: f64 = 2.0;
+/// Times by which measured and simulated sizes may differ: beyond, it is another unit.
+const ANOTHER_UNIT: f64 = 30.0;
+
+/// File and column of `FILE[:COLUMN]`; `None` where no such file is there.
+fn split(name: &str) -> Option<(&Path, Option<&str>)> {
+    let whole = Path::new(name);
+    if whole.is_file() {
+        return Some((whole, None));
+    }
+    let (file, column) = name.rsplit_once(':')?;
+    let file = Path::new(file);
+    file.is_file().then_some((file, Some(column)))
+}
+
+impl Recording {
+    /// The simulation of `FILE[:COLUMN]` at the samples of this recording, its clock shifted where it starts elsewhere or is late; `None` where
+    /// `name` is no file. What was done is a warning.
+    ///
+    /// # Errors
+    /// A message for the user: a file that cannot be read, another quantity, another unit, another time.
+    pub fn load_simulated(&mut self, name: &str) -> Result<Option<Simulated>, String> {
+        let Some((path, column)) = split(name) else {
+            return Ok(None);
+        };
+        let dimension = column.and_then(|c| quantity(c).unit).map(|u| u.dimension);
+        let is_position = dimension == Some(position_of(self.kind));
+        let target = match (is_position, self.kind, self.role) {
+            (true, MotionKind::Linear, _) => "x_m",
+            (true, MotionKind::Rotary, _) => "q_rad",
+            (_, _, EffortRole::Force) => "force_N",
+            (_, _, EffortRole::Friction) => "friction_N",
+            (_, _, EffortRole::Torque) => "torque_Nm",
+            (_, _, EffortRole::Current) => "current_A",
+            (_, _, EffortRole::Voltage | EffortRole::Raw) => "voltage_V",
+        };
+        let map = column.map(|column| (target.to_owned(), column.to_owned()));
+        let read = |needs| {
+            let options = LoadOptions {
+                needs,
+                map: map.clone().into_iter().collect(),
+                sign: Some(1.0),
+                ..LoadOptions::default()
+            };
+            load(path, &options)
+        };
+        let loaded = match is_position {
+            true => read(Needs::Motion),
+            false => read(Needs::Both).or_else(|whole| read(Needs::Effort).map_err(|_| whole)),
+        };
+        let own = loaded.map_err(|error| format!("--simulated {name}: {error}"))?;
+        let wrong = |what: &str| format!("--simulated {name}: {what}");
+        if !own.position.is_empty() && own.kind != self.kind {
+            return Err(wrong(&format!(
+                "it is {}, the recording is {}",
+                own.kind.name(),
+                self.kind.name()
+            )));
+        }
+        if !is_position && effort_of(own.role) != effort_of(self.role) {
+            return Err(wrong(&format!(
+                "it has a {} ({}), the recording a {} ({}); log the simulation in these",
+                own.role.name(),
+                own.effort_unit(),
+                self.role.name(),
+                self.effort_unit()
+            )));
+        }
+        let clock = Clock::of(&own.t_s, &self.t_s).map_err(|what| wrong(&what))?;
+        if clock.later != 0.0 {
+            self.warnings.push(Warning::new(
+                "simulated-clock",
+                format!(
+                    "{name} begins at another time: its clock is taken {:.6} s later",
+                    clock.later
+                ),
+            ));
+        }
+        let at = |values: &[f64], late: f64| clock.at(&own.t_s, values, &self.t_s, late);
+        if is_position || own.effort.is_empty() {
+            return Ok(Some(Simulated::Motion {
+                position: at(&own.position, 0.0),
+                effort: None,
+            }));
+        }
+        let late = lateness(&self.position, &at(&own.position, 0.0), self.sample_time_s);
+        let (low, high) = self.ends();
+        let follows = own.position.is_empty() || {
+            let position = at(&own.position, late.unwrap_or(0.0));
+            let apart = position
+                .iter()
+                .zip(&self.position)
+                .map(|(a, b)| (a - b).abs());
+            apart.fold(0.0, f64::max) <= FOLLOWS * (high - low)
+        };
+        let late = late.filter(|_| follows);
+        let effort = at(&own.effort, late.unwrap_or(0.0));
+        let position = at(&own.position, 0.0);
+        self.warnings.extend(late.map(|late| {
+            let ms = 1e3 * late;
+            let message =
+                format!("the motion in {name} is {ms:.3} ms late, which is taken off its clock");
+            Warning::new("simulated-clock", message)
+        }));
+        let effort = self.checked(name, effort)?;
+        Ok(Some(match follows {
+            true => Simulated::Effort(effort),
+            false => Simulated::Motion {
+                position,
+                effort: Some(effort),
+            },
+        }))
+    }
+
+    /// A simulated effort with the sign of the measured one, in its unit as far as its size tells.
+    pub(super) fn checked(&mut self, name: &str, mut effort: Vec<f64>) -> Result<Vec<f64>, String> {
+        let size = |values: &[f64]| {
+            let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+            let square: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+            square.sqrt()
+        };
+        let times = size(&effort) / size(&self.effort).max(1e-300);
+        if !(1.0 / ANOTHER_UNIT..=ANOTHER_UNIT).contains(&times) {
+            return Err(format!(
+                "--simulated {name}: it is {times:.3} times the measured {}: in another unit, or of another machine; give its unit in the column's name, such as {}_sim_m{}",
+                self.role.name(),
+                self.role.name(),
+                self.effort_unit()
+            ));
+        }
+        if correlation(&effort, &self.effort) < super::simulated::OPPOSED {
+            effort.iter_mut().for_each(|v| *v = -*v);
+            self.warnings.push(Warning::new(
+                "simulated-sign",
+                format!("{name} has the sign opposite to the measured effort: taken times -1"),
+            ));
+        }
+        Ok(effort)
+    }
+}
+
+/// How a simulation's time becomes the recording's.
+struct Clock {
+    /// What is added (s).
+    later: f64,
+}
+
+impl Clock {
+    fn of(own: &[f64], recorded: &[f64]) -> Result<Self, String> {
+        let ends = |t: &[f64]| t.first().copied().zip(t.last().copied());
+        let Some((own, recorded)) = ends(own).zip(ends(recorded)) else {
+            return Err("it has no samples".to_owned());
+        };
+        let length = recorded.1 - recorded.0;
+        let shared = |later: f64| (own.1 + later).min(recorded.1) - (own.0 + later).max(recorded.0);
+        let later = if shared(0.0) >= SHARED * length {
+            0.0
+        } else {
+            recorded.0 - own.0
+        };
+        match shared(later) >= SHARED * length {
+            true => Ok(Self { later }),
+            false => Err(format!(
+                "it lasts {:.3} s, the recording {length:.3} s; simulate the whole recording",
+                own.1 - own.0
+            )),
+        }
+    }
+
+    /// Values at the recorded times, straight between two samples and held beyond the ends; they are `late` by so much (s).
+    fn at(&self, own: &[f64], values: &[f64], recorded: &[f64], late: f64) -> Vec<f64> {
+        let mut next = 0;
+        if values.is_empty() {
+            return Vec::new();
+        }
+        let value = |t: &f64| {
+            let t = t - self.later + late;
+            while next < own.len() && own[next] <= t {
+                next += 1;
+            }
+            match next {
+                0 => values[0],
+                n if n == own.len() => values[n - 1],
+                n => {
+                    let part = (t - own[n - 1]) / (own[n] - own[n - 1]);
+                    values[n - 1] + part * (values[n] - values[n - 1])
+                }
+            }
+        };
+        recorded.iter().map(value).collect()
+    }
+}
+
+/// By how much (s) a simulated motion is later than the measured one, where a shift explains most of what lies between them.
+fn lateness(measured: &[f64], simulated: &[f64], step: f64) -> Option<f64> {
+    let n = measured.len();
+    if simulated.len() != n {
+        return None;
+    }
+    let most = ((LATEST_S / step) as usize).min(n / 4);
+    let left = |late: isize| -> f64 {
+        let pairs = (most..n - most).map(|i| (measured[i], simulated[i.wrapping_add_signed(late)]));
+        pairs.map(|(m, s)| (m - s).powi(2)).sum()
+    };
+    let reach = most as isize;
+    let all: Vec<f64> = (-reach..=reach).map(left).collect();
+    let best = (0..all.len()).min_by(|a, b| all[*a].total_cmp(&all[*b]))?;
+    let [before, least, after] =
+        [best.checked_sub(1)?, best, best + 1].map(|i| all.get(i).copied());
+    let (before, least, after) = (before?, least?, after?);
+    // The lowest point of a parabola through three.
+    let curve = before - 2.0 * least + after;
+    let part = if curve > 0.0 {
+        0.5 * (before - after) / curve
+    } else {
+        0.0
+    };
+    let late = best as f64 - most as f64 + part;
+    (late.abs() >= LEAST && least < SHIFTED * all[most]).then_some(late * step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fmt::Write as _;
+
+    const RATE_HZ: f64 = 1000.0;
+    const MASS_KG: f64 = 0.4;
+
+    fn motion(t: f64) -> (f64, f64) {
+        let x = 0.03 * (3.1 * t).sin() + 0.01 * (8.3 * t).sin();
+        let a = -0.03 * 3.1 * 3.1 * (3.1 * t).sin() - 0.01 * 8.3 * 8.3 * (8.3 * t).sin();
+        let v = 0.03 * 3.1 * (3.1 * t).cos() + 0.01 * 8.3 * (8.3 * t).cos();
+        (x, MASS_KG * a + 2.0 * (v / 0.001).tanh())
+    }
+
+    fn file(
+        folder: &Path,
+        name: &str,
+        head: &str,
+        rate: f64,
+        row: impl Fn(f64) -> Vec<f64>,
+    ) -> std::path::PathBuf {
+        let mut text = format!("{head}\n");
+        for i in 0..(20.0 * rate) as usize {
+            let t = i as f64 / rate;
+            let cells: Vec<String> = row(t).iter().map(f64::to_string).collect();
+            writeln!(text, "{}", cells.join(",")).expect("text");
+        }
+        let path = folder.join(name);
+        std::fs::write(&path, text).expect("written");
+        path
+    }
+
+    fn recorded(folder: &Path) -> Recording {
+        let row = |t: f64| vec![t, motion(t).0, motion(t).1];
+        let path = file(folder, "recording.csv", "t_s,x_m,force_N", RATE_HZ, row);
+        load(&path, &LoadOptions::default()).expect("a recording")
+    }
+
+    /// Largest difference from the recorded force away from the ends.
+    fn apart(recording: &Recording, found: &Simulated) -> f64 {
+        let Simulated::Effort(effort) = found else {
+            panic!("{found:?} is no effort");
+        };
+        let pairs = effort.iter().zip(&recording.effort).skip(1000).take(18_000);
+        let squares: f64 = pairs.map(|(a, b)| (a - b).powi(2)).sum();
+        (squares / 18_000.0).sqrt()
+    }
+
+    #[test]
+    fn a_file_of_another_rate_start_and_lateness_comes_to_the_samples() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for (late, start, head) in [
+            (0.0, 0.0, "t_s,force_N"),
+            (0.0123, 7.5, "t_s,x_m,force_N"),
+            (0.0, 3.0, "t_s,force_N"),
+        ] {
+            let mut recording = recorded(folder.path());
+            let row = |t: f64| {
+                let (x, force) = motion(t - late);
+                match head.contains("x_m") {
+                    true => vec![t + start, x, force],
+                    false => vec![t + start, force],
+                }
+            };
+            let path = file(folder.path(), "twin.csv", head, 800.0, row);
+            let name = format!("{}:force_N", path.display());
+            let found = recording
+                .load_simulated(&name)
+                .expect("read")
+                .expect("a file");
+            let apart = apart(&recording, &found);
+            println!(
+                "late {late} from {start}: {apart} N RMS, {:?}",
+                recording.warnings
+            );
+            assert!(apart < 0.05, "{late} {start}: {apart}");
+            let said = recording
+                .warnings
+                .iter()
+                .filter(|w| w.code == "simulated-clock");
+            let expected = usize::from(late != 0.0) + usize::from(start != 0.0);
+            assert_eq!(said.count(), expected);
+        }
+    }
+
+    #[test]
+    fn a_motion_of_its_own_is_one_and_another_unit_is_refused() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut recording = recorded(folder.path());
+        let row = |t: f64| vec![t, 1.1 * motion(t).0, motion(t).1];
+        let own = file(folder.path(), "own.csv", "t_s,x_m,force_N", RATE_HZ, row);
+        let found = recording.load_simulated(&own.display().to_string());
+        assert!(
+            matches!(
+                found,
+                Ok(Some(Simulated::Motion {
+                    effort: Some(_),
+                    ..
+                }))
+            ),
+            "{found:?}"
+        );
+        let row = |t: f64| vec![t, motion(t).0, 1000.0 * motion(t).1];
+        let milli = file(folder.path(), "milli.csv", "t_s,x_m,force_N", RATE_HZ, row);
+        let refused = recording.load_simulated(&milli.display().to_string());
+        assert!(
+            refused
+                .clone()
+                .is_err_and(|e| e.contains("1000") && e.contains("unit")),
+            "{refused:?}"
+        );
+        assert_eq!(recording.load_simulated("nowhere.csv:force_N"), Ok(None));
+    }
+}
