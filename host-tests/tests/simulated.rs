@@ -5,7 +5,7 @@
 use preslide_host_tests::judge::table::{Recording, Table};
 use preslide_host_tests::judge::tool::Tool;
 use preslide_host_tests::machines::Dice;
-use preslide_host_tests::machines::law::Law;
+use preslide_host_tests::machines::law::{Friction, Law};
 use preslide_host_tests::trials::score::Diagnosis;
 use std::f64::consts::TAU;
 use std::io::Write as _;
@@ -34,6 +34,8 @@ struct Physics {
     cogging_n: f64,
     /// Standard deviation of its friction level's wandering.
     wander: f64,
+    /// Speed (m/s) over which its friction reverses as `tanh(v/v0)`, as simulators have it; 0 for a bristle.
+    smooth_m_s: f64,
 }
 
 const PLAIN: Physics = Physics {
@@ -42,6 +44,7 @@ const PLAIN: Physics = Physics {
     viscous: 4.0,
     cogging_n: 0.0,
     wander: 0.0,
+    smooth_m_s: 0.0,
 };
 
 /// Position, velocity and acceleration.
@@ -83,7 +86,7 @@ impl Physics {
         for pair in force.windows(2) {
             for k in 0..FINER {
                 let u = (k as f64 + 0.5) / FINER as f64;
-                let held = bristle.step(v * STEP_S / PRESLIDING_M, 1.0);
+                let held = self.held(&mut bristle, v);
                 let against = self.friction_n * held + self.beside_friction(x, v);
                 v += (pair[0] + u * (pair[1] - pair[0]) - against) / self.mass_kg * STEP_S;
                 x += v * STEP_S;
@@ -106,13 +109,21 @@ impl Physics {
                     position.push(x);
                     force.push(driven);
                 }
-                let held = bristle.step(v * STEP_S / PRESLIDING_M, 1.0);
+                let held = self.held(&mut bristle, v);
                 let against = self.friction_n * held + self.beside_friction(x, v);
                 v += (driven - against) / self.mass_kg * STEP_S;
                 x += v * STEP_S;
             }
         }
         (position, force)
+    }
+
+    /// Friction of a step of its own motion, over its level.
+    fn held(&self, bristle: &mut Friction, v: f64) -> f64 {
+        match self.smooth_m_s > 0.0 {
+            true => (v / self.smooth_m_s).tanh(),
+            false => bristle.step(v * STEP_S / PRESLIDING_M, 1.0),
+        }
     }
 
     fn beside_friction(&self, x: f64, v: f64) -> f64 {
@@ -432,6 +443,23 @@ fn a_simulation_that_follows_by_its_own_controller_is_told_the_same() {
     let (lacking, correction) = between_run(machine(cogged), PLAIN, Run::Followed);
     assert_cogging(&lacking, cogged.cogging_n);
     assert!(correction.is_some());
+}
+
+/// Simulators have friction that reverses smoothly with velocity; what it lacks of the machine is told nevertheless.
+#[test]
+fn a_simulation_with_the_friction_of_a_simulator_is_told_what_it_lacks() {
+    let smooth = Physics {
+        smooth_m_s: 1e-3,
+        ..PLAIN
+    };
+    let cogged = Physics {
+        cogging_n: 0.2,
+        ..PLAIN
+    };
+    let (lacking, _) = between_run(machine(cogged), smooth, Run::Followed);
+    let amplitude = value(&lacking, "periodic_force", "force_N");
+    assert!((amplitude / 0.2 - 1.0).abs() < 0.05, "{amplitude}");
+    assert!(confident(&lacking).contains(&"periodic_force"));
 }
 
 #[test]

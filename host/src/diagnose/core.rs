@@ -29,8 +29,8 @@ pub struct Core {
     pub rows: Arc<Vec<Vec<f64>>>,
     /// It stands for what a simulation's inertia and friction lack, which may be less than nothing.
     pub corrects: bool,
-    /// Columns of friction that follows velocity alone.
-    smooth: usize,
+    /// Speeds (m/s or rad/s) over which friction that follows velocity alone reverses.
+    smooth: Vec<f64>,
     /// Deflections of blocks and bristles (m or rad), and `tanh(v/v₀)` (-), at the samples.
     deflections: Vec<Vec<f64>>,
 }
@@ -40,11 +40,27 @@ impl Core {
     pub fn new(rows: &Rows, fitted: Option<&[f64]>) -> Self {
         let yields = yields(&rows.s, fitted);
         let bristles = lengths(&yields);
+        let top = rows.s.moving_speed(0.95).max(1e-300);
+        Self::along(
+            rows,
+            yields,
+            bristles,
+            SMOOTH.map(|share| share * top).to_vec(),
+        )
+    }
+
+    /// The same along another motion.
+    pub fn moved(&self, rows: &Rows) -> Self {
+        let (yields, bristles) = (self.yields.clone(), self.bristles.clone());
+        Self::along(rows, yields, bristles, self.smooth.clone())
+    }
+
+    fn along(rows: &Rows, yields: Vec<f64>, bristles: Vec<f64>, smooth: Vec<f64>) -> Self {
         let (fine, pieces) = between_samples(&rows.s);
         let blocks = yields.par_iter().map(|&d| deflection(&fine, &pieces, d));
         let bent = bristles.par_iter().map(|&d| bend(&fine, &pieces, d));
-        let smooth = SMOOTH.par_iter().map(|&share| smooth(&rows.s, share));
-        let deflections: Vec<Vec<f64>> = blocks.chain(bent).chain(smooth).collect();
+        let sloped = smooth.par_iter().map(|&slow| follows(&rows.s, slow));
+        let deflections: Vec<Vec<f64>> = blocks.chain(bent).chain(sloped).collect();
         let mut columns: Vec<Vec<f64>> = deflections
             .par_iter()
             .map(|z| rows.weak.rows(&Column::of(z.clone())))
@@ -64,38 +80,38 @@ impl Core {
             bristles,
             rows: Arc::new(columns),
             corrects: false,
-            smooth: SMOOTH.len(),
+            smooth,
             deflections,
         }
     }
 
     /// The same without friction that follows velocity alone.
     pub fn hysteretic(&self) -> Self {
-        let kept = self.deflections.len() - self.smooth;
+        let kept = self.deflections.len() - self.smooth.len();
         Self {
             yields: self.yields.clone(),
             bristles: self.bristles.clone(),
-            rows: Arc::new(self.rows[..self.rows.len() - self.smooth].to_vec()),
+            rows: Arc::new(self.rows[..self.rows.len() - self.smooth.len()].to_vec()),
             corrects: self.corrects,
-            smooth: 0,
+            smooth: Vec::new(),
             deflections: self.deflections[..kept].to_vec(),
         }
     }
 
     /// The same for what a simulation lacks: blocks alone, since with either sign bristles would cancel them.
     pub fn correcting(mut self) -> Self {
-        let kept = self.rows.len() - self.bristles.len() - self.smooth;
+        let kept = self.rows.len() - self.bristles.len() - self.smooth.len();
         Arc::make_mut(&mut self.rows).truncate(kept);
         self.deflections.truncate(self.yields.len());
         self.bristles.clear();
-        self.smooth = 0;
+        self.smooth.clear();
         self.corrects = true;
         self
     }
 
     /// Whether part of it follows velocity alone.
     pub fn follows_velocity(&self) -> bool {
-        self.smooth > 0
+        !self.smooth.is_empty()
     }
 
     /// Its first column of friction, behind the inertia's where the effort contains it.
@@ -105,7 +121,7 @@ impl Core {
 
     /// What each column of friction reaches in sliding, for a coefficient of one (m or rad; – for what follows velocity alone).
     pub fn reaches(&self) -> impl Iterator<Item = f64> {
-        let smooth = std::iter::repeat_n(1.0, self.smooth);
+        let smooth = std::iter::repeat_n(1.0, self.smooth.len());
         self.yields
             .iter()
             .chain(&self.bristles)
@@ -159,7 +175,7 @@ impl Core {
             if k <= 0.0 {
                 continue;
             }
-            let follows_velocity = j >= self.deflections.len() - self.smooth;
+            let follows_velocity = j >= self.deflections.len() - self.smooth.len();
             for (i, z) in z.iter().enumerate() {
                 friction[i] += k * z;
                 if follows_velocity || z.abs() >= SLIPS * d {
@@ -205,8 +221,7 @@ impl Core {
     }
 }
 
-/// `tanh(v/v₀)` (-) at the samples, `v₀` a share of the usual top speed.
-fn smooth(s: &Signals, share: f64) -> Vec<f64> {
-    let slow = share * s.moving_speed(0.95).max(1e-300);
+/// `tanh(v/v₀)` (-) at the samples.
+fn follows(s: &Signals, slow: f64) -> Vec<f64> {
     s.v.iter().map(|v| (v / slow).tanh()).collect()
 }

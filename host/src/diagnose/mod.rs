@@ -160,15 +160,10 @@ pub fn diagnose_simulation(
         )));
     }
     let s = &found.ground.rows.s;
-    let inertia = s.smooth_slope(&s.smooth_slope(&effort.curved));
-    found.simulated = Some(
-        effort
-            .value
-            .iter()
-            .zip(inertia)
-            .map(|(f, i)| f + i)
-            .collect(),
-    );
+    let slope = |values: &[f64]| s.smooth_slope(values);
+    let (viscous, inertia) = (slope(&effort.sloped), slope(&slope(&effort.curved)));
+    let parts = effort.value.iter().zip(viscous).zip(inertia);
+    found.simulated = Some(parts.map(|((f, v), i)| f + v + i).collect());
     found.reproduced = Some(reproduced);
     Ok(found)
 }

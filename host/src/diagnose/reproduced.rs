@@ -1,14 +1,13 @@
-//! A simulation that moved by itself, reproduced by a model: two motions say that they differ, not by which force, so that what the
-//! simulation would have needed for the recorded motion comes from a model of the simulation.
+//! A simulation that moved by itself, reproduced by core and effects: two motions say that they differ, not by which force, so that what the
+//! simulation would have needed for the recorded motion comes from what its own motion shows of it.
 
-use super::effect::ALWAYS_FREE;
+use super::effect::{ALWAYS_FREE, Baseline, Scene};
 use super::fit::Known;
-use super::modelled::effort_of;
+use super::rows::Rows;
 use super::term::{Subject, Term};
+use super::verdict::{Diagnosis, Named};
 use super::weak::Column;
 use super::{Refusal, judge};
-use crate::effects::Effect;
-use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::Recording;
 
@@ -16,12 +15,11 @@ use crate::recording::Recording;
 /// (A quarter refused EMPS's simulation without its offset, which is truly missing.)
 const MISSED: f64 = 0.5;
 
-/// The model of a simulation.
-#[derive(Clone, Debug)]
+/// What stands for a simulation.
 pub struct Reproduced {
-    /// Inertia, friction and effects that the simulation's own motion and effort show.
-    pub model: Model,
-    /// What it leaves of the simulation's own effort (%).
+    /// The simulation as if it were a machine: inertia, friction and effects that its own motion and effort show.
+    own: Box<Diagnosis>,
+    /// What they leave of the simulation's own effort (%) on stretches held out.
     pub nmse: f64,
 }
 
@@ -31,54 +29,66 @@ impl Reproduced {
     /// # Errors
     /// [`Refusal`], where its motion does not tell.
     pub fn of(own: &Recording, progress: &Progress) -> Result<Self, Refusal> {
-        let found = judge(own, None, &Known::default(), None, progress)?;
-        let model = found.extended_model(own, None).model;
-        let rows = &found.ground.rows;
-        let modelled = rows
-            .weak
-            .rows(&effort_of(&model, own).map_err(Refusal::Data)?);
-        let mut left: Vec<f64> = rows
-            .force
-            .iter()
-            .zip(modelled)
-            .map(|(f, m)| f - m)
-            .collect();
+        let own = Box::new(judge(own, None, &Known::default(), None, progress)?);
+        let rows = &own.ground.rows;
+        let mut left = own.states[1].held_out_residual(rows);
         // A solver of fixed steps delays its motion by a part of a step, which is no force.
         let delay = Term::new(Subject::Effect(ALWAYS_FREE), &[]);
-        for column in found.ground.columns(&delay).iter() {
+        for column in own.ground.columns(&delay).iter() {
             let square: f64 = column.iter().map(|c| c * c).sum();
             let product: f64 = column.iter().zip(&left).map(|(c, l)| c * l).sum();
             let part = product / square.max(1e-300);
-            left.iter_mut()
-                .zip(column)
-                .for_each(|(l, c)| *l -= part * c);
+            let taken = left.iter_mut().zip(column);
+            taken.for_each(|(l, c)| *l -= part * c);
         }
         let nmse = rows.nmse(&left);
-        Ok(Self { model, nmse })
+        Ok(Self { own, nmse })
     }
 
     /// The effort that the simulation needs for the recorded motion.
     ///
     /// # Errors
-    /// [`Refusal`], where the simulation has an effect of what was not recorded.
+    /// [`Refusal`], where the recording has no motion to tell it.
     pub fn effort(&self, recording: &Recording) -> Result<Column, Refusal> {
-        effort_of(&self.model, recording).map_err(Refusal::Data)
+        let (ground, state) = (&self.own.ground, &self.own.states[1]);
+        let rows = Rows::new(recording, &[]).map_err(Refusal::Data)?;
+        let core = ground.core.moved(&rows);
+        let coefficients = &state.normal.coefficients;
+        let baseline = core.baseline(&rows, coefficients, &[], &Baseline::default());
+        // An effect is of the simulation's friction level, however much of it this motion uses.
+        let baseline = Baseline {
+            level: ground.baseline.level,
+            ..baseline
+        };
+        let scene = Scene {
+            s: &rows.s,
+            core: &baseline,
+            effort: &rows.effort,
+        };
+        let mut whole = Column {
+            value: baseline.friction.clone(),
+            sloped: vec![0.0; rows.s.x.len()],
+            curved: rows.s.x.iter().map(|x| baseline.mass * x).collect(),
+        };
+        for (index, term) in state.terms.iter().enumerate() {
+            let columns = term.columns(&scene);
+            for (column, c) in columns.iter().zip(state.coefficients(index)) {
+                add(&mut whole.value, &column.value, *c);
+                add(&mut whole.sloped, &column.sloped, *c);
+                add(&mut whole.curved, &column.curved, *c);
+            }
+        }
+        Ok(whole)
     }
 
     /// What stands for the simulation, and how well: a sentence without its full stop.
     pub fn words(&self, recording: &Recording) -> String {
-        let model = &self.model;
-        let plain = [
-            ("inertia", model.inertia),
-            ("viscous friction", model.viscous),
-            ("a constant force", model.constant_force),
-        ];
-        let plain = plain.into_iter().filter(|p| p.1 != 0.0).map(|p| p.0);
-        let named = model.effects.iter().map(Effect::id);
-        let parts: Vec<&str> = std::iter::once("hysteresis")
-            .chain(plain)
-            .chain(named)
-            .collect();
+        let core = match self.own.ground.core.follows_velocity() {
+            true => "hysteresis, friction that reverses smoothly with velocity",
+            false => "hysteresis",
+        };
+        let named = self.own.confident().map(Named::id);
+        let parts: Vec<&str> = ["inertia", core].into_iter().chain(named).collect();
         format!(
             "from its own motion, the simulation is reproduced by {}, which miss {:.3} % of the variance of its {}",
             parts.join(", "),
@@ -91,4 +101,9 @@ impl Reproduced {
     pub fn misses_too_much(&self, mismatch: f64) -> bool {
         self.nmse > MISSED * mismatch
     }
+}
+
+fn add(sum: &mut [f64], column: &[f64], times: f64) {
+    let both = sum.iter_mut().zip(column);
+    both.for_each(|(s, c)| *s += times * c);
 }

@@ -49,6 +49,8 @@ const UNEXPLAINED: f64 = 10.0;
 /// The same against a simulation, whose owner knows what is in it: a tenth of the effort. Near-perfect ones leave up to 0.4 % in `cases/twins`,
 /// one that lacks a sloshing load 4.3 %.
 pub(super) const UNEXPLAINED_OF_A_SIMULATION: f64 = 1.0;
+/// NMSE (%) up to which a simulation differs by nothing that has no name: 3 % of the effort's deviation.
+const NO_DIFFERENCE: f64 = 0.1;
 /// Chance below which a candidate that did not enter is at least suspected.
 const SUSPECT: f64 = 0.3;
 /// Most suspicions beside what entered.
@@ -270,7 +272,7 @@ pub fn conclude(
         let own = |n: &&Named| matches!(n.name, Name::Entry(e) if e.id() == effect.id());
         effects.iter().find(own).is_some_and(|n| !n.confident)
     };
-    let unnamed = unnamed(&found, event, drift(&found), &standings, is_doubtful);
+    let mut unnamed = unnamed(&found, event, drift(&found), &standings, is_doubtful);
     let after = if ground.core.corrects && !effects.iter().any(|e| e.confident) {
         baseline
     } else {
@@ -297,6 +299,10 @@ pub fn conclude(
                 && after.test - noise_floor - ground.rows.missed > UNEXPLAINED_OF_A_SIMULATION =>
         {
             Verdict::UnknownPhysics
+        }
+        Verdict::UnknownPhysics if ground.core.corrects && after.test <= NO_DIFFERENCE => {
+            unnamed.clear();
+            Verdict::Consistent
         }
         other => other,
     };
