@@ -10,6 +10,7 @@ mod lead;
 mod legendre;
 mod periodic;
 mod samples;
+mod words;
 #[cfg(test)]
 mod tests;
 
