@@ -1,8 +1,9 @@
 //! Progress of long work, on stderr only: a bar on a terminal, a few lines of text in a log.
 
+use std::cell::RefCell;
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -11,6 +12,21 @@ use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 const LEAST_PAUSE: Duration = Duration::from_secs(2);
 /// …and a line is due after this time even when no further tenth is done.
 const LONGEST_PAUSE: Duration = Duration::from_secs(30);
+
+/// Hears of what is being done, the steps that are done, and how many there are (0 where nobody knows).
+pub type Listener = Arc<dyn Fn(&str, u64, u64) + Send + Sync>;
+
+thread_local! {
+    static LISTENER: RefCell<Option<Listener>> = const { RefCell::new(None) };
+}
+
+/// Has a listener hear of all work that this thread begins within `work`, in the place of stderr.
+pub fn heard<R>(listener: Listener, work: impl FnOnce() -> R) -> R {
+    let before = LISTENER.replace(Some(listener));
+    let done = work();
+    LISTENER.set(before);
+    done
+}
 
 /// Progress through a known number of steps. Shared by reference between threads (rayon's among them).
 ///
@@ -22,12 +38,40 @@ pub struct Progress {
 enum Shown {
     Bar(ProgressBar),
     Lines(Lines),
+    Told(Told),
+}
+
+/// Progress that a listener hears of.
+struct Told {
+    message: Mutex<String>,
+    steps: u64,
+    done: AtomicU64,
+    to: Listener,
+}
+
+impl Told {
+    fn inc(&self, steps: u64) {
+        let done = self.done.fetch_add(steps, Ordering::Relaxed) + steps;
+        let message = self.message.lock().unwrap_or_else(PoisonError::into_inner);
+        (self.to)(&message, done, self.steps);
+    }
 }
 
 impl Progress {
     /// Starts `steps` steps of the work that `message` names, such as "fitting GMS"; 0 where nobody knows how many.
     pub fn new(message: impl Into<String>, steps: u64) -> Self {
         let message = message.into();
+        if let Some(to) = LISTENER.with_borrow(Clone::clone) {
+            let told = Told {
+                message: Mutex::new(message),
+                steps,
+                done: AtomicU64::new(0),
+                to,
+            };
+            return Progress {
+                shown: Shown::Told(told),
+            };
+        }
         let stderr = std::io::stderr();
         if !stderr.is_terminal() {
             return Progress {
@@ -56,6 +100,7 @@ impl Progress {
         match &self.shown {
             Shown::Bar(bar) => bar.inc(steps),
             Shown::Lines(lines) => lines.inc(steps, Instant::now()),
+            Shown::Told(told) => told.inc(steps),
         }
     }
 
@@ -64,6 +109,9 @@ impl Progress {
         match &self.shown {
             Shown::Bar(bar) => bar.set_message(message.into()),
             Shown::Lines(lines) => lines.set_message(message.into()),
+            Shown::Told(told) => {
+                *told.message.lock().unwrap_or_else(PoisonError::into_inner) = message.into();
+            }
         }
     }
 
@@ -81,6 +129,7 @@ impl Progress {
                 say(&mut std::io::stderr(), &line);
             }
             Shown::Lines(lines) => lines.finish(Instant::now()),
+            Shown::Told(_) => {}
         }
     }
 }

@@ -11,6 +11,7 @@ mod example;
 mod imports;
 mod judge;
 mod process;
+mod python;
 mod qemu;
 mod steps;
 mod test;

@@ -242,6 +242,16 @@ pub const STEPS: &[Step] = &[
         run: |_| package_list(),
     },
     Step {
+        name: "python",
+        reason: "the Python package installs as its README says, and its functions answer as the tool does",
+        needs: &[Need::Python],
+        paths: &[
+            "python/", "src/", "axis", "link/", "drive/", "host/", "sim/", "cli/",
+        ],
+        lane: Lane::Host,
+        run: |_| crate::python::check(),
+    },
+    Step {
         name: "demo",
         reason: "the first command of the README works, and a browser draws its report",
         needs: &[Need::Chromium],

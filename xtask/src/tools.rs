@@ -26,6 +26,8 @@ pub enum Need {
     RiscvGcc,
     /// The browser that opens the report.
     Chromium,
+    /// An interpreter that makes virtual environments.
+    Python,
 }
 
 impl Need {
@@ -68,6 +70,19 @@ impl Need {
                 }
                 let reason = "the C library of the RISC-V core, picolibc, is missing";
                 install(&["picolibc-riscv64-unknown-elf"], reason, elsewhere)
+            }
+            Need::Python => {
+                let reason = "the Python package is installed and tested";
+                let elsewhere = "  Fedora: sudo dnf install python3\n  Arch: sudo pacman -S python\n  macOS: brew install python";
+                program("python3", &["python3"], reason, elsewhere)?;
+                // Debian's makes no environment without a package of its own.
+                let mut venv = Command::new("python3");
+                venv.args(["-c", "import ensurepip, venv"])
+                    .stderr(Stdio::null());
+                if output_of(&mut venv, "").is_ok() {
+                    return Ok(());
+                }
+                install(&["python3-venv"], reason, elsewhere)
             }
             Need::Chromium => program(
                 "chromium",

@@ -161,7 +161,7 @@ impl Capture {
                 let _ = std::fs::remove_file(&self.output);
             }
         })?;
-        eprintln!("wrote {path}");
+        tell!("wrote {path}");
         if let Some(json) = &self.json {
             write_text(json, &format!("{:#}\n", machine(&summary)))?;
         }

@@ -36,7 +36,7 @@ impl Compare {
         progress.finish();
         let recording = found.recording.clone();
         if let Some(warning) = recording.warnings.iter().find(|w| w.code == "stretches") {
-            eprintln!("{}: {}", recording.name, warning.message);
+            tell!("{}: {}", recording.name, warning.message);
         }
 
         say!("{}", found.table(&recording).to_text());

@@ -242,7 +242,7 @@ impl Diagnose {
                 .map_err(Failure::Input)?,
         };
         for warning in &recording.warnings[known..] {
-            eprintln!("{}: warning: {warning}", recording.name);
+            tell!("{}: warning: {warning}", recording.name);
         }
         Ok(Some(values))
     }

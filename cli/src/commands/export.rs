@@ -83,7 +83,7 @@ impl Export {
             .output
             .as_deref()
             .map_or("a file of the firmware".into(), |p| p.display().to_string());
-        eprintln!(
+        tell!(
             "Declare {place} as a module and call model::<f32>(sample_time, Units::SI): its type, Model<f32>, is what the controller takes. This project's firmware is built with it where PRESLIDE_MODEL holds its full path."
         );
         Ok(())

@@ -155,9 +155,9 @@ impl Identify {
             )));
         }
         let found = speed_table::fit(table, self.recordings.may_turn()).map_err(Failure::Data)?;
-        eprintln!("{}", found.in_one_line());
+        tell!("{}", found.in_one_line());
         for warning in found.warnings() {
-            eprintln!("warning: {warning}");
+            tell!("warning: {warning}");
         }
         say!("{}", found.table().to_text());
         for note in found.notes() {

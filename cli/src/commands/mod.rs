@@ -1,11 +1,5 @@
 //! The commands: each reads its arguments, calls the library, and prints one recommendation.
 
-/// Prints a line for the user. A reader that has closed the pipe (`preslide … | head`) ends nothing: files are
-/// still written. Any other failure ends the program, because the answer would be lost.
-macro_rules! say {
-    ($($line:tt)*) => { $crate::commands::print_line(format_args!($($line)*)) };
-}
-
 pub mod capture;
 pub mod compare;
 pub mod demo;
@@ -19,6 +13,7 @@ pub mod reproduce;
 pub mod simulate;
 pub mod tune;
 
+use crate::heard::arguments;
 use clap::Args;
 pub use outputs::write_text;
 use preslide_axis::AxisFile;
@@ -239,18 +234,18 @@ impl ReadingArgs {
             return Err(Failure::Input(all_wrong(&wrong)));
         }
         for recording in &recordings {
-            eprintln!("{}", recording.in_one_line());
+            tell!("{}", recording.in_one_line());
             for warning in &recording.warnings {
-                eprintln!("{}: warning: {warning}", recording.name);
+                tell!("{}: warning: {warning}", recording.name);
                 if !warning.maps.is_empty() {
-                    eprintln!("Such as: {}", command_line_with(&warning.maps));
+                    tell!("Such as: {}", command_line_with(&warning.maps));
                 }
             }
         }
         let mut whole = Recording::join(recordings).map_err(Failure::Input)?;
         for error in wrong {
             let warning = recording::Warning::left_out(&error);
-            eprintln!("warning: {warning}");
+            tell!("warning: {warning}");
             whole.warnings.push(warning);
         }
         let of_joining = [
@@ -264,7 +259,7 @@ impl ReadingArgs {
             .iter()
             .filter(|w| of_joining.contains(&w.code))
         {
-            eprintln!("{}: warning: {warning}", whole.name);
+            tell!("{}: warning: {warning}", whole.name);
         }
         Ok(whole)
     }
@@ -276,7 +271,7 @@ pub fn thin(recording: Recording, from: usize) -> Recording {
         return recording;
     };
     if let Some(warning) = thinned.warnings.last() {
-        eprintln!("{}: {}", thinned.name, warning.message);
+        tell!("{}: {}", thinned.name, warning.message);
     }
     thinned
 }
@@ -363,22 +358,6 @@ impl OutputArgs {
     }
 }
 
-/// The work of `say!`.
-pub fn print_line(line: std::fmt::Arguments) {
-    use std::io::Write;
-    if outputs::stdout_is_taken() {
-        eprintln!("{line}");
-        return;
-    }
-    match writeln!(std::io::stdout(), "{line}") {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
-            eprintln!("preslide: standard output: {error}");
-            std::process::exit(1);
-        }
-        _ => {}
-    }
-}
-
 /// `170MHz`, `20kHz`, `8000` in Hz.
 pub fn parse_frequency(text: &str) -> Result<f64, String> {
     let scales = [("MHz", 1e6), ("kHz", 1e3), ("Hz", 1.0), ("", 1.0)];
@@ -404,7 +383,7 @@ fn command_line_with(maps: &[String]) -> String {
     let target = |map: &str| map.split_once('=').map(|m| m.0.trim().to_owned());
     let replaced = |map: &str| maps.iter().any(|m| target(m) == target(map));
     let mut kept: Vec<String> = Vec::new();
-    for argument in std::env::args() {
+    for argument in arguments() {
         let joined = argument.strip_prefix("--map=").is_some_and(replaced);
         if kept.last().is_some_and(|last| last == "--map") && replaced(&argument) {
             kept.pop();
@@ -420,7 +399,7 @@ fn command_line_with(maps: &[String]) -> String {
 
 /// The command line, for the foot of a report and for what would work.
 pub fn command_line() -> String {
-    in_words(std::env::args())
+    in_words(arguments().into_iter())
 }
 
 fn in_words(arguments: impl Iterator<Item = String>) -> String {

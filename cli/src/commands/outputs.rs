@@ -161,7 +161,7 @@ pub fn write_with(
         }
         renamed?;
     }
-    eprintln!("wrote {}", path.display());
+    tell!("wrote {}", path.display());
     Ok(())
 }
 

@@ -284,7 +284,7 @@ fn nmse(measured: &[f64], modelled: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::effect::tests::Stage;
+    use crate::diagnose::effect::tests::{Stage, shapes};
     use crate::diagnose::effect::{ALL, Fitted};
     use crate::recording::MotionKind;
     use std::collections::BTreeSet;
@@ -305,8 +305,7 @@ mod tests {
                 sums: [vec![0.0; s.x.len()], all, slipping],
             };
             for effect in ALL {
-                let grid = effect.grid(&scene);
-                for shape in grid.first().into_iter().chain(grid.last()) {
+                for shape in &shapes(effect, &scene) {
                     let columns = effect.columns(shape, &scene);
                     let coefficients: Vec<f64> =
                         (1..=columns.len()).map(|i| 0.3 / i as f64).collect();

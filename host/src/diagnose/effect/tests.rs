@@ -85,7 +85,7 @@ impl Stage {
 }
 
 /// The shapes of the grid, or one on a line.
-fn shapes(effect: &dyn Effect, scene: &Scene) -> Vec<Vec<f64>> {
+pub(in crate::diagnose) fn shapes(effect: &dyn Effect, scene: &Scene) -> Vec<Vec<f64>> {
     match effect.line() {
         Some(Line::Force | Line::Level) => vec![vec![0.004]],
         Some(Line::Time) => vec![vec![13.0]],

@@ -10,9 +10,9 @@ mod lead;
 mod legendre;
 mod periodic;
 mod samples;
-mod words;
 #[cfg(test)]
 mod tests;
+mod words;
 
 use super::signals::Signals;
 use crate::recording::{Extra, Recording};

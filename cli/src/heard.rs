@@ -1,0 +1,90 @@
+//! What a command says: to the terminal, or to whoever called it in this process.
+
+use super::Arguments;
+use clap::Parser;
+pub use preslide_host::progress::Listener;
+use preslide_host::progress::heard;
+use std::cell::RefCell;
+
+/// Prints a line for the user. A reader that has closed the pipe (`preslide … | head`) ends nothing: files are
+/// still written. Any other failure ends the program, because the answer would be lost.
+macro_rules! say {
+    ($($line:tt)*) => { $crate::heard::say_line(format_args!($($line)*)) };
+}
+
+/// Tells the user something beside the answer, on stderr.
+macro_rules! tell {
+    ($($line:tt)*) => { $crate::heard::tell_line(format_args!($($line)*)) };
+}
+
+/// How a command ended.
+#[derive(Debug, Default)]
+pub struct Answer {
+    /// What it printed.
+    pub said: String,
+    /// What it told beside that, such as warnings.
+    pub told: Vec<String>,
+    /// Why it ended without its answer, and the exit code; `None` where it did what it was asked.
+    pub failure: Option<(String, u8)>,
+    arguments: Vec<String>,
+}
+
+thread_local! {
+    static CALLED: RefCell<Option<Answer>> = const { RefCell::new(None) };
+}
+
+/// Runs a command in this process, as `preslide ARGUMENTS…` would; `listener` hears of its progress.
+pub fn call(arguments: Vec<String>, listener: Listener) -> Answer {
+    let whole = std::iter::once("preslide".to_owned()).chain(arguments);
+    let arguments: Vec<String> = whole.collect();
+    CALLED.set(Some(Answer {
+        arguments: arguments.clone(),
+        ..Answer::default()
+    }));
+    let failure = match Arguments::try_parse_from(arguments) {
+        Ok(parsed) => heard(listener, || parsed.command.run())
+            .err()
+            .map(|failure| (failure.message().to_owned(), failure.exit_code())),
+        // Bad usage, or help.
+        Err(error) => Some((error.to_string(), error.exit_code() as u8)),
+    };
+    let answer = CALLED.take().unwrap_or_default();
+    Answer { failure, ..answer }
+}
+
+/// The command line.
+pub(super) fn arguments() -> Vec<String> {
+    let called = CALLED.with_borrow(|called| called.as_ref().map(|c| c.arguments.clone()));
+    called.unwrap_or_else(|| std::env::args().collect())
+}
+
+/// Gives a line to whoever called the command; `false` where it is the program's own.
+fn give(line: &impl Fn(&mut Answer)) -> bool {
+    CALLED.with_borrow_mut(|called| called.as_mut().map(line).is_some())
+}
+
+/// The work of `say!`.
+pub(super) fn say_line(line: std::fmt::Arguments) {
+    use std::io::Write;
+    if give(&|called| called.said += &format!("{line}\n")) {
+        return;
+    }
+    if super::commands::outputs::stdout_is_taken() {
+        eprintln!("{line}");
+        return;
+    }
+    match writeln!(std::io::stdout(), "{line}") {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            eprintln!("preslide: standard output: {error}");
+            std::process::exit(1);
+        }
+        _ => {}
+    }
+}
+
+/// The work of `tell!`.
+pub(super) fn tell_line(line: std::fmt::Arguments) {
+    if !give(&|called| called.told.push(line.to_string())) {
+        eprintln!("{line}");
+    }
+}

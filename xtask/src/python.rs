@@ -1,0 +1,33 @@
+//! The Python package as its user installs it: `pip install ./python` in a fresh virtual environment, and its tests.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use crate::process::{cargo, root, run, target_of};
+
+/// Installs the package and runs its tests.
+pub fn check() -> Result<(), String> {
+    // What the answers are compared with, in the profile of the package: the host is compiled once.
+    run(&mut cargo(&["build", "--release", "--bin", "preslide"]))?;
+    let target = target_of(root());
+    let folder = target.join("python");
+    let python = folder.join("bin").join("python");
+    run(Command::new("python3")
+        .args(["-m", "venv", "--clear"])
+        .arg(&folder))?;
+    let package: PathBuf = root().join("python");
+    let mut install = Command::new(&python);
+    install.args([
+        "-m",
+        "pip",
+        "install",
+        "--disable-pip-version-check",
+        "--quiet",
+    ]);
+    install.arg(format!("{}[test]", package.display()));
+    run(install.env("CARGO_TARGET_DIR", &target))?;
+    let mut test = Command::new(&python);
+    test.args(["-m", "pytest", "-q", "-rs"])
+        .arg(package.join("tests"));
+    run(test.env("CARGO_TARGET_DIR", &target))
+}
