@@ -5,6 +5,15 @@ use clap::Parser;
 pub use preslide_host::progress::Listener;
 use preslide_host::progress::heard;
 use std::cell::RefCell;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Standard output belongs to a file that was asked for as `-`; what is said goes to standard error.
+static TAKEN: AtomicBool = AtomicBool::new(false);
+
+/// Whether standard output holds a file from here on.
+pub(super) fn take_stdout(taken: bool) {
+    TAKEN.store(taken, Ordering::Relaxed);
+}
 
 /// Prints a line for the user. A reader that has closed the pipe (`preslide … | head`) ends nothing: files are
 /// still written. Any other failure ends the program, because the answer would be lost.
@@ -69,7 +78,7 @@ pub(super) fn say_line(line: std::fmt::Arguments) {
     if give(&|called| called.said += &format!("{line}\n")) {
         return;
     }
-    if super::commands::outputs::stdout_is_taken() {
+    if TAKEN.load(Ordering::Relaxed) {
         eprintln!("{line}");
         return;
     }

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use preslide_host::diagnose::fit::Fit;
-use preslide_host::diagnose::verdict::{Named, Verdict};
+use preslide_host::diagnose::named::Named;
+use preslide_host::diagnose::verdict::Verdict;
 use preslide_host::diagnose::{Diagnosis, diagnose};
 use preslide_host::progress::Progress;
 use preslide_host::recording::{self, LoadOptions, Recording};

@@ -9,15 +9,14 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::sync::Arc;
 
+/// What a command said, what it told beside that, and why it failed with which exit code.
+type Answer = (String, Vec<String>, Option<(String, u8)>);
+
 /// Runs `preslide ARGUMENTS…`: what it said, what it told beside that, and why it failed with which exit code. Without the interpreter's lock;
 /// `progress` is called with what is being done, the steps done, and how many there are (0 where nobody knows).
 #[pyfunction]
 #[pyo3(signature = (arguments, progress=None))]
-fn run(
-    py: Python<'_>,
-    arguments: Vec<String>,
-    progress: Option<Py<PyAny>>,
-) -> PyResult<(String, Vec<String>, Option<(String, u8)>)> {
+fn run(py: Python<'_>, arguments: Vec<String>, progress: Option<Py<PyAny>>) -> PyResult<Answer> {
     let failed: Arc<std::sync::Mutex<Option<PyErr>>> = Arc::default();
     let seen = failed.clone();
     let listener = Arc::new(move |what: &str, done: u64, of: u64| {
@@ -113,12 +112,12 @@ impl PyModel {
             ));
         }
         let sample_time = (t[t.len() - 1] - t[0]) / (t.len() - 1) as f64;
-        let pieces = [0..t.len()];
+        let whole = 0..t.len();
         let force = py.detach(|| {
             let path = Path {
                 position: &x,
                 velocity: &v,
-                pieces: &pieces,
+                pieces: std::slice::from_ref(&whole),
                 sample_time,
             };
             let measured = Measured {

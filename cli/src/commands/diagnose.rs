@@ -4,9 +4,9 @@ use super::outputs::is_stdout;
 use super::{Failure, OutputArgs, RecordingArgs, command_line, thin, write_text};
 use clap::Args;
 use preslide_host::diagnose::correction::Language;
+use preslide_host::diagnose::figures::capital;
 use preslide_host::diagnose::fit::Fit;
 use preslide_host::diagnose::verdict::Verdict;
-use preslide_host::diagnose::words::capital;
 use preslide_host::diagnose::{
     Diagnosis, Refusal, diagnose, diagnose_simulation, effect, experiment,
 };

@@ -1,16 +1,8 @@
 //! The files that a command writes: checked before any work, written beside and renamed, `-` for standard output.
 
 use super::{Failure, OutputArgs};
+use crate::heard::take_stdout;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
-
-/// Standard output belongs to a file that was asked for as `-`; what is said goes to standard error.
-static TAKEN: AtomicBool = AtomicBool::new(false);
-
-/// Whether standard output holds a file.
-pub fn stdout_is_taken() -> bool {
-    TAKEN.load(Ordering::Relaxed)
-}
 
 /// Whether a path stands for standard output.
 pub fn is_stdout(path: &Path) -> bool {
@@ -105,10 +97,7 @@ pub fn check(inputs: &[&Path], own: &[Output], others: Option<&OutputArgs>) -> R
     if !unwritable.is_empty() {
         return Err(Failure::Tool(unwritable.join("\n")));
     }
-    TAKEN.store(
-        outputs.iter().any(|(_, path)| is_stdout(path)),
-        Ordering::Relaxed,
-    );
+    take_stdout(outputs.iter().any(|(_, path)| is_stdout(path)));
     Ok(())
 }
 

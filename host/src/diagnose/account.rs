@@ -1,7 +1,9 @@
 //! The budget in figures and words: root mean squares of what is taken off, never more than is left.
 
-use super::verdict::{Diagnosis, Name, Named};
-use super::words::{place_words, probability, quantity, within};
+use super::figures::{probability, quantity, within};
+use super::named::{Name, Named};
+use super::verdict::Diagnosis;
+use super::words::place_words;
 use crate::model::key_of;
 use crate::recording::{MotionKind, Recording};
 use crate::report::Table;

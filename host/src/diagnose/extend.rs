@@ -3,9 +3,10 @@
 use super::given::Given;
 use super::ground::{Ground, Hypothesis};
 use super::modelled::effort_of;
+use super::named::Name;
 use super::parameters::parameters;
 use super::term::Term;
-use super::verdict::{Diagnosis, Name};
+use super::verdict::Diagnosis;
 use super::weak::Column;
 use crate::friction::{FrictionModel, MOST_BLOCKS};
 use crate::model::Model;

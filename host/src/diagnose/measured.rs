@@ -2,12 +2,12 @@
 
 use super::change::Change;
 use super::ground::{Ground, Hypothesis};
+use super::named::{EVEN, Name, Named};
 use super::parameters::parameters;
 use super::place::Place;
 use super::search::Found;
 use super::simulation::has_its_term;
 use super::term::{Subject, Term};
-use super::verdict::{EVEN, Name, Named};
 
 /// The given terms, what widens the core, what of the fit holds, and the effects that are missing.
 fn extend(found: &Found, kept: &[Term], effects: &[Named]) -> Option<Hypothesis> {

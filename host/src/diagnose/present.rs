@@ -1,12 +1,14 @@
 //! A diagnosis for machines, and its table.
 
+use super::figures::probability;
 use super::given::Refitted;
+use super::named::Named;
 use super::offer::Offer;
 use super::place::Place;
 use super::second_position::SecondPosition;
 use super::unnamed::Unknown;
-use super::verdict::{Diagnosis, Named};
-use super::words::{ids, probability};
+use super::verdict::Diagnosis;
+use super::words::ids;
 use crate::effects::form;
 use crate::model::key_of;
 use crate::recording::Recording;

@@ -3,9 +3,9 @@
 
 use super::effect::{ALWAYS_FREE, Baseline, Scene};
 use super::fit::Known;
+use super::ground::{Ground, Hypothesis};
 use super::rows::Rows;
 use super::term::{Subject, Term};
-use super::verdict::{Diagnosis, Named};
 use super::weak::Column;
 use super::{Refusal, judge};
 use crate::progress::Progress;
@@ -17,8 +17,10 @@ const MISSED: f64 = 0.5;
 
 /// What stands for a simulation.
 pub struct Reproduced {
-    /// The simulation as if it were a machine: inertia, friction and effects that its own motion and effort show.
-    own: Box<Diagnosis>,
+    /// The simulation as if it were a machine: its rows and friction, and the inertia and effects that its own motion and effort show.
+    ground: Ground,
+    state: Hypothesis,
+    named: Vec<&'static str>,
     /// What they leave of the simulation's own effort (%) on stretches held out.
     pub nmse: f64,
 }
@@ -29,12 +31,14 @@ impl Reproduced {
     /// # Errors
     /// [`Refusal`], where its motion does not tell.
     pub fn of(own: &Recording, progress: &Progress) -> Result<Self, Refusal> {
-        let own = Box::new(judge(own, None, &Known::default(), None, progress)?);
-        let rows = &own.ground.rows;
-        let mut left = own.states[1].held_out_residual(rows);
+        let found = judge(own, None, &Known::default(), None, progress)?;
+        let named = found.confident().map(|e| e.id()).collect();
+        let (ground, [_, state]) = (found.ground, found.states);
+        let rows = &ground.rows;
+        let mut left = state.held_out_residual(rows);
         // A solver of fixed steps delays its motion by a part of a step, which is no force.
         let delay = Term::new(Subject::Effect(ALWAYS_FREE), &[]);
-        for column in own.ground.columns(&delay).iter() {
+        for column in ground.columns(&delay).iter() {
             let square: f64 = column.iter().map(|c| c * c).sum();
             let product: f64 = column.iter().zip(&left).map(|(c, l)| c * l).sum();
             let part = product / square.max(1e-300);
@@ -42,7 +46,12 @@ impl Reproduced {
             taken.for_each(|(l, c)| *l -= part * c);
         }
         let nmse = rows.nmse(&left);
-        Ok(Self { own, nmse })
+        Ok(Self {
+            nmse,
+            ground,
+            state,
+            named,
+        })
     }
 
     /// The effort that the simulation needs for the recorded motion.
@@ -50,7 +59,7 @@ impl Reproduced {
     /// # Errors
     /// [`Refusal`], where the recording has no motion to tell it.
     pub fn effort(&self, recording: &Recording) -> Result<Column, Refusal> {
-        let (ground, state) = (&self.own.ground, &self.own.states[1]);
+        let (ground, state) = (&self.ground, &self.state);
         let rows = Rows::new(recording, &[]).map_err(Refusal::Data)?;
         let core = ground.core.moved(&rows);
         let coefficients = &state.normal.coefficients;
@@ -83,11 +92,11 @@ impl Reproduced {
 
     /// What stands for the simulation, and how well: a sentence without its full stop.
     pub fn words(&self, recording: &Recording) -> String {
-        let core = match self.own.ground.core.follows_velocity() {
+        let core = match self.ground.core.follows_velocity() {
             true => "hysteresis, friction that reverses smoothly with velocity",
             false => "hysteresis",
         };
-        let named = self.own.confident().map(Named::id);
+        let named = self.named.iter().copied();
         let parts: Vec<&str> = ["inertia", core].into_iter().chain(named).collect();
         format!(
             "from its own motion, the simulation is reproduced by {}, which miss {:.3} % of the variance of its {}",

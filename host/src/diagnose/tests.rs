@@ -474,7 +474,7 @@ fn a_hysteresis_that_is_too_soft_is_a_parameter_and_one_that_is_too_stiff_may_be
         let found =
             diagnose(&recording, Some(&model), None, &Progress::new("", 0)).expect("a diagnosis");
         println!("{factor}: {}", found.verdict_words(&recording));
-        let id = found.confident().next().map(verdict::Named::id);
+        let id = found.confident().next().map(named::Named::id);
         (found.verdict, id, found.displacement_factor())
     };
     assert_eq!(told(1.0), (Verdict::Consistent, None, None));

@@ -7,13 +7,14 @@ use super::confidence::{self, confidence};
 use super::credible::sieved;
 use super::drift::drift;
 use super::effect::{self, Class, Effect};
-use super::evidence::{Evidence, NAMED};
+use super::evidence::NAMED;
 use super::fit::Fit;
 use super::given::Given;
 use super::ground::{Ground, Hypothesis, Nmse};
 use super::hysteresis::{self, Shape};
 use super::lack::{Lack, lacks};
 use super::measured::measured;
+use super::named::{EVEN, Name, Named};
 use super::naming::Standing;
 use super::offer::{Offer, offers};
 use super::place::Place;
@@ -21,13 +22,12 @@ use super::reproduced::Reproduced;
 use super::search::{Found, WORTH};
 use super::second_position::SecondPosition;
 use super::signals::Signals;
-use super::simulation::{self, Corrected, Correction};
+use super::simulation::{self, Corrected};
 use super::term::{Subject, Term};
 use super::unnamed::{Unknown, is_likely, likely, unnamed};
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::statistics::Estimate;
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// The same where it is beyond doubt that something is there.
@@ -39,8 +39,6 @@ const NAMED_TRANSIENT: f64 = 0.1;
 /// Least confidence of a confident name, a little above even odds. Of the names that the calibration was fitted to, 243 of 266 on real machines
 /// and 79 of 102 on made ones are right from here on; a higher one silences drift.
 const LIKELY: f64 = 0.55;
-/// Even odds: the most that is stated of a name whose sign its own interval does not tell.
-pub(super) const EVEN: f64 = 0.5;
 /// NMSE (%) on folds held out from which a model explains too little to be called consistent with anything.
 pub(super) const EXPLAINS_LITTLE: f64 = 25.0;
 /// NMSE (%) beyond what noise explains from which it is not, either. Chosen after looking at a bench that nothing explains (23.6 % left, none
@@ -80,68 +78,6 @@ impl Verdict {
             Verdict::MissingPhysics => "missing-physics",
             Verdict::UnknownPhysics => "unknown-physics",
             Verdict::InsufficientData => "insufficient-data",
-        }
-    }
-}
-
-/// What an effect is called by: an entry of the catalogue, or the hysteresis itself.
-#[derive(Clone, Copy)]
-pub enum Name {
-    /// An entry.
-    Entry(&'static dyn Effect),
-    /// The user's hysteresis is wrong.
-    Hysteresis,
-    /// Inertia or friction of the user's simulation is.
-    Correction(Correction),
-}
-
-/// An effect that is stated.
-#[derive(Clone)]
-pub struct Named {
-    /// What it is.
-    pub name: Name,
-    /// Its term, where it has one.
-    pub term: Option<Term>,
-    /// Enters the extended model; otherwise a hint.
-    pub confident: bool,
-    /// The fit has it: it is there, and nothing is missing.
-    pub in_fit: bool,
-    /// The simulation has it, too, of another size: a parameter of its own is wrong.
-    pub in_simulation: bool,
-    /// Probability that it is there and so named.
-    pub confidence: f64,
-    /// What it explains, everything else given.
-    pub evidence: Evidence,
-    /// What the confidence is computed from; `None` for the hysteresis, corrections, and hints that did not enter.
-    pub standing: Option<Standing>,
-    /// Held-out NMSE (%) without and with it.
-    pub nmse_test: [f64; 2],
-    /// Where it acts, over its own coordinate first.
-    pub places: Vec<Place>,
-    /// Its force at the rows (N or N·m).
-    pub force: Vec<f64>,
-    /// Key, value and interval.
-    pub parameters: Vec<(String, Estimate)>,
-    /// What of the mechanics has its period.
-    pub source: Option<String>,
-    /// Effects that explain it as well.
-    pub ambiguous: Vec<&'static dyn Effect>,
-}
-
-impl Named {
-    /// Whether it is certain, and no part of the fit.
-    pub fn is_missing(&self) -> bool {
-        self.confident && !self.in_fit
-    }
-
-    /// What its confidence is computed from, where that is fitted.
-    pub fn features(&self) -> Option<BTreeMap<&'static str, f64>> {
-        match (&self.standing, self.name) {
-            (Some(standing), _) => Some(confidence::features(standing)),
-            (None, Name::Correction(_)) => None,
-            (None, _) if self.confident => None,
-            (None, Name::Hysteresis) => Some(confidence::features_of_a_hint(None)),
-            (None, Name::Entry(_)) => Some(confidence::features_of_a_hint(Some(&self.evidence))),
         }
     }
 }

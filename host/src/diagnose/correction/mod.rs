@@ -7,10 +7,11 @@ mod formula;
 mod present;
 
 use super::ground::Ground;
+use super::named::{Name, Named};
 use super::signals::Signals;
 use super::simulation::{Correction as Core, few_blocks};
 use super::term::Term;
-use super::verdict::{Diagnosis, Name, Named};
+use super::verdict::Diagnosis;
 use super::weak::Column;
 use crate::recording::Recording;
 use crate::signal::Deflection;

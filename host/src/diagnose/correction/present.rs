@@ -1,8 +1,8 @@
 //! A correction in words and in files.
 
 use super::{Added, Correction};
+use crate::diagnose::figures::quantity;
 use crate::diagnose::verdict::Diagnosis;
-use crate::diagnose::words::quantity;
 use crate::model::key_of;
 use crate::recording::{MotionKind, Recording};
 use serde_json::{Map, Value, json};

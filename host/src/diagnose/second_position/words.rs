@@ -1,7 +1,7 @@
 //! A second position in a sentence.
 
 use super::{Periodic, SecondPosition};
-use crate::diagnose::words::{quantity, within};
+use crate::diagnose::figures::{quantity, within};
 use crate::recording::Recording;
 use crate::statistics::Estimate;
 

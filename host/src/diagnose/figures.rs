@@ -1,0 +1,69 @@
+//! Figures as people read them.
+
+use crate::report::display_unit;
+
+/// A value in the prefix that suits it: `-266 µN`.
+pub fn quantity(value: f64, unit: &str) -> String {
+    let shown = display_unit(unit, value);
+    format!("{} {}", three(value * shown.factor), shown.unit)
+}
+
+/// A value and how far it may be off, to two figures of that, in the prefix that suits the value: `5.0002 ± 0.0011 mm`.
+pub(super) fn within(value: f64, reach: f64, unit: &str) -> String {
+    /// Decimals that a double still has.
+    const MOST: f64 = 9.0;
+    let shown = display_unit(unit, value);
+    let reach = reach * shown.factor;
+    let decimals = (1.0 - reach.max(1e-300).log10().floor()).clamp(0.0, MOST) as usize;
+    let value = format!("{:.decimals$}", value * shown.factor).replace('-', "−");
+    format!("{value} ± {reach:.decimals$} {}", shown.unit)
+}
+
+/// Two values in the prefix that suits the larger: `−0.5 and 0.1 mm`.
+pub fn between(from: f64, to: f64, unit: &str) -> String {
+    let shown = display_unit(unit, from.abs().max(to.abs()));
+    format!(
+        "between {} and {} {}",
+        three(from * shown.factor),
+        three(to * shown.factor),
+        shown.unit
+    )
+}
+
+/// Three figures.
+pub(super) fn three(value: f64) -> String {
+    let size = value.abs();
+    let decimals = match size {
+        s if s >= 100.0 || s == 0.0 => 0,
+        s if s >= 10.0 => 1,
+        s if s >= 1.0 => 2,
+        _ => 3,
+    };
+    format!("{value:.decimals$}").replace('-', "−")
+}
+
+/// Two figures, and never certainty: the weights behind it are known no better.
+pub fn probability(p: f64) -> String {
+    format!("{:.2}", p.clamp(0.01, 0.99))
+}
+
+/// A sentence, its first letter large.
+pub fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters
+        .next()
+        .map_or(String::new(), |c| c.to_uppercase().chain(letters).collect())
+}
+
+/// In seconds, or minutes where they are many.
+pub(super) fn duration(seconds: f64) -> String {
+    const MANY: f64 = 300.0;
+    match seconds < MANY {
+        true => format!("{} s", three(seconds)),
+        false => format!("{} minutes", three(seconds / 60.0)),
+    }
+}
+
+pub(super) fn percent(share: f64) -> String {
+    format!("{:.0} %", 100.0 * share.clamp(0.0, 1.0))
+}

@@ -1,0 +1,76 @@
+//! An effect as it is stated.
+
+use super::confidence;
+use super::effect::Effect;
+use super::evidence::Evidence;
+use super::naming::Standing;
+use super::place::Place;
+use super::simulation::Correction;
+use super::term::Term;
+use crate::statistics::Estimate;
+use std::collections::BTreeMap;
+
+/// Even odds: the most that is stated of a name whose sign its own interval does not tell.
+pub(super) const EVEN: f64 = 0.5;
+
+/// What an effect is called by: an entry of the catalogue, or the hysteresis itself.
+#[derive(Clone, Copy)]
+pub enum Name {
+    /// An entry.
+    Entry(&'static dyn Effect),
+    /// The user's hysteresis is wrong.
+    Hysteresis,
+    /// Inertia or friction of the user's simulation is.
+    Correction(Correction),
+}
+
+/// An effect that is stated.
+#[derive(Clone)]
+pub struct Named {
+    /// What it is.
+    pub name: Name,
+    /// Its term, where it has one.
+    pub term: Option<Term>,
+    /// Enters the extended model; otherwise a hint.
+    pub confident: bool,
+    /// The fit has it: it is there, and nothing is missing.
+    pub in_fit: bool,
+    /// The simulation has it, too, of another size: a parameter of its own is wrong.
+    pub in_simulation: bool,
+    /// Probability that it is there and so named.
+    pub confidence: f64,
+    /// What it explains, everything else given.
+    pub evidence: Evidence,
+    /// What the confidence is computed from; `None` for the hysteresis, corrections, and hints that did not enter.
+    pub standing: Option<Standing>,
+    /// Held-out NMSE (%) without and with it.
+    pub nmse_test: [f64; 2],
+    /// Where it acts, over its own coordinate first.
+    pub places: Vec<Place>,
+    /// Its force at the rows (N or N·m).
+    pub force: Vec<f64>,
+    /// Key, value and interval.
+    pub parameters: Vec<(String, Estimate)>,
+    /// What of the mechanics has its period.
+    pub source: Option<String>,
+    /// Effects that explain it as well.
+    pub ambiguous: Vec<&'static dyn Effect>,
+}
+
+impl Named {
+    /// Whether it is certain, and no part of the fit.
+    pub fn is_missing(&self) -> bool {
+        self.confident && !self.in_fit
+    }
+
+    /// What its confidence is computed from, where that is fitted.
+    pub fn features(&self) -> Option<BTreeMap<&'static str, f64>> {
+        match (&self.standing, self.name) {
+            (Some(standing), _) => Some(confidence::features(standing)),
+            (None, Name::Correction(_)) => None,
+            (None, _) if self.confident => None,
+            (None, Name::Hysteresis) => Some(confidence::features_of_a_hint(None)),
+            (None, Name::Entry(_)) => Some(confidence::features_of_a_hint(Some(&self.evidence))),
+        }
+    }
+}
