@@ -2,13 +2,15 @@
 
 import csv
 import pathlib
+import re
 
 import numpy as np
 import pytest
 
 import preslide
 
-SHARED = pathlib.Path(__file__).resolve().parents[3] / "shared"
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SHARED = ROOT.parent / "shared"
 
 
 #: Commands on a recording, and what they are asked; comparing twenty models takes long.
@@ -182,3 +184,17 @@ def test_plots_draw(answers, axis):
         assert ax.lines or ax.patches
     with pytest.raises(preslide.Error, match="nothing to draw"):
         preslide.tune(axis / "model.toml", count="25nm").plot()
+
+
+@pytest.mark.parametrize("page", ["python/README.md", "docs/src/python.md"])
+def test_what_the_pages_show_runs(page, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.DOTALL)
+    assert blocks
+    for block in blocks:
+        names = {}
+        exec(compile(block, page, "exec"), names)
+        said = capsys.readouterr().out
+        assert said.strip(), block
+        if "confident" in block:
+            assert said.strip().endswith("['periodic_force']"), said[-400:]
