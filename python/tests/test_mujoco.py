@@ -138,3 +138,36 @@ def test_urdf_is_read_with_the_models_numbers():
     model = mujoco.MjModel.from_xml_string(robot)
     assert model.dof_frictionloss[0] == 2.0 and model.dof_damping[0] == 40.0
     assert model.jnt_type[0] == mujoco.mjtJoint.mjJNT_SLIDE
+
+
+def test_mujocos_inverse_dynamics_is_a_simulation_of_ones_own():
+    """A carriage with a cogging that its MuJoCo model lacks; the tool calls `mj_inverse` for the force."""
+    t = np.arange(0.0, 30.0, 1e-3)
+    waves = ((0.02, 2.1), (0.007, 7.3), (0.0025, 17.9))
+    x = sum(a * np.sin(w * t) for a, w in waves)
+    v = sum(a * w * np.cos(w * t) for a, w in waves)
+    acceleration = sum(-a * w * w * np.sin(w * t) for a, w in waves)
+    seed = 3
+    print(f"seed {seed}")
+    noise = 0.01 * np.random.default_rng(seed).normal(size=t.size)
+    machine = 3.0 * acceleration + 2.0 * np.tanh(v / 1e-4) + 40.0 * v + 0.2 * np.cos(2 * np.pi * x / 8e-3) + noise
+    xml = preslide.export(preslide.Model(CARRIAGE), mjcf=True)
+    model = mujoco.MjModel.from_xml_string(
+        f'<mujoco><option gravity="0 0 0"/><worldbody><body>{element(xml)}</body></worldbody></mujoco>'
+    )
+    data = mujoco.MjData(model)
+
+    def inverse(motion):
+        out = np.empty_like(motion["t"])
+        for i, state in enumerate(zip(motion["x"], motion["v"], motion["a"])):
+            data.qpos[0], data.qvel[0], data.qacc[0] = state
+            mujoco.mj_inverse(model, data)
+            out[i] = data.qfrc_inverse[0]
+        return out
+
+    found = preslide.diagnose({"t_s": t, "x_m": x, "force_N": machine}, simulate=inverse)
+    print(found)
+    cogging = next(e for e in found.effects if e.level == "confident" and e.id == "periodic_force")
+    assert abs(cogging.parameters.force_N.value / 0.2 - 1.0) < 0.05
+    assert abs(cogging.parameters.period_m.value / 8e-3 - 1.0) < 0.01
+    assert found.extended.nmse_test < 0.5 * found.baseline.nmse_test

@@ -131,6 +131,7 @@ pub fn diagnose_simulation(
     simulated: Simulated,
     progress: &Progress,
 ) -> Result<Diagnosis, Refusal> {
+    check(recording, None)?;
     let (position, effort) = match simulated {
         Simulated::Effort(effort) => {
             let s = Signals::of(recording);
