@@ -2,16 +2,17 @@
 
 use super::{Failure, ReadingArgs, outputs, write_text};
 use clap::Args;
+use preslide_host::export::joint::{Format, Joint};
 use preslide_host::export::{Options, reduced, rust_source, sha256};
 use preslide_host::model::{Model, ModelError, read};
 use preslide_host::recording::Needs;
 use preslide_host::simulate::force_of_motion;
 use std::path::{Path, PathBuf};
 
-/// A model as Rust source for the firmware: constants, the composed type, and the function that builds it
+/// A model as Rust source for the firmware: constants, the composed type, and the function that builds it; or as a simulator's joint
 #[derive(Args)]
 #[command(
-    after_help = "Example: preslide export model.toml --recording axis.csv -o src/stage_model.rs"
+    after_help = "Example: preslide export model.toml --recording axis.csv -o src/stage_model.rs\n         preslide export model.toml --mjcf -o joint.xml"
 )]
 pub struct Export {
     /// Model file, as `identify` and `diagnose` write it
@@ -26,6 +27,14 @@ pub struct Export {
     #[arg(long, value_name = "FORCE")]
     limit: Option<f64>,
 
+    /// A joint of MuJoCo instead: frictionloss, damping, armature; what it cannot hold is said, and stands in comments
+    #[arg(long, conflicts_with_all = ["limit", "urdf"])]
+    mjcf: bool,
+
+    /// A joint of URDF instead: the friction and damping of its dynamics
+    #[arg(long, conflicts_with = "limit")]
+    urdf: bool,
+
     /// Recording to name in the source by its hash, with the error of the exported model on it; may be repeated
     #[arg(long, value_name = "REC")]
     recording: Vec<PathBuf>,
@@ -34,7 +43,7 @@ pub struct Export {
     reading: ReadingArgs,
 
     /// Write the source; without it, it goes to the terminal
-    #[arg(short, long, value_name = "OUT.rs")]
+    #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,
 }
 
@@ -53,8 +62,21 @@ impl Export {
         let whole = Model::parse(&text).map_err(in_file)?;
         let model = reduced(&whole, &self.without).map_err(in_file)?;
 
+        let format = match (self.mjcf, self.urdf) {
+            (true, _) => Some(Format::Mjcf),
+            (_, true) => Some(Format::Urdf),
+            _ => None,
+        };
+        let joint = format.map(|format| Joint::of(&model, format));
+        let joint = joint.transpose().map_err(in_file)?;
+        let how = match &joint {
+            Some(_) => "Written by `preslide export`: a joint, for a body of yours.",
+            None => {
+                "Written by `preslide export`; do not edit, export again. As a module: `#[rustfmt::skip] mod …;`."
+            }
+        };
         let mut remarks = vec![
-            "Written by `preslide export`; do not edit, export again. As a module: `#[rustfmt::skip] mod …;`.".to_owned(),
+            how.to_owned(),
             format!(
                 "Model {}, SHA-256 {}.",
                 name(&self.model),
@@ -67,18 +89,21 @@ impl Export {
             remarks.push(format!("Left out by request: {id}."));
         }
         for path in &self.recording {
-            remarks.push(self.error_on(&model, path)?);
+            let exported = joint.as_ref().map_or(&model, |joint| &joint.model);
+            remarks.push(self.error_on(exported, path)?);
+        }
+        if let Some(joint) = joint {
+            self.write(&joint.to_xml(&remarks))?;
+            for clause in &joint.left_out {
+                tell!("Not in the joint: {clause}.");
+            }
+            return Ok(());
         }
         let options = Options {
             remarks,
             limit: self.limit,
         };
-        let source = rust_source(&model, &options).map_err(in_file)?;
-
-        match &self.output {
-            Some(path) => write_text(path, &source)?,
-            None => say!("{}", source.trim_end()),
-        }
+        self.write(&rust_source(&model, &options).map_err(in_file)?)?;
         let place = self
             .output
             .as_deref()
@@ -87,6 +112,17 @@ impl Export {
             "Declare {place} as a module and call model::<f32>(sample_time, Units::SI): its type, Model<f32>, is what the controller takes. This project's firmware is built with it where PRESLIDE_MODEL holds its full path."
         );
         Ok(())
+    }
+
+    /// To the file that was asked for, or the terminal.
+    fn write(&self, text: &str) -> Result<(), Failure> {
+        match &self.output {
+            Some(path) => write_text(path, text),
+            None => {
+                say!("{}", text.trim_end());
+                Ok(())
+            }
+        }
     }
 
     /// What a recording says of the model, as a sentence.

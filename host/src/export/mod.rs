@@ -1,8 +1,9 @@
-//! A model as Rust source for the firmware: constants, the composed type, and the function that builds it.
+//! A model as Rust source for the firmware (constants, the composed type, and the function that builds it), and as a simulator's joint.
 //!
 //! The source names everything by its full path, so it can be a file module or be `include!`d. The type is generic over
 //! the number type; `f32` is the default.
 
+pub mod joint;
 mod sha256;
 mod source;
 
