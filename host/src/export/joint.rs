@@ -1,6 +1,6 @@
 //! A model as a joint of a simulator: what the format holds, and in words what it does not.
 //!
-//! MuJoCo (MJCF) holds `armature·a + damping·v + frictionloss·sgn v + stiffness·(x − springref)` with a bound of the actuator's force; URDF
+//! MuJoCo (MJCF) holds `inertia·a + damping·v + frictionloss·sgn v + stiffness·(x − springref)` with a bound of the actuator's force; URDF
 //! `damping·v + friction·sgn v`. Both friction levels are that in sliding.
 
 use crate::effects::Effect;
@@ -31,6 +31,10 @@ pub struct Joint {
 
 /// Standard gravity (m/s²), which makes a mass and a lever of a torque.
 const GRAVITY: f64 = 9.806_65;
+
+/// Time constant (s) and damping ratio of dry friction in MuJoCo. With its own, 0.02 s, a joint at rest creeps; this is the least for its own
+/// time step, 2 ms.
+const SOLREF: &str = "0.004 1";
 
 /// What a joint of MuJoCo holds beside friction and inertia.
 static OF_MJCF: [&Form; 2] = [&form::POSITION_SPRING, &form::ACTUATOR_SATURATION];
@@ -104,29 +108,36 @@ impl Joint {
                     model.viscous
                 );
             }
-            Format::Mjcf => {
-                if model.inertia > 0.0 {
-                    text += "<!-- armature is the inertia of all that moves: take off it what your bodies have. -->\n";
-                }
-                let kind = match model.motion {
-                    MotionKind::Linear => "slide",
-                    MotionKind::Rotary => "hinge",
-                };
-                let mut joint = format!(
-                    "<joint name=\"axis\" type=\"{kind}\" frictionloss=\"{level}\" damping=\"{}\"",
-                    model.viscous
-                );
-                if model.inertia > 0.0 {
-                    let _ = write!(joint, " armature=\"{}\"", model.inertia);
-                }
-                for effect in &model.effects {
-                    self.attributes(effect, &mut joint, &mut text);
-                }
-                text += &joint;
-                text += "/>\n";
-            }
+            Format::Mjcf => self.mjcf(level, &mut text),
         }
         text
+    }
+
+    /// What stands in a body of MuJoCo.
+    fn mjcf(&self, level: f64, text: &mut String) {
+        let Model {
+            inertia, viscous, ..
+        } = self.model;
+        let is_linear = self.model.motion == MotionKind::Linear;
+        let kind = if is_linear { "slide" } else { "hinge" };
+        let mut joint = format!(
+            "<joint name=\"axis\" type=\"{kind}\" frictionloss=\"{level}\" solreffriction=\"{SOLREF}\" damping=\"{viscous}\""
+        );
+        let mut body = String::new();
+        if inertia > 0.0 && is_linear {
+            // MuJoCo softens a slide's friction by the mass of its body alone, which `armature` is no part of.
+            *text += "<!-- inertial is the mass of all that moves, its diaginertia without meaning: leave it out where your bodies have the mass. -->\n";
+            body = format!(
+                "<inertial pos=\"0 0 0\" mass=\"{inertia}\" diaginertia=\"{inertia} {inertia} {inertia}\"/>\n"
+            );
+        } else if inertia > 0.0 {
+            *text += "<!-- armature is the inertia of all that moves: take off it what your bodies have. -->\n";
+            let _ = write!(joint, " armature=\"{inertia}\"");
+        }
+        for effect in &self.model.effects {
+            self.attributes(effect, &mut joint, text);
+        }
+        *text += &format!("{joint}/>\n{body}");
     }
 
     /// The attributes of an effect that MuJoCo's joint holds, and what is to be known of them.
@@ -189,6 +200,8 @@ fn words(effect: &Effect, unit: &str) -> String {
     }
     let rest = if effect.is(&form::VISCOUS_ASYMMETRY) {
         "damping is the mean of both directions"
+    } else if effect.is(&form::TRANSMITTED_FRICTION) {
+        "most of the friction may be in it; the fit of the force (`preslide identify` without --criterion) has none"
     } else if effect.is(&form::COULOMB_ASYMMETRY) {
         "the friction is the mean of both directions"
     } else {
@@ -228,7 +241,7 @@ mod tests {
         assert_eq!(
             element,
             format!(
-                "<joint name=\"axis\" type=\"hinge\" frictionloss=\"0.25\" damping=\"0.03\" armature=\"0.004\" stiffness=\"0.7\" springref=\"{}\" actuatorfrcrange=\"-1.5 1.5\"/>",
+                "<joint name=\"axis\" type=\"hinge\" frictionloss=\"0.25\" solreffriction=\"0.004 1\" damping=\"0.03\" armature=\"0.004\" stiffness=\"0.7\" springref=\"{}\" actuatorfrcrange=\"-1.5 1.5\"/>",
                 0.5_f64.to_degrees()
             )
         );
@@ -269,6 +282,12 @@ mod tests {
         );
         assert!(joint.left_out[0].contains("pre-sliding of LuGre"));
         assert!(joint.left_out[1].contains("at rest, 3 N"));
-        assert!(!joint.to_xml(&[]).contains("armature"));
+        assert!(!joint.to_xml(&[]).contains("inertial"));
+        let heavy = linear.replace("[friction]", "inertia = { mass_kg = 3.0 }\n[friction]");
+        let text = self::joint(&heavy, Format::Mjcf).to_xml(&[]);
+        assert!(
+            text.contains("mass=\"3\"") && !text.contains("armature"),
+            "{text}"
+        );
     }
 }
