@@ -80,6 +80,52 @@ fn the_source_that_is_compiled_here_is_what_export_writes() {
     }
 }
 
+/// What a joint cannot hold is told on the terminal and stands in the file; a recording judges what is left.
+#[test]
+fn a_simulators_joint_says_what_it_cannot_hold() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let written = folder.path().join("joint.xml").display().to_string();
+    let recording = folder.path().join("axis.csv");
+    let mut rows = "t_s,x_m,force_N\n".to_owned();
+    for i in 0..4000 {
+        let (t, w) = (f64::from(i) * 1e-3, 5.0_f64);
+        let (x, v, a) = ((w * t).sin(), w * (w * t).cos(), -w * w * (w * t).sin());
+        let force = 0.5 * 0.01 * a + 2.0 * v.signum() + 30.0 * 0.01 * v;
+        rows += &format!("{t},{},{force}\n", 0.01 * x);
+    }
+    std::fs::write(&recording, rows).expect("written");
+    let model = folder.path().join("gms.toml");
+    let kept = "schema = \"preslide.model/1\"\nmotion = \"linear\"\ninertia = { mass_kg = 0.5 }\n\
+        friction = { kind = \"gms\", breakaway_N = 2.0, viscous_N_s_per_m = 30.0, blocks = [{ stiffness_N_per_m = 1e5, weight = 1.0 }] }\n\
+        [[effects]]\nid = \"backlash\"\ngap_m = 1e-5\n";
+    std::fs::write(&model, kept).expect("written");
+    let (model, recording) = (model.display().to_string(), recording.display().to_string());
+    let run = export(&[&model, "--mjcf", "--recording", &recording, "-o", &written]);
+    let told = text(&run.stderr);
+    assert!(run.status.success(), "{told}");
+    let file = std::fs::read_to_string(&written).expect("written");
+    for (id, part) in [
+        ("pre-sliding", "GMS, N = 1"),
+        ("backlash", "nothing for it"),
+    ] {
+        let said = |text: &str, head: &str| {
+            text.lines()
+                .any(|line| line.contains(head) && line.contains(id) && line.contains(part))
+        };
+        assert!(said(&told, "Not in the joint: "), "{id}: {told}");
+        assert!(said(&file, "<!-- Not in it: "), "{id}: {file}");
+    }
+    assert!(file.contains("frictionloss=\"2\"") && file.contains("damping=\"30\""));
+    // Of the joint, which has no play: the recording is made of nothing but what it holds.
+    let error = file.split_once("NMSE ").expect("an error").1;
+    let nmse: f64 = error[..error.find(' ').expect("a number")]
+        .parse()
+        .expect("a number");
+    assert!(nmse < 1.0, "{nmse} %: {file}");
+    let both = export(&[&model, "--mjcf", "--urdf"]);
+    assert!(!both.status.success() && text(&both.stderr).contains("cannot be used with"));
+}
+
 const STEP: f64 = 1e-4;
 
 /// Position (m or rad) and velocity of `samples` samples, about 4 `scale` long, with small loops in it.
