@@ -60,10 +60,10 @@ def test_simulate_tune_and_export_are_the_tools(tool, axis, tmp_path):
 
 
 def test_arrays_and_frames_are_what_the_file_is(axis):
-    pandas = pytest.importorskip("pandas")
+    pandas, polars = pytest.importorskip("pandas"), pytest.importorskip("polars")
     file = axis / "recording.csv"
     of_file = preslide.identify(file)
-    for frame in (columns(file), pandas.DataFrame(columns(file))):
+    for frame in (columns(file), pandas.DataFrame(columns(file)), polars.DataFrame(columns(file))):
         found = preslide.identify(frame)
         assert found.recording == "recording.npz"
         assert plain(found.to_dict()) | {"recording": ""} == plain(of_file.to_dict()) | {"recording": ""}
