@@ -225,7 +225,7 @@ mod tests {
         inertia = { inertia_kg_m2 = 0.004 }\n\
         friction = { kind = \"coulomb\", coulomb_Nm = 0.25, viscous_Nm_s_per_rad = 0.03 }\n\
         [[effects]]\nid = \"position_spring\"\nstiffness_Nm_per_rad = 0.7\ncentre_rad = 0.5\n\
-        [[effects]]\nid = \"gravity\"\ntorque_Nm = 0.980665\nangle_rad = 0.0\n\
+        [[effects]]\nid = \"gravity\"\nforce_Nm = 0.980665\nangle_rad = 0.0\n\
         [[effects]]\nid = \"actuator_saturation\"\nlimit_Nm = 1.5\n";
 
     fn joint(text: &str, format: Format) -> Joint {
