@@ -145,6 +145,8 @@ enum Run {
     Forward,
     /// It followed the recorded motion by its own controller, and both were logged.
     Followed,
+    /// As the first, its force logged late by so many samples.
+    Late(usize),
 }
 
 /// What is to be added to a simulation.
@@ -265,6 +267,11 @@ fn between_run(machine: Physics, simulation: Physics, run: Run) -> (Diagnosis, O
     force.iter_mut().for_each(|f| *f += 0.01 * dice.normal());
     let simulated = match run {
         Run::Inverse => vec![("force_sim_mN", simulation.force(&mut dice))],
+        Run::Late(samples) => {
+            let on_time = simulation.force(&mut dice);
+            let late = (0..SAMPLES).map(|i| on_time[i.saturating_sub(samples)]);
+            vec![("force_sim_mN", late.collect())]
+        }
         Run::Forward => vec![("x_sim_mm", simulation.moved_by(&force))],
         Run::Followed => {
             let (position, own) = simulation.followed();
@@ -384,6 +391,22 @@ fn wrong_inertia_and_friction_of_a_simulation_are_told_with_their_errors() {
     assert_eq!(confident(&found), ["friction", "inertia"]);
     let (before, after) = found.nmse_test.expect("NMSE");
     assert!(after < 0.2 * before, "{before} {after}");
+    let mass = value(&found, "inertia", "mass_kg");
+    let friction = value(&found, "friction", "force_N");
+    assert!((mass / 0.45 - 1.0).abs() < 0.05, "{mass}");
+    assert!((friction / -0.4 - 1.0).abs() < 0.05, "{friction}");
+}
+
+/// Logged 12 ms late, the same simulation is told the same: a first-order delay made a mass of the shift.
+#[test]
+fn what_was_logged_late_is_taken_off_before_anything_is_told() {
+    let off = Physics {
+        mass_kg: 0.85 * PLAIN.mass_kg,
+        friction_n: 1.2 * PLAIN.friction_n,
+        ..PLAIN
+    };
+    let (found, _) = between_run(machine(PLAIN), off, Run::Late(12));
+    assert_eq!(confident(&found), ["friction", "inertia"]);
     let mass = value(&found, "inertia", "mass_kg");
     let friction = value(&found, "friction", "force_N");
     assert!((mass / 0.45 - 1.0).abs() < 0.05, "{mass}");

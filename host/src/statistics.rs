@@ -1,6 +1,7 @@
 //! Estimates with their confidence, the jackknife, the paper's measure of fit, quantiles.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -116,6 +117,51 @@ impl<'a> LeastSquares<'a> {
         let [right, solution] = self.solved(target);
         dot(target, target) - right.dot(&solution)
     }
+}
+
+/// By how many samples a signal is later than what it is held against, and the squares that it leaves there and as it is; `left` tells them of the
+/// signal shifted. `None` where the least lies at an end of the `most` samples either way.
+pub fn lateness(
+    signal: &[f64],
+    most: usize,
+    left: impl Fn(&[f64]) -> f64 + Sync,
+) -> Option<(f64, [f64; 2])> {
+    /// Steps of the search within two samples: each leaves two thirds, all of them a thousandth.
+    const THIRDS: usize = 18;
+    let left_at = |late: f64| left(&earlier(signal, late));
+    let reach = most as i32;
+    let all: Vec<f64> = (-reach..=reach)
+        .into_par_iter()
+        .map(|late| left_at(late.into()))
+        .collect();
+    let best = (0..all.len()).min_by(|a, b| all[*a].total_cmp(&all[*b]))?;
+    if best == 0 || best + 1 == all.len() {
+        return None;
+    }
+    // Where a force jumps the least is a kink, which no parabola tells.
+    let middle = best as f64 - most as f64;
+    let (mut low, mut high) = (middle - 1.0, middle + 1.0);
+    for _ in 0..THIRDS {
+        let third = (high - low) / 3.0;
+        match left_at(low + third) < left_at(high - third) {
+            true => high -= third,
+            false => low += third,
+        }
+    }
+    let late = 0.5 * (low + high);
+    Some((late, [left_at(late), all[most]]))
+}
+
+/// Evenly spaced values as they were so many samples later, straight between two and held beyond the ends.
+pub fn earlier(values: &[f64], late: f64) -> Vec<f64> {
+    let last = values.len().saturating_sub(1);
+    let at = |i: usize| {
+        let place = (i as f64 + late).clamp(0.0, last as f64);
+        let before = place as usize;
+        let part = place - before as f64;
+        values[before] + part * (values[(before + 1).min(last)] - values[before])
+    };
+    (0..values.len()).map(at).collect()
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -18,8 +18,12 @@ def plot(command, result, ax):
 
 def _identify(found, _, ax):
     sizes = [size for size in found["friction"] if size["blocks"] > 0]
-    ax.semilogy([s["blocks"] for s in sizes], [s["nmse_test"] for s in sizes], "o-", label="held out")
-    ax.semilogy([s["blocks"] for s in sizes], [s["nmse_train"] for s in sizes], "o--", label="fitted")
+    # Blocks chosen as the paper does, and by search: each a curve of its own.
+    for color, method in zip(("tab:orange", "tab:blue"), dict.fromkeys(size["method"] for size in sizes)):
+        own = [size for size in sizes if size["method"] == method]
+        blocks = [size["blocks"] for size in own]
+        ax.semilogy(blocks, [size["nmse_test"] for size in own], "o-", color=color, label=f"{method}, held out")
+        ax.semilogy(blocks, [size["nmse_train"] for size in own], "o--", color=color, mfc="none", label=f"{method}, fitted")
     ax.set(xlabel="Maxwell-slip blocks", ylabel="NMSE (%)", title=found["recording"])
     ax.legend()
 
@@ -29,18 +33,20 @@ def _compare(found, _, ax):
     names = [m["kind"] if not m["blocks"] else f"{m['kind']}, N = {m['blocks']}" for m in models]
     ax.barh(names, [m["nmse_test"] for m in models])
     ax.invert_yaxis()
-    ax.set(xscale="log", xlabel="NMSE held out (%)", title=found["recording"])
+    ax.set(xlabel="NMSE held out (%)", title=found["recording"])
 
 
 def _diagnose(found, _, ax):
     items = found["budget"]["items"]
     ax.barh([i["what"].replace("_", " ") for i in items], [i["rms"] for i in items])
     ax.invert_yaxis()
-    ax.set(xlabel="RMS that it takes off", title=f"{found['recording']}: {found['verdict']}")
+    ax.set(xlabel="RMS that it takes off (in the effort's unit)", title=f"{found['recording']}: {found['verdict']}")
 
 
-def _simulate(_, result, ax):
-    time, *others = result.data
-    name = next(key for key in others if not key.startswith(("x_m", "q_rad")) or len(others) == 1)
+def _simulate(found, result, ax):
+    time, position, *others = result.data
+    # Of a motion the force, which comes last; of a force or a reference the motion.
+    name = others[-1] if found["input"] == "motion" else position
+    quantity, unit = name.rsplit("_", 1)
     ax.plot(result.data[time], result.data[name])
-    ax.set(xlabel="time (s)", ylabel=name)
+    ax.set(xlabel="time (s)", ylabel=f"{quantity} ({unit})", title="simulated")

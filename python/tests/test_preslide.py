@@ -186,7 +186,9 @@ def test_plots_draw(answers, axis):
     matplotlib.use("Agg")
     for result in (*answers.values(), preslide.simulate(axis / "model.toml", motion=axis / "recording.csv")):
         ax = result.plot()
-        assert ax.lines or ax.patches
+        assert (ax.lines or ax.patches) and ax.get_xlabel()
+    # The last: what a motion takes is a force.
+    assert ax.get_ylabel() == "force (N)"
     with pytest.raises(preslide.Error, match="nothing to draw"):
         preslide.tune(axis / "model.toml", count="25nm").plot()
 

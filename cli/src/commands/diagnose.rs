@@ -196,13 +196,13 @@ impl Diagnose {
 
     /// What the simulation lacks, and what it leaves with that.
     fn write_correction(&self, found: &Diagnosis, recording: &Recording) -> Result<(), Failure> {
-        let Some(correction) = found.correction(recording) else {
+        let Some(correction) = &found.correction else {
             if !self.output.is_empty() {
                 say!("Nothing is stated that a correction could add: no file is written.");
             }
             return Ok(());
         };
-        let words = capital(&correction.words(found, recording));
+        let words = capital(&correction.words(&found.ground.rows, recording));
         say!("{words}.");
         let remarks = [
             format!(

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Share of a block's yield beyond which it is said to slip.
-const SLIPS: f64 = 0.999;
+pub(super) const SLIPS: f64 = 0.999;
 
 /// Shares of the usual top speed over which friction without hysteresis reverses (`tanh(v/v₀)`, as many simulations and some lubricated
 /// machines have it): up to a tenth, above which it would be viscous friction, in octaves: midway two of them mix to within 2.2 % of the

@@ -64,10 +64,12 @@ use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::{Recording, Simulated};
 use crate::signal::{Kinematics, Saturation, StickSlip, not_yet_known};
+use crate::statistics::earlier;
 use channel::Channel;
+use correction::Correction;
 use fit::{Fit, Known};
 use ground::Ground;
-use late::{earlier, lateness};
+use late::lateness;
 use reproduced::Reproduced;
 use rows::Rows;
 use shift::Shift;
@@ -136,10 +138,11 @@ pub fn diagnose_simulation(
         Simulated::Effort(effort) => {
             let s = Signals::of(recording);
             let late = lateness(&s, &recording.effort, &effort);
-            let effort = late.map_or(effort.clone(), |late| earlier(&s, &effort, late));
+            let effort = late.map_or_else(|| effort.clone(), |late| earlier(&effort, late));
             let simulated = Some((&Column::of(effort.clone()), 0.0));
             let mut found = judge(recording, None, &Known::default(), simulated, progress)?;
-            (found.simulated, found.simulated_late) = (Some(effort), late);
+            found.simulated_late = late.map(|samples| samples * s.dt);
+            found.take_correction(recording, effort);
             return Ok(found);
         }
         Simulated::Motion { position, effort } => (position, effort),
@@ -166,12 +169,19 @@ pub fn diagnose_simulation(
     let slope = |values: &[f64]| s.smooth_slope(values);
     let (viscous, inertia) = (slope(&effort.sloped), slope(&slope(&effort.curved)));
     let parts = effort.value.iter().zip(viscous).zip(inertia);
-    found.simulated = Some(parts.map(|((f, v), i)| f + v + i).collect());
+    let simulated = parts.map(|((f, v), i)| f + v + i).collect();
+    found.take_correction(recording, simulated);
     found.reproduced = Some(reproduced);
     Ok(found)
 }
 
 impl Diagnosis {
+    /// Takes down what a simulation of this effort for the recorded motion (N or N·m) lacks.
+    fn take_correction(&mut self, recording: &Recording, simulated: Vec<f64>) {
+        let state = (&self.ground, &self.states[1]);
+        self.correction = Correction::of(state, &self.effects, recording, simulated);
+    }
+
     /// The mismatch is no larger than what is not known of the simulation.
     fn tells_no_difference(&mut self) {
         self.verdict = Verdict::Consistent;

@@ -71,7 +71,7 @@ impl Diagnosis {
             "noise": { "friction_variability": self.ground.noise.variability(), "disturbance": self.ground.noise.disturbance() },
             "excitation": self.lacks.iter().map(|l| json!({"missing": l.missing, "hides": l.hides})).collect::<Vec<_>>(),
             "blocks": self.ground.rows.blocks.len(),
-            "correction": self.correction(recording).map(|c| c.to_json(recording)),
+            "correction": self.correction.as_ref().map(|c| c.to_json(recording)),
             "simulated_late_s": self.simulated_late,
             "reproduced_nmse": self.reproduced.as_ref().map(|r| r.nmse),
             "second_positions": self.second_positions.iter().map(|p| p.to_json(recording)).collect::<Vec<_>>(),

@@ -4,6 +4,7 @@ use super::axis::Axis;
 use super::budget::{Finding, Item, budget};
 use super::channel::{self, Channel};
 use super::confidence::{self, confidence};
+use super::correction::Correction;
 use super::credible::sieved;
 use super::drift::drift;
 use super::effect::{self, Class, Effect};
@@ -114,8 +115,8 @@ pub struct Diagnosis {
     pub ground: Ground,
     /// The hypothesis without and with the confident effects.
     pub states: [Hypothesis; 2],
-    /// The effort of the user's simulation for the recorded motion, at the samples (N or N·m).
-    pub simulated: Option<Vec<f64>>,
+    /// What the user's simulation lacks, where something is stated.
+    pub correction: Option<Correction>,
     /// By how much (s) that was late, which is taken off.
     pub simulated_late: Option<f64>,
     /// The model that stands for a simulation which moved by itself.
@@ -283,7 +284,7 @@ pub fn conclude(
         given,
         ground,
         states: [first, extended],
-        simulated: None,
+        correction: None,
         simulated_late: None,
         reproduced: None,
         second_positions: Vec::new(),

@@ -109,7 +109,7 @@ fn no_column(recording: &Recording, name: &str) -> String {
         format!("has {}", names.join(", "))
     };
     format!(
-        "--simulated {name}: no such column of numbers that vary in {}, which {there}; log the force or torque that the simulation needs for the recorded motion as one more column, or the position that it comes to under the recorded effort",
+        "--simulated {name}: there is no file of that name, and no such column of numbers that vary in {}, which {there}; log the force or torque that the simulation needs for the recorded motion as one more column, or the position that it comes to under the recorded effort",
         recording.name
     )
 }

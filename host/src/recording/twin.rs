@@ -3,6 +3,7 @@
 use super::simulated::{Simulated, correlation, effort_of, position_of};
 use super::words::quantity;
 use super::{EffortRole, LoadOptions, MotionKind, Needs, Recording, Warning, load};
+use crate::statistics;
 use std::path::Path;
 
 /// Share of the travel by which a simulation may miss the recorded motion that it was to follow.
@@ -15,6 +16,8 @@ const LATEST_S: f64 = 0.5;
 const SHIFTED: f64 = 0.25;
 /// Samples from which a shift is one.
 const LEAST: f64 = 2.0;
+/// Warnings that matter to what is identified of a file, and nothing to a simulation.
+const OF_A_RECORDING: [&str; 2] = ["no-repeats", "extra-columns"];
 /// Times by which measured and simulated sizes may differ: beyond, it is another unit.
 const ANOTHER_UNIT: f64 = 30.0;
 
@@ -82,6 +85,12 @@ impl Recording {
                 self.effort_unit()
             )));
         }
+        let told = own.warnings.iter();
+        let told = told.filter(|warning| !OF_A_RECORDING.contains(&warning.code));
+        self.warnings.extend(told.map(|warning| Warning {
+            message: format!("{name}: {}", warning.message),
+            ..warning.clone()
+        }));
         let clock = Clock::of(&own.t_s, &self.t_s).map_err(|what| wrong(&what))?;
         if clock.later != 0.0 {
             self.warnings.push(Warning::new(
@@ -214,25 +223,12 @@ fn lateness(measured: &[f64], simulated: &[f64], step: f64) -> Option<f64> {
         return None;
     }
     let most = ((LATEST_S / step) as usize).min(n / 4);
-    let left = |late: isize| -> f64 {
-        let pairs = (most..n - most).map(|i| (measured[i], simulated[i.wrapping_add_signed(late)]));
-        pairs.map(|(m, s)| (m - s).powi(2)).sum()
+    let left = |shifted: &[f64]| {
+        let apart = (most..n - most).map(|i| (measured[i] - shifted[i]).powi(2));
+        apart.sum::<f64>()
     };
-    let reach = most as isize;
-    let all: Vec<f64> = (-reach..=reach).map(left).collect();
-    let best = (0..all.len()).min_by(|a, b| all[*a].total_cmp(&all[*b]))?;
-    let [before, least, after] =
-        [best.checked_sub(1)?, best, best + 1].map(|i| all.get(i).copied());
-    let (before, least, after) = (before?, least?, after?);
-    // The lowest point of a parabola through three.
-    let curve = before - 2.0 * least + after;
-    let part = if curve > 0.0 {
-        0.5 * (before - after) / curve
-    } else {
-        0.0
-    };
-    let late = best as f64 - most as f64 + part;
-    (late.abs() >= LEAST && least < SHIFTED * all[most]).then_some(late * step)
+    let (late, [least, unshifted]) = statistics::lateness(simulated, most, left)?;
+    (late.abs() >= LEAST && least < SHIFTED * unshifted).then_some(late * step)
 }
 
 #[cfg(test)]

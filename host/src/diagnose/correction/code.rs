@@ -2,6 +2,7 @@
 
 use super::expr::{Expr, Input};
 use super::{Blocks, Correction};
+use crate::diagnose::core::SLIPS;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -134,7 +135,7 @@ class Correction:
         path = self.path
         blocks = sum(k * z for (k, _), z in zip(self.BLOCKS, self.z))
         direction = sum(k * w for (k, _), w in zip(self.DIRECTION, self.w))
-        slipping = sum(k * w for (k, d), w in zip(self.DIRECTION, self.w) if abs(w) >= 0.999 * d)
+        slipping = sum(k * w for (k, d), w in zip(self.DIRECTION, self.w) if abs(w) >= {SLIPS:?} * d)
         return {{
 {terms}        }}
 
@@ -202,7 +203,7 @@ static double preslide_correction_force(struct preslide_correction *s, double t,
         const double d = PRESLIDE_DIRECTION[i][1];
         s->w[i] = fmin(fmax(s->w[i] + moved, -d), d);
         direction += PRESLIDE_DIRECTION[i][0] * s->w[i];
-        slipping += fabs(s->w[i]) >= 0.999 * d ? PRESLIDE_DIRECTION[i][0] * s->w[i] : 0.0;
+        slipping += fabs(s->w[i]) >= {SLIPS:?} * d ? PRESLIDE_DIRECTION[i][0] * s->w[i] : 0.0;
     }}
     (void)t; (void)x; (void)v; (void)a; (void)path; (void)blocks; (void)direction; (void)slipping;
 {terms}    return force;
@@ -246,7 +247,7 @@ state.w = min(max(state.w + moved, -dir(:, 2)), dir(:, 2));
 path = state.path;
 blocks = sum(own(:, 1) .* state.z);
 direction = sum(dir(:, 1) .* state.w);
-slipping = sum(dir(:, 1) .* state.w .* (abs(state.w) >= 0.999 * dir(:, 2)));
+slipping = sum(dir(:, 1) .* state.w .* (abs(state.w) >= {SLIPS:?} * dir(:, 2)));
 force = 0;
 {terms}end
 ",

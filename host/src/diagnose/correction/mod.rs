@@ -6,22 +6,19 @@ pub mod expr;
 mod formula;
 mod present;
 
-use super::ground::Ground;
+use super::core::SLIPS;
+use super::ground::{Ground, Hypothesis};
 use super::named::{Name, Named};
 use super::signals::Signals;
 use super::simulation::{Correction as Core, few_blocks};
 use super::term::Term;
-use super::verdict::Diagnosis;
 use super::weak::Column;
 use crate::recording::Recording;
 use crate::signal::Deflection;
-use crate::statistics::Estimate;
+use crate::statistics::{Estimate, nmse};
 pub use code::Language;
 use expr::{Expr, Input};
 use formula::formula;
-
-/// Share of a block's yield beyond which it slips, as the core has it.
-const SLIPS: f64 = 0.999;
 
 /// Parallel springs that slip: stiffness (N/m or N·m/rad, or that over a level) and yield displacement (m or rad).
 type Blocks = Vec<(f64, f64)>;
@@ -58,15 +55,17 @@ pub struct Added {
     formula: Option<Expr>,
 }
 
-impl Diagnosis {
-    /// What the simulation lacks, `None` where there is none to correct, or nothing is stated.
-    pub fn correction(&self, recording: &Recording) -> Option<Correction> {
-        let simulated = self.simulated.as_ref()?;
-        self.effects.iter().find(|e| e.confident)?;
-        let ground = &self.ground;
-        let state = &self.states[1];
+impl Correction {
+    /// What a simulation of this effort for the recorded motion (N or N·m) lacks of a recording; `None` where none of the `effects` is stated.
+    pub(super) fn of(
+        (ground, state): (&Ground, &Hypothesis),
+        effects: &[Named],
+        recording: &Recording,
+        simulated: Vec<f64>,
+    ) -> Option<Self> {
+        effects.iter().find(|e| e.confident)?;
         let s = &ground.rows.s;
-        let stated = |term: &Term| self.effects.iter().find(|e| e.confident && e.is_of(term));
+        let stated = |term: &Term| effects.iter().find(|e| e.confident && e.is_of(term));
         let own = state.terms.iter().enumerate();
         let own: Vec<_> = own
             .filter_map(|(i, term)| Some((i, term, stated(term)?)))
@@ -92,10 +91,10 @@ impl Diagnosis {
         };
         let mut terms: Vec<Added> = Vec::new();
         if ground.core.first_of_friction() > 0 {
-            terms.push(self.of_core(Core::Inertia, inertia, &along));
+            terms.push(along.of_core(effects, Core::Inertia, inertia));
         }
         let sliding = blocks.iter().map(|(k, d)| k * d).sum();
-        terms.push(self.of_core(Core::Friction, sliding, &along));
+        terms.push(along.of_core(effects, Core::Friction, sliding));
         for (index, term, stated) in own {
             let mut added = along.of_effect(stated, term, state.coefficients(index), ground);
             let before = terms.iter().filter(|t| t.words == added.words).count();
@@ -111,40 +110,16 @@ impl Diagnosis {
                 .zip(&term.force)
                 .for_each(|(c, f)| *c += f);
         }
-        let left = [simulated, &corrected].map(|own| nmse(&recording.effort, own));
-        Some(Correction {
+        let all: Vec<usize> = (0..simulated.len()).collect();
+        let left = [&simulated, &corrected].map(|own| nmse(&recording.effort, own, &all));
+        Some(Self {
             terms,
             blocks,
             direction,
             motion: [s.v.clone(), s.a.clone()],
-            simulated: simulated.clone(),
+            simulated,
             left,
         })
-    }
-
-    /// Inertia, or level and shape of the hysteresis.
-    fn of_core(&self, core: Core, value: f64, along: &Along) -> Added {
-        let stated = |e: &&Named| matches!(e.name, Name::Correction(own) if own == core);
-        let stated = self.effects.iter().find(stated);
-        let (key, formula) = match core {
-            Core::Inertia => ("mass_kg", value * Expr::from(Input::Acceleration)),
-            Core::Friction => ("coulomb_N", Expr::from(Input::Blocks)),
-        };
-        let ci95 = stated.and_then(|e| e.parameters[0].1.ci95);
-        let estimate = Estimate { value, ci95 };
-        Added {
-            id: core.id().to_owned(),
-            words: match core {
-                Core::Inertia => "inertia",
-                Core::Friction => "Coulomb friction, and how it builds up after a reversal",
-            },
-            certainty: stated
-                .filter(|e| e.confident)
-                .map_or("refitted", |e| e.certainty()),
-            parameters: vec![(key.to_owned(), estimate)],
-            force: along.force(&formula),
-            formula: Some(formula),
-        }
     }
 }
 
@@ -212,6 +187,31 @@ impl Along<'_> {
         }
     }
 
+    /// Inertia, or level and shape of the hysteresis.
+    fn of_core(&self, effects: &[Named], core: Core, value: f64) -> Added {
+        let stated = |e: &&Named| matches!(e.name, Name::Correction(own) if own == core);
+        let stated = effects.iter().find(stated);
+        let (key, formula) = match core {
+            Core::Inertia => ("mass_kg", value * Expr::from(Input::Acceleration)),
+            Core::Friction => ("coulomb_N", Expr::from(Input::Blocks)),
+        };
+        let ci95 = stated.and_then(|e| e.parameters[0].1.ci95);
+        let estimate = Estimate { value, ci95 };
+        Added {
+            id: core.id().to_owned(),
+            words: match core {
+                Core::Inertia => "inertia",
+                Core::Friction => "Coulomb friction, and how it builds up after a reversal",
+            },
+            certainty: stated
+                .filter(|e| e.confident)
+                .map_or("refitted", |e| e.certainty()),
+            parameters: vec![(key.to_owned(), estimate)],
+            force: self.force(&formula),
+            formula: Some(formula),
+        }
+    }
+
     /// The sum of columns, derivatives taken.
     fn of_columns(&self, columns: &[Column], coefficients: &[f64]) -> Vec<f64> {
         let mut force = vec![0.0; self.s.x.len()];
@@ -268,18 +268,6 @@ fn absolute(key: &str, estimate: &Estimate, level: f64) -> (String, Estimate) {
         ci95: estimate.ci95.map(|ends| ends.map(|end| level * end)),
     };
     named.map_or_else(|| (key.to_owned(), *estimate), |key| (key, scaled))
-}
-
-/// What a model leaves of a measured effort's variance (%).
-fn nmse(measured: &[f64], modelled: &[f64]) -> f64 {
-    let mean = measured.iter().sum::<f64>() / measured.len().max(1) as f64;
-    let variance: f64 = measured.iter().map(|m| (m - mean).powi(2)).sum();
-    let left: f64 = measured
-        .iter()
-        .zip(modelled)
-        .map(|(a, b)| (a - b).powi(2))
-        .sum();
-    100.0 * left / variance.max(1e-300)
 }
 
 #[cfg(test)]

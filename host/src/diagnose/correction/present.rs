@@ -2,7 +2,7 @@
 
 use super::{Added, Correction};
 use crate::diagnose::figures::quantity;
-use crate::diagnose::verdict::Diagnosis;
+use crate::diagnose::rows::Rows;
 use crate::model::key_of;
 use crate::recording::{MotionKind, Recording};
 use serde_json::{Map, Value, json};
@@ -39,8 +39,8 @@ impl Correction {
     }
 
     /// What simulation and correction leave, in a sentence without its full stop.
-    pub fn words(&self, found: &Diagnosis, recording: &Recording) -> String {
-        let force = |nmse: f64| quantity(found.ground.rows.rms_of(nmse), recording.effort_unit());
+    pub fn words(&self, rows: &Rows, recording: &Recording) -> String {
+        let force = |nmse: f64| quantity(rows.rms_of(nmse), recording.effort_unit());
         let [before, after] = self.left;
         format!(
             "your simulation plus this correction leaves {after:.3} % of the variance ({} RMS) at all samples of {}, your simulation alone {before:.3} % ({})",
