@@ -4,7 +4,6 @@ use super::outputs::is_stdout;
 use super::{Failure, OutputArgs, RecordingArgs, command_line, thin, write_text};
 use clap::Args;
 use preslide_host::diagnose::correction::Language;
-use preslide_host::diagnose::figures::capital;
 use preslide_host::diagnose::fit::Fit;
 use preslide_host::diagnose::verdict::Verdict;
 use preslide_host::diagnose::{
@@ -13,6 +12,7 @@ use preslide_host::diagnose::{
 use preslide_host::model::Model;
 use preslide_host::progress::Progress;
 use preslide_host::recording::{Recording, Simulated};
+use preslide_host::report::figures::capital;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;

@@ -130,7 +130,7 @@ impl Comparison {
         let split = &self.identification.split;
         match &split.test {
             Some(_) => "test window".to_owned(),
-            None => format!("{}s in turn", split.unit),
+            None => format!("{} in turn", split.units()),
         }
     }
 

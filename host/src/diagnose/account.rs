@@ -1,12 +1,12 @@
 //! The budget in figures and words: root mean squares of what is taken off, never more than is left.
 
-use super::figures::{probability, quantity, within};
 use super::named::{Name, Named};
 use super::verdict::Diagnosis;
 use super::words::place_words;
 use crate::model::key_of;
-use crate::recording::{MotionKind, Recording};
+use crate::recording::Recording;
 use crate::report::Table;
+use crate::report::figures::{probability, quantity, within};
 use crate::statistics::Estimate;
 use serde_json::{Value, json};
 
@@ -30,17 +30,17 @@ impl Named {
     }
 
     /// Its size in the machine's units.
-    fn size(&self, kind: MotionKind) -> String {
+    fn size(&self, recording: &Recording) -> String {
         let told = self.parameters.iter().take(TOLD);
         let told: Vec<String> = told
-            .map(|(key, e)| parameter(&key_of(kind, key), e))
+            .map(|(key, e)| parameter(&key_of(recording.kind, key), e, recording.effort_unit()))
             .collect();
         told.join(", ")
     }
 }
 
-/// A parameter by its key in a model file: `period 2.50 ± 0.01 mm`.
-fn parameter(key: &str, estimate: &Estimate) -> String {
+/// A parameter by its key in a model file, of an effort in such a unit: `period 2.50 ± 0.01 mm`.
+fn parameter(key: &str, estimate: &Estimate, effort: &str) -> String {
     /// Endings of keys, the longest first, with the unit that they stand for and what of the key is no unit.
     const UNITS: [(&str, &str); 15] = [
         ("_Nm_s2_per_rad2", "N·m·s²/rad²"),
@@ -63,6 +63,7 @@ fn parameter(key: &str, estimate: &Estimate) -> String {
         .iter()
         .find_map(|(ending, unit)| Some((key.strip_suffix(ending)?, *unit)));
     let (name, unit) = unit.unwrap_or((key, ""));
+    let unit = &in_effort(unit, effort);
     let size = match estimate.reach() {
         Some(reach) => within(estimate.value, reach, unit),
         None => quantity(estimate.value, unit),
@@ -70,6 +71,19 @@ fn parameter(key: &str, estimate: &Estimate) -> String {
     format!("{} {size}", name.replace('_', " "))
         .trim_end()
         .to_owned()
+}
+
+/// A unit of force or torque where the effort is in another: `N·m·s/rad` in A is `A·s/rad`.
+fn in_effort(unit: &str, effort: &str) -> String {
+    let is_force = matches!(effort, "N" | "Nm");
+    let rest = ["N·m", "Nm", "N"].into_iter().find_map(|force| {
+        let rest = unit.strip_prefix(force)?;
+        (rest.is_empty() || rest.starts_with(['·', '/'])).then_some(rest)
+    });
+    match rest.filter(|_| !is_force) {
+        Some(rest) => format!("{effort}{rest}"),
+        None => unit.to_owned(),
+    }
 }
 
 impl Diagnosis {
@@ -153,7 +167,7 @@ impl Diagnosis {
                     e.name.name().to_owned(),
                     item.nmse,
                     e.certainty(),
-                    e.size(recording.kind),
+                    e.size(recording),
                 )
             })
             .collect();
@@ -213,7 +227,7 @@ impl Diagnosis {
     pub fn in_fit_words(&self, recording: &Recording) -> Option<String> {
         let each: Vec<String> = self
             .in_fit()
-            .map(|e| format!("{} ({})", e.name.name(), e.size(recording.kind)))
+            .map(|e| format!("{} ({})", e.name.name(), e.size(recording)))
             .collect();
         (!each.is_empty()).then(|| format!("In the fit: {}", each.join("; ")))
     }

@@ -69,7 +69,7 @@ impl Diagnosis {
             Some(Candidate { written, left })
         };
         let own = self.on_their_own(state, given.model.clone(), user);
-        let own = candidate(own, given.refitted - given.refitted_train);
+        let own = candidate(own, given.refitted.test - given.refitted.train);
         let core = candidate(core, self.extended.test - self.extended.train);
         let wrong_shape = self.confident().any(|e| matches!(e.name, Name::Hysteresis));
         let best = match (own, core) {

@@ -3,7 +3,7 @@
 
 use super::confidence;
 use super::effect::ALWAYS_FREE;
-use super::ground::{Ground, Hypothesis};
+use super::ground::{Ground, Hypothesis, Nmse};
 use super::modelled::effort_of;
 use super::normal::{Bound, Normal};
 use super::term::{Subject, Term};
@@ -37,10 +37,8 @@ const OF_LEFT: f64 = 0.5;
 pub struct Given {
     /// NMSE (%) of the model as it stands: nothing of it is fitted.
     pub stands: f64,
-    /// NMSE (%) with its parameters refitted, on folds held out.
-    pub refitted: f64,
-    /// The same on the rows fitted.
-    pub refitted_train: f64,
+    /// The same with its parameters refitted.
+    pub refitted: Nmse,
     /// Its parameters.
     pub parameters: Vec<Refitted>,
     /// The model with its parameters refitted.
@@ -124,14 +122,14 @@ impl Given {
         let own = fit.parameters(ground, model)?;
         let mut model = model.clone();
         own.iter().for_each(|p| p.enter(&mut model));
-        let refitted = rows.nmse(&fit.residual(true, &target));
+        let [train, test] =
+            [false, true].map(|held_out| rows.nmse(&fit.residual(held_out, &target)));
         for parameter in &mut parameters {
-            parameter.differs = parameter.is_wrong(refitted);
+            parameter.differs = parameter.is_wrong(test);
         }
         Some(Self {
             stands,
-            refitted,
-            refitted_train: rows.nmse(&fit.residual(false, &target)),
+            refitted: Nmse { train, test },
             parameters,
             model,
         })

@@ -9,21 +9,35 @@ use super::search::Found;
 use super::simulation::has_its_term;
 use super::term::{Subject, Term};
 
-/// The given terms, what widens the core, what of the fit holds, and the effects that are missing.
+/// The given terms, what widens the core, what of the fit holds, and the effects that are missing. What of the fit is too doubtful to be told
+/// stays where the prediction is worse without.
 fn extend(found: &Found, kept: &[Term], effects: &[Named]) -> Option<Hypothesis> {
-    let of_fit = |term: &Term| {
-        let mut own = effects.iter().filter(|e| e.in_fit);
+    let told = |term: &Term| {
+        let mut own = effects.iter().filter(|e| e.in_fit && e.confident);
         own.any(|e| e.term.as_ref().is_some_and(|own| own.is_like(term)))
     };
-    let stays = found.hypothesis.terms[kept.len()..]
+    let own = &found.hypothesis.terms[kept.len()..];
+    let as_found = |term: &Term| own.iter().find(|t| t.is_like(term)).unwrap_or(term).clone();
+    let known: Vec<Term> = found.known.terms.iter().map(as_found).collect();
+    let widens = own
         .iter()
-        .filter(|term| matches!(term.subject, Subject::Change(Change::LateYields)) || of_fit(term));
+        .filter(|term| matches!(term.subject, Subject::Change(Change::LateYields)));
     let missing = effects
         .iter()
         .filter(|e| e.is_missing())
         .filter_map(|e| e.term.as_ref());
-    let terms: Vec<Term> = kept.iter().chain(stays).chain(missing).cloned().collect();
-    found.ground.fit(&terms)
+    let beside: Vec<Term> = kept.iter().chain(widens).chain(missing).cloned().collect();
+    let with = |known: Vec<Term>| found.ground.fit(&[beside.as_slice(), &known].concat());
+    let those_told = with(known.iter().filter(|t| told(t)).cloned().collect())?;
+    if known.iter().all(told) {
+        return Some(those_told);
+    }
+    let all = with(known)?;
+    let left = |h: &Hypothesis| h.nmse(&found.ground.rows).test;
+    Some(match left(&all) < left(&those_told) {
+        true => all,
+        false => those_told,
+    })
 }
 
 /// Recording and hypothesis with the confident effects, all effects measured in them. One whose own interval holds zero, or whose value is

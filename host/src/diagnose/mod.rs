@@ -22,7 +22,6 @@ mod event;
 pub mod evidence;
 pub mod experiment;
 mod extend;
-pub mod figures;
 pub mod fit;
 pub mod given;
 pub mod ground;
@@ -67,7 +66,7 @@ use crate::signal::{Kinematics, Saturation, StickSlip, not_yet_known};
 use crate::statistics::earlier;
 use channel::Channel;
 use correction::Correction;
-use fit::{Fit, Known};
+use fit::Fit;
 use ground::Ground;
 use late::lateness;
 use reproduced::Reproduced;
@@ -104,11 +103,10 @@ pub fn diagnose(
     fit: Option<Arc<Fit>>,
     progress: &Progress,
 ) -> Result<Diagnosis, Refusal> {
-    let known = fit.as_ref().filter(|_| model.is_none());
-    let known = known.map(|fit| fit.known()).unwrap_or_default();
     // The weak form has one kernel for all pieces.
     let recording = recording.at_one_rate();
-    let mut found = judge(&recording, model, &known, None, progress)?;
+    let begins = fit.as_deref().filter(|_| model.is_none());
+    let mut found = judge(&recording, model, begins, None, progress)?;
     if StickSlip::of(&recording).is_some() {
         found.names_nothing("the axis sticks and slips, and what it does in between is friction's own: breakaway and kinetic level, which the fit tells, are all that such a motion shows");
     }
@@ -140,7 +138,7 @@ pub fn diagnose_simulation(
             let late = lateness(&s, &recording.effort, &effort);
             let effort = late.map_or_else(|| effort.clone(), |late| earlier(&effort, late));
             let simulated = Some((&Column::of(effort.clone()), 0.0));
-            let mut found = judge(recording, None, &Known::default(), simulated, progress)?;
+            let mut found = judge(recording, None, None, simulated, progress)?;
             found.simulated_late = late.map(|samples| samples * s.dt);
             found.take_correction(recording, effort);
             return Ok(found);
@@ -151,7 +149,7 @@ pub fn diagnose_simulation(
     let reproduced = Reproduced::of(&own, progress)?;
     let effort = reproduced.effort(recording)?;
     let simulated = Some((&effort, reproduced.nmse));
-    let mut found = judge(recording, None, &Known::default(), simulated, progress)?;
+    let mut found = judge(recording, None, None, simulated, progress)?;
     let missed = reproduced.misses_too_much(found.baseline.test);
     if missed && found.baseline.test <= UNEXPLAINED_OF_A_SIMULATION {
         found.tells_no_difference();
@@ -204,7 +202,7 @@ impl Diagnosis {
 fn judge(
     recording: &Recording,
     model: Option<&Model>,
-    known: &Known,
+    fit: Option<&Fit>,
     simulated: Option<(&Column, f64)>,
     progress: &Progress,
 ) -> Result<Diagnosis, Refusal> {
@@ -225,6 +223,7 @@ fn judge(
             recording.name
         ))
     };
+    let known = fit.map(Fit::known).unwrap_or_default();
     let beside = [given.as_slice(), &known.terms].concat();
     let ground_of = |recording: &Recording, outside: &[Range<usize>]| {
         let rows = Rows::new(recording, outside).map_err(Refusal::Data)?;
@@ -260,7 +259,7 @@ fn judge(
             ground = ground.against(simulated, missed).ok_or_else(unable)?;
         }
         progress.inc(1);
-        search::search(ground, &given, known, &lengths, progress).ok_or_else(unable)
+        search::search(ground, &given, &known, &lengths, progress).ok_or_else(unable)
     };
     let mut found = searched(ground)?;
     let event = unnamed::happened(&found);
@@ -276,7 +275,8 @@ fn judge(
         Channel { shift, saturation },
         given.len(),
         &periods,
-        model.map(|m| (m, recording)),
+        recording,
+        [model, fit.and_then(Fit::model)],
     )
     .map(|found| Diagnosis {
         second_positions: second_position::of(recording),

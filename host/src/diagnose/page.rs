@@ -2,7 +2,6 @@
 
 use super::axis::Axis;
 use super::curve::Curve;
-use super::figures::{between, capital, quantity};
 use super::named::Name;
 use super::place::{Place, means_over};
 use super::second_position::{Lead, Periodic, SecondPosition};
@@ -11,6 +10,7 @@ use super::term::Subject;
 use super::unnamed::Happened;
 use super::verdict::Diagnosis;
 use crate::recording::Recording;
+use crate::report::figures::{between, capital, quantity};
 use crate::report::{self, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
 use crate::statistics::quantile_between_ranks;
 

@@ -1,6 +1,5 @@
 //! A diagnosis for machines, and its table.
 
-use super::figures::probability;
 use super::given::Refitted;
 use super::named::Named;
 use super::offer::Offer;
@@ -13,6 +12,7 @@ use crate::effects::form;
 use crate::model::key_of;
 use crate::recording::Recording;
 use crate::report::Table;
+use crate::report::figures::probability;
 use serde_json::{Map, Value, json};
 
 fn digits(value: f64) -> String {
@@ -57,7 +57,7 @@ impl Diagnosis {
             "extended": { "nmse_train": self.extended.train, "nmse_test": self.extended.test },
             "noise_floor_nmse": self.noise_floor,
             "given_model": self.given_model.as_ref().map(|g| json!({
-                "nmse_as_it_stands": g.stands, "nmse_refitted": g.refitted,
+                "nmse_as_it_stands": g.stands, "nmse_refitted": g.refitted.test,
                 "parameters": g.parameters.iter().map(|p| json!({
                     "key": p.key, "given": p.given, "refitted": p.found, "differs": p.differs, "worth_nmse": p.worth,
                 })).collect::<Vec<_>>(),

@@ -2,7 +2,6 @@
 //! simulation would have needed for the recorded motion comes from what its own motion shows of it.
 
 use super::effect::{ALWAYS_FREE, Baseline, Scene};
-use super::fit::Known;
 use super::ground::{Ground, Hypothesis};
 use super::rows::Rows;
 use super::term::{Subject, Term};
@@ -31,7 +30,7 @@ impl Reproduced {
     /// # Errors
     /// [`Refusal`], where its motion does not tell.
     pub fn of(own: &Recording, progress: &Progress) -> Result<Self, Refusal> {
-        let found = judge(own, None, &Known::default(), None, progress)?;
+        let found = judge(own, None, None, None, progress)?;
         let named = found.confident().map(|e| e.id()).collect();
         let (ground, [_, state]) = (found.ground, found.states);
         let rows = &ground.rows;

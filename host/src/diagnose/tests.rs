@@ -6,6 +6,7 @@ use super::axis::Axis;
 use super::credible::sieved;
 use super::curve::Curve;
 use super::effect;
+use super::fit::Known;
 use super::naming::standings;
 use super::offer::{offer_of, offers, refined};
 use super::search::{Found, search, with};

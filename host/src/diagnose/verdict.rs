@@ -144,14 +144,15 @@ impl Diagnosis {
     }
 }
 
-/// Draws the conclusions, beside an event that the search was made without.
+/// Draws the conclusions on the model of the user's or of the fit's, beside an event that the search was made without.
 pub fn conclude(
     mut found: Found,
     event: Option<Unknown>,
     channel: Channel,
     given: usize,
     mechanics: &[(String, f64)],
-    user: Option<(&Model, &Recording)>,
+    recording: &Recording,
+    [user, of_fit]: [Option<&Model>; 2],
 ) -> Option<Diagnosis> {
     let periods: Vec<f64> = mechanics.iter().map(|m| m.1).collect();
     let (standings, gone) = sieved(&mut found, given, &periods)?;
@@ -164,12 +165,20 @@ pub fn conclude(
     let (ground, extended) = measured(&found, &kept, &mut effects)?;
     of_the_simulation(&ground, &extended, &mut effects);
     let first = ground.fit_as_given(&[kept.as_slice(), &found.known.terms].concat())?;
+    let given_model = user.and_then(|m| Given::of(&ground, &extended, recording, m));
     // Where all names together leave much of the effort, none of them is sure.
     let reached = extended.nmse(&ground.rows);
     effects
         .iter_mut()
         .for_each(|e| e.confident &= reached.test <= EXPLAINS_LITTLE);
     let mut baseline = first.nmse(&ground.rows);
+    // The fit's physics, on the core that names are judged on or on its own law, which predicts better where the core fits what happens once.
+    let law = of_fit.filter(|_| user.is_none());
+    if let Some(own) = law.and_then(|m| Given::of(&ground, &first, recording, m))
+        && own.refitted.test < baseline.test
+    {
+        baseline = own.refitted;
+    }
     if ground.core.corrects {
         // Nothing of a simulation as it is was fitted.
         let given = ground.rows.nmse(&ground.rows.target);
@@ -180,7 +189,7 @@ pub fn conclude(
         let corrections = simulation::corrections(&ground, &extended);
         effects.extend(corrections.into_iter().map(|c| correction(&ground, c)));
     }
-    let shape = user.and_then(|(m, _)| Shape::of(&ground, &extended, &m.friction));
+    let shape = user.and_then(|m| Shape::of(&ground, &extended, &m.friction));
     if let Some(shape) = shape.filter(Shape::is_suspect) {
         let [own, core] = shape.nmse;
         if shape.misleads() {
@@ -210,13 +219,14 @@ pub fn conclude(
         effects.iter().find(own).is_some_and(|n| !n.confident)
     };
     let mut unnamed = unnamed(&found, event, drift(&found), &standings, is_doubtful);
-    let after = if ground.core.corrects && !effects.iter().any(|e| e.confident) {
+    // Where nothing is missing, nothing is added.
+    let adds = effects.iter().any(Named::is_missing);
+    let after = if !adds && (ground.core.corrects || reached.test > baseline.test) {
         baseline
     } else {
         reached
     };
     let noise_floor = ground.noise_floor(&extended).min(after.test);
-    let given_model = user.and_then(|(m, of)| Given::of(&ground, &extended, of, m));
     // What the wrong ones are worth (%), where any is.
     let differs = given_model.as_ref().and_then(Given::worth);
     let of_a_simulation = |all: fn(&Named) -> bool| {

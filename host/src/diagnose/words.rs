@@ -2,7 +2,6 @@
 
 use super::axis::Axis;
 use super::effect::{Effect, actuator_saturation::READING};
-use super::figures::{between, capital, duration, percent, probability, quantity, three};
 use super::given::{Given, Refitted};
 use super::hysteresis;
 use super::named::{Name, Named};
@@ -10,6 +9,9 @@ use super::place::{Place, means_over};
 use super::unnamed::Unknown;
 use super::verdict::{Diagnosis, Verdict};
 use crate::recording::Recording;
+use crate::report::figures::{
+    between, capital, duration, left, percent, probability, quantity, three,
+};
 use crate::statistics::quantile_between_ranks;
 
 /// A force is called a change of the friction level where this share of its squares goes with, or against, the direction.
@@ -278,13 +280,15 @@ impl Diagnosis {
     /// Verdict in one sentence.
     pub fn verdict_words(&self, recording: &Recording) -> String {
         let figures = format!(
-            "held-out NMSE {:.3} % before, {:.3} % after, {:.3} % expected of noise",
-            self.baseline.test, self.extended.test, self.noise_floor
+            "held-out NMSE {} before, {} after, {} expected of noise",
+            left(self.baseline.test),
+            left(self.extended.test),
+            left(self.noise_floor)
         );
         let mut text = match self.verdict {
             Verdict::Consistent if self.ground.core.corrects => format!(
-                "consistent: no difference larger than {:.3} % of the variance ({figures})",
-                self.baseline.test.max(self.ground.rows.missed)
+                "consistent: no difference larger than {} of the variance ({figures})",
+                left(self.baseline.test.max(self.ground.rows.missed))
             ),
             Verdict::Consistent => format!("consistent: nothing material is missing ({figures})"),
             Verdict::ParametersDiffer if self.ground.core.corrects => {
@@ -313,8 +317,8 @@ impl Diagnosis {
                 format!("missing-physics: {} ({figures})", names.join(", "))
             }
             Verdict::UnknownPhysics if self.unknown().is_none() => format!(
-                "unknown-physics: {:.3} % of the variance are neither noise nor anything of the catalogue ({figures})",
-                self.extended.test - self.noise_floor
+                "unknown-physics: {} of the variance are neither noise nor anything of the catalogue ({figures})",
+                left(self.extended.test - self.noise_floor)
             ),
             Verdict::UnknownPhysics => format!("unknown-physics ({figures})"),
             Verdict::InsufficientData if self.doubt.is_some() => format!(
@@ -364,8 +368,9 @@ impl Diagnosis {
     pub fn given_words(&self) -> Option<String> {
         self.given_model.as_ref().map(|given| {
             format!(
-                "your model as it stands leaves {:.3} % of the variance; with its parameters refitted {:.3} % on stretches held out",
-                given.stands, given.refitted
+                "your model as it stands leaves {} of the variance; with its parameters refitted {} on stretches held out",
+                left(given.stands),
+                left(given.refitted.test)
             )
         })
     }
@@ -463,14 +468,14 @@ impl Diagnosis {
     fn keep(&self) -> String {
         /// Times the measured noise up to which what is left is noise.
         const NOISE: f64 = 1.5;
-        let left = self.extended.test;
-        let keep = if left <= NOISE * self.noise_floor {
+        let keep = if self.extended.test <= NOISE * self.noise_floor {
             format!("keep the {}; what is left is noise.", self.model_word())
         } else {
             format!(
-                "keep the {}; of the {left:.3} % that are left {:.3} % are noise, and nothing of the catalogue explains the rest.",
+                "keep the {}; of the {} that are left {} are noise, and nothing of the catalogue explains the rest.",
                 self.model_word(),
-                self.noise_floor
+                left(self.extended.test),
+                left(self.noise_floor)
             )
         };
         let by_confidence = |a: &&Named, b: &&Named| a.confidence.total_cmp(&b.confidence);

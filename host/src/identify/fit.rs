@@ -1,8 +1,9 @@
 //! The fit that every command tells: its parameters, its law, what it leaves.
 
 use super::Identification;
-use super::present::{digits, unit};
+use super::present::{shown, unit};
 use crate::recording::{MotionKind, Recording};
+use crate::report::figures::{left, quantity, within};
 use crate::signal::StickSlip;
 use crate::statistics::Estimate;
 use serde_json::{Value, json};
@@ -59,21 +60,19 @@ impl Identification {
     /// The fit in one sentence, without its full stop.
     pub fn in_words(&self, recording: &Recording) -> String {
         let parameter = |(name, e): (&'static str, Estimate)| {
-            let reach = e
-                .reach()
-                .map_or(String::new(), |r| format!(" ± {}", digits(r)));
-            format!(
-                "{name} {}{reach} {}",
-                digits(e.value),
-                unit(recording, name)
-            )
+            let unit = unit(recording, name);
+            let size = match e.reach() {
+                Some(reach) => within(e.value, reach, &unit),
+                None => quantity(e.value, &unit),
+            };
+            format!("{} {size}", shown(recording, name).replace('_', " "))
         };
         let parameters: Vec<String> = self.parameters().map(parameter).collect();
         let best = self.best();
         format!(
-            "{}, {:.3} % of the variance left on held-out data; {}",
+            "{}, {} of the variance left on held-out data; {}",
             best.model.friction.name(),
-            best.nmse_test,
+            left(best.nmse_test),
             parameters.join(", ")
         )
     }

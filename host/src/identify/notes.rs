@@ -5,6 +5,7 @@ use super::family::bench::Bench;
 use super::{Candidate, Identification, Method};
 use crate::progress::Progress;
 use crate::recording::Recording;
+use crate::report::figures::left;
 use crate::signal::Kinematics;
 use crate::statistics::{Estimate, nmse};
 
@@ -217,26 +218,27 @@ impl Identification {
     /// What to use and why.
     pub(super) fn recommended_in_words(&self) -> String {
         let (baseline, lowest) = self.extremes();
+        let [baseline, lowest] = [baseline, lowest].map(left);
         let best = self.best();
         let blocks = best.size();
         let plural = if blocks == 1 { "" } else { "s" };
         if best.nmse_test.is_nan() || best.nmse_test > UNEXPLAINED {
             format!(
-                "Use none of these models: the best leaves {:.3} % of the variance on held-out data. Friction is not what moves this effort; look at the residual against time and position, at the effort's column (--map) and sign (--sign), and record faster or longer strokes.",
-                best.nmse_test
+                "Use none of these models: the best leaves {} of the variance on held-out data. Friction is not what moves this effort; look at the residual against time and position, at the effort's column (--map) and sign (--sign), and record faster or longer strokes.",
+                left(best.nmse_test)
             )
         } else if self.optimal().next().is_none() {
             format!(
-                "Use what one direction tells ({baseline:.3} % of the variance left on held-out data), in this direction only; record reversals for a friction model."
+                "Use what one direction tells ({baseline} of the variance left on held-out data), in this direction only; record reversals for a friction model."
             )
         } else if blocks == 0 {
             format!(
-                "Use Coulomb + viscous friction ({baseline:.3} % of the variance left on held-out data): GMS reaches {lowest:.3} %, so this recording does not show pre-sliding; to see it, reverse slowly enough for tens of samples before the friction force is back at its level."
+                "Use Coulomb + viscous friction ({baseline} of the variance left on held-out data): GMS reaches {lowest}, so this recording does not show pre-sliding; to see it, reverse slowly enough for tens of samples before the friction force is back at its level."
             )
         } else {
             format!(
-                "Use GMS with {blocks} block{plural}: {:.3} % of the variance left on held-out data (the best of all sizes leaves {lowest:.3} %, Coulomb + viscous {baseline:.3} %).",
-                best.nmse_test
+                "Use GMS with {blocks} block{plural}: {} of the variance left on held-out data (the best of all sizes leaves {lowest}, Coulomb + viscous {baseline}).",
+                left(best.nmse_test)
             )
         }
     }

@@ -32,6 +32,14 @@ pub(super) fn unit(recording: &Recording, name: &str) -> String {
     }
 }
 
+/// A rigid body parameter's name for people.
+pub(super) fn shown<'a>(recording: &Recording, name: &'a str) -> &'a str {
+    match (name, recording.kind) {
+        ("mass", MotionKind::Rotary) => "inertia",
+        (name, _) => name,
+    }
+}
+
 impl Identification {
     /// `preslide.identification/1`; `warnings` are the loader's, `seconds` the time it took.
     pub fn to_json(&self, recording: &Recording, seconds: f64) -> Value {
@@ -61,7 +69,7 @@ impl Identification {
             "fit": self.fit_json(recording),
             "parameters": self.parameters_json(recording),
             "band_hz": self.band_hz,
-            "held_out": if self.split.test.is_some() { "test window".to_owned() } else { format!("{}s in turn", self.split.unit) },
+            "held_out": if self.split.test.is_some() { "test window".to_owned() } else { format!("{} in turn", self.split.units()) },
             "friction": friction,
             "recommended": { "kind": best.model.friction.kind(), "blocks": best.size(), "reason": self.recommendation },
             "warnings": recording.warnings.iter().map(ToString::to_string).chain(self.notes(recording)).collect::<Vec<_>>(),
@@ -81,12 +89,11 @@ impl Identification {
                 .map(|(name, e)| {
                     let [from, to] = bounds(&e);
                     let name_shown = match name {
-                        "mass" if recording.kind == MotionKind::Rotary => "inertia",
                         "coulomb" if self.best().size() > 0 => "coulomb (ΣW)",
                         "offset" if self.plain.place == Place::Spring => {
                             "offset (at 0; the spring's)"
                         }
-                        name => name,
+                        name => shown(recording, name),
                     };
                     vec![
                         name_shown.to_owned(),
@@ -119,7 +126,7 @@ impl Identification {
         let held_out = if self.split.test.is_some() {
             "test".to_owned()
         } else {
-            format!("{}s held out", self.split.unit)
+            format!("{} held out", self.split.units())
         };
         let mut rows = vec![{
             let [train, test] = of(Method::LeastSquares, 0);
@@ -289,7 +296,10 @@ impl Identification {
         let held_out = if self.split.test.is_some() {
             "the test window, which no fit saw".to_owned()
         } else {
-            format!("{}s that were left out of the fit in turn", self.split.unit)
+            format!(
+                "{} that were left out of the fit in turn",
+                self.split.units()
+            )
         };
         format!(
             "NMSE is the squared error over the variance of the effort that the model explains{filtered}. Held-out figures come from {held_out}."

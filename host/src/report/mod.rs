@@ -20,6 +20,7 @@
 mod decimate;
 mod drawing;
 mod figure;
+pub mod figures;
 mod html;
 mod scale;
 mod table;

@@ -153,6 +153,15 @@ impl Split {
         Self { folds, unit, test }
     }
 
+    /// Several of [`Split::unit`].
+    pub fn units(&self) -> &'static str {
+        match self.unit {
+            "repeat" => "repeats",
+            "segment" => "segments",
+            _ => "stretches",
+        }
+    }
+
     /// Neighbouring folds that are held out together: at most [`GROUPS`] groups.
     pub fn groups(&self) -> impl Iterator<Item = &[Vec<usize>]> {
         let per_group = self.folds.len().div_ceil(GROUPS).max(1);

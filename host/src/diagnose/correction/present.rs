@@ -1,10 +1,10 @@
 //! A correction in words and in files.
 
 use super::{Added, Correction};
-use crate::diagnose::figures::quantity;
 use crate::diagnose::rows::Rows;
 use crate::model::key_of;
 use crate::recording::{MotionKind, Recording};
+use crate::report::figures::{left, quantity};
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 
@@ -43,9 +43,11 @@ impl Correction {
         let force = |nmse: f64| quantity(rows.rms_of(nmse), recording.effort_unit());
         let [before, after] = self.left;
         format!(
-            "your simulation plus this correction leaves {after:.3} % of the variance ({} RMS) at all samples of {}, your simulation alone {before:.3} % ({})",
+            "your simulation plus this correction leaves {} of the variance ({} RMS) at all samples of {}, your simulation alone {} ({})",
+            left(after),
             force(after),
             recording.name,
+            left(before),
             force(before)
         )
     }

@@ -1,8 +1,8 @@
 //! A second position in a sentence.
 
 use super::{Periodic, SecondPosition};
-use crate::diagnose::figures::{quantity, within};
 use crate::recording::Recording;
+use crate::report::figures::{quantity, within};
 use crate::statistics::Estimate;
 
 impl Periodic {

@@ -33,8 +33,8 @@ fn wrong_parameters_are_told_and_right_ones_are_not() {
     let right = told(&recording, Some(&model(1.0, 1.0, 8.0)));
     assert_eq!(right.verdict, Verdict::Consistent);
     let own = right.given_model.as_ref().expect("a model");
-    println!("{} {}", own.stands, own.refitted);
-    assert!(own.stands < 1.2 * own.refitted && own.wrong().next().is_none());
+    println!("{} {}", own.stands, own.refitted.test);
+    assert!(own.stands < 1.2 * own.refitted.test && own.wrong().next().is_none());
 
     for (given, key, value) in [
         (model(0.7, 1.0, 8.0), "breakaway_N", 3.0),
@@ -45,10 +45,10 @@ fn wrong_parameters_are_told_and_right_ones_are_not() {
         assert_eq!(found.verdict.name(), "parameters-differ");
         let own = found.given_model.as_ref().expect("a model");
         assert!(
-            own.stands > 3.0 * own.refitted,
+            own.stands > 3.0 * own.refitted.test,
             "{} {}",
             own.stands,
-            own.refitted
+            own.refitted.test
         );
         let wrong: Vec<_> = own.wrong().collect();
         assert_eq!(

@@ -1,6 +1,6 @@
 //! A motion fit for people and for machines.
 
-use super::super::present::{self as force_fit, bounds, digits};
+use super::super::present::{self as force_fit, bounds, digits, shown};
 use super::search::{SEED, long_pieces};
 use super::told::NUDGE;
 use super::{Apart, MotionFit};
@@ -55,12 +55,8 @@ impl MotionFit {
                 .zip(before)
                 .map(|((name, e), before)| {
                     let [from, to] = bounds(e);
-                    let shown = match (*name, recording.kind) {
-                        ("mass", MotionKind::Rotary) => "inertia",
-                        (name, _) => name,
-                    };
                     vec![
-                        shown.to_owned(),
+                        shown(recording, name).to_owned(),
                         digits(e.value),
                         from,
                         to,

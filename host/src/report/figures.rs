@@ -1,6 +1,6 @@
 //! Figures as people read them.
 
-use crate::report::display_unit;
+use super::display_unit;
 
 /// A value in the prefix that suits it: `-266 µN`.
 pub fn quantity(value: f64, unit: &str) -> String {
@@ -9,7 +9,7 @@ pub fn quantity(value: f64, unit: &str) -> String {
 }
 
 /// A value and how far it may be off, to two figures of that, in the prefix that suits the value: `5.0002 ± 0.0011 mm`.
-pub(super) fn within(value: f64, reach: f64, unit: &str) -> String {
+pub fn within(value: f64, reach: f64, unit: &str) -> String {
     /// Decimals that a double still has.
     const MOST: f64 = 9.0;
     let shown = display_unit(unit, value);
@@ -31,7 +31,7 @@ pub fn between(from: f64, to: f64, unit: &str) -> String {
 }
 
 /// Three figures.
-pub(super) fn three(value: f64) -> String {
+pub fn three(value: f64) -> String {
     let size = value.abs();
     let decimals = match size {
         s if s >= 100.0 || s == 0.0 => 0,
@@ -56,7 +56,7 @@ pub fn capital(text: &str) -> String {
 }
 
 /// In seconds, or minutes where they are many.
-pub(super) fn duration(seconds: f64) -> String {
+pub fn duration(seconds: f64) -> String {
     const MANY: f64 = 300.0;
     match seconds < MANY {
         true => format!("{} s", three(seconds)),
@@ -64,6 +64,17 @@ pub(super) fn duration(seconds: f64) -> String {
     }
 }
 
-pub(super) fn percent(share: f64) -> String {
+/// A share in per cent.
+pub fn percent(share: f64) -> String {
     format!("{:.0} %", 100.0 * share.clamp(0.0, 1.0))
+}
+
+/// What of a variance is left, given in %: nothing that can be read is no nought.
+pub fn left(nmse: f64) -> String {
+    const LEAST: f64 = 0.001;
+    if nmse > 0.0 && nmse < 0.5 * LEAST {
+        format!("< {LEAST} %")
+    } else {
+        format!("{nmse:.3} %")
+    }
 }
