@@ -8,13 +8,13 @@ use preslide_host::model::{Measured, Model};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-mod linear {
+pub mod linear {
     include!("exported/linear.rs");
 }
-mod rotary {
+pub mod rotary {
     include!("exported/rotary.rs");
 }
-mod plain {
+pub mod plain {
     include!("exported/plain.rs");
 }
 mod bouc_wen {
@@ -30,13 +30,13 @@ mod two_state {
     include!("exported/two_state.rs");
 }
 
-fn file(name: &str) -> PathBuf {
+pub fn file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("tests/exported")
         .join(name)
 }
 
-fn export(arguments: &[&str]) -> Output {
+pub fn export(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_preslide"))
         .arg("export")
         .args(arguments)
@@ -44,7 +44,7 @@ fn export(arguments: &[&str]) -> Output {
         .expect("the binary runs")
 }
 
-fn text(bytes: &[u8]) -> String {
+pub fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 

@@ -4,6 +4,7 @@ mod binary;
 mod cli;
 mod exit_codes;
 mod export;
+mod export_c;
 
 #[test]
 fn every_file_of_tests_runs() {

@@ -111,6 +111,13 @@ limited_force!(
 );
 
 limited_force!(
+    /// `viscous_asymmetry`: `d·|v|`, bounded. Beside [`Viscous`] friction `b·v` it is `b + d` forwards and `b − d` backwards.
+    ViscousAsymmetry,
+    /// `half_difference` is `d` (N·s/m or N·m·s/rad).
+    half_difference, "viscous asymmetry", |u| u.velocity / u.force, |at| at.velocity.magnitude()
+);
+
+limited_force!(
     /// `quadratic_drag`: `c·v·|v|`, bounded.
     QuadraticDrag,
     /// `drag` is `c` (N·s²/m² or N·m·s²/rad²).

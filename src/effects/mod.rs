@@ -30,6 +30,7 @@
 //! |---|---|---|---|
 //! | `constant_force` | [`ConstantForce`] | force | its magnitude |
 //! | `viscous_N_s_per_m` | [`Viscous`] | force | given |
+//! | `viscous_asymmetry` | [`ViscousAsymmetry`] | force | given |
 //! | `quadratic_drag` | [`QuadraticDrag`] | force | given |
 //! | `position_spring` | [`PositionSpring`] | force | given |
 //! | `position_force` | [`PositionForce`] | force | `Σ abs(c_j)` |
@@ -79,7 +80,7 @@ mod with;
 pub use asymmetry::CoulombAsymmetry;
 pub use dwell::DwellAging;
 pub use encoder_error::EncoderError;
-pub use forces::{ConstantForce, PositionSpring, QuadraticDrag, Viscous};
+pub use forces::{ConstantForce, PositionSpring, QuadraticDrag, Viscous, ViscousAsymmetry};
 pub use gravity::Gravity;
 pub use map::{PositionForce, PositionFriction};
 pub use odometer::Odometer;

@@ -1,18 +1,18 @@
 //! `preslide export`.
 
 use super::{Failure, ReadingArgs, outputs, write_text};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use preslide_host::export::joint::{Format, Joint};
-use preslide_host::export::{Options, reduced, rust_source, sha256};
+use preslide_host::export::{Options, c_source, reduced, rust_source, sha256};
 use preslide_host::model::{Model, ModelError, read};
 use preslide_host::recording::Needs;
 use preslide_host::simulate::force_of_motion;
 use std::path::{Path, PathBuf};
 
-/// A model as Rust source for the firmware: constants, the composed type, and the function that builds it; or as a simulator's joint
+/// A model as source for the firmware, in Rust (constants, the composed type, the function that builds it) or C; or as a simulator's joint
 #[derive(Args)]
 #[command(
-    after_help = "Example: preslide export model.toml --recording axis.csv -o src/stage_model.rs\n         preslide export model.toml --mjcf -o joint.xml"
+    after_help = "Example: preslide export model.toml --recording axis.csv -o src/stage_model.rs\n         preslide export model.toml --lang c --rate 20000 -o stage_model.c\n         preslide export model.toml --mjcf -o joint.xml"
 )]
 pub struct Export {
     /// Model file, as `identify` and `diagnose` write it
@@ -26,6 +26,14 @@ pub struct Export {
     /// Bound on each force that grows with speed or position, in N or N·m; ten times the breakaway force without it
     #[arg(long, value_name = "FORCE")]
     limit: Option<f64>,
+
+    /// Language of the source; C99 is a pair of files, -o NAME.c and NAME.h beside it, in single precision
+    #[arg(long, value_enum, default_value_t = Lang::Rust, conflicts_with_all = ["mjcf", "urdf"])]
+    lang: Lang,
+
+    /// Ticks per second (Hz) at which C code is stepped, where time plays a part in the model
+    #[arg(long, value_name = "HZ")]
+    rate: Option<f64>,
 
     /// A joint of MuJoCo instead: frictionloss, damping, armature; what it cannot hold is said, and stands in comments
     #[arg(long, conflicts_with_all = ["limit", "urdf"])]
@@ -47,12 +55,26 @@ pub struct Export {
     output: Option<PathBuf>,
 }
 
+/// What firmware is written in.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Lang {
+    /// With this project's library.
+    Rust,
+    /// C99, with nothing but `math.h`.
+    C,
+}
+
 impl Export {
     /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
         let mut inputs = vec![self.model.as_path()];
         inputs.extend(self.recording.iter().map(PathBuf::as_path));
-        outputs::check(&inputs, &[("-o", self.output.as_ref())], None)?;
+        let header = self.header()?;
+        let written = [
+            ("-o", self.output.as_ref()),
+            ("the header of -o", header.as_ref()),
+        ];
+        outputs::check(&inputs, &written, None)?;
         let file = self.model.display().to_string();
         let text = read(&self.model).map_err(|source| ModelError::Unreadable {
             file: file.clone(),
@@ -69,9 +91,10 @@ impl Export {
         };
         let joint = format.map(|format| Joint::of(&model, format));
         let joint = joint.transpose().map_err(in_file)?;
-        let how = match &joint {
-            Some(_) => "Written by `preslide export`: a joint, for a body of yours.",
-            None => {
+        let how = match (&joint, self.lang) {
+            (Some(_), _) => "Written by `preslide export`: a joint, for a body of yours.",
+            (None, Lang::C) => "Written by `preslide export`; do not edit, export again.",
+            (None, Lang::Rust) => {
                 "Written by `preslide export`; do not edit, export again. As a module: `#[rustfmt::skip] mod …;`."
             }
         };
@@ -102,7 +125,19 @@ impl Export {
         let options = Options {
             remarks,
             limit: self.limit,
+            rate: self.rate,
         };
+        if let Some((source, header)) = self.output.as_ref().zip(header) {
+            let name = source.file_stem().unwrap_or_default().to_string_lossy();
+            let c = c_source(&model, &options, &name).map_err(in_file)?;
+            write_text(source, &c.source)?;
+            write_text(&header, &c.header)?;
+            tell!(
+                "Compile {} with the firmware; {name}_rest once, then {name}_step each tick, as its header says.",
+                source.display()
+            );
+            return Ok(());
+        }
         self.write(&rust_source(&model, &options).map_err(in_file)?)?;
         let place = self
             .output
@@ -112,6 +147,24 @@ impl Export {
             "Declare {place} as a module and call model::<f32>(sample_time, Units::SI): its type, Model<f32>, is what the controller takes. This project's firmware is built with it where PRESLIDE_MODEL holds its full path."
         );
         Ok(())
+    }
+
+    /// The header of C source, which has two files.
+    fn header(&self) -> Result<Option<PathBuf>, Failure> {
+        if self.lang == Lang::Rust {
+            return match self.rate {
+                Some(_) => Err(Failure::Input("--rate is for --lang c: the function that builds a Rust model takes the sample time".to_owned())),
+                None => Ok(None),
+            };
+        }
+        let source = self
+            .output
+            .as_ref()
+            .filter(|path| path.extension().is_some_and(|e| e == "c"));
+        let source = source.ok_or_else(|| {
+            Failure::Input("--lang c writes two files: name the source, and the header goes beside it: -o stage_model.c".to_owned())
+        })?;
+        Ok(Some(source.with_extension("h")))
     }
 
     /// To the file that was asked for, or the terminal.

@@ -1,5 +1,5 @@
 // Written by `preslide export`; do not edit, export again. As a module: `#[rustfmt::skip] mod …;`.
-// Model linear.toml, SHA-256 37f8d2ad0bd02d748b569f8dc0808dd99e2190c57e595b977942ebb58a3f24dd.
+// Model linear.toml, SHA-256 669a7ef1c2f724c8dd7b1f52441bd6daf5bf52e7d016fab97561bb8446f8eaff.
 // Model: identified from a test.
 
 #[allow(dead_code)] // for the settings of the feed-forward
@@ -31,6 +31,8 @@ pub const VISCOUS_N_S_PER_M: f64 = 12.0;
 pub const CONSTANT_FORCE_FORCE_N: f64 = 0.1;
 /// `asymmetry` of `coulomb_asymmetry`.
 pub const COULOMB_ASYMMETRY_ASYMMETRY: f64 = 0.05;
+/// `half_difference_N_s_per_m` of `viscous_asymmetry`.
+pub const VISCOUS_ASYMMETRY_HALF_DIFFERENCE_N_S_PER_M: f64 = 1.0;
 /// `drag_N_s2_per_m2` of `quadratic_drag`.
 pub const QUADRATIC_DRAG_DRAG_N_S2_PER_M2: f64 = 40.0;
 /// `level` of `stribeck`.
@@ -118,13 +120,14 @@ pub type Effects<S = f32> = (
         ::preslide::effects::Viscous<S>,
         ::preslide::effects::ConstantForce<S>,
         ::preslide::effects::CoulombAsymmetry<S>,
+        ::preslide::effects::ViscousAsymmetry<S>,
         ::preslide::effects::QuadraticDrag<S>,
         ::preslide::effects::Stribeck<S>,
         ::preslide::effects::FrictionalLag<S>,
         ::preslide::effects::PositionSpring<S>,
-        ::preslide::effects::PositionForce<3, S>,
     ),
     (
+        ::preslide::effects::PositionForce<3, S>,
         ::preslide::effects::PositionFriction<2, S>,
         ::preslide::effects::LocalFrictionSpot<S>,
         ::preslide::effects::PeriodicForce<S>,
@@ -132,9 +135,9 @@ pub type Effects<S = f32> = (
         ::preslide::effects::PeriodicFriction<S>,
         ::preslide::effects::EncoderError<S>,
         ::preslide::effects::ThermalDrift<S>,
-        ::preslide::effects::WarmUp<S>,
     ),
     (
+        ::preslide::effects::WarmUp<S>,
         ::preslide::effects::DwellAging<S>,
         ::preslide::effects::LoadDependentFriction<S>,
     ),
@@ -157,13 +160,14 @@ pub fn model<S: ::preslide::Scalar>(
             ::preslide::effects::Viscous::try_new(VISCOUS_N_S_PER_M, FORCE_LIMIT, units)?,
             ::preslide::effects::ConstantForce::try_new(CONSTANT_FORCE_FORCE_N, units)?,
             ::preslide::effects::CoulombAsymmetry::try_new(COULOMB_ASYMMETRY_ASYMMETRY)?,
+            ::preslide::effects::ViscousAsymmetry::try_new(VISCOUS_ASYMMETRY_HALF_DIFFERENCE_N_S_PER_M, FORCE_LIMIT, units)?,
             ::preslide::effects::QuadraticDrag::try_new(QUADRATIC_DRAG_DRAG_N_S2_PER_M2, FORCE_LIMIT, units)?,
             ::preslide::effects::Stribeck::try_new(STRIBECK_LEVEL, STRIBECK_VELOCITY_M_S, STRIBECK_EXPONENT, units)?,
             ::preslide::effects::FrictionalLag::try_new(FRICTIONAL_LAG_LEVEL, FRICTIONAL_LAG_VELOCITY_M_S, FRICTIONAL_LAG_EXPONENT, FRICTIONAL_LAG_TIME_CONSTANT_S, sample_time, units)?,
             ::preslide::effects::PositionSpring::try_new(POSITION_SPRING_STIFFNESS_N_PER_M, POSITION_SPRING_CENTRE_M, FORCE_LIMIT, units)?,
-            ::preslide::effects::PositionForce::try_new(POSITION_FORCE_FROM_M, POSITION_FORCE_TO_M, POSITION_FORCE_COSINES, units)?,
         ),
         (
+            ::preslide::effects::PositionForce::try_new(POSITION_FORCE_FROM_M, POSITION_FORCE_TO_M, POSITION_FORCE_COSINES, units)?,
             ::preslide::effects::PositionFriction::try_new(POSITION_FRICTION_FROM_M, POSITION_FRICTION_TO_M, POSITION_FRICTION_COSINES, units)?,
             ::preslide::effects::LocalFrictionSpot::try_new(LOCAL_FRICTION_SPOT_LEVEL, LOCAL_FRICTION_SPOT_POSITION_M, LOCAL_FRICTION_SPOT_WIDTH_M, units)?,
             ::preslide::effects::PeriodicForce::try_new(PERIODIC_FORCE_FORCE_N, PERIODIC_FORCE_PERIOD_M, PERIODIC_FORCE_PHASE_RAD, units)?,
@@ -171,9 +175,9 @@ pub fn model<S: ::preslide::Scalar>(
             ::preslide::effects::PeriodicFriction::try_new(PERIODIC_FRICTION_LEVEL, PERIODIC_FRICTION_PERIOD_M, PERIODIC_FRICTION_PHASE_RAD, units)?,
             ::preslide::effects::EncoderError::try_new(ENCODER_ERROR_ERROR_M, ENCODER_ERROR_PERIOD_M, ENCODER_ERROR_PHASE_RAD, units)?,
             ::preslide::effects::ThermalDrift::try_new(THERMAL_DRIFT_LEVEL_PER_K, THERMAL_DRIFT_TEMPERATURE_C, LEVEL_LIMIT)?,
-            ::preslide::effects::WarmUp::try_new(THERMAL_DRIFT_2_LEVEL, THERMAL_DRIFT_2_TIME_CONSTANT_S, sample_time)?,
         ),
         (
+            ::preslide::effects::WarmUp::try_new(THERMAL_DRIFT_2_LEVEL, THERMAL_DRIFT_2_TIME_CONSTANT_S, sample_time)?,
             ::preslide::effects::DwellAging::try_new(DWELL_AGING_LEVEL_PER_DECADE, DWELL_AGING_TIME_CONSTANT_S, DWELL_AGING_ERASING_PATH_M, 2.0, sample_time, units)?,
             ::preslide::effects::LoadDependentFriction::try_new(LOAD_DEPENDENT_FRICTION_LEVEL_PER_N, LOAD_DEPENDENT_FRICTION_LOAD_N, LEVEL_LIMIT, units)?,
         ),

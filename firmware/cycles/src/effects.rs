@@ -9,7 +9,7 @@ use preslide::effects::{
     ConstantForce, CoulombAsymmetry, DwellAging, Effect, EncoderError, ExternalVibration,
     FrictionalLag, LoadDependentFriction, LocalFrictionSpot, PeriodicForce, PeriodicFriction,
     PositionForce, PositionFriction, PositionSpring, QuadraticDrag, RunIn, Stribeck, ThermalDrift,
-    Viscous, WarmUp, With,
+    Viscous, ViscousAsymmetry, WarmUp, With,
 };
 use preslide::{Gms, ParamError, Scalar, Units};
 
@@ -56,6 +56,9 @@ pub fn run() {
         0.05, u
     ));
     effect!("viscous", Viscous, |u| Viscous::try_new(12.0, 0.5, u));
+    effect!("viscous_asymmetry", ViscousAsymmetry, |u| {
+        ViscousAsymmetry::try_new(12.0, 0.5, u)
+    });
     effect!("quadratic_drag", QuadraticDrag, |u| QuadraticDrag::try_new(
         400.0, 0.5, u
     ));

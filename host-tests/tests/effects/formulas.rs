@@ -6,7 +6,7 @@ use preslide::effects::{
     ConstantForce, CoulombAsymmetry, DwellAging, Effect, EncoderError, ExternalVibration,
     FrictionalLag, Gravity, LoadDependentFriction, LocalFrictionSpot, PeriodicForce,
     PeriodicFriction, PositionForce, PositionFriction, PositionSpring, QuadraticDrag, RunIn,
-    Situation, Stribeck, ThermalDrift, Viscous, WarmUp,
+    Situation, Stribeck, ThermalDrift, Viscous, ViscousAsymmetry, WarmUp,
 };
 use preslide_host_tests::deviation::Deviation;
 use std::f64::consts::{PI, TAU};
@@ -83,6 +83,16 @@ fn all<S: Scalar>(u: Units) -> Vec<(&'static str, Deviation, f64)> {
                 On::Force,
                 u,
                 |t| (12.0 * t.v).clamp(-0.2, 0.2),
+            ),
+            0.2,
+        ),
+        (
+            "viscous_asymmetry",
+            deviation(
+                ViscousAsymmetry::<S>::try_new(12.0, 0.2, u).expect(ok),
+                On::Force,
+                u,
+                |t| (12.0 * t.v.abs()).clamp(-0.2, 0.2),
             ),
             0.2,
         ),

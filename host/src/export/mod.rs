@@ -1,15 +1,52 @@
-//! A model as Rust source for the firmware (constants, the composed type, and the function that builds it), and as a simulator's joint.
+//! A model as source for the firmware, in Rust (constants, the composed type, and the function that builds it) or C, and as a simulator's joint.
 //!
-//! The source names everything by its full path, so it can be a file module or be `include!`d. The type is generic over
+//! The Rust source names everything by its full path, so it can be a file module or be `include!`d. The type is generic over
 //! the number type; `f32` is the default.
 
+mod c;
+mod constants;
 pub mod joint;
 mod sha256;
 mod source;
 
+use crate::model::Model;
 pub use crate::model::{reduced, refused};
+pub use c::{C, c_source};
+pub use constants::carried;
 pub use sha256::sha256;
-pub use source::{Options, carried, rust_source};
+pub use source::rust_source;
+
+/// What to write beside the parameters.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Comments at the head: where the model comes from.
+    pub remarks: Vec<String>,
+    /// Bound on each force that grows with speed or position (N or N·m); ten times the breakaway force without it.
+    pub limit: Option<f64>,
+    /// Ticks per second (Hz) of C code in which time plays a part; Rust's takes them when the model is built.
+    pub rate: Option<f64>,
+}
+
+/// An error where the model has effects that no controller can use: which, why, and the options that leave them out.
+fn no_refused(model: &Model) -> Result<(), String> {
+    let refused = refused(model);
+    if refused.is_empty() {
+        return Ok(());
+    }
+    let list: Vec<String> = refused
+        .iter()
+        .map(|(id, reason)| format!("{id} ({reason})"))
+        .collect();
+    let remedy: Vec<String> = refused
+        .iter()
+        .map(|(id, _)| format!("--without {id}"))
+        .collect();
+    Err(format!(
+        "no controller can compensate {}; export the rest with {}",
+        list.join("; "),
+        remedy.join(" ")
+    ))
+}
 
 #[cfg(test)]
 mod tests {

@@ -1,7 +1,7 @@
 //! `F0`.
 
 use super::Range::Any;
-use super::{Argument, BARE, Constructor, Form, term};
+use super::{Argument, BARE, CTerm, Constructor, Form, term};
 use preslide::Units;
 use preslide::effects::ConstantForce;
 
@@ -18,6 +18,7 @@ pub(crate) static CONSTANT_FORCE: Form = Form {
     controller: Ok(Constructor {
         kind: "ConstantForce",
         more: &[Argument::Units],
+        c: CTerm::force("$force_N"),
     }),
     ..BARE
 };

@@ -1,7 +1,7 @@
 //! `m = 1 + a·sgn F` (`= sgn v` in sliding).
 
 use super::Range::Within;
-use super::{BARE, Constructor, Form, term};
+use super::{BARE, CTerm, Constructor, Form, term};
 use preslide::effects::CoulombAsymmetry;
 
 /// `coulomb_asymmetry`.
@@ -12,6 +12,7 @@ pub(crate) static COULOMB_ASYMMETRY: Form = Form {
     controller: Ok(Constructor {
         kind: "CoulombAsymmetry",
         more: &[],
+        c: CTerm::level("friction > 0.0f ? $asymmetry : friction < 0.0f ? -$asymmetry : 0.0f"),
     }),
     ..BARE
 };

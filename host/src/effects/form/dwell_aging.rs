@@ -1,7 +1,7 @@
 //! `m = 1 + a·log10(1 + θ/τ)`, `dθ/dt = 1 − abs(v)·θ/λ`.
 
 use super::Range::{Positive, Within};
-use super::{Argument, BARE, Constructor, Form, term};
+use super::{Argument, BARE, CTerm, Constructor, Form, Memory, term};
 use preslide::Units;
 use preslide::effects::DwellAging;
 
@@ -35,6 +35,11 @@ pub(crate) static DWELL_AGING: Form = Form {
             Argument::SampleTime,
             Argument::Units,
         ],
+        c: CTerm::level("$level_per_decade * log10f(1.0f + @)").remembers(Memory {
+            kind: "float",
+            at_rest: "0.0f",
+            next: "limited(@ - @ * limited(SAMPLE_TIME_S / $erasing_path_m * fabsf(v), 1.0f) + SAMPLE_TIME_S / $time_constant_s, 99.0f)",
+        }),
     }),
     ..BARE
 };

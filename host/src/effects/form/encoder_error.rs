@@ -1,7 +1,7 @@
 //! Measured `= x + e·cos(2πx/p + φ)`.
 
 use super::Range::{Any, Positive};
-use super::{Argument, BARE, Constructor, Form};
+use super::{Argument, BARE, CTerm, Constructor, Form};
 use crate::effects::Effect;
 use preslide::effects::EncoderError;
 use preslide::{ParamError, Units};
@@ -17,6 +17,7 @@ pub(crate) static ENCODER_ERROR: Form = Form {
     controller: Ok(Constructor {
         kind: "EncoderError",
         more: &[Argument::Units],
+        c: CTerm::shift("-$error_m * wave(x, $period_m, $phase_rad)"),
     }),
     ..BARE
 };

@@ -1,7 +1,7 @@
 //! Stribeck's curve, following with `τ`.
 
 use super::Range::{Between, Positive};
-use super::{Argument, BARE, Constructor, Form, LEVEL, term};
+use super::{Argument, BARE, CTerm, Constructor, Form, LEVEL, Memory, term};
 use preslide::Units;
 use preslide::effects::FrictionalLag;
 
@@ -27,6 +27,11 @@ pub(crate) static FRICTIONAL_LAG: Form = Form {
     controller: Ok(Constructor {
         kind: "FrictionalLag",
         more: &[Argument::SampleTime, Argument::Units],
+        c: CTerm::level("@").remembers(Memory {
+            kind: "float",
+            at_rest: "$level",
+            next: "@ - expm1f(-SAMPLE_TIME_S / $time_constant_s) * ($level * stribeck(v, $velocity_m_s, $exponent) - @)",
+        }),
     }),
     ..BARE
 };

@@ -1,7 +1,7 @@
 //! `A·sin(q − q0)`, rotary axes only.
 
 use super::Range::Any;
-use super::{Argument, BARE, Constructor, Form, term};
+use super::{Argument, BARE, CTerm, Constructor, Form, term};
 use preslide::Units;
 use preslide::effects::Gravity;
 
@@ -19,6 +19,7 @@ pub(crate) static GRAVITY: Form = Form {
     controller: Ok(Constructor {
         kind: "Gravity",
         more: &[Argument::Units],
+        c: CTerm::force("$force_N * limited(sinf(x - $angle_rad), 1.0f)").placed(),
     }),
     // The same code with other constants.
     cost: Some("periodic_force"),

@@ -1,7 +1,7 @@
 //! `m = 1 + c·(load − load0)`.
 
 use super::Range::Any;
-use super::{Argument, BARE, Column, Constructor, Form, term};
+use super::{Argument, BARE, CTerm, Column, Constructor, Form, term};
 use preslide::Units;
 use preslide::effects::{LARGEST_LEVEL, LoadDependentFriction};
 
@@ -20,6 +20,7 @@ pub(crate) static LOAD_DEPENDENT_FRICTION: Form = Form {
     controller: Ok(Constructor {
         kind: "LoadDependentFriction",
         more: &[Argument::LevelLimit, Argument::Units],
+        c: CTerm::level("slope(load, $load_N, $level_per_N)"),
     }),
     needs: Some((Column::Load, "a constant friction level")),
     ..BARE

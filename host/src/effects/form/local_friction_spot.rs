@@ -1,7 +1,7 @@
 //! `m = 1 + a·exp(−((x − x_s)/w)²)`.
 
 use super::Range::{Any, Positive};
-use super::{Argument, BARE, Constructor, Form, LEVEL, term};
+use super::{Argument, BARE, CTerm, Constructor, Form, LEVEL, term};
 use preslide::Units;
 use preslide::effects::LocalFrictionSpot;
 
@@ -20,6 +20,7 @@ pub(crate) static LOCAL_FRICTION_SPOT: Form = Form {
     controller: Ok(Constructor {
         kind: "LocalFrictionSpot",
         more: &[Argument::Units],
+        c: CTerm::level("$level * spot((x - $position_m) / $width_m)").placed(),
     }),
     ..BARE
 };

@@ -4,6 +4,7 @@
 mod actuator_dead_zone;
 mod actuator_saturation;
 mod backlash;
+mod c_term;
 mod channel_delay;
 mod constant_force;
 mod coulomb_asymmetry;
@@ -33,6 +34,7 @@ mod warm_up;
 pub(crate) use actuator_dead_zone::ACTUATOR_DEAD_ZONE;
 pub(crate) use actuator_saturation::ACTUATOR_SATURATION;
 pub(crate) use backlash::BACKLASH;
+pub(crate) use c_term::{CTerm, Memory, Sum};
 pub(crate) use channel_delay::CHANNEL_DELAY;
 pub(crate) use constant_force::CONSTANT_FORCE;
 pub(crate) use coulomb_asymmetry::COULOMB_ASYMMETRY;
@@ -173,6 +175,8 @@ impl Column {
 pub(crate) struct Constructor {
     pub(crate) kind: &'static str,
     pub(crate) more: &'static [Argument],
+    /// The same in C.
+    pub(crate) c: CTerm,
 }
 
 /// An argument of a constructor that is no parameter.

@@ -1,7 +1,7 @@
 //! `A·cos(2πx/p + φ)`.
 
 use super::Range::{Any, Positive};
-use super::{Argument, BARE, Constructor, Form, term};
+use super::{Argument, BARE, CTerm, Constructor, Form, term};
 use preslide::Units;
 use preslide::effects::PeriodicForce;
 
@@ -20,6 +20,7 @@ pub(crate) static PERIODIC_FORCE: Form = Form {
     controller: Ok(Constructor {
         kind: "PeriodicForce",
         more: &[Argument::Units],
+        c: CTerm::force("$force_N * wave(x, $period_m, $phase_rad)").placed(),
     }),
     ..BARE
 };

@@ -1,7 +1,7 @@
 //! `m = 1 + a·cos(2πx/p + φ)`.
 
 use super::Range::{Any, Positive};
-use super::{Argument, BARE, Constructor, Form, LEVEL, term};
+use super::{Argument, BARE, CTerm, Constructor, Form, LEVEL, term};
 use preslide::Units;
 use preslide::effects::PeriodicFriction;
 
@@ -20,6 +20,7 @@ pub(crate) static PERIODIC_FRICTION: Form = Form {
     controller: Ok(Constructor {
         kind: "PeriodicFriction",
         more: &[Argument::Units],
+        c: CTerm::level("$level * wave(x, $period_m, $phase_rad)").placed(),
     }),
     ..BARE
 };

@@ -1,7 +1,7 @@
 //! `Σ c_j·cos(jπu)`, `u = (x − from)/(to − from)` in 0…1.
 
 use super::Range::Any;
-use super::{Argument, BARE, Constructor, Form, term};
+use super::{Argument, BARE, CTerm, Constructor, Form, term};
 use preslide::Units;
 use preslide::effects::PositionForce;
 
@@ -20,6 +20,7 @@ pub(crate) static POSITION_FORCE: Form = Form {
     controller: Ok(Constructor {
         kind: "PositionForce",
         more: &[Argument::Units],
+        c: CTerm::force("cosines((x - $from_m) / ($to_m - $from_m), $cosines)").placed(),
     }),
     ..BARE
 };

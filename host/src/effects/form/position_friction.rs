@@ -1,7 +1,7 @@
 //! `m = 1 + Σ c_j·cos(jπu)`.
 
 use super::Range::Any;
-use super::{Argument, BARE, Constructor, Form, LEVEL, term};
+use super::{Argument, BARE, CTerm, Constructor, Form, LEVEL, term};
 use preslide::Units;
 use preslide::effects::PositionFriction;
 
@@ -20,6 +20,7 @@ pub(crate) static POSITION_FRICTION: Form = Form {
     controller: Ok(Constructor {
         kind: "PositionFriction",
         more: &[Argument::Units],
+        c: CTerm::level("cosines((x - $from_m) / ($to_m - $from_m), $cosines)").placed(),
     }),
     ..BARE
 };

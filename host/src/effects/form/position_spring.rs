@@ -1,7 +1,7 @@
 //! `κ·(x − x0)`.
 
 use super::Range::Any;
-use super::{Argument, BARE, Constructor, FAR, Form, term};
+use super::{Argument, BARE, CTerm, Constructor, FAR, Form, term};
 use preslide::Units;
 use preslide::effects::PositionSpring;
 
@@ -20,6 +20,7 @@ pub(crate) static POSITION_SPRING: Form = Form {
     controller: Ok(Constructor {
         kind: "PositionSpring",
         more: &[Argument::ForceLimit, Argument::Units],
+        c: CTerm::force("limited($stiffness_N_per_m * (x - $centre_m), FORCE_LIMIT)").placed(),
     }),
     ..BARE
 };

@@ -1,7 +1,7 @@
 //! `c·v·abs(v)`.
 
 use super::Range::Any;
-use super::{Argument, BARE, Constructor, FAR, Form, term};
+use super::{Argument, BARE, CTerm, Constructor, FAR, Form, term};
 use preslide::Units;
 use preslide::effects::QuadraticDrag;
 
@@ -19,6 +19,7 @@ pub(crate) static QUADRATIC_DRAG: Form = Form {
     controller: Ok(Constructor {
         kind: "QuadraticDrag",
         more: &[Argument::ForceLimit, Argument::Units],
+        c: CTerm::force("limited($drag_N_s2_per_m2 * (v * fabsf(v)), FORCE_LIMIT)"),
     }),
     ..BARE
 };

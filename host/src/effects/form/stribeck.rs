@@ -1,7 +1,7 @@
 //! `m = 1 + a·exp(−(abs(v)/v_s)^δ)`.
 
 use super::Range::{Between, Positive};
-use super::{Argument, BARE, Constructor, Form, LEVEL, term};
+use super::{Argument, BARE, CTerm, Constructor, Form, LEVEL, term};
 use preslide::Units;
 use preslide::effects::Stribeck;
 
@@ -24,6 +24,7 @@ pub(crate) static STRIBECK: Form = Form {
     controller: Ok(Constructor {
         kind: "Stribeck",
         more: &[Argument::Units],
+        c: CTerm::level("$level * stribeck(v, $velocity_m_s, $exponent)"),
     }),
     ..BARE
 };

@@ -1,7 +1,7 @@
 //! `m = 1 + β·(T − T0)`.
 
 use super::Range::Any;
-use super::{Argument, BARE, Column, Constructor, Form, term};
+use super::{Argument, BARE, CTerm, Column, Constructor, Form, term};
 use preslide::effects::{LARGEST_LEVEL, ThermalDrift};
 
 /// `thermal_drift`.
@@ -18,6 +18,7 @@ pub(crate) static THERMAL_DRIFT: Form = Form {
     controller: Ok(Constructor {
         kind: "ThermalDrift",
         more: &[Argument::LevelLimit],
+        c: CTerm::level("slope(temperature, $temperature_C, $level_per_K)"),
     }),
     needs: Some((
         Column::Temperature,

@@ -1,7 +1,7 @@
 //! `m = 1 + a·exp(−t/τ)`: the other set of keys of `thermal_drift`.
 
 use super::Range::Positive;
-use super::{Argument, BARE, Constructor, Form, LEVEL, term};
+use super::{Argument, BARE, CTerm, Constructor, Form, LEVEL, Memory, term};
 use preslide::effects::WarmUp;
 
 /// `thermal_drift`.
@@ -18,6 +18,14 @@ pub(crate) static WARM_UP: Form = Form {
     controller: Ok(Constructor {
         kind: "WarmUp",
         more: &[Argument::SampleTime],
+        c: CTerm::level("$level * expf(-(float)@ * (SAMPLE_TIME_S / $time_constant_s))").remembers(
+            // Ticks: seconds in single precision stand still.
+            Memory {
+                kind: "uint32_t",
+                at_rest: "0u",
+                next: "@ < UINT32_MAX ? @ + 1u : @",
+            },
+        ),
     }),
     cost: Some("warm_up"),
     ..BARE

@@ -1,6 +1,7 @@
 //! The friction model in the source: its parameters as constants, and the call that builds it from them.
 
 use super::{Source, literal};
+use crate::export::constants::of_friction;
 use crate::friction::FrictionModel;
 use preslide::Block;
 use std::fmt::Write as _;
@@ -8,7 +9,9 @@ use std::fmt::Write as _;
 impl Source<'_> {
     /// The friction model's type, and the call that builds it.
     pub(super) fn friction(&mut self) -> (String, String) {
-        let names = self.friction_constants();
+        let constants = of_friction(self.model);
+        constants.iter().for_each(|c| self.constant(c));
+        let names: Vec<String> = constants.into_iter().map(|c| c.name).collect();
         let friction = &self.model.friction;
         if !friction.blocks().is_empty() {
             self.blocks(friction.blocks());
@@ -17,19 +20,6 @@ impl Source<'_> {
         let path = kind.split('<').next().unwrap_or(&kind);
         let build = format!("::preslide::{path}::try_new({arguments}, units)");
         (format!("::preslide::{kind}"), build)
-    }
-
-    /// A constant for each scalar; their names, in the order of [`FrictionModel::scalars`].
-    fn friction_constants(&mut self) -> Vec<String> {
-        let kind = self.model.friction.kind();
-        let mut names = Vec::new();
-        for (key, value) in self.model.friction.scalars() {
-            let key = self.model.key(key);
-            let name = format!("{kind}_{key}").to_uppercase();
-            self.constant(&name, &format!("`{key}` of `{kind}`"), value);
-            names.push(name);
-        }
-        names
     }
 
     /// The constant `BLOCKS`.

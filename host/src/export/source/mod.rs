@@ -1,24 +1,15 @@
-//! The text of the source.
+//! A model as Rust source.
 
 mod effects;
 mod friction;
 
-use super::refused;
+use super::constants::{Constant, inertia};
+use super::{Options, no_refused};
 use crate::model::Model;
-pub use effects::carried;
 use std::fmt::Write as _;
 
 /// Effects that one tuple holds.
 const TUPLE: usize = 8;
-
-/// What to write beside the parameters.
-#[derive(Clone, Debug, Default)]
-pub struct Options {
-    /// Comments at the head: where the model comes from.
-    pub remarks: Vec<String>,
-    /// Bound on each force that grows with speed or position (N or N·m); ten times the breakaway force without it.
-    pub limit: Option<f64>,
-}
 
 /// The source of a model.
 ///
@@ -57,27 +48,6 @@ pub fn rust_source(model: &Model, options: &Options) -> Result<String, String> {
          pub fn model<S: ::preslide::Scalar>(\n    {unused}sample_time: f64,\n    units: ::preslide::Units,\n) -> ::core::result::Result<Model<S>, ::preslide::ParamError> {{\n{body}}}\n"
     );
     Ok(text)
-}
-
-/// An error where the model has effects that no controller can use: which, why, and the options that leave them out.
-fn no_refused(model: &Model) -> Result<(), String> {
-    let refused = refused(model);
-    if refused.is_empty() {
-        return Ok(());
-    }
-    let list: Vec<String> = refused
-        .iter()
-        .map(|(id, reason)| format!("{id} ({reason})"))
-        .collect();
-    let remedy: Vec<String> = refused
-        .iter()
-        .map(|(id, _)| format!("--without {id}"))
-        .collect();
-    Err(format!(
-        "no controller can compensate {}; export the rest with {}",
-        list.join("; "),
-        remedy.join(" ")
-    ))
 }
 
 /// The friction model, built by `build`, with the effects beside it: the types, and the body of the function that builds them.
@@ -134,25 +104,20 @@ struct Source<'a> {
 
 impl Source<'_> {
     fn rigid_body(&mut self) {
-        if self.model.inertia > 0.0 {
-            let key = self.model.key("mass_kg");
+        if let Some(inertia) = inertia(self.model) {
             let _ = writeln!(
                 self.constants,
                 "#[allow(dead_code)] // for the settings of the feed-forward"
             );
-            self.constant(
-                &key.to_uppercase(),
-                &format!("`{key}` of the moving part"),
-                self.model.inertia,
-            );
+            self.constant(&inertia);
         }
     }
 
-    fn constant(&mut self, name: &str, said: &str, value: f64) {
+    fn constant(&mut self, Constant { name, said, value }: &Constant) {
         let _ = writeln!(
             self.constants,
             "/// {said}.\npub const {name}: f64 = {};",
-            literal(value)
+            literal(*value)
         );
     }
 }

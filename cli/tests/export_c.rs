@@ -1,0 +1,356 @@
+//! `preslide export --lang c`: the C is compiled as a stranger would, with every warning an error, and run beside the library.
+
+use crate::export::{export, file, linear, plain, rotary, text};
+use preslide::{Friction, Motion, Units};
+use preslide_host::friction::Path as MotionPath;
+use preslide_host::model::Model;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+const RATE_HZ: &str = "10000";
+const STEP: f64 = 1e-4;
+const STEPS: usize = 1_000_000;
+const WARNINGS: [&str; 6] = [
+    "-std=c99",
+    "-Wall",
+    "-Wextra",
+    "-Wconversion",
+    "-Wpedantic",
+    "-Werror",
+];
+
+/// Reads rows of displacement, velocity, position, temperature and load, and writes the forces.
+const DRIVER: &str = r#"
+#include "stage_model.h"
+#include <stdio.h>
+#ifndef PLACE
+#define PLACE(s, x) ((void)(x))
+#endif
+#ifndef SURROUND
+#define SURROUND(s, t, l) ((void)(t), (void)(l))
+#endif
+int main(void)
+{
+    static stage_model_state state;
+    float row[5];
+    stage_model_rest(&state);
+    while (fread(row, sizeof row, 1, stdin) == 1) {
+        float force;
+        PLACE(&state, row[2]);
+        SURROUND(&state, row[3], row[4]);
+        force = stage_model_step(&state, row[0], row[1]);
+        if (fwrite(&force, sizeof force, 1, stdout) != 1) {
+            return 1;
+        }
+    }
+    return 0;
+}
+"#;
+
+/// What a step is given: displacement, velocity, position, temperature and load.
+type Row = [f32; 5];
+
+/// A motion with reversals of every size, and surroundings that change.
+fn rows(count: usize, scale: f64) -> Vec<Row> {
+    let mut last = 0.0;
+    let at = |i: usize| {
+        let t = i as f64 * STEP;
+        let wave = |w: f64, share: f64| {
+            (
+                scale * share * (w * t).sin(),
+                scale * share * w * (w * t).cos(),
+            )
+        };
+        let parts = [wave(0.7, 2.5), wave(13.0, 0.2), wave(171.0, 0.01)];
+        parts
+            .iter()
+            .fold((0.0, 0.0), |sum, p| (sum.0 + p.0, sum.1 + p.1))
+    };
+    (0..count)
+        .map(|i| {
+            let (x, v) = at(i);
+            let dx = x - last;
+            last = x;
+            let share = i as f64 / count as f64;
+            [
+                dx as f32,
+                v as f32,
+                x as f32,
+                (20.0 + 4.0 * share) as f32,
+                (32.0 - 4.0 * share) as f32,
+            ]
+        })
+        .collect()
+}
+
+/// The exported pair in a folder, with the driver.
+fn exported(folder: &Path, model: &Path) -> PathBuf {
+    let source = folder.join("stage_model.c");
+    let run = export(&[
+        &model.display().to_string(),
+        "--lang",
+        "c",
+        "--rate",
+        RATE_HZ,
+        "-o",
+        &source.display().to_string(),
+    ]);
+    assert!(run.status.success(), "{}", text(&run.stderr));
+    std::fs::write(folder.join("main.c"), DRIVER).expect("written");
+    source
+}
+
+/// Compiles the pair and its driver.
+fn compiled(folder: &Path, compiler: &str, flags: &[&str]) -> PathBuf {
+    let header = std::fs::read_to_string(folder.join("stage_model.h")).expect("written");
+    let program = folder.join(format!("{compiler}_{}", flags.len()));
+    let mut command = Command::new(compiler);
+    command.args(WARNINGS).args(flags);
+    if header.contains("_set_position") {
+        command.arg("-DPLACE(s,x)=stage_model_set_position(s,x)");
+    }
+    if header.contains("_set_load") {
+        command
+            .arg("-DSURROUND(s,t,l)=(stage_model_set_temperature(s,t),stage_model_set_load(s,l))");
+    }
+    let files = ["stage_model.c", "main.c"].map(|name| folder.join(name));
+    let run = command
+        .args(files)
+        .arg("-o")
+        .arg(&program)
+        .arg("-lm")
+        .output();
+    let run = run.expect("a C compiler, which Rust's linker needs, too");
+    assert!(run.status.success(), "{}", text(&run.stderr));
+    program
+}
+
+fn forces(program: &Path, rows: &[Row]) -> Vec<f32> {
+    let mut child = Command::new(program)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("it runs");
+    let bytes: Vec<u8> = rows
+        .iter()
+        .flatten()
+        .flat_map(|v| v.to_le_bytes())
+        .collect();
+    let mut input = child.stdin.take().expect("piped");
+    let writer = std::thread::spawn(move || input.write_all(&bytes));
+    let run = child.wait_with_output().expect("it ends");
+    writer.join().expect("no panic").expect("all is read");
+    assert!(run.status.success(), "{}", text(&run.stderr));
+    run.stdout
+        .chunks_exact(4)
+        .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+        .collect()
+}
+
+/// What the library gives for the same rows.
+fn library<F: Friction<Scalar = f32>>(
+    model: &F,
+    tell: impl Fn(&mut F::State, f32, f32),
+    rows: &[Row],
+) -> Vec<f64> {
+    let mut state = model.at_rest();
+    let step = |[dx, v, x, temperature, load]: &Row| {
+        model.set_position(&mut state, *x);
+        tell(&mut state, *temperature, *load);
+        f64::from(model.step(
+            &mut state,
+            Motion {
+                displacement: *dx,
+                velocity: *v,
+            },
+        ))
+    };
+    rows.iter().map(step).collect()
+}
+
+/// Largest difference, RMS and bias.
+fn apart(c: &[f32], wanted: &[f64]) -> [f64; 3] {
+    assert_eq!(c.len(), wanted.len());
+    let n = c.len() as f64;
+    let differences = || c.iter().zip(wanted).map(|(c, w)| f64::from(*c) - w);
+    let largest = differences().fold(0.0, |most: f64, d| most.max(d.abs()));
+    let square: f64 = differences().map(|d| d * d).sum();
+    [largest, (square / n).sqrt(), differences().sum::<f64>() / n]
+}
+
+fn assert_near(name: &str, c: &[f32], wanted: &[f64], bounds: [f64; 3]) {
+    let found = apart(c, wanted);
+    eprintln!(
+        "{name}: max {:.1e}, RMS {:.1e}, bias {:.1e}",
+        found[0], found[1], found[2]
+    );
+    for (found, bound) in found.iter().zip(bounds) {
+        assert!(found.abs() <= bound, "{name}: {found:e} > {bound:e}");
+    }
+}
+
+#[test]
+fn blocks_in_c_have_the_librarys_bits() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    exported(folder.path(), &file("plain.toml"));
+    let rows = rows(STEPS, 1e-3);
+    let model = plain::model::<f32>(STEP, Units::SI).expect("valid");
+    let wanted = library(&model, |_, _, _| (), &rows);
+    let c = forces(&compiled(folder.path(), "cc", &["-O2"]), &rows);
+    assert_eq!(apart(&c, &wanted), [0.0; 3]);
+}
+
+/// The library has Stribeck curves and spots as tables, and waves as polynomials; C has them from `math.h`.
+#[test]
+fn every_effect_in_c_gives_the_librarys_force() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    exported(folder.path(), &file("linear.toml"));
+    let rows = rows(STEPS, 1e-3);
+    let model = linear::model::<f32>(STEP, Units::SI).expect("valid");
+    let told = |s: &mut <linear::Model as Friction>::State, t: f32, l: f32| {
+        (s.temperature, s.load) = (Some(t), Some(l));
+    };
+    let wanted = library(&model, told, &rows);
+    let c = forces(&compiled(folder.path(), "cc", &["-O2"]), &rows);
+    // Forces reach 1.6 N.
+    assert_near("linear", &c, &wanted, [2e-3, 3e-4, 1e-4]);
+    let folder = tempfile::tempdir().expect("temporary folder");
+    exported(folder.path(), &file("rotary.toml"));
+    let rows = self::rows(STEPS, 0.3);
+    let model = rotary::model::<f32>(STEP, Units::SI).expect("valid");
+    let wanted = library(&model, |_, _, _| (), &rows);
+    let c = forces(&compiled(folder.path(), "cc", &["-O2"]), &rows);
+    assert_near("rotary", &c, &wanted, [1e-6, 1e-7, 1e-8]);
+}
+
+/// Against the host, in double precision.
+#[test]
+fn laws_in_c_give_the_hosts_force() {
+    let sliding = "coulomb_N = 0.7\nstribeck_velocity_m_s = 0.002\nstribeck_exponent = 1.5";
+    let block = "blocks = [{ stiffness_N_per_m = 1e5, weight = 0.6 }, { stiffness_N_per_m = 2e4, weight = 0.4 }]";
+    for (name, friction) in [
+        ("coulomb", "kind = \"coulomb\"\ncoulomb_N = 0.9".to_owned()),
+        (
+            "dahl",
+            "kind = \"dahl\"\nstiffness_N_per_m = 1e5\ncoulomb_N = 0.9\nexponent = 1.0".to_owned(),
+        ),
+        (
+            "dahl_1_5",
+            "kind = \"dahl\"\nstiffness_N_per_m = 1e5\ncoulomb_N = 0.9\nexponent = 1.5".to_owned(),
+        ),
+        (
+            "lugre",
+            format!(
+                "kind = \"lugre\"\nstiffness_N_per_m = 1e5\ndamping_N_s_per_m = 3.0\nbreakaway_N = 0.9\nattraction_N_per_s = inf\n{sliding}"
+            ),
+        ),
+        (
+            "gms",
+            format!(
+                "kind = \"gms\"\nbreakaway_N = 0.9\nattraction_N_per_s = 20.0\n{sliding}\n{block}"
+            ),
+        ),
+        (
+            "gms_at_once",
+            format!(
+                "kind = \"gms\"\nbreakaway_N = 0.9\nattraction_N_per_s = inf\n{sliding}\n{block}"
+            ),
+        ),
+    ] {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let toml = folder.path().join("model.toml");
+        let head = "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[friction]\nviscous_N_s_per_m = 0.0\n";
+        std::fs::write(&toml, format!("{head}{friction}\n")).expect("written");
+        exported(folder.path(), &toml);
+        let rows = rows(STEPS / 5, 1e-3);
+        let mut x = 0.0;
+        let position: Vec<f64> = rows
+            .iter()
+            .map(|row| {
+                x += f64::from(row[0]);
+                x
+            })
+            .collect();
+        let velocity: Vec<f64> = rows.iter().map(|row| f64::from(row[1])).collect();
+        let whole = 0..rows.len();
+        let path = MotionPath {
+            position: &position,
+            velocity: &velocity,
+            pieces: std::slice::from_ref(&whole),
+            sample_time: STEP,
+        };
+        let wanted = Model::load(&toml)
+            .expect("valid")
+            .resistance(path)
+            .expect("a force");
+        let c = forces(&compiled(folder.path(), "cc", &["-O2"]), &rows);
+        assert_near(name, &c, &wanted, [2e-3, 2e-4, 1e-4]);
+    }
+}
+
+/// NaN and infinity at every input in turn, under the sanitizers, by every compiler that is here: nothing is undefined, nothing leaves the
+/// bounds, and the model recovers.
+#[test]
+fn bad_input_is_bounded_and_nothing_is_undefined() {
+    let mut rows = rows(STEPS / 20, 1e-3);
+    let calm = rows.clone();
+    let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX];
+    for (i, row) in rows.iter_mut().enumerate().take(40_000).skip(1000) {
+        if i % 7 == 0 {
+            row[i % 5] = bad[i % 4];
+        }
+    }
+    let compilers = ["gcc", "clang"]
+        .into_iter()
+        .filter(|c| Command::new(c).arg("--version").output().is_ok());
+    for compiler in compilers {
+        for name in ["plain", "linear", "rotary"] {
+            let folder = tempfile::tempdir().expect("temporary folder");
+            exported(folder.path(), &file(&format!("{name}.toml")));
+            let flags = [
+                "-O1",
+                "-fsanitize=address,undefined",
+                "-fno-sanitize-recover=all",
+            ];
+            let program = compiled(folder.path(), compiler, &flags);
+            let c = forces(&program, &rows);
+            assert!(c.iter().all(|f| f.abs() < 60.0), "{compiler} {name}");
+            let after = forces(&program, &calm);
+            let off = c
+                .iter()
+                .zip(&after)
+                .skip(45_000)
+                .map(|(a, b)| (a - b).abs())
+                .fold(0.0, f32::max);
+            eprintln!("{compiler}, {name}: {off:.1e} apart after bad input");
+            assert!(off < 2e-2, "{compiler} {name}: {off}");
+        }
+    }
+}
+
+#[test]
+fn what_c_needs_and_lacks_is_said() {
+    let model = |name: &str| file(&format!("{name}.toml")).display().to_string();
+    let refused = |arguments: &[&str]| {
+        let run = export(arguments);
+        assert_eq!(run.status.code(), Some(2), "{arguments:?}");
+        text(&run.stderr)
+    };
+    let error = refused(&[&model("linear"), "--lang", "c", "-o", "stage_model.c"]);
+    assert!(
+        error.contains("--rate") && error.contains("frictional_lag"),
+        "{error}"
+    );
+    let error = refused(&[&model("plain"), "--lang", "c"]);
+    assert!(error.contains("-o stage_model.c"), "{error}");
+    let error = refused(&[&model("plain"), "--lang", "c", "-o", "Stage Model.c"]);
+    assert!(error.contains("small letters"), "{error}");
+    let error = refused(&[&model("leuven"), "--lang", "c", "-o", "stage_model.c"]);
+    assert!(
+        error.contains("leuven") && error.contains("without --lang"),
+        "{error}"
+    );
+    let error = refused(&[&model("plain"), "--rate", "1000"]);
+    assert!(error.contains("--lang c"), "{error}");
+}

@@ -1,0 +1,113 @@
+//! The friction model in C: what it remembers, and its code.
+
+use super::{filled, literal};
+use crate::export::constants::of_friction;
+use crate::friction::FrictionModel;
+use crate::model::Model;
+use std::fmt::Write as _;
+
+/// A friction model.
+pub(super) struct Law {
+    /// What it remembers: declarations, and the statements that set it to rest.
+    pub(super) memory: &'static [(&'static str, &'static str)],
+    /// Stiffnesses and yields of its blocks, as arrays.
+    pub(super) arrays: String,
+    /// Its functions.
+    pub(super) code: String,
+    /// Whether its force is, whatever the input: damping of bristles grows with speed.
+    pub(super) bounded: bool,
+}
+
+const SLIDING: &str = include_str!("law/sliding.c");
+const DEFLECTIONS: (&str, &str) = (
+    "float deflection[@BLOCKS]; /* of each block */",
+    "for (i = 0; i < @BLOCKS; ++i) {\n        s->deflection[i] = 0.0f;\n    }",
+);
+
+impl Law {
+    /// # Errors
+    /// A model that C has not.
+    pub(super) fn of(model: &Model) -> Result<Self, String> {
+        let lag = |attraction: f64| match attraction {
+            f64::INFINITY => include_str!("law/no_lag.c"),
+            _ => include_str!("law/lag.c"),
+        };
+        let (memory, parts): (&'static [(&str, &str)], Vec<&str>) = match &model.friction {
+            FrictionModel::Coulomb { .. } => (&[], vec![include_str!("law/coulomb.c")]),
+            FrictionModel::Dahl { .. } => (
+                &[(
+                    "float share; /* of the Coulomb force */",
+                    "s->share = 0.0f;",
+                )],
+                vec![include_str!("law/dahl.c")],
+            ),
+            FrictionModel::LuGre { .. } => (
+                &[(
+                    "float deflection; /* of the bristles */",
+                    "s->deflection = 0.0f;",
+                )],
+                vec![SLIDING, include_str!("law/lugre.c")],
+            ),
+            FrictionModel::Gms { sliding: None, .. } => {
+                (&[DEFLECTIONS], vec![include_str!("law/quasi_static.c")])
+            }
+            FrictionModel::Gms {
+                sliding: Some(sliding),
+                ..
+            } => (
+                &[
+                    DEFLECTIONS,
+                    (
+                        "uint32_t slipping; /* a bit for each block */",
+                        "s->slipping = 0u;",
+                    ),
+                    ("float direction; /* 1 or -1 */", "s->direction = 1.0f;"),
+                ],
+                vec![SLIDING, lag(sliding.attraction), include_str!("law/gms.c")],
+            ),
+            other => {
+                return Err(format!(
+                    "C has no {} yet; `preslide export` without --lang writes it in Rust, `preslide identify` finds a GMS model, which C has",
+                    other.kind()
+                ));
+            }
+        };
+        let constants = of_friction(model);
+        let scalars = model.friction.scalars();
+        let keys: Vec<(&str, &str)> = scalars
+            .iter()
+            .zip(&constants)
+            .map(|((key, _), constant)| (*key, constant.name.as_str()))
+            .collect();
+        Ok(Self {
+            memory,
+            arrays: arrays(&model.friction),
+            code: filled(&parts.join("\n"), &keys),
+            bounded: !matches!(model.friction, FrictionModel::LuGre { damping, .. } if damping != 0.0),
+        })
+    }
+}
+
+/// The blocks in the numbers that are computed with.
+fn arrays(friction: &FrictionModel) -> String {
+    let FrictionModel::Gms {
+        breakaway, blocks, ..
+    } = friction
+    else {
+        return String::new();
+    };
+    let mut text = String::new();
+    let mut array = |said: &str, name: &str, of: &dyn Fn(&preslide::Block) -> f64| {
+        let values: Vec<String> = blocks.iter().map(|b| literal(of(b))).collect();
+        let _ = writeln!(
+            text,
+            "/* {said} */\nstatic const float {name}[@BLOCKS] = {{ {} }};",
+            values.join(", ")
+        );
+    };
+    array("Stiffness of each block.", "STIFFNESSES", &|b| b.stiffness);
+    array("Displacement at which each slips.", "YIELDS", &|b| {
+        b.yield_displacement(*breakaway)
+    });
+    text
+}
