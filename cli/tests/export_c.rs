@@ -354,3 +354,38 @@ fn what_c_needs_and_lacks_is_said() {
     let error = refused(&[&model("plain"), "--rate", "1000"]);
     assert!(error.contains("--lang c"), "{error}");
 }
+
+/// The places to call it from, against the names that they take of their frameworks.
+#[test]
+fn the_examples_compile_as_strangers_would() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    for (model, name) in [("plain", "stage_model"), ("rotary", "joint_model")] {
+        let source = folder
+            .path()
+            .join(format!("{name}.c"))
+            .display()
+            .to_string();
+        let model = file(&format!("{model}.toml")).display().to_string();
+        let run = export(&[&model, "--lang", "c", "--rate", RATE_HZ, "-o", &source]);
+        assert!(run.status.success(), "{}", text(&run.stderr));
+    }
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/c");
+    for name in ["linuxcnc.c", "stm32.c", "simplefoc.cpp", "ros2_control.cpp"] {
+        let is_cpp = name.ends_with("cpp");
+        let (compiler, standard) = if is_cpp {
+            ("c++", "-std=c++17")
+        } else {
+            ("cc", "-std=c99")
+        };
+        let run = Command::new(compiler)
+            .args(&WARNINGS[1..])
+            .args([standard, "-c", "-o", "/dev/null", "-I"])
+            .arg(folder.path())
+            .arg("-I")
+            .arg(examples.join("interfaces"))
+            .arg(examples.join(name))
+            .output();
+        let run = run.unwrap_or_else(|e| panic!("{compiler}: {e}; on Debian: apt install g++"));
+        assert!(run.status.success(), "{name}: {}", text(&run.stderr));
+    }
+}

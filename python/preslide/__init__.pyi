@@ -1,6 +1,6 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
-from typing import Any, Union
+from typing import Any, Literal, Union, overload
 
 import numpy as np
 
@@ -79,4 +79,9 @@ def tune(
     progress: Progress | None = None,
     **options: Any,
 ) -> Result: ...
+@overload
+def export(
+    model: Model | Result | str | PathLike[str], *, lang: Literal["c"], name: str = "stage_model", progress: Progress | None = None, **options: Any
+) -> dict[str, str]: ...
+@overload
 def export(model: Model | Result | str | PathLike[str], *, progress: Progress | None = None, **options: Any) -> str: ...

@@ -211,11 +211,13 @@ def tune(model, *, recording=None, progress=None, **options):
         return _run("tune", arguments, folder, progress)
 
 
-def export(model, *, progress=None, **options):
-    """A model as Rust source for the firmware: the source."""
+def export(model, *, name="stage_model", progress=None, **options):
+    """A model as Rust source for the firmware: the source; with `lang="c"` a dictionary of two files, `name` before every name in them."""
     _without_own(options)
-    with _folder() as name:
-        said, _, failure = run(["export", _model_file(model, pathlib.Path(name)), *_options(options)], progress)
+    with _folder() as folder:
+        pair = [pathlib.Path(folder, name + ending) for ending in (".c", ".h")] if options.get("lang") == "c" else []
+        output = ["-o", str(pair[0])] if pair else []
+        said, _, failure = run(["export", _model_file(model, pathlib.Path(folder)), *_options(options), *output], progress)
         if failure:
-            raise Error(failure[0].replace(name + os.sep, ""), failure[1])
-        return said
+            raise Error(failure[0].replace(folder + os.sep, ""), failure[1])
+        return {file.name: file.read_text(encoding="utf-8") for file in pair} or said

@@ -62,6 +62,8 @@ def test_simulate_tune_and_export_are_the_tools(tool, axis, tmp_path):
     done, _ = tool("export", model, folder=tmp_path, json_file=False)
     # The hash and the name of the file are the tool's, too.
     assert preslide.export(model) == done.stdout
+    pair = preslide.export(model, lang="c", rate=20000, name="axis_model")
+    assert sorted(pair) == ["axis_model.c", "axis_model.h"] and "axis_model_step(" in pair["axis_model.h"]
 
 
 def test_arrays_and_frames_are_what_the_file_is(axis):
