@@ -5,6 +5,7 @@ mod cli;
 mod exit_codes;
 mod export;
 mod export_c;
+mod fleet;
 
 #[test]
 fn every_file_of_tests_runs() {

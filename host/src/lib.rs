@@ -7,6 +7,7 @@ pub mod diagnose;
 pub mod drive;
 pub mod effects;
 pub mod export;
+pub mod fleet;
 pub mod friction;
 pub mod identify;
 pub mod model;

@@ -6,6 +6,7 @@ pub mod demo;
 pub mod diagnose;
 pub mod drive;
 pub mod export;
+pub mod fleet;
 pub mod identify;
 pub mod outputs;
 pub mod plan;
@@ -211,6 +212,16 @@ impl ReadingArgs {
             not_there.push(name.to_owned());
             options.ignore.retain(|own| own != name);
         }
+    }
+
+    /// Loads one recording of many, without a word.
+    pub fn load_quietly(&self, path: &Path) -> Result<Recording, RecordingError> {
+        self.load_one(path, Needs::Both, &mut Vec::new())
+    }
+
+    /// How recordings are read, for whoever has read some before.
+    pub fn in_words(&self) -> String {
+        format!("{:?} {:?} {:?}", self.map, self.sign, self.ignore)
     }
 
     /// Loads recordings and joins them into one, telling the user what the loader noticed.

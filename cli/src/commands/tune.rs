@@ -88,7 +88,7 @@ pub struct Tune {
 const ALL: &str = "all";
 
 /// `5%` or `0.05`.
-fn parse_percent(text: &str) -> Result<f64, String> {
+pub fn parse_percent(text: &str) -> Result<f64, String> {
     let (number, scale) = match text.strip_suffix('%') {
         Some(number) => (number, 0.01),
         None => (text, 1.0),

@@ -47,6 +47,11 @@ impl Fit {
         self.0.is_ok()
     }
 
+    /// Why there is none.
+    pub fn refusal(&self) -> Option<&str> {
+        self.0.as_ref().err().map(String::as_str)
+    }
+
     /// What it has.
     pub(super) fn known(&self) -> Known {
         let Ok(found) = &self.0 else {

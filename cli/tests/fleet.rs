@@ -1,0 +1,196 @@
+//! `preslide fleet` on made axes: a row a recording, whatever is wrong with one of them, and nothing made twice.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+const AXES: usize = 3;
+const DAYS: usize = 7;
+
+/// A recording of six seconds: a mass on Coulomb and viscous friction with two blocks, and noise that repeats.
+fn recording(mass: f64, level: f64, noise: u64) -> String {
+    let (dt, mut z, mut random) = (5e-3, [0.0_f64; 2], noise);
+    let mut text = "t_s,x_m,force_N\n".to_owned();
+    let at = |t: f64| 0.03 * (3.1 * t).sin() + 0.01 * (8.2 * t + 1.0).sin();
+    for i in 0..1200 {
+        let t = f64::from(i) * dt;
+        let (x, before, after) = (at(t), at(t - dt), at(t + dt));
+        let (v, a) = (
+            (after - before) / (2.0 * dt),
+            (after - 2.0 * x + before) / (dt * dt),
+        );
+        let mut force = mass * a + 20.0 * v;
+        for (z, (stiffness, share)) in z.iter_mut().zip([(4e4, 0.6), (1.5e4, 0.4)]) {
+            let bound = share * level / stiffness;
+            *z = (*z + x - before).clamp(-bound, bound);
+            force += stiffness * *z;
+        }
+        random = random
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        force += 0.05 * ((random >> 33) as f64 / f64::from(1_u32 << 31) - 0.5);
+        text += &format!("{t:.3},{x:.9},{force:.6}\n");
+    }
+    text
+}
+
+/// Axes of which the second has a third more friction on its last day, and one recording that is none.
+fn fleet(folder: &Path) {
+    for axis in 0..AXES {
+        let own = folder.join(format!("axis{axis}"));
+        std::fs::create_dir_all(&own).expect("a folder");
+        for day in 0..DAYS {
+            let seed = (axis * 100 + day) as u64 + 1;
+            let wobble = 1.0 + 0.01 * ((seed * 7919 % 13) as f64 / 6.0 - 1.0);
+            let worn = if axis == 1 && day == DAYS - 1 {
+                1.33
+            } else {
+                1.0
+            };
+            let text = recording(2.0 * wobble, 4.0 * wobble * worn, seed);
+            std::fs::write(own.join(format!("2026-11-{:02}.csv", day + 1)), text).expect("written");
+        }
+    }
+    std::fs::write(folder.join("axis2/2026-11-03.csv"), "no recording\n").expect("written");
+}
+
+fn run(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_preslide"))
+        .current_dir(folder)
+        .arg("fleet")
+        .args(arguments)
+        .output()
+        .expect("the binary runs")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// The cells of a line, quoted where they hold a comma.
+fn cells(line: &str) -> Vec<String> {
+    let mut cells = vec![String::new()];
+    let mut quoted = false;
+    for c in line.chars() {
+        match c {
+            '"' => quoted = !quoted,
+            ',' if !quoted => cells.push(String::new()),
+            c => cells.last_mut().expect("one").push(c),
+        }
+    }
+    cells
+}
+
+fn column(csv: &str, name: &str) -> Vec<String> {
+    let mut lines = csv.lines().map(cells);
+    let head = lines.next().expect("a head");
+    let at = head.iter().position(|h| h == name);
+    let at = at.unwrap_or_else(|| panic!("no {name} in {head:?}"));
+    lines.map(|own| own[at].clone()).collect()
+}
+
+#[test]
+fn a_fleet_is_a_row_a_recording_and_goes_on_where_it_was_stopped() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    fleet(&folder.path().join("line"));
+    let made = run(
+        folder.path(),
+        &["line", "-o", "fleet.csv", "--fit-only", "--jobs", "2"],
+    );
+    assert!(made.status.success(), "{}", text(&made.stderr));
+    let said = text(&made.stdout);
+    assert!(
+        said.contains("21 recordings of 3 axes, 1 without an answer"),
+        "{said}"
+    );
+    assert!(
+        said.contains("raises an alarm of 1 of them: axis1"),
+        "{said}"
+    );
+    assert!(said.contains("axis2/2026-11-03.csv"), "{said}");
+    let table = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("written");
+    let csv = table("fleet.csv");
+    let levels: Vec<f64> = column(&csv, "coulomb_N")
+        .iter()
+        .filter_map(|v| v.parse().ok())
+        .collect();
+    assert_eq!((column(&csv, "axis").len(), levels.len()), (21, 20));
+    assert!((levels[13] / levels[12] - 1.33).abs() < 0.05, "{levels:?}");
+
+    // Killed while it wrote the ninth row.
+    let journal = folder.path().join("fleet.csv.rows.jsonl");
+    let kept = std::fs::read_to_string(&journal).expect("a journal");
+    let mut torn: String = kept.lines().take(9).map(|l| format!("{l}\n")).collect();
+    torn += &kept.lines().nth(9).expect("rows")[..40];
+    std::fs::write(&journal, torn).expect("written");
+    let again = run(folder.path(), &["line", "-o", "fleet.csv", "--fit-only"]);
+    let told = text(&again.stderr);
+    assert!(told.contains("of 13"), "13 of 21 were left to do: {told}");
+    // But for the seconds that it took.
+    let without = |csv: &str| -> Vec<String> {
+        csv.lines()
+            .map(|l| l.rsplit_once(',').expect("columns").0.to_owned())
+            .collect()
+    };
+    assert_eq!(without(&table("fleet.csv")), without(&csv));
+
+    // A new recording, and nothing else.
+    std::fs::write(
+        folder.path().join("line/axis0/2026-11-08.csv"),
+        recording(2.0, 4.0, 77),
+    )
+    .expect("written");
+    let next = run(
+        folder.path(),
+        &["line/*/*.csv", "-o", "fleet.csv", "--fit-only"],
+    );
+    assert!(
+        text(&next.stderr).contains("of 1 ("),
+        "{}",
+        text(&next.stderr)
+    );
+    assert!(
+        text(&next.stdout).contains("22 recordings"),
+        "{}",
+        text(&next.stdout)
+    );
+}
+
+#[test]
+fn a_fleet_with_diagnoses_has_verdicts_a_page_and_a_parquet_table() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let line = folder.path().join("line");
+    std::fs::create_dir_all(&line).expect("a folder");
+    for day in 1..=2 {
+        std::fs::write(
+            line.join(format!("press_{day}.csv")),
+            recording(2.0, 4.0, day),
+        )
+        .expect("written");
+    }
+    let made = run(
+        folder.path(),
+        &["line", "-o", "fleet.parquet", "--report", "fleet.html"],
+    );
+    assert!(made.status.success(), "{}", text(&made.stderr));
+    assert!(
+        text(&made.stdout).contains("2 recordings of 1 axes"),
+        "{}",
+        text(&made.stdout)
+    );
+    let table = std::fs::read(folder.path().join("fleet.parquet")).expect("written");
+    assert!(table.starts_with(b"PAR1") && table.ends_with(b"PAR1"));
+    let page = std::fs::read_to_string(folder.path().join("fleet.html")).expect("written");
+    assert!(page.contains("What drifted"));
+}
+
+#[test]
+fn what_is_asked_wrongly_is_said() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let refused = |arguments: &[&str]| {
+        let run = run(folder.path(), arguments);
+        assert_eq!(run.status.code(), Some(2), "{arguments:?}");
+        text(&run.stderr)
+    };
+    assert!(refused(&["nowhere", "-o", "fleet.csv"]).contains("nowhere: no recording there"));
+    assert!(refused(&["nowhere", "-o", "fleet.xlsx"]).contains(".parquet or .csv"));
+}

@@ -1,0 +1,44 @@
+//! Many axes, a recording a day each: a row a recording, and what changed against the axis's own history.
+//!
+//! [`members`] finds the recordings and whose they are → [`Row::of`] makes a row of each, in any order, on as many cores as there are →
+//! [`Journal`] keeps them, so that nothing is computed twice → [`history`] holds each against those before it → [`table`] and [`page`] tell.
+
+pub mod history;
+mod journal;
+mod members;
+pub mod page;
+mod row;
+pub mod table;
+
+pub use journal::Journal;
+pub use members::{Member, members};
+pub use row::{Asked, Row};
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+
+/// Makes rows on so many threads, and hands each over as it is done: a recording at a time in each thread is in memory, whatever the fleet.
+pub fn rows(
+    members: &[Member],
+    jobs: usize,
+    row: impl Fn(&Member) -> Row + Sync,
+    mut done: impl FnMut(Row),
+) {
+    let next = AtomicUsize::new(0);
+    let (sender, receiver) = mpsc::channel();
+    std::thread::scope(|scope| {
+        for _ in 0..jobs.clamp(1, members.len().max(1)) {
+            let (sender, next, row) = (sender.clone(), &next, &row);
+            scope.spawn(move || {
+                while let Some(member) = members.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    // Nobody hears any more: the command was stopped.
+                    if sender.send(row(member)).is_err() {
+                        break;
+                    }
+                }
+            });
+        }
+        drop(sender);
+        receiver.into_iter().for_each(&mut done);
+    });
+}
