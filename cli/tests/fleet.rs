@@ -133,6 +133,22 @@ fn a_fleet_is_a_row_a_recording_and_goes_on_where_it_was_stopped() {
     };
     assert_eq!(without(&table("fleet.csv")), without(&csv));
 
+    // Two machines, and a third that makes the table of what they made.
+    for part in ["1/2", "2/2"] {
+        let own = run(
+            folder.path(),
+            &["line", "-o", "parts.csv", "--fit-only", "--part", part],
+        );
+        assert!(own.status.success(), "{}", text(&own.stderr));
+    }
+    let joined = run(folder.path(), &["line", "-o", "parts.csv", "--fit-only"]);
+    assert!(
+        !text(&joined.stderr).contains("recordings: 1 of"),
+        "{}",
+        text(&joined.stderr)
+    );
+    assert_eq!(without(&table("parts.csv")), without(&csv));
+
     // A new recording, and nothing else.
     std::fs::write(
         folder.path().join("line/axis0/2026-11-08.csv"),
@@ -192,5 +208,6 @@ fn what_is_asked_wrongly_is_said() {
         text(&run.stderr)
     };
     assert!(refused(&["nowhere", "-o", "fleet.csv"]).contains("nowhere: no recording there"));
+    assert!(refused(&["nowhere", "-o", "fleet.csv", "--part", "3/2"]).contains("such as 1/8"));
     assert!(refused(&["nowhere", "-o", "fleet.xlsx"]).contains(".parquet or .csv"));
 }

@@ -5,9 +5,9 @@ polars frame; columns are named as in files: `t_s`, `x_m` or `q_rad`, and an eff
 underscores: `identify(axis, train="0..20", map={"force_N": "35.15*voltage_V"})`.
 """
 
-from ._commands import compare, diagnose, export, identify, simulate, tune
+from ._commands import compare, diagnose, export, fleet, identify, simulate, tune
 from ._model import Model
 from ._preslide import __version__
 from ._result import Error, Result
 
-__all__ = ["Error", "Model", "Result", "__version__", "compare", "diagnose", "export", "identify", "simulate", "tune"]
+__all__ = ["Error", "Model", "Result", "__version__", "compare", "diagnose", "export", "fleet", "identify", "simulate", "tune"]

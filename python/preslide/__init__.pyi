@@ -79,6 +79,9 @@ def tune(
     progress: Progress | None = None,
     **options: Any,
 ) -> Result: ...
+def fleet(
+    *recordings: str | PathLike[str], output: str | PathLike[str] | None = None, progress: Progress | None = None, **options: Any
+) -> dict[str, np.ndarray] | None: ...
 @overload
 def export(
     model: Model | Result | str | PathLike[str], *, lang: Literal["c"], name: str = "stage_model", progress: Progress | None = None, **options: Any

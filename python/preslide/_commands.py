@@ -1,5 +1,6 @@
 """The tool's commands as functions."""
 
+import csv
 import json
 import os
 import pathlib
@@ -209,6 +210,35 @@ def tune(model, *, recording=None, progress=None, **options):
         if recording is not None:
             arguments += ["--recording", _file(recording, folder, "recording")]
         return _run("tune", arguments, folder, progress)
+
+
+def fleet(*recordings, output=None, progress=None, **options):
+    """Many axes, a recording a day each: columns of the table, a row a recording, by name (texts, and numbers with NaN for none).
+
+    `recordings` are folders, files or patterns; `output` keeps the table (`.parquet` or `.csv`) and, beside it, the rows as they are made, so that the
+    next call reads only what is new. With `part="1/8"` one of eight workers makes its rows and there is no table.
+    """
+    with _folder() as folder:
+        table = os.path.join(folder, "fleet.csv")
+        tables = [os.fspath(output), table] if output is not None else [table]
+        outputs = [part for name in tables for part in ("-o", name)]
+        _, _, failure = run(["fleet", *map(os.fspath, recordings), *outputs, *_options(options)], progress)
+        if failure and not os.path.exists(table):
+            raise Error(*failure)
+        return None if "part" in options else _mixed_table(table)
+
+
+def _mixed_table(path):
+    """Columns of numbers and of texts."""
+    with open(path, newline="", encoding="utf-8") as file:
+        head, *rows = csv.reader(file)
+    table = {}
+    for name, cells in zip(head, zip(*rows)):
+        try:
+            table[name] = np.array([float(cell) if cell else np.nan for cell in cells])
+        except ValueError:
+            table[name] = np.array(cells, dtype=object)
+    return table
 
 
 def export(model, *, name="stage_model", progress=None, **options):

@@ -4,9 +4,10 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use crate::process::{cargo, root, run, target_of};
+use crate::steps::Tier;
 
-/// Installs the package and runs its tests.
-pub fn check() -> Result<(), String> {
+/// Installs the package and runs its tests, in the long tier those on clusters, too.
+pub fn check(tier: Tier) -> Result<(), String> {
     // What the answers are compared with, in the profile of the package: the host is compiled once.
     run(&mut cargo(&["build", "--release", "--bin", "preslide"]))?;
     let target = target_of(root());
@@ -25,14 +26,20 @@ pub fn check() -> Result<(), String> {
         "--quiet",
     ]);
     install.arg(&package).arg("--requirement");
-    install.arg(package.join("tests").join("requirements.txt"));
+    let tests = package.join("tests");
+    install.arg(tests.join("requirements.txt"));
+    if tier == Tier::All {
+        install.arg("--requirement").arg(tests.join("clusters.txt"));
+    }
     run(install.env("CARGO_TARGET_DIR", &target)).map_err(|reason| {
         format!(
             "{reason}; pip needs a registry (its `index-url`), and Python 3.11 or later for the versions in python/tests/requirements.txt"
         )
     })?;
     let mut test = Command::new(&python);
-    test.args(["-m", "pytest", "-q", "-rs"])
-        .arg(package.join("tests"));
+    test.args(["-m", "pytest", "-q", "-rs"]).arg(tests);
+    if tier == Tier::All {
+        test.env("PRESLIDE_CLUSTERS", "1");
+    }
     run(test.env("CARGO_TARGET_DIR", &target))
 }

@@ -249,7 +249,7 @@ pub const STEPS: &[Step] = &[
             "python/", "src/", "axis", "link/", "drive/", "host/", "sim/", "cli/",
         ],
         lane: Lane::Host,
-        run: |_| crate::python::check(),
+        run: crate::python::check,
     },
     Step {
         name: "demo",

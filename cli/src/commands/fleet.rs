@@ -6,7 +6,7 @@ use clap::Args;
 use preslide_host::fleet::history::{Change, FEWEST, changes};
 use preslide_host::fleet::page::{page, ranking, table};
 use preslide_host::fleet::table::{columns, write_csv, write_parquet};
-use preslide_host::fleet::{Asked, Journal, Member, Row, members, rows};
+use preslide_host::fleet::{Asked, Journal, Member, Part, Row, is_journal, members, rows};
 use preslide_host::progress::Progress;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -24,9 +24,9 @@ pub struct Fleet {
     #[arg(required = true, value_name = "DIR|GLOB")]
     recordings: Vec<String>,
 
-    /// Write the table: .parquet or .csv
-    #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
+    /// Write the table: .parquet or .csv; may be given several times, and the rows are kept beside the first
+    #[arg(short, long, value_name = "FILE", required = true)]
+    output: Vec<PathBuf>,
 
     /// Write one self-contained page that ranks what drifted
     #[arg(long, value_name = "FILE.html")]
@@ -40,6 +40,11 @@ pub struct Fleet {
     #[arg(long)]
     fit_only: bool,
 
+    /// Make every Nth row from the Kth on and no table, for clusters that share a file system: each part has a journal of its own, and the same
+    /// command without it makes the table of them all
+    #[arg(long, value_name = "K/N", conflicts_with = "report")]
+    part: Option<Part>,
+
     /// Recordings at a time [default: the cores of this machine]
     #[arg(long, value_name = "N")]
     jobs: Option<NonZero<usize>>,
@@ -51,39 +56,53 @@ pub struct Fleet {
 impl Fleet {
     /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
-        let is_csv = self.output.extension().is_some_and(|e| e == "csv");
-        if !is_csv && self.output.extension().is_none_or(|e| e != "parquet") {
+        let is_table = |path: &&PathBuf| ends_with(path, "csv") || ends_with(path, "parquet");
+        if let Some(path) = self.output.iter().find(|path| !is_table(path)) {
             return Err(Failure::Input(format!(
                 "-o {}: name a table .parquet or .csv",
-                self.output.display()
+                path.display()
             )));
         }
-        let own = [
-            ("-o", Some(&self.output)),
-            ("--report", self.report.as_ref()),
-        ];
+        let tables = self.output.iter().map(|path| ("-o", Some(path)));
+        let own: Vec<outputs::Output> =
+            tables.chain([("--report", self.report.as_ref())]).collect();
         outputs::check(&[], &own, None)?;
         let mut members = members(&self.recordings).map_err(Failure::Input)?;
-        // The last table is no recording of it.
-        let written = [Some(&self.output), self.report.as_ref()];
+        // The last table is no recording.
         let is_own = |path: &Path| {
-            written
+            let same = |table: &PathBuf| path.canonicalize().ok() == table.canonicalize().ok();
+            self.output
                 .iter()
-                .flatten()
-                .any(|own| own.canonicalize().ok() == path.canonicalize().ok())
+                .any(|table| same(table) || is_journal(path, table))
         };
-        let journal_name = format!("{}.rows.jsonl", self.output.display());
-        members.retain(|m| !is_own(&m.path) && m.path != Path::new(&journal_name));
-        let rows = self.all_rows(&members)?;
-        let changes = changes(&rows, self.false_alarms);
-        let columns = columns(&rows, &changes);
-        outputs::write_with(&self.output, |path| match is_csv {
-            true => write_csv(path, &columns),
-            false => write_parquet(path, &columns),
-        })?;
-        let words = self.words(&rows, &changes);
+        members.retain(|m| !is_own(&m.path));
+        if let Some(part) = self.part {
+            let own = members.iter().skip(part.number - 1).step_by(part.of);
+            let rows = self.all_rows(&own.cloned().collect::<Vec<_>>())?;
+            say!(
+                "{} rows of part {} of {}; the same command without --part makes the table.",
+                rows.len(),
+                part.number,
+                part.of
+            );
+            return Ok(());
+        }
+        self.tell(&self.all_rows(&members)?)
+    }
+
+    /// The tables, the terminal's words and the page.
+    fn tell(&self, rows: &[Row]) -> Result<(), Failure> {
+        let changes = changes(rows, self.false_alarms);
+        let columns = columns(rows, &changes);
+        for table in &self.output {
+            outputs::write_with(table, |path| match ends_with(table, "csv") {
+                true => write_csv(path, &columns),
+                false => write_parquet(path, &columns),
+            })?;
+        }
+        let words = self.words(rows, &changes);
         say!("{words}");
-        let ranked = ranking(&rows, &changes);
+        let ranked = ranking(rows, &changes);
         if !ranked.is_empty() {
             say!("\n{}", table(&ranked[..ranked.len().min(SHOWN)]).to_text());
         }
@@ -91,7 +110,7 @@ impl Fleet {
             say!("{}: {}", row.file, row.error.as_deref().unwrap_or_default());
         }
         if let Some(path) = &self.report {
-            let page = page(&rows, &changes, words, command_line());
+            let page = page(rows, &changes, words, command_line());
             outputs::write_with(path, |path| page.write_html(path))?;
         }
         match rows.iter().all(|row| row.error.is_some()) {
@@ -109,7 +128,7 @@ impl Fleet {
             false => Asked::Diagnosis,
         };
         let how = format!("{asked:?} {}", self.reading.in_words());
-        let mut journal = Journal::open(&self.output, &how).map_err(Failure::Tool)?;
+        let mut journal = Journal::open(&self.output[0], &how, self.part).map_err(Failure::Tool)?;
         let known: Vec<Option<Row>> = members.iter().map(|m| journal.row(m).cloned()).collect();
         let new: Vec<Member> = members
             .iter()
@@ -177,6 +196,10 @@ impl Fleet {
             100.0 * self.false_alarms
         )
     }
+}
+
+fn ends_with(path: &Path, ending: &str) -> bool {
+    path.extension().is_some_and(|own| own == ending)
 }
 
 /// The changes of each axis.

@@ -1,49 +1,58 @@
-//! Rows as they are made, a line each, beside the table: what was done before an interruption, or yesterday, is not done again.
+//! Rows as they are made, a line each, beside the table: what was done before an interruption, yesterday or on another machine is not done again.
 
-use super::{Member, Row};
+use super::{Member, Part, Row};
 use std::collections::HashMap;
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 
-/// The journal of a table. A row is a file's as long as name, length and time of the file are the same.
+/// The journals of a table: one, or one a part. A row is a file's as long as name, length and time of the file are the same.
 pub struct Journal {
     path: PathBuf,
     file: File,
     known: HashMap<String, Row>,
 }
 
+/// Whether a file is a journal of a table.
+pub fn is_journal(path: &Path, table: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let own = format!(
+        "{}.rows",
+        table.file_name().unwrap_or_default().to_string_lossy()
+    );
+    name.starts_with(&own) && name.ends_with(".jsonl")
+}
+
 impl Journal {
-    /// Opens or begins the journal of a table made as `how` says; one that was made otherwise is begun anew.
+    /// Opens or begins the journal of a table, or of a part of it, made as `how` says; one that was made otherwise is begun anew. The rows of all
+    /// parts are known.
     ///
     /// # Errors
     /// Why it cannot be written.
-    pub fn open(table: &Path, how: &str) -> Result<Self, String> {
-        let mut name = table.file_name().unwrap_or_default().to_os_string();
-        name.push(".rows.jsonl");
-        let path = table.with_file_name(name);
+    pub fn open(table: &Path, how: &str, part: Option<Part>) -> Result<Self, String> {
+        let name = table.file_name().unwrap_or_default().to_string_lossy();
+        let part = part.map_or(String::new(), |part| {
+            format!(".{}-of-{}", part.number, part.of)
+        });
+        let path = table.with_file_name(format!("{name}.rows{part}.jsonl"));
         let failed = |e: std::io::Error| format!("cannot write {}: {e}", path.display());
         let head = serde_json::json!({ "schema": "preslide.fleet/1", "version": env!("CARGO_PKG_VERSION"), "how": how }).to_string();
+        let folder = path.parent().filter(|f| !f.as_os_str().is_empty());
+        let beside = std::fs::read_dir(folder.unwrap_or(Path::new("."))).map_err(failed)?;
+        let journals = beside.flatten().map(|entry| entry.path());
         let mut known = HashMap::new();
-        let mut is_ours = false;
-        if let Ok(file) = File::open(&path) {
-            let mut lines = BufReader::new(file).lines().map_while(Result::ok);
-            is_ours = lines.next().is_some_and(|line| line == head);
-            // A line that is torn is one that was being written.
-            let rows = lines.filter_map(|line| serde_json::from_str::<Row>(&line).ok());
-            known = rows
-                .filter(|_| is_ours)
-                .map(|row| (row.file.clone(), row))
-                .collect();
+        for journal in journals.filter(|path| is_journal(path, table)) {
+            known.extend(rows(&journal, &head).unwrap_or_default());
         }
+        let is_begun = rows(&path, &head).is_some();
         let mut options = OpenOptions::new();
-        let mut file = match is_ours {
+        let mut file = match is_begun {
             true => options.append(true).open(&path),
             false => options.write(true).create(true).truncate(true).open(&path),
         }
         .map_err(failed)?;
-        // The torn line ends here.
-        let begin = if is_ours {
+        // A line that was torn ends here.
+        let begin = if is_begun {
             "\n".to_owned()
         } else {
             head + "\n"
@@ -55,8 +64,7 @@ impl Journal {
     /// The row of a recording that was made before.
     pub fn row(&self, member: &Member) -> Option<&Row> {
         let same = |row: &&Row| row.bytes == member.bytes && row.modified_s == member.modified_s;
-        let row = self.known.get(&member.file).filter(same)?;
-        Some(row)
+        self.known.get(&member.file).filter(same)
     }
 
     /// Keeps a row.
@@ -69,4 +77,16 @@ impl Journal {
         let written = self.file.write_all(format!("{line}\n").as_bytes());
         written.map_err(|e| format!("cannot write {}: {e}", self.path.display()))
     }
+}
+
+/// The rows of a journal that begins so, by their files; a line that is torn is one that was being written.
+fn rows(path: &Path, head: &str) -> Option<HashMap<String, Row>> {
+    let mut lines = BufReader::new(File::open(path).ok()?)
+        .lines()
+        .map_while(Result::ok);
+    if lines.next()? != head {
+        return None;
+    }
+    let rows = lines.filter_map(|line| serde_json::from_str::<Row>(&line).ok());
+    Some(rows.map(|row| (row.file.clone(), row)).collect())
 }

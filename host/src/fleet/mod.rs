@@ -10,12 +10,36 @@ pub mod page;
 mod row;
 pub mod table;
 
-pub use journal::Journal;
+pub use journal::{Journal, is_journal};
 pub use members::{Member, members};
 pub use row::{Asked, Row};
 
+use std::str::FromStr;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
+
+/// Every `of`th recording, from the one of this number on, counted from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Which part.
+    pub number: usize,
+    /// Of how many.
+    pub of: usize,
+}
+
+impl FromStr for Part {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = text
+            .split_once('/')
+            .and_then(|(number, of)| Some((number.parse().ok()?, of.parse().ok()?)));
+        numbers
+            .map(|(number, of)| Self { number, of })
+            .filter(|part| (1..=part.of).contains(&part.number))
+            .ok_or_else(|| "give the part and how many there are, such as 1/8".to_owned())
+    }
+}
 
 /// Makes rows on so many threads, and hands each over as it is done: a recording at a time in each thread is in memory, whatever the fleet.
 pub fn rows(
