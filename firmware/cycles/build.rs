@@ -72,11 +72,6 @@ const PEERS: &[(&str, &str, &[&str])] = &[
         "slip_reserve.c",
         &["-O2", "-fwrapv"],
     ),
-    (
-        "lumped_slip_reserve_i32_gcc_O2",
-        "lumped_slip_reserve.c",
-        &["-O2", "-fwrapv"],
-    ),
     ("gms_i32_gcc_O2", "gms_i32.c", &["-O2", "-fwrapv"]),
 ];
 

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::trials::score::{Diagnosis, Named};
+use crate::answer::{Diagnosis, Named};
 
 /// An interval of `position` (m or rad), `velocity` (magnitude), `time` (s) or `load` (N) on which an effect acts.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,6 +1,7 @@
 //! Host checks of Preslide: an independent reference, and the paths and parameters that it is driven with;
 //! and the trials that the diagnosis is judged by.
 
+pub mod answer;
 pub mod case;
 pub mod deviation;
 pub mod judge;

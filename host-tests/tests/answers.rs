@@ -24,7 +24,11 @@ fn the_same_is_said_after(changes: &[&[Property]]) {
         70_000_004,
         Kind::Single(Id::PeriodicForce, Strength::Typical),
     );
-    let recording = made.given("cogging");
+    let mut recording = made.given("cogging");
+    // Its first third names the cogging as the whole does, in less of the gate's time.
+    let whole = &recording.parts[0];
+    let third = whole.len() / 3;
+    recording.parts = vec![whole.kept(|row| row < third)];
     let before = tool.diagnose(&recording).0;
     let said = before.as_ref().unwrap_or_else(|e| panic!("{e}"));
     assert!(

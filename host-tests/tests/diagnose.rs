@@ -1,10 +1,10 @@
 //! The diagnosis on trials whose truth it does not see: a few of each kind, with names, figures and intervals asserted. How good it
-//! is on many is printed by `cargo xtask trials`. The tool is known here by its command line and its JSON only.
+//! is on many is printed by `cargo xtask sources`. The tool is known here by its command line and its JSON only.
 
 use preslide_host::model::Model;
+use preslide_host_tests::answer::Diagnosis;
 use preslide_host_tests::judge::tool::Tool;
 use preslide_host_tests::trials::effect::{Id, Strength};
-use preslide_host_tests::trials::score::Diagnosis;
 use preslide_host_tests::trials::{Kind, trial};
 
 /// What the diagnosis says of a trial, and the model file that it extends.
@@ -47,7 +47,9 @@ fn clean_recordings_of_two_laws_are_consistent() {
     }
 }
 
+/// The gate asks single effects by `cargo xtask sources --ci`, which holds each answer.
 #[test]
+#[ignore = "long study: cargo xtask test --all"]
 fn a_stribeck_curve_is_named_with_its_velocity_and_honest_intervals() {
     let (seed, kind) = (272, Kind::Single(Id::Stribeck, Strength::Typical));
     let (found, _) = answer(seed, kind);

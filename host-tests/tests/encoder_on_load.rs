@@ -1,11 +1,11 @@
 //! `diagnose` on two bodies whose load has the encoder, as a scale on the slide: a motor that nobody measures drives it through a gap, a
 //! spring or stiffly. The machine is integrated here, in steps of 20 µs, under a controller that holds its force between samples.
 
+use preslide_host_tests::answer::Diagnosis;
 use preslide_host_tests::judge::table::{Recording, Table};
 use preslide_host_tests::judge::tool::Tool;
 use preslide_host_tests::machines::Dice;
 use preslide_host_tests::machines::law::Law;
-use preslide_host_tests::trials::score::Diagnosis;
 use std::f64::consts::TAU;
 
 const SEED: u64 = 23;
@@ -123,6 +123,7 @@ fn a_gap_ahead_of_the_encoder_is_named_with_its_width() {
 
 /// Its inertial force is a thousandth of the effort: it is suspected, and nothing else for good.
 #[test]
+#[ignore = "long study: cargo xtask test --all"]
 fn a_spring_ahead_of_the_encoder_is_suspected() {
     let joint = Joint {
         gap_m: 0.0,
@@ -135,6 +136,7 @@ fn a_spring_ahead_of_the_encoder_is_suspected() {
 
 /// Nor is anything certain: under LuGre's law a vibration at a frequency of the motion is stated as likely (0.67), which is false (limits).
 #[test]
+#[ignore = "long study: cargo xtask test --all"]
 fn a_stiff_drive_has_neither() {
     for law in [Law::Jenkins, Law::LuGre] {
         let joint = Joint {

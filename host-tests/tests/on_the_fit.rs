@@ -45,8 +45,18 @@ fn of_the_fit<'a>(found: &'a Diagnosis, id: &str) -> &'a Named {
 }
 
 #[test]
+fn a_circle_lacks_nothing() {
+    circles_lack_nothing(&[30]);
+}
+
+#[test]
+#[ignore = "long study: cargo xtask test --all"]
 fn a_circle_of_any_radius_lacks_nothing() {
-    for radius in [30, 50, 100] {
+    circles_lack_nothing(&[50, 100]);
+}
+
+fn circles_lack_nothing(radii: &[u32]) {
+    for radius in radii {
         if let Some(recording) = case(&format!("circle_R{radius}.csv")) {
             let found = told(&recording);
             assert_eq!(found.verdict, Verdict::Consistent);
@@ -58,14 +68,22 @@ fn a_circle_of_any_radius_lacks_nothing() {
 }
 
 #[test]
-fn a_pair_of_fast_spins_hides_no_cogging() {
-    for speed in [15, 20] {
-        if let Some(recording) = case(&format!("cogging_spin_{speed}.csv")) {
-            let found = told(&recording);
-            let cogging = the_only_missing(&found, "periodic_force");
-            holds(cogging, &[(0.667, 0.01)]);
-            assert!(found.extended.test < 0.01, "{}", found.extended.test);
-        }
+fn a_fast_spin_hides_no_cogging() {
+    spins_hide_no_cogging(15);
+}
+
+#[test]
+#[ignore = "long study: cargo xtask test --all"]
+fn a_faster_spin_hides_no_cogging() {
+    spins_hide_no_cogging(20);
+}
+
+fn spins_hide_no_cogging(speed: u32) {
+    if let Some(recording) = case(&format!("cogging_spin_{speed}.csv")) {
+        let found = told(&recording);
+        let cogging = the_only_missing(&found, "periodic_force");
+        holds(cogging, &[(0.667, 0.01)]);
+        assert!(found.extended.test < 0.01, "{}", found.extended.test);
     }
 }
 
@@ -132,7 +150,7 @@ fn a_position_that_is_held_is_taken_where_it_was_read() {
 }
 
 #[test]
-fn an_end_of_command_or_reading_is_named_with_its_place() {
+fn an_end_of_the_reading_is_named_with_its_place() {
     if let Some(recording) = case("saturation_of_the_reading/rec.csv") {
         let found = told(&recording);
         holds(
@@ -141,6 +159,11 @@ fn an_end_of_command_or_reading_is_named_with_its_place() {
         );
         assert!(found.extended.test < 0.02, "{}", found.extended.test);
     }
+}
+
+#[test]
+#[ignore = "long study: cargo xtask test --all"]
+fn an_end_of_the_command_is_named_with_its_place() {
     let parts = [1, 2, 3].map(|k| case(&format!("saturation_typical/rec{k}.csv")));
     if let [Some(a), Some(b), Some(c)] = parts {
         let found = told(&Recording::join(vec![a, b, c]).expect("one machine"));

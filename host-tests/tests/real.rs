@@ -4,10 +4,10 @@
 use preslide_host::model::Model;
 use preslide_host::recording::{LoadOptions, load};
 use preslide_host::simulate::motion_with_inertia;
+use preslide_host_tests::answer::Diagnosis;
 use preslide_host_tests::judge::real::{machine, shared};
 use preslide_host_tests::judge::table::Recording;
 use preslide_host_tests::judge::tool::Tool;
-use preslide_host_tests::trials::score::Diagnosis;
 use std::f64::consts::TAU;
 
 /// Published least-squares value [N].
@@ -54,6 +54,7 @@ fn viscous_friction_that_differs_by_direction_is_named_and_measured() {
 }
 
 #[test]
+#[ignore = "long study: cargo xtask test --all"]
 fn cogging_of_five_percent_is_found_in_a_measured_force() {
     let Some(mut recording) = emps() else { return };
     // A twelfth of the travel, and no ball screw has it; 5 % of the force's standard deviation.

@@ -300,8 +300,9 @@ const CASES: [Case; 3] = [
     },
 ];
 
-/// Swaps at ten moments of each motion; the error is compared with the worse of the runs that keep either set.
+/// Swaps at some moments of each motion; the error is compared with the worse of the runs that keep either set.
 fn swaps<F: Friction>(
+    moments: usize,
     name: &str,
     axis: &Axis,
     old: &dyn Fn() -> F,
@@ -314,8 +315,8 @@ fn swaps<F: Friction>(
         let allowed = (keep[0].0.max(keep[1].0), keep[0].1.max(keep[1].1));
         let length = case.window.len();
         let mut seen = (0.0_f64, 0.0_f64);
-        for i in 0..10 {
-            let at = case.window.start + i * length / 20;
+        for i in 0..moments {
+            let at = case.window.start + i * length / (2 * moments);
             let (peak, rms) = errors(axis, [old, new], others, Some(at), 0, case);
             seen = (seen.0.max(peak), seen.1.max(rms));
         }
@@ -337,6 +338,16 @@ fn swaps<F: Friction>(
 /// Gains, feed-forward, another GMS and another LuGre: at most 1.1 times the error of the worse of the two left alone.
 #[test]
 fn no_swap_costs_tracking() {
+    no_swap_costs(2);
+}
+
+#[test]
+#[ignore = "long study: cargo xtask test --all"]
+fn no_swap_at_ten_moments_costs_tracking() {
+    no_swap_costs(10);
+}
+
+fn no_swap_costs(moments: usize) {
     let axis = Axis::PAPER_AXIS;
     let u = Units::SI;
     let mut gains = axis;
@@ -359,13 +370,20 @@ fn no_swap_costs_tracking() {
     let two_state = || TwoState::<f32>::try_new(20e-6, 0.9, SLIDING, 50e-6, u).expect("valid");
     let later = || TwoState::<f32>::try_new(30e-6, 0.85, SLIDING, 50e-6, u).expect("valid");
     let worst = [
-        swaps("the same", &axis, &quasi, &axis, &quasi),
-        swaps("other gains", &axis, &quasi, &gains, &quasi),
-        swaps("share 0.8", &axis, &quasi, &mass, &quasi),
-        swaps("stiffer quasi-static", &axis, &quasi, &axis, &stiffer),
-        swaps("stiffer gms", &axis, &full, &axis, &full_stiffer),
-        swaps("softer lugre", &axis, &lugre, &axis, &other),
-        swaps("other two-state", &axis, &two_state, &axis, &later),
+        swaps(moments, "the same", &axis, &quasi, &axis, &quasi),
+        swaps(moments, "other gains", &axis, &quasi, &gains, &quasi),
+        swaps(moments, "share 0.8", &axis, &quasi, &mass, &quasi),
+        swaps(
+            moments,
+            "stiffer quasi-static",
+            &axis,
+            &quasi,
+            &axis,
+            &stiffer,
+        ),
+        swaps(moments, "stiffer gms", &axis, &full, &axis, &full_stiffer),
+        swaps(moments, "softer lugre", &axis, &lugre, &axis, &other),
+        swaps(moments, "other two-state", &axis, &two_state, &axis, &later),
     ];
     let worst = worst.into_iter().fold(0.0, f64::max);
     assert!(worst <= 1.1, "{worst}");

@@ -21,14 +21,12 @@ pub use condition::{Condition, NormalRange};
 pub use coulomb::Coulomb;
 pub use dahl::{Dahl, DahlState};
 pub use elasto_plastic::{ElastoPlastic, ElastoPlasticState};
-pub(crate) use gms::Blocks;
 pub use gms::{Gms, GmsState};
 pub use hsieh::{Hsieh, HsiehParams, HsiehState, REVERSALS};
 pub use leuven::{Leuven, LeuvenForm, LeuvenState};
 pub use lugre::{LuGre, LuGreState};
 pub use quasi_static::{QuasiStaticGms, QuasiStaticState};
 pub use stribeck::Sliding;
-pub(crate) use stribeck::SpeedTable;
 pub use two_state::{TwoState, TwoStateMemory};
 
 /// The motion of one control tick, in the model's [`Units`](crate::Units).

@@ -1,28 +1,23 @@
-//! The Maxwell-slip laws made for a cycle budget: in whole numbers, and the full law as one spring and one slider.
+//! The Maxwell-slip laws made for a cycle budget, in whole numbers.
 //!
 //! | kernel | law | arithmetic | accepts |
 //! |---|---|---|---|
 //! | [`CountGms`] | [`Gms`](crate::Gms): stick/slip, Stribeck curve, lag | `i32` | `D_max²/D_min ≤ 2²⁰` |
-//! | [`LumpedCountGms`] | the same, event by event: cheap in the mean, dear in the worst tick | `i32` | `D_max ≤ 2²⁰`, `D_max/D_min ≤ 2¹⁶` |
-//! | [`LumpedGms`] | the same | `f32`, `f64` | what [`Gms`](crate::Gms) does |
 //! | [`SlipReserve`] | [`QuasiStaticGms`](crate::QuasiStaticGms) | `i32` | `D < 2²⁹`, `ΣW < 2³⁰` |
-//! | [`LumpedSlipReserve`] | the same, event by event: cheap in the mean, dear in the worst tick | `i32` | the same |
 //! | [`PackedSlipReserve`] | that of `SlipReserve` | two 16-bit blocks a word | `D < 2¹⁴`, `k < 2¹⁵`, `ΣW < 2³⁰` |
 //! | [`ConstantTimeSlipReserve`] | the same, on a path that no data changes | two 16-bit blocks a word | the same |
 //!
-//! Of the kernels in whole numbers, displacement, velocity and force are whole numbers of their [`Units`](crate::Units): let the unit of length be one
+//! Displacement, velocity and force are whole numbers of their [`Units`](crate::Units): let the unit of length be one
 //! encoder count, and take the unit of force from the kernel's `finest_force`. Counts make the quasi-static
 //! law exact: no drift, however long it runs; what is left is the rounding of `D` to a count and of `k`.
 //! The quasi-static kernels agree bit for bit wherever their ranges and units do, on the host as on the target.
 //!
-//! What each costs stands in `firmware/cycles/cortex-m4.csv`; `preslide tune` chooses between those that are cheapest in the worst tick, which
-//! the lumped law never is.
+//! What each costs stands in `firmware/cycles/cortex-m4.csv`; `preslide tune` chooses between them.
 
 mod constant_time;
 mod count_gms;
 mod curves;
 mod dsp;
-mod lumped;
 mod packed;
 mod product;
 mod quantised;
@@ -30,10 +25,6 @@ mod slip_reserve;
 
 pub use constant_time::ConstantTimeSlipReserve;
 pub use count_gms::{CountGms, CountGmsState};
-pub use lumped::{
-    Float, LumpedCountGms, LumpedCountGmsState, LumpedGms, LumpedGmsState, LumpedSlipReserve,
-    LumpedSlipReserveState,
-};
 pub use packed::{PackedSlipReserve, PackedState};
 pub use slip_reserve::{SlipReserve, SlipReserveState};
 

@@ -1,4 +1,4 @@
-//! Blocks in whole numbers: the quasi-static law's, as all slip-reserve kernels share it, and what the full law's two forms do.
+//! Blocks in whole numbers: the quasi-static law's, as all slip-reserve kernels share it, and what the full law takes of it.
 
 use crate::param::{Block, Bound, ParamError, Units, check_blocks};
 

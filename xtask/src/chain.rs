@@ -12,7 +12,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use crate::process::{cargo, free_port, output, released, run};
+use crate::process::{build_as_tests, free_port, output, released};
 use crate::qemu::{build, build_command, capture};
 use crate::tools::Need;
 
@@ -57,8 +57,7 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
 
 fn chain(seed: u64, count: usize, electrical: bool) -> Result<(), String> {
     Need::Qemu.ensure()?;
-    let what = ["build", "--release", "--package", "preslide-cli", "--bins"];
-    run(cargo(&what).args(["--example", "chain"]))?;
+    build_as_tests(&["--bin", "preslide", "--example", "chain"])?;
     let shipped = build("preslide-qemu", "qemu-fixed", &[])?;
     let folder = std::env::temp_dir().join(format!("preslide-chain-{}", std::process::id()));
     let chain = Chain {

@@ -14,9 +14,9 @@ const PORT: &str = "7700";
 /// Twice a motion of 46 s, on an emulator that may run at a third of a real drive's speed.
 const LIMIT: Duration = Duration::from_secs(900);
 
-/// The travel of the chapter's motion of 46 s, and that of one of 13 s: an emulated second costs more than three of a core.
+/// The travel of the chapter's motion of 46 s, and that of one of 6.5 s: an emulated second costs more than three of a core.
 const TRAVEL: &str = "--travel 1mm";
-const SHORT: &str = "--travel 0.1mm";
+const SHORT: &str = "--travel 0.05mm";
 
 /// Runs the chapter on the firmware `elf`, its motion over a shorter travel unless `whole`.
 pub fn run(elf: &Path, whole: bool) -> Result<(), String> {

@@ -1,17 +1,16 @@
 //! `cargo xtask properties`, `inject`, `sources`, `calibrate`, `real`: judges of `preslide diagnose` that know it by its command line and its JSON only.
 
-use crate::process::{cargo, released, root, run};
+use crate::process::{build_as_tests, released, root, run};
 use std::process::Command;
 
 /// Builds the tool, unless another is named with `--preslide`, and runs a judge with its arguments.
 pub fn judge(name: &str, arguments: &[String]) -> Result<(), String> {
     let named = |argument: &String| argument.starts_with("--preslide") || argument == "--help";
-    let mut build = cargo(&["build", "--release", "--package", "preslide-host-tests"]);
+    let mut programs = vec!["--bin", "judge"];
     if !arguments.iter().any(named) {
-        // Both at once: of a judge alone, cargo compiles what they share again, with other features.
-        build.args(["--package", "preslide-cli"]);
+        programs.extend(["--bin", "preslide"]);
     }
-    run(build.arg("--bins"))?;
+    build_as_tests(&programs)?;
     let mut judge = Command::new(released("judge"));
     run(judge.arg(name).args(arguments).current_dir(root()))
 }

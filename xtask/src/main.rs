@@ -17,7 +17,6 @@ mod steps;
 mod test;
 mod thumb;
 mod tools;
-mod trials;
 
 use std::process::ExitCode;
 
@@ -62,11 +61,6 @@ const COMMANDS: &[Command] = &[
         name: "chain",
         help: "concealed effects recorded, diagnosed, compiled into the firmware and tracked again; --seed N, --count K",
         run: chain::run_command,
-    },
-    Command {
-        name: "trials",
-        help: "the diagnosis on recordings with a concealed effect, judged: tables; --help lists the options",
-        run: trials::run_command,
     },
     Command {
         name: "properties",

@@ -33,6 +33,15 @@ pub fn cargo(arguments: &[&str]) -> Command {
     command
 }
 
+/// Builds programs and examples of the root workspace as its tests are built: of one package alone, cargo resolves other features, and
+/// compiles the host and all that stands on it again.
+pub fn build_as_tests(what: &[&str]) -> Result<(), String> {
+    let workspace = ["build", "--release", "--workspace"];
+    run(cargo(&workspace)
+        .args(["--exclude", "preslide-bench"])
+        .args(what))
+}
+
 /// `git`, started at the workspace root.
 pub fn git(arguments: &[&str]) -> Command {
     let mut command = Command::new("git");

@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 use std::process::Command;
 
-use crate::process::{cargo, root, run, target_of};
+use crate::process::{build_as_tests, root, run, target_of};
 use crate::steps::Tier;
 
 /// Installs the package and runs its tests, in the long tier those on clusters, too.
 pub fn check(tier: Tier) -> Result<(), String> {
     // What the answers are compared with, in the profile of the package: the host is compiled once.
-    run(&mut cargo(&["build", "--release", "--bin", "preslide"]))?;
+    build_as_tests(&["--bin", "preslide"])?;
     let target = target_of(root());
     let folder = target.join("python");
     let python = folder.join("bin").join("python");

@@ -10,7 +10,7 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use crate::call_graph;
-use crate::process::{cargo, free_port, output, released, root, run, run_for, target_of};
+use crate::process::{build_as_tests, free_port, output, released, root, run, run_for, target_of};
 use crate::thumb::{TARGET, Toolchain};
 use crate::tools::Need;
 
@@ -120,9 +120,14 @@ pub fn serve_command(arguments: &[String]) -> Result<(), String> {
 
 /// Builds the program that runs firmware in QEMU against the simulated stage, and the tool; where the former is.
 pub fn build_rig() -> Result<PathBuf, String> {
-    let what = ["--bins", "--example", "rig", "--example", "drive"];
-    let build = ["build", "--release", "--package", "preslide-cli"];
-    run(&mut cargo(&[&build[..], &what[..]].concat()))?;
+    build_as_tests(&[
+        "--bin",
+        "preslide",
+        "--example",
+        "rig",
+        "--example",
+        "drive",
+    ])?;
     Ok(released("examples/rig"))
 }
 

@@ -29,8 +29,9 @@ pub enum Tier {
 pub enum Lane {
     /// What the workspace's crates are checked by; its output is shown as it comes.
     Host,
-    /// What is built for microcontrollers and runs in an emulator; its output goes to a file and is shown where it failed.
-    Emulator,
+    /// What is built for microcontrollers and runs in an emulator, and then the Python package, so that both lanes end at about the same time;
+    /// its output goes to a file and is shown where it failed.
+    Beside,
 }
 
 /// The library and what the firmware builds it from.
@@ -150,7 +151,7 @@ pub const STEPS: &[Step] = &[
         reason: "the library builds without std for the microcontroller",
         needs: &[],
         paths: LIBRARY,
-        lane: Lane::Emulator,
+        lane: Lane::Beside,
         run: |_| thumb_build(),
     },
     Step {
@@ -165,7 +166,7 @@ pub const STEPS: &[Step] = &[
             "memory.x",
             "xtask/src/example.rs",
         ],
-        lane: Lane::Emulator,
+        lane: Lane::Beside,
         run: |_| crate::example::run_in_qemu(),
     },
     Step {
@@ -173,7 +174,7 @@ pub const STEPS: &[Step] = &[
         reason: "the firmware workspace builds for the microcontroller, warnings denied",
         needs: &[Need::Clippy, Need::ArmGcc],
         paths: FIRMWARE_PATHS,
-        lane: Lane::Emulator,
+        lane: Lane::Beside,
         run: |_| firmware(),
     },
     Step {
@@ -181,7 +182,7 @@ pub const STEPS: &[Step] = &[
         reason: "no kernel executes more instructions than the committed table says",
         needs: &[Need::Qemu, Need::ArmGcc],
         paths: &["src/", "build.rs", "firmware/"],
-        lane: Lane::Emulator,
+        lane: Lane::Beside,
         run: |tier| {
             let how = match tier {
                 Tier::Gate => "--check",
@@ -195,7 +196,7 @@ pub const STEPS: &[Step] = &[
         reason: "the firmware in QEMU gives the host's commands, and every fault ends in the safe state",
         needs: &[Need::Qemu, Need::ArmGcc],
         paths: RIG,
-        lane: Lane::Emulator,
+        lane: Lane::Beside,
         run: |tier| {
             let long = ["--long".to_owned()];
             crate::qemu::run_command(match tier {
@@ -209,7 +210,7 @@ pub const STEPS: &[Step] = &[
         reason: "effects that only the stage knows of are named, compiled into the firmware and compensated",
         needs: &[Need::Qemu],
         paths: RIG,
-        lane: Lane::Emulator,
+        lane: Lane::Beside,
         run: |tier| {
             // One effect, named and tracked close to what is possible.
             let short = ["--count".to_owned(), "1".to_owned()];
@@ -248,7 +249,7 @@ pub const STEPS: &[Step] = &[
         paths: &[
             "python/", "src/", "axis", "link/", "drive/", "host/", "sim/", "cli/",
         ],
-        lane: Lane::Host,
+        lane: Lane::Beside,
         run: crate::python::check,
     },
     Step {

@@ -85,14 +85,14 @@ type Ended = (&'static str, Duration, Result<(), String>);
 
 /// Both lanes at a time, each in its order.
 fn in_lanes(chosen: &[&'static Step], tier: Tier) -> Vec<Ended> {
-    let (host, emulator): (Vec<&Step>, Vec<&Step>) =
+    let (host, others): (Vec<&Step>, Vec<&Step>) =
         chosen.iter().partition(|step| step.lane == Lane::Host);
-    if host.is_empty() || emulator.is_empty() {
+    if host.is_empty() || others.is_empty() {
         return chosen.iter().map(|step| shown(step, tier)).collect();
     }
     std::thread::scope(|scope| {
         let beside = scope.spawn(|| {
-            emulator
+            others
                 .iter()
                 .map(|step| logged(step, tier))
                 .collect::<Vec<_>>()

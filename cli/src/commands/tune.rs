@@ -39,7 +39,7 @@ pub struct Tune {
     #[command(flatten)]
     split: SplitArgs,
 
-    /// Core or chip whose costs to use: cortex-m4 (stm32g4), hazard3 (rp2350-riscv), cortex-m0+ (rp2040), cortex-m7 (stm32h7);
+    /// Core or chip whose costs to use: cortex-m4 (stm32g4), hazard3 (rp2350-riscv), cortex-m0+ (rp2040);
     /// all compares them; or a table of costs measured on your own board, in the columns of firmware/cycles/cortex-m4.csv
     #[arg(
         long,

@@ -1,10 +1,7 @@
 //! The library's kernels that are measured, with the paper's parameters.
 
 use fixed::types::I16F16;
-use preslide::kernels::{
-    ConstantTimeSlipReserve, CountGms, LumpedCountGms, LumpedGms, LumpedSlipReserve,
-    PackedSlipReserve, SlipReserve, Whole,
-};
+use preslide::kernels::{ConstantTimeSlipReserve, CountGms, PackedSlipReserve, SlipReserve, Whole};
 use preslide::{
     Block, BoucWen, Coulomb, Dahl, ElastoPlastic, Friction, Gms, Hsieh, HsiehParams, Leuven,
     LeuvenForm, LuGre, Motion, ParamError, QuasiStaticGms, Sliding, TwoState, Units,
@@ -131,9 +128,6 @@ pub fn run() {
     sweep!("gms_i16f16", Gms<N, I16F16>, |_blocks| COUNTS, |blocks, units| {
         Gms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units)
     });
-    sweep!("lumped_f32", LumpedGms<N, f32>, |_blocks| Units::SI, |blocks, units| {
-        LumpedGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units)
-    });
     sweep!("quasi_static_f32", QuasiStaticGms<N, f32>, |_blocks| Units::SI, |blocks, units| {
         QuasiStaticGms::try_new(blocks, BREAKAWAY, units)
     });
@@ -224,24 +218,12 @@ pub fn in_whole_numbers() {
         |blocks| counts(CountGms::finest_force(blocks, BREAKAWAY, COUNT)),
         |blocks, units| { CountGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units) }
     );
-    sweep!(
-        "lumped_i32",
-        LumpedCountGms<N>,
-        |blocks| counts(LumpedCountGms::finest_force(blocks, BREAKAWAY, COUNT)),
-        |blocks, units| { LumpedCountGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units) }
-    );
-    // In the packed kernel's unit of force, so that the four kernels' checksums are equal.
+    // In the packed kernel's unit of force, so that the three kernels' checksums are equal.
     sweep!(
         "slip_reserve_i32",
         SlipReserve<N>,
         |blocks| counts(packed_force(blocks)),
         |blocks, units| { SlipReserve::try_new(blocks, BREAKAWAY, units) }
-    );
-    sweep!(
-        "lumped_slip_reserve_i32",
-        LumpedSlipReserve<N>,
-        |blocks| counts(packed_force(blocks)),
-        |blocks, units| { LumpedSlipReserve::try_new(blocks, BREAKAWAY, units) }
     );
     sweep!(
         "packed",
@@ -268,13 +250,8 @@ pub fn long_runs(report: impl Fn(&str, u64)) {
     let full = counts(CountGms::finest_force(blocks, BREAKAWAY, COUNT));
     let gms = CountGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, full);
     report("gms_i32", long_run(&built(gms)));
-    let full = counts(LumpedCountGms::finest_force(blocks, BREAKAWAY, COUNT));
-    let lumped = LumpedCountGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, full);
-    report("lumped_i32", long_run(&built(lumped)));
     let plain = built(SlipReserve::try_new(blocks, BREAKAWAY, slip));
     report("slip_reserve_i32", long_run(&plain));
-    let lumped = built(LumpedSlipReserve::try_new(blocks, BREAKAWAY, slip));
-    report("lumped_slip_reserve_i32", long_run(&lumped));
     let packed = built(PackedSlipReserve::<3>::try_new(blocks, BREAKAWAY, slip));
     report("packed", long_run(&packed));
     let constant = built(ConstantTimeSlipReserve::<3>::try_new(

@@ -52,7 +52,7 @@ fn run() -> ! {
         );
         say!(
             "kernel,n,instructions_mean,instructions_max,cycles_mean,cycles_worst,cycles_low,cycles_high,cycles_in_tick,\
-             floor,m7_estimate,flash_bytes,ram_bytes,paths,calls,error"
+             floor,flash_bytes,ram_bytes,paths,calls,error"
         );
     } else {
         say!("motion seed {:#x}", motion::SEED);

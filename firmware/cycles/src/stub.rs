@@ -129,7 +129,7 @@ impl Row {
             let without = f64::from(f32::from_bits(EMPTY_TICK.load(Ordering::Relaxed)));
             crate::machine::print(format_args!("{:.1}", ticks.mean() - without));
         }
-        crate::say!(",,,,{state},,{TICKS},");
+        crate::say!(",,,{state},,{TICKS},");
     }
 }
 

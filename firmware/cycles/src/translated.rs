@@ -1,7 +1,7 @@
 //! What gcc makes of the library's own kernels: the same formulation in C (`peers`), on the same model and state.
 
 use preslide::Friction;
-use preslide::kernels::{CountGms, LumpedSlipReserve, SlipReserve, Whole};
+use preslide::kernels::{CountGms, SlipReserve, Whole};
 
 use crate::kernels::{BREAKAWAY, SLIDING, blocks, built, counts, packed_force};
 use crate::motion::{COUNT, SAMPLE_TIME};
@@ -36,12 +36,6 @@ pub fn run() {
         SlipReserve,
         |blocks| packed_force(blocks),
         |units| { SlipReserve::try_new(blocks, BREAKAWAY, units) }
-    );
-    translated!(
-        "lumped_slip_reserve_i32_gcc_O2",
-        LumpedSlipReserve,
-        |blocks| packed_force(blocks),
-        |units| { LumpedSlipReserve::try_new(blocks, BREAKAWAY, units) }
     );
     translated!(
         "gms_i32_gcc_O2",

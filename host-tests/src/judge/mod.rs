@@ -6,12 +6,9 @@
 pub use crate::{case, table};
 
 pub mod baseline;
-pub mod beside;
 pub mod calibrate;
 pub mod inject;
 pub mod motion;
-pub mod naive;
-pub mod naive_columns;
 pub mod oracle;
 pub mod properties;
 pub mod real;

@@ -15,7 +15,7 @@ const FOLDS: usize = 10;
 /// … each of so many blocks spread over the recording: a trend need not be carried beyond what was fitted.
 const SPREAD: usize = 4;
 /// Yields of the stops as shares of the travel.
-pub(super) const YIELDS: [f64; 6] = [1e-4, 5e-4, 2e-3, 8e-3, 3e-2, 1e-1];
+const YIELDS: [f64; 6] = [1e-4, 5e-4, 2e-3, 8e-3, 3e-2, 1e-1];
 /// The column is there where it takes this share of the held-out loss …
 const SHARE: f64 = 0.02;
 /// … and lowers the loss in this many of the folds (a sign test: p = 0.011), whatever one bad fold does to the mean.
@@ -39,7 +39,7 @@ pub struct Base {
 }
 
 /// Averages of consecutive rows that last [`BIN_S`], within the pieces.
-pub(super) fn binned(column: &[f64], motion: &Motion, step: f64) -> Vec<f64> {
+fn binned(column: &[f64], motion: &Motion, step: f64) -> Vec<f64> {
     let n = ((BIN_S / step).round() as usize).max(1);
     let pieces = motion.pieces.iter();
     pieces

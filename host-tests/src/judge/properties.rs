@@ -3,8 +3,8 @@
 //! No truth is needed, so real machines are judged like made ones.
 
 use super::table::{Recording, Table};
+use crate::answer::{Diagnosis, Named};
 use crate::trials::draw::Draw;
-use crate::trials::score::{Diagnosis, Named};
 
 /// A change of a recording that leaves the machine what it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

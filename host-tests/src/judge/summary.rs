@@ -92,9 +92,16 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// Expected calibration error over ten bins of equal width (Naeini et al. 2015) of names whose truth is known.
+/// Expected calibration error over ten bins of equal width of names whose truth is known: mean distance of the stated confidence from the
+/// share that is true, weighted by the number of statements (Naeini et al. 2015). NaN without any.
 pub fn calibration_error(stated: &[(f64, bool)]) -> f64 {
-    crate::trials::report::calibration_error(stated).unwrap_or(f64::NAN)
+    let mut bins = [(0.0, 0usize); 10];
+    for &(confidence, there) in stated {
+        let bin = &mut bins[((confidence * 10.0).max(0.0) as usize).min(9)];
+        *bin = (bin.0 + confidence, bin.1 + usize::from(there));
+    }
+    let gaps = bins.iter().map(|(sum, there)| (sum - *there as f64).abs());
+    gaps.sum::<f64>() / stated.len() as f64
 }
 
 /// Confidence and truth of every stated name, suspected ones too, whose truth is known; strangers left out.
@@ -385,119 +392,18 @@ pub fn table(cases: &[Case]) -> String {
     text
 }
 
-/// Thresholds of confidence of a curve.
-pub const THRESHOLDS: [f64; 21] = [
-    0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8,
-    0.85, 0.9, 0.95, 0.99,
-];
-
-/// True effects found and false names stated, at each threshold of confidence: suspected names count too.
-pub fn curve(cases: &[&Case]) -> Vec<(f64, usize, usize)> {
-    THRESHOLDS
-        .iter()
-        .map(|&threshold| {
-            let names = |c: &&Case| -> Vec<Option<bool>> {
-                let above = c.names().iter().filter(|n| n.confidence >= threshold);
-                above.map(|n| c.judges(n)).collect()
-            };
-            let counted = cases.iter().filter(|c| c.sort != Sort::Stranger);
-            let all: Vec<Option<bool>> = counted.flat_map(names).collect();
-            let count = |right: bool| all.iter().filter(|j| **j == Some(right)).count();
-            (threshold, count(true), count(false))
-        })
-        .collect()
-}
-
-/// The curves of all sources as CSV.
-pub fn curves_csv(cases: &[Case]) -> String {
-    let mut text = "source,recordings,effects,confidence,true_names,false_names\n".to_owned();
-    for source in sources(cases) {
-        let own: Vec<&Case> = cases.iter().filter(|c| c.source == source).collect();
-        let effects: usize = own
-            .iter()
-            .filter(|c| c.sort != Sort::Stranger)
-            .map(|c| c.truth.len())
-            .sum();
-        for (threshold, right, wrong) in curve(&own) {
-            let _ = writeln!(
-                text,
-                "{source},{},{effects},{threshold},{right},{wrong}",
-                own.len()
-            );
-        }
-    }
-    text
-}
-
-/// The curves as a picture, one a source: true names (share of the effects) over false names (a recording; to 1, or to `reach`).
-pub fn curves_svg(cases: &[Case], reach: f64) -> String {
-    const COLOURS: [&str; 6] = [
-        "#1b6ca8", "#c8553d", "#3a7d44", "#8a5a9e", "#c28f2c", "#555555",
-    ];
-    let (width, height, left, bottom) = (560.0, 360.0, 60.0, 50.0);
-    let at = |wrong: f64, right: f64| {
-        (
-            left + (width - left - 20.0) * (wrong / reach).min(1.0),
-            height - bottom - (height - bottom - 20.0) * right,
-        )
-    };
-    let mut text = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"{width}\" height=\"{height}\" fill=\"white\"/>\n"
-    );
-    for tick in 0..=4 {
-        let share = f64::from(tick) / 4.0;
-        let ((x, y0), (x0, y)) = (at(reach * share, 0.0), at(0.0, share));
-        let _ = writeln!(
-            text,
-            "<text x=\"{x:.0}\" y=\"{:.0}\" text-anchor=\"middle\">{}</text><text x=\"{:.0}\" y=\"{y:.0}\" text-anchor=\"end\">{:.0} %</text><path d=\"M{x0:.0} {y:.0}H{:.0}\" stroke=\"#ddd\"/>",
-            y0 + 18.0,
-            reach * share,
-            x0 - 6.0,
-            100.0 * share,
-            width - 20.0
-        );
-    }
-    let _ = writeln!(
-        text,
-        "<text x=\"{:.0}\" y=\"{:.0}\" text-anchor=\"middle\">false names a recording</text><text x=\"{left}\" y=\"14\">effects named</text>",
-        0.5 * width,
-        height - 10.0
-    );
-    for (i, source) in sources(cases).into_iter().enumerate() {
-        let own: Vec<&Case> = cases.iter().filter(|c| c.source == source).collect();
-        let effects: usize = own
-            .iter()
-            .filter(|c| c.sort != Sort::Stranger)
-            .map(|c| c.truth.len())
-            .sum();
-        if effects == 0 {
-            continue;
-        }
-        let points: Vec<String> = curve(&own)
-            .iter()
-            .map(|(_, right, wrong)| {
-                at(
-                    *wrong as f64 / own.len() as f64,
-                    (*right as f64 / effects as f64).min(1.0),
-                )
-            })
-            .map(|(x, y)| format!("{x:.1},{y:.1}"))
-            .collect();
-        let colour = COLOURS[i % COLOURS.len()];
-        let _ = writeln!(
-            text,
-            "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2\"/><text x=\"{:.0}\" y=\"{:.0}\" fill=\"{colour}\" text-anchor=\"end\">{source}</text>",
-            points.join(" "),
-            width - 24.0,
-            200.0 + 16.0 * i as f64
-        );
-    }
-    text + "</svg>\n"
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn calibration_counts_the_gap() {
+        let stated: Vec<(f64, bool)> = (0..100).map(|i| (0.85, i < 85)).collect();
+        assert!(calibration_error(&stated) < 1e-9);
+        let boasting: Vec<(f64, bool)> = (0..100).map(|i| (0.95, i < 45)).collect();
+        assert!((calibration_error(&boasting) - 0.5).abs() < 1e-9);
+        assert!(calibration_error(&[]).is_nan());
+    }
 
     #[test]
     fn exact_intervals_are_those_of_the_tables() {

@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::LazyLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-use super::naive::Recipe;
 use super::table::Recording;
-use crate::trials::score::Diagnosis;
+use crate::answer::Diagnosis;
 
 /// A build of the tool, and how long it may take.
 #[derive(Clone, Debug)]
@@ -18,8 +18,6 @@ pub struct Tool {
     pub command: Vec<String>,
     /// Longest time for one diagnosis.
     pub limit: Duration,
-    /// A naive recipe that answers in the program's place.
-    pub recipe: Option<Recipe>,
 }
 
 /// An answer or why there is none, and how long it took (s).
@@ -46,24 +44,19 @@ impl Tool {
         Ok(Self {
             command: vec![program.display().to_string(), "diagnose".to_owned()],
             limit: Duration::from_secs(300),
-            recipe: None,
         })
     }
 
-    /// A naive recipe in a program's place.
-    pub fn naive(recipe: Recipe) -> Self {
-        Self {
-            command: Vec::new(),
-            limit: Duration::MAX,
-            recipe: Some(recipe),
-        }
-    }
-
-    /// For tests: the program named by `PRESLIDE`, or that of this workspace, built with tests' optimisation.
+    /// For tests: the program named by `PRESLIDE`, or that of this workspace, built with tests' optimisation, once for all of them.
     ///
     /// # Errors
     /// Where it does not build.
     pub fn of_workspace() -> Result<Self, String> {
+        static BUILT: LazyLock<Result<Tool, String>> = LazyLock::new(Tool::built);
+        BUILT.clone()
+    }
+
+    fn built() -> Result<Self, String> {
         if let Some(path) = std::env::var_os("PRESLIDE") {
             return Self::new(Some(Path::new(&path)));
         }
@@ -136,10 +129,6 @@ impl Tool {
     /// Writes a recording into a folder of its own, diagnoses it, and removes the folder.
     pub fn diagnose(&self, recording: &Recording) -> Timed {
         static NEXT: AtomicUsize = AtomicUsize::new(0);
-        if let Some(recipe) = self.recipe {
-            let begun = Instant::now();
-            return (recipe.diagnose(recording), begun.elapsed().as_secs_f64());
-        }
         let n = NEXT.fetch_add(1, Ordering::Relaxed);
         let folder =
             std::env::temp_dir().join(format!("preslide-judge-{}-{n}", std::process::id()));

@@ -1,20 +1,11 @@
-//! A trial as files: the recording as CSV and the model as TOML for the diagnosis, the label as TOML for
-//! whoever judges it.
+//! A trial as the diagnosis gets it: the recording as CSV and the model as TOML.
 
 use std::fmt::Write as _;
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
 
 use super::scenario::Scenario;
 use super::{ENCODER_PERIOD_M, Trial};
 use crate::table::{Recording, Table};
-
-/// Names of the three files in a trial's folder.
-pub const RECORDING: &str = "recording.csv";
-/// See [`RECORDING`].
-pub const MODEL: &str = "model.toml";
-/// See [`RECORDING`]. The diagnosis must not see this one.
-pub const LABEL: &str = "label.toml";
 
 impl Trial {
     /// Writes the recording in the project's format (design, "Recording").
@@ -61,56 +52,6 @@ impl Trial {
             .and_then(|()| Table::parse(&String::from_utf8_lossy(&text)));
         let table = table.unwrap_or_else(|e| panic!("a trial that is no table: {e}"));
         Recording::new(name, table, Some(self.model_toml.clone()))
-    }
-
-    /// The truth, and what can be achieved, as TOML.
-    pub fn label_toml(&self) -> String {
-        let label = &self.label;
-        let a = &self.achievable;
-        let mut text = String::new();
-        let _ = writeln!(
-            text,
-            "schema = \"preslide.trial/1\"\nseed = {}\nkind = \"{}\"\nlaw = \"{}\"\nstrength = \"{}\"\nmass_kg = {:?}\n\
-             breakaway_N = {:?}\n\n[achievable]\nforce_rms_N = {:?}\nbaseline_nmse = {:?}\nfloor_nmse = {:?}",
-            label.seed,
-            label.kind.name(),
-            label.law.name(),
-            label.strength,
-            label.mass,
-            label.breakaway,
-            a.force_rms,
-            a.baseline_nmse,
-            a.floor_nmse,
-        );
-        if let Some(region) = label.region {
-            let _ = writeln!(
-                text,
-                "\n[region]\naxis = \"{}\"\nfrom = {:?}\nto = {:?}",
-                region.axis, region.from, region.to
-            );
-        }
-        for (effect, rms) in label.effects.iter().zip(&a.effect_rms) {
-            let _ = writeln!(
-                text,
-                "\n[[effects]]\nid = \"{}\"\nin_catalogue = {}\nrms_N = {rms:?}",
-                effect.id.name(),
-                effect.id.in_catalogue()
-            );
-            for (name, value) in effect.parameters() {
-                let _ = writeln!(text, "{name} = {value:?}");
-            }
-        }
-        text
-    }
-
-    /// Writes [`RECORDING`], [`MODEL`] and [`LABEL`] into an existing folder.
-    ///
-    /// # Errors
-    /// Those of the file system.
-    pub fn write(&self, folder: &Path) -> io::Result<()> {
-        self.write_csv(std::fs::File::create(folder.join(RECORDING))?)?;
-        std::fs::write(folder.join(MODEL), &self.model_toml)?;
-        std::fs::write(folder.join(LABEL), self.label_toml())
     }
 }
 

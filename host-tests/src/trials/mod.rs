@@ -19,9 +19,7 @@ pub mod friction;
 pub mod law;
 pub mod motion;
 pub mod plant;
-pub mod report;
 pub mod scenario;
-pub mod score;
 pub mod truth;
 
 use effect::{CATALOGUE, CORNER, Effect, Id, OUTSIDE, PAIRS, Strength};

@@ -2,12 +2,9 @@
 //!
 //! The references are written from the equations and share no code with the kernels.
 
-mod lumped;
 mod reference;
 
-use preslide::kernels::{
-    ConstantTimeSlipReserve, CountGms, LumpedSlipReserve, PackedSlipReserve, SlipReserve,
-};
+use preslide::kernels::{ConstantTimeSlipReserve, CountGms, PackedSlipReserve, SlipReserve};
 use preslide::{Block, Friction, Motion, Units};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -48,14 +45,8 @@ fn slip_reserve_kernels_agree<const N: usize, const PAIRS: usize>() {
     let plain = SlipReserve::try_new(&blocks, BREAKAWAY, units).unwrap();
     let packed = PackedSlipReserve::<PAIRS>::try_new(&blocks, BREAKAWAY, units).unwrap();
     let constant = ConstantTimeSlipReserve::<PAIRS>::try_new(&blocks, BREAKAWAY, units).unwrap();
-    let lumped = LumpedSlipReserve::try_new(&blocks, BREAKAWAY, units).unwrap();
     let mut reference = Clamped::new(&blocks, units);
-    let mut states = (
-        plain.at_rest(),
-        packed.at_rest(),
-        constant.at_rest(),
-        lumped.at_rest(),
-    );
+    let mut states = (plain.at_rest(), packed.at_rest(), constant.at_rest());
     let mut random = ChaCha8Rng::seed_from_u64(N as u64);
     let limit = i64::from(plain.limit().unwrap().to_bits());
     for step in 0..STEPS {
@@ -66,10 +57,9 @@ fn slip_reserve_kernels_agree<const N: usize, const PAIRS: usize>() {
             plain.step(&mut states.0, motion),
             packed.step(&mut states.1, motion),
             constant.step(&mut states.2, motion),
-            lumped.step(&mut states.3, motion),
         ];
         let found = found.map(|force| i64::from(force.to_bits()));
-        assert_eq!(found, [force; 4], "N = {N}, step {step}, dx = {dx}");
+        assert_eq!(found, [force; 3], "N = {N}, step {step}, dx = {dx}");
         assert!(
             force.abs() <= limit,
             "N = {N}, step {step}: |{force}| > {limit}"

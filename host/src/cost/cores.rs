@@ -9,20 +9,14 @@ pub enum Standing {
     Exact,
     /// Counted instructions, priced by the core's manual.
     Priced,
-    /// A model of the core's pipeline; the share by which a figure may be wrong either way.
-    Estimated(f64),
-    /// Between what the core could save at best and another core's prices, which stand for it.
-    Range,
 }
 
 impl Standing {
     /// In a word.
-    pub fn word(self) -> String {
+    pub fn word(self) -> &'static str {
         match self {
-            Self::Exact => "exact".to_owned(),
-            Self::Priced => "priced".to_owned(),
-            Self::Estimated(share) => format!("±{:.0} %", 100.0 * share),
-            Self::Range => "a range".to_owned(),
+            Self::Exact => "exact",
+            Self::Priced => "priced",
         }
     }
 }
@@ -43,9 +37,8 @@ pub struct Core {
     table: &'static str,
 }
 
-/// Both written by `cargo xtask cycles`.
+/// Written by `cargo xtask cycles`.
 const CORTEX_M4: &str = include_str!("../../../firmware/cycles/cortex-m4.csv");
-const CORTEX_M33: &str = include_str!("../../../firmware/cycles/cortex-m33.csv");
 /// Written by `cargo xtask cycles --m0plus`.
 const CORTEX_M0PLUS: &str = include_str!("../../../firmware/cycles/cortex-m0plus.csv");
 /// Written by `cargo xtask cycles --hazard3`.
@@ -80,31 +73,6 @@ pub const CORES: &[Core] = &[
         origin: "instruction paths from QEMU at the one price that the Cortex-M0+ manual has for each instruction, no wait states, not confirmed on a board",
         table: CORTEX_M0PLUS,
     },
-    Core {
-        names: &["cortex-m7", "stm32h7", "imxrt"],
-        title: "Cortex-M7 (STM32H7)",
-        clock: 480e6,
-        standing: Standing::Estimated(0.4),
-        origin: "an estimate, ±40 %: the most frequent path of the Cortex-M4F's build in llvm-mca's model of the pipeline, everything in tightly coupled memory; worst paths stand at the dear end",
-        table: CORTEX_M4,
-    },
-    Core {
-        names: &[
-            "cortex-m33",
-            "rp2350",
-            "rp2350-arm",
-            "stm32h5",
-            "stm32u5",
-            "nrf53",
-            "nrf91",
-        ],
-        title: "Cortex-M33 (RP2350)",
-        clock: 150e6,
-        standing: Standing::Range,
-        origin: "a range: Arm publishes no timings. Its dear end, by which is chosen, has the Cortex-M4's prices with the dear answers and assumes that \
-                 no instruction takes longer; its cheap end lets short instructions pair and loads take one cycle wherever they could; no wait states, not confirmed on a board",
-        table: CORTEX_M33,
-    },
 ];
 
 impl Core {
@@ -133,41 +101,10 @@ impl Core {
     /// Line and reason where the committed table cannot be read.
     pub fn costs(&self) -> Result<CostTable, String> {
         let table = CostTable::parse(self.table, self.origin)?;
-        Ok(match self.standing {
-            Standing::Estimated(spread) => table.of_estimates(spread),
-            Standing::Range => table.of_range(),
-            standing => CostTable { standing, ..table },
+        Ok(CostTable {
+            standing: self.standing,
+            ..table
         })
-    }
-}
-
-impl CostTable {
-    /// The same with the cheap end of every row told.
-    fn of_range(mut self) -> Self {
-        for row in &mut self.rows {
-            row.least = row.low;
-        }
-        Self {
-            standing: Standing::Range,
-            ..self
-        }
-    }
-
-    /// The same kernels on the core that the table has estimates for: each call less the empty one, its worst path as much above the mean as
-    /// in the table and at the dear end of the spread.
-    fn of_estimates(mut self, spread: f64) -> Self {
-        let call = self.cost("empty_call", 1);
-        let call = call.map_or(0.0, |call| call.estimate);
-        self.rows.retain(|row| row.estimate > call && row.inlined);
-        for row in &mut self.rows {
-            let mean = row.estimate - call;
-            let worst = mean * (row.cycles_worst / row.cycles_mean).max(1.0);
-            (row.cycles_mean, row.cycles_worst) = (mean, worst * (1.0 + spread));
-        }
-        Self {
-            standing: Standing::Estimated(spread),
-            ..self
-        }
     }
 }
 
@@ -203,25 +140,11 @@ mod tests {
             Core::named("rp2350-riscv").unwrap().standing,
             Standing::Exact
         );
-        assert_eq!(Core::named("rp2350").unwrap().standing, Standing::Range);
         let error = Core::named("avr").unwrap_err();
         assert!(
             error.contains("rp2040") && error.contains("--cpu FILE.csv"),
             "{error}"
         );
-    }
-
-    /// Only where a range stands for the core is its cheap end told, and chosen is by the other.
-    #[test]
-    fn a_range_has_two_ends_and_the_dear_one_counts() {
-        let cost = |cpu: &str| {
-            let costs = Core::named(cpu).unwrap().costs().unwrap();
-            costs.cost("gms_f32", 4).unwrap()
-        };
-        let (m33, m4) = (cost("rp2350"), cost("stm32g4"));
-        assert!(m33.least > 0.4 && m33.least < 1.0, "{}", m33.least);
-        assert!(m33.cycles_worst >= m4.cycles_worst);
-        assert_eq!(m4.least, 1.0);
     }
 
     /// Without a float unit `f32` is software: the order of the arithmetics turns round.

@@ -31,24 +31,6 @@ pub struct Cost {
     pub flash_bytes: f64,
     /// State (bytes).
     pub ram_bytes: f64,
-    /// Cycles of a call on the core that the table estimates beside its own; NaN where there is none.
-    estimate: f64,
-    /// Share of the mean (-) at the cheap end, where the manual leaves the cost open; NaN where the table does not say.
-    low: f64,
-    /// That share where the table is a range, and 1 elsewhere.
-    pub least: f64,
-}
-
-impl Cost {
-    /// The mean cycles for people, both ends of a range.
-    pub fn cycles(&self) -> String {
-        let mean = self.cycles_mean;
-        if self.least < 1.0 {
-            format!("{:.0}–{mean:.0}", self.least * mean)
-        } else {
-            format!("{mean:.0}")
-        }
-    }
 }
 
 /// Cycles of the whole interrupt of the control task, exception entry and return included.
@@ -164,9 +146,6 @@ impl CostTable {
                 inlined: !in_tick.is_nan(),
                 flash_bytes: optional("flash_bytes")?,
                 ram_bytes: optional("ram_bytes")?,
-                estimate: optional("m7_estimate")?,
-                low: optional("cycles_low")? / mean,
-                least: 1.0,
             });
         }
         Ok(Self {
@@ -199,9 +178,6 @@ impl CostTable {
             inlined: below.inlined && above.inlined,
             flash_bytes: between(|row| row.flash_bytes).ceil(),
             ram_bytes: between(|row| row.ram_bytes).ceil(),
-            estimate: between(|row| row.estimate),
-            low: between(|row| row.low),
-            least: between(|row| row.least),
         })
     }
 

@@ -502,6 +502,7 @@ fn beside_temperature(temperature: impl Fn(f64) -> f64) -> Recording {
 }
 
 #[test]
+#[ignore = "long study: cargo xtask test --all"]
 fn friction_that_follows_a_measured_temperature_is_named_though_friction_wanders() {
     const PER_KELVIN: f64 = -0.03;
     let temperature = |t: f64| 25.0 - 3.0 * (0.4 * t).cos();

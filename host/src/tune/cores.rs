@@ -56,7 +56,7 @@ impl Comparison {
         let row = |on: &OnCore| {
             let mut cells = vec![
                 on.core.title.to_owned(),
-                on.core.standing.word(),
+                on.core.standing.word().to_owned(),
                 format!("{:.0}", 1e-6 * on.tuning.budget.clock),
             ];
             match on.chosen() {
@@ -67,7 +67,7 @@ impl Comparison {
                     format!("{:.4}", c.arithmetic),
                     c.nmse_test
                         .map_or("–".to_owned(), |nmse| format!("{nmse:.3}")),
-                    c.cost.cycles(),
+                    format!("{:.0}", c.cost.cycles_mean),
                     format!("{:.0}", c.cost.cycles_worst),
                     format!("{:.2}", on.time(c.cost.cycles_worst)),
                     format!("{:.2} %", 100.0 * c.share),

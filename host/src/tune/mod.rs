@@ -8,7 +8,7 @@ mod recommend;
 #[cfg(test)]
 mod tests;
 
-use crate::cost::{Cost, CostTable, Standing, WholeTick};
+use crate::cost::{Cost, CostTable, WholeTick};
 use crate::effects::Effect;
 use crate::export::{carried, refused};
 use crate::friction::{FrictionModel, Path};
@@ -262,7 +262,7 @@ fn tuning(
             }
         }
     }
-    notes.extend(cycles_notes(costs, &choices));
+    notes.extend(cycles_notes(&choices));
     Ok(Tuning {
         recommended: recommend(&choices, budget),
         choices,
@@ -337,18 +337,8 @@ impl Bench<'_> {
 }
 
 /// What the cycles of the table are worth, and what they leave out.
-fn cycles_notes(costs: &CostTable, choices: &[Choice]) -> Vec<String> {
+fn cycles_notes(choices: &[Choice]) -> Vec<String> {
     let mut notes = Vec::new();
-    if let Standing::Estimated(spread) = costs.standing {
-        notes.push(format!(
-            "the cycles are estimates, ±{:.0} %: the worst and the shares count the dear end",
-            100.0 * spread
-        ));
-    }
-    if costs.standing == Standing::Range {
-        notes
-            .push("the cycles are a range: the worst and the shares count the dear end".to_owned());
-    }
     if choices.iter().any(|c| c.tick.is_none()) {
         notes.push(
             "the table of costs has no whole control tick, so shares are of friction alone"

@@ -50,7 +50,7 @@ impl Tuning {
                 c.nmse_test
                     .map_or("–".to_owned(), |nmse| format!("{nmse:.3}")),
                 format!("{:.4}", c.arithmetic),
-                c.cost.cycles(),
+                format!("{:.0}", c.cost.cycles_mean),
                 format!("{:.0}", c.cost.cycles_worst),
                 format!("{:.2} %", 100.0 * c.share),
                 whole(c.tick.map_or(f64::NAN, |tick| tick.worst)),
@@ -87,7 +87,6 @@ impl Tuning {
                 "kernel": c.kernel.name(),
                 "instructions": finite(c.cost.instructions),
                 "cycles_mean": c.cost.cycles_mean,
-                "cycles_least": c.cost.least * c.cost.cycles_mean,
                 "cycles_worst": c.cost.cycles_worst,
                 "flash_bytes": finite(c.cost.flash_bytes),
                 "ram_bytes": finite(c.cost.ram_bytes),

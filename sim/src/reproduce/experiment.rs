@@ -121,9 +121,9 @@ impl Experiment {
     ///
     /// # Errors
     /// A parameter that the library refuses, or a size that fits no average.
-    pub fn run(seed: u64, progress: &Progress) -> Result<Self, String> {
+    pub fn run(seed: u64, repeats: usize, progress: &Progress) -> Result<Self, String> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let repeats = (0..REPEATS)
+        let repeats = (0..repeats)
             .map(|_| ramp(&mut random))
             .collect::<Result<Vec<_>, String>>()?;
         let all: Vec<&Ramp> = repeats.iter().collect();
@@ -195,7 +195,7 @@ impl Experiment {
     /// number of repeats.
     pub fn within_average(&self) -> Option<usize> {
         let spread = self.spread()?;
-        self.first(|size| size.nmse_average < spread.ci95[0] / REPEATS as f64)
+        self.first(|size| size.nmse_average < spread.ci95[0] / self.repeats.len() as f64)
     }
 
     /// The fewest blocks that predict other repeats no worse than any number, within the interval.

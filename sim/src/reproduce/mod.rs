@@ -179,6 +179,10 @@ pub const STEPS: u64 = 3 + (SIZES.end - SIZES.start) as u64 + experiment::REPEAT
 /// A parameter that the library refuses, or a size for which no fit exists; neither happens with the paper's
 /// tables.
 pub fn reproduce(seed: u64, progress: &Progress) -> Result<Reproduction, String> {
+    of_repeats(seed, experiment::REPEATS, progress)
+}
+
+fn of_repeats(seed: u64, repeats: usize, progress: &Progress) -> Result<Reproduction, String> {
     let curve = Curve::uniform()?;
     let steps = Curve::load_steps()?;
     let optimal = optimal(&curve, progress)?;
@@ -218,7 +222,7 @@ pub fn reproduce(seed: u64, progress: &Progress) -> Result<Reproduction, String>
             progress.inc(1);
             found
         },
-        experiment: Experiment::run(seed, progress)?,
+        experiment: Experiment::run(seed, repeats, progress)?,
         curve,
         sizes,
         recovered,

@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use crate::process::{cargo, released, root, run, run_for};
+use crate::process::{build_as_tests, released, root, run_for};
 use crate::tools::mdbook;
 use page::{CodeBlock, Kind, Page};
 
@@ -79,7 +79,7 @@ fn build() -> Result<(), String> {
 
 /// Runs the blocks of all pages in order.
 fn follow(pages: &[Page], bless: bool, has_step: HasStep) -> Result<(), String> {
-    run(&mut cargo(&["build", "--release", "--bin", "preslide"]))?;
+    build_as_tests(&["--bin", "preslide"])?;
     let scratch = std::env::temp_dir().join(format!("preslide-book-{}", std::process::id()));
     fs::create_dir_all(&scratch)
         .map_err(|error| format!("cannot create {}: {error}", scratch.display()))?;

@@ -69,14 +69,14 @@ mod tests {
 
     #[test]
     fn rows_in_other_columns_or_of_other_kernels_are_refused() {
-        let table = format!("{COLUMNS}\na,6,1.0,1,2.0,2,2.0,2.0,,,,8,,1,10,\n");
+        let table = format!("{COLUMNS}\na,6,1.0,1,2.0,2,2.0,2.0,,,8,,1,10,\n");
         let rows = from_csv(&table).unwrap();
         let printed = |row: &str| format!("# comment\n{COLUMNS}\n{row}");
         assert_eq!(
-            compare(&printed("a,6,,,0.0,0,,,0.0,,,,12,,10,\n"), &rows),
+            compare(&printed("a,6,,,0.0,0,,,0.0,,,12,,10,\n"), &rows),
             Ok(1)
         );
-        assert!(compare(&printed("a,8,,,0.0,0,,,0.0,,,,12,,10,\n"), &rows).is_err());
+        assert!(compare(&printed("a,8,,,0.0,0,,,0.0,,,12,,10,\n"), &rows).is_err());
         assert!(compare(&printed("a,6,,,0.0,0\n"), &rows).is_err());
         assert!(compare(&printed(""), &rows).unwrap_err().contains("0 rows"));
     }

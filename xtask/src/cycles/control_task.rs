@@ -59,21 +59,15 @@ const BUILDS: [Build; 8] = [
 /// `preslide_link::MOST_BLOCKS`.
 const BLOCKS: u32 = 4;
 
-/// Adds the rows of every build to the table of each core.
-pub fn measure(
-    recorder: &Recorder,
-    prices: &[&Prices],
-    tables: &mut [Vec<Row>],
-) -> Result<(), String> {
+/// Adds the rows of every build to the table.
+pub fn measure(recorder: &Recorder, prices: &Prices, rows: &mut Vec<Row>) -> Result<(), String> {
     let rig = qemu::build_rig()?;
     for build in &BUILDS {
         let tick = Tick::record(recorder, &rig, build)?;
-        for (prices, rows) in prices.iter().zip(&mut *tables) {
-            let mut row = price_paths(&tick.disassembly, &tick.paths, prices.of_interrupt)?;
-            row.kernel = format!("rtic_tick_{}", tick.kernel);
-            row.blocks = BLOCKS;
-            rows.push(row);
-        }
+        let mut row = price_paths(&tick.disassembly, &tick.paths, prices.of_interrupt)?;
+        row.kernel = format!("rtic_tick_{}", tick.kernel);
+        row.blocks = BLOCKS;
+        rows.push(row);
     }
     Ok(())
 }

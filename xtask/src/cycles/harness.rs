@@ -6,7 +6,7 @@ use std::path::Path;
 use super::disassembly::Disassembly;
 use super::recorder::{Paths, Recorder, TakenPath, Watched};
 use super::table::{self, Row};
-use super::{PREFIX, PriceOf, m7, price_paths};
+use super::{PREFIX, PriceOf, price_paths};
 
 /// A run, ready to be priced.
 pub struct Run {
@@ -74,15 +74,6 @@ impl Run {
         let mean =
             |paths| price_paths(&self.disassembly, paths, price_of).map(|row| row.cycles_mean);
         Ok(Some(mean(with)? - mean(without)?))
-    }
-
-    /// Adds what is said of the Cortex-M4F alone, to its rows as [`Self::rows`] made them: llvm-mca's estimate and the floor.
-    pub fn add_m4f(&self, rows: &mut [Row]) -> Result<(), String> {
-        for (kernel, row) in self.printed.kernels.iter().zip(rows) {
-            row.m7_estimate = m7::estimate(&self.disassembly, self.paths(kernel)?);
-            row.floor = table::floor(row);
-        }
-        Ok(())
     }
 
     fn paths(&self, kernel: &Kernel) -> Result<&[TakenPath], String> {

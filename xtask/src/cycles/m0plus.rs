@@ -28,7 +28,6 @@ pub const CORE: Core = Core {
         // No interrupt is recorded on it.
         of_interrupt: of_path,
     },
-    others: None,
     is_m4f: false,
 };
 

@@ -12,8 +12,6 @@ mod hazard3;
 mod inputs;
 mod instruction;
 mod m0plus;
-mod m33;
-mod m7;
 pub mod nowhere;
 mod price;
 mod recorder;
@@ -44,9 +42,7 @@ struct Core {
     /// What writes the tables.
     command: &'static str,
     prices: Prices,
-    /// Of another core that executes the same code.
-    others: Option<Prices>,
-    /// It has the FPU and the DSP instructions that the firmware, the board's image, the floor and llvm-mca's estimate are about.
+    /// It has the FPU and the DSP instructions that the firmware, the board's image and the floor are about.
     is_m4f: bool,
 }
 
@@ -73,7 +69,7 @@ const CORTEX_M4F: Core = Core {
             "cycles_low and cycles_high: the mean, where the manual leaves the cost open (xtask/src/cycles/price.rs).",
             "cycles_in_tick: by how much a control tick (PID, sensors in memory) grows with the kernel inlined, saved registers",
             "included. floor: the least that the quasi-static law takes by argument (xtask/src/cycles/table.rs); compare it with",
-            "cycles_in_tick. m7_estimate: llvm-mca's Cortex-M7 on the most frequent path, an ESTIMATE, ±40 %, empty without it.",
+            "cycles_in_tick.",
             "with_EFFECT_SCALAR: `With<Gms<4>, (Effect,)>`; compare cycles_in_tick with that of gms_SCALAR. with_nothing: `()`.",
             "rtic_tick_KERNEL: the whole interrupt of the QEMU firmware's control task with that friction model, exception entry",
             "and return included (firmware/cycles/README.md says what else).",
@@ -82,7 +78,6 @@ const CORTEX_M4F: Core = Core {
         of_path: price::of_path,
         of_interrupt: price::of_interrupt,
     },
-    others: Some(m33::PRICES),
     is_m4f: true,
 };
 
@@ -128,56 +123,50 @@ fn check_changed() -> Result<(), String> {
     check_all(&again)
 }
 
-/// Measures, prints the core's table and writes it and the other.
+/// Measures, prints the core's table and writes it.
 fn write(core: &Core) -> Result<(), String> {
-    for Table { file, header, rows } in measured(core)? {
-        std::fs::write(root().join(file), table::to_csv(&header, &rows))
-            .map_err(|error| format!("cannot write {file}: {error}"))?;
-        println!("\nwritten to {file}");
-    }
+    let (header, rows) = measured(core)?;
+    let file = core.prices.table;
+    std::fs::write(root().join(file), table::to_csv(&header, &rows))
+        .map_err(|error| format!("cannot write {file}: {error}"))?;
+    println!("\nwritten to {file}");
     inputs::record(core.command)
 }
 
 /// Measures, and compares with the committed tables.
 fn check(core: &Core) -> Result<(), String> {
-    for Table { file, rows, .. } in measured(core)? {
-        let text = std::fs::read_to_string(root().join(file))
-            .map_err(|error| format!("cannot read {file}: {error}"))?;
-        let committed = table::from_csv(&text).map_err(|error| format!("{file}: {error}"))?;
-        let regressions = table::regressions(&committed, &rows);
-        if !regressions.is_empty() {
-            return Err(format!(
-                "worse than {file}:\n  {}\nIf that is meant (or the compilers differ from those in its header), run `{}` and commit the table",
-                regressions.join("\n  "),
-                core.command
-            ));
-        }
-        println!("\nno instruction count grew by more than 3 % over {file}");
+    let (_, rows) = measured(core)?;
+    let file = core.prices.table;
+    let text = std::fs::read_to_string(root().join(file))
+        .map_err(|error| format!("cannot read {file}: {error}"))?;
+    let committed = table::from_csv(&text).map_err(|error| format!("{file}: {error}"))?;
+    let regressions = table::regressions(&committed, &rows);
+    if !regressions.is_empty() {
+        return Err(format!(
+            "worse than {file}:\n  {}\nIf that is meant (or the compilers differ from those in its header), run `{}` and commit the table",
+            regressions.join("\n  "),
+            core.command
+        ));
     }
+    println!("\nno instruction count grew by more than 3 % over {file}");
     Ok(())
 }
 
-/// What was measured, as one of the cores prices it.
-struct Table {
-    file: &'static str,
-    header: Vec<String>,
-    rows: Vec<Row>,
-}
+/// A table's header and rows.
+type Table = (Vec<String>, Vec<Row>);
 
-/// The tables, of which the core's own is printed.
-fn measured(core: &Core) -> Result<Vec<Table>, String> {
-    let tables = measure(core)?;
-    if let Some(Table { header, rows, .. }) = tables.first() {
-        println!();
-        for line in header {
-            println!("{line}");
-        }
-        println!();
-        table::print(rows);
-        println!();
-        table::print_effects(rows);
+/// Measures, and prints the table.
+fn measured(core: &Core) -> Result<Table, String> {
+    let (header, rows) = measure(core)?;
+    println!();
+    for line in &header {
+        println!("{line}");
     }
-    Ok(tables)
+    println!();
+    table::print(&rows);
+    println!();
+    table::print_effects(&rows);
+    Ok((header, rows))
 }
 
 /// Prints where the cycles of the control tick go.
@@ -229,37 +218,25 @@ fn build(core: &Core) -> Result<(PathBuf, String), String> {
 }
 
 /// Builds the harness, runs it under the recorder, and prices what was recorded.
-fn measure(core: &Core) -> Result<Vec<Table>, String> {
+fn measure(core: &Core) -> Result<Table, String> {
     Need::ArmGcc.ensure()?;
     Need::Qemu.ensure()?;
     let (program, version) = build(core)?;
     let recorder = Recorder::build(recordings())?;
     let run = Run::of(&program, &recorder)?;
 
-    let prices: Vec<&Prices> = std::iter::once(&core.prices).chain(&core.others).collect();
-    let mut tables = prices
-        .iter()
-        .map(|prices| run.rows(prices.of_path))
-        .collect::<Result<Vec<_>, _>>()?;
+    let mut rows = run.rows(core.prices.of_path)?;
     if core.is_m4f {
-        run.add_m4f(&mut tables[0])?;
+        for row in &mut rows {
+            row.floor = table::floor(row);
+        }
     }
     compare_with_host(&run.printed.checksums, &run.printed.ticks().to_string())?;
     if core.is_m4f {
-        board::check(&tables[0])?;
-        control_task::measure(&recorder, &prices, &mut tables)?;
+        board::check(&rows)?;
+        control_task::measure(&recorder, &core.prices, &mut rows)?;
     }
-    prices
-        .iter()
-        .zip(tables)
-        .map(|(prices, rows)| {
-            Ok(Table {
-                file: prices.table,
-                header: header(prices, &version, &run.printed.seed)?,
-                rows,
-            })
-        })
-        .collect()
+    Ok((header(&core.prices, &version, &run.printed.seed)?, rows))
 }
 
 /// The forces that every kernel computed on the target in so many ticks must be, bit for bit, those it computes here.
@@ -350,7 +327,6 @@ fn price_paths(
         cycles_high: mean(high),
         cycles_in_tick: None,
         floor: None,
-        m7_estimate: None,
         flash_bytes: functions.iter().map(|(_, length)| length).sum(),
         ram_bytes: None,
         paths: paths.len() as u32,

@@ -19,8 +19,6 @@ pub struct Row {
     pub cycles_in_tick: Option<f64>,
     /// [`floor`], on a core that it is about.
     pub floor: Option<f64>,
-    /// Cycles of the most frequent path on a Cortex-M7, by llvm-mca: an estimate.
-    pub m7_estimate: Option<f64>,
     pub flash_bytes: u32,
     /// State; `None` where there is none of its own.
     pub ram_bytes: Option<u32>,
@@ -31,7 +29,7 @@ pub struct Row {
 }
 
 pub const COLUMNS: &str = "kernel,n,instructions_mean,instructions_max,cycles_mean,cycles_worst,cycles_low,cycles_high,\
-                       cycles_in_tick,floor,m7_estimate,flash_bytes,ram_bytes,paths,calls,error";
+                       cycles_in_tick,floor,flash_bytes,ram_bytes,paths,calls,error";
 
 /// A count may grow by this much before the check fails.
 const TOLERANCE: f64 = 0.03;
@@ -44,7 +42,7 @@ pub fn to_csv(header: &[String], rows: &[Row]) -> String {
     for row in rows {
         let _ = writeln!(
             text,
-            "{},{},{:.1},{},{:.1},{},{:.1},{:.1},{},{},{},{},{},{},{},{}",
+            "{},{},{:.1},{},{:.1},{},{:.1},{:.1},{},{},{},{},{},{},{}",
             row.kernel,
             row.blocks,
             row.instructions_mean,
@@ -55,7 +53,6 @@ pub fn to_csv(header: &[String], rows: &[Row]) -> String {
             row.cycles_high,
             decimal(row.cycles_in_tick),
             decimal(row.floor),
-            decimal(row.m7_estimate),
             row.flash_bytes,
             whole(row.ram_bytes),
             row.paths,
@@ -111,15 +108,14 @@ fn row(line: &str) -> Option<Row> {
         cycles_high: decimal(7)?,
         cycles_in_tick: optional(8)?,
         floor: optional(9)?,
-        m7_estimate: optional(10)?,
-        flash_bytes: whole(11)?,
-        ram_bytes: match *cells.get(12)? {
+        flash_bytes: whole(10)?,
+        ram_bytes: match *cells.get(11)? {
             "" => None,
             cell => Some(cell.parse().ok()?),
         },
-        paths: whole(13)?,
-        calls: whole(14)?,
-        error: optional(15)?,
+        paths: whole(12)?,
+        calls: whole(13)?,
+        error: optional(14)?,
     })
 }
 
@@ -153,7 +149,7 @@ fn gap(row: &Row) -> Option<f64> {
 
 pub fn print(rows: &[Row]) {
     println!(
-        "{:<30} {:>3} {:>14} {:>8} {:>6} {:>15} {:>8} {:>6} {:>7} {:>6} {:>4} {:>6} {:>8}",
+        "{:<30} {:>3} {:>14} {:>8} {:>6} {:>15} {:>8} {:>6} {:>6} {:>4} {:>6} {:>8}",
         "kernel",
         "N",
         "instructions",
@@ -162,7 +158,6 @@ pub fn print(rows: &[Row]) {
         "mean's range",
         "in tick",
         "gap",
-        "M7 est.",
         "flash",
         "RAM",
         "paths",
@@ -170,7 +165,7 @@ pub fn print(rows: &[Row]) {
     );
     for row in rows {
         println!(
-            "{:<30} {:>3} {:>7.1} {:>6} {:>8.1} {:>6} {:>7.1}…{:<7.1} {:>8} {:>6} {:>7} {:>6} {:>4} {:>6} {:>8}",
+            "{:<30} {:>3} {:>7.1} {:>6} {:>8.1} {:>6} {:>7.1}…{:<7.1} {:>8} {:>6} {:>6} {:>4} {:>6} {:>8}",
             row.kernel,
             row.blocks,
             row.instructions_mean,
@@ -181,7 +176,6 @@ pub fn print(rows: &[Row]) {
             row.cycles_high,
             decimal(row.cycles_in_tick),
             decimal(gap(row)),
-            decimal(row.m7_estimate),
             row.flash_bytes,
             whole(row.ram_bytes),
             row.paths,
@@ -274,7 +268,6 @@ mod tests {
             cycles_high: 150.0,
             cycles_in_tick: (kernel == "a").then_some(110.0),
             floor: (kernel == "a").then_some(27.0),
-            m7_estimate: (kernel == "b").then_some(70.0),
             flash_bytes: 400,
             ram_bytes: (kernel == "a").then_some(24),
             paths: 17,

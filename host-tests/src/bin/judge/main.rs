@@ -5,7 +5,6 @@ mod inject;
 mod properties;
 mod real;
 mod sources;
-mod trials;
 
 use std::process::ExitCode;
 
@@ -19,7 +18,6 @@ enum Judge {
     Properties(properties::Options),
     Real(real::Options),
     Sources(sources::Options),
-    Trials(trials::Options),
 }
 
 fn main() -> ExitCode {
@@ -29,7 +27,6 @@ fn main() -> ExitCode {
         Judge::Properties(options) => properties::run(&options),
         Judge::Real(options) => real::run(&options),
         Judge::Sources(options) => sources::run(&options),
-        Judge::Trials(options) => trials::run(&options),
     };
     match judged {
         Ok(()) => ExitCode::SUCCESS,

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
+use preslide_host_tests::answer::{Diagnosis, Named};
 use preslide_host_tests::judge::properties::{Outcome, PROPERTIES, Property, compare};
 use preslide_host_tests::judge::real::machine;
 use preslide_host_tests::judge::table::Recording;
 use preslide_host_tests::judge::tool::{Tool, parallel};
 use preslide_host_tests::trials::effect::{Id, Strength};
-use preslide_host_tests::trials::score::{Diagnosis, Named};
 use preslide_host_tests::trials::{Kind, repeatable, trial};
 
 /// Answers that must not flip: made and real recordings, each changed in fifteen ways

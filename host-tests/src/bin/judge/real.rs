@@ -4,9 +4,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use preslide_host_tests::answer::{Diagnosis, Named};
 use preslide_host_tests::judge::real::shared;
 use preslide_host_tests::judge::tool::Tool;
-use preslide_host_tests::trials::score::{Diagnosis, Named};
 
 /// What the diagnosis says of each real recording, without a model
 #[derive(Args)]

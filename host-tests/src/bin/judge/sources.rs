@@ -1,20 +1,15 @@
-//! Every source of recordings with a known truth, asked of `preslide diagnose`: one table, curves, and a gate for CI.
+//! Every source of recordings with a known truth, asked of `preslide diagnose`: one table, and a gate for CI.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use preslide_host_tests::judge::baseline::{self, Set};
-use preslide_host_tests::judge::beside::{self, Answers};
 use preslide_host_tests::judge::case::{Case, Sort};
-use preslide_host_tests::judge::naive::Recipe;
 use preslide_host_tests::judge::source::generated::{self, AXES, DRIVES, Generator, STAGE};
 use preslide_host_tests::judge::source::{bench, injection, machines, trials, write_json};
 use preslide_host_tests::judge::summary;
 use preslide_host_tests::judge::tool::Tool;
 use preslide_host_tests::trials::{catalogue_plan, clean_plan};
-
-/// The tool among the recipes.
-const PRESLIDE: &str = "preslide";
 
 /// Where recordings with a known truth come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -98,18 +93,6 @@ pub struct Options {
     /// Every case with truth and answer, for machines
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Whose answers are judged: preslide, and the naive recipes bic, lasso, pysindy on columns of the catalogue
-    #[arg(
-        long,
-        value_delimiter = ',',
-        default_value = "preslide",
-        value_name = "RECIPES",
-        conflicts_with_all = ["ci", "json"]
-    )]
-    recipes: Vec<String>,
-    /// True and false names over the threshold of confidence, as CSV; a picture beside it as .svg. With recipes: one picture a source
-    #[arg(long, value_name = "FILE.csv")]
-    curves: Option<PathBuf>,
     /// The fixed set, held against the committed answers: the part that CI asks, or all of it
     #[arg(long, value_name = "SET", num_args = 0..=1, default_missing_value = "gate")]
     ci: Option<Set>,
@@ -178,42 +161,8 @@ fn ask(o: &Options, tool: &Tool) -> Result<Vec<Case>, String> {
     Ok(cases)
 }
 
-fn write(file: &Path, text: String) -> Result<(), String> {
-    std::fs::write(file, text).map_err(|e| format!("{}: {e}", file.display()))
-}
-
-/// The same recordings asked of each recipe: one table, curves of all in one file and one picture a source.
-fn compare(o: &Options) -> Result<(), String> {
-    let of = |name: &String| -> Result<(&'static str, Tool), String> {
-        match Recipe::of(name) {
-            Some(recipe) => Ok((recipe.name(), Tool::naive(recipe))),
-            None if name == PRESLIDE => Ok((PRESLIDE, Tool::new(o.preslide.as_deref())?)),
-            None => Err(format!(
-                "--recipes: `{name}` is none of preslide, bic, lasso, pysindy"
-            )),
-        }
-    };
-    // All of them before the first is asked, which may take minutes.
-    let tools = o.recipes.iter().map(of).collect::<Result<Vec<_>, _>>()?;
-    let mut answers: Vec<Answers> = Vec::new();
-    for (name, tool) in &tools {
-        answers.push((name, ask(o, tool)?));
-    }
-    println!("{}", beside::table(&answers));
-    let Some(file) = &o.curves else { return Ok(()) };
-    write(file, beside::csv(&answers))?;
-    for source in summary::sources(&answers[0].1) {
-        let picture = file.with_extension(format!("{source}.svg"));
-        write(&picture, beside::picture(&answers, source))?;
-    }
-    Ok(())
-}
-
 /// What `cargo xtask sources` does.
 pub fn run(o: &Options) -> Result<(), String> {
-    if o.recipes != [PRESLIDE] {
-        return compare(o);
-    }
     let tool = Tool::new(o.preslide.as_deref())?;
     let Some(set) = o.ci else {
         return tell(o, &ask(o, &tool)?);
@@ -227,13 +176,8 @@ pub fn run(o: &Options) -> Result<(), String> {
     }
 }
 
-/// The table, and the files that were asked for.
+/// The table, and the file that was asked for.
 fn tell(o: &Options, cases: &[Case]) -> Result<(), String> {
     println!("{}", summary::table(cases));
-    write_json(o.json.as_deref(), cases)?;
-    if let Some(file) = &o.curves {
-        write(file, summary::curves_csv(cases))?;
-        write(&file.with_extension("svg"), summary::curves_svg(cases, 1.0))?;
-    }
-    Ok(())
+    write_json(o.json.as_deref(), cases)
 }

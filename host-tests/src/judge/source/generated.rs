@@ -271,7 +271,7 @@ pub fn cases(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trials::score::Named;
+    use crate::answer::Named;
     use serde_json::json;
 
     fn named(id: &str, period: f64) -> Named {
@@ -279,7 +279,6 @@ mod tests {
             id: id.to_owned(),
             confident: true,
             confidence: 0.9,
-            nats: 0.0,
             ambiguous_with: Vec::new(),
             places: Vec::new(),
             parameters: vec![("period_m".to_owned(), period, None)],

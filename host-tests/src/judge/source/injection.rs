@@ -81,11 +81,10 @@ pub fn cases(
                 continue;
             }
         };
-        // A naive recipe suspects nothing: behind the names at its standard point follows the rest of its path.
-        let said = plain.effects.iter();
-        let own = said.filter(|e| e.confident || tool.recipe.is_none());
         let known = machine.known.iter().copied().flatten();
-        let own: Vec<String> = own
+        let own: Vec<String> = plain
+            .effects
+            .iter()
             .map(|e| e.id.clone())
             .chain(known.map(|id| (*id).to_owned()))
             .collect();

@@ -1,8 +1,8 @@
 //! The project's own trials ([`crate::trials`]) as cases.
 
+use crate::answer::Diagnosis;
 use crate::judge::case::{Case, Place, Sort, Truth};
 use crate::judge::tool::{Tool, parallel};
-use crate::trials::score::{Diagnosis, Judged};
 use crate::trials::{Kind, Label, Trial, trial};
 
 /// The sort of question that a kind of trial is.
@@ -62,12 +62,6 @@ pub fn case(label: &Label, answer: Result<Diagnosis, String>, seconds: f64) -> C
         verdicts: &[],
         answer,
         seconds,
-    }
-}
-
-impl From<&Judged> for Case {
-    fn from(judged: &Judged) -> Self {
-        case(&judged.label, judged.answer.clone(), judged.wall_s)
     }
 }
 

@@ -78,6 +78,7 @@ fn deviation(of: &[f64]) -> [f64; 3] {
 }
 
 #[test]
+#[ignore = "long study: cargo xtask test --all"]
 fn period_and_amplitude_are_told_within_their_intervals_beside_all_else() {
     const SEEDS: std::ops::RangeInclusive<u32> = 101..=110;
     let (mut periods, mut amplitudes, mut slopes) = (Vec::new(), Vec::new(), Vec::new());
@@ -121,6 +122,7 @@ fn period_and_amplitude_are_told_within_their_intervals_beside_all_else() {
 }
 
 #[test]
+#[ignore = "long study: cargo xtask test --all"]
 fn what_is_no_sine_is_not_told_as_one() {
     for seed in 201..=214 {
         let mut slow = Noise::of(seed).coloured(0.98);
