@@ -98,20 +98,38 @@ impl Core {
         }
     }
 
-    /// The same for what a simulation lacks: blocks alone, since with either sign bristles would cancel them.
-    pub fn correcting(mut self) -> Self {
+    /// The same for what a simulation lacks: blocks alone, since with either sign bristles would cancel them; and the simulation's own friction
+    /// where that follows velocity alone, reversing over the speed `smooth` (m/s or rad/s): that it has too much of.
+    pub fn correcting(mut self, rows: &Rows, smooth: Option<f64>) -> Self {
         let kept = self.rows.len() - self.bristles.len() - self.smooth.len();
-        Arc::make_mut(&mut self.rows).truncate(kept);
+        let own = Arc::make_mut(&mut self.rows);
+        own.truncate(kept);
         self.deflections.truncate(self.yields.len());
         self.bristles.clear();
-        self.smooth.clear();
+        self.smooth = smooth.into_iter().collect();
+        for slow in &self.smooth {
+            let follows = follows(&rows.s, *slow);
+            own.push(rows.weak.rows(&Column::of(follows.clone())));
+            self.deflections.push(follows);
+        }
         self.corrects = true;
         self
     }
 
-    /// Whether part of it follows velocity alone.
+    /// Speed (m/s or rad/s) over which a column of friction reverses, counted from the first of them; `None` for blocks and bristles.
+    pub fn smooth_of(&self, column: usize) -> Option<f64> {
+        let first = self.deflections.len() - self.smooth.len();
+        column.checked_sub(first).map(|own| self.smooth[own])
+    }
+
+    /// The speed (m/s or rad/s) over which the friction of a simulation reverses, where that follows velocity alone.
+    pub fn simulated_law(&self) -> Option<f64> {
+        self.smooth.first().copied().filter(|_| self.corrects)
+    }
+
+    /// Whether part of the recording's friction follows velocity alone.
     pub fn follows_velocity(&self) -> bool {
-        !self.smooth.is_empty()
+        !self.smooth.is_empty() && !self.corrects
     }
 
     /// Its first column of friction, behind the inertia's where the effort contains it.

@@ -11,6 +11,7 @@ use super::noise::{Course, Noise};
 use super::normal::{Bound, Normal};
 use super::rows::Rows;
 use super::signals::Signals;
+use super::simulation;
 use super::spectra;
 use super::term::{Subject, Term};
 use super::weak::Column;
@@ -234,6 +235,7 @@ impl Ground {
         drop((self, own));
         let mut rows = Arc::into_inner(found.rows)?;
         let simulated = rows.weak.rows(simulated);
+        let smooth = simulation::smooth_friction(&rows, &found.core, &found.noise, &simulated);
         rows.target
             .iter_mut()
             .zip(simulated)
@@ -241,8 +243,8 @@ impl Ground {
         rows.missed = missed;
         let core = Arc::into_inner(found.core)?;
         let against = Self {
+            core: Arc::new(core.correcting(&rows, smooth)),
             rows: Arc::new(rows),
-            core: Arc::new(core.correcting()),
             cache: Mutex::default(),
             ..found
         };

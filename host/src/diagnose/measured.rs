@@ -9,6 +9,9 @@ use super::search::Found;
 use super::simulation::has_its_term;
 use super::term::{Subject, Term};
 
+/// NMSE (%) that a name must take off against a simulation: a hundredth of the effort's deviation, which no simulation is good for.
+const NEGLIGIBLE: f64 = 0.01;
+
 /// The given terms, what widens the core, what of the fit holds, and the effects that are missing. What of the fit is too doubtful to be told
 /// stays where the prediction is worse without.
 fn extend(found: &Found, kept: &[Term], effects: &[Named]) -> Option<Hypothesis> {
@@ -80,10 +83,13 @@ fn shown(found: &Found, kept: &[Term], effects: &mut [Named]) -> Option<Hypothes
             weigh(&found.ground, kept, &extended, effect)?;
         }
         let loss = |e: &Named| e.nmse_test[1] - e.nmse_test[0];
-        let missed = found.ground.rows.missed;
+        let least = match found.ground.core.corrects {
+            true => found.ground.rows.missed.max(NEGLIGIBLE),
+            false => 0.0,
+        };
         let worst = effects
             .iter_mut()
-            .filter(|e| e.confident && loss(e) >= -missed)
+            .filter(|e| e.confident && loss(e) >= -least)
             .max_by(|a, b| loss(a).total_cmp(&loss(b)));
         let Some(effect) = worst else {
             return Some(extended);

@@ -1,14 +1,19 @@
 //! What a simulation of the user's own gets wrong in inertia and friction: the core stands for it, and is judged as every candidate is.
 
 use super::axis::Axis;
+use super::core::Core;
 use super::effect::ALWAYS_FREE;
+use super::effect::grid::spread;
 use super::evidence::{Evidence, NAMED, chance, evidence};
 use super::ground::{Ground, Hypothesis};
-use super::noise::rms;
+use super::noise::Noise;
 use super::normal::{Bound, Normal};
+use super::rows::Rows;
 use super::search::ALPHA;
 use super::term::{Subject, Term};
+use super::weak::Column;
 use crate::statistics::{Estimate, jackknife};
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// Standard deviations from which the simulation has a term itself.
@@ -89,6 +94,11 @@ impl Correction {
         }
     }
 
+    /// Whether the simulation has another law of it.
+    fn is_another_law(self, ground: &Ground) -> bool {
+        self == Self::Friction && ground.core.simulated_law().is_some()
+    }
+
     /// Its columns among the core's.
     fn columns(self, ground: &Ground) -> Range<usize> {
         let first = ground.core.first_of_friction();
@@ -135,7 +145,8 @@ impl Correction {
         let force = sum(&columns, coefficients_of_own);
         Some(Corrected {
             what: self,
-            in_simulation: has(ground, &rest, &core[own], &force) >= SOME,
+            // One whose friction follows velocity has none along the path.
+            in_simulation: !self.is_another_law(ground) && has(ground, &rest, &core[own]) >= SOME,
             evidence: found,
             nmse: [
                 rows.nmse(&without.held_out_residual(&rest, &rows.target)),
@@ -177,30 +188,94 @@ pub fn has_its_term(ground: &Ground, state: &Hypothesis, index: usize) -> bool {
         .iter()
         .chain(others.iter().flat_map(|c| c.iter()));
     let rest: Vec<&[f64]> = rest.map(Vec::as_slice).collect();
-    has(ground, &rest, &own, &state.force_of(index)) >= least
+    has(ground, &rest, &own) >= least
 }
 
-/// What the simulation's own effort, on the recorded motion, holds of some columns beside the `rest`, over the `force` by which it differs; 0 where
+/// What the simulation's own effort, on the recorded motion, holds of some columns beside the `rest`, over what the mismatch holds of them; 0 where
 /// that may be chance.
-fn has(ground: &Ground, rest: &[&[f64]], own: &[Vec<f64>], force: &[f64]) -> f64 {
+fn has(ground: &Ground, rest: &[&[f64]], own: &[Vec<f64>]) -> f64 {
     let rows = &ground.rows;
     let simulated = rows.force.iter().zip(&rows.target).map(|(f, t)| f - t);
     let simulated: Vec<f64> = simulated.collect();
     let bounds = vec![Bound::Free; rest.len()];
+    let beside_the_rest =
+        |target: &[f64]| Normal::new(&ground.noise, &rows.weak.folds, rest, &bounds, target);
     let found = || {
-        let without = Normal::new(&ground.noise, &rows.weak.folds, rest, &bounds, &simulated)?;
+        let [of_both, without] = [beside_the_rest(&rows.target)?, beside_the_rest(&simulated)?];
         let trial = without.trial(&[own], |_, _| true)?;
-        let columns: Vec<&[f64]> = own.iter().map(Vec::as_slice).collect();
-        let size = rms(&sum(&columns, &trial.coefficients));
         let sure = evidence(&trial.force, &without.held_out, &rows.blocks).z > SURE;
-        sure.then(|| size / rms(force).max(1e-300))
+        let [differs, has] = [of_both.reduction(own)?.0, without.reduction(own)?.0];
+        sure.then(|| (has / differs.max(1e-300)).sqrt())
     };
     found().unwrap_or(0.0)
 }
 
-/// Stiffness (N/m or N·m/rad) and yield (m or rad) of the fewest blocks that tell the friction's difference about as well as all, with the inertia
-/// beside them; `target` is the mismatch at the rows without what else is stated.
-pub fn few_blocks(ground: &Ground, target: &[f64]) -> Option<(f64, Vec<(f64, f64)>)> {
+/// The speed (m/s or rad/s) over which the friction of a simulation reverses, where it is `level·tanh(v/v₀)`: of the speeds that are tried the one that
+/// leaves least of the simulated effort at the rows, beside inertia and viscous friction, and less than half of what blocks leave.
+pub fn smooth_friction(rows: &Rows, core: &Core, noise: &Noise, simulated: &[f64]) -> Option<f64> {
+    /// Speeds that are tried, from a part of the usual top speed that nobody sees to where it is all but viscous.
+    const TRIED: usize = 40;
+    const SPAN: [f64; 2] = [3e-4, 0.5];
+    /// Rounds in which the distance to the neighbours is cut to a quarter: a thousandth of the speed in the end.
+    const ROUNDS: i32 = 4;
+    let s = &rows.s;
+    let at_rows = |column: Vec<f64>| rows.weak.rows(&Column::of(column));
+    let first = core.first_of_friction();
+    let plain = [at_rows(s.v.clone()), at_rows(vec![1.0; s.v.len()])];
+    let beside: Vec<&[f64]> = core.rows[..first]
+        .iter()
+        .chain(&plain)
+        .map(Vec::as_slice)
+        .collect();
+    let left = |own: &[&[f64]]| {
+        let columns = [beside.as_slice(), own].concat();
+        let bounds = vec![Bound::Free; columns.len()];
+        let fit = Normal::new(noise, &rows.weak.folds, &columns, &bounds, simulated)?;
+        Some(fit.held_out_residual(&columns, simulated))
+    };
+    let square = |left: &[f64]| left.iter().map(|r| r * r).sum::<f64>();
+    let smooth = |slow: f64| left(&[&at_rows(s.v.iter().map(|v| (v / slow).tanh()).collect())]);
+    let top = s.moving_speed(0.95).max(1e-300);
+    let best = |among: &[f64]| {
+        let tried = among
+            .par_iter()
+            .filter_map(|slow| Some((*slow, square(&smooth(*slow)?))));
+        tried.min_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    let speeds = spread(SPAN[0] * top, SPAN[1] * top, TRIED);
+    let ratio = speeds[1] / speeds[0];
+    let mut found = best(&speeds)?;
+    for round in 0..ROUNDS {
+        let step = ratio.powf(0.25_f64.powi(round));
+        let nearer: Vec<f64> = (-3..=3)
+            .map(|i| found.0 * step.powf(0.25 * f64::from(i)))
+            .collect();
+        found = best(&nearer)?;
+    }
+    let blocks: Vec<&[f64]> = core.rows[first..].iter().map(Vec::as_slice).collect();
+    let [of_blocks, of_smooth] = [left(&blocks)?, smooth(found.0)?];
+    let gain: Vec<f64> = of_blocks
+        .iter()
+        .zip(&of_smooth)
+        .map(|(b, s)| b * b - s * s)
+        .collect();
+    let sum: f64 = gain.iter().sum();
+    (sum > 0.5 * square(&of_blocks)).then_some(found.0)
+}
+
+/// What the friction of a simulation differs by, in few parts.
+pub struct Few {
+    /// Inertia.
+    pub inertia: f64,
+    /// Stiffness (N/m or N·m/rad) and yield (m or rad) of blocks.
+    pub blocks: Vec<(f64, f64)>,
+    /// Level (N or N·m) and speed (m/s or rad/s) of friction that is `level·tanh(v/v₀)`.
+    pub smooth: Vec<(f64, f64)>,
+}
+
+/// The fewest blocks, and the simulation's own law, that tell the friction's difference about as well as all, with the inertia beside them;
+/// `target` is the mismatch at the rows without what else is stated.
+pub fn few_blocks(ground: &Ground, target: &[f64]) -> Option<Few> {
     let core = &ground.core;
     let first = core.first_of_friction();
     let yields: Vec<f64> = core.reaches().collect();
@@ -236,9 +311,19 @@ pub fn few_blocks(ground: &Ground, target: &[f64]) -> Option<(f64, Vec<(f64, f64
         0.0
     };
     let own = chosen[first..].iter().zip(&fitted.coefficients[first..]);
-    let mut blocks: Vec<(f64, f64)> = own.map(|(j, k)| (*k, yields[j - first])).collect();
-    blocks.sort_by(|a, b| a.1.total_cmp(&b.1));
-    Some((inertia, blocks))
+    let (mut blocks, mut smooth) = (Vec::new(), Vec::new());
+    for (j, k) in own {
+        match core.smooth_of(j - first) {
+            Some(slow) => smooth.push((*k, slow)),
+            None => blocks.push((*k, yields[j - first])),
+        }
+    }
+    blocks.sort_by(|a: &(f64, f64), b| a.1.total_cmp(&b.1));
+    Some(Few {
+        inertia,
+        blocks,
+        smooth,
+    })
 }
 
 /// Columns times their coefficients.

@@ -50,6 +50,8 @@ const UNEXPLAINED: f64 = 10.0;
 pub(super) const UNEXPLAINED_OF_A_SIMULATION: f64 = 1.0;
 /// NMSE (%) up to which a simulation differs by nothing that has no name: 3 % of the effort's deviation.
 const NO_DIFFERENCE: f64 = 0.1;
+/// Share of the mismatch from which a correction of the friction is of its shape, whatever its level.
+const MOST_OF_IT: f64 = 0.5;
 /// Chance below which a candidate that did not enter is at least suspected.
 const SUSPECT: f64 = 0.3;
 /// Most suspicions beside what entered.
@@ -277,7 +279,18 @@ pub fn conclude(
             nmse: e.nmse_test,
         })
         .collect();
-    let budget = budget(&ground, &stays, &findings, [baseline.test, after.test]);
+    let mut budget = budget(&ground, &stays, &findings, [baseline.test, after.test]);
+    // All that blocks take against a simulation is the friction's difference.
+    let of_friction = |item: &&mut Item| {
+        matches!(
+            effects[item.effect].name,
+            Name::Correction(simulation::Correction::Friction)
+        )
+    };
+    let taken: f64 = budget.iter().map(|item| item.nmse).sum();
+    if let Some(friction) = budget.iter_mut().find(of_friction) {
+        friction.nmse += (baseline.test - after.test - taken).max(0.0);
+    }
     Some(Diagnosis {
         verdict,
         budget,
@@ -455,7 +468,9 @@ fn in_the_channel(ground: &Ground, own: channel::Found) -> Named {
 fn correction(ground: &Ground, corrected: Corrected) -> Named {
     let sure = confidence::of_evidence(&corrected.evidence);
     let holds_zero = |[low, high]: [f64; 2]| low <= 0.0 && 0.0 <= high;
-    let doubtful = corrected.parameter.1.ci95.is_some_and(holds_zero);
+    // A friction of another shape may have the same level.
+    let is_shape = corrected.evidence.share >= MOST_OF_IT;
+    let doubtful = corrected.parameter.1.ci95.is_some_and(holds_zero) && !is_shape;
     Named {
         name: Name::Correction(corrected.what),
         term: None,

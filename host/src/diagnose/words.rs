@@ -6,6 +6,7 @@ use super::given::{Given, Refitted};
 use super::hysteresis;
 use super::named::{Name, Named};
 use super::place::{Place, means_over};
+use super::simulation::Correction;
 use super::unnamed::Unknown;
 use super::verdict::{Diagnosis, Verdict};
 use crate::recording::Recording;
@@ -334,6 +335,9 @@ impl Diagnosis {
         if !in_fit.is_empty() {
             text += &format!("; in the fit: {}", in_fit.join(", "));
         }
+        if let Some(words) = self.other_law(recording) {
+            text += &format!("; {words}");
+        }
         if let Some(words) = self.too_soft() {
             text += &format!("; {words}");
         }
@@ -443,6 +447,16 @@ impl Diagnosis {
         parameters
             .find(|p| p.0 == hysteresis::DISPLACEMENT_FACTOR)
             .map(|p| p.1.value)
+    }
+
+    /// Where a simulation's friction follows another law than the recording's.
+    fn other_law(&self, recording: &Recording) -> Option<String> {
+        let slow = self.ground.core.simulated_law()?;
+        let is_stated = |e: &Named| matches!(e.name, Name::Correction(Correction::Friction));
+        self.missing().any(is_stated).then(|| {
+            let slow = quantity(slow, &format!("{}/s", recording.position_unit()));
+            format!("the simulation's friction reverses with the velocity, as tanh(v/v0) with v0 = {slow}, and the recording's along the path: pre-sliding is what it lacks")
+        })
     }
 
     /// The same in a clause.

@@ -10,14 +10,14 @@ use super::core::SLIPS;
 use super::ground::{Ground, Hypothesis};
 use super::named::{Name, Named};
 use super::signals::Signals;
-use super::simulation::{Correction as Core, few_blocks};
+use super::simulation::{Correction as Core, Few, few_blocks};
 use super::term::Term;
 use super::weak::Column;
 use crate::recording::Recording;
 use crate::signal::Deflection;
 use crate::statistics::{Estimate, nmse};
 pub use code::Language;
-use expr::{Expr, Input};
+use expr::{Expr, Function, Input};
 use formula::formula;
 
 /// Parallel springs that slip: stiffness (N/m or N·m/rad, or that over a level) and yield displacement (m or rad).
@@ -75,7 +75,7 @@ impl Correction {
             let force = state.force_of(*index);
             left.iter_mut().zip(force).for_each(|(l, f)| *l -= f);
         }
-        let (inertia, blocks) = few_blocks(ground, &left)?;
+        let few = few_blocks(ground, &left)?;
         let level = ground.baseline.level;
         let direction: Blocks = ground
             .baseline
@@ -83,7 +83,7 @@ impl Correction {
             .iter()
             .map(|(k, d)| (k / level, *d))
             .collect();
-        let [difference, _] = deflected(s, &blocks);
+        let [difference, _] = deflected(s, &few.blocks);
         let [all, slipping] = deflected(s, &direction);
         let along = Along {
             s,
@@ -91,10 +91,9 @@ impl Correction {
         };
         let mut terms: Vec<Added> = Vec::new();
         if ground.core.first_of_friction() > 0 {
-            terms.push(along.of_core(effects, Core::Inertia, inertia));
+            terms.push(along.of_core(effects, Core::Inertia, &few));
         }
-        let sliding = blocks.iter().map(|(k, d)| k * d).sum();
-        terms.push(along.of_core(effects, Core::Friction, sliding));
+        terms.push(along.of_core(effects, Core::Friction, &few));
         for (index, term, stated) in own {
             let mut added = along.of_effect(stated, term, state.coefficients(index), ground);
             let before = terms.iter().filter(|t| t.words == added.words).count();
@@ -114,7 +113,7 @@ impl Correction {
         let left = [&simulated, &corrected].map(|own| nmse(&recording.effort, own, &all));
         Some(Self {
             terms,
-            blocks,
+            blocks: few.blocks,
             direction,
             motion: [s.v.clone(), s.a.clone()],
             simulated,
@@ -188,12 +187,31 @@ impl Along<'_> {
     }
 
     /// Inertia, or level and shape of the hysteresis.
-    fn of_core(&self, effects: &[Named], core: Core, value: f64) -> Added {
+    fn of_core(&self, effects: &[Named], core: Core, few: &Few) -> Added {
         let stated = |e: &&Named| matches!(e.name, Name::Correction(own) if own == core);
         let stated = effects.iter().find(stated);
-        let (key, formula) = match core {
-            Core::Inertia => ("mass_kg", value * Expr::from(Input::Acceleration)),
-            Core::Friction => ("coulomb_N", Expr::from(Input::Blocks)),
+        let (key, value, formula) = match core {
+            Core::Inertia => (
+                "mass_kg",
+                few.inertia,
+                few.inertia * Expr::from(Input::Acceleration),
+            ),
+            Core::Friction => {
+                let sliding = few.blocks.iter().map(|(k, d)| k * d);
+                let smooth = few.smooth.iter();
+                let formula =
+                    smooth
+                        .clone()
+                        .fold(Expr::from(Input::Blocks), |sum, (level, slow)| {
+                            sum + *level
+                                * (1.0 / slow * Expr::from(Input::Velocity)).of(Function::Tanh)
+                        });
+                (
+                    "coulomb_N",
+                    sliding.chain(smooth.map(|own| own.0)).sum(),
+                    formula,
+                )
+            }
         };
         let ci95 = stated.and_then(|e| e.parameters[0].1.ci95);
         let estimate = Estimate { value, ci95 };
