@@ -4,10 +4,9 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use crate::process::{build_as_tests, root, run, target_of};
-use crate::steps::Tier;
 
-/// Installs the package and runs its tests, in the long tier those on clusters, too.
-pub fn check(tier: Tier) -> Result<(), String> {
+/// Installs the package and runs its tests, those on `clusters`, too, where that is asked.
+pub fn check(clusters: bool) -> Result<(), String> {
     // What the answers are compared with, in the profile of the package: the host is compiled once.
     build_as_tests(&["--bin", "preslide"])?;
     let target = target_of(root());
@@ -28,7 +27,7 @@ pub fn check(tier: Tier) -> Result<(), String> {
     install.arg(&package).arg("--requirement");
     let tests = package.join("tests");
     install.arg(tests.join("requirements.txt"));
-    if tier == Tier::All {
+    if clusters {
         install.arg("--requirement").arg(tests.join("clusters.txt"));
     }
     run(install.env("CARGO_TARGET_DIR", &target)).map_err(|reason| {
@@ -38,7 +37,7 @@ pub fn check(tier: Tier) -> Result<(), String> {
     })?;
     let mut test = Command::new(&python);
     test.args(["-m", "pytest", "-q", "-rs"]).arg(tests);
-    if tier == Tier::All {
+    if clusters {
         test.env("PRESLIDE_CLUSTERS", "1");
     }
     run(test.env("CARGO_TARGET_DIR", &target))

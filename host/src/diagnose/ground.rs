@@ -11,7 +11,7 @@ use super::noise::{Course, Noise};
 use super::normal::{Bound, Normal};
 use super::rows::Rows;
 use super::signals::Signals;
-use super::simulation;
+use super::smooth::smooth_friction;
 use super::spectra;
 use super::term::{Subject, Term};
 use super::weak::Column;
@@ -235,7 +235,7 @@ impl Ground {
         drop((self, own));
         let mut rows = Arc::into_inner(found.rows)?;
         let simulated = rows.weak.rows(simulated);
-        let smooth = simulation::smooth_friction(&rows, &found.core, &found.noise, &simulated);
+        let smooth = smooth_friction(&rows, &found.core, &found.noise, &simulated);
         rows.target
             .iter_mut()
             .zip(simulated)

@@ -48,6 +48,7 @@ pub mod second_position;
 pub mod shift;
 pub mod signals;
 pub mod simulation;
+mod smooth;
 mod spectra;
 pub mod term;
 #[cfg(test)]

@@ -66,7 +66,7 @@ fn change(earlier: &[Row], row: &Row, key: &str) -> Option<Change> {
     let t = StudentsT::new(0.0, 1.0, n - 1.0).ok()?;
     let apart = value - usual;
     // What repeats to the last digit has no scatter to be judged by.
-    if !(error > 1e-9 * usual.abs()) {
+    if error.is_nan() || error <= 1e-9 * usual.abs() {
         return None;
     }
     Some(Change {
