@@ -189,7 +189,7 @@ fn a_fleet_with_diagnoses_has_verdicts_a_page_and_a_parquet_table() {
     );
     assert!(made.status.success(), "{}", text(&made.stderr));
     assert!(
-        text(&made.stdout).contains("2 recordings of 1 axes"),
+        text(&made.stdout).contains("2 recordings of 1 axis,"),
         "{}",
         text(&made.stdout)
     );

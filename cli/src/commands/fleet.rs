@@ -191,11 +191,16 @@ impl Fleet {
             ),
         };
         format!(
-            "{} recordings of {axes} axes, {failed} without an answer. {told} Of recordings of which nothing changed {} % raise one at most.",
-            rows.len(),
+            "{} of {}, {failed} without an answer. {told} Of recordings of which nothing changed {} % raise one at most.",
+            many(rows.len(), "recording", "recordings"),
+            many(axes, "axis", "axes"),
             100.0 * self.false_alarms
         )
     }
+}
+
+fn many(count: usize, one: &str, several: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { several })
 }
 
 fn ends_with(path: &Path, ending: &str) -> bool {

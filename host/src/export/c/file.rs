@@ -61,12 +61,11 @@ impl File<'_> {
             );
         }
         let text = format!(
-            "{}#ifndef @GUARD\n#define @GUARD\n\n#include <stdbool.h>\n#include <stdint.h>\n\n#ifdef __cplusplus\nextern \"C\" {{\n#endif\n\n{defines}\n\
+            "#ifndef @GUARD\n#define @GUARD\n\n#include <stdbool.h>\n#include <stdint.h>\n\n#ifdef __cplusplus\nextern \"C\" {{\n#endif\n\n{defines}\n\
              /* What the model remembers; of each axis one, set by @rest before the first step. */\ntypedef struct {{\n{}}} @state;\n\n\
              /* An axis that rests, its friction free of tension. */\nvoid @rest(@state *s);\n{setters}\
              /* The force ({force}) that holds against friction and effects: add it to the controller's before the limiter. {dx}: since the step before\n   ({length}); {v}: now ({length}/s).{} */\nfloat @step(@state *s, float {dx}, float {v});\n\n\
              #ifdef __cplusplus\n}}\n#endif\n\n#endif\n",
-            self.head(),
             self.fields()
                 .into_iter()
                 .map(|(field, _)| format!("    {field}\n"))
@@ -123,10 +122,8 @@ impl File<'_> {
             ""
         };
         let text = format!(
-            "{}#include \"{}.h\"\n\n#include <math.h>\n\n{defines}{}\n{helpers}\n{code}\nvoid @rest(@state *s)\n{{\n{counter}{rest}}}\n{setters}",
-            self.head(),
-            self.name,
-            self.law.arrays,
+            "#include \"{}.h\"\n\n#include <math.h>\n\n{defines}{}\n{helpers}\n{code}\nvoid @rest(@state *s)\n{{\n{counter}{rest}}}\n{setters}",
+            self.name, self.law.arrays,
         );
         self.named(&text)
     }
@@ -188,13 +185,13 @@ impl File<'_> {
         lines.chain(["\n".to_owned()]).collect()
     }
 
-    /// The text with the model's name in every name.
+    /// The text with the model's name in every name, behind the remarks.
     fn named(&self, text: &str) -> String {
         let upper = self.name.to_uppercase();
         let mut named = text.replace("@GUARD", &format!("{upper}_H"));
         for capital in ["@BLOCKS", "@RATE_HZ", "@MASS_KG", "@INERTIA_KG_M2"] {
             named = named.replace(capital, &format!("{upper}_{}", &capital[1..]));
         }
-        named.replace('@', &format!("{}_", self.name))
+        self.head() + &named.replace('@', &format!("{}_", self.name))
     }
 }
