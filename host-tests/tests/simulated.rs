@@ -47,6 +47,17 @@ const PLAIN: Physics = Physics {
     smooth_m_s: 0.0,
 };
 
+/// With a cogging.
+const COGGED: Physics = Physics {
+    cogging_n: 0.2,
+    ..PLAIN
+};
+/// With the friction of a simulator.
+const SMOOTH: Physics = Physics {
+    smooth_m_s: 1e-3,
+    ..PLAIN
+};
+
 /// Position, velocity and acceleration.
 fn motion(t: f64) -> [f64; 3] {
     let waves = [(0.02, 2.1), (0.007, 7.3), (0.0025, 17.9)];
@@ -354,12 +365,8 @@ fn an_exact_simulation_is_consistent() {
 
 #[test]
 fn an_effect_that_a_simulation_lacks_is_named_and_the_improvement_shown() {
-    let cogged = Physics {
-        cogging_n: 0.2,
-        ..PLAIN
-    };
-    let (found, correction) = between(machine(cogged), PLAIN);
-    assert_cogging(&found, cogged.cogging_n);
+    let (found, correction) = between(machine(COGGED), PLAIN);
+    assert_cogging(&found, COGGED.cogging_n);
     assert_eq!(found.verdict, "missing-physics");
     let correction = correction.expect("a correction");
     assert_eq!(
@@ -381,15 +388,7 @@ fn an_effect_that_a_simulation_lacks_is_named_and_the_improvement_shown() {
 /// Most simulators' friction reverses with the velocity, a machine's along the path: that is told as what it is, and not as a delay, a spring or a gap.
 #[test]
 fn friction_that_reverses_with_the_velocity_is_told_as_another_law() {
-    let simulation = Physics {
-        smooth_m_s: 1e-3,
-        ..PLAIN
-    };
-    let cogged = Physics {
-        cogging_n: 0.2,
-        ..PLAIN
-    };
-    let (found, correction) = between(machine(cogged), simulation);
+    let (found, correction) = between(machine(COGGED), SMOOTH);
     assert_eq!(confident(&found), ["friction", "periodic_force"]);
     let force = value(&found, "periodic_force", "force_N");
     assert!((force / 0.2 - 1.0).abs() < 0.03, "{force}");
@@ -397,7 +396,7 @@ fn friction_that_reverses_with_the_velocity_is_told_as_another_law() {
         .expect("a correction")
         .leaves("force_sim_corrected_N");
     assert!(left < 0.2, "{left} %");
-    let (found, _) = between(machine(PLAIN), simulation);
+    let (found, _) = between(machine(PLAIN), SMOOTH);
     assert_eq!(confident(&found), ["friction"]);
 }
 
@@ -456,11 +455,7 @@ fn a_simulation_with_too_much_of_an_effect_is_told_so() {
 /// Driven by the recorded force, a simulation comes to another motion: what is said of the force between the two must be the same.
 #[test]
 fn a_simulation_that_moves_by_itself_is_told_the_same() {
-    let cogged = Physics {
-        cogging_n: 0.2,
-        ..PLAIN
-    };
-    let lacking = between_run(machine(cogged), PLAIN, Run::Forward).0;
+    let lacking = between_run(machine(COGGED), PLAIN, Run::Forward).0;
     assert_eq!(confident(&lacking), ["periodic_force"]);
     let amplitude = value(&lacking, "periodic_force", "force_N");
     assert!((amplitude / 0.2 - 1.0).abs() < 0.05, "{amplitude}");
@@ -486,12 +481,8 @@ fn a_simulation_that_moves_by_itself_is_told_what_it_has_too_much_of() {
 /// A simulation that a controller keeps beside the recorded motion logs both its position and its force.
 #[test]
 fn a_simulation_that_follows_by_its_own_controller_is_told_the_same() {
-    let cogged = Physics {
-        cogging_n: 0.2,
-        ..PLAIN
-    };
-    let (lacking, correction) = between_run(machine(cogged), PLAIN, Run::Followed);
-    assert_cogging(&lacking, cogged.cogging_n);
+    let (lacking, correction) = between_run(machine(COGGED), PLAIN, Run::Followed);
+    assert_cogging(&lacking, COGGED.cogging_n);
     assert!(correction.is_some());
 }
 
@@ -499,15 +490,7 @@ fn a_simulation_that_follows_by_its_own_controller_is_told_the_same() {
 #[test]
 #[ignore = "long study: cargo xtask test --all"]
 fn a_simulation_with_the_friction_of_a_simulator_is_told_what_it_lacks() {
-    let smooth = Physics {
-        smooth_m_s: 1e-3,
-        ..PLAIN
-    };
-    let cogged = Physics {
-        cogging_n: 0.2,
-        ..PLAIN
-    };
-    let (lacking, _) = between_run(machine(cogged), smooth, Run::Followed);
+    let (lacking, _) = between_run(machine(COGGED), SMOOTH, Run::Followed);
     let amplitude = value(&lacking, "periodic_force", "force_N");
     assert!((amplitude / 0.2 - 1.0).abs() < 0.05, "{amplitude}");
     assert!(confident(&lacking).contains(&"periodic_force"));
