@@ -1,8 +1,8 @@
 //! Header and source around the code.
 
 use super::law::Law;
-use super::literal;
 use super::term::Term;
+use super::{SAMPLE_TIME, literal};
 use crate::effects::form::Sum;
 use crate::export::constants::{Constant, inertia};
 use crate::model::Model;
@@ -29,39 +29,25 @@ impl File<'_> {
             MotionKind::Rotary => rotary,
         };
         let (length, force) = (unit("m", "rad"), unit("N", "N m"));
-        let [dx, v, x] =
-            ["displacement_m", "velocity_m_s", "position_m"].map(|k| self.model.key(k));
+        let [dx, v] = ["displacement_m", "velocity_m_s"].map(|k| self.model.key(k));
         let mut defines = String::new();
         if !self.model.friction.blocks().is_empty() {
             let count = self.model.friction.blocks().len();
-            let _ = writeln!(
-                defines,
-                "/* Maxwell-slip blocks. */\n#define @BLOCKS {count}"
-            );
+            defines += &define("Maxwell-slip blocks", "@@BLOCKS", &count.to_string());
         }
-        let rate = self.rate.map(|rate| Constant {
-            name: "RATE_HZ".to_owned(),
-            said: "Calls of @step per second".to_owned(),
-            value: rate,
-        });
-        for Constant { name, said, value } in inertia(self.model).into_iter().chain(rate) {
-            let _ = writeln!(defines, "/* {said}. */\n#define @{name} {}", literal(value));
+        if let Some(rate) = self.rate {
+            defines += &define("Calls of @step per second", "@@RATE_HZ", &literal(rate));
         }
-        let mut setters = String::new();
-        if self.is_placed() {
-            let _ = write!(
-                setters,
-                "/* Tells where the axis is, before each step once it is homed; until then what belongs to a place is off. */\nvoid @set_position(@state *s, float {x});\n"
-            );
+        if let Some(Constant { name, said, value }) = inertia(self.model) {
+            defines += &define(&said, &format!("@@{name}"), &literal(value));
         }
-        for (column, said) in self.measured() {
-            let _ = write!(
-                setters,
-                "/* Tells {said}; NAN where it is not known. */\nvoid @set_{column}(@state *s, float {column});\n"
-            );
-        }
+        let setters = self.setters();
+        let setters = setters.iter();
+        let setters: String = setters
+            .map(|s| format!("/* {} */\n{};\n", s.said, s.declared))
+            .collect();
         let text = format!(
-            "#ifndef @GUARD\n#define @GUARD\n\n#include <stdbool.h>\n#include <stdint.h>\n\n#ifdef __cplusplus\nextern \"C\" {{\n#endif\n\n{defines}\n\
+            "#ifndef @@H\n#define @@H\n\n#include <stdbool.h>\n#include <stdint.h>\n\n#ifdef __cplusplus\nextern \"C\" {{\n#endif\n\n{defines}\n\
              /* What the model remembers; of each axis one, set by @rest before the first step. */\ntypedef struct {{\n{}}} @state;\n\n\
              /* An axis that rests, its friction free of tension. */\nvoid @rest(@state *s);\n{setters}\
              /* The force ({force}) that holds against friction and effects: add it to the controller's before the limiter. {dx}: since the step before\n   ({length}); {v}: now ({length}/s).{} */\nfloat @step(@state *s, float {dx}, float {v});\n\n\
@@ -81,12 +67,12 @@ impl File<'_> {
     pub(super) fn source(&self, constants: &[Constant], helpers: &str, code: &str) -> String {
         let mut defines = String::new();
         if self.rate.is_some() {
-            defines +=
-                "/* Seconds between two steps. */\n#define SAMPLE_TIME_S (1.0f / @RATE_HZ)\n";
+            let seconds = "(1.0f / @@RATE_HZ)";
+            defines += &define("Seconds between two steps", SAMPLE_TIME, seconds);
         }
         let of_terms = self.terms.iter().flat_map(|term| &term.constants);
         for Constant { name, said, value } in constants.iter().chain(of_terms) {
-            let _ = writeln!(defines, "/* {said}. */\n#define {name} {}", literal(*value));
+            defines += &define(said, name, &literal(*value));
         }
         for (name, cosines) in self.terms.iter().filter_map(|term| term.map.as_ref()) {
             let list: Vec<String> = cosines.iter().map(|c| literal(*c)).collect();
@@ -97,20 +83,11 @@ impl File<'_> {
                 list.join(", ")
             );
         }
-        let mut setters = String::new();
-        let x = self.model.key("position_m");
-        if self.is_placed() {
-            let _ = write!(
-                setters,
-                "\nvoid @set_position(@state *s, float {x})\n{{\n    s->position = {x};\n    s->located = true;\n}}\n"
-            );
-        }
-        for (column, _) in self.measured() {
-            let _ = write!(
-                setters,
-                "\nvoid @set_{column}(@state *s, float {column})\n{{\n    s->{column} = {column};\n}}\n"
-            );
-        }
+        let setters = self.setters();
+        let setters: String = setters
+            .iter()
+            .map(|s| format!("\n{}\n{{\n{}}}\n", s.declared, s.body))
+            .collect();
         let fields = self.fields();
         let rest: String = fields
             .iter()
@@ -164,6 +141,22 @@ impl File<'_> {
         fields
     }
 
+    /// The functions that tell the model what it is not told by a step.
+    fn setters(&self) -> Vec<Setter> {
+        let x = self.model.key("position_m");
+        let of_place = self.is_placed().then(|| Setter {
+            said: "Tells where the axis is, before each step once it is homed; until then what belongs to a place is off.".to_owned(),
+            declared: format!("void @set_position(@state *s, float {x})"),
+            body: format!("    s->position = {x};\n    s->located = true;\n"),
+        });
+        let of_columns = self.measured().map(|(column, said)| Setter {
+            said: format!("Tells {said}; NAN where it is not known."),
+            declared: format!("void @set_{column}(@state *s, float {column})"),
+            body: format!("    s->{column} = {column};\n"),
+        });
+        of_place.into_iter().chain(of_columns).collect()
+    }
+
     fn is_placed(&self) -> bool {
         self.terms.iter().any(|term| term.c.placed)
     }
@@ -185,13 +178,21 @@ impl File<'_> {
         lines.chain(["\n".to_owned()]).collect()
     }
 
-    /// The text with the model's name in every name, behind the remarks.
+    /// The text with the model's name in the place of `@`, in capitals for `@@`, behind the remarks.
     fn named(&self, text: &str) -> String {
-        let upper = self.name.to_uppercase();
-        let mut named = text.replace("@GUARD", &format!("{upper}_H"));
-        for capital in ["@BLOCKS", "@RATE_HZ", "@MASS_KG", "@INERTIA_KG_M2"] {
-            named = named.replace(capital, &format!("{upper}_{}", &capital[1..]));
-        }
-        self.head() + &named.replace('@', &format!("{}_", self.name))
+        let text = text.replace("@@", &format!("{}_", self.name.to_uppercase()));
+        self.head() + &text.replace('@', &format!("{}_", self.name))
     }
+}
+
+/// A function of one line or two.
+struct Setter {
+    said: String,
+    declared: String,
+    body: String,
+}
+
+/// A constant, and what it is.
+fn define(said: &str, name: &str, value: &str) -> String {
+    format!("/* {said}. */\n#define {name} {value}\n")
 }

@@ -20,8 +20,8 @@ pub(super) struct Law {
 
 const SLIDING: &str = include_str!("law/sliding.c");
 const DEFLECTIONS: (&str, &str) = (
-    "float deflection[@BLOCKS]; /* of each block */",
-    "for (i = 0; i < @BLOCKS; ++i) {\n        s->deflection[i] = 0.0f;\n    }",
+    "float deflection[@@BLOCKS]; /* of each block */",
+    "for (i = 0; i < @@BLOCKS; ++i) {\n        s->deflection[i] = 0.0f;\n    }",
 );
 
 impl Law {
@@ -101,7 +101,7 @@ fn arrays(friction: &FrictionModel) -> String {
         let values: Vec<String> = blocks.iter().map(|b| literal(of(b))).collect();
         let _ = writeln!(
             text,
-            "/* {said} */\nstatic const float {name}[@BLOCKS] = {{ {} }};",
+            "/* {said} */\nstatic const float {name}[@@BLOCKS] = {{ {} }};",
             values.join(", ")
         );
     };

@@ -10,7 +10,7 @@ static float friction_step(@state *s, float dx, float v)
         if (advance != 0.0f) {
             s->direction = -s->direction;
             s->slipping = 0u;
-            for (i = 0; i < @BLOCKS; ++i) {
+            for (i = 0; i < @@BLOCKS; ++i) {
                 s->deflection[i] = -s->deflection[i];
             }
             advance = fabsf(dx);
@@ -21,7 +21,7 @@ static float friction_step(@state *s, float dx, float v)
     if (moves) {
         const float share = weakening(v);
         const float follow = lag(share);
-        for (i = 0; i < @BLOCKS; ++i) {
+        for (i = 0; i < @@BLOCKS; ++i) {
             const float bound = YIELDS[i] * share;
             const float old = s->deflection[i];
             float z;
@@ -37,7 +37,7 @@ static float friction_step(@state *s, float dx, float v)
             s->deflection[i] = z;
         }
     }
-    for (i = 0; i < @BLOCKS; ++i) {
+    for (i = 0; i < @@BLOCKS; ++i) {
         force += STIFFNESSES[i] * s->deflection[i];
     }
     return force * s->direction;

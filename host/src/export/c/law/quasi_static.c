@@ -4,7 +4,7 @@ static float friction_step(@state *s, float dx, float v)
     float force = 0.0f;
     int i;
     (void)v;
-    for (i = 0; i < @BLOCKS; ++i) {
+    for (i = 0; i < @@BLOCKS; ++i) {
         s->deflection[i] = limited(s->deflection[i] + dx, YIELDS[i]);
         force += STIFFNESSES[i] * s->deflection[i];
     }
