@@ -7,6 +7,7 @@ use crate::model::key_of;
 use crate::recording::Recording;
 use crate::report::Table;
 use crate::report::figures::{probability, quantity, within};
+use crate::report::units::name_and_unit;
 use crate::statistics::Estimate;
 use serde_json::{Value, json};
 
@@ -41,49 +42,12 @@ impl Named {
 
 /// A parameter by its key in a model file, of an effort in such a unit: `period 2.50 ± 0.01 mm`.
 fn parameter(key: &str, estimate: &Estimate, effort: &str) -> String {
-    /// Endings of keys, the longest first, with the unit that they stand for and what of the key is no unit.
-    const UNITS: [(&str, &str); 15] = [
-        ("_Nm_s2_per_rad2", "N·m·s²/rad²"),
-        ("_N_s2_per_m2", "N·s²/m²"),
-        ("_Nm_s_per_rad", "N·m·s/rad"),
-        ("_N_s_per_m", "N·s/m"),
-        ("_Nm_per_rad", "N·m/rad"),
-        ("_N_per_m", "N/m"),
-        ("_rad_s", "rad/s"),
-        ("_m_s", "m/s"),
-        ("_per_K", "1/K"),
-        ("_rad", "rad"),
-        ("_Nm", "Nm"),
-        ("_Hz", "Hz"),
-        ("_N", "N"),
-        ("_m", "m"),
-        ("_s", "s"),
-    ];
-    let unit = UNITS
-        .iter()
-        .find_map(|(ending, unit)| Some((key.strip_suffix(ending)?, *unit)));
-    let (name, unit) = unit.unwrap_or((key, ""));
-    let unit = &in_effort(unit, effort);
+    let (name, unit) = name_and_unit(key, effort);
     let size = match estimate.reach() {
-        Some(reach) => within(estimate.value, reach, unit),
-        None => quantity(estimate.value, unit),
+        Some(reach) => within(estimate.value, reach, &unit),
+        None => quantity(estimate.value, &unit),
     };
-    format!("{} {size}", name.replace('_', " "))
-        .trim_end()
-        .to_owned()
-}
-
-/// A unit of force or torque where the effort is in another: `N·m·s/rad` in A is `A·s/rad`.
-fn in_effort(unit: &str, effort: &str) -> String {
-    let is_force = matches!(effort, "N" | "Nm");
-    let rest = ["N·m", "Nm", "N"].into_iter().find_map(|force| {
-        let rest = unit.strip_prefix(force)?;
-        (rest.is_empty() || rest.starts_with(['·', '/'])).then_some(rest)
-    });
-    match rest.filter(|_| !is_force) {
-        Some(rest) => format!("{effort}{rest}"),
-        None => unit.to_owned(),
-    }
+    format!("{name} {size}").trim_end().to_owned()
 }
 
 impl Diagnosis {

@@ -52,11 +52,5 @@ pub fn smooth_friction(rows: &Rows, core: &Core, noise: &Noise, simulated: &[f64
     }
     let blocks: Vec<&[f64]> = core.rows[first..].iter().map(Vec::as_slice).collect();
     let [of_blocks, of_smooth] = [left(&blocks)?, smooth(found.0)?];
-    let gain: Vec<f64> = of_blocks
-        .iter()
-        .zip(&of_smooth)
-        .map(|(b, s)| b * b - s * s)
-        .collect();
-    let sum: f64 = gain.iter().sum();
-    (sum > 0.5 * square(&of_blocks)).then_some(found.0)
+    (square(&of_smooth) < 0.5 * square(&of_blocks)).then_some(found.0)
 }

@@ -24,6 +24,7 @@ pub mod figures;
 mod html;
 mod scale;
 mod table;
+pub mod units;
 
 pub use figure::{Axis, Colour, Emphasis, Figure, Series, Style};
 pub use scale::{DisplayUnit, display_unit};

@@ -1,0 +1,47 @@
+//! Units that keys of model files and answers end in.
+
+/// Endings of keys, the longest first, with the unit that they stand for and what of the key is no unit.
+const UNITS: [(&str, &str); 17] = [
+    ("_Nm_s2_per_rad2", "N·m·s²/rad²"),
+    ("_N_s2_per_m2", "N·s²/m²"),
+    ("_Nm_s_per_rad", "N·m·s/rad"),
+    ("_N_s_per_m", "N·s/m"),
+    ("_Nm_per_rad", "N·m/rad"),
+    ("_N_per_m", "N/m"),
+    ("_kg_m2", "kg·m²"),
+    ("_rad_s", "rad/s"),
+    ("_m_s", "m/s"),
+    ("_per_K", "1/K"),
+    ("_rad", "rad"),
+    ("_Nm", "Nm"),
+    ("_Hz", "Hz"),
+    ("_kg", "kg"),
+    ("_N", "N"),
+    ("_m", "m"),
+    ("_s", "s"),
+];
+
+/// Name and unit of a key where the effort is in a unit of its own: `viscous_Nm_s_per_rad` in A is viscous, in A·s/rad.
+pub fn name_and_unit(key: &str, effort: &str) -> (String, String) {
+    let unit = UNITS
+        .iter()
+        .find_map(|(ending, unit)| Some((key.strip_suffix(ending)?, *unit)));
+    let (name, unit) = unit.unwrap_or((key, ""));
+    (name.replace('_', " "), in_effort(unit, effort))
+}
+
+fn in_effort(unit: &str, effort: &str) -> String {
+    if matches!(effort, "N" | "Nm") {
+        return unit.to_owned();
+    }
+    let rest = ["N·m", "Nm", "N"].into_iter().find_map(|force| {
+        let rest = unit.strip_prefix(force)?;
+        (rest.is_empty() || rest.starts_with(['·', '/'])).then_some(rest)
+    });
+    match (unit, rest) {
+        ("kg", _) => format!("{effort}·s²/m"),
+        ("kg·m²", _) => format!("{effort}·s²/rad"),
+        (_, Some(rest)) => format!("{effort}{rest}"),
+        (unit, None) => unit.to_owned(),
+    }
+}
