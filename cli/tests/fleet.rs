@@ -171,6 +171,65 @@ fn a_fleet_is_a_row_a_recording_and_goes_on_where_it_was_stopped() {
     );
 }
 
+/// Folders with files of the same names, and what a shell makes of a pattern: each row is of its own file, each axis by itself.
+#[test]
+fn files_of_the_same_name_in_two_folders_are_two_axes() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let mut files = Vec::new();
+    for (line, level) in [("line1", 4.0), ("line2", 6.0)] {
+        let own = folder.path().join(line).join("axis");
+        std::fs::create_dir_all(&own).expect("a folder");
+        std::fs::write(own.join("2026-11-01.csv"), recording(2.0, level, 5)).expect("written");
+        files.push(format!("{line}/axis/2026-11-01.csv"));
+    }
+    for given in [
+        vec!["line1", "line2"],
+        files.iter().map(String::as_str).collect(),
+    ] {
+        let arguments = [given, vec!["-o", "fleet.csv", "--fit-only"]].concat();
+        let made = run(folder.path(), &arguments);
+        assert!(made.status.success(), "{}", text(&made.stderr));
+        let csv = std::fs::read_to_string(folder.path().join("fleet.csv")).expect("written");
+        assert_eq!(column(&csv, "axis"), ["line1/axis", "line2/axis"]);
+        let levels: Vec<f64> = column(&csv, "coulomb_N")
+            .iter()
+            .map(|v| v.parse().expect("a number"))
+            .collect();
+        assert!(
+            (levels[0] - 4.0).abs() < 0.3 && (levels[1] - 6.0).abs() < 0.3,
+            "{levels:?}"
+        );
+    }
+}
+
+/// A table may lie among its recordings, and never in the place of one.
+#[test]
+fn a_recording_is_not_overwritten_by_the_table() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let of_press = folder.path().join("press_1.csv");
+    std::fs::write(&of_press, recording(2.0, 4.0, 6)).expect("written");
+    let lost = run(folder.path(), &[".", "-o", "press_1.csv", "--fit-only"]);
+    assert_eq!(lost.status.code(), Some(2));
+    assert!(
+        text(&lost.stderr).contains("which would be lost"),
+        "{}",
+        text(&lost.stderr)
+    );
+    assert!(
+        std::fs::read_to_string(&of_press)
+            .expect("there")
+            .starts_with("t_s,x_m")
+    );
+    for _ in 0..2 {
+        let among = run(folder.path(), &[".", "-o", "fleet.csv", "--fit-only"]);
+        assert!(
+            text(&among.stdout).contains("1 recording of 1 axis"),
+            "{}",
+            text(&among.stdout)
+        );
+    }
+}
+
 #[test]
 fn a_fleet_with_diagnoses_has_verdicts_a_page_and_a_parquet_table() {
     let folder = tempfile::tempdir().expect("temporary folder");

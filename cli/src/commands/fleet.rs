@@ -6,7 +6,9 @@ use clap::Args;
 use preslide_host::fleet::history::{Change, FEWEST, changes};
 use preslide_host::fleet::page::{page, ranking, table};
 use preslide_host::fleet::table::{columns, write_csv, write_parquet};
-use preslide_host::fleet::{Asked, Journal, Member, Part, Row, is_journal, members, rows};
+use preslide_host::fleet::{
+    Asked, Journal, Member, Part, Row, is_begun, is_journal, members, rows,
+};
 use preslide_host::progress::Progress;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -17,7 +19,7 @@ const SHOWN: usize = 12;
 /// Many axes, a recording a day each: a table with a row a recording, and which axis changed against its own history
 #[derive(Args)]
 #[command(
-    after_help = "Example: preslide fleet recordings/ -o fleet.parquet --report fleet.html\n         preslide fleet 'line3/*/2026-11-*.csv' -o line3.csv --fit-only\n\nAn axis is the folder that holds its recordings, or, of files that lie together, what of their names stands before the first number; its\nrecordings are in the order of their names. Beside the table FILE.rows.jsonl keeps each row as it is made: the same command goes on where it was\nstopped, and reads only what is new or changed."
+    after_help = "Example: preslide fleet recordings/ -o fleet.parquet --report fleet.html\n         preslide fleet 'line3/*/2026-11-*.csv' -o line3.csv --fit-only\n\nAn axis is the folder that holds its recordings, or, of files that lie together, what of their names stands before the first number; its recordings are in the order of their names. Beside the table FILE.rows.jsonl keeps each row as it is made: the same command goes on where it was stopped, and reads only what is new or changed."
 )]
 pub struct Fleet {
     /// Folders, files or patterns in quotes: recordings/, 'line3/*/*.csv'
@@ -33,7 +35,7 @@ pub struct Fleet {
     report: Option<PathBuf>,
 
     /// Share of recordings of which nothing changed that may raise an alarm
-    #[arg(long, default_value = "1%", value_parser = parse_percent)]
+    #[arg(long, value_name = "SHARE", default_value = "1%", value_parser = parse_percent)]
     false_alarms: f64,
 
     /// Fit parameters only, without a diagnosis: several times as fast
@@ -63,25 +65,28 @@ impl Fleet {
                 path.display()
             )));
         }
+        let mut members = members(&self.recordings).map_err(Failure::Input)?;
+        // The last table and its journals lie among the recordings, perhaps.
+        let begun = self.output.iter().filter(|table| is_begun(table));
+        let begun: Vec<PathBuf> = begun
+            .filter_map(|table| table.canonicalize().ok())
+            .collect();
+        let is_own = |path: &Path| {
+            self.output.iter().any(|table| is_journal(path, table))
+                || !begun.is_empty() && path.canonicalize().is_ok_and(|path| begun.contains(&path))
+        };
+        members.retain(|m| !is_own(&m.path));
+        let inputs: Vec<&Path> = members.iter().map(|m| m.path.as_path()).collect();
         let tables = self.output.iter().map(|path| ("-o", Some(path)));
         let own: Vec<outputs::Output> =
             tables.chain([("--report", self.report.as_ref())]).collect();
-        outputs::check(&[], &own, None)?;
-        let mut members = members(&self.recordings).map_err(Failure::Input)?;
-        // The last table is no recording.
-        let is_own = |path: &Path| {
-            let same = |table: &PathBuf| path.canonicalize().ok() == table.canonicalize().ok();
-            self.output
-                .iter()
-                .any(|table| same(table) || is_journal(path, table))
-        };
-        members.retain(|m| !is_own(&m.path));
+        outputs::check(&inputs, &own, None)?;
         if let Some(part) = self.part {
             let own = members.iter().skip(part.number - 1).step_by(part.of);
             let rows = self.all_rows(&own.cloned().collect::<Vec<_>>())?;
             say!(
-                "{} rows of part {} of {}; the same command without --part makes the table.",
-                rows.len(),
+                "{} of part {} of {}; the same command without --part makes the table.",
+                many(rows.len(), "row", "rows"),
                 part.number,
                 part.of
             );
@@ -100,20 +105,25 @@ impl Fleet {
                 false => write_parquet(path, &columns),
             })?;
         }
-        let words = self.words(rows, &changes);
-        say!("{words}");
         let ranked = ranking(rows, &changes);
+        let wrong = rows.iter().filter_map(|r| Some((r, r.error.as_ref()?)));
+        let wrong: Vec<(&Row, &String)> = wrong.collect();
+        let words = self.words(rows, &ranked, wrong.len());
+        say!("{words}");
         if !ranked.is_empty() {
-            say!("\n{}", table(&ranked[..ranked.len().min(SHOWN)]).to_text());
+            say!("\n{}", table(&ranked, SHOWN).to_text());
         }
-        for row in rows.iter().filter(|r| r.error.is_some()).take(SHOWN) {
-            say!("{}: {}", row.file, row.error.as_deref().unwrap_or_default());
+        for (row, reason) in wrong.iter().take(SHOWN) {
+            say!("{}: {reason}", row.file);
+        }
+        if let Some(more @ 1..) = wrong.len().checked_sub(SHOWN) {
+            say!("{more} more are without an answer; the column `error` has each one's reason.");
         }
         if let Some(path) = &self.report {
-            let page = page(rows, &changes, words, command_line());
+            let page = page(rows, &ranked, words, command_line());
             outputs::write_with(path, |path| page.write_html(path))?;
         }
-        match rows.iter().all(|row| row.error.is_some()) {
+        match wrong.len() == rows.len() {
             true => Err(Failure::Data(
                 "none of the recordings gave an answer; the table has each one's reason".to_owned(),
             )),
@@ -129,13 +139,9 @@ impl Fleet {
         };
         let how = format!("{asked:?} {}", self.reading.in_words());
         let mut journal = Journal::open(&self.output[0], &how, self.part).map_err(Failure::Tool)?;
-        let known: Vec<Option<Row>> = members.iter().map(|m| journal.row(m).cloned()).collect();
-        let new: Vec<Member> = members
-            .iter()
-            .zip(&known)
-            .filter(|(_, row)| row.is_none())
-            .map(|(m, _)| m.clone())
-            .collect();
+        let mut all: Vec<Option<Row>> = members.iter().map(|m| journal.row(m).cloned()).collect();
+        let places: Vec<usize> = (0..all.len()).filter(|i| all[*i].is_none()).collect();
+        let new: Vec<Member> = places.iter().map(|i| members[*i].clone()).collect();
         let progress = Progress::new("fleet, recordings", new.len() as u64);
         let cores = std::thread::available_parallelism().map_or(1, NonZero::get);
         let jobs = self.jobs.map_or(cores, NonZero::get);
@@ -143,44 +149,30 @@ impl Fleet {
             Row::of(member, asked, |m| {
                 self.reading
                     .load_quietly(&m.path)
-                    .map_err(|e| e.to_string())
+                    .map_err(|e| e.problem.to_string())
             })
         };
-        let (mut made, mut failed) = (Vec::new(), None);
-        rows(&new, jobs, row, |row| {
+        let mut failed = None;
+        rows(&new, jobs, row, |place, row| {
             failed = failed.take().or(journal.keep(&row).err());
-            made.push(row);
+            all[places[place]] = Some(row);
             progress.inc(1);
         });
         progress.finish();
         if let Some(reason) = failed {
             tell!("warning: {reason}; the next run makes these rows again");
         }
-        made.sort_by(|a, b| a.file.cmp(&b.file));
-        let row_of = |(member, row): (&Member, Option<Row>)| {
-            row.or_else(|| {
-                let at = made
-                    .binary_search_by(|r: &Row| r.file.cmp(&member.file))
-                    .ok()?;
-                Some(made[at].clone())
-            })
-        };
-        Ok(members.iter().zip(known).filter_map(row_of).collect())
+        Ok(all.into_iter().flatten().collect())
     }
 
     /// What came of it, in words.
-    fn words(&self, rows: &[Row], changes: &[Vec<Change>]) -> String {
+    fn words(&self, rows: &[Row], ranked: &[(&Row, &Change)], failed: usize) -> String {
         let axes = rows.chunk_by(|a, b| a.axis == b.axis).count();
-        let failed = rows.iter().filter(|r| r.error.is_some()).count();
-        let judged = changes.iter().filter(|own| !own.is_empty()).count();
-        let alarms: Vec<&str> = rows
-            .chunk_by(|a, b| a.axis == b.axis)
-            .zip(by_axis(rows, changes))
-            .filter(|(_, own)| own.last().is_some_and(|c| c.iter().any(|c| c.alarm)))
-            .map(|(own, _)| own[0].axis.as_str())
-            .collect();
+        // The surest change of an axis is an alarm where any is.
+        let alarms = ranked.iter().filter(|(_, change)| change.alarm);
+        let alarms: Vec<&str> = alarms.map(|(row, _)| row.axis.as_str()).collect();
         let told = match alarms.as_slice() {
-            [] if judged == 0 => format!(
+            [] if ranked.is_empty() => format!(
                 "No axis has the {FEWEST} earlier recordings that a change is told against."
             ),
             [] => "The newest recording of no axis raises an alarm.".to_owned(),
@@ -205,21 +197,4 @@ fn many(count: usize, one: &str, several: &str) -> String {
 
 fn ends_with(path: &Path, ending: &str) -> bool {
     path.extension().is_some_and(|own| own == ending)
-}
-
-/// The changes of each axis.
-fn by_axis<'a>(
-    rows: &[Row],
-    changes: &'a [Vec<Change>],
-) -> impl Iterator<Item = &'a [Vec<Change>]> {
-    let mut rest = changes;
-    let lengths: Vec<usize> = rows
-        .chunk_by(|a, b| a.axis == b.axis)
-        .map(<[Row]>::len)
-        .collect();
-    lengths.into_iter().map(move |n| {
-        let (own, after) = rest.split_at(n);
-        rest = after;
-        own
-    })
 }

@@ -10,8 +10,11 @@ use std::path::{Path, PathBuf};
 pub struct Journal {
     path: PathBuf,
     file: File,
-    known: HashMap<String, Row>,
+    known: HashMap<Version, Row>,
 }
+
+/// A file as it was: its name, its bytes, and when it was written (the bits of s since 1970).
+type Version = (String, u64, u64);
 
 /// Whether a file is a journal of a table.
 pub fn is_journal(path: &Path, table: &Path) -> bool {
@@ -21,6 +24,23 @@ pub fn is_journal(path: &Path, table: &Path) -> bool {
         table.file_name().unwrap_or_default().to_string_lossy()
     );
     name.starts_with(&own) && name.ends_with(".jsonl")
+}
+
+/// The journals of a table that are there.
+fn journals(table: &Path) -> Vec<PathBuf> {
+    let folder = table.parent().filter(|f| !f.as_os_str().is_empty());
+    let beside = std::fs::read_dir(folder.unwrap_or(Path::new(".")));
+    let paths = beside
+        .into_iter()
+        .flatten()
+        .flatten()
+        .map(|entry| entry.path());
+    paths.filter(|path| is_journal(path, table)).collect()
+}
+
+/// Whether a table was begun: what lies there is it, and no recording.
+pub fn is_begun(table: &Path) -> bool {
+    !journals(table).is_empty()
 }
 
 impl Journal {
@@ -37,11 +57,8 @@ impl Journal {
         let path = table.with_file_name(format!("{name}.rows{part}.jsonl"));
         let failed = |e: std::io::Error| format!("cannot write {}: {e}", path.display());
         let head = serde_json::json!({ "schema": "preslide.fleet/1", "version": env!("CARGO_PKG_VERSION"), "how": how }).to_string();
-        let folder = path.parent().filter(|f| !f.as_os_str().is_empty());
-        let beside = std::fs::read_dir(folder.unwrap_or(Path::new("."))).map_err(failed)?;
-        let journals = beside.flatten().map(|entry| entry.path());
         let mut known = HashMap::new();
-        for journal in journals.filter(|path| is_journal(path, table)) {
+        for journal in journals(table) {
             known.extend(rows(&journal, &head).unwrap_or_default());
         }
         let is_begun = rows(&path, &head).is_some();
@@ -63,8 +80,12 @@ impl Journal {
 
     /// The row of a recording that was made before.
     pub fn row(&self, member: &Member) -> Option<&Row> {
-        let same = |row: &&Row| row.bytes == member.bytes && row.modified_s == member.modified_s;
-        self.known.get(&member.file).filter(same)
+        let version = (
+            member.file.clone(),
+            member.bytes,
+            member.modified_s.to_bits(),
+        );
+        self.known.get(&version)
     }
 
     /// Keeps a row.
@@ -79,8 +100,8 @@ impl Journal {
     }
 }
 
-/// The rows of a journal that begins so, by their files; a line that is torn is one that was being written.
-fn rows(path: &Path, head: &str) -> Option<HashMap<String, Row>> {
+/// The rows of a journal that begins so; a line that is torn is one that was being written.
+fn rows(path: &Path, head: &str) -> Option<HashMap<Version, Row>> {
     let mut lines = BufReader::new(File::open(path).ok()?)
         .lines()
         .map_while(Result::ok);
@@ -88,5 +109,6 @@ fn rows(path: &Path, head: &str) -> Option<HashMap<String, Row>> {
         return None;
     }
     let rows = lines.filter_map(|line| serde_json::from_str::<Row>(&line).ok());
-    Some(rows.map(|row| (row.file.clone(), row)).collect())
+    let version = |row: &Row| (row.file.clone(), row.bytes, row.modified_s.to_bits());
+    Some(rows.map(|row| (version(&row), row)).collect())
 }

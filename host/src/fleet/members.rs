@@ -24,65 +24,75 @@ pub struct Member {
 }
 
 /// The recordings in folders and under patterns (`data/**/*.csv`), each once, by axis and in the order of their names, numbers by value: names that
-/// hold a date are in the order of time. An axis is the folder that holds its recordings, or, of recordings that lie together, the name up to the first
-/// number behind `_`, `-` or `.`: `press7_2026-11-26.csv` is of `press7`.
+/// hold a date are in the order of time. An axis is the folder that holds its recordings, from the folder on that holds all that was given; or, of
+/// recordings that lie together, the name up to the first number behind `_`, `-` or `.`: `press7_2026-11-26.csv` is of `press7`.
 ///
 /// # Errors
 /// What was given that holds no recording, and why.
 pub fn members(given: &[String]) -> Result<Vec<Member>, String> {
-    let mut members: Vec<Member> = Vec::new();
+    let mut paths: Vec<PathBuf> = Vec::new();
+    let mut root: Option<PathBuf> = None;
     let mut wrong = Vec::new();
     for text in given {
         match found(text) {
-            Ok(own) if own.is_empty() => wrong.push(format!(
+            Ok((_, own)) if own.is_empty() => wrong.push(format!(
                 "{text}: no recording there; in a folder files are looked for that end in {}",
                 ENDINGS.join(", ")
             )),
-            Ok(own) => members.extend(own),
+            Ok((from, own)) => {
+                root = Some(root.map_or(from.clone(), |root| shared(&root, &from)));
+                paths.extend(own);
+            }
             Err(reason) => wrong.push(format!("{text}: {reason}")),
         }
     }
     if !wrong.is_empty() {
         return Err(wrong.join("\n"));
     }
+    let root = root.unwrap_or_default();
+    let mut members: Vec<Member> = paths
+        .iter()
+        .filter_map(|path| member(path, &root))
+        .collect();
     members.sort_by_cached_key(|m| (natural(&m.axis), natural(&m.file), m.path.clone()));
     members.dedup_by(|a, b| a.path == b.path);
     Ok(members)
 }
 
-fn found(text: &str) -> Result<Vec<Member>, String> {
+/// The folder that holds what was given, and the recordings there.
+fn found(text: &str) -> Result<(PathBuf, Vec<PathBuf>), String> {
     let path = Path::new(text);
     if path.is_file() {
         let folder = path.parent().unwrap_or(Path::new(""));
-        return Ok(member(path, folder).into_iter().collect());
+        return Ok((folder.to_owned(), vec![path.to_owned()]));
     }
-    let (root, pattern) = if path.is_dir() {
+    let by_ending = path.is_dir();
+    let (root, pattern) = if by_ending {
         let root = glob::Pattern::escape(text);
-        (
-            path.to_owned(),
-            format!("{}/**/*", root.trim_end_matches('/')),
-        )
+        let pattern = format!("{}/**/*", root.trim_end_matches('/'));
+        (path.to_owned(), pattern)
     } else {
         (fixed_part(path), text.to_owned())
     };
     let every = glob::glob(&pattern).map_err(|e| format!("no pattern: {e}"))?;
-    let by_ending = path.is_dir();
-    let mut members = Vec::new();
+    let mut paths = Vec::new();
     for file in every {
         let file = file.map_err(|e| e.to_string())?;
         let known = || {
-            let ending = file
-                .extension()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .to_lowercase();
-            ENDINGS.contains(&ending.as_str())
+            let ending = file.extension().unwrap_or_default();
+            ENDINGS.contains(&ending.to_string_lossy().to_lowercase().as_str())
         };
         if file.is_file() && (!by_ending || known()) {
-            members.extend(member(&file, &root));
+            paths.push(file);
         }
     }
-    Ok(members)
+    Ok((root, paths))
+}
+
+/// The folder that two share.
+fn shared(a: &Path, b: &Path) -> PathBuf {
+    let both = a.components().zip(b.components());
+    both.take_while(|(a, b)| a == b).map(|(a, _)| a).collect()
 }
 
 /// The folder that a pattern begins with.

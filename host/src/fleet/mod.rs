@@ -10,7 +10,7 @@ pub mod page;
 mod row;
 pub mod table;
 
-pub use journal::{Journal, is_journal};
+pub use journal::{Journal, is_begun, is_journal};
 pub use members::{Member, members};
 pub use row::{Asked, Row};
 
@@ -41,12 +41,13 @@ impl FromStr for Part {
     }
 }
 
-/// Makes rows on so many threads, and hands each over as it is done: a recording at a time in each thread is in memory, whatever the fleet.
+/// Makes rows on so many threads, and hands each over with its place as it is done: a recording at a time in each thread is in memory, whatever
+/// the fleet.
 pub fn rows(
     members: &[Member],
     jobs: usize,
     row: impl Fn(&Member) -> Row + Sync,
-    mut done: impl FnMut(Row),
+    mut done: impl FnMut(usize, Row),
 ) {
     let next = AtomicUsize::new(0);
     let (sender, receiver) = mpsc::channel();
@@ -54,15 +55,19 @@ pub fn rows(
         for _ in 0..jobs.clamp(1, members.len().max(1)) {
             let (sender, next, row) = (sender.clone(), &next, &row);
             scope.spawn(move || {
-                while let Some(member) = members.get(next.fetch_add(1, Ordering::Relaxed)) {
+                loop {
+                    let place = next.fetch_add(1, Ordering::Relaxed);
+                    let made = members.get(place).map(|member| (place, row(member)));
                     // Nobody hears any more: the command was stopped.
-                    if sender.send(row(member)).is_err() {
+                    if made.is_none_or(|made| sender.send(made).is_err()) {
                         break;
                     }
                 }
             });
         }
         drop(sender);
-        receiver.into_iter().for_each(&mut done);
+        receiver
+            .into_iter()
+            .for_each(|(place, row)| done(place, row));
     });
 }

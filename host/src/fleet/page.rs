@@ -2,6 +2,7 @@
 
 use super::Row;
 use super::history::Change;
+use crate::report::units::name_and_unit;
 use crate::report::{Axis, Figure, Page, Section, Series, Table};
 
 /// Histories that are drawn.
@@ -24,8 +25,12 @@ pub fn ranking<'a>(rows: &'a [Row], changes: &'a [Vec<Change>]) -> Vec<(&'a Row,
     ranked
 }
 
-/// The ranking as a table.
-pub fn table(ranked: &[(&Row, &Change)]) -> Table {
+/// The first of a ranking as a table.
+pub fn table(ranked: &[(&Row, &Change)], most: usize) -> Table {
+    let left_out = match ranked.len() > most {
+        true => format!("; {most} of {} axes", ranked.len()),
+        false => String::new(),
+    };
     let row = |(row, change): &(&Row, &Change)| {
         vec![
             row.axis.clone(),
@@ -39,19 +44,18 @@ pub fn table(ranked: &[(&Row, &Change)]) -> Table {
         ]
     };
     Table {
-        caption:
-            "The newest recording of each axis against those before it, the surest change first"
-                .to_owned(),
+        caption: format!(
+            "The newest recording of each axis against those before it, the surest change first{left_out}"
+        ),
         head: ["axis", "parameter", "change", "by chance", ""]
             .map(str::to_owned)
             .to_vec(),
-        rows: ranked.iter().take(LISTED).map(row).collect(),
+        rows: ranked.iter().take(most).map(row).collect(),
     }
 }
 
 /// The fleet on one page.
-pub fn page(rows: &[Row], changes: &[Vec<Change>], lead: String, command: String) -> Page {
-    let ranked = ranking(rows, changes);
+pub fn page(rows: &[Row], ranked: &[(&Row, &Change)], lead: String, command: String) -> Page {
     let figures = ranked
         .iter()
         .take(DRAWN)
@@ -69,7 +73,7 @@ pub fn page(rows: &[Row], changes: &[Vec<Change>], lead: String, command: String
                 paragraphs: vec![
                     "A change is the newest value less the mean of the axis's earlier recordings, with the 95 % interval that their scatter gives; by chance is how often a change as large comes where nothing changed.".to_owned(),
                 ],
-                tables: vec![table(&ranked)],
+                tables: vec![table(ranked, LISTED)],
                 figures: figures.collect(),
             },
             Section {
@@ -90,21 +94,23 @@ fn history(rows: &[Row], newest: &Row, change: &Change) -> Figure {
     let own = rows.iter().filter(|row| row.axis == newest.axis);
     let told = own.enumerate().filter_map(|(i, row)| {
         let (value, _) = row.parameters.get(&change.parameter)?;
-        Some((i as f64, *value))
+        Some((i as f64 + 1.0, *value))
     });
     let (number, value): (Vec<f64>, Vec<f64>) = told.unzip();
+    let effort = newest.effort_unit.as_deref().unwrap_or_default();
+    let (label, unit) = name_and_unit(&change.parameter, effort);
     Figure {
         title: format!("{}: {}", newest.axis, change.words()),
-        x: axis("recording"),
-        y: axis(&change.parameter),
+        x: Axis {
+            label: "recording, counted".to_owned(),
+            ..Axis::default()
+        },
+        y: Axis {
+            label,
+            unit,
+            ..Axis::default()
+        },
         series: vec![Series::points("each recording", number, value)],
         ..Figure::default()
-    }
-}
-
-fn axis(label: &str) -> Axis {
-    Axis {
-        label: label.to_owned(),
-        ..Axis::default()
     }
 }
