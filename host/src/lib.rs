@@ -6,6 +6,7 @@ pub mod cost;
 pub mod diagnose;
 pub mod drive;
 pub mod effects;
+pub mod evidence;
 pub mod export;
 pub mod fleet;
 pub mod friction;

@@ -82,12 +82,19 @@ impl Diagnosis {
     }
 
     /// Who leaves the mismatch.
-    fn whose(&self) -> &'static str {
-        match (self.ground.core.corrects, self.given_model.is_some()) {
+    fn whose(&self) -> String {
+        let whose = match (self.ground.core.corrects, self.given_model.is_some()) {
             (true, _) => "Your simulation",
             (_, true) => "Your model with its parameters refitted",
             _ if self.fit.is_some() => "The fit of `preslide identify`",
-            _ => "The best plain model",
+            _ => return "The best plain model".to_owned(),
+        };
+        // The fit itself takes off what lies between the machine and the recorded effort.
+        let taken_off = self.effects.iter().filter(|e| e.is_in_the_channel());
+        let taken_off: Vec<&str> = taken_off.map(|e| e.name.name()).collect();
+        match (&self.fit, taken_off.as_slice()) {
+            (Some(_), [_, ..]) => format!("{whose} without its {}", taken_off.join(" and its ")),
+            _ => whose.to_owned(),
         }
     }
 

@@ -1,22 +1,18 @@
-//! What lies between the machine and the recorded effort: a delay, and an end of command or reading.
+//! What lies between the machine and the recorded effort, a delay and an end of command or reading, as effects: both were found before the
+//! search, which goes on without them.
 
 use super::effect::actuator_saturation::{ActuatorSaturation, READING};
 use super::effect::{ALWAYS_FREE, Effect};
-use super::evidence::{Evidence, NAMED, evidence};
 use super::ground::Ground;
-use super::shift::{SURE, Shift};
+use super::shift::Shift;
 use super::weak::Column;
-use crate::signal::{End, Saturation};
+use crate::evidence::{Evidence, NAMED, evidence};
+use crate::signal::{Channel, End, Saturation};
 use crate::statistics::Estimate;
 use std::ops::Range;
 
-/// What lies between the machine and the recorded effort, found before the search, which goes on without it.
-pub struct Channel {
-    /// A delay.
-    pub shift: Option<Shift>,
-    /// An end.
-    pub saturation: Option<Saturation>,
-}
+/// Standard errors that an end must be beyond nothing.
+const SURE: f64 = 3.0;
 
 /// An effect that was found there.
 pub struct Found {
@@ -34,20 +30,20 @@ pub struct Found {
     pub parameters: Vec<(String, Estimate)>,
 }
 
-impl Channel {
-    /// What there is of it.
-    pub fn found(self, ground: &Ground) -> impl Iterator<Item = Found> {
-        let shifted = self.shift.map(|shift| Found {
-            effect: ALWAYS_FREE,
-            confident: true,
-            evidence: shift.evidence,
-            nmse: shift.nmse,
-            force: shift.force,
-            parameters: vec![("delay_s".to_owned(), shift.delay)],
-        });
-        let limited = self.saturation.map(|end| limited(ground, &end));
-        shifted.into_iter().chain(limited)
-    }
+/// What there is of a channel, of which the delay is worth so much.
+pub fn found(channel: &Channel, shift: Option<Shift>, ground: &Ground) -> Vec<Found> {
+    let delay = channel.delay.as_ref().zip(shift);
+    let shifted = delay.map(|(delay, shift)| Found {
+        effect: ALWAYS_FREE,
+        confident: true,
+        evidence: shift.evidence,
+        nmse: shift.nmse,
+        force: shift.force,
+        parameters: vec![("delay_s".to_owned(), delay.delay_s)],
+    });
+    let end = channel.saturation.as_ref();
+    let limited = end.map(|end| limited(ground, end));
+    shifted.into_iter().chain(limited).collect()
 }
 
 /// An end of the effort: of a command that was cut to it, of a reading whose samples there were left out.

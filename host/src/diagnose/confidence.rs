@@ -1,8 +1,8 @@
 //! How sure a name is: one logistic of features of its evidence, calibrated on judged names of every source that there is.
 
 use super::effect::Class;
-use super::evidence::{Evidence, NAMED};
 use super::naming::Standing;
+use crate::evidence::{Evidence, NAMED};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::sync::LazyLock;

@@ -48,6 +48,7 @@ impl Diagnosis {
         let core = self.on_the_core(state, recording, user);
         let recording = &recording.at_one_rate();
         let of_fit = self.fit.as_ref().and_then(|fit| fit.model());
+        let of_fit = of_fit.as_ref();
         let judged = of_fit.filter(|_| user.is_none());
         let judged = judged.and_then(|m| Given::of(ground, &self.states[1], recording, m));
         let own = user.zip(self.given_model.as_ref());
@@ -105,7 +106,7 @@ impl Diagnosis {
 
     /// Enters what lies between the machine and the recorded effort: a delay, an end.
     fn enter_channel(&self, model: &mut Model, refused: &mut Vec<String>) {
-        for own in self.confident().filter(|e| e.term.is_none()) {
+        for own in self.effects.iter().filter(|e| e.is_in_the_channel()) {
             let has = model.effects.iter().any(|e| e.id() == own.id());
             if let Name::Entry(effect) = own.name
                 && !has

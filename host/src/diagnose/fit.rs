@@ -5,6 +5,7 @@ use super::effect::{
     viscous::Viscous, viscous_asymmetry::ViscousAsymmetry,
 };
 use super::term::{Subject, Term};
+use crate::effects::form;
 use crate::identify::plain::Place;
 use crate::identify::{Identification, MANY, Options, STEPS, identify, thinned};
 use crate::model::Model;
@@ -84,9 +85,11 @@ impl Fit {
         }
     }
 
-    /// The model that it recommends.
-    pub(super) fn model(&self) -> Option<&Model> {
-        self.0.as_ref().ok().map(|found| &found.best().model)
+    /// The model that it recommends, of the effort on time.
+    pub(super) fn model(&self) -> Option<Model> {
+        let mut model = self.0.as_ref().ok()?.best().model.clone();
+        model.effects.retain(|e| e.id() != form::CHANNEL_DELAY.id);
+        Some(model)
     }
 
     /// The object `fit` of every command; null where there is none.

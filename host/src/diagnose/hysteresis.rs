@@ -4,11 +4,11 @@ use super::blocks::{FINER, between_samples};
 use super::effect::Effect;
 use super::effect::backlash::Backlash;
 use super::effect::drive_compliance::DriveCompliance;
-use super::evidence::{Evidence, evidence};
 use super::ground::{Ground, Hypothesis};
 use super::normal::{Bound, Normal};
 use super::signals::Signals;
 use super::weak::Column;
+use crate::evidence::{Evidence, evidence};
 use crate::friction::{FrictionModel, Path};
 
 /// NMSE (%) by which the user's friction, refitted by a common factor, may be worse than the core before its shape is said to be

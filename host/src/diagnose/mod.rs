@@ -19,7 +19,6 @@ pub mod curve;
 mod drift;
 pub mod effect;
 mod event;
-pub mod evidence;
 pub mod experiment;
 mod extend;
 pub mod fit;
@@ -63,9 +62,8 @@ use crate::identify::FATAL;
 use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::{Recording, Simulated};
-use crate::signal::{Kinematics, Saturation, StickSlip, not_yet_known};
+use crate::signal::{Channel, Kinematics, StickSlip, not_yet_known};
 use crate::statistics::earlier;
-use channel::Channel;
 use correction::Correction;
 use fit::Fit;
 use ground::Ground;
@@ -231,30 +229,17 @@ fn judge(
         progress.inc(1);
         Ground::new(rows, &beside, known.yields.as_deref()).ok_or_else(unable)
     };
-    let has_limit = model.is_some_and(|m| m.of(&form::ACTUATOR_SATURATION).next().is_some());
-    let saturation = (simulated.is_none() && !has_limit)
-        .then(|| Saturation::of(recording, &Kinematics::of(recording)))
-        .flatten();
-    let arrived = saturation
-        .as_ref()
-        .and_then(|found| found.arrived(recording));
-    let recording = arrived.as_ref().unwrap_or(recording);
-    let mut unknown = saturation
-        .as_ref()
-        .map_or_else(Vec::new, |found| found.unknown(0));
+    let channel = channel_of(recording, model, simulated.is_some());
+    let on_time = channel.taken_off(recording);
+    let mut unknown = channel.unknown(0);
     let later = recording.joined.iter().skip(1);
     unknown.extend(later.map(|file| not_yet_known(recording, file)));
-    let mut ground = ground_of(recording, &unknown)?;
-    let has_delay = given.iter().any(Term::is_delay);
-    let shift = if simulated.is_none() && !has_delay {
-        Shift::of(&ground, recording)
-    } else {
-        None
+    let shift = match (&channel.delay, &on_time) {
+        (Some(_), Some(on_time)) => Shift::of(&ground_of(recording, &unknown)?, &on_time.effort),
+        _ => None,
     };
-    let aligned = shift.as_ref().map(|s| s.taken_off(recording));
-    if let Some(aligned) = &aligned {
-        ground = ground_of(aligned, &unknown)?;
-    }
+    let (recorded, recording) = (recording, on_time.as_ref().unwrap_or(recording));
+    let ground = ground_of(recording, &unknown)?;
     let searched = |mut ground: Ground| {
         if let Some((simulated, missed)) = simulated {
             ground = ground.against(simulated, missed).ok_or_else(unable)?;
@@ -267,23 +252,40 @@ fn judge(
     // An event belongs to no effect, and pulls at all of them: all else is said without it, or not at all.
     if let Some(happened) = event.as_ref().and_then(|e| e.happened.as_ref()) {
         let outside = [happened.samples.as_slice(), &unknown].concat();
-        let ground = ground_of(aligned.as_ref().unwrap_or(recording), &outside)?;
+        let ground = ground_of(recording, &outside)?;
         found = searched(ground)?;
     }
     verdict::conclude(
         found,
         event,
-        Channel { shift, saturation },
+        (channel, shift),
         given.len(),
         &periods,
-        recording,
-        [model, fit.and_then(Fit::model)],
+        recorded,
+        [model, fit.and_then(Fit::model).as_ref()],
     )
     .map(|found| Diagnosis {
         second_positions: second_position::of(recording),
         ..found
     })
     .ok_or_else(unable)
+}
+
+/// What lies between the machine and the recorded effort: what the fit took off, and nothing that a model of the user's has already. A simulated effort
+/// passed no channel.
+fn channel_of(recording: &Recording, model: Option<&Model>, is_simulated: bool) -> Channel {
+    if is_simulated {
+        return Channel::default();
+    }
+    let mut found = Channel::of(recording, &Kinematics::of(recording));
+    let has = |form| model.is_some_and(|model| model.of(form).next().is_some());
+    if has(&form::ACTUATOR_SATURATION) {
+        found.saturation = None;
+    }
+    if has(&form::CHANNEL_DELAY) {
+        found.delay = None;
+    }
+    found
 }
 
 /// Fewest samples on the way across the travel that show a motion: of a stroke of five, as a servo at 10 Hz has, velocity and acceleration are

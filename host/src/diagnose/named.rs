@@ -2,11 +2,11 @@
 
 use super::confidence;
 use super::effect::Effect;
-use super::evidence::Evidence;
 use super::naming::Standing;
 use super::place::Place;
 use super::simulation::Correction;
 use super::term::Term;
+use crate::evidence::Evidence;
 use crate::statistics::Estimate;
 use std::collections::BTreeMap;
 
@@ -61,6 +61,11 @@ impl Named {
     /// Whether it is certain, and no part of the fit.
     pub fn is_missing(&self) -> bool {
         self.confident && !self.in_fit
+    }
+
+    /// Whether it lies between the machine and the recorded effort, where no term of the search is it.
+    pub fn is_in_the_channel(&self) -> bool {
+        self.confident && self.term.is_none() && matches!(self.name, Name::Entry(_))
     }
 
     /// What its confidence is computed from, where that is fitted.

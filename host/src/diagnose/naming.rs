@@ -7,12 +7,12 @@ use super::axis::Axis;
 use super::change::Change;
 use super::curve::hats;
 use super::effect::{ALWAYS_FREE, Class, Effect};
-use super::evidence::{Evidence, at_its_largest, evidence};
 use super::ground::{Ground, Hypothesis};
 use super::offer::{Offer, offer_of, offers, refined};
 use super::placebo::Placebo;
 use super::search::{Found, MATERIAL, beside, simplicity};
 use super::term::{Subject, Term};
+use crate::evidence::{Evidence, at_its_largest, evidence};
 
 /// Share of a term's explanation that a rival must reach by itself to be looked at.
 const NEAR: f64 = 0.6;

@@ -3,11 +3,11 @@
 use super::change::Change;
 use super::curve::Curve;
 use super::effect::{self, Line, Scale};
-use super::evidence::{Evidence, chance, evidence};
 use super::ground::{Ground, Hypothesis};
 use super::normal::Trial;
 use super::spectra;
 use super::term::{Subject, Term};
+use crate::evidence::{Evidence, chance, evidence};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;

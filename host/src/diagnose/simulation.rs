@@ -2,11 +2,11 @@
 
 use super::axis::Axis;
 use super::effect::ALWAYS_FREE;
-use super::evidence::{Evidence, NAMED, chance, evidence};
 use super::ground::{Ground, Hypothesis};
 use super::normal::{Bound, Normal};
 use super::search::ALPHA;
 use super::term::{Subject, Term};
+use crate::evidence::{Evidence, NAMED, chance, evidence};
 use crate::statistics::{Estimate, jackknife};
 use std::ops::Range;
 

@@ -5,13 +5,13 @@ use super::change::Change;
 use super::confidence::{features_of_presence, presence};
 use super::effect::{ALWAYS_FREE, Effect};
 use super::event::{self, event};
-use super::evidence::Evidence;
 use super::naming::Standing;
 use super::noise::rms;
 use super::place::Place;
 use super::search::Found;
 use super::signals::mean;
 use super::term::Subject;
+use crate::evidence::Evidence;
 use std::collections::BTreeMap;
 use std::ops::Range;
 

@@ -2,13 +2,12 @@
 
 use super::axis::Axis;
 use super::budget::{Finding, Item, budget};
-use super::channel::{self, Channel};
+use super::channel;
 use super::confidence::{self, confidence};
 use super::correction::Correction;
 use super::credible::sieved;
 use super::drift::drift;
 use super::effect::{self, Class, Effect};
-use super::evidence::NAMED;
 use super::fit::Fit;
 use super::given::Given;
 use super::ground::{Ground, Hypothesis, Nmse};
@@ -22,12 +21,15 @@ use super::place::Place;
 use super::reproduced::Reproduced;
 use super::search::{Found, WORTH};
 use super::second_position::SecondPosition;
+use super::shift::Shift;
 use super::signals::Signals;
 use super::simulation::{self, Corrected};
 use super::term::{Subject, Term};
 use super::unnamed::{Unknown, is_likely, likely, unnamed};
+use crate::evidence::NAMED;
 use crate::model::Model;
 use crate::recording::Recording;
+use crate::signal::Channel;
 use crate::statistics::Estimate;
 use std::sync::Arc;
 
@@ -150,7 +152,7 @@ impl Diagnosis {
 pub fn conclude(
     mut found: Found,
     event: Option<Unknown>,
-    channel: Channel,
+    (channel, shift): (Channel, Option<Shift>),
     given: usize,
     mechanics: &[(String, f64)],
     recording: &Recording,
@@ -200,10 +202,8 @@ pub fn conclude(
         }
         effects.push(wrong_shape(&ground, shape));
     }
-    for own in channel
-        .found(&ground)
-        .map(|own| in_the_channel(&ground, own))
-    {
+    for own in channel::found(&channel, shift, &ground) {
+        let own = in_the_channel(&ground, own);
         let [without, with] = own.nmse_test;
         baseline.test += without - with;
         baseline.train += without - with;

@@ -52,7 +52,8 @@ impl Identification {
             "parameters": self.parameters_json(recording),
             "rows": self.split.folds.iter().map(Vec::len).sum::<usize>(),
             "stick_slip": self.stick_slip,
-            "saturation": self.saturation,
+            "saturation": self.channel.saturation,
+            "delay": self.channel.delay,
             "between": self.between,
         })
     }

@@ -25,7 +25,7 @@ use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::Recording;
 use crate::signal::{
-    End, Kinematics, Saturation, Split, StickSlip, Window, check_windows, not_yet_known,
+    Channel, End, Kinematics, Split, StickSlip, Window, check_windows, not_yet_known,
     step_at_reversals,
 };
 use crate::statistics::Estimate;
@@ -176,8 +176,8 @@ pub struct Identification {
     pub plain: Plain,
     /// Breakaway and kinetic levels, where the axis sticks and slips.
     pub stick_slip: Option<StickSlip>,
-    /// Where the effort ends, if it does.
-    pub saturation: Option<Saturation>,
+    /// What lies between the machine and the recorded effort, and was taken off.
+    pub channel: Channel,
     /// What later files have otherwise than the first.
     pub between: Vec<Change>,
 }
@@ -239,18 +239,18 @@ pub fn identify(
     let mut split = split(recording, options)?;
     let inertial = recording.role.contains_inertia();
     let kinematics = Kinematics::of(recording);
-    let saturation = Saturation::of(recording, &kinematics);
-    let arrived = saturation
-        .as_ref()
-        .and_then(|found| found.arrived(recording));
+    let channel = Channel::of(recording, &kinematics);
+    let arrived = channel.taken_off(recording);
     let recording = arrived.as_ref().unwrap_or(recording);
-    if inertial {
-        keep_from_gaps(&mut split, recording, kinematics.filter.reach(recording));
+    let stick_slip = StickSlip::of(recording);
+    if let Some(hunting) = stick_slip.filter(|found| found.hunts) {
+        return Err(hunting.refusal(recording));
     }
     let reach = kinematics.filter.reach(recording);
-    let mut unknown = saturation
-        .as_ref()
-        .map_or_else(Vec::new, |found| found.unknown(reach));
+    if inertial {
+        keep_from_gaps(&mut split, recording, reach);
+    }
+    let mut unknown = channel.unknown(reach);
     // The first file begins from rest, as the models do; what another began with nobody saw.
     let later = recording.joined.iter().skip(1);
     unknown.extend(later.map(|file| not_yet_known(recording, file)));
@@ -268,15 +268,7 @@ pub fn identify(
     };
     let mut notes: Vec<String> = recording.per_unit().into_iter().collect();
     notes.extend(overlap(options));
-    notes.extend(
-        saturation
-            .as_ref()
-            .map(|found| found.words(recording.effort_unit())),
-    );
-    let stick_slip = StickSlip::of(recording);
-    if let Some(hunting) = stick_slip.filter(|found| found.hunts) {
-        return Err(hunting.refusal(recording));
-    }
+    notes.extend(channel.words(recording.effort_unit()));
     let fitting = Fitting {
         recording,
         kinematics: &kinematics,
@@ -303,25 +295,27 @@ pub fn identify(
         yield_range: found.range,
         plain: found.plain,
         stick_slip,
-        saturation,
+        channel,
         between,
     };
     for at in 0..identification.candidates.len() {
-        identification.limit(at);
+        identification.give_channel(at);
     }
     identification.recommendation = identification.recommended_in_words();
     Ok(identification)
 }
 
 impl Identification {
-    /// Gives the model of a candidate the drive's end, where there is one; a reading's is the sensor's, and no machine's.
-    fn limit(&mut self, at: usize) {
-        let end = self
-            .saturation
-            .as_ref()
-            .filter(|end| end.of == End::Command);
-        let effect = end.map(|end| Effect::of(&form::ACTUATOR_SATURATION, &[end.limit.value]));
-        self.candidates[at].model.effects.extend(effect);
+    /// Gives the model of a candidate the drive's end and the delay, where there are any; a reading's end is the sensor's, and no machine's.
+    fn give_channel(&mut self, at: usize) {
+        let Channel { saturation, delay } = &self.channel;
+        let end = saturation.as_ref().filter(|end| end.of == End::Command);
+        let end = end.map(|end| Effect::of(&form::ACTUATOR_SATURATION, &[end.limit.value]));
+        let delay = delay.map(|found| Effect::of(&form::CHANNEL_DELAY, &[found.delay_s.value]));
+        self.candidates[at]
+            .model
+            .effects
+            .extend(end.into_iter().chain(delay));
     }
 }
 

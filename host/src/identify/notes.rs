@@ -119,7 +119,7 @@ impl Identification {
         })?;
         self.recommended = self.candidates.len();
         self.candidates.push(candidate);
-        self.limit(self.recommended);
+        self.give_channel(self.recommended);
         self.say_taken();
         Ok(())
     }

@@ -1,15 +1,20 @@
-//! What identification, comparison, simulation and diagnosis all make of a recording: its motion, the deflection of a block along
-//! it, and the samples to fit and to hold out.
+//! What identification, comparison, simulation and diagnosis all make of a recording: its motion, what lies between the machine and the
+//! recorded effort, the deflection of a block, and the samples to fit and to hold out.
 
+mod channel;
 mod deflection;
+mod delay;
 mod kinematics;
 mod resolution;
+mod rigid;
 mod saturation;
 mod split;
 mod stick_slip;
 mod zero_phase;
 
+pub use channel::Channel;
 pub use deflection::{Deflection, not_yet_known};
+pub use delay::Delay;
 pub use kinematics::Kinematics;
 pub use resolution::step_at_reversals;
 pub use saturation::{End, Saturation};

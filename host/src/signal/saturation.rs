@@ -4,7 +4,8 @@
 //! effort with its end. Beyond its end a *command* did not arrive: there the effort was the limit. Samples at the end of a *reading*
 //! pile up; there the effort is not known, and the motion asks for more than was read.
 
-use super::{Deflection, Kinematics, not_yet_known};
+use super::Kinematics;
+use super::rigid::{BLOCKS, Rigid};
 use crate::recording::Recording;
 use crate::statistics::{Estimate, LeastSquares, quantile_between_ranks};
 use serde::Serialize;
@@ -29,11 +30,8 @@ const TIMES: f64 = 2.0;
 const MOST_PILED: f64 = 0.5;
 /// Share of the piled samples in which the motion must ask for more than was read.
 const ASKS_FOR_MORE: f64 = 0.75;
-/// Yields of the blocks beside the rigid body, as shares of the travel, and samples that are fitted at most.
+/// Yields of the blocks beside the rigid body, as shares of the travel: there is no fit yet.
 const YIELDS: [f64; 7] = [3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.25];
-const MOST: usize = 30_000;
-/// Blocks of contiguous samples by which the interval is told.
-const BLOCKS: usize = 24;
 
 /// Whose end it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -70,7 +68,9 @@ impl Saturation {
         if !recording.role.contains_inertia() {
             return None;
         }
-        let plain = Rigid::of(recording, kinematics);
+        let (low, high) = recording.ends();
+        let yields = YIELDS.map(|share| share * (high - low));
+        let plain = Rigid::of(recording, kinematics, &yields);
         let command = plain.command();
         command.or_else(|| plain.reading())
     }
@@ -123,68 +123,7 @@ fn spread(beyond: &[bool], reach: usize) -> Vec<Range<usize>> {
     ranges
 }
 
-/// Rigid body and hysteresis along a recording, to be fitted to one effort or another.
-struct Rigid<'a> {
-    recording: &'a Recording,
-    kinematics: &'a Kinematics,
-    columns: Vec<Vec<f64>>,
-    /// Samples that are fitted.
-    rows: Vec<usize>,
-}
-
-impl<'a> Rigid<'a> {
-    fn of(recording: &'a Recording, kinematics: &'a Kinematics) -> Self {
-        let (low, high) = recording.ends();
-        let smooth = |column: Vec<f64>| kinematics.filter.smooth(&column);
-        let blocks = YIELDS.iter().map(|share| {
-            let block =
-                Deflection::along(&recording.position, &recording.pieces, share * (high - low));
-            smooth(block.z)
-        });
-        let mut columns: Vec<Vec<f64>> = blocks.collect();
-        columns.push(kinematics.acceleration.clone());
-        columns.push(kinematics.velocity.clone());
-        columns.push(vec![1.0; recording.len()]);
-        let position = recording.position.iter();
-        columns.push(position.clone().map(|x| x.sin()).collect());
-        columns.push(position.map(|x| x.cos()).collect());
-        let every = recording.len().div_ceil(MOST);
-        let known = (recording.pieces.iter())
-            .flat_map(|piece| not_yet_known(recording, piece).end..piece.end);
-        Self {
-            recording,
-            kinematics,
-            columns,
-            rows: known.step_by(every).collect(),
-        }
-    }
-
-    /// The columns at some rows.
-    fn at(&self, rows: &[usize]) -> Vec<Vec<f64>> {
-        let one = |column: &Vec<f64>| rows.iter().map(|&i| column[i]).collect();
-        self.columns.iter().map(one).collect()
-    }
-
-    /// What is left of an effort at every sample by the fit to the rows that `fits` admits.
-    fn left(&self, effort: &[f64], fits: impl Fn(usize) -> bool) -> Option<Vec<f64>> {
-        let rows: Vec<usize> = self.rows.iter().copied().filter(|i| fits(*i)).collect();
-        let columns = self.at(&rows);
-        let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-        let target: Vec<f64> = rows.iter().map(|&i| effort[i]).collect();
-        let solved = LeastSquares::of(&columns)?.coefficients(&target);
-        let modelled = |i: usize| -> f64 {
-            let parts = solved.iter().zip(&self.columns);
-            parts.map(|(c, column)| c * column[i]).sum()
-        };
-        Some((0..effort.len()).map(|i| effort[i] - modelled(i)).collect())
-    }
-
-    fn squares(&self, left: &[f64], of: impl Fn(usize) -> bool) -> f64 {
-        let rows = self.rows.iter().filter(|i| of(**i));
-        let (sum, count) = rows.fold((0.0, 0.0), |(s, n), i| (s + left[*i].powi(2), n + 1.0));
-        sum / f64::max(count, 1.0)
-    }
-
+impl Rigid<'_> {
     fn cut(&self, limit: f64) -> Vec<f64> {
         let effort = self.recording.effort.iter();
         let cut: Vec<f64> = effort.map(|f| f.clamp(-limit, limit)).collect();

@@ -117,14 +117,14 @@ pub fn fit(
             "{name}: --controller follows a reference, and there is none; bring it in with --map {column}=COLUMN, or leave --controller away for the open loop"
         ));
     }
-    let arrived = force.saturation.as_ref();
-    if let Some(end) = arrived.filter(|end| end.of == End::Reading && controller.is_none()) {
+    let end = force.channel.saturation.as_ref();
+    if let Some(end) = end.filter(|end| end.of == End::Reading && controller.is_none()) {
         return Err(format!(
             "{name}: {}, and a simulation of the force needs all of it; simulate the loop (--controller), or map the command as the effort",
             end.words(recording.effort_unit())
         ));
     }
-    let arrived = arrived.and_then(|end| end.arrived(recording));
+    let arrived = force.channel.taken_off(recording);
     let recording = arrived.as_ref().unwrap_or(recording);
     let coulomb = &force.candidates[0].model;
     if coulomb.inertia <= 0.0 {
@@ -170,7 +170,11 @@ pub fn fit(
         every: recording.len().div_ceil(COMPARED),
     };
     let mut found = search.run(body, progress)?;
-    let limit = coulomb.of(&form::ACTUATOR_SATURATION).cloned();
-    found.model.effects.extend(limit);
+    let [limit, delay] =
+        [&form::ACTUATOR_SATURATION, &form::CHANNEL_DELAY].map(|form| coulomb.of(form).next());
+    found
+        .model
+        .effects
+        .extend(limit.into_iter().chain(delay).cloned());
     Ok(found)
 }

@@ -1,0 +1,189 @@
+//! An effort that is recorded later, or earlier, than the position that it goes with: a shift of the signal. The first term of its series, the
+//! slope of the effort, does not do where the delay is as long as what the motion changes in.
+
+use super::rigid::{BLOCKS, Rigid, blocks};
+use super::{Kinematics, LATE, step_at_reversals};
+use crate::evidence::evidence;
+use crate::recording::Recording;
+use crate::statistics::{Estimate, LeastSquares, earlier, jackknife};
+use serde::Serialize;
+use std::ops::Range;
+
+/// Longest shift that is looked for (s).
+const LONGEST_S: f64 = 0.06;
+/// Places of a first look to each side.
+const PLACES: usize = 20;
+/// Samples up to which the first term of the series does.
+const SHORT: f64 = 2.0;
+/// Share of what the first term leaves that the shift must take off, and standard errors of that over blocks of the recording: an elastic drive
+/// looks a little like one, too.
+const TAKES: f64 = 0.25;
+const SURE: f64 = 3.0;
+/// Blocks beside the rigid body.
+const BESIDE: usize = 24;
+/// Steps of the search between two places of the first look.
+const STEPS: usize = 12;
+
+/// A delay of the effort.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Delay {
+    /// How much later the effort is than the position that it goes with (s).
+    pub delay_s: Estimate,
+}
+
+impl Delay {
+    /// The delay of a recording that has one, of the samples whose effort `is_known`.
+    pub(super) fn of(
+        recording: &Recording,
+        kinematics: &Kinematics,
+        is_known: &[bool],
+    ) -> Option<Self> {
+        let mut rigid = Rigid::of(recording, kinematics, &yields(recording)?);
+        rigid.rows.retain(|i| is_known[*i]);
+        let smooth = kinematics.filter.smooth(&recording.effort);
+        let columns = rigid.at(&rigid.rows);
+        let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let fast = LeastSquares::of(&columns)?;
+        let dt = recording.sample_time_s();
+        let at = |values: &[f64]| -> Vec<f64> { rigid.rows.iter().map(|&i| values[i]).collect() };
+        let shifted = |delay: f64| at(&effort_earlier(&smooth, &recording.pieces, delay / dt));
+        let delay = least(|delay| fast.squares_left(&shifted(delay)), dt)?;
+        if delay.abs() <= SHORT * dt {
+            return None;
+        }
+        let slope = kinematics.filter.derivative(&recording.effort, 1);
+        let slope_at = |delay: f64| at(&effort_earlier(&slope, &recording.pieces, delay / dt));
+        let (first_term, rest) = (slope_at(0.0), slope_at(delay));
+        let beside = |slope| {
+            columns
+                .iter()
+                .copied()
+                .chain([slope])
+                .collect::<Vec<&[f64]>>()
+        };
+        let (unshifted, target) = (shifted(0.0), shifted(delay));
+        let with = beside(&rest);
+        is_sure(
+            &left(&beside(&first_term), &unshifted)?,
+            &left(&with, &target)?,
+        )
+        .then_some(())?;
+        Some(Self {
+            delay_s: Estimate::new(delay, Some(error_of_last(&with, &target)), BLOCKS),
+        })
+    }
+
+    /// The recording with its effort as early as its position.
+    pub fn taken_off(&self, recording: &Recording) -> Recording {
+        let ticks = self.delay_s.value / recording.sample_time_s();
+        let mut on_time = recording.clone();
+        on_time.effort = effort_earlier(&recording.effort, &recording.pieces, ticks);
+        on_time
+    }
+
+    /// In words, a sentence without its full stop.
+    pub fn words(&self) -> String {
+        let ms = |seconds: f64| 1e3 * seconds;
+        let Estimate { value, ci95 } = self.delay_s;
+        let reach = ci95.map_or_else(String::new, |[low, high]| {
+            format!(" ± {:.2}", ms(0.5 * (high - low)))
+        });
+        format!(
+            "the effort is recorded {:.2}{reach} ms {} than the position that it goes with, and the fit takes it as that",
+            ms(value.abs()),
+            if value > 0.0 { "later" } else { "earlier" }
+        )
+    }
+}
+
+/// Yields (m or rad) of blocks from what a sample near a reversal moves to the latest of friction, evenly on a logarithmic scale: what lies
+/// between two blocks looks like a delay.
+fn yields(recording: &Recording) -> Option<[f64; BESIDE]> {
+    let (position, segment) = (&recording.position, &recording.segment);
+    let turns = (1..segment.len()).filter(|i| segment[*i] != segment[i - 1]);
+    let step = step_at_reversals(position, &recording.pieces, turns)?;
+    let (low, high) = recording.ends();
+    let late = LATE * (high - low);
+    let early = (0.5 * step).clamp(late / 3e4, late / 10.0);
+    Some(std::array::from_fn(|i| {
+        early * (late / early).powf(i as f64 / (BESIDE - 1) as f64)
+    }))
+}
+
+/// What columns leave of an effort.
+fn left(columns: &[&[f64]], target: &[f64]) -> Option<Vec<f64>> {
+    let solved = LeastSquares::of(columns)?.coefficients(target);
+    let modelled = |i: usize| -> f64 { columns.iter().zip(&solved).map(|(c, s)| c[i] * s).sum() };
+    Some((0..target.len()).map(|i| target[i] - modelled(i)).collect())
+}
+
+/// Standard error of the last column's coefficient, from what it is without each block in turn.
+fn error_of_last(columns: &[&[f64]], target: &[f64]) -> f64 {
+    let without = |block: Range<usize>| {
+        let outside = |values: &[f64]| [&values[..block.start], &values[block.end..]].concat();
+        let kept: Vec<Vec<f64>> = columns.iter().map(|c| outside(c)).collect();
+        let kept: Vec<&[f64]> = kept.iter().map(Vec::as_slice).collect();
+        let solved = LeastSquares::of(&kept)?.coefficients(&outside(target));
+        solved.last().copied()
+    };
+    jackknife(
+        &blocks(target.len())
+            .filter_map(without)
+            .collect::<Vec<f64>>(),
+    )
+}
+
+/// Whether the shift takes off enough of what the first term leaves, in enough of the recording.
+fn is_sure(first_term: &[f64], with: &[f64]) -> bool {
+    let taken: Vec<f64> = first_term.iter().zip(with).map(|(a, b)| a - b).collect();
+    let own: Vec<Range<usize>> = blocks(with.len()).collect();
+    let found = evidence(&taken, first_term, &own);
+    found.share >= TAKES && found.z >= SURE
+}
+
+/// The effort some samples earlier; each piece ends with its own last value.
+fn effort_earlier(effort: &[f64], pieces: &[Range<usize>], ticks: f64) -> Vec<f64> {
+    let mut shifted = effort.to_vec();
+    for piece in pieces {
+        shifted[piece.clone()].copy_from_slice(&earlier(&effort[piece.clone()], ticks));
+    }
+    shifted
+}
+
+/// The delay (s) that leaves least: a first look, then about its best place.
+fn least(left: impl Fn(f64) -> f64, sample_time: f64) -> Option<f64> {
+    let step = (LONGEST_S / PLACES as f64).max(sample_time);
+    let places = (LONGEST_S / step) as i32;
+    let looked = (-places..=places).map(|k| f64::from(k) * step);
+    let (mut best, mut value) = looked
+        .map(|delay| (delay, left(delay)))
+        .min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let mut step = 0.5 * step;
+    for _ in 0..STEPS {
+        let beside = [best - step, best + step].map(|delay| (delay, left(delay)));
+        match beside.into_iter().find(|b| b.1 < value) {
+            Some(better) => (best, value) = better,
+            None => step *= 0.5,
+        }
+    }
+    Some(best)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shift_goes_between_samples_and_stays_in_its_piece() {
+        let from: Vec<f64> = (0..10).map(f64::from).collect();
+        let by = |ticks| effort_earlier(&from, &[0..5, 5..10], ticks);
+        assert_eq!(by(1.5), [1.5, 2.5, 3.5, 4.0, 4.0, 6.5, 7.5, 8.5, 9.0, 9.0]);
+        assert_eq!(by(-1.0), [0.0, 0.0, 1.0, 2.0, 3.0, 5.0, 5.0, 6.0, 7.0, 8.0]);
+    }
+
+    #[test]
+    fn the_least_is_found_between_the_first_places() {
+        let found = least(|delay| (delay - 0.0168).powi(2), 1e-3).expect("a least");
+        assert!((found - 0.0168).abs() < 2e-5, "{found}");
+    }
+}
