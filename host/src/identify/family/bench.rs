@@ -8,7 +8,6 @@ use crate::recording::Recording;
 use crate::signal::Kinematics;
 use crate::signal::Split;
 use crate::statistics::{Estimate, jackknife, nmse};
-use rayon::prelude::*;
 
 /// Seed of the starts.
 ///
@@ -75,10 +74,7 @@ impl<'a> Bench<'a> {
             return Ok(None);
         };
         let groups: Vec<Vec<usize>> = self.split.groups().map(<[_]>::concat).collect();
-        let refits: Vec<Option<Fit>> = (0..groups.len())
-            .into_par_iter()
-            .map(|out| self.without(&groups, out, family, &best))
-            .collect();
+        let refits = self.data.without_each(family, &self.span, &groups, &best);
         progress.inc(1);
         let fitted = self.data.effort_of(&best)?;
         let nmse_test = match &self.split.test {
@@ -113,19 +109,6 @@ impl<'a> Bench<'a> {
             fitted,
             ..Candidate::new(best.model.clone())
         }))
-    }
-
-    /// The fit to all groups but one, from where the fit to all ended.
-    fn without(
-        &self,
-        groups: &[Vec<usize>],
-        out: usize,
-        family: Family,
-        from: &Fit,
-    ) -> Option<Fit> {
-        let rest = groups.iter().enumerate().filter(|(i, _)| *i != out);
-        let rest: Vec<usize> = rest.flat_map(|(_, rows)| rows.iter().copied()).collect();
-        self.data.refit(family, &self.span, &rest, from)
     }
 
     /// NMSE (%) over groups held out in turn.

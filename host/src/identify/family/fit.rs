@@ -18,31 +18,34 @@ use std::ops::Range;
 const TRIED_PER_PARAMETER: usize = 10;
 /// The best of these that the optimiser starts from.
 const STARTS: usize = 3;
+/// Pieces of a recording, and samples in them, that starts are told apart by.
+const PIECES: usize = 2;
+const FEWEST: usize = 2_000;
 /// Most residuals; above, only every second, third, … sample is scored, while the model still runs along all.
 const MOST_SCORED: usize = 20_000;
-/// How hard the optimiser tries: the relative gain in the error that no longer counts, the most trials, and
-/// whether derivatives are central or forward differences.
+/// How hard the optimiser tries: the relative gain in the error that no longer counts, and the most trials.
 #[derive(Clone, Copy)]
 struct Effort {
     gain: f64,
     trials: usize,
-    central: bool,
 }
-/// To tell which start leads furthest, and to follow an optimum to slightly different samples.
+/// To tell which start leads furthest.
 const QUICK: Effort = Effort {
     gain: 1e-4,
     trials: 15,
-    central: false,
 };
 /// For the best start.
 const FULL: Effort = Effort {
-    gain: 1e-7,
-    trials: 36,
-    central: true,
+    gain: 1e-6,
+    trials: 24,
 };
-/// Step of the differences, in the transformed parameter: the truncation error of central ones is 1e-6 of a
-/// parameter's range, while Hsieh's bisection leaves noise of the same size in the force.
+/// Step of the forward differences, in the transformed parameter: Hsieh's bisection leaves noise of 1e-6 of a parameter's range in the force.
 const STEP: f64 = 1e-3;
+/// Longest step (of a transformed parameter) to the optimum of other samples, and what is added to the normal equations for it, of their trace.
+const LONGEST: f64 = 0.3;
+const RIDGE: f64 = 1e-9;
+/// Parts of that step that are tried: it may go too far.
+const PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
 /// Share of the logarithmic range from either end within which a parameter counts as stopped by its bound.
 const AT_EDGE: f64 = 1e-3;
 
@@ -103,6 +106,8 @@ struct Problem<'a> {
     family: Family,
     bounds: Vec<Bounded>,
     rows: Vec<usize>,
+    /// One sample in so many is scored.
+    every: usize,
     /// The pieces of the path up to the last scored sample; all of them where a filter looks ahead.
     pieces: Vec<Range<usize>>,
     /// The model's own viscous term is fitted.
@@ -136,7 +141,7 @@ impl Data<'_> {
     /// Fits `family` to the samples `rows` from several starts; `None` where no start leads to a force that
     /// resists the motion. The same `seed` gives the same answer.
     pub fn fit(&self, family: Family, span: &Span, rows: &[usize], seed: u64) -> Option<Fit> {
-        let mut problem = Problem::new(self, family, span, rows)?;
+        let mut problem = Problem::new(self, family, span, &self.screened(rows))?;
         // Hsieh's C_v·dx_s/dt is so near the viscous part that this stands in for it during the search, which
         // saves half of the model's many steps.
         problem.damped &= family != Family::Hsieh;
@@ -157,14 +162,99 @@ impl Data<'_> {
             .into_par_iter()
             .filter_map(|(_, angles)| problem.minimised(angles, QUICK))
             .min_by(|a, b| a.nmse.total_cmp(&b.nmse))?;
-        problem.damped = family.is_damped();
+        let problem = Problem::new(self, family, span, rows)?;
         problem.minimised(problem.angles(&best), FULL)
     }
 
-    /// Fits `family` to other samples, from the parameters that an earlier fit found.
-    pub fn refit(&self, family: Family, span: &Span, rows: &[usize], from: &Fit) -> Option<Fit> {
-        let problem = Problem::new(self, family, span, rows)?;
-        problem.minimised(problem.angles(from), QUICK)
+    /// The samples of one piece in so many, where there are enough: they tell which start leads furthest.
+    fn screened(&self, rows: &[usize]) -> Vec<usize> {
+        let every = (self.path.pieces.len() / PIECES).max(1);
+        let pieces: Vec<&Range<usize>> = self.path.pieces.iter().step_by(every).collect();
+        let own = |i: &&usize| pieces.iter().any(|piece| piece.contains(*i));
+        let screened: Vec<usize> = rows.iter().filter(own).copied().collect();
+        match screened.len() < FEWEST {
+            true => rows.to_vec(),
+            false => screened,
+        }
+    }
+
+    /// The fits to all groups of samples but one each, in their order: a step of Gauss and Newton from the fit to all, which lies so near that
+    /// another search would tell the same at a hundred times the price; where the step leaves more, the parameters stay. The
+    /// linear ones are solved for anew.
+    pub fn without_each(
+        &self,
+        family: Family,
+        span: &Span,
+        groups: &[Vec<usize>],
+        from: &Fit,
+    ) -> Vec<Option<Fit>> {
+        let slopes = Slopes::of(self, family, span, groups, from);
+        (0..groups.len())
+            .into_par_iter()
+            .map(|out| {
+                let rest = groups.iter().enumerate().filter(|(i, _)| *i != out);
+                let rest: Vec<usize> = rest.flat_map(|(_, rows)| rows.iter().copied()).collect();
+                let problem = Problem::new(self, family, span, &rest)?;
+                let stays = problem.angles(from);
+                let step = slopes.as_ref().and_then(|slopes| slopes.step_without(out));
+                let step = step.unwrap_or_else(|| DVector::zeros(stays.len()));
+                PARTS
+                    .into_iter()
+                    .filter_map(|part| problem.at(&stays + part * &step))
+                    .min_by(|a, b| a.nmse.total_cmp(&b.nmse))
+            })
+            .collect()
+    }
+}
+
+/// Slopes of the projected residual by the transformed parameters at a fit, with the group of each sample.
+struct Slopes {
+    residual: DVector<f64>,
+    slopes: DMatrix<f64>,
+    group: Vec<usize>,
+}
+
+impl Slopes {
+    fn of(
+        data: &Data,
+        family: Family,
+        span: &Span,
+        groups: &[Vec<usize>],
+        at: &Fit,
+    ) -> Option<Self> {
+        let problem = Problem::new(data, family, span, &groups.concat())?;
+        let of_sample = groups.iter().enumerate();
+        let of_sample = of_sample.flat_map(|(g, rows)| std::iter::repeat_n(g, rows.len()));
+        let group = of_sample.step_by(problem.every).collect();
+        let angles = problem.angles(at);
+        let search = Search {
+            problem: &problem,
+            now: problem.project(&angles),
+            best: (f64::INFINITY, angles.clone()),
+            angles,
+        };
+        Some(Self {
+            residual: search.residuals()?,
+            slopes: search.jacobian()?,
+            group,
+        })
+    }
+
+    /// The step to the least error without one group's samples.
+    fn step_without(&self, out: usize) -> Option<DVector<f64>> {
+        let kept: Vec<usize> = (0..self.group.len())
+            .filter(|i| self.group[*i] != out)
+            .collect();
+        let slopes = self.slopes.select_rows(&kept);
+        let residual = self.residual.select_rows(&kept);
+        let mut normal = slopes.tr_mul(&slopes);
+        let ridge = RIDGE * normal.trace();
+        for i in 0..normal.nrows() {
+            normal[(i, i)] += ridge;
+        }
+        let step = -normal.cholesky()?.solve(&slopes.tr_mul(&residual));
+        let most = step.amax();
+        Some(step * (LONGEST / most.max(LONGEST)))
     }
 }
 
@@ -188,15 +278,18 @@ impl<'a> Problem<'a> {
             (None, Some(last)) => last + 1,
             _ => data.effort.len(),
         };
-        let pieces = data.path.pieces.iter();
+        let scored = |piece: &&Range<usize>| rows.iter().any(|i| piece.contains(i));
+        let pieces = data.path.pieces.iter().filter(scored);
         let pieces = pieces.map(|piece| piece.start..piece.end.min(end));
+        let pieces = pieces.collect();
         (variation > 0.0).then(|| Self {
-            pieces: pieces.filter(|piece| !piece.is_empty()).collect(),
+            pieces,
             damped: family.is_damped(),
             data,
             family,
             bounds: family.parameters(span),
             rows,
+            every,
             scale: (100.0 / variation).sqrt(),
         })
     }
@@ -320,7 +413,6 @@ impl<'a> Problem<'a> {
             best: (now.residual.norm_squared(), angles.clone()),
             angles,
             now: Some(now),
-            central: work.central,
         };
         let (search, _) = LevenbergMarquardt::new()
             .with_ftol(work.gain)
@@ -329,7 +421,11 @@ impl<'a> Problem<'a> {
             .with_patience(work.trials.div_ceil(self.bounds.len() + 1))
             .minimize(search);
         // The optimiser may end on a trial that it rejects.
-        let (_, angles) = search.best;
+        self.at(search.best.1)
+    }
+
+    /// The fit at `angles`; `None` where no force that resists the motion helps.
+    fn at(&self, angles: DVector<f64>) -> Option<Fit> {
         let now = self.project(&angles)?;
         if now.coefficients.amplitude <= 0.0 {
             return None;
@@ -363,7 +459,6 @@ struct Search<'a> {
     now: Option<Projection>,
     /// Least squared error so far, and where.
     best: (f64, DVector<f64>),
-    central: bool,
 }
 
 impl LeastSquaresProblem<f64, Dyn, Dyn> for Search<'_> {
@@ -398,12 +493,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Search<'_> {
                     angles[j] += step;
                     self.problem.project(&angles).map(|found| found.residual)
                 };
-                if !self.central {
-                    let here = &self.now.as_ref()?.residual;
-                    return Some((shifted(STEP)? - here) / STEP);
-                }
-                let (ahead, behind) = rayon::join(|| shifted(STEP), || shifted(-STEP));
-                Some((ahead? - behind?) / (2.0 * STEP))
+                Some((shifted(STEP)? - &self.now.as_ref()?.residual) / STEP)
             })
             .collect::<Option<Vec<_>>>()?;
         Some(DMatrix::from_columns(&columns))
