@@ -23,6 +23,7 @@ struct Arguments {
 enum Command {
     Demo(commands::demo::Demo),
     Capture(commands::capture::Capture),
+    Commission(commands::commission::Commission),
     Compare(commands::compare::Compare),
     Diagnose(commands::diagnose::Diagnose),
     Drive(commands::drive::Drive),
@@ -40,6 +41,7 @@ impl Command {
         match self {
             Self::Demo(command) => command.run(),
             Self::Capture(command) => command.run(),
+            Self::Commission(command) => command.run(),
             Self::Compare(command) => command.run(),
             Self::Diagnose(command) => command.run(),
             Self::Drive(command) => command.run(),

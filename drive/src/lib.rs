@@ -1,8 +1,10 @@
 //! The host's end of a controller's command link.
 //!
-//! [`Drive`] asks and is answered; [`Play`] streams a motion through the controller's buffer; [`screen`] is the terminal's.
+//! [`Drive`] asks and is answered; [`Play`] streams a motion through the controller's buffer; [`screen`] is the terminal's; [`SpaceBar`] stops
+//! what moves where there is no screen.
 
 mod error;
+mod keys;
 mod play;
 mod port;
 pub mod quantity;
@@ -11,6 +13,7 @@ mod session;
 pub mod words;
 
 pub use error::DriveError;
+pub use keys::SpaceBar;
 pub use play::{Motion, Play, Played};
 pub use port::{BAUD, Line, open};
 pub use session::Drive;

@@ -4,14 +4,13 @@ use super::outputs::is_stdout;
 use super::{Failure, OutputArgs, RecordingArgs, command_line, thin, write_text};
 use clap::Args;
 use preslide_host::diagnose::correction::Language;
+use preslide_host::diagnose::experiment::Experiment;
 use preslide_host::diagnose::fit::Fit;
 use preslide_host::diagnose::verdict::Verdict;
-use preslide_host::diagnose::{
-    Diagnosis, Refusal, diagnose, diagnose_simulation, effect, experiment,
-};
+use preslide_host::diagnose::{Diagnosis, Refusal, diagnose, diagnose_simulation, effect};
 use preslide_host::model::Model;
 use preslide_host::progress::Progress;
-use preslide_host::recording::{Recording, Simulated};
+use preslide_host::recording::{MotionKind, Recording, Simulated};
 use preslide_host::report::figures::capital;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -42,6 +41,16 @@ pub struct Diagnose {
     /// Write a motion that would show what this recording cannot (a reference position, CSV)
     #[arg(long, value_name = "MOTION.csv")]
     experiment: Option<PathBuf>,
+
+    /// With --experiment: only what would decide the dearest doubt, besides these effects, for which an experiment was played; --asked none at
+    /// first. No file is written where nothing is in doubt
+    #[arg(
+        long,
+        value_name = "ID",
+        value_delimiter = ',',
+        requires = "experiment"
+    )]
+    asked: Option<Vec<String>>,
 
     /// Write the model, or the fit, extended by what was found with confidence; with --simulated what the simulation lacks: a table of forces,
     /// term by term (.csv), or the code to add (.py, .c, .m), each kind once
@@ -157,16 +166,34 @@ impl Diagnose {
         } else {
             self.write_correction(&found, &recording)?;
         }
+        let mut experiment = serde_json::Value::Null;
         if let Some(path) = &self.experiment {
-            let (motion, words) = experiment::profile(&recording, &found);
-            write_text(path, &motion)?;
-            say!("{}: {words}.", path.display());
+            let next = match &self.asked {
+                Some(asked) => Experiment::next(&found, asked),
+                None => Some(Experiment::for_all(&found)),
+            };
+            let column = match recording.kind {
+                MotionKind::Linear => "x_ref_m",
+                MotionKind::Rotary => "q_ref_rad",
+            };
+            match next {
+                Some(next) => {
+                    write_text(path, &next.csv(column))?;
+                    experiment =
+                        serde_json::json!({ "about": next.about, "seconds": next.seconds() });
+                    say!("{}: {}.", path.display(), next.words());
+                }
+                None => say!(
+                    "Nothing is in doubt that an experiment could decide: {} is not written.",
+                    path.display()
+                ),
+            }
         }
         let seconds = start.elapsed().as_secs_f64();
+        let mut answer = found.to_json(&recording, seconds);
+        answer["experiment"] = experiment;
         self.outputs
-            .write(&found.to_json(&recording, seconds), || {
-                found.page(&recording, command_line())
-            })?;
+            .write(&answer, || found.page(&recording, command_line()))?;
         if found.verdict == Verdict::InsufficientData {
             return Err(Failure::Data(found.verdict_words(&recording)));
         }

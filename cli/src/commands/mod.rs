@@ -1,6 +1,7 @@
 //! The commands: each reads its arguments, calls the library, and prints one recommendation.
 
 pub mod capture;
+pub mod commission;
 pub mod compare;
 pub mod demo;
 pub mod diagnose;

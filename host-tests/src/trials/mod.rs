@@ -231,6 +231,24 @@ pub fn trial(seed: u64, kind: Kind) -> Trial {
     }
 }
 
+/// The trial of a seed along another motion than its own.
+pub fn trial_along(seed: u64, kind: Kind, ticks: Vec<motion::Reference>) -> Trial {
+    let mut scenario = Scenario::new(seed, kind, &[1.0, 1.0]);
+    scenario.motion.ticks = ticks;
+    let (scenario, recording, achievable) = record(scenario, Marching::default());
+    Trial {
+        label: label(&scenario, kind),
+        model_toml: files::model_toml(&scenario),
+        recording,
+        achievable,
+    }
+}
+
+/// Half of the travel (m) of a seed's stage.
+pub fn half_travel(seed: u64, kind: Kind) -> f64 {
+    Scenario::new(seed, kind, &[1.0, 1.0]).motion.half_travel
+}
+
 /// A clean stage whose friction is that of its model file, block by block, and repeats perfectly; only the reading of the force
 /// has noise. Its mass and friction are the file's: the answer is `consistent`.
 pub fn repeatable(seed: u64) -> Trial {

@@ -5,7 +5,7 @@ use super::effect::{self, Part};
 use super::hysteresis;
 use super::signals::bounds;
 use super::verdict::Diagnosis;
-use crate::recording::Recording;
+use crate::statistics::quantile_between_ranks;
 use std::fmt::Write as _;
 
 /// Repeats of the motion: folds to hold out.
@@ -14,10 +14,18 @@ const REPEATS: usize = 4;
 const STEP_S: f64 = 1e-3;
 /// Longest that one part of a repeat may take (s).
 const LONGEST_S: f64 = 40.0;
+/// Repeats of a motion that is played beside a recording that there is already: each may be held out for the other.
+const ONCE_MORE: usize = 2;
+/// Quantile of the accelerations of the recording that the motion may take.
+const STEEP: f64 = 0.98;
+/// Probability from which a suspicion is worth an experiment.
+const LEAST: f64 = 0.05;
 
 /// A motion from rest to rest.
 struct Profile {
     x: Vec<f64>,
+    /// Largest acceleration (m/s² or rad/s²).
+    steepest: f64,
 }
 
 impl Profile {
@@ -28,7 +36,9 @@ impl Profile {
     /// Goes to `target` with the least jerk, `speed` at most.
     fn go(&mut self, target: f64, speed: f64) {
         let start = self.here();
-        let duration = 1.875 * (target - start).abs() / speed;
+        let way = (target - start).abs();
+        // Peaks of velocity and acceleration of the polynomial.
+        let duration = (1.875 * way / speed).max((5.7735 * way / self.steepest).sqrt());
         let count = (duration / STEP_S).ceil() as usize;
         for i in 1..=count {
             let u = i as f64 / count as f64;
@@ -95,54 +105,113 @@ fn parts_of(id: &str) -> &'static [Part] {
     }
 }
 
-/// The motion as CSV, within the travel and the speeds of the recording, and what it is for.
-pub fn profile(recording: &Recording, found: &Diagnosis) -> (String, String) {
-    let open = found
-        .effects
-        .iter()
-        .filter(|e| !e.confident || !e.ambiguous.is_empty())
-        .flat_map(|e| std::iter::once(e.id()).chain(e.ambiguous.iter().map(|e| e.id())));
-    let hidden = found.lacks.iter().flat_map(|l| l.hides.iter().copied());
-    let ids: Vec<&str> = open.chain(hidden).collect();
-    let mut parts: Vec<Part> = Vec::new();
-    for part in ids.iter().flat_map(|id| parts_of(id)) {
-        if !parts.contains(part) {
-            parts.push(*part);
+/// A motion that would decide something, in the coordinate of the recording.
+pub struct Experiment {
+    /// Effects that it is for, by id.
+    pub about: Vec<&'static str>,
+    /// Positions (m or rad), a millisecond apart, from the middle of the travel.
+    pub x: Vec<f64>,
+    /// Where each of its repeats ends.
+    ends: Vec<usize>,
+    rotary: bool,
+}
+
+impl Experiment {
+    /// The motion for some effects, within the travel, the speeds and the accelerations of the recording.
+    fn about(mut about: Vec<&'static str>, found: &Diagnosis, repeats: usize) -> Self {
+        about.sort_unstable();
+        about.dedup();
+        let mut parts: Vec<Part> = Vec::new();
+        for part in about.iter().flat_map(|id| parts_of(id)) {
+            if !parts.contains(part) {
+                parts.push(*part);
+            }
+        }
+        let s = &found.ground.rows.s;
+        let (low, high) = bounds(&s.x);
+        let top = s.top_speed();
+        let speeds = (s.speeds().0.min(0.1 * top), top);
+        let steep: Vec<f64> = s.a.iter().map(|a| a.abs()).collect();
+        let mut profile = Profile {
+            x: vec![0.5 * (low + high)],
+            steepest: quantile_between_ranks(&steep, STEEP).max(f64::MIN_POSITIVE),
+        };
+        let mut ends = Vec::new();
+        for _ in 0..repeats {
+            profile.go(0.5 * (low + high), top);
+            for &part in &parts {
+                profile.part(part, (low, high), speeds);
+            }
+            ends.push(profile.x.len());
+        }
+        Self {
+            about,
+            x: profile.x,
+            ends,
+            rotary: s.rotary,
         }
     }
-    let s = &found.ground.rows.s;
-    let (low, high) = bounds(&s.x);
-    let top = s.top_speed();
-    let speeds = (s.speeds().0.min(0.1 * top), top);
-    let mut profile = Profile {
-        x: vec![0.5 * (low + high)],
-    };
-    let unit = if recording.position_unit() == "m" {
-        ("x_ref_m", "x")
-    } else {
-        ("q_ref_rad", "q")
-    };
-    let mut text = format!("t_s,{},repeat\n", unit.0);
-    let mut written = 0;
-    for repeat in 0..REPEATS {
-        profile.go(0.5 * (low + high), top);
-        for &part in &parts {
-            profile.part(part, (low, high), speeds);
-        }
-        for (i, x) in profile.x.iter().enumerate().skip(written) {
+
+    /// For all that a diagnosis leaves open and all that its recording hides.
+    pub fn for_all(found: &Diagnosis) -> Self {
+        let open = found
+            .effects
+            .iter()
+            .filter(|e| !e.confident || !e.ambiguous.is_empty())
+            .flat_map(|e| std::iter::once(e.id()).chain(e.ambiguous.iter().map(|e| e.id())));
+        let hidden = found.lacks.iter().flat_map(|l| l.hides.iter().copied());
+        Self::about(open.chain(hidden).collect(), found, REPEATS)
+    }
+
+    /// What would decide the dearest doubt of those that were not asked: of a name that is suspected, by what it would take off and how likely it is;
+    /// where there is none, of what the recording hides. Whatever the same motion shows is asked along.
+    pub fn next(found: &Diagnosis, asked: &[String]) -> Option<Self> {
+        let is_new = |id: &&'static str| !parts_of(id).is_empty() && !asked.iter().any(|a| a == id);
+        let mut doubts: Vec<(f64, &'static str)> = (found.effects.iter())
+            .filter(|e| !e.confident && !e.in_fit && e.confidence >= LEAST)
+            .map(|e| (e.confidence * (e.nmse_test[0] - e.nmse_test[1]), e.id()))
+            .filter(|(_, id)| is_new(id))
+            .collect();
+        doubts.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut open: Vec<&'static str> = doubts.into_iter().map(|(_, id)| id).collect();
+        let stated: Vec<&str> = found.confident().map(|e| e.id()).collect();
+        let hidden = found
+            .lacks
+            .iter()
+            .flat_map(|lack| lack.hides.iter().copied());
+        open.extend(hidden.filter(|id| is_new(id) && !stated.contains(id)));
+        let shows = parts_of(open.first()?);
+        let is_shown = |id: &&'static str| parts_of(id).iter().all(|part| shows.contains(part));
+        Some(Self::about(
+            open.into_iter().filter(is_shown).collect(),
+            found,
+            ONCE_MORE,
+        ))
+    }
+
+    /// Duration (s).
+    pub fn seconds(&self) -> f64 {
+        self.x.len() as f64 * STEP_S
+    }
+
+    /// As a motion that `drive play` follows; `column` is its position's.
+    pub fn csv(&self, column: &str) -> String {
+        let mut text = format!("t_s,{column},repeat\n");
+        for (i, x) in self.x.iter().enumerate() {
+            let repeat = self.ends.partition_point(|end| *end <= i);
             // Writing to a string does not fail.
             let _ = writeln!(text, "{:.3},{x:.9},{repeat}", i as f64 * STEP_S);
         }
-        written = profile.x.len();
+        text
     }
-    let mut ids = ids;
-    ids.sort_unstable();
-    ids.dedup();
-    let words = format!(
-        "{:.0} s of reference {} for {}",
-        profile.x.len() as f64 * STEP_S,
-        unit.1,
-        ids.join(", ")
-    );
-    (text, words)
+
+    /// In words, without a full stop.
+    pub fn words(&self) -> String {
+        format!(
+            "{:.0} s of reference {} for {}",
+            self.seconds(),
+            if self.rotary { "q" } else { "x" },
+            self.about.join(", ")
+        )
+    }
 }

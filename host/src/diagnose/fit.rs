@@ -43,6 +43,11 @@ impl Fit {
         Self(found)
     }
 
+    /// Of what `identify` has found.
+    pub fn taken(found: Identification) -> Self {
+        Self(Ok(found))
+    }
+
     /// Whether there is one.
     pub fn is_found(&self) -> bool {
         self.0.is_ok()

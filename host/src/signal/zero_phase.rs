@@ -216,13 +216,26 @@ impl ZeroPhase {
         Self::new(recording, Self::choose_cutoff(recording))
     }
 
-    /// The cut-off (Hz) of [`choose`](Self::choose).
+    /// The cut-off (Hz) of [`choose`](Self::choose); of joined files that of the one that moves fastest, which a lower one would hide.
     pub fn choose_cutoff(recording: &Recording) -> f64 {
+        let of_file = |file: &Range<usize>| {
+            let own = recording.pieces.iter();
+            let own = own.filter(|piece| file.start <= piece.start && piece.end <= file.end);
+            own.max_by_key(|rows| rows.len())
+        };
+        let longest = recording.joined.iter().filter_map(of_file);
+        let cutoffs = longest.map(|piece| Self::cutoff_of(recording, piece));
+        cutoffs.reduce(f64::max).unwrap_or_else(|| {
+            let longest = recording.pieces.iter().max_by_key(|rows| rows.len());
+            longest.map_or(0.2 / recording.sample_time_s(), |piece| {
+                Self::cutoff_of(recording, piece)
+            })
+        })
+    }
+
+    fn cutoff_of(recording: &Recording, longest: &Range<usize>) -> f64 {
         let sample_time = recording.sample_time_s();
         let highest = 0.2 / sample_time;
-        let Some(longest) = recording.pieces.iter().max_by_key(|rows| rows.len()) else {
-            return highest;
-        };
         // A million samples tell the band; the middle of the motion, not its rest before and after.
         let spare = longest.len().saturating_sub(MOST_SAMPLES) / 2;
         let longest = &(longest.start + spare..longest.end - spare);

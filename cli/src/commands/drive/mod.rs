@@ -1,6 +1,6 @@
 //! `preslide drive`.
 
-mod asked;
+pub mod asked;
 mod play;
 
 use super::{AxisArgs, Failure};
@@ -25,6 +25,16 @@ use std::time::{Duration, Instant};
                   preslide drive tcp:127.0.0.1:7700 play motion.csv -o axis.csv\n\nLengths are m, or end in mm, um, nm; of an axis that turns rad, mrad, deg."
 )]
 pub struct Drive {
+    #[command(flatten)]
+    controller: ControllerArgs,
+
+    #[command(subcommand)]
+    command: Option<What>,
+}
+
+/// Which controller.
+#[derive(Args, Clone, Debug)]
+pub struct ControllerArgs {
     /// A serial device's path, or tcp:HOST:PORT
     #[arg(value_name = "PORT")]
     port: String,
@@ -40,9 +50,6 @@ pub struct Drive {
     /// The axis turns: lengths are angles in rad
     #[arg(long)]
     rotary: bool,
-
-    #[command(subcommand)]
-    command: Option<What>,
 }
 
 #[derive(Subcommand)]
@@ -140,33 +147,55 @@ fn stop_flag() -> Result<Arc<AtomicBool>, Failure> {
 impl Drive {
     /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
-        let line = open(&self.port, self.baud, Duration::from_secs(self.wait))?;
-        let session = Session::begin(line)?;
-        let unit = if self.rotary { "rad" } else { "m" };
-        let Some(command) = self.command else {
-            return Ok(screen::run(session, unit)?);
-        };
-        let mut axis = Commanded {
-            drive: session,
-            stop: stop_flag()?,
-            unit,
-            rotary: self.rotary,
-            port: self.port,
-        };
-        axis.carry_out(command)
+        let session = self.controller.session()?;
+        match self.command {
+            None => Ok(screen::run(session, self.controller.unit())?),
+            Some(command) => Commanded::new(session, &self.controller)?.carry_out(command),
+        }
     }
 }
 
-/// The axis, commanded once.
-struct Commanded {
-    drive: Session,
-    stop: Arc<AtomicBool>,
-    unit: &'static str,
-    rotary: bool,
-    port: String,
+impl ControllerArgs {
+    fn session(&self) -> Result<Session, Failure> {
+        let line = open(&self.port, self.baud, Duration::from_secs(self.wait))?;
+        Ok(Session::begin(line)?)
+    }
+
+    fn unit(&self) -> &'static str {
+        if self.rotary { "rad" } else { "m" }
+    }
+
+    /// The axis behind it.
+    pub fn begin(&self) -> Result<Commanded, Failure> {
+        Commanded::new(self.session()?, self)
+    }
+}
+
+/// The axis, commanded.
+pub struct Commanded {
+    /// The conversation.
+    pub drive: Session,
+    /// Set by Ctrl-C, and by whoever wants it to stop.
+    pub stop: Arc<AtomicBool>,
+    /// Of positions.
+    pub unit: &'static str,
+    /// It turns.
+    pub rotary: bool,
+    /// As it was given.
+    pub port: String,
 }
 
 impl Commanded {
+    fn new(drive: Session, controller: &ControllerArgs) -> Result<Self, Failure> {
+        Ok(Self {
+            drive,
+            stop: stop_flag()?,
+            unit: controller.unit(),
+            rotary: controller.rotary,
+            port: controller.port.clone(),
+        })
+    }
+
     fn carry_out(&mut self, command: What) -> Result<(), Failure> {
         match command {
             What::State => self.tell_state(),
@@ -204,8 +233,22 @@ impl Commanded {
                 }),
                 "gains taken; `save` keeps them over a reset",
             ),
-            What::Load { model } => self.load(&model),
-            What::Play(play) => self.play(&play),
+            What::Load { model } => {
+                self.load(&model)?;
+                say!(
+                    "Next: preslide drive {} play motion.csv -o after.csv; `save` keeps the model over a reset",
+                    self.port
+                );
+                Ok(())
+            }
+            What::Play(play) => {
+                self.play(&play)?;
+                say!(
+                    "Next: preslide identify {} -o model.toml",
+                    play.output.display()
+                );
+                Ok(())
+            }
             What::Save => self.simple(Request::Save, "saved"),
             What::Forget => self.simple(Request::Forget, "forgotten"),
         }
@@ -241,7 +284,8 @@ impl Commanded {
         Ok(())
     }
 
-    fn disable(&mut self) -> Result<(), Failure> {
+    /// Stops, then opens the bridge.
+    pub fn disable(&mut self) -> Result<(), Failure> {
         self.drive.ask(Request::Disable)?;
         while self.drive.state()?.mode != Mode::Disabled {
             self.drive.listen(Duration::from_millis(20))?;
@@ -250,12 +294,14 @@ impl Commanded {
         Ok(())
     }
 
-    fn limit(&mut self, name: &str) -> Result<f64, Failure> {
+    /// A parameter that every controller tells.
+    pub fn limit(&mut self, name: &str) -> Result<f64, Failure> {
         let value = self.drive.get(name)?;
         value.ok_or_else(|| Failure::Tool(format!("the controller does not tell {name}")))
     }
 
-    fn go(&mut self, to: &Move) -> Result<(), Failure> {
+    /// Moves, and waits until the axis stands.
+    pub fn go(&mut self, to: &Move) -> Result<(), Failure> {
         let speed = match to.speed {
             Some(speed) => speed,
             None => 0.2 * self.limit("limits.speed")?,
@@ -296,7 +342,8 @@ impl Commanded {
         self.stands()
     }
 
-    fn home(&mut self, home: &Home) -> Result<(), Failure> {
+    /// Finds the origin.
+    pub fn home(&mut self, home: &Home) -> Result<(), Failure> {
         let speed = match home.speed {
             Some(speed) => speed,
             None => -0.1 * self.limit("limits.speed")?,
@@ -404,7 +451,8 @@ impl Commanded {
         Ok(())
     }
 
-    fn load(&mut self, path: &std::path::Path) -> Result<(), Failure> {
+    /// Loads the friction of a model file.
+    pub fn load(&mut self, path: &std::path::Path) -> Result<(), Failure> {
         let model = Model::load(path)?;
         let loaded = loadable(&model)
             .map_err(|reason| Failure::Input(format!("{}: {reason}", path.display())))?;
@@ -427,10 +475,6 @@ impl Commanded {
                 loaded.left_out.join(", ")
             );
         }
-        say!(
-            "Next: preslide drive {} play motion.csv -o after.csv; `save` keeps the model over a reset",
-            self.port
-        );
         Ok(())
     }
 }

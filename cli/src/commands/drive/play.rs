@@ -13,7 +13,8 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 impl Commanded {
-    pub(super) fn play(&mut self, play: &PlayArgs) -> Result<(), Failure> {
+    /// Plays, and tells how closely the axis followed: RMS and largest error (10⁻⁹ m or rad).
+    pub fn play(&mut self, play: &PlayArgs) -> Result<(f64, f64), Failure> {
         let identity = *self.drive.identity();
         let options = LoadOptions {
             needs: Needs::Motion,
@@ -44,8 +45,7 @@ impl Commanded {
             "following error: RMS {rms:.1} n{u}, largest {largest:.0} n{u}",
             u = self.unit
         );
-        say!("Next: preslide identify {path} -o model.toml");
-        Ok(())
+        Ok((rms, largest))
     }
 
     /// What is added to the motion's positions (m or rad): nothing where they are `absolute`, which the axis must then stand

@@ -1,6 +1,7 @@
 //! Judges of `preslide diagnose`, which know it by its command line and its JSON only: one program, which is linked once.
 
 mod calibrate;
+mod experiments;
 mod inject;
 mod properties;
 mod real;
@@ -14,6 +15,7 @@ use clap::Parser;
 #[command(bin_name = "cargo xtask")]
 enum Judge {
     Calibrate(calibrate::Options),
+    Experiments(experiments::Options),
     Inject(inject::Options),
     Properties(properties::Options),
     Real(real::Options),
@@ -23,6 +25,7 @@ enum Judge {
 fn main() -> ExitCode {
     let judged = match Judge::parse() {
         Judge::Calibrate(options) => calibrate::run(&options),
+        Judge::Experiments(options) => experiments::run(&options),
         Judge::Inject(options) => inject::run(&options),
         Judge::Properties(options) => properties::run(&options),
         Judge::Real(options) => real::run(&options),

@@ -1,0 +1,567 @@
+//! `preslide commission`.
+
+mod journal;
+mod page;
+mod told;
+
+use super::drive::asked::{Home, MarkArg, Move, PlayArgs};
+use super::drive::{Commanded, ControllerArgs};
+use super::{Failure, command_line};
+use clap::{Args, ValueEnum};
+use journal::{Asked, Journal, Played};
+use preslide_drive::{SpaceBar, quantity};
+use preslide_host::diagnose::experiment::Experiment;
+use preslide_host::drive::loadable;
+use preslide_host::plan::{Plan, Show, Wish, plan};
+use preslide_host::report::figures::{duration, within};
+use preslide_link::{Mode, Name, Request};
+use std::io::{IsTerminal, Write};
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+use told::Told;
+
+/// From a controller that was just switched on to one that compensates its friction
+///
+/// It finds direction and moving weight with care, plays a motion, identifies and diagnoses it, plays experiments while something is in
+/// doubt, loads what it found, and shows on a motion that no fit saw what that is worth. The space bar stops the axis, and so does
+/// Ctrl-C; the same command goes on from there. Nothing is kept over a reset without a yes.
+#[derive(Args)]
+#[command(
+    after_help = "Example: preslide commission /dev/ttyACM0 --travel 4mm\n         preslide commission tcp:127.0.0.1:7700 --travel 1mm --dry\n\n\
+                  What is not said is taken from the controller's limits. Effects of a diagnosis are not sent over the link: the page names the command \
+                  that compiles them in."
+)]
+pub struct Commission {
+    #[command(flatten)]
+    controller: ControllerArgs,
+
+    /// Folder for recordings, models and the page
+    #[arg(short, long, value_name = "FOLDER", default_value = "commission")]
+    output: PathBuf,
+
+    /// What marks the origin
+    #[arg(long, value_name = "WHAT", default_value = "index")]
+    home: Origin,
+
+    /// How far it may go in all: 4mm, or 90deg with --rotary [default: four fifths of the axis's travel]
+    #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_rate)]
+    travel: Option<f64>,
+
+    /// Largest speed: 2mm/s [default: half of limits.speed]
+    #[arg(long, value_name = "SPEED", value_parser = quantity::positive_rate)]
+    speed: Option<f64>,
+
+    /// Largest acceleration: 0.1m/s2 [default: half of limits.acceleration]
+    #[arg(long, value_name = "ACCELERATION", value_parser = quantity::positive_rate)]
+    acceleration: Option<f64>,
+
+    /// Smallest stroke between two reversals; some dozens of encoder counts [default: a thousandth of the travel]
+    #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_rate)]
+    smallest: Option<f64>,
+
+    /// How often the first motion is repeated
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
+    repeats: u32,
+
+    /// Experiments that may be played while something is in doubt
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    experiments: usize,
+
+    /// Keep the result over a reset without asking
+    #[arg(long)]
+    save: bool,
+
+    /// Tell what would be done, and move nothing
+    #[arg(long)]
+    dry: bool,
+}
+
+/// What marks the origin.
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+enum Origin {
+    /// The encoder's index pulse
+    Index,
+    /// A mechanical stop, reached slowly
+    Stop,
+    /// Nothing: the motion lies about where the axis stands, and --travel is needed
+    None,
+}
+
+/// Points a second of a planned motion.
+const RATE_HZ: f64 = 400.0;
+/// Rows a second of a recording.
+const ROWS_HZ: f64 = 1000.0;
+/// Counts of the first move, there and back: a motor that is wired the wrong way runs from it no further than the following error allows.
+const NUDGE_COUNTS: f64 = 20.0;
+/// Shares of travel, speed and acceleration of the careful motion.
+const CAREFUL: [f64; 3] = [0.2, 0.2, 0.5];
+/// The same of the motion that no fit sees, and its smallest stroke over the other's: no stroke of it was made before.
+const UNSEEN: [f64; 3] = [0.83, 0.7, 0.8];
+const UNSEEN_SMALLEST: f64 = 1.7;
+
+/// What the axis is asked for.
+struct Bounds {
+    wish: Wish,
+    /// The middle of the travel, of an axis that is to be located.
+    middle: Option<f64>,
+    count: f64,
+}
+
+impl Commission {
+    /// Runs the command.
+    pub fn run(self) -> Result<(), Failure> {
+        let mut axis = self.controller.begin()?;
+        let bounds = self.bounds(&mut axis)?;
+        let motions = Motions::of(&bounds)?;
+        self.announce(&motions);
+        if self.dry {
+            return Ok(());
+        }
+        let journal = Journal::open(&self.output, bounds.in_words(axis.unit))?;
+        let keys = SpaceBar::stops(&axis.stop);
+        let found_share = axis.limit("feed_forward.share")?;
+        let mut run = Run {
+            axis,
+            journal,
+            motions,
+        };
+        let done = run.all(&self, &bounds);
+        drop(keys);
+        let ended = run.end(done.is_err().then_some(found_share));
+        let told = done.map_err(|failure| self.interrupted(failure))?;
+        ended?;
+        run.report(&told)?;
+        self.keep(&mut run.axis)
+    }
+
+    /// From what was asked and the controller's own limits; all that is wrong at once.
+    fn bounds(&self, axis: &mut Commanded) -> Result<Bounds, Failure> {
+        let ends = (
+            axis.drive.get("limits.travel_low")?,
+            axis.drive.get("limits.travel_high")?,
+        );
+        let ends = ends.0.zip(ends.1).filter(|_| self.home != Origin::None);
+        let length = ends.map(|(low, high)| high - low);
+        let top = [
+            axis.limit("limits.speed")?,
+            axis.limit("limits.acceleration")?,
+        ];
+        let asked = [
+            ("travel", self.travel, length, "the axis's travel"),
+            ("speed", self.speed, Some(top[0]), "limits.speed"),
+            (
+                "acceleration",
+                self.acceleration,
+                Some(top[1]),
+                "limits.acceleration",
+            ),
+        ];
+        let beyond = asked.iter().filter_map(|(name, asked, limit, of)| {
+            let (asked, limit) = ((*asked)?, (*limit)?);
+            (asked > limit).then(|| format!("--{name} {asked:e} is beyond {of}, {limit:e}"))
+        });
+        let mut wrong: Vec<String> = beyond.collect();
+        let travel = self.travel.or(length.map(|length| 0.8 * length));
+        if travel.is_none() {
+            wrong.push("the axis has no ends of travel that are known; give --travel".to_owned());
+        }
+        let (Some(travel), []) = (travel, wrong.as_slice()) else {
+            return Err(Failure::Input(wrong.join("\n")));
+        };
+        Ok(Bounds {
+            wish: Wish {
+                travel,
+                speed: self.speed.unwrap_or(0.5 * top[0]),
+                acceleration: self.acceleration.unwrap_or(0.5 * top[1]),
+                smallest: self.smallest.unwrap_or(1e-3 * travel),
+                show: Show::All,
+                repeats: self.repeats,
+                rate: RATE_HZ,
+            },
+            middle: ends.map(|(low, high)| 0.5 * (low + high)),
+            count: axis.drive.identity().count,
+        })
+    }
+
+    fn announce(&self, motions: &Motions) {
+        let seconds = |plan: &Plan| duration(plan.seconds());
+        say!(
+            "1. enable, find the origin ({}), a nudge of {NUDGE_COUNTS} counts",
+            self.home_words()
+        );
+        say!(
+            "2. a careful motion of {}: direction, moving weight",
+            seconds(&motions.careful)
+        );
+        say!(
+            "3. a motion of {}, the feedback alone: identify, diagnose",
+            seconds(&motions.first)
+        );
+        say!(
+            "4. while something is in doubt, at most {} experiments, each announced",
+            self.experiments
+        );
+        say!(
+            "5. load the model; a motion of {} that no fit saw, without the model and with it",
+            seconds(&motions.unseen)
+        );
+        say!(
+            "6. the page, {}\n",
+            self.output.join("report.html").display()
+        );
+    }
+
+    fn home_words(&self) -> &'static str {
+        match self.home {
+            Origin::Index => "the encoder's index",
+            Origin::Stop => "a mechanical stop",
+            Origin::None => "none",
+        }
+    }
+
+    /// What to do about a commissioning that ended early.
+    fn interrupted(&self, failure: Failure) -> Failure {
+        let next = format!(
+            "{}\nThe axis is disabled. What was recorded is in {}; the same command goes on from there",
+            failure.message(),
+            self.output.display()
+        );
+        match failure {
+            Failure::Tool(_) => Failure::Tool(next),
+            Failure::Input(_) => Failure::Input(next),
+            Failure::Data(_) => Failure::Data(next),
+        }
+    }
+
+    /// Asks whether parameters and model are to be kept over a reset.
+    fn keep(&self, axis: &mut Commanded) -> Result<(), Failure> {
+        let says_yes = || {
+            if !std::io::stdin().is_terminal() {
+                return false;
+            }
+            eprint!("Keep parameters and model over a reset? [y/N] ");
+            let _ = std::io::stderr().flush();
+            let mut line = String::new();
+            std::io::stdin().read_line(&mut line).is_ok() && line.trim().eq_ignore_ascii_case("y")
+        };
+        if !self.save && !says_yes() {
+            say!(
+                "Not kept over a reset. Next: preslide drive {} save",
+                axis.port
+            );
+            return Ok(());
+        }
+        axis.drive.ask(Request::Save)?;
+        say!(
+            "Kept over a reset. The axis is disabled. Next: preslide drive {} enable",
+            axis.port
+        );
+        Ok(())
+    }
+}
+
+impl Bounds {
+    /// What makes it the same commissioning.
+    fn in_words(&self, unit: &str) -> String {
+        let Wish {
+            travel,
+            speed,
+            acceleration,
+            smallest,
+            repeats,
+            ..
+        } = self.wish;
+        format!(
+            "{:e} {unit} a count, travel {travel:e}, speed {speed:e}, acceleration {acceleration:e}, smallest stroke {smallest:e}, {repeats} repeats",
+            self.count
+        )
+    }
+}
+
+/// The motions that are known beforehand.
+struct Motions {
+    careful: Plan,
+    first: Plan,
+    unseen: Plan,
+}
+
+impl Motions {
+    fn of(bounds: &Bounds) -> Result<Self, Failure> {
+        let wish = bounds.wish;
+        let scaled = |[travel, speed, acceleration]: [f64; 3]| Wish {
+            travel: travel * wish.travel,
+            speed: speed * wish.speed,
+            acceleration: acceleration * wish.acceleration,
+            smallest: travel * wish.smallest,
+            repeats: 1,
+            ..wish
+        };
+        let careful = Wish {
+            show: Show::Sliding,
+            ..scaled(CAREFUL)
+        };
+        let unseen = scaled(UNSEEN);
+        let unseen = Wish {
+            // A nested stroke is a tenth of the travel at most.
+            smallest: (UNSEEN_SMALLEST * wish.smallest).min(0.06 * unseen.travel),
+            ..unseen
+        };
+        Ok(Self {
+            careful: plan(&careful).map_err(Failure::Input)?,
+            first: plan(&wish).map_err(Failure::Input)?,
+            unseen: plan(&unseen).map_err(Failure::Input)?,
+        })
+    }
+}
+
+/// A commissioning under way.
+struct Run {
+    axis: Commanded,
+    journal: Journal,
+    motions: Motions,
+}
+
+impl Run {
+    fn all(&mut self, asked: &Commission, bounds: &Bounds) -> Result<Told, Failure> {
+        self.begin(asked, bounds)?;
+        self.careful(bounds)?;
+        let text = self.motions.first.csv(self.axis.rotary);
+        self.play("before", &text, 0.0)?;
+        let told = self.experiments(asked.experiments)?;
+        self.load(&told)?;
+        let text = self.motions.unseen.csv(self.axis.rotary);
+        self.to_the_middle(bounds)?;
+        self.play("unseen-without", &text, 0.0)?;
+        self.to_the_middle(bounds)?;
+        self.play("unseen-with", &text, 1.0)?;
+        Ok(told)
+    }
+
+    /// Enabled, located, in the middle of its travel, and moved by hardly anything.
+    fn begin(&mut self, asked: &Commission, bounds: &Bounds) -> Result<(), Failure> {
+        let state = self.axis.drive.state()?;
+        if let Some(fault) = state.fault {
+            return Err(Failure::Data(format!(
+                "the axis has a fault ({fault:?}); find out why, then: preslide drive {} acknowledge",
+                self.axis.port
+            )));
+        }
+        if state.mode == Mode::Disabled {
+            self.axis.drive.ask(Request::Enable)?;
+        }
+        let nudge = NUDGE_COUNTS * bounds.count;
+        for by in [nudge, -nudge] {
+            self.go(by).map_err(|failure| match failure {
+                Failure::Data(reason) => Failure::Data(format!(
+                    "{reason}; at a move of {NUDGE_COUNTS} counts the motor may push against its encoder: reverse one of them (`motor.reversed`, \
+                     `encoder.reversed` of axis.toml), or raise gains that do not move the axis"
+                )),
+                other => other,
+            })?;
+        }
+        if asked.home != Origin::None && !state.located {
+            let mark = match asked.home {
+                Origin::Stop => MarkArg::Stop,
+                Origin::Index | Origin::None => MarkArg::Index,
+            };
+            self.axis.home(&Home {
+                mark,
+                speed: None,
+                position: 0.0,
+                back_off: None,
+            })?;
+        }
+        self.to_the_middle(bounds)
+    }
+
+    fn go(&mut self, by: f64) -> Result<(), Failure> {
+        self.axis.go(&Move {
+            by: Some(by),
+            to: None,
+            speed: None,
+            acceleration: None,
+        })
+    }
+
+    fn to_the_middle(&mut self, bounds: &Bounds) -> Result<(), Failure> {
+        bounds.middle.map_or(Ok(()), |middle| self.go_to(middle))
+    }
+
+    /// To a position of the controller's, which recordings have, too.
+    fn go_to(&mut self, position: f64) -> Result<(), Failure> {
+        let count = self.axis.drive.identity().count;
+        let by = position - self.axis.drive.state()?.position as f64 * count;
+        // What is no move is refused.
+        match by.abs() < count {
+            true => Ok(()),
+            false => self.go(by),
+        }
+    }
+
+    /// Slow and short, to find whether effort and motion go together, and what moves.
+    fn careful(&mut self, bounds: &Bounds) -> Result<(), Failure> {
+        let text = self.motions.careful.csv(self.axis.rotary);
+        self.play("careful", &text, 0.0)?;
+        let path = self.journal.file("careful.csv");
+        let (turned, weight) = told::careful(&path)?;
+        if turned {
+            return Err(Failure::Data(format!(
+                "{}: the effort that is recorded drives the axis backward; set `motor.reversed` of axis.toml, or the sign of the current sense",
+                path.display()
+            )));
+        }
+        match weight {
+            Ok(weight) => say!("direction: as it should be; it moves {weight}"),
+            Err(reason) => {
+                say!("direction: as it should be; the weight is not told yet ({reason})")
+            }
+        }
+        self.to_the_middle(bounds)
+    }
+
+    /// Plays what would decide the dearest doubt, until nothing is in doubt or as many were played as may be.
+    fn experiments(&mut self, most: usize) -> Result<Told, Failure> {
+        let mut told = Told::of(&self.journal.recordings())?;
+        told.say();
+        while self.journal.asked.len() < most || self.unfinished().is_some() {
+            let (name, text) = match self.unfinished() {
+                Some(name) => (name.clone(), None),
+                None => {
+                    let Some(next) = Experiment::next(&told.diagnosis, &self.journal.about())
+                    else {
+                        say!("Nothing is in doubt that an experiment could decide.");
+                        break;
+                    };
+                    let name = format!("experiment-{}", self.journal.asked.len() + 1);
+                    say!(
+                        "{name}: {}; it stays within the travel and the speeds of the first motion",
+                        next.words()
+                    );
+                    self.journal.asked.push(Asked {
+                        name: name.clone(),
+                        about: next.about.iter().map(|id| (*id).to_owned()).collect(),
+                        answer: None,
+                    });
+                    (name, Some(next.csv(self.column())))
+                }
+            };
+            let text = match text {
+                Some(text) => text,
+                None => {
+                    let path = self.journal.file(&format!("{name}-motion.csv"));
+                    std::fs::read_to_string(&path)
+                        .map_err(|error| Failure::Input(format!("{}: {error}", path.display())))?
+                }
+            };
+            let from = first_position(&text);
+            self.journal.write(&format!("{name}-motion.csv"), &text)?;
+            self.journal.keep()?;
+            if !self.journal.played.contains_key(&name) {
+                self.go_to(from)?;
+            }
+            self.play(&name, &text, 0.0)?;
+            let next = Told::of(&self.journal.recordings())?;
+            let answer = told::answer(
+                &told,
+                &next,
+                self.journal.asked.last().map_or(&[], |a| &a.about),
+            );
+            say!("{name}: {answer}");
+            if let Some(asked) = self.journal.asked.last_mut() {
+                asked.answer = Some(answer);
+            }
+            self.journal.keep()?;
+            told = next;
+        }
+        Ok(told)
+    }
+
+    /// An experiment that was announced and not answered.
+    fn unfinished(&self) -> Option<&String> {
+        let last = self.journal.asked.last()?;
+        last.answer.is_none().then_some(&last.name)
+    }
+
+    fn column(&self) -> &'static str {
+        if self.axis.rotary { "q_rad" } else { "x_m" }
+    }
+
+    /// Plays a motion from where the axis stands, with a share of the feed-forward, unless it was played before.
+    fn play(&mut self, name: &str, motion: &str, share: f64) -> Result<(), Failure> {
+        let output = self.journal.file(&format!("{name}.csv"));
+        if self.journal.played.contains_key(name) {
+            say!("{name}: recorded before, {}", output.display());
+            return Ok(());
+        }
+        if self.axis.stop.load(Ordering::Relaxed) {
+            return Err(preslide_drive::DriveError::Stopped.into());
+        }
+        let motion = self.journal.write(&format!("{name}-motion.csv"), motion)?;
+        self.set("feed_forward.share", share)?;
+        let (rms, largest) = self.axis.play(&PlayArgs {
+            motion,
+            output,
+            overwrite: true,
+            absolute: false,
+            rate: ROWS_HZ,
+        })?;
+        self.journal
+            .played
+            .insert(name.to_owned(), Played { rms, largest });
+        self.journal.keep()
+    }
+
+    fn set(&mut self, name: &str, value: f64) -> Result<(), Failure> {
+        let named = Name::new(name)
+            .ok_or_else(|| Failure::Tool(format!("{name} is no name of the link")))?;
+        self.axis.drive.ask(Request::Set(named, value as f32))?;
+        Ok(())
+    }
+
+    /// Hysteresis and moving weight to the controller.
+    fn load(&mut self, told: &Told) -> Result<(), Failure> {
+        let remarks = [told.diagnosis.verdict_words(&told.recording)];
+        self.journal
+            .write("extended.toml", &told.extended().to_toml(&remarks))?;
+        let model = told.loadable()?;
+        let path = self.journal.write("model.toml", &model.to_toml(&remarks))?;
+        loadable(&model).map_err(Failure::Data)?;
+        self.axis.load(&path)?;
+        if model.inertia > 0.0 {
+            self.set("feed_forward.mass", model.inertia)?;
+        }
+        Ok(())
+    }
+
+    /// Leaves the axis disabled, and as it was where it did not come to an end.
+    fn end(&mut self, share: Option<f64>) -> Result<(), Failure> {
+        self.axis.stop.store(false, Ordering::Relaxed);
+        if let Some(share) = share {
+            self.set("feed_forward.share", share)?;
+        }
+        self.axis.disable()
+    }
+
+    fn report(&self, told: &Told) -> Result<(), Failure> {
+        let page = page::page(&self.journal, told, self.axis.unit, command_line())?;
+        let path = self.journal.file("report.html");
+        super::outputs::write_with(&path, |path| page.write_html(path))?;
+        for line in page::result(&self.journal, self.axis.unit) {
+            say!("{line}");
+        }
+        say!("{}", told.diagnosis.recommendation());
+        Ok(())
+    }
+}
+
+/// Where a motion begins (m or rad).
+fn first_position(motion: &str) -> f64 {
+    let row = motion.lines().nth(1).and_then(|row| row.split(',').nth(1));
+    row.and_then(|x| x.parse().ok()).unwrap_or(0.0)
+}
+
+/// A value with half its interval's width.
+fn known(value: f64, ci95: Option<[f64; 2]>, unit: &str) -> String {
+    let reach = ci95.map_or(0.0, |[low, high]| 0.5 * (high - low));
+    within(value, reach, unit)
+}

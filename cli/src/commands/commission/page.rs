@@ -1,0 +1,155 @@
+//! The page of a commissioning: before, after, what is sure, what was asked and answered, what stays open.
+
+use super::super::Failure;
+use super::journal::{Journal, Played};
+use super::told::Told;
+use preslide_host::diagnose::effect;
+use preslide_host::recording::{self, LoadOptions, Needs};
+use preslide_host::report::{Axis, Emphasis, Figure, Page, Section, Series, Table};
+
+/// Samples of a curve.
+const CURVE: usize = 4_000;
+
+/// The unseen motion without the model and with it.
+fn proof(journal: &Journal) -> Option<[Played; 2]> {
+    let of = |name: &str| journal.played.get(name).copied();
+    Some([of("unseen-without")?, of("unseen-with")?])
+}
+
+/// In a few lines.
+pub fn result(journal: &Journal, unit: &str) -> Vec<String> {
+    let Some([without, with]) = proof(journal) else {
+        return Vec::new();
+    };
+    vec![
+        format!(
+            "A motion that no fit saw: following error {:.0} n{unit} RMS with the feedback alone, {:.0} n{unit} with the model (largest {:.0} and {:.0}).",
+            without.rms, with.rms, without.largest, with.largest
+        ),
+        format!("The page: {}", journal.file("report.html").display()),
+    ]
+}
+
+/// The page.
+pub fn page(journal: &Journal, told: &Told, unit: &str, command: String) -> Result<Page, Failure> {
+    let found = &told.diagnosis;
+    let mut lead = result(journal, unit);
+    lead.truncate(1);
+    lead.push(found.recommendation());
+    let useless = preslide_host::export::refused(&told.extended());
+    let mut next = format!(
+        "The controller has hysteresis and moving weight. Effects are compiled in: preslide export {} -o stage_model.rs{}, then build the firmware with PRESLIDE_MODEL. \
+         Observer gains are compiled in as well: preslide tune {} proposes them.",
+        journal.file("extended.toml").display(),
+        useless
+            .iter()
+            .map(|(id, _)| format!(" --without {id}"))
+            .collect::<String>(),
+        journal.file("model.toml").display()
+    );
+    let possible = found.possible_words(&told.recording);
+    if let Some(possible) = possible {
+        next = format!("{possible}. {next}");
+    }
+    Ok(Page {
+        title: "Commissioning".to_owned(),
+        lead: lead.join(" "),
+        command,
+        sections: vec![
+            Section {
+                heading: "Before and after".to_owned(),
+                tables: vec![followed(journal, unit)],
+                figures: vec![errors(journal, unit)?],
+                ..Section::default()
+            },
+            Section {
+                heading: "What is sure".to_owned(),
+                paragraphs: vec![found.verdict_words(&told.recording)],
+                tables: vec![found.budget_table(&told.recording)],
+                ..Section::default()
+            },
+            Section {
+                heading: "Asked and answered".to_owned(),
+                paragraphs: match journal.asked.is_empty() {
+                    true => vec!["No experiment was played.".to_owned()],
+                    false => Vec::new(),
+                },
+                tables: asked(journal).into_iter().collect(),
+                ..Section::default()
+            },
+            Section {
+                heading: "What stays open".to_owned(),
+                paragraphs: found
+                    .lacks
+                    .iter()
+                    .map(|lack| format!("Cannot show {}: {}.", lack.hides.join(", "), lack.missing))
+                    .chain([next])
+                    .collect(),
+                ..Section::default()
+            },
+        ],
+    })
+}
+
+fn followed(journal: &Journal, unit: &str) -> Table {
+    let row = |(name, played): (&String, &Played)| {
+        vec![
+            name.clone(),
+            format!("{:.0}", played.rms),
+            format!("{:.0}", played.largest),
+        ]
+    };
+    Table {
+        caption: "Following error by the encoder; all but the last with the feedback alone"
+            .to_owned(),
+        head: vec![
+            "motion".to_owned(),
+            format!("RMS n{unit}"),
+            format!("largest n{unit}"),
+        ],
+        rows: journal.played.iter().map(row).collect(),
+    }
+}
+
+fn asked(journal: &Journal) -> Option<Table> {
+    let name = |id: &String| effect::by_id(id).map_or(id.clone(), |e| e.name().to_owned());
+    let row = |asked: &super::Asked| {
+        let about: Vec<String> = asked.about.iter().map(name).collect();
+        vec![
+            asked.name.clone(),
+            about.join(", "),
+            asked.answer.clone().unwrap_or_default(),
+        ]
+    };
+    (!journal.asked.is_empty()).then(|| Table {
+        caption: "Experiments, what each was for and what came of it".to_owned(),
+        head: ["experiment", "for", "answer"].map(str::to_owned).to_vec(),
+        rows: journal.asked.iter().map(row).collect(),
+    })
+}
+
+/// The unseen motion's following error over time.
+fn errors(journal: &Journal, unit: &str) -> Result<Figure, Failure> {
+    let of = |name: &str, words: &str, emphasis: Emphasis| {
+        let options = LoadOptions {
+            needs: Needs::Motion,
+            ..LoadOptions::default()
+        };
+        let read = recording::load(&journal.file(&format!("{name}.csv")), &options)?;
+        let reference = read.reference.as_deref().unwrap_or(&read.position);
+        let every = read.len().div_ceil(CURVE).max(1);
+        let rows = (0..read.len()).step_by(every);
+        let (t, e): (Vec<f64>, Vec<f64>) = rows
+            .map(|i| (read.t_s[i] - read.t_s[0], reference[i] - read.position[i]))
+            .unzip();
+        Ok::<_, Failure>(Series::line(words, t, e).emphasis(emphasis))
+    };
+    let figure = Figure::new(
+        "Following error of a motion that no fit saw",
+        Axis::new("time", "s"),
+        Axis::new("error", unit),
+    );
+    Ok(figure
+        .with(of("unseen-without", "feedback alone", Emphasis::Faint)?)
+        .with(of("unseen-with", "with the model", Emphasis::Strong)?))
+}
