@@ -17,6 +17,20 @@ use crate::{Friction, Motion, Scalar};
 ///
 /// **Stability.** The disturbance closes a loop. Gains come with their margins (`preslide tune`), for a mass, a delay and a
 /// resonance of the drive; nothing here checks them.
+///
+/// ```
+/// use preslide::control::{Observed, ObserverSettings};
+/// use preslide::{Block, Friction, Motion, QuasiStaticGms, Units};
+///
+/// let blocks = [Block { stiffness: 1e5, weight: 1.0 }];
+/// let gms = QuasiStaticGms::<1>::try_new(&blocks, 0.9, Units::SI)?;
+/// // `preslide tune` proposes the gains; the integral gain of the loop is 0 beside it.
+/// let observed = Observed::try_new(gms, &ObserverSettings::PAPER_AXIS, 50e-6, Units::SI)?;
+/// let mut state = observed.at_rest();
+/// // Nothing was observed yet: the force is the model's.
+/// assert!((observed.step(&mut state, Motion::quasi_static(1e-6)) - 0.1).abs() < 1e-6);
+/// # Ok::<(), preslide::ParamError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Observed<F: Friction> {
     friction: F,

@@ -19,6 +19,18 @@ use crate::{Friction, Motion, Scalar};
 /// **Limits.** `σ = 1`, `n = 1` is Dahl's model with `n = 1`. Rate-independent: no Stribeck effect, so no stick-slip.
 /// No non-local memory: inner loops stay open and a ripple on a load drifts. `n` is 1…20 and `σ` 1/2…2: below 1/2 the
 /// model produces energy (the survey, section 5), beyond 2 it unloads at more than four times its own stiffness.
+///
+/// ```
+/// use preslide::{BoucWen, Friction, Motion, Units};
+///
+/// let bouc_wen: BoucWen = BoucWen::try_new(1e5, 0.9, 2.0, 1.0, Units::SI)?;
+/// let mut state = bouc_wen.at_rest();
+/// bouc_wen.step(&mut state, Motion::quasi_static(1e-3));
+/// // Back from sliding, each micrometre takes off twice its stiffness.
+/// let force = bouc_wen.step(&mut state, Motion::quasi_static(-1e-6));
+/// assert!(force > 0.69 && force < 0.73);
+/// # Ok::<(), preslide::ParamError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoucWen<S = f32> {
     coulomb: S,

@@ -6,6 +6,17 @@ use crate::{Friction, Motion, Scalar};
 /// `F = F_c·sgn(v) + b·v`, with `sgn(0) = 0`.
 ///
 /// Without memory: it says nothing at standstill, which is the case the other models exist for.
+///
+/// ```
+/// use preslide::{Coulomb, Friction, Motion, Units};
+///
+/// let coulomb: Coulomb = Coulomb::try_new(0.9, 20.0, Units::SI)?;
+/// let mut state = coulomb.at_rest();
+/// // 10 mm/s forward: 0.9 N, and 0.2 N for the speed.
+/// let force = coulomb.step(&mut state, Motion { displacement: 1e-6, velocity: 0.01 });
+/// assert!((force - 1.1).abs() < 1e-6);
+/// # Ok::<(), preslide::ParamError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coulomb<S = f32> {
     coulomb: S,

@@ -14,6 +14,17 @@ use crate::{Friction, Motion, Scalar};
 /// The model has no non-local memory: inner loops do not close (the paper, "Experimental set-up"). An
 /// exponent within 1e-4 of 1 is taken as 1; in fixed point `e·κ·|dx|` also needs digits, so let `n` be 1 or
 /// differ from 1 by a tenth.
+///
+/// ```
+/// use preslide::{Dahl, Friction, Motion, Units};
+///
+/// let dahl: Dahl = Dahl::try_new(1e5, 0.9, 1.0, Units::SI)?;
+/// let mut state = dahl.at_rest();
+/// // 1 µm from rest: a spring of 1e5 N/m, less what slips.
+/// let force = dahl.step(&mut state, Motion::quasi_static(1e-6));
+/// assert!(force > 0.09 && force < 0.1);
+/// # Ok::<(), preslide::ParamError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dahl<S = f32> {
     coulomb: S,

@@ -23,6 +23,20 @@ const WIDEST: f64 = 0.9;
 /// **Limits.** A load whose ripple stays below `σ0·z_ba` does not drift at all, which LuGre's does. Above it, inner
 /// loops stay open: there is no non-local memory, and a loop below `z_ba` encloses no area, so that small motion is
 /// not damped but by `σ1`. `s(v)` weakens with speed, so that a soft drive sticks and slips.
+///
+/// ```
+/// use preslide::{ElastoPlastic, Friction, Motion, Sliding, Units};
+///
+/// let none = Sliding::none(0.9);
+/// let model: ElastoPlastic = ElastoPlastic::try_new(1e5, 0.0, 5e-6, 0.9, none, Units::SI)?;
+/// let mut state = model.at_rest();
+/// // A load that stays below the elastic deflection does not drift: there and back leaves nothing.
+/// for dx in [4e-6, -4e-6] {
+///     model.step(&mut state, Motion::quasi_static(dx));
+/// }
+/// assert!(model.step(&mut state, Motion::quasi_static(0.0)).abs() < 1e-6);
+/// # Ok::<(), preslide::ParamError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ElastoPlastic<S = f32> {
     /// `σ0`, `σ1` and `z_ss(v)`, LuGre's `g(v)`.

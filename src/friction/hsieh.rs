@@ -48,6 +48,18 @@ pub struct HsiehParams {
 ///
 /// For identification and comparison on the host. A step costs one exponential and one power while elastic,
 /// and twenty of each while yielding: too slow for most control ticks, as the paper says of it.
+///
+/// ```
+/// use preslide::{Friction, Hsieh, HsiehParams, Motion, Units};
+///
+/// let params = HsiehParams { k1: 1e3, k2: 1e5, beta: 1e5, viscous: 0.0, creep: 0.0, hardening: 1.0, hardening_exponent: 1.0 };
+/// let hsieh: Hsieh = Hsieh::try_new(&params, 50e-6, Units::SI)?;
+/// let mut state = hsieh.at_rest();
+/// // 1 nm from rest: `k_1s + k_2s`.
+/// let force = hsieh.step(&mut state, Motion::quasi_static(1e-9));
+/// assert!((force / 1.01e-4 - 1.0).abs() < 1e-3);
+/// # Ok::<(), preslide::ParamError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hsieh<S = f32> {
     k1: S,

@@ -39,6 +39,19 @@ pub enum LeuvenForm {
 ///
 /// `N ≤ 32` blocks. For identification and comparison on the host: a step costs at least four powers. Computed
 /// in floats; fixed point saturates.
+///
+/// ```
+/// use preslide::{Block, Friction, Leuven, LeuvenForm, Motion, Sliding, Units};
+///
+/// let blocks = [Block { stiffness: 1e5, weight: 0.6 }, Block { stiffness: 1e4, weight: 0.4 }];
+/// let none = Sliding::none(0.9);
+/// let leuven = Leuven::<2>::try_new(LeuvenForm::Modified, &blocks, 0.9, 10.0, 0.0, none, Units::SI)?;
+/// let mut state = leuven.at_rest();
+/// // 1 µm from rest: both blocks.
+/// let force = leuven.step(&mut state, Motion { displacement: 1e-6, velocity: 1e-5 });
+/// assert!((force - 0.11).abs() < 1e-3);
+/// # Ok::<(), preslide::ParamError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Leuven<const N: usize, S = f32> {
     blocks: Blocks<N, S>,

@@ -17,6 +17,20 @@ use crate::{Friction, Motion, Scalar};
 /// would turn one 25 nm count at 20 kHz into 0.5 mm/s, 2.2 N with the paper's `σp`. Eq. (3) has no viscous term
 /// for sliding; add one outside if the machine needs it. The Stribeck curve is that of [`Sliding`]; its
 /// attraction parameter is not used here. Inner loops do not close (no non-local memory).
+///
+/// ```
+/// use preslide::{Friction, LuGre, Motion, Sliding, Units};
+///
+/// let sliding = Sliding { coulomb: 0.7, stribeck_velocity: 1e-3, stribeck_exponent: 2.0, attraction: 1.0 };
+/// let lugre: LuGre = LuGre::try_new(1e5, 0.0, 0.9, sliding, Units::SI)?;
+/// let mut state = lugre.at_rest();
+/// let slow = Motion { displacement: 1e-3, velocity: 1e-5 };
+/// let fast = Motion { displacement: 1e-3, velocity: 1e-2 };
+/// // Slow sliding takes the breakaway force, fast sliding Coulomb's.
+/// assert!((lugre.step(&mut state, slow) - 0.9).abs() < 1e-3);
+/// assert!((lugre.step(&mut state, fast) - 0.7).abs() < 1e-3);
+/// # Ok::<(), preslide::ParamError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct LuGre<S = f32> {
     pub(crate) stiffness: S,

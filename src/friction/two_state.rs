@@ -20,6 +20,21 @@ use crate::{Friction, Motion, Scalar};
 /// **Limits.** Only the last reversal is remembered, which is what the paper calls vague: an inner loop ends on a
 /// branch of its own and stays open, and a ripple on a load drifts. `df0/dζ = −ln ζ` is infinite at a reversal, so no
 /// stiffness can be given and a small motion feels stiffer the smaller it is. `|F| ≤ F_s` always.
+///
+/// ```
+/// use preslide::{Friction, Motion, Sliding, TwoState, Units};
+///
+/// let sliding = Sliding { coulomb: 0.9, stribeck_velocity: 1e-3, stribeck_exponent: 2.0, attraction: 1.0 };
+/// let model: TwoState = TwoState::try_new(10e-6, 0.9, sliding, 50e-6, Units::SI)?;
+/// let mut state = model.at_rest();
+/// // A branch ends where its pre-sliding distance does, at the breakaway force.
+/// let mut force = 0.0;
+/// for _ in 0..20 {
+///     force = model.step(&mut state, Motion { displacement: 1e-6, velocity: 0.02 });
+/// }
+/// assert!((force - 0.9).abs() < 1e-2);
+/// # Ok::<(), preslide::ParamError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct TwoState<S = f32> {
     breakaway: S,

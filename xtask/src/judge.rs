@@ -1,4 +1,4 @@
-//! `cargo xtask properties`, `inject`, `sources`, `calibrate`, `real`: judges of `preslide diagnose` that know it by its command line and its JSON only.
+//! `cargo xtask properties`, `experiments`, `inject`, `sources`, `calibrate`, `real`: judges of `preslide diagnose` that know it by its command line and its JSON only.
 
 use crate::process::{build_as_tests, released, root, run};
 use std::process::Command;
@@ -23,6 +23,11 @@ pub fn properties(arguments: &[String]) -> Result<(), String> {
 /// Known effects added to real recordings.
 pub fn inject(arguments: &[String]) -> Result<(), String> {
     judge("inject", arguments)
+}
+
+/// Experiments against passive recordings.
+pub fn experiments(arguments: &[String]) -> Result<(), String> {
+    judge("experiments", arguments)
 }
 
 /// Every source of recordings with a known truth, in one table.

@@ -73,6 +73,11 @@ const COMMANDS: &[Command] = &[
         run: judge::inject,
     },
     Command {
+        name: "experiments",
+        help: "does it help to ask? a motion and experiments against a recording as long: trials that hide what one recording hardly shows; --help lists the options",
+        run: judge::experiments,
+    },
+    Command {
         name: "sources",
         help: "the diagnosis on every source of recordings with a known truth: one table; --help lists the options",
         run: judge::sources,

@@ -6,7 +6,7 @@ use super::words::place_words;
 use crate::model::key_of;
 use crate::recording::Recording;
 use crate::report::Table;
-use crate::report::figures::{probability, quantity, within};
+use crate::report::figures::{estimate, probability, quantity};
 use crate::report::units::name_and_unit;
 use crate::statistics::Estimate;
 use serde_json::{Value, json};
@@ -41,12 +41,9 @@ impl Named {
 }
 
 /// A parameter by its key in a model file, of an effort in such a unit: `period 2.50 ± 0.01 mm`.
-fn parameter(key: &str, estimate: &Estimate, effort: &str) -> String {
+fn parameter(key: &str, known: &Estimate, effort: &str) -> String {
     let (name, unit) = name_and_unit(key, effort);
-    let size = match estimate.reach() {
-        Some(reach) => within(estimate.value, reach, &unit),
-        None => quantity(estimate.value, &unit),
-    };
+    let size = estimate(known.value, known.ci95, &unit);
     format!("{name} {size}").trim_end().to_owned()
 }
 

@@ -8,14 +8,12 @@ use super::verdict::Diagnosis;
 use crate::statistics::quantile_between_ranks;
 use std::fmt::Write as _;
 
-/// Repeats of the motion: folds to hold out.
-const REPEATS: usize = 4;
 /// Sample time of the profile (s).
 const STEP_S: f64 = 1e-3;
-/// Longest that one part of a repeat may take (s).
-const LONGEST_S: f64 = 40.0;
-/// Repeats of a motion that is played beside a recording that there is already: each may be held out for the other.
-const ONCE_MORE: usize = 2;
+/// Repeats, and longest time of one part of a repeat (s): of a motion by itself, with folds to hold out, and of one beside a recording that there
+/// is already.
+const ALONE: (usize, f64) = (4, 40.0);
+const ONCE_MORE: (usize, f64) = (2, 20.0);
 /// Quantile of the accelerations of the recording that the motion may take.
 const STEEP: f64 = 0.98;
 /// Probability from which a suspicion is worth an experiment.
@@ -26,6 +24,8 @@ struct Profile {
     x: Vec<f64>,
     /// Largest acceleration (m/s² or rad/s²).
     steepest: f64,
+    /// Longest that one part may take (s).
+    longest: f64,
 }
 
 impl Profile {
@@ -56,7 +56,8 @@ impl Profile {
     fn part(&mut self, part: Part, (low, high): (f64, f64), (slow, fast): (f64, f64)) {
         let (travel, middle) = (high - low, 0.5 * (low + high));
         // A stroke that takes no longer than it should.
-        let stroke = |speed: f64, most: f64| most.min(speed * 0.2 * LONGEST_S);
+        let longest = self.longest;
+        let stroke = |speed: f64, most: f64| most.min(speed * 0.2 * longest);
         match part {
             Part::Nested => {
                 self.go(middle, fast);
@@ -82,9 +83,18 @@ impl Profile {
                 }
             }
             Part::Passes => {
-                let speed = (3.0 * slow).max(travel / (0.4 * LONGEST_S));
+                let speed = (3.0 * slow).max(travel / (0.4 * longest));
                 for end in [low, high, low] {
                     self.go(end, speed.min(fast));
+                }
+            }
+            Part::Again => {
+                for strokes in [12, 4] {
+                    for _ in 0..strokes {
+                        self.go(middle + stroke(fast, 0.4 * travel), fast);
+                        self.go(middle, fast);
+                    }
+                    self.rest(0.25 * self.longest);
                 }
             }
             Part::Fast => {
@@ -118,7 +128,11 @@ pub struct Experiment {
 
 impl Experiment {
     /// The motion for some effects, within the travel, the speeds and the accelerations of the recording.
-    fn about(mut about: Vec<&'static str>, found: &Diagnosis, repeats: usize) -> Self {
+    fn about(
+        mut about: Vec<&'static str>,
+        found: &Diagnosis,
+        (repeats, longest): (usize, f64),
+    ) -> Self {
         about.sort_unstable();
         about.dedup();
         let mut parts: Vec<Part> = Vec::new();
@@ -135,6 +149,7 @@ impl Experiment {
         let mut profile = Profile {
             x: vec![0.5 * (low + high)],
             steepest: quantile_between_ranks(&steep, STEEP).max(f64::MIN_POSITIVE),
+            longest,
         };
         let mut ends = Vec::new();
         for _ in 0..repeats {
@@ -160,7 +175,7 @@ impl Experiment {
             .filter(|e| !e.confident || !e.ambiguous.is_empty())
             .flat_map(|e| std::iter::once(e.id()).chain(e.ambiguous.iter().map(|e| e.id())));
         let hidden = found.lacks.iter().flat_map(|l| l.hides.iter().copied());
-        Self::about(open.chain(hidden).collect(), found, REPEATS)
+        Self::about(open.chain(hidden).collect(), found, ALONE)
     }
 
     /// What would decide the dearest doubt of those that were not asked: of a name that is suspected, by what it would take off and how likely it is;

@@ -3,7 +3,7 @@
 use super::Identification;
 use super::present::{shown, unit};
 use crate::recording::{MotionKind, Recording};
-use crate::report::figures::{left, quantity, within};
+use crate::report::figures::{estimate, left};
 use crate::signal::StickSlip;
 use crate::statistics::Estimate;
 use serde_json::{Value, json};
@@ -62,10 +62,7 @@ impl Identification {
     pub fn in_words(&self, recording: &Recording) -> String {
         let parameter = |(name, e): (&'static str, Estimate)| {
             let unit = unit(recording, name);
-            let size = match e.reach() {
-                Some(reach) => within(e.value, reach, &unit),
-                None => quantity(e.value, &unit),
-            };
+            let size = estimate(e.value, e.ci95, &unit);
             format!("{} {size}", shown(recording, name).replace('_', " "))
         };
         let parameters: Vec<String> = self.parameters().map(parameter).collect();

@@ -19,6 +19,21 @@ pub fn within(value: f64, reach: f64, unit: &str) -> String {
     format!("{value} ± {reach:.decimals$} {}", shown.unit)
 }
 
+/// A value with its interval, where it has one: `5.0002 ± 0.0011 mm`, or, where one side is half as long again as the other, `0.41 (0.05 to 1.30) N`.
+pub fn estimate(value: f64, interval: Option<[f64; 2]>, unit: &str) -> String {
+    const UNEVEN: f64 = 1.5;
+    let Some([low, high]) = interval else {
+        return quantity(value, unit);
+    };
+    let (below, above) = (value - low, high - value);
+    if above.max(below) <= UNEVEN * above.min(below).max(0.0) {
+        return within(value, 0.5 * (high - low), unit);
+    }
+    let shown = display_unit(unit, value);
+    let [value, low, high] = [value, low, high].map(|v| three(v * shown.factor));
+    format!("{value} ({low} to {high}) {}", shown.unit)
+}
+
 /// Two values in the prefix that suits the larger: `−0.5 and 0.1 mm`.
 pub fn between(from: f64, to: f64, unit: &str) -> String {
     let shown = display_unit(unit, from.abs().max(to.abs()));

@@ -195,6 +195,20 @@ impl<S: Scalar, A: Learn<S>, B: Learn<S>> Learn<S> for (A, B) {
 /// the next enabling keep what was learned.
 ///
 /// **Bound.** `|F| ≤ (1 + r)·limit`, `r` the adaptation's range. Without adaptation the force is the model's, to the bit.
+///
+/// ```
+/// use preslide::control::learning::Adaptation;
+/// use preslide::control::{Learning, LearningSettings};
+/// use preslide::{Block, Friction, Motion, QuasiStaticGms, Units};
+///
+/// let blocks = [Block { stiffness: 1e5, weight: 1.0 }];
+/// let gms = QuasiStaticGms::<1>::try_new(&blocks, 0.9, Units::SI)?;
+/// // A level that follows the machine, within the settings' range.
+/// let learning: Learning<_, Adaptation<f32>> = Learning::try_new(gms, &LearningSettings::PAPER_AXIS, Units::SI)?;
+/// let mut state = learning.at_rest();
+/// assert!(learning.step(&mut state, Motion::quasi_static(1e-6)) > 0.0);
+/// # Ok::<(), preslide::ParamError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Learning<F: Friction, L> {
     friction: F,

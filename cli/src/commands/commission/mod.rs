@@ -13,7 +13,7 @@ use preslide_drive::{SpaceBar, quantity};
 use preslide_host::diagnose::experiment::Experiment;
 use preslide_host::drive::loadable;
 use preslide_host::plan::{Plan, Show, Wish, plan};
-use preslide_host::report::figures::{duration, within};
+use preslide_host::report::figures::duration;
 use preslide_link::{Mode, Name, Request};
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
@@ -558,10 +558,4 @@ impl Run {
 fn first_position(motion: &str) -> f64 {
     let row = motion.lines().nth(1).and_then(|row| row.split(',').nth(1));
     row.and_then(|x| x.parse().ok()).unwrap_or(0.0)
-}
-
-/// A value with half its interval's width.
-fn known(value: f64, ci95: Option<[f64; 2]>, unit: &str) -> String {
-    let reach = ci95.map_or(0.0, |[low, high]| 0.5 * (high - low));
-    within(value, reach, unit)
 }

@@ -1,13 +1,13 @@
 //! What the recordings so far tell.
 
 use super::super::{Failure, thin};
-use super::known;
 use preslide_host::diagnose::fit::Fit;
 use preslide_host::diagnose::{Diagnosis, diagnose, effect};
 use preslide_host::identify::{Identification, Options, STEPS, identify};
 use preslide_host::model::Model;
 use preslide_host::progress::Progress;
 use preslide_host::recording::{self, LoadOptions, MotionKind, Recording};
+use preslide_host::report::figures::estimate;
 use preslide_link::MOST_BLOCKS;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -42,7 +42,7 @@ pub fn careful(path: &Path) -> Result<(bool, Result<String, String>), Failure> {
             MotionKind::Rotary => "kg·m²",
         };
         let mass = mass.ok_or("the motion was too gentle to show it")?.1;
-        Ok(known(mass.value, mass.ci95, unit))
+        Ok(estimate(mass.value, mass.ci95, unit))
     });
     Ok((turned, weight))
 }

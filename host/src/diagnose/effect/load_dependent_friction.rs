@@ -2,7 +2,7 @@
 //! both ways, its size; without one, the effort beside friction.
 
 use super::readout::{enter, known, value_of};
-use super::{Class, Effect, Fitted, Scale, Scene};
+use super::{Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::{Signals, bounds, mean};
 use crate::diagnose::weak::Column;
@@ -69,6 +69,11 @@ impl Effect for LoadDependentFriction {
         let varies = quantile_between_ranks(&load, 0.95) - quantile_between_ranks(&load, 0.05);
         let told = varies > LEAST * scene.core.level;
         told.then(|| vec![1.0]).into_iter().collect()
+    }
+
+    /// No motion varies the load.
+    fn shown_by(&self) -> &'static [Part] {
+        &[]
     }
 
     fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column> {

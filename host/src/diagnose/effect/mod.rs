@@ -148,6 +148,8 @@ pub enum Part {
     Passes,
     /// Fast strokes, for inertia, delay and elasticity.
     Fast,
+    /// The same fast strokes over and over, a rest, and some more: what runs in stays, warmth goes back.
+    Again,
 }
 
 /// The model that effects act through.

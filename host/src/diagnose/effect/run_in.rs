@@ -3,7 +3,7 @@
 use super::grid::one;
 use super::readout::enter;
 use super::thermal_drift::{ThermalDrift, goes_one_way};
-use super::{Class, Effect, Fitted, Scale, Scene};
+use super::{Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
@@ -59,6 +59,10 @@ impl Effect for RunIn {
     fn grid(&self, scene: &Scene) -> Vec<Vec<f64>> {
         let path = scene.s.path.last().copied().unwrap_or(0.0);
         one(path / 20.0, path * 2.0, 5)
+    }
+
+    fn shown_by(&self) -> &'static [Part] {
+        &[Part::Again]
     }
 
     fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column> {

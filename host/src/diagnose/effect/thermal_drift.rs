@@ -4,7 +4,7 @@ use super::grid::one;
 use super::readout::enter;
 use super::readout::known;
 use super::run_in::RunIn;
-use super::{Class, Effect, Fitted, Scale, Scene};
+use super::{Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::{Signals, bounds, mean};
 use crate::diagnose::weak::Column;
@@ -68,6 +68,10 @@ impl Effect for ThermalDrift {
         }
         let duration = scene.s.duration();
         one(duration / 10.0, duration * 2.0, 4)
+    }
+
+    fn shown_by(&self) -> &'static [Part] {
+        &[Part::Again]
     }
 
     fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column> {
