@@ -60,8 +60,29 @@ pub fn typed(tool: &Path, port: u16) -> anyhow::Result<()> {
     screen.ended()?;
     let said = run(tool, &address, &["stop"])?;
     ensure!(said.contains("stands"), "Ctrl-C: {said}");
+    stops_commissioning(tool, &address)?;
     println!(
-        "typed: enable, move, space bar in a move and in a question, set, quit, jog, Ctrl-C: as they should"
+        "typed: enable, move, space bar in a move and in a question, set, quit, jog, Ctrl-C, space bar in a commissioning: as they should"
+    );
+    Ok(())
+}
+
+/// The space bar while `preslide commission` moves the axis.
+fn stops_commissioning(tool: &Path, address: &str) -> anyhow::Result<()> {
+    let folder = tempfile::tempdir()?;
+    let output = folder.path().join("commission");
+    let output = output.to_string_lossy();
+    let travel = ["--travel", "0.1mm", "--smallest", "4um"];
+    let words = [&["commission", address, "-o", &output][..], &travel].concat();
+    let mut screen = Screen::of(tool, &words)?;
+    screen.wait_for("homed: positions count")?;
+    screen.key(" ")?;
+    screen.wait_for("the same command goes on from there")?;
+    screen.ended_with(3)?;
+    let said = run(tool, address, &["state"])?;
+    ensure!(
+        said.contains("disabled"),
+        "the space bar left it enabled: {said}"
     );
     Ok(())
 }
@@ -152,6 +173,10 @@ struct Screen {
 
 impl Screen {
     fn open(tool: &Path, port: &str) -> anyhow::Result<Self> {
+        Self::of(tool, &["drive", port, "--wait", "20"])
+    }
+
+    fn of(tool: &Path, words: &[&str]) -> anyhow::Result<Self> {
         let (rows, cols) = (40, 160);
         let size = PtySize {
             rows,
@@ -161,7 +186,7 @@ impl Screen {
         };
         let pair = native_pty_system().openpty(size)?;
         let mut command = CommandBuilder::new(tool);
-        command.args(["drive", port, "--wait", "20"]);
+        command.args(words);
         command.env("TERM", "xterm-256color");
         let child = pair.slave.spawn_command(command)?;
         let mut reader = pair.master.try_clone_reader()?;
@@ -207,12 +232,19 @@ impl Screen {
         }
     }
 
-    /// Waits for the program's end.
+    /// Waits for the program's end, a good one.
     fn ended(&mut self) -> anyhow::Result<()> {
+        self.ended_with(0)
+    }
+
+    fn ended_with(&mut self, code: u32) -> anyhow::Result<()> {
         let start = Instant::now();
         while start.elapsed() < PATIENCE {
             if let Some(status) = self.child.try_wait()? {
-                ensure!(status.success(), "the terminal ended with {status:?}");
+                ensure!(
+                    status.exit_code() == code,
+                    "the terminal ended with {status:?}"
+                );
                 return Ok(());
             }
             std::thread::sleep(Duration::from_millis(20));

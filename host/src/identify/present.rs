@@ -1,10 +1,12 @@
 //! An identification for people and for machines.
 
+use super::fit::key;
 use super::plain::Place;
 use super::{Identification, Method};
 use crate::friction::Path;
 use crate::model::Model;
 use crate::recording::{MotionKind, Recording};
+use crate::report::units::name_and_unit;
 use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
 use crate::statistics::Estimate;
 use serde_json::{Value, json};
@@ -18,17 +20,10 @@ const STEPS: usize = 400;
 
 /// Unit of a rigid body parameter, for people.
 pub(super) fn unit(recording: &Recording, name: &str) -> String {
-    let (force, position) = (force_unit(recording), recording.position_unit());
-    match (name, recording.kind, force) {
-        ("mass", MotionKind::Linear, "N") => "kg".to_owned(),
-        ("mass", MotionKind::Rotary, "N·m") => "kg·m²".to_owned(),
-        ("mass", ..) => format!("{force}·s²/{position}"),
-        ("viscous" | "viscous_forward" | "viscous_backward", ..) => {
-            format!("{force}·s/{position}")
-        }
-        ("spring", ..) => format!("{force}/{position}"),
-        ("spring_centre" | "gravity_angle", ..) => position.to_owned(),
-        _ => force.to_owned(),
+    let (_, unit) = name_and_unit(key(recording.kind, name), recording.effort_unit());
+    match unit.as_str() {
+        "Nm" => "N·m".to_owned(),
+        _ => unit,
     }
 }
 

@@ -15,7 +15,7 @@ use preslide_host::drive::loadable;
 use preslide_host::plan::{Plan, Show, Wish, plan};
 use preslide_host::report::figures::duration;
 use preslide_link::{Mode, Name, Request};
-use std::io::{IsTerminal, Write};
+use std::io::Write;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use told::Told;
@@ -126,12 +126,11 @@ impl Commission {
             motions,
         };
         let done = run.all(&self, &bounds);
-        drop(keys);
         let ended = run.end(done.is_err().then_some(found_share));
         let told = done.map_err(|failure| self.interrupted(failure))?;
         ended?;
         run.report(&told)?;
-        self.keep(&mut run.axis)
+        self.keep(&mut run.axis, keys.as_ref())
     }
 
     /// From what was asked and the controller's own limits; all that is wrong at once.
@@ -234,15 +233,14 @@ impl Commission {
     }
 
     /// Asks whether parameters and model are to be kept over a reset.
-    fn keep(&self, axis: &mut Commanded) -> Result<(), Failure> {
+    fn keep(&self, axis: &mut Commanded, keys: Option<&SpaceBar>) -> Result<(), Failure> {
         let says_yes = || {
-            if !std::io::stdin().is_terminal() {
-                return false;
-            }
+            let Some(keys) = keys else { return false };
             eprint!("Keep parameters and model over a reset? [y/N] ");
             let _ = std::io::stderr().flush();
-            let mut line = String::new();
-            std::io::stdin().read_line(&mut line).is_ok() && line.trim().eq_ignore_ascii_case("y")
+            let key = keys.next();
+            eprintln!();
+            key.is_some_and(|key| key.eq_ignore_ascii_case(&'y'))
         };
         if !self.save && !says_yes() {
             say!(
