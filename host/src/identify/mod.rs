@@ -215,7 +215,7 @@ pub fn thinned(recording: &Recording, from: usize) -> Option<Recording> {
     }
     // Slips are shorter than the band of the motion tells.
     let by_band = if recording.role.contains_inertia() && StickSlip::of(recording).is_none() {
-        let cutoff = crate::signal::ZeroPhase::choose_cutoff(recording);
+        let cutoff = crate::signal::ZeroPhase::highest_cutoff(recording);
         (1.0 / (KEPT_RATE * cutoff * recording.sample_time_s())).floor() as usize
     } else {
         1

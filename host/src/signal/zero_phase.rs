@@ -216,8 +216,15 @@ impl ZeroPhase {
         Self::new(recording, Self::choose_cutoff(recording))
     }
 
-    /// The cut-off (Hz) of [`choose`](Self::choose); of joined files that of the one that moves fastest, which a lower one would hide.
+    /// The cut-off (Hz) of [`choose`](Self::choose): that of the longest piece.
     pub fn choose_cutoff(recording: &Recording) -> f64 {
+        let longest = recording.pieces.iter().max_by_key(|rows| rows.len());
+        let cutoff = longest.map(|piece| Self::cutoff_of(recording, piece));
+        cutoff.unwrap_or(0.2 / recording.sample_time_s())
+    }
+
+    /// Of joined files the highest of their own cut-offs (Hz): fewer samples would hide how the one moves that moves fastest.
+    pub fn highest_cutoff(recording: &Recording) -> f64 {
         let of_file = |file: &Range<usize>| {
             let own = recording.pieces.iter();
             let own = own.filter(|piece| file.start <= piece.start && piece.end <= file.end);
@@ -225,12 +232,7 @@ impl ZeroPhase {
         };
         let longest = recording.joined.iter().filter_map(of_file);
         let cutoffs = longest.map(|piece| Self::cutoff_of(recording, piece));
-        cutoffs.reduce(f64::max).unwrap_or_else(|| {
-            let longest = recording.pieces.iter().max_by_key(|rows| rows.len());
-            longest.map_or(0.2 / recording.sample_time_s(), |piece| {
-                Self::cutoff_of(recording, piece)
-            })
-        })
+        cutoffs.fold(Self::choose_cutoff(recording), f64::max)
     }
 
     fn cutoff_of(recording: &Recording, longest: &Range<usize>) -> f64 {
