@@ -16,6 +16,8 @@ const ALONE: (usize, f64) = (4, 40.0);
 const ONCE_MORE: (usize, f64) = (2, 20.0);
 /// Quantile of the accelerations of the recording that the motion may take.
 const STEEP: f64 = 0.98;
+/// Effects that an ordinary recording shows little of, and a motion made for them well.
+const OF_THEIR_OWN: [&str; 4] = ["dwell_aging", "backlash", "drive_compliance", "run_in"];
 /// Probability from which a suspicion is worth an experiment.
 const LEAST: f64 = 0.05;
 
@@ -179,29 +181,37 @@ impl Experiment {
     }
 
     /// What would decide the dearest doubt of those that were not asked: of a name that is suspected, by what it would take off and how likely it is;
-    /// where there is none, of what the recording hides. Whatever the same motion shows is asked along.
+    /// then of what the recording hides; then of what only a kind of motion shows well that was not played. Whatever the same motion shows is
+    /// asked along.
     pub fn next(found: &Diagnosis, asked: &[String]) -> Option<Self> {
-        let is_new = |id: &&'static str| !parts_of(id).is_empty() && !asked.iter().any(|a| a == id);
-        let mut doubts: Vec<(f64, &'static str)> = (found.effects.iter())
-            .filter(|e| !e.confident && !e.in_fit && e.confidence >= LEAST)
-            .map(|e| (e.confidence * (e.nmse_test[0] - e.nmse_test[1]), e.id()))
-            .filter(|(_, id)| is_new(id))
-            .collect();
-        doubts.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let mut open: Vec<&'static str> = doubts.into_iter().map(|(_, id)| id).collect();
         let stated: Vec<&str> = found.confident().map(|e| e.id()).collect();
-        let hidden = found
-            .lacks
-            .iter()
-            .flat_map(|lack| lack.hides.iter().copied());
-        open.extend(hidden.filter(|id| is_new(id) && !stated.contains(id)));
+        let is_open = |id: &&'static str| {
+            let is_known = stated.contains(id) || asked.iter().any(|a| a == id);
+            !parts_of(id).is_empty() && !is_known
+        };
+        let suspected = found.effects.iter().filter(|e| !e.confident && !e.in_fit);
+        let mut suspected: Vec<(f64, &'static str)> = suspected
+            .filter(|e| e.confidence >= LEAST)
+            .map(|e| (e.confidence * (e.nmse_test[0] - e.nmse_test[1]), e.id()))
+            .collect();
+        suspected.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let hidden = found.lacks.iter();
+        let hidden = hidden.flat_map(|lack| lack.hides.iter().copied());
+        let played: Vec<Part> = asked.iter().flat_map(|id| parts_of(id)).copied().collect();
+        let of_another_kind = |id: &&'static str| {
+            let own = parts_of(id);
+            OF_THEIR_OWN.contains(id) && !own.iter().all(|part| played.contains(part))
+        };
+        let all = effect::ALL.iter().map(|effect| effect.id());
+        let doubts = suspected.into_iter().map(|(_, id)| id).chain(hidden);
+        let open: Vec<&'static str> = doubts
+            .chain(all.filter(of_another_kind))
+            .filter(is_open)
+            .collect();
         let shows = parts_of(open.first()?);
         let is_shown = |id: &&'static str| parts_of(id).iter().all(|part| shows.contains(part));
-        Some(Self::about(
-            open.into_iter().filter(is_shown).collect(),
-            found,
-            ONCE_MORE,
-        ))
+        let about = open.iter().copied().filter(is_shown).collect();
+        Some(Self::about(about, found, ONCE_MORE))
     }
 
     /// Duration (s).
