@@ -1,6 +1,7 @@
 //! The stages, on a small made machine: 2 kg on three Maxwell-slip blocks, what is added to it, and noise.
 
 mod as_it_is;
+mod experiments;
 
 use super::axis::Axis;
 use super::credible::sieved;
