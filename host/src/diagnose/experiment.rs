@@ -181,7 +181,7 @@ impl Experiment {
     }
 
     /// What would decide the dearest doubt of those that were not asked: of a name that is suspected, by what it would take off and how likely it is;
-    /// then of what the recording hides; then of what only a kind of motion shows well that was not played. Whatever the same motion shows is
+    /// then of what the recording hides; then, where nothing was found, of what only a kind of motion shows well that was not played. Whatever the same motion shows is
     /// asked along.
     pub fn next(found: &Diagnosis, asked: &[String]) -> Option<Self> {
         let stated: Vec<&str> = found.confident().map(|e| e.id()).collect();
@@ -200,7 +200,8 @@ impl Experiment {
         let played: Vec<Part> = asked.iter().flat_map(|id| parts_of(id)).copied().collect();
         let of_another_kind = |id: &&'static str| {
             let own = parts_of(id);
-            OF_THEIR_OWN.contains(id) && !own.iter().all(|part| played.contains(part))
+            let is_new = !own.iter().all(|part| played.contains(part));
+            found.missing().next().is_none() && OF_THEIR_OWN.contains(id) && is_new
         };
         let all = effect::ALL.iter().map(|effect| effect.id());
         let doubts = suspected.into_iter().map(|(_, id)| id).chain(hidden);

@@ -32,5 +32,4 @@ fn each_doubt_is_asked_once_and_the_axis_can_follow() {
         asked.extend(next.about.iter().map(|id| (*id).to_owned()));
         assert!(asked.len() < 40, "it asks for ever");
     }
-    assert!(asked.iter().any(|id| id == "dwell_aging"), "{asked:?}");
 }
