@@ -7,7 +7,8 @@ use super::{BLOCKS, FORCE_N};
 use crate::stage::{Stage, StageConfig};
 use crate::tracking::simplex::minimise;
 use crate::tracking::{
-    Axis, Experiment, IDENTIFICATION_SEED, Instant, Tracking, TrackingError, motions, observer,
+    Axis, Experiment, IDENTIFICATION_SEED, Instant, Step, Tracking, TrackingError, motions,
+    observer,
 };
 use preslide::control::learning::Adaptation;
 use preslide::control::{
@@ -31,6 +32,37 @@ const START: Weights = Weights {
     change: 1e-13,
     gain: 0.02,
 };
+
+/// By what its loop's gain may grow that every controller has to bear while it is tuned (-): a motor's constant and a mass that are each a
+/// quarter off. More is looked for when it is tuned.
+const GAIN: f64 = 1.5;
+const GAINS: [f64; 4] = [GAIN, 2.0, 3.0, 4.0];
+/// Error (m) that ringing counts as at least while it is tuned: more than any controller leaves, so that a search that begins where a
+/// loop rings finds its way.
+const RINGING_M: f64 = 1e-6;
+/// What is judged of it: so long, until so long before the end (s), in which the reference brakes.
+const JUDGED_S: [f64; 2] = [0.2, 0.05];
+/// A rest after the slide (s).
+const REST_S: f64 = 0.4;
+/// Standard deviations of the error that ring, in a slide and at rest (m): several times what the encoder's interpolation and its counts
+/// make.
+const RINGS_M: [f64; 2] = [300e-9, 50e-9];
+
+fn ringing() -> [Step; 2] {
+    let slide = Step::Move {
+        distance_m: 0.5e-3,
+        speed_m_s: 1e-3,
+        ramp_s: 0.02,
+    };
+    [slide, Step::Dwell(REST_S)]
+}
+
+fn deviation(values: &[f64]) -> f64 {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+    (squares / n).sqrt()
+}
 
 /// A controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,6 +118,7 @@ impl Contender {
 }
 
 /// What experiments on the identification stage told.
+#[derive(Clone)]
 pub struct Known {
     settings: Settings,
     stage: StageConfig,
@@ -290,8 +323,53 @@ impl Known {
         Some(task.contraction())
     }
 
-    /// The worse of two RMS errors (m) over the identification's motion: on its stage, and with a payload that nobody told of.
+    /// By how much (m) the loop rings with `gain` times its gain; `None` where it does not. The margin that
+    /// [`observer::proposal`] asks of its loops by their linear model is asked of every controller by a run, since not every one has such
+    /// a model: a slide at a constant speed and a rest, each judged in its last part. A fault rings, too.
+    fn rings(&self, contender: Contender, p: &[f64; 3], gain: f64) -> Option<f64> {
+        let mut louder = self.clone();
+        // Every force takes the voltage of a larger resistance than there is; what makes up for the back-EMF stays.
+        louder.settings.motor.resistance *= gain;
+        let moves = ringing().map(|step| step.plan(&self.settings));
+        let (Ok(stage), [Ok(slide), Ok(rest)]) = (Stage::try_new(self.stage.clone()), moves) else {
+            return Some(RINGING_M);
+        };
+        let (mut errors, mut fault) = (Vec::new(), false);
+        let mut observe = |now: Instant| {
+            let reference = now.command.reference as f64 / 65536.0 * self.settings.encoder.count;
+            errors.push(reference - now.encoder_m);
+            fault |= now.command.fault.is_some();
+        };
+        let ride = Ride {
+            stage,
+            moves: &[slide, rest],
+            half_way: None,
+            observe: &mut observe,
+        };
+        let made = louder.ride(contender, p, ride).is_ok();
+        let ticks = |time_s: f64| (time_s / self.settings.sample_time()) as usize;
+        let (sliding, resting) = errors.split_at(errors.len().saturating_sub(ticks(REST_S)));
+        let spread = |part: &[f64]| {
+            let end = part.len().saturating_sub(ticks(JUDGED_S[1]));
+            deviation(&part[end.saturating_sub(ticks(JUDGED_S[0]))..end])
+        };
+        let [sliding, resting] = [spread(sliding), spread(resting)];
+        let quiet = made && !fault && sliding < RINGS_M[0] && resting < RINGS_M[1];
+        (!quiet).then_some(sliding.max(resting).min(RINGING_M))
+    }
+
+    /// The largest of the gains that were tried, one after the other, with which the loop does not ring (-).
+    pub(super) fn borne(&self, contender: Contender, p: &[f64; 3]) -> Option<f64> {
+        let borne = |gain: &f64| self.rings(contender, p, *gain).is_none();
+        GAINS.into_iter().take_while(borne).last()
+    }
+
+    /// The worse of two RMS errors (m) over the identification's motion: on its stage, and with a payload that nobody told of. Where half
+    /// as much gain again rings it is more than a micrometre.
     pub(super) fn cost(&self, contender: Contender, p: &[f64; 3]) -> f64 {
+        if let Some(ringing) = self.rings(contender, p, GAIN) {
+            return RINGING_M + ringing;
+        }
         let moves = motions::identification();
         let moves = moves.iter().map(|step| step.plan(&self.settings));
         let Ok(moves) = moves.collect::<Result<Vec<_>, _>>() else {

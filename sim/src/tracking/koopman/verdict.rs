@@ -100,6 +100,8 @@ pub struct Tuned {
     pub parameters: [f64; 3],
     /// The worse RMS error of the tuning's two stages, before and after (m).
     pub cost_m: [f64; 2],
+    /// The largest gain that was tried with which its loop does not ring, of what it is (-).
+    pub gain: Option<f64>,
     /// What part of a bad start's cost the iterations leave at most (-).
     pub contraction: Option<f64>,
 }
@@ -158,6 +160,7 @@ pub fn study(
             contender: *contender,
             parameters,
             cost_m: [known.cost(*contender, &[0.0; 3]), cost],
+            gain: known.borne(*contender, &parameters),
             contraction: known.contraction(*contender, &parameters),
         })
     };
@@ -293,8 +296,8 @@ pub fn print(verdict: &Verdict) -> String {
     }
     let _ = writeln!(
         text,
-        "\ntuned on the identification's stage and motion, the worse of as told and +1 kg (nm RMS)\n{:<18} {:>8} {:>8}  {:<22} {:>12}",
-        "", "before", "after", "logarithms", "contraction"
+        "\ntuned on the identification's stage and motion, the worse of as told and +1 kg (nm RMS)\n{:<18} {:>8} {:>8}  {:<22} {:>6} {:>12}",
+        "", "before", "after", "logarithms", "bears", "contraction"
     );
     for tuned in &verdict.tuned {
         let [a, b, c] = tuned.parameters;
@@ -302,10 +305,11 @@ pub fn print(verdict: &Verdict) -> String {
         let contraction = tuned
             .contraction
             .map_or(String::new(), |c| format!("{c:.2e}"));
+        let gain = tuned.gain.map_or("rings".to_owned(), |g| format!("×{g}"));
         let logarithms = format!("{a:+.2} {b:+.2} {c:+.2}");
         let _ = writeln!(
             text,
-            "{:<18} {before:>8.0} {after:>8.0}  {logarithms:<22} {contraction:>12}",
+            "{:<18} {before:>8.0} {after:>8.0}  {logarithms:<22} {gain:>6} {contraction:>12}",
             tuned.contender.name(),
         );
     }
