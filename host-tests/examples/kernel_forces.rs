@@ -73,7 +73,8 @@ fn print_control_task<S: Number>(kernel: &str) {
 /// Lifted states and orders of the predictive controller; cores without a float unit, which see a part of the motion, leave it out.
 fn print_koopman(kernel: &str, iterations: u32) {
     let (lift, mpc) = (koopman::lift(), koopman::mpc(iterations));
-    let (mut state, mut plan) = (lift.at_rest(), koopman::MpcState::new());
+    let mut state: koopman::LiftState = lift.at_rest();
+    let mut plan = koopman::MpcState::new();
     let (_, [lifts, orders]) = koopman::run(
         Strokes::new().take(ticks()),
         |s| *lift.take(&mut state, s.error, s.travelled, s.reference, s.force),

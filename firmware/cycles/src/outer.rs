@@ -55,10 +55,7 @@ pub fn run() {
 fn measure(kernel: &str, iterations: u32, solve: Solve, with_lift: bool) {
     let (model, mpc) = (koopman::lift(), koopman::mpc(iterations));
     let (mut state, mut plan) = (model.at_rest(), MpcState::new());
-    let (recorded, solve) = (
-        black_box(lift as Take),
-        black_box(solve),
-    );
+    let (recorded, solve) = (black_box(lift as Take), black_box(solve));
     let (calls, [lifts, orders]) = koopman::run(
         Strokes::new().take(TICKS),
         |sample| {

@@ -197,8 +197,8 @@ impl<const STATES: usize, const MOVES: usize> KoopmanMpc<STATES, MOVES> {
 
     /// The force (N or N·m) of the next sample, from the lifted state of this one.
     ///
-    /// Takes the same path whatever the values, but for the travel's ends, which are looked at only where a move may reach them. A lift
-    /// that is no number lets the force go as fast as it may.
+    /// No loop depends on the values; what a limit costs more or less is counted (`firmware/cycles`). A lift that is no number lets the
+    /// force go as fast as it may.
     pub fn solve(
         &self,
         state: &mut KoopmanState<MOVES>,
