@@ -11,6 +11,8 @@ mod closed_loop;
 mod effects;
 #[path = "../../firmware/cycles/src/kernels.rs"]
 mod kernels;
+#[path = "../../firmware/cycles/src/koopman.rs"]
+mod koopman;
 #[path = "../../firmware/cycles/src/motion.rs"]
 mod motion;
 
@@ -68,11 +70,29 @@ fn print_control_task<S: Number>(kernel: &str) {
     println!("{kernel} 4 {checksum:016x}");
 }
 
+/// Lifted states and orders of the predictive controller; cores without a float unit, which see a part of the motion, leave it out.
+fn print_koopman(kernel: &str, iterations: u32) {
+    let (lift, mpc) = (koopman::lift(), koopman::mpc(iterations));
+    let mut state: koopman::LiftState = lift.at_rest();
+    let mut plan = koopman::MpcState::new();
+    let (_, [lifts, orders]) = koopman::run(
+        Strokes::new().take(ticks()),
+        |s| *lift.take(&mut state, s.error, s.travelled, s.reference, s.force),
+        |sample, lifted| mpc.solve(&mut plan, lifted, &sample.ahead),
+    );
+    println!("koopman_lift 4 {lifts:016x}");
+    println!("{kernel} 5 {orders:016x}");
+}
+
 fn main() {
     kernels::run();
     effects::run();
     print_control_task::<f32>("control_task_f32");
     print_control_task::<I16F16>("control_task_i16f16");
+    if ticks() == TICKS {
+        print_koopman("koopman_mpc_10", 10);
+        print_koopman("koopman_mpc_20", 20);
+    }
     kernels::long_runs(|kernel, checksum| {
         println!("{kernel} steps {} {checksum:016x}", kernels::LONG);
     });

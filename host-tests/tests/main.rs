@@ -14,6 +14,7 @@ mod faults;
 mod identify;
 mod identify_core;
 mod kernels;
+mod koopman;
 mod learning;
 mod observer;
 mod on_the_fit;

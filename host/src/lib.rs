@@ -14,6 +14,7 @@ pub mod identify;
 pub mod model;
 pub mod paper;
 pub mod plan;
+pub mod predict;
 pub mod progress;
 pub mod recording;
 pub mod report;

@@ -32,6 +32,7 @@ mod fade;
 mod fault_limits;
 mod faults;
 mod hardware;
+pub mod koopman;
 pub mod learning;
 mod leaving;
 mod limiter;

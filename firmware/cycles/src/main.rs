@@ -18,10 +18,14 @@ mod control_task;
 mod effects;
 mod given;
 mod kernels;
+#[cfg(all(target_abi = "eabihf", not(feature = "board")))]
+mod koopman;
 #[cfg_attr(target_arch = "arm", path = "cortex_m.rs")]
 #[cfg_attr(target_arch = "riscv32", path = "hazard3.rs")]
 mod machine;
 mod motion;
+#[cfg(all(target_abi = "eabihf", not(feature = "board")))]
+mod outer;
 mod peers;
 mod spent;
 mod stub;
@@ -68,6 +72,8 @@ fn run() -> ! {
     effects::run();
     #[cfg(not(feature = "board"))]
     control_task::run();
+    #[cfg(all(target_abi = "eabihf", not(feature = "board")))]
+    outer::run();
     peers::run();
     if !machine::MEASURES {
         kernels::long_runs(|kernel, checksum| {

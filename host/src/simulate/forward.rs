@@ -12,7 +12,7 @@ use crate::recording::Recording;
 use preslide::{Friction, Motion};
 
 /// Steps within a sample that are tried first, and most of them.
-const FIRST: u32 = 4;
+pub(super) const FIRST: u32 = 4;
 const MOST: u32 = 256;
 
 /// Change of the position on halving the step, relative to the travel, that is small enough.
@@ -150,7 +150,7 @@ pub(super) fn one_body(model: &Model) -> Result<(), String> {
 }
 
 /// The force that reaches the body from the recorded command.
-fn applied(model: &Model, recorded: &[f64], sample_time: f64) -> Vec<f64> {
+pub(super) fn applied(model: &Model, recorded: &[f64], sample_time: f64) -> Vec<f64> {
     let mut force = recorded.to_vec();
     for effect in model.of(&form::CHANNEL_DELAY) {
         // What is recorded now acted that much earlier.
@@ -181,7 +181,7 @@ pub(super) fn acting(model: &Model, mut force: f64) -> f64 {
 }
 
 /// The slope at the end of the parabola through the samples (least squares).
-fn end_slope(head: &[f64], sample_time: f64) -> f64 {
+pub(super) fn end_slope(head: &[f64], sample_time: f64) -> f64 {
     if head.len() < 3 {
         return match head {
             [a, b] => (b - a) / sample_time,
@@ -203,8 +203,8 @@ pub(super) struct Body<L: Friction<Scalar = f64>> {
     pub(super) x: f64,
     /// Velocity (m/s or rad/s).
     pub(super) v: f64,
-    resistance: f64,
-    state: L::State,
+    pub(super) resistance: f64,
+    pub(super) state: L::State,
 }
 
 impl<L: Friction<Scalar = f64>> Body<L> {

@@ -5,6 +5,7 @@ mod forward;
 pub mod inverse;
 mod present;
 pub mod ramp;
+mod starts;
 #[cfg(test)]
 mod tests;
 
@@ -16,6 +17,7 @@ use crate::signal::Kinematics;
 use crate::statistics::nmse;
 
 pub use forward::motion_with_inertia;
+pub use starts::motion_from_each;
 
 /// A simulated recording.
 #[derive(Clone, Debug)]

@@ -8,6 +8,7 @@ mod axis;
 mod circle;
 pub mod dead_time;
 mod identification;
+pub mod koopman;
 pub mod motions;
 pub mod observer;
 mod perfect;

@@ -163,7 +163,7 @@ impl LookAheadSettings {
 }
 
 /// The reference's velocity (m/s) in every tick of the moves.
-fn velocities(settings: &Settings, moves: &[Move]) -> Result<Arc<[f32]>, TrackingError> {
+pub(super) fn velocities(settings: &Settings, moves: &[Move]) -> Result<Arc<[f32]>, TrackingError> {
     let coefficients = Coefficients::try_new(settings, NoFriction::<f64>::new(), Units::SI)?;
     let controller = Controller::new(coefficients, 0_u32);
     let pace = controller.pace();

@@ -138,7 +138,14 @@ pub fn floor(row: &Row) -> Option<f64> {
 
 /// Whether the row's force is a friction model's, and nothing else's.
 pub fn is_friction(kernel: &str) -> bool {
-    const OTHERS: [&str; 5] = ["with_", "control_task", "empty_call", "pid_", "idsp_"];
+    const OTHERS: [&str; 6] = [
+        "with_",
+        "control_task",
+        "koopman_",
+        "empty_call",
+        "pid_",
+        "idsp_",
+    ];
     !OTHERS.iter().any(|other| kernel.starts_with(other))
 }
 

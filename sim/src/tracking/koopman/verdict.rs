@@ -1,0 +1,356 @@
+//! Who should use which: on stages that are, and that are not, what the controllers were told.
+
+use super::contender::{Contender, Known, Ride};
+use crate::stage::concealed::Concealed;
+use crate::stage::{Stage, StageConfig};
+use crate::tracking::{Instant, Step, TRACKING_SEEDS, Tracking, TrackingError, motions};
+use preslide::control::{Move, Settings};
+use preslide_host::tune::observer::{UNCERTAINTY, UNTOLD_KG};
+use rayon::prelude::*;
+use std::fmt::Write as _;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// An error that counts as settled (m).
+const SETTLED_M: f64 = 100e-9;
+
+/// What the controllers are not told of a stage.
+#[derive(Clone, Copy, Debug)]
+struct Untold {
+    name: &'static str,
+    /// Friction, of what was identified, from the start and from the middle of each motion on (-).
+    level: f64,
+    half_way: Option<f64>,
+    more_kg: f64,
+    concealed: Option<Concealed>,
+}
+
+const AS_TOLD: Untold = Untold {
+    name: "as told",
+    level: 1.0,
+    half_way: None,
+    more_kg: 0.0,
+    concealed: None,
+};
+
+/// A tenth of the breakaway force with the motor's period, a magnet's pull.
+const COGGING: Concealed = Concealed::PeriodicForce {
+    force_n: 0.09,
+    period_m: 2.857e-4,
+    phase_rad: 0.7,
+};
+
+const CONDITIONS: [Untold; 6] = [
+    AS_TOLD,
+    Untold {
+        name: "friction +15 %",
+        level: 1.0 + UNCERTAINTY,
+        ..AS_TOLD
+    },
+    Untold {
+        name: "friction −15 %",
+        level: 1.0 - UNCERTAINTY,
+        ..AS_TOLD
+    },
+    Untold {
+        name: "payload +1 kg",
+        more_kg: UNTOLD_KG,
+        ..AS_TOLD
+    },
+    Untold {
+        name: "cogging of 0.09 N",
+        concealed: Some(COGGING),
+        ..AS_TOLD
+    },
+    Untold {
+        // What a lubricant does that warms.
+        name: "warmed half way: friction −15 %",
+        half_way: Some(1.0 - UNCERTAINTY),
+        ..AS_TOLD
+    },
+];
+
+/// What a controller did in one condition, over all seeds.
+#[derive(Clone, Debug, Default)]
+pub struct Score {
+    /// Nested triangles, whose peak is at a reversal.
+    pub nested: Tracking,
+    /// The slide with reversals.
+    pub slide: Tracking,
+    /// Moves made, and those after which the error stayed within 100 nm.
+    pub moves: [usize; 2],
+    /// The longest that this took from the reference's end (s).
+    pub slowest_s: f64,
+    squares_n2: f64,
+    ticks: f64,
+}
+
+impl Score {
+    /// RMS force of the motor over the nested triangles (N).
+    pub fn force_n(&self) -> f64 {
+        (self.squares_n2 / self.ticks).sqrt()
+    }
+}
+
+/// A controller as tuned.
+#[derive(Clone, Debug)]
+pub struct Tuned {
+    /// Which.
+    pub contender: Contender,
+    /// Logarithms of what its three parameters were multiplied by, and the cost (m).
+    pub parameters: [f64; 3],
+    /// The worse RMS error of the tuning's two stages, before and after (m).
+    pub cost_m: [f64; 2],
+    /// The largest gain that was tried with which its loop does not ring, of what it is (-).
+    pub gain: Option<f64>,
+    /// What part of a bad start's cost the iterations leave at most (-).
+    pub contraction: Option<f64>,
+}
+
+/// All controllers on a stage.
+#[derive(Clone, Debug)]
+pub struct Verdict {
+    /// `ideal` or `electrical`.
+    pub stage: &'static str,
+    /// RMS errors of the loops' predicted errors 1, 4 and 16 ms ahead, what was predicted (m), and the ridge.
+    pub learnt: Vec<(Contender, [f64; 3], f64, f64)>,
+    /// In the contenders' order.
+    pub tuned: Vec<Tuned>,
+    /// By condition, then contender.
+    pub scores: Vec<(&'static str, Vec<Score>)>,
+}
+
+/// Moves of 20 µm there and back, with time to settle.
+fn settling() -> Vec<Step> {
+    let go = |i: usize| {
+        [
+            Step::Move {
+                distance_m: if i.is_multiple_of(2) { 20e-6 } else { -20e-6 },
+                speed_m_s: 1e-3,
+                ramp_s: 5e-3,
+            },
+            Step::Dwell(0.3),
+        ]
+    };
+    (0..6).flat_map(go).collect()
+}
+
+/// Tunes every controller and runs it in every condition, on the ideal or on the `electrical` stage, of which its dead time is told.
+/// `progress` is told (runs done, runs in all).
+///
+/// # Errors
+/// [`TrackingError`] where an identification or a tuning fails.
+pub fn study(
+    settings: &Settings,
+    stage: &StageConfig,
+    electrical: bool,
+    progress: impl Fn(usize, usize) + Sync,
+) -> Result<Verdict, TrackingError> {
+    let (mut settings, mut stage) = (*settings, stage.clone());
+    if electrical {
+        stage = crate::tracking::electrical(&mut settings, stage);
+    }
+    let all = Contender::ALL.len() * (1 + CONDITIONS.len());
+    let done = AtomicUsize::new(0);
+    let tell = || progress(done.fetch_add(1, Ordering::Relaxed) + 1, all);
+    let known = Known::from_experiments(&settings, &stage)?;
+    let tune = |contender: &Contender| {
+        let (parameters, cost) = known.tuned(*contender)?;
+        tell();
+        Ok::<_, TrackingError>(Tuned {
+            contender: *contender,
+            parameters,
+            cost_m: [known.cost(*contender, &[0.0; 3]), cost],
+            gain: known.borne(*contender, &parameters),
+            contraction: known.contraction(*contender, &parameters),
+        })
+    };
+    let tuned = Contender::ALL.par_iter().map(tune);
+    let tuned = tuned.collect::<Result<Vec<_>, _>>()?;
+    let scores = CONDITIONS.iter().map(|untold| {
+        let scores = tuned.par_iter().map(|tuned| {
+            let score = score(&known, tuned, &settings, &stage, untold);
+            tell();
+            score
+        });
+        Ok((
+            untold.name,
+            scores.collect::<Result<Vec<_>, TrackingError>>()?,
+        ))
+    });
+    Ok(Verdict {
+        stage: if electrical { "electrical" } else { "ideal" },
+        learnt: known
+            .learnt()
+            .map(|(c, l)| (c, l.errors_m, l.size_m, l.ridge))
+            .collect(),
+        scores: scores.collect::<Result<Vec<_>, TrackingError>>()?,
+        tuned,
+    })
+}
+
+fn score(
+    known: &Known,
+    tuned: &Tuned,
+    settings: &Settings,
+    stage: &StageConfig,
+    untold: &Untold,
+) -> Result<Score, TrackingError> {
+    let force_per_ampere = settings.motor.torque_constant * settings.motor.transmission();
+    let count = settings.encoder.count;
+    let mut score = Score::default();
+    for seed in TRACKING_SEEDS {
+        let ride = |steps: Vec<Step>, observe: &mut dyn FnMut(Instant)| {
+            let moves = steps.iter().map(|step| step.plan(settings));
+            let moves: Vec<Move> = moves.collect::<Result<_, _>>()?;
+            let config = StageConfig {
+                seed,
+                mass_kg: stage.mass_kg + untold.more_kg,
+                ..stage.clone()
+            };
+            let mut stage = match untold.concealed {
+                Some(effect) => Stage::concealing(config, effect)?,
+                None => Stage::try_new(config)?,
+            };
+            stage.set_friction_level(untold.level)?;
+            let ride = Ride {
+                stage,
+                moves: &moves,
+                half_way: untold.half_way,
+                observe,
+            };
+            known.ride(tuned.contender, &tuned.parameters, ride)
+        };
+        ride(motions::nested_triangles(), &mut |now| {
+            score.nested.add(&now, count);
+            score.squares_n2 += (force_per_ampere * now.current_a).powi(2);
+            score.ticks += 1.0;
+        })?;
+        ride(motions::slide(), &mut |now| score.slide.add(&now, count))?;
+        let mut settles = Settles::default();
+        ride(settling(), &mut |now| settles.add(&now, settings))?;
+        settles.finish(&mut score);
+    }
+    Ok(score)
+}
+
+/// Dwells after moves.
+#[derive(Default)]
+struct Settles {
+    resting: bool,
+    now_s: f64,
+    outside_s: f64,
+    ended: Vec<(f64, f64)>,
+}
+
+impl Settles {
+    fn add(&mut self, now: &Instant, settings: &Settings) {
+        // Moves and dwells take turns; halves of the motion are of an even number of them.
+        let resting = !now.step.is_multiple_of(2);
+        if self.resting && !resting {
+            self.end();
+        }
+        self.resting = resting;
+        if resting {
+            self.now_s += settings.sample_time();
+            let error =
+                now.command.reference as f64 / 65536.0 * settings.encoder.count - now.encoder_m;
+            if error.abs() > SETTLED_M || now.command.fault.is_some() {
+                self.outside_s = self.now_s;
+            }
+        }
+    }
+
+    fn end(&mut self) {
+        self.ended.push((self.now_s, self.outside_s));
+        (self.now_s, self.outside_s) = (0.0, 0.0);
+    }
+
+    fn finish(mut self, score: &mut Score) {
+        self.end();
+        for (whole, outside) in self.ended {
+            score.moves[0] += 1;
+            if outside < whole {
+                score.moves[1] += 1;
+                score.slowest_s = score.slowest_s.max(outside);
+            }
+        }
+    }
+}
+
+/// The study for people.
+pub fn print(verdict: &Verdict) -> String {
+    let mut text = String::new();
+    let _ = writeln!(
+        text,
+        "{} stage: what the maps err of the loop's following error 1, 4 and 16 ms ahead, on a repeat that was not fitted (nm RMS)",
+        verdict.stage
+    );
+    for (contender, errors, size, ridge) in &verdict.learnt {
+        let [a, b, c] = errors.map(|e| e * 1e9);
+        let _ = writeln!(
+            text,
+            "{:<18} {a:>6.0} {b:>6.0} {c:>6.0} of {:.0}, ridge {ridge:.0e}",
+            contender.name(),
+            size * 1e9
+        );
+    }
+    let _ = writeln!(
+        text,
+        "\ntuned on the identification's stage and motion, the worse of as told and +1 kg (nm RMS)\n{:<18} {:>8} {:>8}  {:<22} {:>6} {:>12}",
+        "", "before", "after", "logarithms", "bears", "contraction"
+    );
+    for tuned in &verdict.tuned {
+        let [a, b, c] = tuned.parameters;
+        let [before, after] = tuned.cost_m.map(|cost| cost * 1e9);
+        let contraction = tuned
+            .contraction
+            .map_or(String::new(), |c| format!("{c:.2e}"));
+        let gain = tuned.gain.map_or("rings".to_owned(), |g| format!("×{g}"));
+        let logarithms = format!("{a:+.2} {b:+.2} {c:+.2}");
+        let _ = writeln!(
+            text,
+            "{:<18} {before:>8.0} {after:>8.0}  {logarithms:<22} {gain:>6} {contraction:>12}",
+            tuned.contender.name(),
+        );
+    }
+    for (name, scores) in &verdict.scores {
+        let _ = writeln!(
+            text,
+            "\n{} stage, {name}\n{:<18} {:>18} {:>18} {:>9} {:>8} {:>7}\n{:<18} {:>18} {:>18} {:>9} {:>8} {:>7}",
+            verdict.stage,
+            "",
+            "nested triangles",
+            "slide 1 mm/s",
+            "within",
+            "slowest",
+            "force",
+            "",
+            "RMS / peak (nm)",
+            "RMS / peak (nm)",
+            "100 nm",
+            "(ms)",
+            "(N)"
+        );
+        for (tuned, score) in verdict.tuned.iter().zip(scores) {
+            let _ = writeln!(text, "{}", row(tuned.contender, score));
+        }
+    }
+    text
+}
+
+fn row(contender: Contender, score: &Score) -> String {
+    let nm = |t: &Tracking| match t.rms_m() {
+        Some(rms) => format!("{:.0} / {:.0}", rms * 1e9, t.peak_m() * 1e9),
+        None => "fault".to_owned(),
+    };
+    let [made, settled] = score.moves;
+    format!(
+        "{:<18} {:>18} {:>18} {:>9} {:>8.0} {:>7.3}",
+        contender.name(),
+        nm(&score.nested),
+        nm(&score.slide),
+        format!("{settled}/{made}"),
+        score.slowest_s * 1e3,
+        score.force_n()
+    )
+}
