@@ -27,7 +27,7 @@ impl SpaceBar {
         let (pressed, keys) = channel();
         // It ends with the program: nothing else reads what is typed.
         std::thread::spawn(move || {
-            for key in std::io::stdin().bytes().map_while(Result::ok) {
+            for key in std::io::stdin().lock().bytes().map_while(Result::ok) {
                 if key == b' ' {
                     stop.store(true, Ordering::Relaxed);
                 }

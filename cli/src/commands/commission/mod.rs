@@ -328,9 +328,9 @@ impl Run {
         let told = self.experiments(asked.experiments)?;
         self.load(&told)?;
         let text = self.motions.unseen.csv(self.axis.rotary);
-        self.to_the_middle(bounds)?;
+        self.centre(bounds)?;
         self.play("unseen-without", &text, 0.0)?;
-        self.to_the_middle(bounds)?;
+        self.centre(bounds)?;
         self.play("unseen-with", &text, 1.0)?;
         Ok(told)
     }
@@ -369,7 +369,7 @@ impl Run {
                 back_off: None,
             })?;
         }
-        self.to_the_middle(bounds)
+        self.centre(bounds)
     }
 
     fn go(&mut self, by: f64) -> Result<(), Failure> {
@@ -381,7 +381,7 @@ impl Run {
         })
     }
 
-    fn to_the_middle(&mut self, bounds: &Bounds) -> Result<(), Failure> {
+    fn centre(&mut self, bounds: &Bounds) -> Result<(), Failure> {
         bounds.middle.map_or(Ok(()), |middle| self.go_to(middle))
     }
 
@@ -414,7 +414,7 @@ impl Run {
                 say!("direction: as it should be; the weight is not told yet ({reason})")
             }
         }
-        self.to_the_middle(bounds)
+        self.centre(bounds)
     }
 
     /// Plays what would decide the dearest doubt, until nothing is in doubt or as many were played as may be.
