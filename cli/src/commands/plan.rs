@@ -2,7 +2,6 @@
 
 use super::{AxisArgs, Failure, outputs, parse_frequency, write_text};
 use clap::{Args, ValueEnum};
-use preslide::control::Limits;
 use preslide_drive::quantity;
 use preslide_host::plan::{Show, Wish, plan};
 use std::path::PathBuf;
@@ -23,6 +22,25 @@ pub struct Plan {
     #[command(flatten)]
     axis: AxisArgs,
 
+    #[command(flatten)]
+    wish: WishArgs,
+
+    /// What it should show
+    #[arg(long, value_name = "WHAT", default_value = "all")]
+    show: What,
+
+    /// Rows per second
+    #[arg(long, value_name = "HZ", default_value = "400Hz", value_parser = parse_frequency)]
+    rate: f64,
+
+    /// The axis turns: lengths are angles, in rad or with deg
+    #[arg(long)]
+    rotary: bool,
+}
+
+/// How far, how fast and how often.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct WishArgs {
     /// How far it may go in all: 4mm, or 90deg with --rotary [default: four fifths of the axis's travel]
     #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_rate)]
     travel: Option<f64>,
@@ -39,22 +57,57 @@ pub struct Plan {
     #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_rate)]
     smallest: Option<f64>,
 
-    /// What it should show
-    #[arg(long, value_name = "WHAT", default_value = "all")]
-    show: What,
-
     /// How often, so that identify can hold one repeat out after the other
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
     repeats: u32,
-
-    /// Rows per second
-    #[arg(long, value_name = "HZ", default_value = "400Hz", value_parser = parse_frequency)]
-    rate: f64,
-
-    /// The axis turns: lengths are angles, in rad or with deg
-    #[arg(long)]
-    rotary: bool,
 }
+
+impl WishArgs {
+    /// On an axis of such a length (m or rad), where it has ends, with such a top speed and acceleration. Where those are the axis's own, what
+    /// its controller would refuse is refused, all of it at once.
+    pub fn wish(
+        &self,
+        length: Option<f64>,
+        [speed, acceleration]: [f64; 2],
+        are_its_own: bool,
+    ) -> Result<Wish, Failure> {
+        let asked = [
+            ("travel", self.travel, length, "the axis's travel"),
+            ("speed", self.speed, Some(speed), "limits.speed"),
+            (
+                "acceleration",
+                self.acceleration,
+                Some(acceleration),
+                "limits.acceleration",
+            ),
+        ];
+        let beyond = asked.iter().filter_map(|(name, asked, limit, of)| {
+            let (asked, limit) = ((*asked)?, (*limit)?);
+            (are_its_own && asked > limit)
+                .then(|| format!("--{name} {asked:e} is beyond {of}, {limit:e}"))
+        });
+        let mut wrong: Vec<String> = beyond.collect();
+        let travel = self.travel.or(length.map(|length| 0.8 * length));
+        if travel.is_none() {
+            wrong.push("the axis has no ends of travel that are known; give --travel".to_owned());
+        }
+        let (Some(travel), []) = (travel, wrong.as_slice()) else {
+            return Err(Failure::Input(wrong.join("\n")));
+        };
+        Ok(Wish {
+            travel,
+            speed: self.speed.unwrap_or(0.5 * speed),
+            acceleration: self.acceleration.unwrap_or(0.5 * acceleration),
+            smallest: self.smallest.unwrap_or(1e-3 * travel),
+            show: Show::All,
+            repeats: self.repeats,
+            rate: RATE_HZ,
+        })
+    }
+}
+
+/// Rows a second of a motion, where nothing else is asked.
+const RATE_HZ: f64 = 400.0;
 
 /// What a motion should show.
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -71,26 +124,16 @@ impl Plan {
     /// Runs the command.
     pub fn run(self) -> Result<(), Failure> {
         let limits = self.axis.read()?.axis().limits;
-        if self.axis.is_chosen() {
-            self.within(&limits)?;
-        }
-        let Some(travel) = self.travel.or(length(&limits).map(|length| 0.8 * length)) else {
-            return Err(Failure::Input(
-                "the axis has no ends of travel; give --travel".to_owned(),
-            ));
-        };
+        let length = limits.travel.map(|(low, high)| high - low);
+        let top = [limits.speed, limits.acceleration];
         let wish = Wish {
-            travel,
-            speed: self.speed.unwrap_or(0.5 * limits.speed),
-            acceleration: self.acceleration.unwrap_or(0.5 * limits.acceleration),
-            smallest: self.smallest.unwrap_or(travel * 1e-3),
             show: match self.show {
                 What::Presliding => Show::Presliding,
                 What::Sliding => Show::Sliding,
                 What::All => Show::All,
             },
-            repeats: self.repeats,
             rate: self.rate,
+            ..self.wish.wish(length, top, self.axis.is_chosen())?
         };
         outputs::check(&self.axis.file(), &[("-o", Some(&self.output))], None)?;
         let planned = plan(&wish).map_err(Failure::Input)?;
@@ -103,7 +146,7 @@ impl Plan {
             planned.reversals,
             planned.strokes.0,
             planned.strokes.1,
-            self.repeats
+            wish.repeats
         );
         say!(
             "Next: preslide drive PORT play {} -o axis.csv",
@@ -111,33 +154,4 @@ impl Plan {
         );
         Ok(())
     }
-
-    /// Refuses what the axis's controller would, all of it at once.
-    fn within(&self, limits: &Limits) -> Result<(), Failure> {
-        let asked = [
-            ("travel", self.travel, length(limits), "the axis's travel"),
-            ("speed", self.speed, Some(limits.speed), "limits.speed"),
-            (
-                "acceleration",
-                self.acceleration,
-                Some(limits.acceleration),
-                "limits.acceleration",
-            ),
-        ];
-        let beyond = asked.iter().filter_map(|(name, asked, limit, of)| {
-            let (asked, limit) = ((*asked)?, (*limit)?);
-            (asked > limit).then(|| format!("--{name} {asked:e} is beyond {of}, {limit:e}"))
-        });
-        let beyond: Vec<String> = beyond.collect();
-        if beyond.is_empty() {
-            Ok(())
-        } else {
-            Err(Failure::Input(beyond.join("\n")))
-        }
-    }
-}
-
-/// From end to end (m or rad), where there are ends.
-fn length(limits: &Limits) -> Option<f64> {
-    limits.travel.map(|(low, high)| high - low)
 }

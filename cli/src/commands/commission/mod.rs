@@ -6,10 +6,11 @@ mod told;
 
 use super::drive::asked::{Home, MarkArg, Move, PlayArgs};
 use super::drive::{Commanded, ControllerArgs};
+use super::plan::WishArgs;
 use super::{Failure, command_line};
 use clap::{Args, ValueEnum};
 use journal::{Asked, Journal, Played};
-use preslide_drive::{SpaceBar, quantity};
+use preslide_drive::SpaceBar;
 use preslide_host::diagnose::experiment::Experiment;
 use preslide_host::drive::loadable;
 use preslide_host::plan::{Plan, Show, Wish, plan};
@@ -43,25 +44,8 @@ pub struct Commission {
     #[arg(long, value_name = "WHAT", default_value = "index")]
     home: Origin,
 
-    /// How far it may go in all: 4mm, or 90deg with --rotary [default: four fifths of the axis's travel]
-    #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_rate)]
-    travel: Option<f64>,
-
-    /// Largest speed: 2mm/s [default: half of limits.speed]
-    #[arg(long, value_name = "SPEED", value_parser = quantity::positive_rate)]
-    speed: Option<f64>,
-
-    /// Largest acceleration: 0.1m/s2 [default: half of limits.acceleration]
-    #[arg(long, value_name = "ACCELERATION", value_parser = quantity::positive_rate)]
-    acceleration: Option<f64>,
-
-    /// Smallest stroke between two reversals; some dozens of encoder counts [default: a thousandth of the travel]
-    #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_rate)]
-    smallest: Option<f64>,
-
-    /// How often the first motion is repeated
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
-    repeats: u32,
+    #[command(flatten)]
+    wish: WishArgs,
 
     /// Experiments that may be played while something is in doubt
     #[arg(long, value_name = "N", default_value_t = 3)]
@@ -87,8 +71,6 @@ enum Origin {
     None,
 }
 
-/// Points a second of a planned motion.
-const RATE_HZ: f64 = 400.0;
 /// Rows a second of a recording.
 const ROWS_HZ: f64 = 1000.0;
 /// Counts of the first move, there and back: a motor that is wired the wrong way runs from it no further than the following error allows.
@@ -145,38 +127,8 @@ impl Commission {
             axis.limit("limits.speed")?,
             axis.limit("limits.acceleration")?,
         ];
-        let asked = [
-            ("travel", self.travel, length, "the axis's travel"),
-            ("speed", self.speed, Some(top[0]), "limits.speed"),
-            (
-                "acceleration",
-                self.acceleration,
-                Some(top[1]),
-                "limits.acceleration",
-            ),
-        ];
-        let beyond = asked.iter().filter_map(|(name, asked, limit, of)| {
-            let (asked, limit) = ((*asked)?, (*limit)?);
-            (asked > limit).then(|| format!("--{name} {asked:e} is beyond {of}, {limit:e}"))
-        });
-        let mut wrong: Vec<String> = beyond.collect();
-        let travel = self.travel.or(length.map(|length| 0.8 * length));
-        if travel.is_none() {
-            wrong.push("the axis has no ends of travel that are known; give --travel".to_owned());
-        }
-        let (Some(travel), []) = (travel, wrong.as_slice()) else {
-            return Err(Failure::Input(wrong.join("\n")));
-        };
         Ok(Bounds {
-            wish: Wish {
-                travel,
-                speed: self.speed.unwrap_or(0.5 * top[0]),
-                acceleration: self.acceleration.unwrap_or(0.5 * top[1]),
-                smallest: self.smallest.unwrap_or(1e-3 * travel),
-                show: Show::All,
-                repeats: self.repeats,
-                rate: RATE_HZ,
-            },
+            wish: self.wish.wish(length, top, true)?,
             middle: ends.map(|(low, high)| 0.5 * (low + high)),
             count: axis.drive.identity().count,
         })
