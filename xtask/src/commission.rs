@@ -27,6 +27,8 @@ pub fn run(elf: &Path, whole: bool) -> Result<(), String> {
     let commands: Vec<String> = text
         .lines()
         .filter(|line| line.starts_with("preslide "))
+        // What moves of the one command comes last, over a shorter motion.
+        .filter(|line| !line.starts_with("preslide commission") || line.contains("--dry"))
         .map(|line| line.replace(PORT, &port))
         .map(|line| match whole {
             true => line,
