@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::change::Change;
 use super::confidence::{features_of_presence, presence};
-use super::effect::{ALWAYS_FREE, Effect};
+use super::effect::{self, ALWAYS_FREE, Effect};
 use super::event::{self, event};
 use super::naming::Standing;
 use super::noise::rms;
@@ -183,6 +183,13 @@ fn friction(found: &Found) -> Vec<f64> {
     ground.rows.weak.at_centres(&ground.baseline.friction)
 }
 
+/// The one effect of the catalogue that acts over a coordinate, where there is but one.
+fn alone_over(axis: Axis) -> Option<&'static dyn Effect> {
+    let mut own = effect::ALL.into_iter().filter(|e| e.axis() == axis);
+    let one = own.next()?;
+    own.next().is_none().then_some(one)
+}
+
 /// `usual` is the root mean square of the friction.
 fn unknown(found: &Found, standing: &Standing, usual: f64) -> Unknown {
     let rows = &found.ground.rows;
@@ -208,7 +215,7 @@ fn unknown(found: &Found, standing: &Standing, usual: f64) -> Unknown {
         axis,
         odd,
         change,
-        like: standing.term.effect(),
+        like: (standing.term.effect()).or_else(|| alone_over(axis).filter(|_| odd)),
         confidence: presence(standing),
         evidence: standing.evidence,
         size: standing.size(),

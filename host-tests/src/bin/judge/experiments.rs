@@ -26,6 +26,9 @@ pub struct Options {
     /// Stages for each effect
     #[arg(long, default_value_t = 3, value_name = "N")]
     each: u64,
+    /// Only effects whose name contains one of these words, separated by commas
+    #[arg(long, value_delimiter = ',', value_name = "WORDS")]
+    only: Vec<String>,
     /// The first stage's seed
     #[arg(long, default_value_t = 60_000_000, value_name = "SEED")]
     seed: u64,
@@ -75,7 +78,12 @@ struct Judged {
 /// What `cargo xtask experiments` does.
 pub fn run(o: &Options) -> Result<(), String> {
     let tool = Tool::new(o.preslide.as_deref())?;
+    let wanted = |effect: &usize| {
+        let mut words = o.only.iter();
+        o.only.is_empty() || words.any(|word| HIDDEN[*effect].1.contains(word.as_str()))
+    };
     let stages: Vec<(usize, u64)> = (0..HIDDEN.len())
+        .filter(wanted)
         .flat_map(|effect| (0..o.each).map(move |k| (effect, o.seed + 5 * effect as u64 + k)))
         .collect();
     println!("seeds {} to {}", o.seed, o.seed + 5 * HIDDEN.len() as u64);
