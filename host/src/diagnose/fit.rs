@@ -11,6 +11,7 @@ use crate::identify::{Identification, MANY, Options, STEPS, identify, thinned};
 use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::Recording;
+use crate::signal::Delay;
 use serde_json::Value;
 
 /// What `identify` finds in a recording, or why it finds nothing.
@@ -95,6 +96,11 @@ impl Fit {
         let mut model = self.0.as_ref().ok()?.best().model.clone();
         model.effects.retain(|e| e.id() != form::CHANNEL_DELAY.id);
         Some(model)
+    }
+
+    /// How late it takes the effort to be, where there is a fit: `Some(None)` for not at all.
+    pub(super) fn delay(&self) -> Option<Option<Delay>> {
+        self.0.as_ref().ok().map(|found| found.channel.delay)
     }
 
     /// The object `fit` of every command; null where there is none.

@@ -104,8 +104,7 @@ pub fn diagnose(
 ) -> Result<Diagnosis, Refusal> {
     // The weak form has one kernel for all pieces.
     let recording = recording.at_one_rate();
-    let begins = fit.as_deref().filter(|_| model.is_none());
-    let mut found = judge(&recording, model, begins, None, progress)?;
+    let mut found = judge(&recording, model, fit.as_deref(), None, progress)?;
     if StickSlip::of(&recording).is_some() {
         found.names_nothing("the axis sticks and slips, and what it does in between is friction's own: breakaway and kinetic level, which the fit tells, are all that such a motion shows");
     }
@@ -222,14 +221,16 @@ fn judge(
             recording.name
         ))
     };
-    let known = fit.map(Fit::known).unwrap_or_default();
+    // What the user's own model lacks is not what the fit does.
+    let begins = fit.filter(|_| model.is_none());
+    let known = begins.map(Fit::known).unwrap_or_default();
     let beside = [given.as_slice(), &known.terms].concat();
     let ground_of = |recording: &Recording, outside: &[Range<usize>]| {
         let rows = Rows::new(recording, outside).map_err(Refusal::Data)?;
         progress.inc(1);
         Ground::new(rows, &beside, known.yields.as_deref()).ok_or_else(unable)
     };
-    let channel = channel_of(recording, model, simulated.is_some());
+    let channel = channel_of(recording, model, fit, simulated.is_some());
     let on_time = channel.taken_off(recording);
     let mut unknown = channel.unknown(0);
     let later = recording.joined.iter().skip(1);
@@ -262,7 +263,7 @@ fn judge(
         given.len(),
         &periods,
         recorded,
-        [model, fit.and_then(Fit::model).as_ref()],
+        [model, begins.and_then(Fit::model).as_ref()],
     )
     .map(|found| Diagnosis {
         second_positions: second_position::of(recording),
@@ -273,11 +274,17 @@ fn judge(
 
 /// What lies between the machine and the recorded effort: what the fit took off, and nothing that a model of the user's has already. A simulated effort
 /// passed no channel.
-fn channel_of(recording: &Recording, model: Option<&Model>, is_simulated: bool) -> Channel {
+fn channel_of(
+    recording: &Recording,
+    model: Option<&Model>,
+    fit: Option<&Fit>,
+    is_simulated: bool,
+) -> Channel {
     if is_simulated {
         return Channel::default();
     }
     let mut found = Channel::of(recording, &Kinematics::of(recording));
+    found.delay = fit.and_then(Fit::delay).unwrap_or(found.delay);
     let has = |form| model.is_some_and(|model| model.of(form).next().is_some());
     if has(&form::ACTUATOR_SATURATION) {
         found.saturation = None;

@@ -1,9 +1,9 @@
 //! The fit that every command tells: its parameters, its law, what it leaves.
 
 use super::Identification;
-use super::present::{shown, unit};
 use crate::recording::{MotionKind, Recording};
 use crate::report::figures::{estimate, left};
+use crate::report::units::name_and_unit;
 use crate::signal::StickSlip;
 use crate::statistics::Estimate;
 use serde_json::{Value, json};
@@ -36,6 +36,23 @@ pub(super) fn key(kind: MotionKind, name: &str) -> &'static str {
     match kind {
         MotionKind::Linear => linear,
         MotionKind::Rotary => rotary,
+    }
+}
+
+/// Unit of a rigid body parameter, for people.
+pub(super) fn unit(recording: &Recording, name: &str) -> String {
+    let (_, unit) = name_and_unit(key(recording.kind, name), recording.effort_unit());
+    match unit.as_str() {
+        "Nm" => "N·m".to_owned(),
+        _ => unit,
+    }
+}
+
+/// A rigid body parameter's name for people.
+pub(super) fn shown<'a>(recording: &Recording, name: &'a str) -> &'a str {
+    match (name, recording.kind) {
+        ("mass", MotionKind::Rotary) => "inertia",
+        (name, _) => name,
     }
 }
 

@@ -1,12 +1,11 @@
 //! An identification for people and for machines.
 
-use super::fit::key;
+use super::fit::{shown, unit};
 use super::plain::Place;
 use super::{Identification, Method};
 use crate::friction::Path;
 use crate::model::Model;
-use crate::recording::{MotionKind, Recording};
-use crate::report::units::name_and_unit;
+use crate::recording::Recording;
 use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
 use crate::statistics::Estimate;
 use serde_json::{Value, json};
@@ -17,23 +16,6 @@ const LOOPS: usize = 2;
 const RAMP: i32 = 100;
 /// Steps on the way to each of them.
 const STEPS: usize = 400;
-
-/// Unit of a rigid body parameter, for people.
-pub(super) fn unit(recording: &Recording, name: &str) -> String {
-    let (_, unit) = name_and_unit(key(recording.kind, name), recording.effort_unit());
-    match unit.as_str() {
-        "Nm" => "N·m".to_owned(),
-        _ => unit,
-    }
-}
-
-/// A rigid body parameter's name for people.
-pub(super) fn shown<'a>(recording: &Recording, name: &'a str) -> &'a str {
-    match (name, recording.kind) {
-        ("mass", MotionKind::Rotary) => "inertia",
-        (name, _) => name,
-    }
-}
 
 impl Identification {
     /// `preslide.identification/1`; `warnings` are the loader's, `seconds` the time it took.

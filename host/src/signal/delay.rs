@@ -17,7 +17,7 @@ const PLACES: usize = 20;
 const SHORT: f64 = 2.0;
 /// Share of what the first term leaves that the shift must take off, and standard errors of that over blocks of the recording: an elastic drive
 /// looks a little like one, too.
-const TAKES: f64 = 0.25;
+pub const TAKES: f64 = 0.25;
 const SURE: f64 = 3.0;
 /// Blocks beside the rigid body.
 const BESIDE: usize = 24;
@@ -160,7 +160,9 @@ fn least(left: impl Fn(f64) -> f64, sample_time: f64) -> Option<f64> {
         .min_by(|a, b| a.1.total_cmp(&b.1))?;
     let mut step = 0.5 * step;
     for _ in 0..STEPS {
-        let beside = [best - step, best + step].map(|delay| (delay, left(delay)));
+        let beside = [best - step, best + step].into_iter();
+        let beside = beside.filter(|delay| delay.abs() <= LONGEST_S);
+        let beside: Vec<(f64, f64)> = beside.map(|delay| (delay, left(delay))).collect();
         match beside.into_iter().find(|b| b.1 < value) {
             Some(better) => (best, value) = better,
             None => step *= 0.5,

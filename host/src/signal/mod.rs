@@ -14,7 +14,7 @@ mod zero_phase;
 
 pub use channel::Channel;
 pub use deflection::{Deflection, not_yet_known};
-pub use delay::Delay;
+pub use delay::{Delay, TAKES};
 pub use kinematics::Kinematics;
 pub use resolution::step_at_reversals;
 pub use saturation::{End, Saturation};

@@ -1,6 +1,7 @@
 //! A motion fit for people and for machines.
 
-use super::super::present::{self as force_fit, bounds, digits, shown};
+use super::super::fit::{self as force_fit, shown};
+use super::super::present::{bounds, digits};
 use super::search::{SEED, long_pieces};
 use super::told::NUDGE;
 use super::{Apart, MotionFit};
