@@ -7,7 +7,7 @@ use super::effect::{
 use super::term::{Subject, Term};
 use crate::effects::form;
 use crate::identify::plain::Place;
-use crate::identify::{Identification, MANY, Options, STEPS, identify, thinned};
+use crate::identify::{Candidate, Identification, MANY, Options, STEPS, identify, thinned};
 use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::Recording;
@@ -42,11 +42,6 @@ impl Fit {
         let found = identify(rows, &Options::default(), &progress);
         progress.finish();
         Self(found)
-    }
-
-    /// Of what `identify` has found.
-    pub fn taken(found: Identification) -> Self {
-        Self(Ok(found))
     }
 
     /// Whether there is one.
@@ -96,6 +91,11 @@ impl Fit {
         let mut model = self.0.as_ref().ok()?.best().model.clone();
         model.effects.retain(|e| e.id() != form::CHANNEL_DELAY.id);
         Some(model)
+    }
+
+    /// Every law that it tried; none where there is no fit.
+    pub fn candidates(&self) -> &[Candidate] {
+        self.0.as_ref().map_or(&[], |found| &found.candidates)
     }
 
     /// How late it takes the effort to be, where there is a fit: `Some(None)` for not at all.

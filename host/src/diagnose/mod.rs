@@ -62,7 +62,7 @@ use crate::identify::FATAL;
 use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::{Recording, Simulated};
-use crate::signal::{Channel, Kinematics, StickSlip, not_yet_known};
+use crate::signal::{Channel, Kinematics, Saturation, StickSlip, not_yet_known};
 use crate::statistics::earlier;
 use correction::Correction;
 use fit::Fit;
@@ -283,8 +283,14 @@ fn channel_of(
     if is_simulated {
         return Channel::default();
     }
-    let mut found = Channel::of(recording, &Kinematics::of(recording));
-    found.delay = fit.and_then(Fit::delay).unwrap_or(found.delay);
+    let kinematics = Kinematics::of(recording);
+    let mut found = match fit.and_then(Fit::delay) {
+        Some(delay) => Channel {
+            saturation: Saturation::of(recording, &kinematics),
+            delay,
+        },
+        None => Channel::of(recording, &kinematics),
+    };
     let has = |form| model.is_some_and(|model| model.of(form).next().is_some());
     if has(&form::ACTUATOR_SATURATION) {
         found.saturation = None;

@@ -237,12 +237,23 @@ pub fn identify(
     options: &Options,
     progress: &Progress,
 ) -> Result<Identification, String> {
-    let on_time = fitted(recording, options, progress, true)?;
-    if on_time.channel.delay.is_none() {
+    let split = split(recording, options)?;
+    let kinematics = Kinematics::of(recording);
+    let channel = Channel::of(recording, &kinematics);
+    let has_delay = channel.delay.is_some();
+    let without_delay = Channel {
+        delay: None,
+        ..channel.clone()
+    };
+    let fit = |channel, progress| {
+        let split = split.clone();
+        fitted(recording, options, split, &kinematics, channel, progress)
+    };
+    let on_time = fit(channel, progress)?;
+    if !has_delay {
         return Ok(on_time);
     }
-    let again = Progress::new("as recorded", STEPS);
-    let as_recorded = fitted(recording, options, &again, false)?;
+    let as_recorded = fit(without_delay, &Progress::new("as recorded", STEPS))?;
     let [with, without] = [&on_time, &as_recorded].map(|found| found.best().nmse_test);
     match with < (1.0 - TAKES) * without {
         true => Ok(on_time),
@@ -250,17 +261,16 @@ pub fn identify(
     }
 }
 
+/// The fit of what is left when a channel is taken off.
 fn fitted(
     recording: &Recording,
     options: &Options,
+    mut split: Split,
+    kinematics: &Kinematics,
+    channel: Channel,
     progress: &Progress,
-    takes_delay_off: bool,
 ) -> Result<Identification, String> {
-    let mut split = split(recording, options)?;
     let inertial = recording.role.contains_inertia();
-    let kinematics = Kinematics::of(recording);
-    let mut channel = Channel::of(recording, &kinematics);
-    channel.delay = channel.delay.filter(|_| takes_delay_off);
     let arrived = channel.taken_off(recording);
     let recording = arrived.as_ref().unwrap_or(recording);
     let stick_slip = StickSlip::of(recording);
@@ -292,7 +302,7 @@ fn fitted(
     notes.extend(channel.words(recording.effort_unit()));
     let fitting = Fitting {
         recording,
-        kinematics: &kinematics,
+        kinematics,
         effort: &effort,
         split: &split,
         train: &split.train(),
@@ -310,7 +320,7 @@ fn fitted(
         recommendation: String::new(),
         search_notes: notes,
         effort,
-        velocity: kinematics.velocity,
+        velocity: kinematics.velocity.clone(),
         split,
         virgin: found.virgin,
         yield_range: found.range,

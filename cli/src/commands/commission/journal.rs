@@ -87,6 +87,16 @@ impl Journal {
         self.folder.join(name)
     }
 
+    /// The motion that a recording follows.
+    pub fn motion(&self, name: &str) -> PathBuf {
+        self.file(&format!("{name}-motion.csv"))
+    }
+
+    /// Writes that motion.
+    pub fn write_motion(&self, name: &str, text: &str) -> Result<(), Failure> {
+        self.write(&format!("{name}-motion.csv"), text).map(|_| ())
+    }
+
     /// Writes it down.
     pub fn keep(&self) -> Result<(), Failure> {
         let text = serde_json::to_string_pretty(self).map_err(|e| Failure::Tool(e.to_string()))?;

@@ -12,13 +12,14 @@ use clap::{Args, ValueEnum};
 use journal::{Asked, Journal, Played};
 use preslide_drive::SpaceBar;
 use preslide_host::diagnose::experiment::Experiment;
-use preslide_host::drive::loadable;
+use preslide_host::model::Model;
 use preslide_host::plan::{Plan, Show, Wish, plan};
 use preslide_host::report::figures::duration;
 use preslide_link::{Mode, Name, Request};
 use std::io::Write;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
+use std::time::Duration;
 use told::Told;
 
 /// From a controller that was just switched on to one that compensates its friction
@@ -106,10 +107,11 @@ impl Commission {
             axis,
             journal,
             motions,
+            middle: 0.0,
         };
         let done = run.all(&self, &bounds);
         let ended = run.end(done.is_err().then_some(found_share));
-        let told = done.map_err(|failure| self.interrupted(failure))?;
+        let told = done.map_err(|failure| self.interrupted(failure, &ended))?;
         ended?;
         run.report(&told)?;
         self.keep(&mut run.axis, keys.as_ref())
@@ -137,7 +139,7 @@ impl Commission {
     fn announce(&self, motions: &Motions) {
         let seconds = |plan: &Plan| duration(plan.seconds());
         say!(
-            "1. enable, find the origin ({}), a nudge of {NUDGE_COUNTS} counts",
+            "1. enable, a nudge of {NUDGE_COUNTS} counts, {}",
             self.home_words()
         );
         say!(
@@ -149,7 +151,7 @@ impl Commission {
             seconds(&motions.first)
         );
         say!(
-            "4. while something is in doubt, at most {} experiments, each announced",
+            "4. while something is in doubt, an experiment, each announced: {} at most",
             self.experiments
         );
         say!(
@@ -164,16 +166,23 @@ impl Commission {
 
     fn home_words(&self) -> &'static str {
         match self.home {
-            Origin::Index => "the encoder's index",
-            Origin::Stop => "a mechanical stop",
-            Origin::None => "none",
+            Origin::Index => "find the encoder's index",
+            Origin::Stop => "find a mechanical stop",
+            Origin::None => "no origin: all motions lie about where the axis stands",
         }
     }
 
     /// What to do about a commissioning that ended early.
-    fn interrupted(&self, failure: Failure) -> Failure {
+    fn interrupted(&self, failure: Failure, ended: &Result<(), Failure>) -> Failure {
+        let axis = match ended {
+            Ok(()) => "The axis is disabled".to_owned(),
+            Err(reason) => format!(
+                "The axis could not be disabled ({}): a controller that hears nothing stops it after its `silence`",
+                reason.message()
+            ),
+        };
         let next = format!(
-            "{}\nThe axis is disabled. What was recorded is in {}; the same command goes on from there",
+            "{}\n{axis}. What was recorded is in {}; the same command goes on from there",
             failure.message(),
             self.output.display()
         );
@@ -269,25 +278,32 @@ struct Run {
     axis: Commanded,
     journal: Journal,
     motions: Motions,
+    /// Where every motion begins, as the controller counts (m or rad): the middle of the travel, or where an axis without an origin stood.
+    middle: f64,
 }
 
 impl Run {
     fn all(&mut self, asked: &Commission, bounds: &Bounds) -> Result<Told, Failure> {
         self.begin(asked, bounds)?;
-        self.careful(bounds)?;
-        let text = self.motions.first.csv(self.axis.rotary);
-        self.play("before", &text, 0.0)?;
+        for (name, plan) in [
+            ("careful", &self.motions.careful),
+            ("before", &self.motions.first),
+            ("unseen-without", &self.motions.unseen),
+            ("unseen-with", &self.motions.unseen),
+        ] {
+            self.journal
+                .write_motion(name, &plan.csv(self.axis.rotary))?;
+        }
+        self.careful()?;
+        self.play("before", 0.0)?;
         let told = self.experiments(asked.experiments)?;
         self.load(&told)?;
-        let text = self.motions.unseen.csv(self.axis.rotary);
-        self.centre(bounds)?;
-        self.play("unseen-without", &text, 0.0)?;
-        self.centre(bounds)?;
-        self.play("unseen-with", &text, 1.0)?;
+        self.play("unseen-without", 0.0)?;
+        self.play("unseen-with", 1.0)?;
         Ok(told)
     }
 
-    /// Enabled, located, in the middle of its travel, and moved by hardly anything.
+    /// Enabled, moved by hardly anything, and located.
     fn begin(&mut self, asked: &Commission, bounds: &Bounds) -> Result<(), Failure> {
         let state = self.axis.drive.state()?;
         if let Some(fault) = state.fault {
@@ -321,7 +337,17 @@ impl Run {
                 back_off: None,
             })?;
         }
-        self.centre(bounds)
+        self.middle = match bounds.middle {
+            Some(middle) => middle,
+            None => self.stands()?,
+        };
+        Ok(())
+    }
+
+    /// The controller's position (m or rad).
+    fn stands(&mut self) -> Result<f64, Failure> {
+        let count = self.axis.drive.identity().count;
+        Ok(self.axis.drive.state()?.position as f64 * count)
     }
 
     fn go(&mut self, by: f64) -> Result<(), Failure> {
@@ -333,25 +359,18 @@ impl Run {
         })
     }
 
-    fn centre(&mut self, bounds: &Bounds) -> Result<(), Failure> {
-        bounds.middle.map_or(Ok(()), |middle| self.go_to(middle))
-    }
-
-    /// To a position of the controller's, which recordings have, too.
     fn go_to(&mut self, position: f64) -> Result<(), Failure> {
-        let count = self.axis.drive.identity().count;
-        let by = position - self.axis.drive.state()?.position as f64 * count;
+        let by = position - self.stands()?;
         // What is no move is refused.
-        match by.abs() < count {
+        match by.abs() < self.axis.drive.identity().count {
             true => Ok(()),
             false => self.go(by),
         }
     }
 
     /// Slow and short, to find whether effort and motion go together, and what moves.
-    fn careful(&mut self, bounds: &Bounds) -> Result<(), Failure> {
-        let text = self.motions.careful.csv(self.axis.rotary);
-        self.play("careful", &text, 0.0)?;
+    fn careful(&mut self) -> Result<(), Failure> {
+        self.play("careful", 0.0)?;
         let path = self.journal.file("careful.csv");
         let (turned, weight) = told::careful(&path)?;
         if turned {
@@ -366,56 +385,17 @@ impl Run {
                 say!("direction: as it should be; the weight is not told yet ({reason})")
             }
         }
-        self.centre(bounds)
+        Ok(())
     }
 
     /// Plays what would decide the dearest doubt, until nothing is in doubt or as many were played as may be.
     fn experiments(&mut self, most: usize) -> Result<Told, Failure> {
         let mut told = Told::of(&self.journal.recordings())?;
         told.say();
-        while self.journal.asked.len() < most || self.unfinished().is_some() {
-            let (name, text) = match self.unfinished() {
-                Some(name) => (name.clone(), None),
-                None => {
-                    let Some(next) = Experiment::next(&told.diagnosis, &self.journal.about())
-                    else {
-                        say!("Nothing is in doubt that an experiment could decide.");
-                        break;
-                    };
-                    let name = format!("experiment-{}", self.journal.asked.len() + 1);
-                    say!(
-                        "{name}: {}; it stays within the travel and the speeds of the first motion",
-                        next.words()
-                    );
-                    self.journal.asked.push(Asked {
-                        name: name.clone(),
-                        about: next.about.iter().map(|id| (*id).to_owned()).collect(),
-                        answer: None,
-                    });
-                    (name, Some(next.csv(self.column())))
-                }
-            };
-            let text = match text {
-                Some(text) => text,
-                None => {
-                    let path = self.journal.file(&format!("{name}-motion.csv"));
-                    std::fs::read_to_string(&path)
-                        .map_err(|error| Failure::Input(format!("{}: {error}", path.display())))?
-                }
-            };
-            let from = first_position(&text);
-            self.journal.write(&format!("{name}-motion.csv"), &text)?;
-            self.journal.keep()?;
-            if !self.journal.played.contains_key(&name) {
-                self.go_to(from)?;
-            }
-            self.play(&name, &text, 0.0)?;
+        while let Some(Asked { name, about, .. }) = self.next_experiment(&told, most)? {
+            self.play(&name, 0.0)?;
             let next = Told::of(&self.journal.recordings())?;
-            let answer = told::answer(
-                &told,
-                &next,
-                self.journal.asked.last().map_or(&[], |a| &a.about),
-            );
+            let answer = told::answer(&told, &next, &about);
             say!("{name}: {answer}");
             if let Some(asked) = self.journal.asked.last_mut() {
                 asked.answer = Some(answer);
@@ -426,18 +406,38 @@ impl Run {
         Ok(told)
     }
 
-    /// An experiment that was announced and not answered.
-    fn unfinished(&self) -> Option<&String> {
-        let last = self.journal.asked.last()?;
-        last.answer.is_none().then_some(&last.name)
+    /// The experiment that was begun before, or the next one, announced and with its motion written; `None` where none is to be played.
+    fn next_experiment(&mut self, told: &Told, most: usize) -> Result<Option<Asked>, Failure> {
+        let begun = self.journal.asked.last();
+        if let Some(begun) = begun.filter(|asked| asked.answer.is_none()) {
+            return Ok(Some(begun.clone()));
+        }
+        if self.journal.asked.len() >= most {
+            return Ok(None);
+        }
+        let Some(next) = Experiment::next(&told.diagnosis, &self.journal.about()) else {
+            say!("Nothing is in doubt that an experiment could decide.");
+            return Ok(None);
+        };
+        let asked = Asked {
+            name: format!("experiment-{}", self.journal.asked.len() + 1),
+            about: next.about.iter().map(|id| (*id).to_owned()).collect(),
+            answer: None,
+        };
+        say!(
+            "{}: {}; it stays within the travel and the speeds of the first motion",
+            asked.name,
+            next.words()
+        );
+        let column = if self.axis.rotary { "q_rad" } else { "x_m" };
+        self.journal.write_motion(&asked.name, &next.csv(column))?;
+        self.journal.asked.push(asked.clone());
+        self.journal.keep()?;
+        Ok(Some(asked))
     }
 
-    fn column(&self) -> &'static str {
-        if self.axis.rotary { "q_rad" } else { "x_m" }
-    }
-
-    /// Plays a motion from where the axis stands, with a share of the feed-forward, unless it was played before.
-    fn play(&mut self, name: &str, motion: &str, share: f64) -> Result<(), Failure> {
+    /// Plays a motion that was written from the middle on, with a share of the feed-forward, unless it was played before.
+    fn play(&mut self, name: &str, share: f64) -> Result<(), Failure> {
         let output = self.journal.file(&format!("{name}.csv"));
         if self.journal.played.contains_key(name) {
             say!("{name}: recorded before, {}", output.display());
@@ -446,10 +446,10 @@ impl Run {
         if self.axis.stop.load(Ordering::Relaxed) {
             return Err(preslide_drive::DriveError::Stopped.into());
         }
-        let motion = self.journal.write(&format!("{name}-motion.csv"), motion)?;
-        self.set("feed_forward.share", share)?;
+        self.go_to(self.middle)?;
+        self.share(share)?;
         let (rms, largest) = self.axis.play(&PlayArgs {
-            motion,
+            motion: self.journal.motion(name),
             output,
             overwrite: true,
             absolute: false,
@@ -461,6 +461,13 @@ impl Run {
         self.journal.keep()
     }
 
+    /// Sets the share of the feed-forward, and waits until it acts fully: a motion that begins before is not followed as it will be.
+    fn share(&mut self, share: f64) -> Result<(), Failure> {
+        self.set("feed_forward.share", share)?;
+        let fade = self.axis.limit("fade_time")?;
+        Ok(self.axis.drive.listen(Duration::from_secs_f64(fade))?)
+    }
+
     fn set(&mut self, name: &str, value: f64) -> Result<(), Failure> {
         let named = Name::new(name)
             .ok_or_else(|| Failure::Tool(format!("{name} is no name of the link")))?;
@@ -468,14 +475,22 @@ impl Run {
         Ok(())
     }
 
-    /// Hysteresis and moving weight to the controller.
+    /// Hysteresis and moving weight to the controller; the files know its encoder, which `tune` asks for.
     fn load(&mut self, told: &Told) -> Result<(), Failure> {
         let remarks = [told.diagnosis.verdict_words(&told.recording)];
-        self.journal
-            .write("extended.toml", &told.extended().to_toml(&remarks))?;
+        let key = if self.axis.rotary {
+            "encoder_count_rad"
+        } else {
+            "encoder_count_m"
+        };
+        let count = self.axis.drive.identity().count;
+        let write = |name: &str, mut model: Model| {
+            model.mechanics.push((key.to_owned(), count));
+            self.journal.write(name, &model.to_toml(&remarks))
+        };
+        write("extended.toml", told.extended())?;
         let model = told.loadable()?;
-        let path = self.journal.write("model.toml", &model.to_toml(&remarks))?;
-        loadable(&model).map_err(Failure::Data)?;
+        let path = write("model.toml", model.clone())?;
         self.axis.load(&path)?;
         if model.inertia > 0.0 {
             self.set("feed_forward.mass", model.inertia)?;
@@ -483,7 +498,8 @@ impl Run {
         Ok(())
     }
 
-    /// Leaves the axis disabled, and as it was where it did not come to an end.
+    /// Leaves the axis disabled, where it did not come to an end with the share of the feed-forward that it had. A model that was loaded stays until
+    /// the next reset.
     fn end(&mut self, share: Option<f64>) -> Result<(), Failure> {
         self.axis.stop.store(false, Ordering::Relaxed);
         if let Some(share) = share {
@@ -502,10 +518,4 @@ impl Run {
         say!("{}", told.diagnosis.recommendation());
         Ok(())
     }
-}
-
-/// Where a motion begins (m or rad).
-fn first_position(motion: &str) -> f64 {
-    let row = motion.lines().nth(1).and_then(|row| row.split(',').nth(1));
-    row.and_then(|x| x.parse().ok()).unwrap_or(0.0)
 }

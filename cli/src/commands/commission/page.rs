@@ -39,7 +39,7 @@ pub fn page(journal: &Journal, told: &Told, unit: &str, command: String) -> Resu
     let useless = preslide_host::export::refused(&told.extended());
     let mut next = format!(
         "The controller has hysteresis and moving weight. Effects are compiled in: preslide export {} -o stage_model.rs{}, then build the firmware with PRESLIDE_MODEL. \
-         Observer gains are compiled in as well: preslide tune {} proposes them.",
+         Observer gains are compiled in as well: preslide tune {} --resonance FREQUENCY proposes them for a drive whose first mode is there.",
         journal.file("extended.toml").display(),
         useless
             .iter()
@@ -100,7 +100,7 @@ fn followed(journal: &Journal, unit: &str) -> Table {
         ]
     };
     Table {
-        caption: "Following error by the encoder; all but the last with the feedback alone"
+        caption: "Following error by the encoder; unseen-with has the model, all others the feedback alone"
             .to_owned(),
         head: vec![
             "motion".to_owned(),

@@ -3,7 +3,7 @@
 use super::super::{Failure, thin};
 use preslide_host::diagnose::fit::Fit;
 use preslide_host::diagnose::{Diagnosis, diagnose, effect};
-use preslide_host::identify::{Identification, Options, STEPS, identify};
+use preslide_host::identify::{Options, STEPS, identify};
 use preslide_host::model::Model;
 use preslide_host::progress::Progress;
 use preslide_host::recording::{self, LoadOptions, MotionKind, Recording};
@@ -16,7 +16,7 @@ use std::sync::Arc;
 pub struct Told {
     pub recording: Recording,
     pub diagnosis: Diagnosis,
-    fit: Identification,
+    fit: Arc<Fit>,
 }
 
 /// Whether the effort drives the axis backward, and what moves, or why that is not told.
@@ -26,11 +26,9 @@ pub fn careful(path: &Path) -> Result<(bool, Result<String, String>), Failure> {
         .warnings
         .iter()
         .any(|w| w.code == "effort-sign-flipped");
-    let found = identify(
-        &recording,
-        &Options::default(),
-        &Progress::new("identify", STEPS),
-    );
+    let progress = Progress::new("identify", STEPS);
+    let found = identify(&recording, &Options::default(), &progress);
+    progress.finish();
     let weight = found.and_then(|found| {
         let mass = found
             .best()
@@ -55,13 +53,13 @@ impl Told {
             .map(|path| recording::load(path, &LoadOptions::default()))
             .collect();
         let whole = Recording::join(loaded?).map_err(Failure::Input)?;
-        let progress = Progress::new("identify", STEPS);
-        let fit = identify(&whole, &Options::default(), &progress).map_err(Failure::Data)?;
-        progress.finish();
+        let fit = Arc::new(Fit::of(&whole));
+        if let Some(reason) = fit.refusal() {
+            return Err(Failure::Data(reason.to_owned()));
+        }
         let recording = thin(whole, 0);
         let progress = Progress::new("diagnose, steps of the search", 0);
-        let begins = Fit::taken(fit.clone());
-        let diagnosis = diagnose(&recording, None, Some(Arc::new(begins)), &progress)?;
+        let diagnosis = diagnose(&recording, None, Some(Arc::clone(&fit)), &progress)?;
         progress.finish();
         Ok(Self {
             recording,
@@ -86,11 +84,9 @@ impl Told {
 
     /// The fit with the fewest errors that the link takes: blocks, no more than it has room for.
     pub fn loadable(&self) -> Result<Model, Failure> {
-        let fits = self
-            .fit
-            .candidates
-            .iter()
-            .filter(|c| (1..=MOST_BLOCKS).contains(&c.size()) && c.nmse_test.is_finite());
+        let fits = self.fit.candidates().iter();
+        let fits =
+            fits.filter(|c| (1..=MOST_BLOCKS).contains(&c.size()) && c.nmse_test.is_finite());
         let best = fits.min_by(|a, b| a.nmse_test.total_cmp(&b.nmse_test));
         let best = best.ok_or_else(|| {
             Failure::Data("no Maxwell-slip blocks were found that the controller could be sent; record smaller strokes (--smallest)".to_owned())
