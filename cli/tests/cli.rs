@@ -679,3 +679,13 @@ fn a_predictor_is_told_beside_the_friction_models() {
     preslide(&["identify", &short, "--predictor", "koopman"])
         .fails(3, &["short.csv", "record at least"]);
 }
+
+#[test]
+fn an_experiment_is_for_effects_of_the_catalogue() {
+    let folder = Folder::new();
+    let path = folder.file("good.csv", recording(HEADER));
+    let motion = folder.path("motion.csv");
+    let ask = |ids| preslide(&["diagnose", &path, "--experiment", &motion, "--asked", ids]);
+    ask("foo,run_in,none").fails(2, &["--asked foo:", "--help"]);
+    ask("none").succeeds();
+}

@@ -4,7 +4,7 @@ use super::outputs::is_stdout;
 use super::{Failure, OutputArgs, RecordingArgs, command_line, thin, write_text};
 use clap::Args;
 use preslide_host::diagnose::correction::Language;
-use preslide_host::diagnose::experiment::Experiment;
+use preslide_host::diagnose::experiment::{self, Experiment};
 use preslide_host::diagnose::fit::Fit;
 use preslide_host::diagnose::verdict::Verdict;
 use preslide_host::diagnose::{Diagnosis, Refusal, diagnose, diagnose_simulation, effect};
@@ -78,6 +78,7 @@ impl Diagnose {
     pub fn run(mut self) -> Result<(), Failure> {
         let start = Instant::now();
         self.check_kinds()?;
+        self.check_asked()?;
         let outputs = self.output.iter().map(|path| ("-o", Some(path)));
         let own: Vec<_> = outputs
             .chain([("--experiment", self.experiment.as_ref())])
@@ -218,6 +219,20 @@ impl Diagnose {
                 path.display()
             ))),
             None => Ok(()),
+        }
+    }
+
+    /// Effects for which an experiment was played go by their ids.
+    fn check_asked(&self) -> Result<(), Failure> {
+        let asked = self.asked.iter().flatten().map(String::as_str);
+        let is_unknown = |id: &&str| *id != "none" && !experiment::may_be_for(id);
+        let unknown: Vec<&str> = asked.filter(is_unknown).collect();
+        match unknown.is_empty() {
+            true => Ok(()),
+            false => Err(Failure::Input(format!(
+                "--asked {}: no effect of the catalogue; ids stand at the end of `preslide diagnose --help`, and none is for the first experiment",
+                unknown.join(",")
+            ))),
         }
     }
 

@@ -117,6 +117,11 @@ fn parts_of(id: &str) -> &'static [Part] {
     }
 }
 
+/// Whether it is the id of something that an experiment may be for.
+pub fn may_be_for(id: &str) -> bool {
+    id == hysteresis::ID || effect::by_id(id).is_some()
+}
+
 /// A motion that would decide something, in the coordinate of the recording.
 pub struct Experiment {
     /// Effects that it is for, by id.
