@@ -48,9 +48,10 @@ fn parameter(key: &str, known: &Estimate, effort: &str) -> String {
 }
 
 impl Diagnosis {
-    /// What is left over the budget's items and the noise (% of the effort's variance).
-    fn not_explained(&self) -> f64 {
-        (self.extended.test - self.noise_floor).max(0.0)
+    /// What is left over the budget's items, the noise and what does not repeat (% of the effort's variance).
+    pub(super) fn not_explained(&self) -> f64 {
+        let at_random = self.noise_floor + self.unrepeated.unwrap_or(0.0);
+        (self.extended.test - at_random).max(0.0)
     }
 
     /// What fitting the hysteresis anew beside the effects takes off besides (% of the effort's variance).
@@ -71,6 +72,7 @@ impl Diagnosis {
         let rest = [
             ("refitted_hysteresis", self.refitted()),
             ("noise", self.noise_floor),
+            ("does_not_repeat", self.unrepeated.unwrap_or(0.0)),
             ("not_explained", self.not_explained()),
         ];
         let rest = rest
@@ -149,6 +151,10 @@ impl Diagnosis {
             "",
             String::new(),
         ));
+        if let Some(unrepeated) = self.unrepeated.filter(|u| *u >= SEEN * whole) {
+            let what = "varies between repeats".to_owned();
+            rows.push(row(what, unrepeated, "", String::new()));
+        }
         let most = self.nameless().next().map(|u| {
             let place = u.place.map_or(String::new(), |p| {
                 format!("most {}", place_words(&p, recording))

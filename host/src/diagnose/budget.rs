@@ -18,8 +18,31 @@ pub(super) struct Finding<'a> {
     pub(super) effect: usize,
     /// Its term; without one it changes the whole recording or its core.
     pub(super) term: Option<&'a Term>,
+    /// Its force at the rows.
+    pub(super) force: &'a [f64],
     /// NMSE (%) without and with it, by itself.
     pub(super) nmse: [f64; 2],
+}
+
+/// What the findings against a simulation take off, `left` at the rows with all of them, of `from − to` %: their Shapley values, `f·(y + r)` for
+/// what is missing, `y`, which no fit stands in front of. One after the other, the first would take what two share.
+pub(super) fn of_a_simulation(
+    ground: &Ground,
+    left: &[f64],
+    findings: &[Finding],
+    [from, to]: [f64; 2],
+) -> Vec<Item> {
+    let value = |force: &[f64]| {
+        let own = force.iter().zip(&ground.rows.target).zip(left);
+        own.map(|((f, y), r)| f * (y + r)).sum::<f64>().max(0.0)
+    };
+    let values: Vec<f64> = findings.iter().map(|f| value(f.force)).collect();
+    let all = values.iter().sum::<f64>().max(1e-300);
+    let items = findings.iter().zip(values).map(|(finding, value)| Item {
+        effect: finding.effect,
+        nmse: (from - to).max(0.0) * value / all,
+    });
+    items.collect()
 }
 
 /// What the findings take off in their order, `from` % being left without them and `to` % with all: first what has no term, then the terms on

@@ -40,6 +40,7 @@ pub mod place;
 mod placebo;
 mod polish;
 mod present;
+mod repeats;
 mod reproduced;
 pub mod rows;
 pub mod search;

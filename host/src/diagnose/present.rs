@@ -56,6 +56,7 @@ impl Diagnosis {
             "baseline": { "nmse_train": self.baseline.train, "nmse_test": self.baseline.test },
             "extended": { "nmse_train": self.extended.train, "nmse_test": self.extended.test },
             "noise_floor_nmse": self.noise_floor,
+            "unrepeated_nmse": self.unrepeated,
             "given_model": self.given_model.as_ref().map(|g| json!({
                 "nmse_as_it_stands": g.stands, "nmse_refitted": g.refitted.test,
                 "parameters": g.parameters.iter().map(|p| json!({

@@ -54,6 +54,8 @@ pub struct Signals {
     pub rotary: bool,
     /// Contiguous samples.
     pub pieces: Vec<Range<usize>>,
+    /// Number of the repeat of the motion that every sample is in.
+    pub repeat: Vec<u32>,
     /// Samples between which the clock tells the time: one range, or one a file.
     pub sessions: Vec<Range<usize>>,
     /// Fold of every sample.
@@ -100,6 +102,7 @@ impl Signals {
             left_out: Vec::new(),
             rotary: recording.kind == MotionKind::Rotary,
             pieces: recording.pieces.clone(),
+            repeat: recording.repeat.clone(),
             sessions: std::iter::once(0..n).collect(),
             fold: vec![0; n],
             folds: 0,

@@ -1,7 +1,7 @@
 //! From the hypothesis to what is said: names with their confidence, what has no name, and what the recording cannot tell.
 
 use super::axis::Axis;
-use super::budget::{Finding, Item, budget};
+use super::budget::{self, Finding, Item};
 use super::channel;
 use super::confidence::{self, confidence};
 use super::correction::Correction;
@@ -18,6 +18,7 @@ use super::named::{EVEN, Name, Named};
 use super::naming::Standing;
 use super::offer::{Offer, offers};
 use super::place::Place;
+use super::repeats::unrepeated;
 use super::reproduced::Reproduced;
 use super::search::{Found, WORTH};
 use super::second_position::SecondPosition;
@@ -99,6 +100,8 @@ pub struct Diagnosis {
     pub extended: Nmse,
     /// What noise leaves of a perfect model (%), not more than what is left.
     pub noise_floor: f64,
+    /// NMSE (%) of what differs from one repeat of a motion to the next beyond noise; `None` where too little was repeated.
+    pub unrepeated: Option<f64>,
     /// Confident ones first.
     pub effects: Vec<Named>,
     /// What each missing effect takes off, in turn.
@@ -229,6 +232,13 @@ pub fn conclude(
         reached
     };
     let noise_floor = ground.noise_floor(&extended).min(after.test);
+    let between_repeats = unrepeated(&ground.rows, &extended.residual(&ground.rows));
+    let unrepeated = between_repeats.map(|square| {
+        let rows = &ground.rows;
+        let all = 100.0 * square * rows.force.len() as f64 / rows.variation().max(1e-300);
+        (all - noise_floor).clamp(0.0, after.test - noise_floor)
+    });
+    let at_random = noise_floor + unrepeated.unwrap_or(0.0);
     // What the wrong ones are worth (%), where any is.
     let differs = given_model.as_ref().and_then(Given::worth);
     let of_a_simulation = |all: fn(&Named) -> bool| {
@@ -237,7 +247,7 @@ pub fn conclude(
     let verdict = match verdict(
         effects.iter().any(Named::is_missing),
         likely(&unnamed),
-        [after.test, noise_floor],
+        [after.test, at_random],
         differs,
     ) {
         Verdict::MissingPhysics if of_a_simulation(|e| e.in_simulation) => {
@@ -245,7 +255,7 @@ pub fn conclude(
         }
         Verdict::Consistent
             if ground.core.corrects
-                && after.test - noise_floor - ground.rows.missed > UNEXPLAINED_OF_A_SIMULATION =>
+                && after.test - at_random - ground.rows.missed > UNEXPLAINED_OF_A_SIMULATION =>
         {
             Verdict::UnknownPhysics
         }
@@ -276,21 +286,15 @@ pub fn conclude(
         .map(|(effect, e)| Finding {
             effect,
             term: e.term.as_ref(),
+            force: &e.force,
             nmse: e.nmse_test,
         })
         .collect();
-    let mut budget = budget(&ground, &stays, &findings, [baseline.test, after.test]);
-    // All that blocks take against a simulation is the friction's difference.
-    let of_friction = |item: &&mut Item| {
-        matches!(
-            effects[item.effect].name,
-            Name::Correction(simulation::Correction::Friction)
-        )
+    let whole = [baseline.test, after.test];
+    let budget = match ground.core.corrects {
+        true => budget::of_a_simulation(&ground, &extended.residual(&ground.rows), &findings, whole),
+        false => budget::budget(&ground, &stays, &findings, whole),
     };
-    let taken: f64 = budget.iter().map(|item| item.nmse).sum();
-    if let Some(friction) = budget.iter_mut().find(of_friction) {
-        friction.nmse += (baseline.test - after.test - taken).max(0.0);
-    }
     Some(Diagnosis {
         verdict,
         budget,
@@ -298,6 +302,7 @@ pub fn conclude(
         given_model,
         extended: after,
         noise_floor,
+        unrepeated,
         effects,
         unnamed,
         lacks,

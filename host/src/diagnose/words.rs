@@ -280,8 +280,12 @@ impl Diagnosis {
 
     /// Verdict in one sentence.
     pub fn verdict_words(&self, recording: &Recording) -> String {
+        let between = self.unrepeated.filter(|u| *u > 0.0);
+        let between = between.map_or(String::new(), |u| {
+            format!(", {} varying between repeats", left(u))
+        });
         let figures = format!(
-            "held-out NMSE {} before, {} after, {} expected of noise",
+            "held-out NMSE {} before, {} after, {} expected of noise{between}",
             left(self.baseline.test),
             left(self.extended.test),
             left(self.noise_floor)
@@ -319,7 +323,7 @@ impl Diagnosis {
             }
             Verdict::UnknownPhysics if self.unknown().is_none() => format!(
                 "unknown-physics: {} of the variance are neither noise nor anything of the catalogue ({figures})",
-                left(self.extended.test - self.noise_floor)
+                left(self.not_explained())
             ),
             Verdict::UnknownPhysics => format!("unknown-physics ({figures})"),
             Verdict::InsufficientData if self.doubt.is_some() => format!(
@@ -482,14 +486,20 @@ impl Diagnosis {
     fn keep(&self) -> String {
         /// Times the measured noise up to which what is left is noise.
         const NOISE: f64 = 1.5;
+        let unrepeated = self.unrepeated.unwrap_or(0.0);
         let keep = if self.extended.test <= NOISE * self.noise_floor {
             format!("keep the {}; what is left is noise.", self.model_word())
+        } else if self.extended.test <= NOISE * (self.noise_floor + unrepeated) {
+            format!(
+                "keep the {}; what is left varies from one repeat of the motion to the next: time, path or warmth may take it, or nothing, but no law of the motion.",
+                self.model_word()
+            )
         } else {
             format!(
-                "keep the {}; of the {} that are left {} are noise, and nothing of the catalogue explains the rest.",
+                "keep the {}; of the {} that are left {} are noise or vary between repeats, and nothing of the catalogue explains the rest.",
                 self.model_word(),
                 left(self.extended.test),
-                left(self.noise_floor)
+                left(self.noise_floor + unrepeated)
             )
         };
         let by_confidence = |a: &&Named, b: &&Named| a.confidence.total_cmp(&b.confidence);

@@ -1,7 +1,7 @@
 //! A simulation of the user's own, in further columns of the recording.
 
 use super::units::Dimension;
-use super::words::quantity;
+use super::words::{quantity, split};
 use super::{EffortRole, MotionKind, Recording, Warning};
 
 /// What a simulation did, at the samples.
@@ -60,11 +60,15 @@ impl Recording {
     }
 
     fn take(&mut self, name: &str) -> Result<Taken, String> {
-        let found = self.extra.iter().position(|e| e.name == name);
+        // `force_sim` says `force_sim_N` as well, where it says no other column.
+        let found = self.extra.iter().position(|e| e.name == name).or_else(|| {
+            let mut alike = (0..self.extra.len()).filter(|i| split(&self.extra[*i].name).0 == name);
+            alike.next().filter(|_| alike.next().is_none())
+        });
         let Some(place) = found else {
             return Err(no_column(self, name));
         };
-        let unit = quantity(name).unit;
+        let unit = quantity(&self.extra[place].name).unit;
         let factor = unit.map_or(1.0, |u| u.factor);
         let dimension = unit.map_or(effort_of(self.role), |u| u.dimension);
         let is_effort = dimension == effort_of(self.role);
