@@ -253,6 +253,10 @@ fn what_no_controller_can_use_is_refused_by_name() {
         ("drive_compliance", "frequency_Hz = 60.0"),
         ("backlash", "gap_m = 1e-6"),
         ("creep", "rate_m_s = 1e-8\nshare_of_breakaway = 0.15"),
+        (
+            "torque_ripple",
+            "share = 0.05\nperiod_m = 1e-3\nphase_rad = 0.0",
+        ),
         ("actuator_dead_zone", "width_N = 0.1"),
         ("actuator_saturation", "limit_N = 2.0"),
         (

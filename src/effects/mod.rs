@@ -51,7 +51,7 @@
 //!
 //! **On the host only** (`preslide_host::effects`), because a controller cannot use them as a feed-forward of the present motion:
 //! `channel_delay`, `drive_compliance` (both need the force's future or its second derivative), `backlash`, `creep`,
-//! `actuator_dead_zone`, `actuator_saturation` (a property of the drive, not a force to add). `lead_error` and
+//! `torque_ripple`, `actuator_dead_zone`, `actuator_saturation` (a property of the drive, not a force to add). `lead_error` and
 //! `presliding_shape` have no term: the one is a calibration of the encoder, the other more blocks.
 //!
 //! The catalogue, with the signature of each effect, is the project's; laws that have one author name him where they stand.

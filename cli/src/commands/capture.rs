@@ -5,6 +5,7 @@ use clap::Args;
 use preslide_host::capture::{CaptureError, End, Scale, Summary, capture, open};
 use preslide_host::progress::Progress;
 use preslide_host::recording::MotionKind;
+use preslide_host::report::figures::quantity;
 use preslide_link::RangeCode;
 use serde_json::json;
 use std::fs::{File, OpenOptions};
@@ -176,12 +177,12 @@ impl Capture {
             MotionKind::Rotary => ("rad", "N·m"),
         };
         say!(
-            "{} samples in {} rows, one every {:.3} ms, {:.3} s; a count is {:.4e} {length}, an ampere {:.4} {effort}.",
+            "{} samples in {} rows, one every {:.3} ms, {:.3} s; a count is {}, an ampere {:.4} {effort}.",
             summary.samples,
             summary.rows,
             row_s * 1e3,
             summary.rows as f64 * row_s,
-            scale.count,
+            quantity(scale.count, length),
             scale.effort_per_a,
         );
         if summary.gaps > 0 {

@@ -6,6 +6,7 @@ use preslide_host::export::joint::{Format, Joint};
 use preslide_host::export::{Options, c_source, reduced, rust_source, sha256};
 use preslide_host::model::{Model, ModelError, read};
 use preslide_host::recording::Needs;
+use preslide_host::report::figures::quantity;
 use preslide_host::simulate::force_of_motion;
 use std::path::{Path, PathBuf};
 
@@ -186,10 +187,9 @@ impl Export {
         let found = force_of_motion(model, &recording).map_err(Failure::Input)?;
         let error = match found.agreement {
             Some(agreement) => format!(
-                "NMSE {:.4} %, RMS error {:.4e} {}",
+                "NMSE {:.4} %, RMS error {}",
                 agreement.nmse,
-                agreement.rms,
-                recording.effort_unit()
+                quantity(agreement.rms, recording.effort_unit())
             ),
             None => "no force to compare with".to_owned(),
         };

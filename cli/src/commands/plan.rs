@@ -4,6 +4,7 @@ use super::{AxisArgs, Failure, outputs, parse_frequency, write_text};
 use clap::{Args, ValueEnum};
 use preslide_drive::quantity;
 use preslide_host::plan::{Show, Wish, plan};
+use preslide_host::report::figures::range;
 use std::path::PathBuf;
 
 /// A motion that shows friction, for a controller to follow: nested reversals begun at different places, passes at several speeds
@@ -140,12 +141,11 @@ impl Plan {
         write_text(&self.output, &planned.csv(self.rotary))?;
         let unit = if self.rotary { "rad" } else { "m" };
         say!(
-            "{} rows, {:.1} s, {} reversals, strokes from {:.3e} to {:.3e} {unit}, in {} repeats.",
+            "{} rows, {:.1} s, {} reversals, strokes from {}, in {} repeats.",
             planned.rows.len(),
             planned.seconds(),
             planned.reversals,
-            planned.strokes.0,
-            planned.strokes.1,
+            range(planned.strokes.0, planned.strokes.1, unit),
             wish.repeats
         );
         say!(

@@ -12,7 +12,7 @@ use crate::statistics::Estimate;
 use serde_json::{Value, json};
 
 /// Confidence from which a name is certain.
-const CERTAIN: f64 = 0.9;
+pub(super) const CERTAIN: f64 = 0.9;
 /// Share of the mismatch below which nobody misses a row.
 const SEEN: f64 = 0.005;
 /// Cells of a bar.

@@ -28,6 +28,7 @@ mod hysteresis;
 pub mod lack;
 mod late;
 mod measured;
+mod merge;
 mod modelled;
 pub mod named;
 pub mod naming;

@@ -58,6 +58,11 @@ pub struct Named {
 }
 
 impl Named {
+    /// Whether it is a line or a narrow place, which was held against placebos.
+    pub(super) fn is_narrow(&self) -> bool {
+        self.standing.as_ref().is_some_and(|s| s.placebo.is_some())
+    }
+
     /// Whether it is certain, and no part of the fit.
     pub fn is_missing(&self) -> bool {
         self.confident && !self.in_fit

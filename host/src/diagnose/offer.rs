@@ -191,8 +191,9 @@ impl Lines {
         let friction = weak.at_centres(&ground.baseline.friction);
         let left = hypothesis.residual(&ground.rows);
         let weights = ground.noise.inverse(&left);
-        let by_friction = |values: &[f64]| -> Vec<f64> {
-            values.iter().zip(&friction).map(|(w, f)| w * f).collect()
+        let effort = weak.at_centres(&ground.baseline.fitted);
+        let times = |values: &[f64], by: &[f64]| -> Vec<f64> {
+            values.iter().zip(by).map(|(w, f)| w * f).collect()
         };
         let (travel, slow) = (s.travel(), s.moving_speed(SLOW).max(1e-300));
         let row_s = weak.half_width_s;
@@ -209,15 +210,11 @@ impl Lines {
             let lines = spectra::with_aliases(lines, comb, lowest);
             lines.into_iter().map(|nu| 1.0 / nu).collect()
         };
+        let modulated = |by: &[f64]| periods(&times(&weights, by), &times(&left, by));
         Self(BTreeMap::from([
             (Line::Force as u8, (periods(&weights, &left), in_position)),
-            (
-                Line::Level as u8,
-                (
-                    periods(&by_friction(&weights), &by_friction(&left)),
-                    in_position,
-                ),
-            ),
+            (Line::Level as u8, (modulated(&friction), in_position)),
+            (Line::Effort as u8, (modulated(&effort), in_position)),
             (
                 Line::Time as u8,
                 (spectra::lines(&t, &weights, slowest, fastest), in_time),

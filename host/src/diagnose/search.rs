@@ -4,6 +4,7 @@ use super::change::Change;
 use super::effect::{self, Class, Effect};
 use super::fit::Known;
 use super::ground::{Ground, Hypothesis};
+use super::merge::merged;
 use super::offer::{Offer, offer_of, offers, refined};
 use super::polish::polished;
 use super::term::{Subject, Term};
@@ -87,6 +88,11 @@ pub fn search(
             .filter(|_| !full)
             .cloned()
         else {
+            if let Some((one, two)) = merged(&ground, &hypothesis, first.len(), periods) {
+                barred.extend(two);
+                hypothesis = sifted(&ground, one, first.len(), &mut barred)?;
+                continue;
+            }
             // Polished, a term may have lost its sign to another's shape.
             let polished = polished(&ground, hypothesis, first.len());
             return Some(Found {

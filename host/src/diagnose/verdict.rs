@@ -1,5 +1,6 @@
 //! From the hypothesis to what is said: names with their confidence, what has no name, and what the recording cannot tell.
 
+use super::account::CERTAIN;
 use super::axis::Axis;
 use super::budget::{self, Finding, Item};
 use super::channel;
@@ -173,11 +174,13 @@ pub fn conclude(
     of_the_simulation(&ground, &extended, &mut effects);
     let first = ground.fit_as_given(&[kept.as_slice(), &found.known.terms].concat())?;
     let given_model = user.and_then(|m| Given::of(&ground, &extended, recording, m));
-    // Where all names together leave much of the effort, none of them is sure.
+    // Where all names together leave much of the effort, none of them is sure but a line that stands out of chance by itself.
     let reached = extended.nmse(&ground.rows);
-    effects
-        .iter_mut()
-        .for_each(|e| e.confident &= reached.test <= EXPLAINS_LITTLE);
+    if reached.test > EXPLAINS_LITTLE {
+        let is_doubtful = |e: &&mut Named| !(e.is_narrow() && e.confidence >= CERTAIN);
+        let doubtful = effects.iter_mut().filter(is_doubtful);
+        doubtful.for_each(|e| e.confident = false);
+    }
     let mut baseline = first.nmse(&ground.rows);
     // The fit's physics, on the core that names are judged on or on its own law, which predicts better where the core fits what happens once.
     let law = of_fit.filter(|_| user.is_none());
@@ -292,7 +295,9 @@ pub fn conclude(
         .collect();
     let whole = [baseline.test, after.test];
     let budget = match ground.core.corrects {
-        true => budget::of_a_simulation(&ground, &extended.residual(&ground.rows), &findings, whole),
+        true => {
+            budget::of_a_simulation(&ground, &extended.residual(&ground.rows), &findings, whole)
+        }
         false => budget::budget(&ground, &stays, &findings, whole),
     };
     Some(Diagnosis {

@@ -30,6 +30,7 @@
 //! | `dwell_aging` | `m = 1 + a·log10(1 + θ/τ)`, `dθ/dt = 1 − abs(v)·θ/λ` | `level_per_decade`, `time_constant_s`, `erasing_path_m` |
 //! | `load_dependent_friction` | `m = 1 + c·(load − load0)` | `level_per_N`, `load_N` |
 //! | `load_dependent_friction` | `μ·abs(T)` against the motion, `T = (M − M_motor)·a + F0 +` every force of place: what a gear transmits | `share_of_transmitted`, `motor_mass_kg` |
+//! | `torque_ripple` | command `= F/(1 + a·cos(2πx/p + φ))` | `share`, `period_m`, `phase_rad` |
 //! | `actuator_dead_zone` | command `= F + ½·width·sgn F` | `width_N` |
 //! | `actuator_saturation` | `F` held within ± limit | `limit_N` |
 //! | `creep` | displacement less `rate·T_s·sinh(F/(share·F_limit))` | `rate_m_s`, `share_of_breakaway` |

@@ -24,6 +24,7 @@ use crate::friction::FrictionModel;
 use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::Recording;
+use crate::report::figures::quantity;
 use crate::signal::{
     Channel, End, Kinematics, Split, StickSlip, TAKES, Window, check_windows, not_yet_known,
     step_at_reversals,
@@ -439,11 +440,10 @@ fn yield_range(recording: &Recording, train: &[usize]) -> Result<(f64, f64), Str
     let shortest = shortest.max(longest * FINEST);
     if shortest.max(steps.first().copied().unwrap_or(0.0)) >= longest / 2.0 {
         return Err(format!(
-            "{}: strokes of {:.3e} {} are sampled every {:.3e}: too coarse for a friction model; sample faster or move slower",
+            "{}: strokes of {} are sampled every {}: too coarse for a friction model; sample faster or move slower",
             recording.name,
-            2.0 * longest,
-            recording.position_unit(),
-            2.0 * shortest,
+            quantity(2.0 * longest, recording.position_unit()),
+            quantity(2.0 * shortest, recording.position_unit()),
         ));
     }
     Ok((shortest.max(steps[0]).min(longest / 10.0), longest))

@@ -5,7 +5,7 @@ use super::family::bench::Bench;
 use super::{Candidate, Identification, Method};
 use crate::progress::Progress;
 use crate::recording::Recording;
-use crate::report::figures::left;
+use crate::report::figures::{left, quantity};
 use crate::signal::Kinematics;
 use crate::statistics::{Estimate, nmse};
 
@@ -311,14 +311,14 @@ impl Identification {
             for (_, d) in &best.blocks {
                 if d.value <= 1.001 * shortest {
                     notes.push(format!(
-                        "the stiffest block yields within one sample ({:.2e} {unit}): its stiffness is a lower bound; sample faster or reverse more slowly",
-                        d.value
+                        "the stiffest block yields within one sample ({}): its stiffness is a lower bound; sample faster or reverse more slowly",
+                        quantity(d.value, unit)
                     ));
                 }
                 if d.value >= 0.98 * longest {
                     notes.push(format!(
-                        "the softest block yields at half of the longest stroke ({:.2e} {unit}) and may never have slipped: its weight is a lower bound; record longer strokes",
-                        d.value
+                        "the softest block yields at half of the longest stroke ({}) and may never have slipped: its weight is a lower bound; record longer strokes",
+                        quantity(d.value, unit)
                     ));
                 }
             }

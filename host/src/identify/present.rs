@@ -6,7 +6,10 @@ use super::{Identification, Method};
 use crate::friction::Path;
 use crate::model::Model;
 use crate::recording::Recording;
-use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
+use crate::report::figures::{cells, quantity};
+use crate::report::{
+    Axis, Colour, DisplayUnit, Emphasis, Figure, Page, Section, Series, Style, Table, display_unit,
+};
 use crate::statistics::Estimate;
 use serde_json::{Value, json};
 
@@ -64,7 +67,8 @@ impl Identification {
             rows: self
                 .parameters()
                 .map(|(name, e)| {
-                    let [from, to] = bounds(&e);
+                    let shown_unit = display_unit(&unit(recording, name), e.value);
+                    let [value, from, to] = cells(e.value, e.ci95, shown_unit.factor);
                     let name_shown = match name {
                         "coulomb" if self.best().size() > 0 => "coulomb (ΣW)",
                         "offset" if self.plain.place == Place::Spring => {
@@ -72,13 +76,7 @@ impl Identification {
                         }
                         name => shown(recording, name),
                     };
-                    vec![
-                        name_shown.to_owned(),
-                        digits(e.value),
-                        from,
-                        to,
-                        unit(recording, name),
-                    ]
+                    vec![name_shown.to_owned(), value, from, to, shown_unit.unit]
                 })
                 .collect(),
         }
@@ -181,13 +179,22 @@ impl Identification {
         let best = self.best();
         let total: f64 = best.blocks.iter().map(|(k, d)| k.value * d.value).sum();
         let (x, f) = (recording.position_unit(), recording.effort_unit());
+        let largest = |of: &dyn Fn(&(Estimate, Estimate)) -> f64, unit: &str| {
+            let values = best.blocks.iter().map(of);
+            display_unit(unit, values.fold(0.0, f64::max))
+        };
+        let stiffness = largest(&|b| b.0.value, &format!("{f}/{x}"));
+        let length = largest(&|b| b.1.value, x);
         (!best.blocks.is_empty()).then(|| Table {
-            caption: format!("Maxwell-slip blocks, breakaway force {} {f}", digits(total)),
+            caption: format!(
+                "Maxwell-slip blocks, breakaway force {}",
+                quantity(total, f)
+            ),
             head: [
                 "block".to_owned(),
-                format!("stiffness {f}/{x}"),
+                format!("stiffness {}", stiffness.unit),
                 "95 %".to_owned(),
-                format!("yield displacement {x}"),
+                format!("yield displacement {}", length.unit),
                 "95 %".to_owned(),
                 "weight".to_owned(),
             ]
@@ -197,17 +204,22 @@ impl Identification {
                 .iter()
                 .enumerate()
                 .map(|(i, (k, d))| {
-                    let interval = |ci: Option<[f64; 2]>| {
-                        ci.map_or("–".to_owned(), |[a, b]| {
-                            format!("{} … {}", digits(a), digits(b))
-                        })
+                    let told = |e: &Estimate, shown: &DisplayUnit| {
+                        let [value, low, high] = cells(e.value, e.ci95, shown.factor);
+                        let interval = match e.ci95 {
+                            Some(_) => format!("{low} … {high}"),
+                            None => low,
+                        };
+                        [value, interval]
                     };
+                    let [[k_value, k_interval], [d_value, d_interval]] =
+                        [told(k, &stiffness), told(d, &length)];
                     vec![
                         (i + 1).to_string(),
-                        digits(k.value),
-                        interval(k.ci95),
-                        digits(d.value),
-                        interval(d.ci95),
+                        k_value,
+                        k_interval,
+                        d_value,
+                        d_interval,
                         format!("{:.3}", k.value * d.value / total),
                     ]
                 })

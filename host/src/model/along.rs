@@ -10,7 +10,7 @@
 //!   `−F_t''/ω²` is added, with `F_t` the force transmitted to a rigid load and `k = ω²·M/2`: half of the inertia is taken to
 //!   be the load's, which one recording does not tell. `F_t''` is the second difference over a quarter of the
 //!   resonance's period, so what changes faster than the resonance is left out.
-//! - `actuator_saturation`, `actuator_dead_zone`: from the force back to the command, as far as it can be known.
+//! - `torque_ripple`, `actuator_saturation`, `actuator_dead_zone`: from the force back to the command, as far as it can be known.
 //! - `channel_delay`: the force `τ` earlier, interpolated; each piece begins and ends with its own first and last value.
 
 use super::Model;
@@ -195,8 +195,20 @@ impl Model {
         Ok(force)
     }
 
+    /// What the drive gives of its command at a position (m or rad).
+    pub(crate) fn given_of_command(&self, position: f64) -> f64 {
+        let ripples = self.of(&form::TORQUE_RIPPLE).map(|effect| {
+            let phase = TAU * position / effect.get("period_m") + effect.get("phase_rad");
+            1.0 + effect.get("share") * phase.cos()
+        });
+        ripples.product()
+    }
+
     /// From the force back to the command, and to when it was sampled.
     fn behind_the_actuator(&self, path: Path, force: &mut [f64]) {
+        for (f, x) in force.iter_mut().zip(path.position) {
+            *f /= self.given_of_command(*x);
+        }
         for effect in self.of(&form::ACTUATOR_SATURATION) {
             let limit = effect.get("limit_N");
             force.iter_mut().for_each(|f| *f = f.clamp(-limit, limit));

@@ -2,6 +2,7 @@
 
 use super::segments::Strokes;
 use super::{EffortRole, Warning, balance};
+use crate::report::figures::quantity;
 
 /// A handful of strokes at a dozen samples each: below this, fits with ten parameters are guesses.
 const FEW_SAMPLES: usize = 200;
@@ -33,7 +34,10 @@ pub(super) fn motion(strokes: &[Strokes], samples: usize, unit: &str, warnings: 
     if travel <= 2.0 * quantum {
         warnings.push(Warning::new(
             "no-motion",
-            format!("the position covers {travel:.3e} {unit} in all, no more than two steps of its encoder"),
+            format!(
+                "the position covers {} in all, no more than two steps of its encoder",
+                quantity(travel, unit)
+            ),
         ));
     } else if reversals == 0
         && !(strokes.iter().any(|s| s.net < 0.0) && strokes.iter().any(|s| s.net > 0.0))
@@ -41,8 +45,9 @@ pub(super) fn motion(strokes: &[Strokes], samples: usize, unit: &str, warnings: 
         warnings.push(Warning::new(
             "one-way-motion",
             format!(
-                "no reversal in {travel:.3e} {unit} of travel: friction cannot be told from a constant load, and \
-                 pre-sliding memory does not show"
+                "no reversal in {} of travel: friction cannot be told from a constant load, and \
+                 pre-sliding memory does not show",
+                quantity(travel, unit)
             ),
         ));
     } else if reversals < FEW_REVERSALS {

@@ -1,5 +1,6 @@
 //! Fewer samples of a recording that is sampled far beyond the band that matters.
 
+use crate::report::figures::quantity;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -42,9 +43,9 @@ impl Recording {
         fewer.warnings.push(Warning::new(
             "decimated",
             format!(
-                "one sample in {factor} of {} is kept, low-passed: {:.4e} s apart",
+                "one sample in {factor} of {} is kept, low-passed: {} apart",
                 self.len(),
-                fewer.sample_time_s
+                quantity(fewer.sample_time_s, "s")
             ),
         ));
         fewer

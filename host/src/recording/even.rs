@@ -1,5 +1,6 @@
 //! Even times: coarse time stamps are put right, jittered ones and lost samples are interpolated.
 
+use crate::report::figures::quantity;
 use std::ops::Range;
 
 use super::Warning;
@@ -52,7 +53,12 @@ pub(super) fn regularise(t: &mut [f64], warnings: &mut Vec<Warning>) {
     if let Some((step, resolution, change)) = said {
         warnings.push(Warning::new(
             "coarse-time",
-            format!("the time stamps have a resolution of {resolution:.1e} s: replaced by even ones {step:.6e} s apart, none moved by more than {change:.1e} s"),
+            format!(
+                "the time stamps have a resolution of {}: replaced by even ones {} apart, none moved by more than {}",
+                quantity(resolution, "s"),
+                quantity(step, "s"),
+                quantity(change, "s")
+            ),
         ));
     }
 }
@@ -141,9 +147,9 @@ pub(super) fn resample(frame: &mut Frame, warnings: &mut Vec<Warning>) {
     warnings.push(Warning::new(
         "resampled",
         format!(
-            "{moved} of {} samples are not evenly spaced: brought to even times {:.6e} s apart by cubic interpolation{lost}",
+            "{moved} of {} samples are not evenly spaced: brought to even times {} apart by cubic interpolation{lost}",
             frame.t_s.len(),
-            first.step
+            quantity(first.step, "s")
         ),
     ));
     let pieces = frame.pieces.clone();

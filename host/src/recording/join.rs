@@ -2,6 +2,7 @@
 
 use super::checks::{self, FLIPPED};
 use super::{EffortRole, MotionKind, Recording, Warning, extra, segments, timing};
+use crate::report::figures::quantity;
 
 /// Code of the warning that names columns which not all recordings have.
 pub const DROPPED: &str = "columns-dropped";
@@ -55,8 +56,11 @@ impl Recording {
                 whole.warnings.push(Warning::new(
                     RATES,
                     format!(
-                        "{} is sampled every {:.3e} s, {} every {:.3e} s: each keeps its rate, and a second of it counts as one of the other; a diagnosis brings them to one, and leaves out what is sampled three times slower",
-                        whole.name, whole.sample_time_s, next.name, next.sample_time_s
+                        "{} is sampled every {}, {} every {}: each keeps its rate, and a second of it counts as one of the other; a diagnosis brings them to one, and leaves out what is sampled three times slower",
+                        whole.name,
+                        quantity(whole.sample_time_s, "s"),
+                        next.name,
+                        quantity(next.sample_time_s, "s")
                     ),
                 ));
             }

@@ -4,6 +4,7 @@ use super::columns::Plan;
 use super::known::Slot;
 use super::{MotionKind, Recording, Warning};
 use crate::report::display_unit;
+use crate::report::figures::quantity;
 
 /// Largest values that a positioning axis, a joint or a spindle has: beyond them the unit is more likely wrong than the machine is such.
 struct Most {
@@ -216,7 +217,8 @@ impl Recording {
         }
         if travel > 0.0 && travel < LEAST_TRAVEL {
             asked.push(format!(
-                "a travel of {travel:.3e} {unit}: if the position is in counts, give --map 'NAME=LENGTH_OF_A_COUNT*COLUMN'"
+                "a travel of {}: if the position is in counts, give --map 'NAME=LENGTH_OF_A_COUNT*COLUMN'",
+                quantity(travel, unit)
             ));
         }
         (!asked.is_empty()).then(|| Warning {

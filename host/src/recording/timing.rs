@@ -1,5 +1,6 @@
 //! Time stamps: what must not be, what is a gap, what is jitter.
 
+use crate::report::figures::{between, quantity};
 use crate::statistics::quantile;
 use std::ops::Range;
 
@@ -247,7 +248,11 @@ fn spread_warning(
         };
         warnings.push(Warning::new(
             "time-jitter",
-            format!("98 % of the time steps lie between {low:.3e} s and {high:.3e} s (median {median:.3e} s){of}"),
+            format!(
+                "98 % of the time steps lie {} (median {}){of}",
+                between(low, high, "s"),
+                quantity(median, "s")
+            ),
         ));
     }
 }

@@ -10,11 +10,9 @@ pub fn quantity(value: f64, unit: &str) -> String {
 
 /// A value and how far it may be off, to two figures of that, in the prefix that suits the value: `5.0002 ± 0.0011 mm`.
 pub fn within(value: f64, reach: f64, unit: &str) -> String {
-    /// Decimals that a double still has.
-    const MOST: f64 = 9.0;
     let shown = display_unit(unit, value);
     let reach = reach * shown.factor;
-    let decimals = (1.0 - reach.max(1e-300).log10().floor()).clamp(0.0, MOST) as usize;
+    let decimals = decimals(reach);
     let value = format!("{:.decimals$}", value * shown.factor).replace('-', "−");
     format!("{value} ± {reach:.decimals$} {}", shown.unit)
 }
@@ -43,6 +41,29 @@ pub fn between(from: f64, to: f64, unit: &str) -> String {
         three(to * shown.factor),
         shown.unit
     )
+}
+
+/// From one value to the other in the prefix that suits the larger: `−0.5 to 0.1 mm`.
+pub fn range(from: f64, to: f64, unit: &str) -> String {
+    let shown = display_unit(unit, from.abs().max(to.abs()));
+    let [from, to] = [from, to].map(|value| three(value * shown.factor));
+    format!("{from} to {to} {}", shown.unit)
+}
+
+/// A value and its interval times `factor`, for the cells of a table: to two figures of the interval's half, or three without one.
+pub fn cells(value: f64, interval: Option<[f64; 2]>, factor: f64) -> [String; 3] {
+    let Some([low, high]) = interval else {
+        return [three(value * factor), "–".to_owned(), "–".to_owned()];
+    };
+    let decimals = decimals(0.5 * (high - low) * factor);
+    [value, low, high].map(|v| format!("{:.decimals$}", v * factor).replace('-', "−"))
+}
+
+/// Decimals of two figures of how far a value may be off.
+fn decimals(reach: f64) -> usize {
+    /// That a double still has.
+    const MOST: f64 = 9.0;
+    (1.0 - reach.max(1e-300).log10().floor()).clamp(0.0, MOST) as usize
 }
 
 /// Three figures.

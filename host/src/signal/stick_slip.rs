@@ -4,6 +4,7 @@
 //! one: the axis rests before and after, so that inertia takes nothing of it.
 
 use crate::recording::Recording;
+use crate::report::figures::{quantity, within};
 use crate::statistics::{Estimate, quantile};
 use serde::Serialize;
 use std::ops::Range;
@@ -127,8 +128,10 @@ impl StickSlip {
         let side = |levels: &Option<Levels>| {
             levels.map(|l| {
                 format!(
-                    "{:+.3e} ± {:.1e} {unit} ({} slips, kinetic {:+.3e})",
-                    l.breakaway.value, l.spread, l.count, l.kinetic.value
+                    "{} ({} slips, kinetic {})",
+                    within(l.breakaway.value, l.spread, unit),
+                    l.count,
+                    quantity(l.kinetic.value, unit)
                 )
             })
         };
@@ -142,9 +145,8 @@ impl StickSlip {
         );
         if self.hunts {
             format!(
-                "the axis hunts: it sticks while the effort rises and slips {:.2e} {} to and fro every {:.2} s, with nothing from outside; {levels}. An integral that is frozen or leaks within a slip of the target stops it, or a feed-forward of the friction",
-                self.path,
-                recording.kind.unit(),
+                "the axis hunts: it sticks while the effort rises and slips {} to and fro every {:.2} s, with nothing from outside; {levels}. An integral that is frozen or leaks within a slip of the target stops it, or a feed-forward of the friction",
+                quantity(self.path, recording.kind.unit()),
                 self.period_s
             )
         } else {

@@ -313,7 +313,7 @@ impl Visitor for Loop<'_> {
             track.x.push(body.x);
             track.v.push(body.v);
             track.force.push(force);
-            let force = acting(self.model, force);
+            let force = acting(self.model, force) * self.model.given_of_command(body.x);
             for _ in 0..self.steps {
                 body.advance(&law, self.model.inertia, force, dt);
             }

@@ -9,6 +9,7 @@ use crate::effects::form::{self, Form};
 use crate::friction::Visitor;
 use crate::model::Model;
 use crate::recording::Recording;
+use crate::report::figures::quantity;
 use preslide::{Friction, Motion};
 
 /// Steps within a sample that are tried first, and most of them.
@@ -57,7 +58,7 @@ pub fn motion_with_inertia(
     };
     let settled = settled(|steps: u32| {
         let run = Run {
-            inertia: model.inertia,
+            model,
             force: &force,
             head: &head,
             velocity,
@@ -75,9 +76,8 @@ pub fn motion_with_inertia(
         (measured.len() > given).then(|| position_error(&position, measured, given));
     if let Some(error) = &position_error {
         notes.push(format!(
-            "Started from the first {given} measured positions; the rest is simulated without looking at them: {:.4e} {} RMSE",
-            error.rmse,
-            recording.position_unit()
+            "Started from the first {given} measured positions; the rest is simulated without looking at them: {} RMSE",
+            quantity(error.rmse, recording.position_unit())
         ));
     }
     Ok(Simulation {
@@ -243,7 +243,7 @@ impl<L: Friction<Scalar = f64>> Body<L> {
 }
 
 struct Run<'a> {
-    inertia: f64,
+    model: &'a Model,
     force: &'a [f64],
     head: &'a [f64],
     velocity: f64,
@@ -288,7 +288,8 @@ impl Visitor for Run<'_> {
             for step in 0..self.steps {
                 let part = (f64::from(step) + 0.5) / f64::from(self.steps);
                 let force = pair[0] + part * (pair[1] - pair[0]);
-                body.advance(&law, self.inertia, force, dt);
+                let force = force * self.model.given_of_command(body.x);
+                body.advance(&law, self.model.inertia, force, dt);
             }
             positions.push(body.x);
             velocities.push(body.v);

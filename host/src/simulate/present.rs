@@ -3,6 +3,7 @@
 use super::Simulation;
 use crate::model::Model;
 use crate::recording::MotionKind;
+use crate::report::figures::{quantity, range as range_of};
 use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Table};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -95,35 +96,44 @@ impl Simulation {
         if let Some(following) = self.following {
             let measured = self.position_error.map_or(String::new(), |e| {
                 format!(
-                    "; the simulated motion is {:.4e} {x} RMSE from the measured one, {:.4e} {x} in mean magnitude",
-                    e.rmse, e.mean_abs
+                    "; the simulated motion is {} RMSE from the measured one, {} in mean magnitude",
+                    quantity(e.rmse, x),
+                    quantity(e.mean_abs, x)
                 )
             });
             return format!(
-                "The axis follows its reference to {:.4e} {x} RMS, {:.4e} {x} at most{measured}.",
-                following.rms, following.max
+                "The axis follows its reference to {} RMS, {} at most{measured}.",
+                quantity(following.rms, x),
+                quantity(following.max, x)
             );
         }
         if let Some(error) = self.position_error {
             return format!(
-                "The simulated motion is {:.4e} {x} RMSE from the measured one ({:.4} % of its variance), {:.4e} {x} in mean magnitude, from {} given samples on.",
-                error.rmse, error.nmse, error.mean_abs, error.given
+                "The simulated motion is {} RMSE from the measured one ({:.4} % of its variance), {} in mean magnitude, from {} given samples on.",
+                quantity(error.rmse, x),
+                error.nmse,
+                quantity(error.mean_abs, x),
+                error.given
             );
         }
         match (&self.agreement, self.breakaway) {
             (Some(a), _) => format!(
-                "The model leaves {:.3} % of the measured effort's variance (NMSE), {:.4e} {f} RMS.",
-                a.nmse, a.rms
+                "The model leaves {:.3} % of the measured effort's variance (NMSE), {} RMS.",
+                a.nmse,
+                quantity(a.rms, f)
             ),
             (None, Some(b)) => format!(
-                "breakaway: at {:.4} s and {:.6} {f} friction can no longer hold the force and the body slides away; keep the force below that, or give the model an inertia, with which --force simulates the slide too",
-                b.time_s, b.force
+                "breakaway: at {:.4} s and {} friction can no longer hold the force and the body slides away; keep the force below that, or give the model an inertia, with which --force simulates the slide too",
+                b.time_s,
+                quantity(b.force, f)
             ),
             (None, None) => {
                 let [low, high] = range(&self.position);
                 let [least, most] = range(&self.force);
                 format!(
-                    "The motion covers {low:.4e} to {high:.4e} {x}, the force {least:.4e} to {most:.4e} {f}."
+                    "The motion covers {}, the force {}.",
+                    range_of(low, high, x),
+                    range_of(least, most, f)
                 )
             }
         }

@@ -347,6 +347,7 @@ mod tests {
             .collect();
         // The drive, the encoder, the channels, and what remembers more than where it turned.
         let stateful = [
+            "torque_ripple",
             "encoder_error",
             "channel_delay",
             "drive_compliance",

@@ -34,6 +34,7 @@ pub mod stribeck;
 #[cfg(test)]
 pub(super) mod tests;
 pub mod thermal_drift;
+pub mod torque_ripple;
 pub mod viscous;
 pub mod viscous_asymmetry;
 mod wave;
@@ -47,7 +48,7 @@ use crate::model::Model;
 use crate::statistics::Estimate;
 
 /// Every effect, in the order in which ties are decided: the simpler one first.
-pub static ALL: [&dyn Effect; 27] = [
+pub static ALL: [&dyn Effect; 28] = [
     &constant_force::ConstantForce,
     &viscous::Viscous,
     &viscous_asymmetry::ViscousAsymmetry,
@@ -61,6 +62,7 @@ pub static ALL: [&dyn Effect; 27] = [
     &position_force::PositionForce,
     &local_friction_spot::LocalFrictionSpot,
     &position_friction::PositionFriction,
+    &torque_ripple::TorqueRipple,
     &encoder_error::EncoderError,
     &external_vibration::ExternalVibration,
     &channel_delay::ChannelDelay,
@@ -131,6 +133,8 @@ pub enum Line {
     Force,
     /// A period in position of the friction level.
     Level,
+    /// A period in position of what the drive gives for its command.
+    Effort,
     /// A frequency in time of the force.
     Time,
 }

@@ -87,7 +87,7 @@ impl Stage {
 /// The shapes of the grid, or one on a line.
 pub(in crate::diagnose) fn shapes(effect: &dyn Effect, scene: &Scene) -> Vec<Vec<f64>> {
     match effect.line() {
-        Some(Line::Force | Line::Level) => vec![vec![0.004]],
+        Some(Line::Force | Line::Level | Line::Effort) => vec![vec![0.004]],
         Some(Line::Time) => vec![vec![13.0]],
         None => effect.grid(scene),
     }
@@ -200,6 +200,7 @@ fn forces_flip_with_a_mirrored_motion_where_the_physics_does() {
             | "local_friction_spot"
             | "periodic_force"
             | "periodic_friction"
+            | "torque_ripple"
             | "encoder_error"
             | "external_vibration"
             | "axis_coupling" => continue,

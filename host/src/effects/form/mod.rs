@@ -26,6 +26,7 @@ mod quadratic_drag;
 mod run_in;
 mod stribeck;
 mod thermal_drift;
+mod torque_ripple;
 mod transmitted_friction;
 mod viscous;
 mod viscous_asymmetry;
@@ -56,6 +57,7 @@ pub(crate) use quadratic_drag::QUADRATIC_DRAG;
 pub(crate) use run_in::RUN_IN;
 pub(crate) use stribeck::STRIBECK;
 pub(crate) use thermal_drift::THERMAL_DRIFT;
+pub(crate) use torque_ripple::TORQUE_RIPPLE;
 pub(crate) use transmitted_friction::TRANSMITTED_FRICTION;
 pub(crate) use viscous::VISCOUS;
 pub(crate) use viscous_asymmetry::VISCOUS_ASYMMETRY;
@@ -104,7 +106,7 @@ impl Form {
 }
 
 /// The forms of the ids of a model file, in the order of [the table](super). Two of an id are two sets of keys.
-pub(crate) static ALL: [&Form; 27] = [
+pub(crate) static ALL: [&Form; 28] = [
     &CONSTANT_FORCE,
     &COULOMB_ASYMMETRY,
     &VISCOUS_ASYMMETRY,
@@ -129,6 +131,7 @@ pub(crate) static ALL: [&Form; 27] = [
     &DWELL_AGING,
     &LOAD_DEPENDENT_FRICTION,
     &TRANSMITTED_FRICTION,
+    &TORQUE_RIPPLE,
     &ACTUATOR_DEAD_ZONE,
     &ACTUATOR_SATURATION,
     &CREEP,

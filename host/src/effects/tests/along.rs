@@ -59,8 +59,8 @@ fn effects_along_a_recording_are_their_formulas() {
     assert!(plain < 1e-12, "{plain:e}");
     near(0, 1e-12, &|i| friction(i) * (1.0 + 0.1 * v[i].signum()));
     near(1, 1e-12, &|i| friction(i) + 40.0 * v[i] * v[i].abs());
-    near(every.len() - 1, 1e-12, &|i| friction(i) + 6.0 * v[i].abs());
-    near(every.len() - 2, 1e-12, &|i| {
+    near(every.len() - 2, 1e-12, &|i| friction(i) + 6.0 * v[i].abs());
+    near(every.len() - 3, 1e-12, &|i| {
         friction(i) * (1.0 + 0.3 * (1.6 * a[i] + 0.05).abs() / 0.8)
     });
     near(2, 3e-4, &|i| friction(i) * (1.0 + 0.3 * exp(i, 2.0)));

@@ -27,6 +27,12 @@ fn mechanics_and_channels() {
     let off = difference(&plain, 0, |i| force(t[i], origin(i)));
     assert!(off < 1e-9, "{off:e}");
 
+    let ripple = every.last().expect("the last one").clone();
+    let rippled = along(vec![ripple], spring.clone());
+    let given = |i: usize| 1.0 + 0.1 * (TAU * x[i] / 1.7e-3 + 0.6).cos();
+    let off = difference(&rippled, 0, |i| force(t[i], origin(i)) / given(i));
+    assert!(off < 1e-9, "ripple {off:e}");
+
     let late = along(vec![every[12].clone()], spring.clone());
     let off = difference(&late, 4, |i| force(t[i] - 2.5e-3, origin(i)));
     assert!(off < 1e-4, "delay {off:e}");

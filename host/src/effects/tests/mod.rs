@@ -100,6 +100,10 @@ pub(crate) fn every() -> Vec<Effect> {
             &[("share_of_transmitted", 0.3), ("motor_mass_kg", 0.4)],
         ),
         ("viscous_asymmetry", &[("half_difference_N_s_per_m", 6.0)]),
+        (
+            "torque_ripple",
+            &[("share", 0.1), ("period_m", 1.7e-3), ("phase_rad", 0.6)],
+        ),
     ]
     .map(|(id, values)| Effect::new(id, values).expect(id))
     .to_vec()
