@@ -19,6 +19,9 @@ const PERIODS: f64 = 1.5;
 /// The same of a line whose period was refined, which may lie a little beyond: a longer one is a slope and no ripple.
 const REFINED: f64 = 1.25;
 
+/// Share of the effort's squares that must not be friction's for a ripple of the one to be told from one of the other.
+const FRICTION_ALONE: f64 = 0.1;
+
 /// A candidate, judged.
 #[derive(Clone)]
 pub struct Offer {
@@ -81,6 +84,11 @@ fn families(ground: &Ground, hypothesis: &Hypothesis, periods: &[f64]) -> Vec<Fa
             tries: 1.0,
         });
     }
+    if is_friction_alone(ground) {
+        let of_effort =
+            |f: &Family| matches!(f.subject, Subject::Effect(e) if e.line() == Some(Line::Effort));
+        all.retain(|f| !of_effort(f));
+    }
     let lines = Lines::of(ground, hypothesis);
     for family in &mut all {
         let Subject::Effect(effect) = family.subject else {
@@ -119,6 +127,14 @@ fn families(ground: &Ground, hypothesis: &Hypothesis, periods: &[f64]) -> Vec<Fa
     }
     all.retain(|f| !f.shapes.is_empty());
     all
+}
+
+/// Whether the drive gives nearly nothing but friction, so that a share of the one is a share of the other.
+fn is_friction_alone(ground: &Ground) -> bool {
+    let baseline = &ground.baseline;
+    let rest = baseline.fitted.iter().zip(&baseline.friction);
+    let rest: f64 = rest.map(|(all, friction)| (all - friction).powi(2)).sum();
+    rest < FRICTION_ALONE * squares(&baseline.fitted)
 }
 
 /// Every candidate that explains something, best first, and how many were tried.
@@ -211,10 +227,14 @@ impl Lines {
             lines.into_iter().map(|nu| 1.0 / nu).collect()
         };
         let modulated = |by: &[f64]| periods(&times(&weights, by), &times(&left, by));
+        let of_effort = match is_friction_alone(ground) {
+            true => Vec::new(),
+            false => modulated(&effort),
+        };
         Self(BTreeMap::from([
             (Line::Force as u8, (periods(&weights, &left), in_position)),
             (Line::Level as u8, (modulated(&friction), in_position)),
-            (Line::Effort as u8, (modulated(&effort), in_position)),
+            (Line::Effort as u8, (of_effort, in_position)),
             (
                 Line::Time as u8,
                 (spectra::lines(&t, &weights, slowest, fastest), in_time),

@@ -1,9 +1,11 @@
 //! `F = command·(1 + a·cos(2πx/p + φ))`: the motor's constant over its angle.
 
+use super::periodic_friction::PeriodicFriction;
 use super::readout::enter;
 use super::wave::{amplitude_phase_and_shape, wave};
 use super::{Class, Effect, Fitted, Line, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
+use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
 use crate::effects::form;
 use crate::model::Model;
@@ -43,6 +45,11 @@ impl Effect for TorqueRipple {
 
     fn recurs(&self) -> bool {
         true
+    }
+
+    /// A ripple of all that resists the motion, viscous friction too, differs from it by inertia and weight alone.
+    fn equivalents(&self, _: &Signals) -> &'static [&'static dyn Effect] {
+        &[&PeriodicFriction]
     }
 
     fn shape(&self) -> &'static [(&'static str, Scale)] {
