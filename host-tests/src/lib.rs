@@ -4,8 +4,9 @@
 pub mod answer;
 pub mod case;
 pub mod deviation;
+pub mod dice;
 pub mod judge;
-pub mod machines;
+pub mod law;
 pub mod path;
 pub mod reference;
 pub mod table;

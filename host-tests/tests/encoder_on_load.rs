@@ -2,10 +2,10 @@
 //! spring or stiffly. The machine is integrated here, in steps of 20 µs, under a controller that holds its force between samples.
 
 use preslide_host_tests::answer::Diagnosis;
+use preslide_host_tests::dice::Dice;
 use preslide_host_tests::judge::table::{Recording, Table};
 use preslide_host_tests::judge::tool::Tool;
-use preslide_host_tests::machines::Dice;
-use preslide_host_tests::machines::law::Law;
+use preslide_host_tests::law::Law;
 use std::f64::consts::TAU;
 
 const SEED: u64 = 23;

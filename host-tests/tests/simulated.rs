@@ -3,10 +3,10 @@
 //! was, or by itself under the recorded force.
 
 use preslide_host_tests::answer::Diagnosis;
+use preslide_host_tests::dice::Dice;
 use preslide_host_tests::judge::table::{Recording, Table};
 use preslide_host_tests::judge::tool::Tool;
-use preslide_host_tests::machines::Dice;
-use preslide_host_tests::machines::law::{Friction, Law};
+use preslide_host_tests::law::{Friction, Law};
 use std::f64::consts::TAU;
 use std::io::Write as _;
 use std::path::Path;

@@ -1,14 +1,13 @@
 //! The fixed set of every source, and the committed answer to each recording of it.
 //!
-//! Any other answer fails until `--bless` takes it, and the message says of which recording it is, what it was and what it is now. Machines of
-//! the second generator are held to their sums: nobody may tune to one of them.
+//! Any other answer fails until `--bless` takes it, and the message says of which recording it is, what it was and what it is now.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use super::case::{Case, Sort};
 use super::source::generated::{self, STAGE};
-use super::source::{bench, injection, machines, trials};
+use super::source::{bench, injection, trials};
 use super::tool::Tool;
 use crate::trials::catalogue_plan;
 
@@ -26,9 +25,6 @@ const SEED: u64 = 777;
 /// Trials of the project's plan, and those of them that the gate asks: the first of each sort of question.
 const TRIALS: usize = 20;
 const GATE_TRIALS: [usize; 7] = [0, 1, 2, 4, 8, 14, 18];
-/// The first machines.
-const MACHINES: u64 = 10;
-const GATE_MACHINES: u64 = 2;
 /// Recordings and effects that are joined; the gate asks the last.
 const INJECTED: [(&str, &str); 6] = [
     ("emps", "viscous"),
@@ -70,9 +66,6 @@ pub fn ask(tool: &Tool, set: Set, jobs: usize) -> Result<Asked, String> {
         .map(|(_, (seed, kind))| (seed + 5_000_000 * SEED, kind))
         .collect();
     let mut cases = trials::cases(tool, &plan, jobs);
-    let count = if whole { MACHINES } else { GATE_MACHINES };
-    let seeds: Vec<u64> = (0..count).map(|i| i + 1_000_000 * SEED).collect();
-    cases.extend(machines::cases(tool, &seeds, |_| true, jobs));
     if super::real::shared().is_none() {
         eprintln!("SKIPPED: ../shared is absent; no real recording was asked");
         let pairs = Vec::new();
@@ -131,45 +124,14 @@ fn said(case: &Case) -> String {
     format!("{} [{}]", answer.verdict, names.join(", "))
 }
 
-/// Machines in sums.
-fn sums(machines: &[&Case]) -> String {
-    let count = |holds: &dyn Fn(&Case) -> bool| machines.iter().filter(|c| holds(c)).count();
-    let truths = || {
-        machines
-            .iter()
-            .filter(|c| c.sort != Sort::Stranger)
-            .flat_map(|c| c.truth.iter().map(move |t| (c, t)))
-    };
-    format!(
-        "{} answered; of {} effects {} named or declared; {} false names; {} of {} without an effect called unknown-physics",
-        count(&|c| c.answer.is_ok()),
-        truths().count(),
-        truths().filter(|(c, t)| c.finds_or_declares(t)).count(),
-        machines
-            .iter()
-            .map(|c| c.false_names().count())
-            .sum::<usize>(),
-        count(&|c| c.sort == Sort::Clean && c.verdict() == "unknown-physics"),
-        count(&|c| c.sort == Sort::Clean),
-    )
-}
-
 fn answers(asked: &Asked) -> Answers {
-    let (machines, others): (Vec<&Case>, Vec<&Case>) = asked
-        .cases
-        .iter()
-        .partition(|c| c.source == machines::SOURCE);
     // Where the machine is refused, or named so as it is, nothing is joined: that is an answer, too.
     let none = asked.pairs.iter().map(|(machine, effect)| {
         let key = key("injection", machine.name, Sort::Single, &[effect]);
         (key, "not joined".to_owned())
     });
     let mut answers: Answers = none.collect();
-    answers.extend(others.iter().map(|c| (key_of(c), said(c))));
-    if !machines.is_empty() {
-        let name = format!("{}: the first {}", machines::SOURCE, machines.len());
-        answers.insert(name, sums(&machines));
-    }
+    answers.extend(asked.cases.iter().map(|c| (key_of(c), said(c))));
     answers
 }
 

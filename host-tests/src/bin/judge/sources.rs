@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use preslide_host_tests::judge::baseline::{self, Set};
 use preslide_host_tests::judge::case::{Case, Sort};
 use preslide_host_tests::judge::source::generated::{self, AXES, DRIVES, Generator, STAGE};
-use preslide_host_tests::judge::source::{bench, injection, machines, trials, write_json};
+use preslide_host_tests::judge::source::{bench, injection, trials, write_json};
 use preslide_host_tests::judge::summary;
 use preslide_host_tests::judge::tool::Tool;
 use preslide_host_tests::trials::{catalogue_plan, clean_plan};
@@ -22,8 +22,6 @@ enum Source {
     Axes,
     /// Nine kinds of machine with motors, by a generator whose author had read nothing of the project
     Drives,
-    /// The second generator: ball screws, joints, spindles, belts
-    Machines,
     /// Known effects in real recordings
     Injection,
     /// Real machines as they are, and controls
@@ -40,23 +38,23 @@ pub struct Options {
     #[arg(
         long,
         value_delimiter = ',',
-        default_value = "trials,stage,axes,drives,machines,injection,benches",
+        default_value = "trials,stage,axes,drives,injection,benches",
         value_name = "SOURCES"
     )]
     only: Vec<Source>,
     /// Share of each source: every Nth recording
     #[arg(long, default_value_t = 1, value_name = "N")]
     every: usize,
-    /// Another set of the project's trials and of machines
+    /// Another set of the project's trials
     #[arg(long, default_value_t = 0, value_name = "S")]
     seed: u64,
-    /// Trials of the project's plan, and half as many machines
+    /// Trials of the project's plan
     #[arg(long, default_value_t = 300, value_name = "N")]
     count: usize,
     /// Clean trials besides, over all families and laws
     #[arg(long, default_value_t = 0, value_name = "N")]
     clean: usize,
-    /// Sorts of question in trials, stage, axes, drives and machines [default: all]
+    /// Sorts of question in trials, stage, axes and drives [default: all]
     #[arg(long, value_delimiter = ',', value_name = "SORTS")]
     sorts: Vec<Sort>,
     /// Seeds of `../shared/generators/stage`, 76 trials each
@@ -116,13 +114,6 @@ fn ask(o: &Options, tool: &Tool) -> Result<Vec<Case>, String> {
             .map(|(seed, kind)| (seed + 5_000_000 * o.seed, kind))
             .collect();
         cases.extend(trials::cases(tool, &plan, o.jobs));
-    }
-    if wants(Source::Machines) {
-        let seeds: Vec<u64> = (0..o.count as u64 / 2)
-            .step_by(o.every)
-            .map(|i| i + 1_000_000 * o.seed)
-            .collect();
-        cases.extend(machines::cases(tool, &seeds, sorts, o.jobs));
     }
     let mut sets: Vec<(&Generator, PathBuf)> = Vec::new();
     let mut generate = |generator: &'static Generator, seeds: &[u64]| {

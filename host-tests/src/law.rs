@@ -1,7 +1,5 @@
 //! Friction laws from their papers, in units of the friction level over displacements in units of the presliding length.
 
-use super::Dice;
-
 /// Which law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Law {
@@ -39,18 +37,6 @@ pub enum Friction {
 const ELEMENTS: usize = 30;
 
 impl Law {
-    /// Any.
-    pub fn draw(dice: &mut Dice) -> Self {
-        dice.pick(&[
-            Law::LuGre,
-            Law::ElastoPlastic,
-            Law::Leuven,
-            Law::BoucWen,
-            Law::TwoBristles,
-            Law::Jenkins,
-        ])
-    }
-
     /// At rest, unloaded.
     pub fn start(self) -> Friction {
         match self {
