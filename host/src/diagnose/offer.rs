@@ -19,8 +19,9 @@ const PERIODS: f64 = 1.5;
 /// The same of a line whose period was refined, which may lie a little beyond: a longer one is a slope and no ripple.
 const REFINED: f64 = 1.25;
 
-/// Share of the effort's squares that must not be friction's for a ripple of the one to be told from one of the other.
-const FRICTION_ALONE: f64 = 0.1;
+/// Share of the effort's squares that must not be friction's for a ripple of the one to be told from one of the other: on a tribometer, where less is,
+/// five of them took the place of one friction spot.
+const FRICTION_ALONE: f64 = 0.5;
 
 /// A candidate, judged.
 #[derive(Clone)]

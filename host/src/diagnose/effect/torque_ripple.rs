@@ -43,10 +43,6 @@ impl Effect for TorqueRipple {
         &[Part::Passes, Part::Fast]
     }
 
-    fn recurs(&self) -> bool {
-        true
-    }
-
     /// A ripple of all that resists the motion, viscous friction too, differs from it by inertia and weight alone.
     fn equivalents(&self, _: &Signals) -> &'static [&'static dyn Effect] {
         &[&PeriodicFriction]
