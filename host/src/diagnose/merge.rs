@@ -9,8 +9,8 @@ use super::term::Term;
 /// Share of what two terms explain that one must explain in their place.
 const AS_MUCH: f64 = 0.9;
 
-/// The hypothesis with one term in the place of two that vary the friction level over the position, where it has fewer parameters and explains nearly as much; and
-/// the two.
+/// The hypothesis with one term in the place of two that vary the friction level over the position, where it has fewer parameters and explains
+/// nearly as much; and the two.
 pub(super) fn merged(
     ground: &Ground,
     hypothesis: &Hypothesis,

@@ -8,6 +8,7 @@ use super::credible::sieved;
 use super::curve::Curve;
 use super::effect;
 use super::fit::Known;
+use super::merge::merged;
 use super::naming::standings;
 use super::offer::{offer_of, offers, refined};
 use super::search::{Found, search, with};
@@ -572,6 +573,29 @@ fn wandering(position: &[f64], seed: u64) -> Vec<f64> {
         now
     };
     position.iter().map(next).collect()
+}
+
+/// Two and a half periods within the travel are found as spots: one ripple says the same with less. Two spots stay two.
+#[test]
+fn a_ripple_takes_the_place_of_two_spots_and_nothing_that_of_two_true_ones() {
+    let spot = |at: f64| {
+        let effect = effect::by_id("local_friction_spot").expect("in the catalogue");
+        Term::new(Subject::Effect(effect), &[at, 0.01])
+    };
+    let one_for_two = |level: &dyn Fn(f64) -> f64, places: [f64; 2]| {
+        let recording = made(|_, x, v| 3.0 * level(x) * v.signum());
+        let ground = ground(&recording);
+        let two = ground.fit(&places.map(spot)).expect("a fit");
+        let (one, _) = merged(&ground, &two, 0, &[])?;
+        one.terms.last().cloned()
+    };
+    let ripple = |x: f64| 0.2 * (std::f64::consts::TAU * x / 0.036).cos();
+    let one = one_for_two(&ripple, [0.0, 0.036]).expect("one for two");
+    assert_eq!(one.effect().expect("an effect").id(), "periodic_friction");
+    assert!((one.shape[0] / 0.036 - 1.0).abs() < 0.02, "{:?}", one.shape);
+    let bump = |x: f64, at: f64| 0.3 * (-((x - at) / 0.01).powi(2)).exp();
+    let spots = |x: f64| bump(x, -0.02) + bump(x, 0.011);
+    assert!(one_for_two(&spots, [-0.02, 0.011]).is_none());
 }
 
 /// Cogging is a force; torque ripple is a share of whatever the motor gives: here of a spring's force, of friction and of inertia.

@@ -239,7 +239,7 @@ pub fn conclude(
     let unrepeated = between_repeats.map(|square| {
         let rows = &ground.rows;
         let all = 100.0 * square * rows.force.len() as f64 / rows.variation().max(1e-300);
-        (all - noise_floor).clamp(0.0, after.test - noise_floor)
+        (all - noise_floor).min(after.test - noise_floor).max(0.0)
     });
     let at_random = noise_floor + unrepeated.unwrap_or(0.0);
     // What the wrong ones are worth (%), where any is.
