@@ -20,17 +20,17 @@ pub(super) const RANGE: Range = Range {
 #[derive(Clone, Debug, PartialEq)]
 #[repr(C)]
 pub struct PackedSlipReserve<const PAIRS: usize> {
-    pub(super) pairs: [Pair; PAIRS],
+    pairs: [Pair; PAIRS],
     /// `−ΣW_i`, where the sum of a tick begins.
-    pub(super) least: i32,
+    least: i32,
 }
 
-/// What a [`PackedSlipReserve`] or a [`ConstantTimeSlipReserve`](super::ConstantTimeSlipReserve) remembers.
+/// What a [`PackedSlipReserve`] remembers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PackedState<const PAIRS: usize> {
     /// 0 while the body moves forward, −1 backward: `(x ^ b) − b` is `dir·x`.
-    pub(super) backward: i32,
-    pub(super) reserve: [u32; PAIRS],
+    backward: i32,
+    reserve: [u32; PAIRS],
 }
 
 impl<const PAIRS: usize> PackedSlipReserve<PAIRS> {
@@ -85,7 +85,7 @@ impl<const PAIRS: usize> PackedSlipReserve<PAIRS> {
 
 /// The displacement in 16 bits: one saturating instruction.
 #[inline(always)]
-pub(super) fn cut(displacement: Whole) -> i32 {
+fn cut(displacement: Whole) -> i32 {
     displacement
         .to_bits()
         .clamp(i16::MIN.into(), i16::MAX.into())

@@ -1,6 +1,7 @@
 //! Blocks in whole numbers: the quasi-static law's, as all slip-reserve kernels share it, and what the full law takes of it.
 
-use crate::param::{Block, Bound, ParamError, Units, check_blocks};
+use crate::Scalar;
+use crate::param::{Block, Bound, ParamError, Units, check_blocks, fits};
 
 /// One block: `2·D_i` in units of length, and `k_i` in units of force per unit of length.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -15,6 +16,85 @@ pub(super) struct Reserve {
 pub(super) struct Range {
     pub(super) yields: i32,
     pub(super) stiffness: i32,
+}
+
+/// Binary places from a controller's units to a kernel's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub(super) struct Scale {
+    pub(super) length: u32,
+    /// Beyond the 16 of [`Scalar::to_q16`].
+    pub(super) velocity: u32,
+    pub(super) force: i32,
+}
+
+/// Floats hold twice as many.
+const MOST_PLACES: f64 = 62.0;
+
+/// The most binary places by which `value` stays within `most`.
+fn places(value: f64, most: f64) -> f64 {
+    libm::floor(libm::log2(most / value)).clamp(-MOST_PLACES, MOST_PLACES)
+}
+
+impl Scale {
+    /// The finest unit of length in which no block yields beyond `longest`, and the finest of force, which `finest` says for a unit of
+    /// length (m or rad) in N or N·m; with the kernel's units. What does not fit there either is the kernel's to refuse.
+    pub(super) fn fitting<S: Scalar>(
+        blocks: &[Block],
+        breakaway: f64,
+        units: Units,
+        longest: f64,
+        finest: impl Fn(f64) -> f64,
+    ) -> Result<(Self, Units), ParamError> {
+        check_blocks(blocks, breakaway, units)?;
+        fits::<S>("breakaway force", breakaway / units.force)?;
+        let [largest, _] = extremes(blocks, breakaway, units.length);
+        let length = places(largest, longest).max(0.0);
+        let unit = units.length * libm::exp2(-length);
+        let force = places(finest(unit), units.force);
+        let scale = Self {
+            length: length as u32,
+            velocity: 0,
+            force: force as i32,
+        };
+        let units = Units {
+            length: unit,
+            force: units.force * libm::exp2(-force),
+            ..units
+        };
+        Ok((scale, units))
+    }
+
+    /// The same for the quasi-static law in a range, where rounding to it makes no more than a hundredth of a block's parameters others.
+    pub(super) fn try_new<S: Scalar>(
+        blocks: &[Block],
+        breakaway: f64,
+        units: Units,
+        range: Range,
+    ) -> Result<(Self, Units), ParamError> {
+        let finest = |length| finest_force(blocks, breakaway, length, range);
+        let longest = range.yields.into();
+        let (scale, units) = Self::fitting::<S>(blocks, breakaway, units, longest, finest)?;
+        for (i, block) in blocks.iter().enumerate() {
+            let exact = block.yield_displacement(breakaway) / units.length;
+            let yields = libm::round(exact).max(1.0);
+            let stiffness = block.weight * breakaway / units.force / yields;
+            let near = |parameter, exact: f64, held: f64| {
+                if (held - exact).abs() <= 0.01 * exact {
+                    return Ok(());
+                }
+                Err(ParamError {
+                    parameter,
+                    block: Some(i + 1),
+                    value: exact,
+                    bound: Bound::Rounded(held),
+                })
+            };
+            near("yield displacement", exact, yields)?;
+            near("stiffness", stiffness, libm::round(stiffness))?;
+        }
+        Ok((scale, units))
+    }
 }
 
 /// Rounds the blocks, and returns `ΣW_i` with them.

@@ -35,6 +35,9 @@ pub struct C {
 /// A name that is none in C; effects or friction that C has not; a bound or a rate that is needed and not given.
 pub fn c_source(model: &Model, options: &Options, name: &str) -> Result<C, String> {
     check_name(name)?;
+    if let Some(kernel) = options.kernel {
+        return Err(format!("--kernel {} is for Rust; C has the laws in single precision", kernel.name()));
+    }
     no_refused(model)?;
     let effects = carried(model);
     let law = Law::of(model)?;

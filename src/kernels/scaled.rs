@@ -1,0 +1,160 @@
+//! A kernel in whole numbers as a friction model in a controller's units.
+
+use super::quantised::{Range, Scale};
+use super::{CountGms, PackedSlipReserve, SlipReserve, Whole, count_gms, packed};
+use crate::{Block, Friction, Motion, ParamError, Scalar, Sliding, Units};
+
+/// The longest path of a tick is 2¹⁵ units of length: what is to slip on it must yield within half of that.
+pub(super) const WITHIN_A_TICK: i32 = (1 << 14) - 1;
+
+/// The kernel `K` for a controller that computes in `S`: a friction model like any other, so that effects
+/// ([`With`](crate::effects::With)), [`Learning`](crate::control::Learning) and [`Observed`](crate::control::Observed) go around it.
+///
+/// Its units of length and of force are those of the controller divided by powers of two, as fine as the kernel's range allows: the
+/// largest yield displacement is then 2¹³ to 2¹⁴ units, so that the whole numbers are finer than encoder counts wherever blocks yield
+/// over fewer than 8192 of them. With `l` and `f` binary places:
+///
+/// `path ← remainder + 2^l·dx`, the kernel takes the whole units of `path`, `remainder ← path − whole`, `F = 2^-f·F_K`.
+///
+/// **Slow motion.** What is not a whole unit yet stays in the state, in 2⁻¹⁶ units, and is lost by no stop or reversal. In fixed point of
+/// at most 16 bits of fraction a path is exact however long. A float's displacement is rounded to 2⁻¹⁶ units in each tick: where all
+/// roundings go one way, that takes a block through its yield displacement in no less than 2³⁰ ticks (15 hours at 20 kHz).
+///
+/// **Error.** Against the same law with reals: half a unit of length (1/16 384 of the largest yield displacement, at most) for the path, and the rounding of
+/// each block's `D_i` and `k_i`. Parameters of which a block's would be rounded by more than 1 % are refused.
+///
+/// ```
+/// use preslide::kernels::{PackedSlipReserve, Scaled};
+/// use preslide::{Block, Friction, Motion, Units};
+/// let blocks = [Block { stiffness: 113_948.0, weight: 0.616 }, Block { stiffness: 8_870.0, weight: 0.384 }];
+/// let gms = Scaled::<PackedSlipReserve<1>, f32>::try_new(&blocks, 0.9, Units::SI)?;
+/// let mut state = gms.at_rest();
+/// let mut force = 0.0;
+/// for _ in 0..1000 {
+///     force = gms.step(&mut state, Motion::quasi_static(1e-10)); // 0.1 nm a tick, far below a count
+/// }
+/// assert!((force - 1e-7 * (113_948.0 + 8_870.0)).abs() < 1e-4); // (N), after 0.1 µm
+/// # Ok::<(), preslide::ParamError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[repr(C)]
+pub struct Scaled<K, S = f32> {
+    scale: Scale,
+    /// Greatest |force| in the controller's units.
+    limit: S,
+    kernel: K,
+}
+
+/// What a [`Scaled`] remembers.
+#[derive(Clone, Debug, PartialEq)]
+#[repr(C)]
+pub struct ScaledState<M> {
+    /// Path that the kernel has not been given yet, less half a unit of length (2⁻¹⁶ of them): 0 to 65 535, so that the nearest unit is
+    /// the whole part.
+    remainder: i32,
+    kernel: M,
+}
+
+/// Half a unit of length.
+const HALF: i32 = 1 << 15;
+
+impl<K: Friction<Scalar = Whole>, S: Scalar> Scaled<K, S> {
+    fn of(kernel: K, scale: Scale) -> Self {
+        let limit = kernel.limit().map_or(i32::MAX, Whole::to_bits);
+        Self {
+            limit: S::from_binary(limit, scale.force),
+            scale,
+            kernel,
+        }
+    }
+}
+
+impl<const PAIRS: usize, S: Scalar> Scaled<PackedSlipReserve<PAIRS>, S> {
+    /// Validates the parameters of `2·PAIRS − 1` or `2·PAIRS` blocks; `breakaway` is `F_s` (N or N·m).
+    ///
+    /// # Errors
+    /// [`ParamError`] where a value is not finite or not positive, the weights do not sum to 1, the breakaway force does not fit `S` in
+    /// `units`, or the kernel's range does not hold a block's yield displacement or stiffness to 1 %.
+    pub fn try_new<const N: usize>(
+        blocks: &[Block; N],
+        breakaway: f64,
+        units: Units,
+    ) -> Result<Self, ParamError> {
+        let (scale, units) = Scale::try_new::<S>(blocks, breakaway, units, packed::RANGE)?;
+        PackedSlipReserve::try_new(blocks, breakaway, units).map(|kernel| Self::of(kernel, scale))
+    }
+}
+
+impl<const N: usize, S: Scalar> Scaled<SlipReserve<N>, S> {
+    /// Validates the parameters; `breakaway` is `F_s` (N or N·m).
+    ///
+    /// # Errors
+    /// [`ParamError`] where a value is not finite or not positive, the weights do not sum to 1, the breakaway force does not fit `S` in
+    /// `units`, or the kernel's range does not hold a block's yield displacement or stiffness to 1 %.
+    pub fn try_new(blocks: &[Block; N], breakaway: f64, units: Units) -> Result<Self, ParamError> {
+        let range = Range {
+            yields: WITHIN_A_TICK,
+            stiffness: i32::MAX,
+        };
+        let (scale, units) = Scale::try_new::<S>(blocks, breakaway, units, range)?;
+        SlipReserve::try_new(blocks, breakaway, units).map(|kernel| Self::of(kernel, scale))
+    }
+}
+
+impl<const N: usize, S: Scalar> Scaled<CountGms<N>, S> {
+    /// Validates the parameters and computes the table; `breakaway` is `F_s` (N or N·m), `sample_time` is `T_s` (s), at most 1 s.
+    ///
+    /// # Errors
+    /// [`ParamError`] where a value is not finite or not positive, `F_c > F_s`, the weights do not sum to 1, the breakaway force does not
+    /// fit `S` in `units`, or the kernel's range does not hold the parameters.
+    pub fn try_new(
+        blocks: &[Block; N],
+        breakaway: f64,
+        sliding: Sliding,
+        sample_time: f64,
+        units: Units,
+    ) -> Result<Self, ParamError> {
+        let (scale, units) = count_gms::places::<N, S>(blocks, breakaway, &sliding, units)?;
+        CountGms::try_new(blocks, breakaway, sliding, sample_time, units)
+            .map(|kernel| Self::of(kernel, scale))
+    }
+}
+
+impl<K: Friction<Scalar = Whole>, S: Scalar> Friction for Scaled<K, S> {
+    type Scalar = S;
+    type State = ScaledState<K::State>;
+
+    fn at_rest(&self) -> Self::State {
+        ScaledState {
+            remainder: HALF,
+            kernel: self.kernel.at_rest(),
+        }
+    }
+
+    fn take_over(&self, old: &Self, state: &Self::State) -> Self::State {
+        if self.scale.length != old.scale.length {
+            return self.at_rest();
+        }
+        ScaledState {
+            remainder: state.remainder,
+            kernel: self.kernel.take_over(&old.kernel, &state.kernel),
+        }
+    }
+
+    #[inline(always)]
+    fn step(&self, state: &mut Self::State, motion: Motion<S>) -> S {
+        let path = motion.displacement.to_q16(self.scale.length);
+        let path = state.remainder.saturating_add(path);
+        state.remainder = path & 0xffff;
+        let motion = Motion {
+            displacement: Whole::from_bits(path >> 16),
+            velocity: Whole::from_bits(motion.velocity.to_q16(self.scale.velocity)),
+        };
+        let force = self.kernel.step(&mut state.kernel, motion);
+        S::from_binary(force.to_bits(), self.scale.force)
+    }
+
+    fn limit(&self) -> Option<S> {
+        Some(self.limit)
+    }
+}
