@@ -68,7 +68,7 @@ fn the_source_that_is_compiled_here_is_what_export_writes() {
         ("elasto_plastic", "elasto_plastic", &[]),
         ("leuven", "leuven", &[]),
         ("two_state", "two_state", &[]),
-        ("packed", "packed_f32", &["--kernel", "auto"]),
+        ("packed", "packed_f32", &["--kernel", "packed_f32"]),
         ("packed", "packed_i16f16", &["--kernel", "packed_i16f16"]),
         (
             "linear",

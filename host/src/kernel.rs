@@ -2,7 +2,7 @@
 //! to what takes any friction model, and named in exported source.
 
 use crate::friction::{FrictionModel, Visitor};
-use fixed::types::I16F16;
+use preslide::fixed::types::I16F16;
 use preslide::kernels::{CountGms, PackedSlipReserve, Scaled, SlipReserve};
 use preslide::{
     Block, Bound, Friction, Gms, Motion, ParamError, QuasiStaticGms, Scalar, Sliding, Units,

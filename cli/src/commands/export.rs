@@ -178,8 +178,7 @@ impl Export {
                 let (costs, budget) = plan(&self.cpu, None, self.rate.unwrap_or(20e3), SHARE)
                     .map_err(Failure::Input)?;
                 let tuning = of_model(model, count, &costs, budget).map_err(Failure::Input)?;
-                let (index, _) = tuning.recommended.as_ref().map_err(|reason| Failure::Data(reason.clone()))?;
-                let choice = &tuning.choices[*index];
+                let choice = tuning.chosen().map_err(Failure::Data)?;
                 let said = choice.said(&self.cpu);
                 tell!("{said}");
                 remarks.push(said);

@@ -94,6 +94,17 @@ pub struct Tuning {
     pub recorded: bool,
 }
 
+impl Tuning {
+    /// The choice to take.
+    ///
+    /// # Errors
+    /// Why nothing fits.
+    pub fn chosen(mut self) -> Result<Choice, String> {
+        let (index, _) = self.recommended?;
+        Ok(self.choices.swap_remove(index))
+    }
+}
+
 /// A model to be tuned, with its error on motion that was not fitted (%).
 struct Sized {
     model: Model,
