@@ -65,7 +65,8 @@ impl Scale {
         Ok((scale, units))
     }
 
-    /// The same for the quasi-static law in a range, where rounding to it makes no more than a hundredth of a block's parameters others.
+    /// The same for the quasi-static law in a range, where rounding to it changes a block's yield displacement and stiffness by no more
+    /// than a hundredth, or a stiffness that is small beside the others by no more than what is a thousandth of the breakaway force.
     pub(super) fn try_new<S: Scalar>(
         blocks: &[Block],
         breakaway: f64,
@@ -79,8 +80,9 @@ impl Scale {
             let exact = block.yield_displacement(breakaway) / units.length;
             let yields = libm::round(exact).max(1.0);
             let stiffness = block.weight * breakaway / units.force / yields;
-            let near = |parameter, exact: f64, held: f64| {
-                if (held - exact).abs() <= 0.01 * exact {
+            let slight = 1e-3 * breakaway / units.force / yields;
+            let near = |parameter, exact: f64, held: f64, slight: f64| {
+                if (held - exact).abs() <= f64::max(0.01 * exact, slight) {
                     return Ok(());
                 }
                 Err(ParamError {
@@ -90,8 +92,8 @@ impl Scale {
                     bound: Bound::Rounded(held),
                 })
             };
-            near("yield displacement", exact, yields)?;
-            near("stiffness", stiffness, libm::round(stiffness))?;
+            near("yield displacement", exact, yields, 0.0)?;
+            near("stiffness", stiffness, libm::round(stiffness), slight)?;
         }
         Ok((scale, units))
     }

@@ -21,7 +21,8 @@ pub(super) const WITHIN_A_TICK: i32 = (1 << 14) - 1;
 /// roundings go one way, that takes a block through its yield displacement in no less than 2³⁰ ticks (15 hours at 20 kHz).
 ///
 /// **Error.** Against the same law with reals: half a unit of length (1/16 384 of the largest yield displacement, at most) for the path, and the rounding of
-/// each block's `D_i` and `k_i`. Parameters of which a block's would be rounded by more than 1 % are refused.
+/// each block's `D_i` and `k_i`: by 1 % at most, or for a stiffness that is small beside the others by what is 1/1000 of the breakaway
+/// force. Beyond that parameters are refused.
 ///
 /// ```
 /// use preslide::kernels::{PackedSlipReserve, Scaled};
@@ -74,7 +75,7 @@ impl<const PAIRS: usize, S: Scalar> Scaled<PackedSlipReserve<PAIRS>, S> {
     ///
     /// # Errors
     /// [`ParamError`] where a value is not finite or not positive, the weights do not sum to 1, the breakaway force does not fit `S` in
-    /// `units`, or the kernel's range does not hold a block's yield displacement or stiffness to 1 %.
+    /// `units`, or the kernel's range does not hold a block's yield displacement or stiffness well enough (see above).
     pub fn try_new<const N: usize>(
         blocks: &[Block; N],
         breakaway: f64,
@@ -90,7 +91,7 @@ impl<const N: usize, S: Scalar> Scaled<SlipReserve<N>, S> {
     ///
     /// # Errors
     /// [`ParamError`] where a value is not finite or not positive, the weights do not sum to 1, the breakaway force does not fit `S` in
-    /// `units`, or the kernel's range does not hold a block's yield displacement or stiffness to 1 %.
+    /// `units`, or the kernel's range does not hold a block's yield displacement or stiffness well enough (see above).
     pub fn try_new(blocks: &[Block; N], breakaway: f64, units: Units) -> Result<Self, ParamError> {
         let range = Range {
             yields: WITHIN_A_TICK,
