@@ -104,7 +104,7 @@ pub trait Scalar:
     /// bits of fraction, which is rounded down. `places` is at most 62.
     fn to_q16(self, places: u32) -> i32;
 
-    /// `value · 2^-places`, rounded down where the type is coarser, saturating at the range's ends. `places` is within ±62.
+    /// `value · 2^-places`, which must fit, rounded down where the type is coarser. `places` is within ±62.
     fn from_binary(value: i32, places: i32) -> Self;
 
     /// `self · counts / ticks`, saturating, for what takes `counts` in a tick's place takes `ticks` (at least 1): floats divide in
@@ -136,7 +136,10 @@ pub trait Scalar:
 /// `2^places`, a normal number, whose exponent is put together without a product.
 macro_rules! power_of_two {
     ($t:ty, $bits:ty, $places:expr) => {
-        <$t>::from_bits((<$bits>::from($places.wrapping_add(<$t>::MAX_EXP - 1)) << (<$t>::MANTISSA_DIGITS - 1)) as _)
+        <$t>::from_bits(
+            (<$bits>::from($places.wrapping_add(<$t>::MAX_EXP - 1)) << (<$t>::MANTISSA_DIGITS - 1))
+                as _,
+        )
     };
 }
 
@@ -230,7 +233,8 @@ macro_rules! float_scalar {
             }
             #[inline]
             fn to_q16(self, places: u32) -> i32 {
-                (self * power_of_two!($t, $bits, places.wrapping_add(16).cast_signed())).round_to_int()
+                (self * power_of_two!($t, $bits, places.wrapping_add(16).cast_signed()))
+                    .round_to_int()
             }
             #[inline]
             fn from_binary(value: i32, places: i32) -> Self {
@@ -422,7 +426,11 @@ macro_rules! fixed_scalar {
                     // Without wide shifts, which a Cortex-M0+ has to call.
                     let scaled = bits << places;
                     let end = (bits >> (<$bits>::BITS - 1)) ^ <$bits>::MAX;
-                    return (if scaled >> places == bits { scaled } else { end }) as i32;
+                    return (if scaled >> places == bits {
+                        scaled
+                    } else {
+                        end
+                    }) as i32;
                 }
                 let scaled = <$wide>::from(bits) << places;
                 if Frac::U32 >= 16 {
@@ -438,8 +446,10 @@ macro_rules! fixed_scalar {
                 if right >= 0 {
                     return $t::from_bits((value >> right.min(31)).into());
                 }
-                let left = right.wrapping_neg().min(<$bits>::BITS.cast_signed() - 1);
-                $t::from_bits(saturated!(<$wide>::from(value) << left, $wide, $bits))
+                // What fits is not shifted out, and a shift beyond the type's bits is one of 0.
+                $t::from_bits(
+                    <$bits>::from(value).wrapping_shl(right.wrapping_neg().cast_unsigned()),
+                )
             }
             #[inline]
             fn rate(self, counts: i32, ticks: u32) -> Self {

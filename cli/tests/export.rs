@@ -29,7 +29,7 @@ mod leuven {
 mod two_state {
     include!("exported/two_state.rs");
 }
-mod packed_f32 {
+pub mod packed_f32 {
     include!("exported/packed_f32.rs");
 }
 mod packed_i16f16 {
@@ -284,7 +284,11 @@ fn an_exported_kernel_gives_the_hosts_force() {
         velocity: 1e-3,
     };
     let fixed: packed_i16f16::Model = packed_i16f16::model(STEP, counts).expect("valid");
-    assert!(fixed.limit().is_some_and(|l| (899.0..900.5).contains(&l.to_f64())));
+    assert!(
+        fixed
+            .limit()
+            .is_some_and(|l| (899.0..900.5).contains(&l.to_f64()))
+    );
     let full = count_gms_i16f16::model::<f32>(STEP, Units::SI).expect("valid");
     let off = difference(
         "linear",

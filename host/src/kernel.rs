@@ -124,6 +124,16 @@ macro_rules! with_blocks {
     };
 }
 
+/// A Maxwell-slip model in whole numbers.
+pub struct WholeNumbers {
+    /// `2·D_i` in units of length, and `k_i` in units of force per unit of length.
+    pub blocks: Vec<[i32; 2]>,
+    /// Units of length in a metre or radian.
+    pub per_length: f64,
+    /// Unit of force (N or N·m).
+    pub force: f64,
+}
+
 /// A Maxwell-slip model's own parameters.
 struct MaxwellSlip<'a> {
     blocks: &'a [Block],
@@ -164,9 +174,15 @@ impl Kernel {
         }
         let known: Vec<&str> = Self::ALL.iter().map(|kernel| kernel.name()).collect();
         let instead = match name {
-            "packed" => "it is packed_f32 now, or packed_i16f16: the name says the controller's numbers; ",
-            "constant_time" => "it is gone, packed_f32 takes fewer cycles at its worst than it took always; ",
-            "slip_reserve_i32" => "it is slip_reserve_i16f16 now: the name says the controller's numbers; ",
+            "packed" => {
+                "it is packed_f32 now, or packed_i16f16: the name says the controller's numbers; "
+            }
+            "constant_time" => {
+                "it is gone, packed_f32 takes fewer cycles at its worst than it took always; "
+            }
+            "slip_reserve_i32" => {
+                "it is slip_reserve_i16f16 now: the name says the controller's numbers; "
+            }
             "gms_i32" => "it is count_gms_i16f16 now: the name says the controller's numbers; ",
             _ => "",
         };
@@ -204,8 +220,12 @@ impl Kernel {
             Self::GmsF32 => "f32, full law",
             Self::CountGms => "i32 in a controller in I16F16, full law",
             Self::QuasiStaticF32 => "f32, quasi-static",
-            Self::PackedF32 => "2×16 bit in a controller in f32, quasi-static, with DSP instructions where the core has them",
-            Self::Packed => "2×16 bit in a controller in I16F16, quasi-static, with DSP instructions where the core has them",
+            Self::PackedF32 => {
+                "2×16 bit in a controller in f32, quasi-static, with DSP instructions where the core has them"
+            }
+            Self::Packed => {
+                "2×16 bit in a controller in I16F16, quasi-static, with DSP instructions where the core has them"
+            }
             Self::SlipReserve => "i32 in a controller in I16F16, quasi-static",
         }
     }
@@ -259,6 +279,27 @@ impl Kernel {
     ) -> Option<Result<V::Outcome, ParamError>> {
         let model = MaxwellSlip::of(friction)?;
         Some(self.hand::<f64, V>(&model, sample_time, Units::SI, visitor))
+    }
+
+    /// What [`Self::PackedF32`] computes with in SI; `None` where the model is no Maxwell slip.
+    ///
+    /// # Errors
+    /// As [`Kernel::visit`]'s.
+    pub fn whole_numbers(friction: &FrictionModel) -> Option<Result<WholeNumbers, ParamError>> {
+        let MaxwellSlip {
+            blocks, breakaway, ..
+        } = MaxwellSlip::of(friction)?;
+        Some(
+            with_blocks!(blocks, array, PAIRS => Scaled::<PackedSlipReserve<PAIRS>, f32>::try_new(&array, breakaway, Units::SI)
+            .map(|model| {
+                let (length, force) = model.places();
+                WholeNumbers {
+                    blocks: model.kernel().blocks().take(blocks.len()).collect(),
+                    per_length: 2_f64.powi(length as i32),
+                    force: 2_f64.powi(-force),
+                }
+            }), 1 1, 2 1, 3 2, 4 2, 5 3, 6 3, 7 4, 8 4, 9 5, 10 5),
+        )
     }
 
     fn hand<S: Scalar, V: Visitor<S>>(

@@ -5,7 +5,7 @@ use super::curves::Curves;
 use super::product::upper;
 use super::quantised::{Scale, extremes, longest, whole};
 use crate::param::{at_most, check_blocks};
-use crate::{Block, Friction, Motion, ParamError, Scalar, Sliding, Units};
+use crate::{Block, Friction, Motion, ParamError, Sliding, Units};
 
 /// Leaves at least 8 bits for the reciprocal of the largest yield displacement: an error of 0.2 %, usually far less.
 const GREATEST_SPREAD: f64 = 1_048_576.0;
@@ -76,7 +76,7 @@ fn scale(extremes: [f64; 2]) -> f64 {
 }
 
 /// The places of [`Scaled`](super::Scaled): speed in parts of 2¹⁷ or more of that at which the Stribeck curve has levelled out.
-pub(super) fn places<const N: usize, S: Scalar>(
+pub(super) fn places<const N: usize>(
     blocks: &[Block; N],
     breakaway: f64,
     sliding: &Sliding,
@@ -86,7 +86,7 @@ pub(super) fn places<const N: usize, S: Scalar>(
     let [largest, smallest] = extremes(blocks, breakaway, units.length);
     let longest = (GREATEST_SPREAD * smallest / largest).min(super::scaled::WITHIN_A_TICK.into());
     let finest = |length| CountGms::finest_force(blocks, breakaway, length);
-    let (scale, units) = Scale::fitting::<S>(blocks, breakaway, units, longest, finest)?;
+    let (scale, units) = Scale::fitting(blocks, breakaway, units, longest, finest)?;
     let velocity = libm::ceil(libm::log2(units.velocity / sliding.levelled()) + 1.0);
     let velocity = velocity.clamp(0.0, 40.0);
     let unit = units.velocity * libm::exp2(-16.0 - velocity);

@@ -28,7 +28,7 @@ mod slip_reserve;
 
 pub use count_gms::{CountGms, CountGmsState};
 pub use packed::{PackedSlipReserve, PackedState};
-pub use scaled::{Scaled, ScaledState};
+pub use scaled::{Kernel, Scaled, ScaledState};
 pub use slip_reserve::{SlipReserve, SlipReserveState};
 
 /// A whole number of the model's units: encoder counts, or steps of force.

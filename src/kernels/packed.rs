@@ -70,6 +70,15 @@ impl<const PAIRS: usize> PackedSlipReserve<PAIRS> {
         finest_force(blocks, breakaway, length, RANGE)
     }
 
+    /// `2·D_i` (units of length) and `k_i` (units of force per unit of length) of `2·PAIRS` blocks; of an odd number the last are 0.
+    pub fn blocks(&self) -> impl Iterator<Item = [i32; 2]> {
+        let halves = |word: u32| [word & 0xffff, word >> 16].map(u32::cast_signed);
+        self.pairs.iter().flat_map(move |pair| {
+            let ([a, b], [k, l]) = (halves(pair.full), halves(pair.stiffness));
+            [[a, k], [b, l]]
+        })
+    }
+
     /// The fence costs no instruction. It has the blocks stored here and loaded again below: kept in registers across
     /// both ways, they would make the ordinary tick save those registers.
     #[inline(always)]

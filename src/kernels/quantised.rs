@@ -1,7 +1,6 @@
 //! Blocks in whole numbers: the quasi-static law's, as all slip-reserve kernels share it, and what the full law takes of it.
 
-use crate::Scalar;
-use crate::param::{Block, Bound, ParamError, Units, check_blocks, fits};
+use crate::param::{Block, Bound, ParamError, Units, check_blocks};
 
 /// One block: `2·D_i` in units of length, and `k_i` in units of force per unit of length.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -23,7 +22,7 @@ pub(super) struct Range {
 #[repr(C)]
 pub(super) struct Scale {
     pub(super) length: u32,
-    /// Beyond the 16 of [`Scalar::to_q16`].
+    /// Beyond the 16 of [`Scalar::to_q16`](crate::Scalar::to_q16).
     pub(super) velocity: u32,
     pub(super) force: i32,
 }
@@ -39,7 +38,7 @@ fn places(value: f64, most: f64) -> f64 {
 impl Scale {
     /// The finest unit of length in which no block yields beyond `longest`, and the finest of force, which `finest` says for a unit of
     /// length (m or rad) in N or N·m; with the kernel's units. What does not fit there either is the kernel's to refuse.
-    pub(super) fn fitting<S: Scalar>(
+    pub(super) fn fitting(
         blocks: &[Block],
         breakaway: f64,
         units: Units,
@@ -47,7 +46,6 @@ impl Scale {
         finest: impl Fn(f64) -> f64,
     ) -> Result<(Self, Units), ParamError> {
         check_blocks(blocks, breakaway, units)?;
-        fits::<S>("breakaway force", breakaway / units.force)?;
         let [largest, _] = extremes(blocks, breakaway, units.length);
         let length = places(largest, longest).max(0.0);
         let unit = units.length * libm::exp2(-length);
@@ -67,7 +65,7 @@ impl Scale {
 
     /// The same for the quasi-static law in a range, where rounding to it changes a block's yield displacement and stiffness by no more
     /// than a hundredth, or a stiffness that is small beside the others by no more than what is a thousandth of the breakaway force.
-    pub(super) fn try_new<S: Scalar>(
+    pub(super) fn try_new(
         blocks: &[Block],
         breakaway: f64,
         units: Units,
@@ -75,7 +73,7 @@ impl Scale {
     ) -> Result<(Self, Units), ParamError> {
         let finest = |length| finest_force(blocks, breakaway, length, range);
         let longest = range.yields.into();
-        let (scale, units) = Self::fitting::<S>(blocks, breakaway, units, longest, finest)?;
+        let (scale, units) = Self::fitting(blocks, breakaway, units, longest, finest)?;
         for (i, block) in blocks.iter().enumerate() {
             let exact = block.yield_displacement(breakaway) / units.length;
             let yields = libm::round(exact).max(1.0);

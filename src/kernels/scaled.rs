@@ -2,6 +2,7 @@
 
 use super::quantised::{Range, Scale};
 use super::{CountGms, PackedSlipReserve, SlipReserve, Whole, count_gms, packed};
+use crate::param::fits;
 use crate::{Block, Friction, Motion, ParamError, Scalar, Sliding, Units};
 
 /// The longest path of a tick is 2¹⁵ units of length: what is to slip on it must yield within half of that.
@@ -20,7 +21,8 @@ pub(super) const WITHIN_A_TICK: i32 = (1 << 14) - 1;
 /// at most 16 bits of fraction a path is exact however long. A float's displacement is rounded to 2⁻¹⁶ units in each tick: where all
 /// roundings go one way, that takes a block through its yield displacement in no less than 2³⁰ ticks (15 hours at 20 kHz).
 ///
-/// **Error.** Against the same law with reals: half a unit of length (1/16 384 of the largest yield displacement, at most) for the path, and the rounding of
+/// **Error.** Against the same law with reals: half a unit of length (1/16 384 of the largest yield displacement, at most; with [`CountGms`] a
+/// whole one, always ahead) for the path, and the rounding of
 /// each block's `D_i` and `k_i`: by 1 % at most, or for a stiffness that is small beside the others by what is 1/1000 of the breakaway
 /// force. Beyond that parameters are refused.
 ///
@@ -50,23 +52,50 @@ pub struct Scaled<K, S = f32> {
 #[derive(Clone, Debug, PartialEq)]
 #[repr(C)]
 pub struct ScaledState<M> {
-    /// Path that the kernel has not been given yet, less half a unit of length (2⁻¹⁶ of them): 0 to 65 535, so that the nearest unit is
-    /// the whole part.
+    /// Path that the kernel has not been given yet (2⁻¹⁶ units of length), and half a unit, so that the nearest unit is the whole part. Of a
+    /// kernel that is told of reversals at once, without the half: the next unit in the direction of motion is given beforehand.
     remainder: i32,
     kernel: M,
+}
+
+/// A kernel in whole numbers, as [`Scaled`] takes it.
+pub trait Kernel: Friction<Scalar = Whole> {
+    /// It must learn of a reversal at once, and not only when a whole unit of length has been travelled: what slips relaxes in time.
+    const IN_TIME: bool = false;
+}
+
+impl<const PAIRS: usize> Kernel for PackedSlipReserve<PAIRS> {}
+impl<const N: usize> Kernel for SlipReserve<N> {}
+impl<const N: usize> Kernel for CountGms<N> {
+    const IN_TIME: bool = true;
 }
 
 /// Half a unit of length.
 const HALF: i32 = 1 << 15;
 
-impl<K: Friction<Scalar = Whole>, S: Scalar> Scaled<K, S> {
-    fn of(kernel: K, scale: Scale) -> Self {
+impl<K: Kernel, S: Scalar> Scaled<K, S> {
+    fn of(kernel: K, scale: Scale) -> Result<Self, ParamError> {
+        // No force is larger, so that none needs to be cut in a tick.
         let limit = kernel.limit().map_or(i32::MAX, Whole::to_bits);
-        Self {
+        let exact = f64::from(limit) * libm::exp2(-f64::from(scale.force));
+        fits::<S>("breakaway force", exact)?;
+        Ok(Self {
             limit: S::from_binary(limit, scale.force),
             scale,
             kernel,
-        }
+        })
+    }
+}
+
+impl<K, S> Scaled<K, S> {
+    /// The kernel.
+    pub fn kernel(&self) -> &K {
+        &self.kernel
+    }
+
+    /// Binary places from the controller's units to the kernel's, of length and of force.
+    pub fn places(&self) -> (u32, i32) {
+        (self.scale.length, self.scale.force)
     }
 }
 
@@ -81,8 +110,9 @@ impl<const PAIRS: usize, S: Scalar> Scaled<PackedSlipReserve<PAIRS>, S> {
         breakaway: f64,
         units: Units,
     ) -> Result<Self, ParamError> {
-        let (scale, units) = Scale::try_new::<S>(blocks, breakaway, units, packed::RANGE)?;
-        PackedSlipReserve::try_new(blocks, breakaway, units).map(|kernel| Self::of(kernel, scale))
+        let (scale, units) = Scale::try_new(blocks, breakaway, units, packed::RANGE)?;
+        PackedSlipReserve::try_new(blocks, breakaway, units)
+            .and_then(|kernel| Self::of(kernel, scale))
     }
 }
 
@@ -97,8 +127,8 @@ impl<const N: usize, S: Scalar> Scaled<SlipReserve<N>, S> {
             yields: WITHIN_A_TICK,
             stiffness: i32::MAX,
         };
-        let (scale, units) = Scale::try_new::<S>(blocks, breakaway, units, range)?;
-        SlipReserve::try_new(blocks, breakaway, units).map(|kernel| Self::of(kernel, scale))
+        let (scale, units) = Scale::try_new(blocks, breakaway, units, range)?;
+        SlipReserve::try_new(blocks, breakaway, units).and_then(|kernel| Self::of(kernel, scale))
     }
 }
 
@@ -115,19 +145,19 @@ impl<const N: usize, S: Scalar> Scaled<CountGms<N>, S> {
         sample_time: f64,
         units: Units,
     ) -> Result<Self, ParamError> {
-        let (scale, units) = count_gms::places::<N, S>(blocks, breakaway, &sliding, units)?;
+        let (scale, units) = count_gms::places(blocks, breakaway, &sliding, units)?;
         CountGms::try_new(blocks, breakaway, sliding, sample_time, units)
-            .map(|kernel| Self::of(kernel, scale))
+            .and_then(|kernel| Self::of(kernel, scale))
     }
 }
 
-impl<K: Friction<Scalar = Whole>, S: Scalar> Friction for Scaled<K, S> {
+impl<K: Kernel, S: Scalar> Friction for Scaled<K, S> {
     type Scalar = S;
     type State = ScaledState<K::State>;
 
     fn at_rest(&self) -> Self::State {
         ScaledState {
-            remainder: HALF,
+            remainder: if K::IN_TIME { 0 } else { HALF },
             kernel: self.kernel.at_rest(),
         }
     }
@@ -144,12 +174,19 @@ impl<K: Friction<Scalar = Whole>, S: Scalar> Friction for Scaled<K, S> {
 
     #[inline(always)]
     fn step(&self, state: &mut Self::State, motion: Motion<S>) -> S {
-        let path = motion.displacement.to_q16(self.scale.length);
-        let path = state.remainder.saturating_add(path);
-        state.remainder = path & 0xffff;
+        let moved = motion.displacement.to_q16(self.scale.length);
+        let path = state.remainder.saturating_add(moved);
+        let whole = match moved {
+            0 if K::IN_TIME => 0,
+            1.. if K::IN_TIME => path.saturating_add(0xffff) >> 16,
+            _ => path >> 16,
+        };
+        state.remainder = path.wrapping_sub(whole << 16);
+        // What moves too slowly for the controller's velocity, or for a whole unit, moves all the same.
+        let moves = i32::from(K::IN_TIME && moved != 0);
         let motion = Motion {
-            displacement: Whole::from_bits(path >> 16),
-            velocity: Whole::from_bits(motion.velocity.to_q16(self.scale.velocity)),
+            displacement: Whole::from_bits(whole),
+            velocity: Whole::from_bits(motion.velocity.to_q16(self.scale.velocity) | moves),
         };
         let force = self.kernel.step(&mut state.kernel, motion);
         S::from_binary(force.to_bits(), self.scale.force)

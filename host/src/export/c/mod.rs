@@ -9,7 +9,8 @@ mod step;
 mod term;
 
 use super::constants::{Constant, bounds, carried, numbered, of_friction};
-use super::{Options, no_refused};
+use super::{Options, fitting, no_refused};
+use crate::kernel::Kernel;
 use crate::model::Model;
 use file::File;
 use law::Law;
@@ -35,12 +36,19 @@ pub struct C {
 /// A name that is none in C; effects or friction that C has not; a bound or a rate that is needed and not given.
 pub fn c_source(model: &Model, options: &Options, name: &str) -> Result<C, String> {
     check_name(name)?;
-    if let Some(kernel) = options.kernel {
-        return Err(format!("--kernel {} is for Rust; C has the laws in single precision", kernel.name()));
-    }
     no_refused(model)?;
     let effects = carried(model);
-    let law = Law::of(model)?;
+    let law = match fitting(options.kernel, model)? {
+        None => Law::of(model)?,
+        Some(Kernel::PackedF32) => Law::packed(model)?,
+        Some(kernel) => {
+            return Err(format!(
+                "--kernel {}: C has {} alone, and without --kernel the laws in single precision",
+                kernel.name(),
+                Kernel::PackedF32.name()
+            ));
+        }
+    };
     let terms: Vec<Term> = numbered(&effects)
         .map(|(id, effect)| Term::of(model, effect, id))
         .collect::<Result<_, String>>()?;
