@@ -3,7 +3,7 @@
 use super::Whole;
 use super::curves::Curves;
 use super::product::upper;
-use super::quantised::{Scale, extremes, longest, whole};
+use super::quantised::{Scale, WITHIN_A_TICK, extremes, longest, whole};
 use crate::param::{at_most, check_blocks};
 use crate::{Block, Friction, Motion, ParamError, Sliding, Units};
 
@@ -84,7 +84,7 @@ pub(super) fn places<const N: usize>(
 ) -> Result<(Scale, Units), ParamError> {
     sliding.check(breakaway)?;
     let [largest, smallest] = extremes(blocks, breakaway, units.length);
-    let longest = (GREATEST_SPREAD * smallest / largest).min(super::scaled::WITHIN_A_TICK.into());
+    let longest = (GREATEST_SPREAD * smallest / largest).min(WITHIN_A_TICK.into());
     let finest = |length| CountGms::finest_force(blocks, breakaway, length);
     let (scale, units) = Scale::fitting(blocks, breakaway, units, longest, finest)?;
     let velocity = libm::ceil(libm::log2(units.velocity / sliding.levelled()) + 1.0);

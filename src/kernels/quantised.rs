@@ -17,6 +17,9 @@ pub(super) struct Range {
     pub(super) stiffness: i32,
 }
 
+/// The longest path of a tick is 2¹⁵ units of length: what is to slip on it must yield within half of that.
+pub(super) const WITHIN_A_TICK: i32 = (1 << 14) - 1;
+
 /// Binary places from a controller's units to a kernel's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]

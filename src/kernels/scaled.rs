@@ -1,12 +1,9 @@
 //! A kernel in whole numbers as a friction model in a controller's units.
 
-use super::quantised::{Range, Scale};
+use super::quantised::{Range, Scale, WITHIN_A_TICK};
 use super::{CountGms, PackedSlipReserve, SlipReserve, Whole, count_gms, packed};
 use crate::param::fits;
 use crate::{Block, Friction, Motion, ParamError, Scalar, Sliding, Units};
-
-/// The longest path of a tick is 2¹⁵ units of length: what is to slip on it must yield within half of that.
-pub(super) const WITHIN_A_TICK: i32 = (1 << 14) - 1;
 
 /// The kernel `K` for a controller that computes in `S`: a friction model like any other, so that effects
 /// ([`With`](crate::effects::With)), [`Learning`](crate::control::Learning) and [`Observed`](crate::control::Observed) go around it.
