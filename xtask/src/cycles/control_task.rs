@@ -86,9 +86,9 @@ pub fn print_stages(recorder: &Recorder) -> Result<(), String> {
     };
     let [fixed, longest_fixed] = listed(&BUILDS[0])?;
     let [float, longest_float] = listed(&BUILDS[1])?;
-    stages::print(&[fixed, float]);
+    stages::print("the mean tick", &[fixed, float]);
     println!();
-    stages::print_longest(&[longest_fixed, longest_float]);
+    stages::print("the longest tick", &[longest_fixed, longest_float]);
     Ok(())
 }
 

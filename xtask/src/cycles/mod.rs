@@ -6,7 +6,6 @@
 mod board;
 mod control_task;
 mod disassembly;
-mod floor;
 mod harness;
 mod hazard3;
 mod inputs;
