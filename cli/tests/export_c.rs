@@ -91,16 +91,9 @@ fn exported(folder: &Path, model: &Path) -> PathBuf {
 
 fn exported_by(folder: &Path, model: &Path, more: &[&str]) -> PathBuf {
     let source = folder.join("stage_model.c");
-    let arguments = [
-        &model.display().to_string(),
-        "--lang",
-        "c",
-        "--rate",
-        RATE_HZ,
-        "-o",
-        &source.display().to_string(),
-    ];
-    let run = export(&[&arguments, more].concat());
+    let (from, to) = (model.display().to_string(), source.display().to_string());
+    let arguments = [from.as_str(), "--lang", "c", "--rate", RATE_HZ, "-o", &to];
+    let run = export(&[&arguments[..], more].concat());
     assert!(run.status.success(), "{}", text(&run.stderr));
     std::fs::write(folder.join("main.c"), DRIVER).expect("written");
     source
@@ -363,7 +356,7 @@ fn bad_input_is_bounded_and_nothing_is_undefined() {
         for name in ["plain", "linear", "rotary", "packed"] {
             let folder = tempfile::tempdir().expect("temporary folder");
             let kernel = ["--kernel", "packed_f32"];
-            let more = if name == "packed" { &kernel[..] } else { &[] };
+            let more: &[&str] = if name == "packed" { &kernel } else { &[] };
             exported_by(folder.path(), &file(&format!("{name}.toml")), more);
             let flags = [
                 "-O1",
