@@ -95,7 +95,11 @@ fn asked(words: &[&str]) -> anyhow::Result<()> {
                 record.remains.reports.len()
             );
             print!("{}", record.remains.log);
-            let bound = if kind.ends_with("fixed") { 0 } else { FLOAT_BOUND };
+            let bound = if kind.ends_with("fixed") {
+                0
+            } else {
+                FLOAT_BOUND
+            };
             if agreement.largest > bound || agreement.reach < 100 {
                 bail!(
                     "QEMU and the host differ by {} codes; the bound is {bound}",

@@ -150,7 +150,13 @@ fn every_model(at: u32, speed: f64) {
         };
         Observed::try_new(learning.expect("valid"), &settings, 50e-6, u).expect("valid")
     };
-    same("packed with an effect, learning, observed", all, u, at, speed);
+    same(
+        "packed with an effect, learning, observed",
+        all,
+        u,
+        at,
+        speed,
+    );
     same("none", NoFriction::<f32>::new, u, at, speed);
     same("gms", gms, u, at, speed);
     same("quasi-static gms", quasi, u, at, speed);

@@ -5,8 +5,8 @@ use preslide_host::cost::DEFAULT;
 use preslide_host::diagnose::Diagnosis;
 use preslide_host::identify::Identification;
 use preslide_host::recording::Recording;
-use preslide_host::tune::Choice;
 use preslide_host::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Table};
+use preslide_host::tune::Choice;
 
 /// Everything that the story is about.
 pub struct Story<'a> {

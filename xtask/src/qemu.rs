@@ -30,10 +30,7 @@ const EXPORTED: &str = "cli/tests/exported/linear.rs";
 
 /// The packed kernel as it writes it for a controller in I16F16 and in `f32`, and the images with it.
 pub const PACKED: [(&str, &str); 2] = [
-    (
-        "cli/tests/exported/packed_i16f16.rs",
-        "qemu-packed-fixed",
-    ),
+    ("cli/tests/exported/packed_i16f16.rs", "qemu-packed-fixed"),
     ("cli/tests/exported/packed_f32.rs", "qemu-packed-float"),
 ];
 

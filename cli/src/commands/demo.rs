@@ -70,7 +70,11 @@ impl Demo {
             self.file("extended.toml").display(),
             trial.axis.encoder.count
         );
-        say!("{} Source: {}.\n", exported.said(DEFAULT), self.file("stage_model.rs").display());
+        say!(
+            "{} Source: {}.\n",
+            exported.said(DEFAULT),
+            self.file("stage_model.rs").display()
+        );
         self.report(&story, start.elapsed().as_secs_f64())
     }
 

@@ -184,7 +184,8 @@ impl Export {
                 remarks.push(said);
                 choice.kernel
             }
-            Some(name) => Kernel::named(name).map_err(|reason| Failure::Input(format!("--kernel: {reason}")))?,
+            Some(name) => Kernel::named(name)
+                .map_err(|reason| Failure::Input(format!("--kernel: {reason}")))?,
         };
         Ok(Some(kernel))
     }

@@ -78,11 +78,7 @@ pub fn follow(trial: &Trial, model: Option<&Model>) -> Result<Followed, Tracking
 ///
 /// # Errors
 /// As there.
-pub fn follow_by(
-    trial: &Trial,
-    model: &Model,
-    kernel: Kernel,
-) -> Result<Followed, TrackingError> {
+pub fn follow_by(trial: &Trial, model: &Model, kernel: Kernel) -> Result<Followed, TrackingError> {
     let closed = Closed::of(trial)?;
     model
         .feed_forward_by(kernel, closed.settings.sample_time(), closed)
