@@ -59,6 +59,9 @@ pub mod control;
 pub mod effects;
 pub mod kernels;
 
+/// The crate of the fixed-point number types, which are part of this one's interface.
+pub use fixed;
+
 pub use encoder::{Count, CountTracker, EdgeTiming, EncoderScale};
 pub use friction::{
     BoucWen, BoucWenState, Coulomb, Dahl, DahlState, ElastoPlastic, ElastoPlasticState, Friction,

@@ -100,6 +100,13 @@ pub trait Scalar:
     /// The nearest integer, ties away from zero, saturating; NaN gives 0.
     fn round_to_int(self) -> i32;
 
+    /// `self · 2^places` in 2⁻¹⁶, saturating; NaN gives 0. Floats give the nearest; fixed point is exact, but where it has more than 16
+    /// bits of fraction, which is rounded down. `places` is at most 62.
+    fn to_q16(self, places: u32) -> i32;
+
+    /// `value · 2^-places`, which must fit, rounded down where the type is coarser. `places` is within ±62.
+    fn from_binary(value: i32, places: i32) -> Self;
+
     /// `self · counts / ticks`, saturating, for what takes `counts` in a tick's place takes `ticks` (at least 1): floats divide in
     /// single precision; fixed point divides whole numbers, to the nearest if `|self · counts|` stays below 2¹⁵ (2³¹ for 64 bits),
     /// and beyond to a part `ticks · 2⁻³⁰` (`2⁻⁶²`) of the result.
@@ -126,8 +133,18 @@ pub trait Scalar:
     }
 }
 
+/// `2^places`, a normal number, whose exponent is put together without a product.
+macro_rules! power_of_two {
+    ($t:ty, $bits:ty, $places:expr) => {
+        <$t>::from_bits(
+            (<$bits>::from($places.wrapping_add(<$t>::MAX_EXP - 1)) << (<$t>::MANTISSA_DIGITS - 1))
+                as _,
+        )
+    };
+}
+
 macro_rules! float_scalar {
-    ($t:ty, $exp:path, $ln_1p:path, $pow:path, $ln:path, $sin:path) => {
+    ($t:ty, $bits:ty, $exp:path, $ln_1p:path, $pow:path, $ln:path, $sin:path) => {
         impl Scalar for $t {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -215,6 +232,15 @@ macro_rules! float_scalar {
                 (if self < 0.0 { self - 0.5 } else { self + 0.5 }) as i32
             }
             #[inline]
+            fn to_q16(self, places: u32) -> i32 {
+                (self * power_of_two!($t, $bits, places.wrapping_add(16).cast_signed()))
+                    .round_to_int()
+            }
+            #[inline]
+            fn from_binary(value: i32, places: i32) -> Self {
+                value as $t * power_of_two!($t, $bits, places.wrapping_neg())
+            }
+            #[inline]
             fn rate(self, counts: i32, ticks: u32) -> Self {
                 (counts as f32 / ticks as f32 * self as f32).into()
             }
@@ -249,13 +275,22 @@ macro_rules! float_scalar {
 
 float_scalar!(
     f32,
+    i32,
     libm::expf,
     libm::log1pf,
     libm::powf,
     libm::logf,
     libm::sinf
 );
-float_scalar!(f64, libm::exp, libm::log1p, libm::pow, libm::log, libm::sin);
+float_scalar!(
+    f64,
+    i64,
+    libm::exp,
+    libm::log1p,
+    libm::pow,
+    libm::log,
+    libm::sin
+);
 
 /// A wide integer as a narrow one, at the range's ends instead of wrapping.
 macro_rules! saturated {
@@ -381,6 +416,40 @@ macro_rules! fixed_scalar {
                 let rounded = (halves >> 1) + (halves & 1);
                 let least = Frac::U32 == <$bits>::BITS && self == Self::MIN;
                 saturated!(if least { -1 } else { rounded }, $bits, i32)
+            }
+            #[inline]
+            fn to_q16(self, places: u32) -> i32 {
+                let bits = self.to_bits();
+                // Any bit at all is then beyond the range.
+                let places = places.min(<$bits>::BITS - 1);
+                if Frac::U32 == 16 && <$bits>::BITS == 32 {
+                    // Without wide shifts, which a Cortex-M0+ has to call.
+                    let scaled = bits << places;
+                    let end = (bits >> (<$bits>::BITS - 1)) ^ <$bits>::MAX;
+                    return (if scaled >> places == bits {
+                        scaled
+                    } else {
+                        end
+                    }) as i32;
+                }
+                let scaled = <$wide>::from(bits) << places;
+                if Frac::U32 >= 16 {
+                    saturated!(scaled >> (Frac::U32 - 16), $wide, i32)
+                } else {
+                    let narrow = saturated!(scaled, $wide, $bits);
+                    saturated!(<$wide>::from(narrow) << (16 - Frac::U32), $wide, i32)
+                }
+            }
+            #[inline]
+            fn from_binary(value: i32, places: i32) -> Self {
+                let right = places.wrapping_sub(Frac::U32.cast_signed());
+                if right >= 0 {
+                    return $t::from_bits((value >> right.min(31)).into());
+                }
+                // What fits is not shifted out, and a shift beyond the type's bits is one of 0.
+                $t::from_bits(
+                    <$bits>::from(value).wrapping_shl(right.wrapping_neg().cast_unsigned()),
+                )
             }
             #[inline]
             fn rate(self, counts: i32, ticks: u32) -> Self {

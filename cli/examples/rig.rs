@@ -1,4 +1,4 @@
-//! Runs a firmware ELF in QEMU: `rig fixed|float ELF` compares its commands with the host's simulation,
+//! Runs a firmware ELF in QEMU: `rig fixed|float|packed-fixed|packed-float ELF` compares its commands with the host's simulation,
 //! `rig faults ELF FOLDER [--bless]` injects the faults and compares with the golden files. `rig serve ELF PORT TRUTH` moves
 //! the stage through nested strokes, hands its telemetry to `preslide capture tcp:127.0.0.1:PORT` and writes what the
 //! stage's friction was; `rig judge REC.csv TRUTH` compares with it what `identify` finds in the capture. `rig record ELF
@@ -22,6 +22,14 @@ use preslide_sim::tracking::FIXED_UNITS;
 use std::cell::RefCell;
 use std::path::Path;
 use std::process::ExitCode;
+
+/// What `preslide export --kernel` wrote, which is compiled into the firmware as well.
+mod packed_f32 {
+    include!("../tests/exported/packed_f32.rs");
+}
+mod packed_i16f16 {
+    include!("../tests/exported/packed_i16f16.rs");
+}
 
 /// What the firmware starts with: the paper's Table 3, four blocks, through the command link's single precision.
 fn blocks() -> ([Block; 4], f64) {
@@ -58,21 +66,40 @@ fn main() -> ExitCode {
 fn asked(words: &[&str]) -> anyhow::Result<()> {
     let (blocks, breakaway) = blocks();
     match *words {
-        [kind @ ("fixed" | "float"), elf] => {
+        [
+            kind @ ("fixed" | "float" | "packed-fixed" | "packed-float"),
+            elf,
+        ] => {
             let elf = Path::new(elf);
-            let (agreement, record) = if kind == "fixed" {
-                let model = QuasiStaticGms::<4, I16F16>::try_new(&blocks, breakaway, FIXED_UNITS)?;
-                agreement(elf, model, FIXED_UNITS)?
-            } else {
-                let model = QuasiStaticGms::<4, f32>::try_new(&blocks, breakaway, Units::SI)?;
-                agreement(elf, model, Units::SI)?
+            let (agreement, record) = match kind {
+                "fixed" => {
+                    let model =
+                        QuasiStaticGms::<4, I16F16>::try_new(&blocks, breakaway, FIXED_UNITS)?;
+                    agreement(elf, model, FIXED_UNITS)?
+                }
+                "float" => {
+                    let model = QuasiStaticGms::<4, f32>::try_new(&blocks, breakaway, Units::SI)?;
+                    agreement(elf, model, Units::SI)?
+                }
+                "packed-fixed" => {
+                    let model: packed_i16f16::Model = packed_i16f16::model(50e-6, FIXED_UNITS)?;
+                    agreement(elf, model, FIXED_UNITS)?
+                }
+                _ => {
+                    let model: packed_f32::Model = packed_f32::model(50e-6, Units::SI)?;
+                    agreement(elf, model, Units::SI)?
+                }
             };
             println!(
                 "{kind}: {agreement:?}, {} reports",
                 record.remains.reports.len()
             );
             print!("{}", record.remains.log);
-            let bound = if kind == "fixed" { 0 } else { FLOAT_BOUND };
+            let bound = if kind.ends_with("fixed") {
+                0
+            } else {
+                FLOAT_BOUND
+            };
             if agreement.largest > bound || agreement.reach < 100 {
                 bail!(
                     "QEMU and the host differ by {} codes; the bound is {bound}",
@@ -106,7 +133,7 @@ fn asked(words: &[&str]) -> anyhow::Result<()> {
         ["faults", elf, folder] => faults(Path::new(elf), Path::new(folder), false)?,
         ["faults", elf, folder, "--bless"] => faults(Path::new(elf), Path::new(folder), true)?,
         _ => bail!(
-            "usage: rig fixed|float ELF, rig faults ELF FOLDER [--bless], rig serve ELF PORT TRUTH, rig judge REC.csv TRUTH, rig wear ELF, or rig record ELF PLUGIN"
+            "usage: rig fixed|float|packed-fixed|packed-float ELF, rig faults ELF FOLDER [--bless], rig serve ELF PORT TRUTH, rig judge REC.csv TRUTH, rig wear ELF, or rig record ELF PLUGIN"
         ),
     }
     Ok(())

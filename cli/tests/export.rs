@@ -29,6 +29,15 @@ mod leuven {
 mod two_state {
     include!("exported/two_state.rs");
 }
+pub mod packed_f32 {
+    include!("exported/packed_f32.rs");
+}
+mod packed_i16f16 {
+    include!("exported/packed_i16f16.rs");
+}
+mod full {
+    include!("exported/full.rs");
+}
 
 pub fn file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -51,21 +60,22 @@ pub fn text(bytes: &[u8]) -> String {
 #[test]
 fn the_source_that_is_compiled_here_is_what_export_writes() {
     let folder = tempfile::tempdir().expect("temporary folder");
-    for name in [
-        "linear",
-        "rotary",
-        "plain",
-        "bouc_wen",
-        "elasto_plastic",
-        "leuven",
-        "two_state",
+    for (model, name, more) in [
+        ("linear", "linear", &[][..]),
+        ("rotary", "rotary", &[]),
+        ("plain", "plain", &[]),
+        ("bouc_wen", "bouc_wen", &[]),
+        ("elasto_plastic", "elasto_plastic", &[]),
+        ("leuven", "leuven", &[]),
+        ("two_state", "two_state", &[]),
+        ("packed", "packed_f32", &["--kernel", "packed_f32"]),
+        ("packed", "packed_i16f16", &["--kernel", "packed_i16f16"]),
+        ("full", "full", &["--kernel", "count_gms_i16f16"]),
     ] {
         let written = folder.path().join("out.rs");
-        let run = export(&[
-            &file(&format!("{name}.toml")).display().to_string(),
-            "-o",
-            &written.display().to_string(),
-        ]);
+        let model = file(&format!("{model}.toml")).display().to_string();
+        let written_to = written.display().to_string();
+        let run = export(&[&[model.as_str(), "-o", &written_to][..], more].concat());
         assert!(run.status.success(), "{}", text(&run.stderr));
         let source = std::fs::read_to_string(&written).expect("written");
         let golden = file(&format!("{name}.rs"));
@@ -233,6 +243,52 @@ fn an_exported_model_gives_the_hosts_force() {
         .expect("valid")
         .limit();
     assert!(limit.is_some_and(|l| l < 60.0), "{limit:?}");
+}
+
+/// What a kernel is asked for and cannot do, or is no longer called, is refused with what to take.
+#[test]
+fn a_kernel_that_does_not_fit_is_refused_with_what_to_take() {
+    let [linear, packed, dahl] = ["linear", "packed", "bouc_wen"]
+        .map(|name| file(&format!("{name}.toml")).display().to_string());
+    for (model, kernel, said) in [
+        (&packed, "constant_time", "packed_f32"),
+        (&packed, "slip_reserve_i32", "slip_reserve_i16f16"),
+        (&packed, "gms_i32", "count_gms_i16f16"),
+        (&packed, "packed", "packed_i16f16"),
+        (&linear, "packed_f32", "gms_f32"),
+        (&dahl, "packed_f32", "leave --kernel out"),
+        (&linear, "auto", "--count"),
+    ] {
+        let run = export(&[model.as_str(), "--kernel", kernel]);
+        let error = text(&run.stderr);
+        assert_eq!(run.status.code(), Some(2), "{kernel}: {error}");
+        assert!(error.contains("--kernel") || kernel == "auto", "{error}");
+        assert!(error.contains(said), "{kernel}: {error}");
+    }
+}
+
+/// The kernel's force beside the host's, which is in `f64` and knows no counts: half a unit of length is 1/16 384 of the softest block's
+/// yield displacement (39 µm), 1.2 nm, times 0.37 N/µm of all blocks; roundings of `D` and `k` add as much.
+#[test]
+fn an_exported_kernel_gives_the_hosts_force() {
+    let packed = packed_f32::model::<f32>(STEP, Units::SI).expect("valid");
+    let off = difference("packed", packed, |_, _, _| (), 1e-4);
+    assert!(off < 1.5e-3, "{off:e} N");
+    let counts = Units {
+        length: 25e-9,
+        force: 1e-3,
+        velocity: 1e-3,
+    };
+    let fixed: packed_i16f16::Model = packed_i16f16::model(STEP, counts).expect("valid");
+    assert!(
+        fixed
+            .limit()
+            .is_some_and(|l| (899.0..900.5).contains(&l.to_f64()))
+    );
+    // The full law is given a whole unit ahead, with effects around it.
+    let full = full::model::<f32>(STEP, Units::SI).expect("valid");
+    let off = difference("full", full, |_, _, _| (), 1e-3);
+    assert!(off < 5e-3, "{off:e} N");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! `preslide export --lang c`: the C is compiled as a stranger would, with every warning an error, and run beside the library.
 
-use crate::export::{export, file, linear, plain, rotary, text};
+use crate::export::{export, file, linear, packed_f32, plain, rotary, text};
 use preslide::{Friction, Motion, Units};
 use preslide_host::friction::Path as MotionPath;
 use preslide_host::model::Model;
@@ -86,16 +86,14 @@ fn rows(count: usize, scale: f64) -> Vec<Row> {
 
 /// The exported pair in a folder, with the driver.
 fn exported(folder: &Path, model: &Path) -> PathBuf {
+    exported_by(folder, model, &[])
+}
+
+fn exported_by(folder: &Path, model: &Path, more: &[&str]) -> PathBuf {
     let source = folder.join("stage_model.c");
-    let run = export(&[
-        &model.display().to_string(),
-        "--lang",
-        "c",
-        "--rate",
-        RATE_HZ,
-        "-o",
-        &source.display().to_string(),
-    ]);
+    let (from, to) = (model.display().to_string(), source.display().to_string());
+    let arguments = [from.as_str(), "--lang", "c", "--rate", RATE_HZ, "-o", &to];
+    let run = export(&[&arguments[..], more].concat());
     assert!(run.status.success(), "{}", text(&run.stderr));
     std::fs::write(folder.join("main.c"), DRIVER).expect("written");
     source
@@ -199,6 +197,56 @@ fn blocks_in_c_have_the_librarys_bits() {
     let wanted = library(&model, |_, _, _| (), &rows);
     let c = forces(&compiled(folder.path(), "cc", &["-O2"]), &rows);
     assert_eq!(apart(&c, &wanted), [0.0; 3]);
+}
+
+/// Rows that are taken through the ends of what the kernel holds, too: displacements of every size, of both signs.
+fn any_rows() -> Vec<Row> {
+    let mut random = 0x1727_2018_u32;
+    let mut next = || {
+        random ^= random << 13;
+        random ^= random >> 17;
+        random ^= random << 5;
+        random
+    };
+    let row = |_| {
+        let size = 10_f32.powi((next() % 9) as i32 - 12);
+        let dx = size * (next() as i32 as f32 / 2_147_483_648.0);
+        let dx = if next() % 5 == 0 { 0.0 } else { dx };
+        let dx = if next() % 1000 == 0 { 1e9 * dx } else { dx };
+        [dx, 0.0, 0.0, 0.0, 0.0]
+    };
+    (0..STEPS).map(row).collect()
+}
+
+#[test]
+fn the_packed_kernel_in_c_has_the_librarys_bits() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    exported_by(
+        folder.path(),
+        &file("packed.toml"),
+        &["--kernel", "packed_f32"],
+    );
+    let model = packed_f32::model::<f32>(STEP, Units::SI).expect("valid");
+    for rows in [any_rows(), rows(STEPS, 1e-4)] {
+        let wanted = library(&model, |_, _, _| (), &rows);
+        assert!(wanted.iter().any(|f| f.abs() > 0.8) && wanted.iter().any(|f| f.abs() < 0.1));
+        let c = forces(&compiled(folder.path(), "cc", &["-O2"]), &rows);
+        assert_eq!(apart(&c, &wanted), [0.0; 3]);
+    }
+    let refused = export(&[
+        &file("packed.toml").display().to_string(),
+        "--lang",
+        "c",
+        "--kernel",
+        "packed_i16f16",
+        "-o",
+        &folder.path().join("other.c").display().to_string(),
+    ]);
+    let error = text(&refused.stderr);
+    assert!(
+        refused.status.code() == Some(2) && error.contains("packed_f32"),
+        "{error}"
+    );
 }
 
 /// The library has Stribeck curves and spots as tables, and waves as polynomials; C has them from `math.h`.
@@ -305,9 +353,11 @@ fn bad_input_is_bounded_and_nothing_is_undefined() {
         .into_iter()
         .filter(|c| Command::new(c).arg("--version").output().is_ok());
     for compiler in compilers {
-        for name in ["plain", "linear", "rotary"] {
+        for name in ["plain", "linear", "rotary", "packed"] {
             let folder = tempfile::tempdir().expect("temporary folder");
-            exported(folder.path(), &file(&format!("{name}.toml")));
+            let kernel = ["--kernel", "packed_f32"];
+            let more: &[&str] = if name == "packed" { &kernel } else { &[] };
+            exported_by(folder.path(), &file(&format!("{name}.toml")), more);
             let flags = [
                 "-O1",
                 "-fsanitize=address,undefined",

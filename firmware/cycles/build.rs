@@ -50,7 +50,7 @@ const HAZARD3: Compiler = Compiler {
     ],
 };
 
-/// Kernel name, source in `peers`, and the compiler's arguments: `src/textbook.rs` and `src/translated.rs` call them by these names.
+/// Kernel name, source in `peers`, and the compiler's arguments: `src/textbook.rs` calls them by these names.
 const PEERS: &[(&str, &str, &[&str])] = &[
     (
         "textbook_float_O2",
@@ -67,12 +67,6 @@ const PEERS: &[(&str, &str, &[&str])] = &[
         "gms.c",
         &["-O2", "-DREAL=double", "-DEXP=exp"],
     ),
-    (
-        "slip_reserve_i32_gcc_O2",
-        "slip_reserve.c",
-        &["-O2", "-fwrapv"],
-    ),
-    ("gms_i32_gcc_O2", "gms_i32.c", &["-O2", "-fwrapv"]),
 ];
 
 fn main() -> Result<(), String> {

@@ -5,6 +5,7 @@ use preslide::control::learning::{Adaptation, MismatchWatch};
 use preslide::control::{Axis, Coefficients, Command, Controller, Measurement, Move};
 use preslide::control::{Learning, LearningSettings, NoFriction, Observed, ObserverSettings};
 use preslide::effects::{ConstantForce, With};
+use preslide::kernels::{PackedSlipReserve, Scaled};
 use preslide::{
     Block, BoucWen, Coulomb, Dahl, ElastoPlastic, Friction, Gms, Hsieh, HsiehParams, Leuven,
     LeuvenForm, LuGre, QuasiStaticGms, Sliding, TwoState, Units,
@@ -123,6 +124,39 @@ fn every_model(at: u32, speed: f64) {
     let fixed = || {
         QuasiStaticGms::<3, I16F16>::try_new(&table3::blocks::<3>(), 0.9, COUNTS).expect("valid")
     };
+    let packed = || {
+        Scaled::<PackedSlipReserve<2>, f32>::try_new(&table3::blocks::<3>(), 0.9, u).expect("valid")
+    };
+    let packed_fixed = || {
+        Scaled::<PackedSlipReserve<2>, I16F16>::try_new(&table3::blocks::<3>(), 0.9, COUNTS)
+            .expect("valid")
+    };
+    same("packed", packed, u, at, speed);
+    same("packed, fixed", packed_fixed, COUNTS, at, speed);
+    let all = || {
+        let with = With::try_new(packed(), ConstantForce::try_new(0.1, u).expect("valid"));
+        let settings = LearningSettings {
+            block: 56,
+            ..LearningSettings::PAPER_AXIS
+        };
+        let learning = Learning::<_, (MismatchWatch<f32>, Adaptation<f32>)>::try_new(
+            with.expect("fits"),
+            &settings,
+            u,
+        );
+        let settings = ObserverSettings {
+            limit: 0.1,
+            ..ObserverSettings::PAPER_AXIS
+        };
+        Observed::try_new(learning.expect("valid"), &settings, 50e-6, u).expect("valid")
+    };
+    same(
+        "packed with an effect, learning, observed",
+        all,
+        u,
+        at,
+        speed,
+    );
     same("none", NoFriction::<f32>::new, u, at, speed);
     same("gms", gms, u, at, speed);
     same("quasi-static gms", quasi, u, at, speed);

@@ -174,13 +174,13 @@ impl Path<'_> {
     }
 }
 
-/// Something to do with any of the library's models.
-pub trait Visitor {
+/// Something to do with any of the library's models, in the number type `S`.
+pub trait Visitor<S = f64> {
     /// What comes of it.
     type Outcome;
 
     /// Does it.
-    fn visit<M: Friction<Scalar = f64>>(self, model: M) -> Self::Outcome;
+    fn visit<M: Friction<Scalar = S>>(self, model: M) -> Self::Outcome;
 }
 
 /// A path behind a transmission, to be run along.

@@ -11,6 +11,7 @@ pub mod export;
 pub mod fleet;
 pub mod friction;
 pub mod identify;
+pub mod kernel;
 pub mod model;
 pub mod paper;
 pub mod plan;

@@ -1,10 +1,12 @@
 //! The page of `preslide demo`: what was recorded, how many blocks and why, what was missing, how much better it tracks.
 
 use crate::chain::{Followed, Trial};
+use preslide_host::cost::DEFAULT;
 use preslide_host::diagnose::Diagnosis;
 use preslide_host::identify::Identification;
 use preslide_host::recording::Recording;
 use preslide_host::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Table};
+use preslide_host::tune::Choice;
 
 /// Everything that the story is about.
 pub struct Story<'a> {
@@ -16,8 +18,11 @@ pub struct Story<'a> {
     pub found: &'a Identification,
     /// What the model left out.
     pub diagnosis: &'a Diagnosis,
-    /// The judged motion without a model, with the identified one, with what the diagnosis added, and with the truth.
-    pub followed: [Followed; 4],
+    /// What was exported: its kernel with cycles and flash.
+    pub exported: &'a Choice,
+    /// The judged motion without a model, with the identified one, with what the diagnosis added, with that as it was exported, and with
+    /// the truth.
+    pub followed: [Followed; 5],
 }
 
 impl Story<'_> {
@@ -41,13 +46,14 @@ impl Story<'_> {
         }
     }
 
-    /// What the four ways of compensating are called.
-    fn ways(&self) -> [String; 4] {
+    /// What the five ways of compensating are called.
+    fn ways(&self) -> [String; 5] {
         let size = self.found.best().size();
         [
             "no friction model".to_owned(),
             format!("identified: GMS, N = {size}"),
             "with what the diagnosis added".to_owned(),
+            format!("the same, exported as {}", self.exported.kernel.name()),
             "with the stage's own parameters".to_owned(),
         ]
     }
@@ -83,12 +89,13 @@ impl Story<'_> {
         };
         format!(
             "The diagnosis names {}. RMS tracking error: {} without a friction model, {} with the identified one, {} with what the \
-             diagnosis added; knowing the truth gives {}.",
+             diagnosis added, {} as it is exported for the controller; knowing the truth gives {}.",
             self.names(),
             nm(0),
             nm(1),
             nm(2),
             nm(3),
+            nm(4),
         )
     }
 
@@ -182,6 +189,7 @@ impl Story<'_> {
                 "Another motion than the recorded one: other places, speeds and reversals. The feedback is the same in every run; \
                  only the force fed forward differs."
                     .to_owned(),
+                self.exported.said(DEFAULT),
                 format!(
                     "What the stage hid, which nothing had told the diagnosis: {}.",
                     self.trial.effect.words()

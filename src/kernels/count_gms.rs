@@ -3,7 +3,7 @@
 use super::Whole;
 use super::curves::Curves;
 use super::product::upper;
-use super::quantised::{extremes, longest, whole};
+use super::quantised::{Scale, WITHIN_A_TICK, extremes, longest, whole};
 use crate::param::{at_most, check_blocks};
 use crate::{Block, Friction, Motion, ParamError, Sliding, Units};
 
@@ -73,6 +73,33 @@ pub struct CountGmsState<const N: usize> {
 fn scale(extremes: [f64; 2]) -> f64 {
     let room = f64::from(i32::MAX) / (1.0 + (longest(extremes) + 1.0) / extremes[1]);
     libm::exp2(libm::floor(libm::log2(room)).min(28.0))
+}
+
+/// The places of [`Scaled`](super::Scaled): speed in parts of 2¹⁷ or more of that at which the Stribeck curve has levelled out.
+pub(super) fn places<const N: usize>(
+    blocks: &[Block; N],
+    breakaway: f64,
+    sliding: &Sliding,
+    units: Units,
+) -> Result<(Scale, Units), ParamError> {
+    sliding.check(breakaway)?;
+    let [largest, smallest] = extremes(blocks, breakaway, units.length);
+    let longest = (GREATEST_SPREAD * smallest / largest).min(WITHIN_A_TICK.into());
+    let finest = |length| CountGms::finest_force(blocks, breakaway, length);
+    let (scale, units) = Scale::fitting(blocks, breakaway, units, longest, finest)?;
+    let velocity = libm::ceil(libm::log2(units.velocity / sliding.levelled()) + 1.0);
+    let velocity = velocity.clamp(0.0, 40.0);
+    let unit = units.velocity * libm::exp2(-16.0 - velocity);
+    Ok((
+        Scale {
+            velocity: velocity as u32,
+            ..scale
+        },
+        Units {
+            velocity: unit,
+            ..units
+        },
+    ))
 }
 
 impl<const N: usize> CountGms<N> {

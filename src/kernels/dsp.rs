@@ -80,40 +80,6 @@ mod instructions {
         }
         sum
     }
-
-    /// The same after `w ← w + turned·(2·D − 2·w)`, `turned` being 1 on a reversal and 0 otherwise: one path for both.
-    #[inline(always)]
-    pub(in super::super) fn turn_and_advance<const PAIRS: usize>(
-        reserves: &mut [u32; PAIRS],
-        pairs: &[Pair; PAIRS],
-        turned: u32,
-        advance: u32,
-        start: i32,
-    ) -> i32 {
-        let (mut reserve, mut pair) = (reserves.as_mut_ptr(), pairs.as_ptr());
-        let mut sum = start;
-        for _ in 0..PAIRS {
-            // SAFETY: the pointers stand on `reserves[i]` and `pairs[i]`, `i < PAIRS`; for the rest see `advance`. SUB and
-            // MLA change no flag.
-            unsafe {
-                asm!(
-                    "ldr {w}, [{reserve}]",
-                    "ldr {t}, [{pair}], #4",
-                    "ldr {k}, [{pair}], #4",
-                    "sub {t}, {t}, {w}, lsl #1",
-                    "mla {w}, {t}, {turned}, {w}",
-                    "uqsub16 {w}, {w}, {advance}",
-                    "str {w}, [{reserve}], #4",
-                    "smlad {sum}, {w}, {k}, {sum}",
-                    w = out(reg) _, t = out(reg) _, k = out(reg) _,
-                    reserve = inout(reg) reserve, pair = inout(reg) pair,
-                    turned = in(reg) turned, advance = in(reg) advance, sum = inout(reg) sum,
-                    options(nostack, preserves_flags)
-                );
-            }
-        }
-        sum
-    }
 }
 
 #[cfg(not(dsp_instructions))]
@@ -146,21 +112,5 @@ mod portable {
             }
         }
         sum
-    }
-
-    /// The same after `w ← w + turned·(2·D − 2·w)`, `turned` being 1 on a reversal and 0 otherwise.
-    #[inline(always)]
-    pub(in super::super) fn turn_and_advance<const PAIRS: usize>(
-        reserves: &mut [u32; PAIRS],
-        pairs: &[Pair; PAIRS],
-        turned: u32,
-        amount: u32,
-        start: i32,
-    ) -> i32 {
-        for (reserve, pair) in reserves.iter_mut().zip(pairs) {
-            let turn = pair.full.wrapping_sub(reserve.wrapping_mul(2));
-            *reserve = reserve.wrapping_add(turned.wrapping_mul(turn));
-        }
-        advance(reserves, pairs, amount, start)
     }
 }

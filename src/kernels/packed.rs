@@ -20,17 +20,17 @@ pub(super) const RANGE: Range = Range {
 #[derive(Clone, Debug, PartialEq)]
 #[repr(C)]
 pub struct PackedSlipReserve<const PAIRS: usize> {
-    pub(super) pairs: [Pair; PAIRS],
+    pairs: [Pair; PAIRS],
     /// `−ΣW_i`, where the sum of a tick begins.
-    pub(super) least: i32,
+    least: i32,
 }
 
-/// What a [`PackedSlipReserve`] or a [`ConstantTimeSlipReserve`](super::ConstantTimeSlipReserve) remembers.
+/// What a [`PackedSlipReserve`] remembers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PackedState<const PAIRS: usize> {
     /// 0 while the body moves forward, −1 backward: `(x ^ b) − b` is `dir·x`.
-    pub(super) backward: i32,
-    pub(super) reserve: [u32; PAIRS],
+    backward: i32,
+    reserve: [u32; PAIRS],
 }
 
 impl<const PAIRS: usize> PackedSlipReserve<PAIRS> {
@@ -70,6 +70,15 @@ impl<const PAIRS: usize> PackedSlipReserve<PAIRS> {
         finest_force(blocks, breakaway, length, RANGE)
     }
 
+    /// `2·D_i` (units of length) and `k_i` (units of force per unit of length) of `2·PAIRS` blocks; of an odd number the last are 0.
+    pub fn blocks(&self) -> impl Iterator<Item = [i32; 2]> {
+        let halves = |word: u32| [word & 0xffff, word >> 16].map(u32::cast_signed);
+        self.pairs.iter().flat_map(move |pair| {
+            let ([a, b], [k, l]) = (halves(pair.full), halves(pair.stiffness));
+            [[a, k], [b, l]]
+        })
+    }
+
     /// The fence costs no instruction. It has the blocks stored here and loaded again below: kept in registers across
     /// both ways, they would make the ordinary tick save those registers.
     #[inline(always)]
@@ -85,7 +94,7 @@ impl<const PAIRS: usize> PackedSlipReserve<PAIRS> {
 
 /// The displacement in 16 bits: one saturating instruction.
 #[inline(always)]
-pub(super) fn cut(displacement: Whole) -> i32 {
+fn cut(displacement: Whole) -> i32 {
     displacement
         .to_bits()
         .clamp(i16::MIN.into(), i16::MAX.into())

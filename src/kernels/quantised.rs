@@ -17,6 +17,89 @@ pub(super) struct Range {
     pub(super) stiffness: i32,
 }
 
+/// The longest path of a tick is 2¹⁵ units of length: what is to slip on it must yield within half of that.
+pub(super) const WITHIN_A_TICK: i32 = (1 << 14) - 1;
+
+/// Binary places from a controller's units to a kernel's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub(super) struct Scale {
+    pub(super) length: u32,
+    /// Beyond the 16 of [`Scalar::to_q16`](crate::Scalar::to_q16).
+    pub(super) velocity: u32,
+    pub(super) force: i32,
+}
+
+/// Floats hold twice as many.
+const MOST_PLACES: f64 = 62.0;
+
+/// The most binary places by which `value` stays within `most`.
+fn places(value: f64, most: f64) -> f64 {
+    libm::floor(libm::log2(most / value)).clamp(-MOST_PLACES, MOST_PLACES)
+}
+
+impl Scale {
+    /// The finest unit of length in which no block yields beyond `longest`, and the finest of force, which `finest` says for a unit of
+    /// length (m or rad) in N or N·m; with the kernel's units. What does not fit there either is the kernel's to refuse.
+    pub(super) fn fitting(
+        blocks: &[Block],
+        breakaway: f64,
+        units: Units,
+        longest: f64,
+        finest: impl Fn(f64) -> f64,
+    ) -> Result<(Self, Units), ParamError> {
+        check_blocks(blocks, breakaway, units)?;
+        let [largest, _] = extremes(blocks, breakaway, units.length);
+        let length = places(largest, longest).max(0.0);
+        let unit = units.length * libm::exp2(-length);
+        let force = places(finest(unit), units.force);
+        let scale = Self {
+            length: length as u32,
+            velocity: 0,
+            force: force as i32,
+        };
+        let units = Units {
+            length: unit,
+            force: units.force * libm::exp2(-force),
+            ..units
+        };
+        Ok((scale, units))
+    }
+
+    /// The same for the quasi-static law in a range, where rounding to it changes a block's yield displacement and stiffness by no more
+    /// than a hundredth, or a stiffness that is small beside the others by no more than what is a thousandth of the breakaway force.
+    pub(super) fn try_new(
+        blocks: &[Block],
+        breakaway: f64,
+        units: Units,
+        range: Range,
+    ) -> Result<(Self, Units), ParamError> {
+        let finest = |length| finest_force(blocks, breakaway, length, range);
+        let longest = range.yields.into();
+        let (scale, units) = Self::fitting(blocks, breakaway, units, longest, finest)?;
+        for (i, block) in blocks.iter().enumerate() {
+            let exact = block.yield_displacement(breakaway) / units.length;
+            let yields = libm::round(exact).max(1.0);
+            let stiffness = block.weight * breakaway / units.force / yields;
+            let slight = 1e-3 * breakaway / units.force / yields;
+            let near = |parameter, exact: f64, held: f64, slight: f64| {
+                if (held - exact).abs() <= f64::max(0.01 * exact, slight) {
+                    return Ok(());
+                }
+                Err(ParamError {
+                    parameter,
+                    block: Some(i + 1),
+                    value: exact,
+                    bound: Bound::Rounded(held),
+                })
+            };
+            near("yield displacement", exact, yields, 0.0)?;
+            near("stiffness", stiffness, libm::round(stiffness), slight)?;
+        }
+        Ok((scale, units))
+    }
+}
+
 /// Rounds the blocks, and returns `ΣW_i` with them.
 pub(super) fn quantise<const N: usize>(
     blocks: &[Block; N],

@@ -33,6 +33,7 @@ const WORKERS: usize = 2;
 
 pub fn run_command(arguments: &[String]) -> Result<(), String> {
     let (mut seed, mut count, mut electrical) = (1_u64, 6_usize, false);
+    let mut kernel = None;
     let mut words = arguments.iter();
     while let Some(word) = words.next() {
         if word == "--electrical" {
@@ -43,25 +44,30 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
         let known = match word.as_str() {
             "--seed" => value.parse().map(|value| seed = value).is_ok(),
             "--count" => value.parse().map(|value| count = value).is_ok() && count > 0,
+            "--kernel" => {
+                kernel = Some(value.to_owned());
+                !value.is_empty()
+            }
             _ => false,
         };
         if !known {
             return Err(format!(
-                "`chain` takes --seed N, --count K and --electrical, got `{}`",
+                "`chain` takes --seed N, --count K, --kernel NAME and --electrical, got `{}`",
                 arguments.join(" ")
             ));
         }
     }
-    chain(seed, count, electrical)
+    chain(seed, count, kernel, electrical)
 }
 
-fn chain(seed: u64, count: usize, electrical: bool) -> Result<(), String> {
+fn chain(seed: u64, count: usize, kernel: Option<String>, electrical: bool) -> Result<(), String> {
     Need::Qemu.ensure()?;
     build_as_tests(&["--bin", "preslide", "--example", "chain"])?;
     let shipped = build("preslide-qemu", "qemu-fixed", &[])?;
     let folder = std::env::temp_dir().join(format!("preslide-chain-{}", std::process::id()));
     let chain = Chain {
         seed: seed.to_string(),
+        kernel,
         electrical,
         shipped,
         folder,
@@ -87,6 +93,8 @@ fn chain(seed: u64, count: usize, electrical: bool) -> Result<(), String> {
 
 struct Chain {
     seed: String,
+    /// What the firmware computes friction with, as `preslide export --kernel` takes it.
+    kernel: Option<String>,
     /// On the electrical stage.
     electrical: bool,
     /// The firmware as it comes, which is recorded.
@@ -194,6 +202,9 @@ impl Chain {
         let export = |without: &[&str]| {
             let mut export = tool("export");
             export.args(without.iter().flat_map(|id| ["--without", id]));
+            // Without friction there is none to compute.
+            let kernel = self.kernel.iter().filter(|_| name != "none");
+            export.args(kernel.flat_map(|kernel| ["--kernel", kernel]));
             quiet(export.arg(file("toml")).arg("-o").arg(file("rs")))
         };
         if let Err(refusal) = export(without) {

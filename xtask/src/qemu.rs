@@ -1,6 +1,6 @@
 //! `cargo xtask qemu`: the firmware in an emulator against the simulated stage.
 //!
-//! Builds the QEMU board in both arithmetics, shows that its control code has no panic path, prints flash, RAM and
+//! Builds the QEMU board in both arithmetics, and with the packed kernel in both, shows that its control code has no panic path, prints flash, RAM and
 //! stack, runs the same motion twice in QEMU and once on the host, sends ten thousand requests under full telemetry, injects the
 //! faults, lets the stage wear under a firmware that watches it, and identifies the stage's friction from captured telemetry.
 //! `cargo xtask stage` only serves the emulated drive.
@@ -28,6 +28,12 @@ const QUIT: &str = "preslide_qemu::quit";
 /// What `preslide export` writes of a model with all effects that a controller can use; the tests of the tool keep it.
 const EXPORTED: &str = "cli/tests/exported/linear.rs";
 
+/// The packed kernel as it writes it for a controller in I16F16 and in `f32`, and the images with it.
+pub const PACKED: [(&str, &str); 2] = [
+    ("cli/tests/exported/packed_i16f16.rs", "qemu-packed-fixed"),
+    ("cli/tests/exported/packed_f32.rs", "qemu-packed-float"),
+];
+
 const GOLDEN: &str = "firmware/boards/qemu/expected";
 
 /// A run of the motion takes 10 s on a slow machine, the faults two minutes.
@@ -41,7 +47,16 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     let rig = build_rig()?;
     let fixed = build("preslide-qemu", "qemu-fixed", &[])?;
     let float = build("preslide-qemu", "qemu-float", &["--features", "float"])?;
-    for (kind, elf) in [("fixed", &fixed), ("float", &float)] {
+    let [packed_fixed, packed_float] = PACKED;
+    let build_packed = |(model, name)| build_with(Some(model), "preslide-qemu", name, &[]);
+    let packed_fixed = build_packed(packed_fixed)?;
+    let packed_float = build_packed(packed_float)?;
+    for (kind, elf) in [
+        ("fixed", &fixed),
+        ("float", &float),
+        ("packed-fixed", &packed_fixed),
+        ("packed-float", &packed_float),
+    ] {
         check_image(kind, elf, TIMER0, &[QUIT])?;
         let first = agreement(&rig, kind, elf)?;
         print!("{first}");
@@ -178,8 +193,22 @@ pub fn capture(
 /// Builds a variant of a firmware package; where its image is kept. Cargo has one folder for all of them, so that what they have in
 /// common is built once, and the image is copied out of it.
 pub fn build(package: &str, name: &str, more: &[&str]) -> Result<PathBuf, String> {
+    build_with(None, package, name, more)
+}
+
+/// The same with a model that `preslide export` wrote compiled in: its file.
+pub fn build_with(
+    model: Option<&str>,
+    package: &str,
+    name: &str,
+    more: &[&str],
+) -> Result<PathBuf, String> {
     let (mut command, built) = build_command(package)?;
-    run(command.args(more))?;
+    command.args(more);
+    if let Some(model) = model {
+        command.env("PRESLIDE_MODEL", root().join(model));
+    }
+    run(&mut command)?;
     let images = built.with_file_name("images");
     let image = images.join(name);
     std::fs::create_dir_all(&images)

@@ -212,8 +212,8 @@ pub const STEPS: &[Step] = &[
         paths: RIG,
         lane: Lane::Beside,
         run: |tier| {
-            // One effect, named and tracked close to what is possible.
-            let short = ["--count".to_owned(), "1".to_owned()];
+            // One effect, named and tracked close to what is possible, by the kernel that is recommended for the board's core.
+            let short = ["--count", "1", "--kernel", "packed_f32"].map(str::to_owned);
             crate::chain::run_command(match tier {
                 Tier::Gate => &short,
                 Tier::All => &[],

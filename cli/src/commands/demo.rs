@@ -1,15 +1,18 @@
 //! `preslide demo`.
 
+use super::tune::{SHARE, plan};
 use super::{Failure, OutputArgs, command_line, write_text};
 use anyhow::anyhow;
 use clap::Args;
+use preslide_host::cost::DEFAULT;
 use preslide_host::diagnose::{Diagnosis, diagnose};
 use preslide_host::export::{self, refused, rust_source};
 use preslide_host::identify::{Identification, Options, STEPS, identify};
 use preslide_host::model::Model;
 use preslide_host::progress::Progress;
 use preslide_host::recording::{self, LoadOptions, Recording};
-use preslide_sim::chain::{Trial, follow, known, record};
+use preslide_host::tune::{Choice, Tuning, of_model};
+use preslide_sim::chain::{Trial, follow, follow_by, known, record};
 use preslide_sim::demo::Story;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -42,6 +45,7 @@ impl Demo {
         let before = &found.best().model;
         let (diagnosis, after) = self.diagnose(&recording, before)?;
         say!("\n4. How much better it tracks: another motion, the same gains, the same stage\n");
+        let exported = self.export(trial, &after)?;
         let truth = known(trial).map_err(|reason| anyhow!(reason))?;
         let run = |model| anyhow::Ok(follow(trial, model)?);
         let story = Story {
@@ -49,16 +53,28 @@ impl Demo {
             recording: &recording,
             found: &found,
             diagnosis: &diagnosis,
+            exported: &exported,
             followed: [
                 run(None)?,
                 run(Some(before))?,
                 run(Some(&after))?,
+                follow_by(trial, &after, exported.kernel).map_err(anyhow::Error::from)?,
                 run(Some(&truth))?,
             ],
         };
         say!("{}", story.table().to_text());
         say!("{}", story.outcome());
         say!("What it was: {}.\n", trial.effect.words());
+        say!(
+            "5. What it takes in the controller: preslide export {} --kernel auto --count {:e}\n",
+            self.file("extended.toml").display(),
+            trial.axis.encoder.count
+        );
+        say!(
+            "{} Source: {}.\n",
+            exported.said(DEFAULT),
+            self.file("stage_model.rs").display()
+        );
         self.report(&story, start.elapsed().as_secs_f64())
     }
 
@@ -116,10 +132,23 @@ impl Demo {
             .retain(|effect| !useless.contains(&effect.id()));
         let extended = after.to_toml(&[format!("diagnosed from {}", recording.name)]);
         write_text(&self.file("extended.toml"), &extended)?;
-        let source =
-            rust_source(&after, &export::Options::default()).map_err(|reason| anyhow!(reason))?;
-        write_text(&self.file("stage_model.rs"), &source)?;
         Ok((diagnosis, after))
+    }
+
+    /// Source for the firmware, with the kernel that `preslide tune` recommends for the core that this project's boards have.
+    fn export(&self, trial: &Trial, model: &Model) -> Result<Choice, Failure> {
+        let rate = trial.axis.hardware.rate_hz.into();
+        let (costs, budget) = plan(DEFAULT, None, rate, SHARE).map_err(|reason| anyhow!(reason))?;
+        let tuning = of_model(model, trial.axis.encoder.count, &costs, budget);
+        let choice = tuning.and_then(Tuning::chosen).map_err(Failure::Data)?;
+        let options = export::Options {
+            remarks: vec![choice.said(DEFAULT)],
+            kernel: Some(choice.kernel),
+            ..export::Options::default()
+        };
+        let source = rust_source(model, &options).map_err(|reason| anyhow!(reason))?;
+        write_text(&self.file("stage_model.rs"), &source)?;
+        Ok(choice)
     }
 
     /// The files for machines, and the page.

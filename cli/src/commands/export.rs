@@ -1,13 +1,18 @@
 //! `preslide export`.
 
+use super::tune::{SHARE, count_of, plan};
 use super::{Failure, ReadingArgs, outputs, write_text};
 use clap::{Args, ValueEnum};
+use preslide_drive::quantity;
+use preslide_host::cost::DEFAULT;
 use preslide_host::export::joint::{Format, Joint};
 use preslide_host::export::{Options, c_source, reduced, rust_source, sha256};
+use preslide_host::kernel::Kernel;
 use preslide_host::model::{Model, ModelError, read};
 use preslide_host::recording::Needs;
 use preslide_host::report::figures::quantity;
 use preslide_host::simulate::force_of_motion;
+use preslide_host::tune::of_model;
 use std::path::{Path, PathBuf};
 
 /// A model as source for the firmware, in Rust (constants, the composed type, the function that builds it) or C; or as a simulator's joint
@@ -32,9 +37,21 @@ pub struct Export {
     #[arg(long, value_enum, default_value_t = Lang::Rust, conflicts_with_all = ["mjcf", "urdf"])]
     lang: Lang,
 
-    /// Ticks per second (Hz) at which C code is stepped, where time plays a part in the model
+    /// Ticks per second (Hz): of C code, where time plays a part in the model, and for --kernel auto (20 kHz without it)
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
+
+    /// Form of a Maxwell-slip model's law: a kernel's name, or auto for what `preslide tune` recommends
+    #[arg(long, value_name = "NAME or auto", conflicts_with_all = ["mjcf", "urdf"])]
+    kernel: Option<String>,
+
+    /// Core for --kernel auto, as for `preslide tune`
+    #[arg(long, default_value = DEFAULT, value_name = "CORE or FILE.csv")]
+    cpu: String,
+
+    /// Length of an encoder count for --kernel auto (m or rad); without it, encoder_count_m of the model's [mechanics]
+    #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_rate)]
+    count: Option<f64>,
 
     /// A joint of MuJoCo instead: frictionloss, damping, armature; what it cannot hold is said, and stands in comments
     #[arg(long, conflicts_with_all = ["limit", "urdf"])]
@@ -123,10 +140,12 @@ impl Export {
             }
             return Ok(());
         }
+        let kernel = self.kernel(&model, &mut remarks)?;
         let options = Options {
             remarks,
             limit: self.limit,
             rate: self.rate,
+            kernel,
         };
         if let Some((source, header)) = self.output.as_ref().zip(header) {
             let name = source.file_stem().unwrap_or_default().to_string_lossy();
@@ -145,15 +164,38 @@ impl Export {
             .as_deref()
             .map_or("a file of the firmware".into(), |p| p.display().to_string());
         tell!(
-            "Declare {place} as a module and call model::<f32>(sample_time, Units::SI): its type, Model<f32>, is what the controller takes. This project's firmware is built with it where PRESLIDE_MODEL holds its full path."
+            "Declare {place} as a module and call model(sample_time, units): its type, Model, computes in {}, and is what the controller takes. This project's firmware is built with it where PRESLIDE_MODEL holds its full path.",
+            kernel.map_or("f32", |kernel| kernel.arithmetic().name())
         );
         Ok(())
+    }
+
+    /// The kernel that is asked for, and what it takes as a remark.
+    fn kernel(&self, model: &Model, remarks: &mut Vec<String>) -> Result<Option<Kernel>, Failure> {
+        let kernel = match self.kernel.as_deref() {
+            None => return Ok(None),
+            Some("auto") => {
+                let count = count_of(self.count, model, &self.model)?;
+                let (costs, budget) = plan(&self.cpu, None, self.rate.unwrap_or(20e3), SHARE)
+                    .map_err(Failure::Input)?;
+                let tuning = of_model(model, count, &costs, budget).map_err(Failure::Input)?;
+                let choice = tuning.chosen().map_err(Failure::Data)?;
+                let said = choice.said(&self.cpu);
+                tell!("{said}");
+                remarks.push(said);
+                choice.kernel
+            }
+            Some(name) => Kernel::named(name)
+                .map_err(|reason| Failure::Input(format!("--kernel: {reason}")))?,
+        };
+        Ok(Some(kernel))
     }
 
     /// The header of C source, which has two files.
     fn header(&self) -> Result<Option<PathBuf>, Failure> {
         if self.lang == Lang::Rust {
             return match self.rate {
+                _ if self.kernel.as_deref() == Some("auto") => Ok(None),
                 Some(_) => Err(Failure::Input("--rate is for --lang c: the function that builds a Rust model takes the sample time".to_owned())),
                 None => Ok(None),
             };

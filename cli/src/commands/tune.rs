@@ -87,6 +87,40 @@ pub struct Tune {
 /// Every core beside each other, in the place of a core's name.
 const ALL: &str = "all";
 
+/// Share of the processor that friction may take, where none is told.
+pub(super) const SHARE: f64 = 0.05;
+
+/// Length of an encoder count (m or rad): what is told, or else what the model in `file` says.
+pub(super) fn count_of(told: Option<f64>, model: &Model, file: &Path) -> Result<f64, Failure> {
+    let mut known = model.mechanics.iter();
+    let known = known.find(|(key, _)| key == "encoder_count_m");
+    let count = told.or(known.map(|(_, length)| *length)).ok_or_else(|| {
+        Failure::Input(format!(
+            "{}: how long is an encoder count? Give --count (m or rad) or encoder_count_m under [mechanics]",
+            file.display()
+        ))
+    })?;
+    if !(count.is_finite() && count > 0.0) {
+        return Err(Failure::Input(format!(
+            "--count {count}: must be finite and above zero"
+        )));
+    }
+    Ok(count)
+}
+
+/// Costs of a core or of a file's table, and the budget: `clock` (Hz) or the core's own, `rate` (Hz) and `share` (-).
+pub(super) fn plan(
+    cpu: &str,
+    clock: Option<f64>,
+    rate: f64,
+    share: f64,
+) -> Result<(CostTable, Budget), String> {
+    let costs = CostTable::of_cpu_or_file(cpu)?;
+    // A table of one's own says nothing about a clock.
+    let core = Core::named(cpu).or_else(|_| Core::named(DEFAULT))?;
+    Ok((costs, budget_on(core, clock, rate, share)))
+}
+
 /// `5%` or `0.05`.
 pub fn parse_percent(text: &str) -> Result<f64, String> {
     let (number, scale) = match text.strip_suffix('%') {
@@ -110,21 +144,7 @@ impl Tune {
         outputs::check(&inputs, &[], Some(&self.outputs))?;
         let model = Model::load(&self.model)?;
         let plans = self.plans().map_err(Failure::Input)?;
-        let known = model
-            .mechanics
-            .iter()
-            .find(|(key, _)| key == "encoder_count_m");
-        let count = self.count.or(known.map(|(_, length)| *length)).ok_or_else(|| {
-            Failure::Input(format!(
-                "{}: how long is an encoder count? Give --count (m or rad) or encoder_count_m under [mechanics]",
-                self.model.display()
-            ))
-        })?;
-        if !(count.is_finite() && count > 0.0) {
-            return Err(Failure::Input(format!(
-                "--count {count}: must be finite and above zero"
-            )));
-        }
+        let count = count_of(self.count, &model, &self.model)?;
         let observer = self.observer(&model, count)?;
         let observer = observer.as_ref();
         let mut tunings = Vec::new();
@@ -200,10 +220,7 @@ impl Tune {
                 .map(|core| Ok((core.costs()?, on(core))))
                 .collect();
         }
-        let costs = CostTable::of_cpu_or_file(&self.cpu)?;
-        // A table of one's own says nothing about a clock.
-        let core = Core::named(&self.cpu).or_else(|_| Core::named(DEFAULT))?;
-        Ok(vec![(costs, on(core))])
+        Ok(vec![plan(&self.cpu, self.clock, self.rate, self.budget)?])
     }
 
     fn present(

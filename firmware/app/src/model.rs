@@ -80,9 +80,8 @@ impl<S: Number> Model for Blocks<S> {
     }
 }
 
-/// What `preslide export` wrote: its function `model::<f32>`.
-///
-/// In single precision, because 16 bits before the point hold ±0.8 mm of counts and effects act along the whole travel.
+/// What `preslide export` wrote: its function `model`, in the number type that it was exported for. Without `--kernel` that is single
+/// precision, because 16 bits before the point hold ±0.8 mm of counts and effects act along the whole travel.
 pub struct Exported<F>(pub fn(f64, Units) -> Result<F, ParamError>);
 
 impl<F> Clone for Exported<F> {
@@ -91,9 +90,9 @@ impl<F> Clone for Exported<F> {
     }
 }
 
-impl<F: Friction<Scalar = f32> + 'static> Model for Exported<F> {
+impl<F: Friction<Scalar: Number> + 'static> Model for Exported<F> {
     type Friction = F;
-    const UNITS: Units = Units::SI;
+    const UNITS: Units = <F::Scalar as Number>::UNITS;
 
     fn build(&self, sample_time: f64) -> Result<F, ParamError> {
         (self.0)(sample_time, Self::UNITS)

@@ -1,7 +1,7 @@
 //! The library's kernels that are measured, with the paper's parameters.
 
 use fixed::types::I16F16;
-use preslide::kernels::{ConstantTimeSlipReserve, CountGms, PackedSlipReserve, SlipReserve, Whole};
+use preslide::kernels::{CountGms, PackedSlipReserve, Scaled, SlipReserve, Whole};
 use preslide::{
     Block, BoucWen, Coulomb, Dahl, ElastoPlastic, Friction, Gms, Hsieh, HsiehParams, Leuven,
     LeuvenForm, LuGre, Motion, ParamError, QuasiStaticGms, Sliding, TwoState, Units,
@@ -60,39 +60,25 @@ pub fn built<M>(model: Result<M, ParamError>) -> M {
     }
 }
 
-pub fn packed_force(blocks: &[Block]) -> f64 {
-    PackedSlipReserve::<1>::finest_force(blocks, BREAKAWAY, COUNT)
-}
-
-/// Counts, velocity in steps of 0.1 µm/s, and the unit of force that the kernel asks for.
-pub const fn counts(force: f64) -> Units {
-    Units {
-        length: COUNT,
-        force,
-        velocity: 1e-7,
-    }
-}
+/// The kernels in whole numbers, as a control task takes them.
+type Packed<const PAIRS: usize, S> = Scaled<PackedSlipReserve<PAIRS>, S>;
+type OneByOne<const N: usize, S> = Scaled<SlipReserve<N>, S>;
+type Full<const N: usize, S> = Scaled<CountGms<N>, S>;
 
 /// One kernel at every measured N.
 macro_rules! sweep {
-    ($kernel:literal, $model:ident < N, $scalar:ty >, |$blocks:ident| $units:expr, $make:expr) => {
-        sweep!(@ $kernel, $blocks, $units, $make, [$model<1, $scalar>] 1, [$model<2, $scalar>] 2, [$model<3, $scalar>] 3,
+    ($kernel:literal, $model:ident < N, $scalar:ty >, $units:expr, $make:expr) => {
+        sweep!(@ $kernel, $units, $make, [$model<1, $scalar>] 1, [$model<2, $scalar>] 2, [$model<3, $scalar>] 3,
                [$model<4, $scalar>] 4, [$model<6, $scalar>] 6, [$model<8, $scalar>] 8, [$model<10, $scalar>] 10)
     };
-    ($kernel:literal, $model:ident < N >, |$blocks:ident| $units:expr, $make:expr) => {
-        sweep!(@ $kernel, $blocks, $units, $make, [$model<1>] 1, [$model<2>] 2, [$model<3>] 3, [$model<4>] 4,
-               [$model<6>] 6, [$model<8>] 8, [$model<10>] 10)
+    ($kernel:literal, $model:ident < PAIRS, $scalar:ty >, $units:expr, $make:expr) => {
+        sweep!(@ $kernel, $units, $make, [$model<1, $scalar>] 1, [$model<1, $scalar>] 2, [$model<2, $scalar>] 3,
+               [$model<2, $scalar>] 4, [$model<3, $scalar>] 6, [$model<4, $scalar>] 8, [$model<5, $scalar>] 10)
     };
-    ($kernel:literal, $model:ident < PAIRS >, |$blocks:ident| $units:expr, $make:expr) => {
-        sweep!(@ $kernel, $blocks, $units, $make, [$model<1>] 1, [$model<1>] 2, [$model<2>] 3, [$model<2>] 4,
-               [$model<3>] 6, [$model<4>] 8, [$model<5>] 10)
-    };
-    (@ $kernel:literal, $blocks:ident, $units:expr, $make:expr, $([$model:ty] $n:literal),*) => {
+    (@ $kernel:literal, $units:expr, $make:expr, $([$model:ty] $n:literal),*) => {
         $({
-            let $blocks = &blocks::<$n>();
-            let units: Units = $units;
             let make = $make;
-            stub!($kernel, $n, $model, units, built(make($blocks, units)));
+            stub!($kernel, $n, $model, $units, built(make(&blocks::<$n>(), $units)));
         })*
     };
 }
@@ -122,17 +108,20 @@ macro_rules! leuven {
 }
 
 pub fn run() {
-    sweep!("gms_f32", Gms<N, f32>, |_blocks| Units::SI, |blocks, units| {
+    sweep!("gms_f32", Gms<N, f32>, Units::SI, |blocks, units| {
         Gms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units)
     });
-    sweep!("gms_i16f16", Gms<N, I16F16>, |_blocks| COUNTS, |blocks, units| {
+    sweep!("gms_i16f16", Gms<N, I16F16>, COUNTS, |blocks, units| {
         Gms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units)
     });
-    sweep!("quasi_static_f32", QuasiStaticGms<N, f32>, |_blocks| Units::SI, |blocks, units| {
+    sweep!("quasi_static_f32", QuasiStaticGms<N, f32>, Units::SI, |blocks, units| {
         QuasiStaticGms::try_new(blocks, BREAKAWAY, units)
     });
-    sweep!("quasi_static_i16f16", QuasiStaticGms<N, I16F16>, |_blocks| COUNTS, |blocks, units| {
+    sweep!("quasi_static_i16f16", QuasiStaticGms<N, I16F16>, COUNTS, |blocks, units| {
         QuasiStaticGms::try_new(blocks, BREAKAWAY, units)
+    });
+    sweep!("packed_f32", Packed<PAIRS, f32>, Units::SI, |blocks, units| {
+        Packed::<_, f32>::try_new(blocks, BREAKAWAY, units)
     });
     in_whole_numbers();
     // Table 2's parameters; Dahl also with the exponent 1, which needs no power.
@@ -212,52 +201,39 @@ pub fn run() {
 
 /// Those without `f32` and without the crate `fixed`'s products.
 pub fn in_whole_numbers() {
-    sweep!(
-        "gms_i32",
-        CountGms<N>,
-        |blocks| counts(CountGms::finest_force(blocks, BREAKAWAY, COUNT)),
-        |blocks, units| { CountGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units) }
-    );
-    // In the packed kernel's unit of force, so that the three kernels' checksums are equal.
-    sweep!(
-        "slip_reserve_i32",
-        SlipReserve<N>,
-        |blocks| counts(packed_force(blocks)),
-        |blocks, units| { SlipReserve::try_new(blocks, BREAKAWAY, units) }
-    );
-    sweep!(
-        "packed",
-        PackedSlipReserve<PAIRS>,
-        |blocks| counts(packed_force(blocks)),
-        |blocks, units| { PackedSlipReserve::try_new(blocks, BREAKAWAY, units) }
-    );
-    sweep!(
-        "constant_time",
-        ConstantTimeSlipReserve<PAIRS>,
-        |blocks| counts(packed_force(blocks)),
-        |blocks, units| { ConstantTimeSlipReserve::try_new(blocks, BREAKAWAY, units) }
-    );
+    sweep!("count_gms_i16f16", Full<N, I16F16>, COUNTS, |blocks, units| {
+        Full::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units)
+    });
+    sweep!("slip_reserve_i16f16", OneByOne<N, I16F16>, COUNTS, |blocks, units| {
+        OneByOne::try_new(blocks, BREAKAWAY, units)
+    });
+    sweep!("packed_i16f16", Packed<PAIRS, I16F16>, COUNTS, |blocks, units| {
+        Packed::try_new(blocks, BREAKAWAY, units)
+    });
 }
 
 /// Steps of [`long_runs`].
 pub const LONG: usize = 1_000_000;
 
-/// The kernels in whole numbers over a million random displacements and velocities, six blocks: `report` gets name and
-/// checksum.
+/// The kernels in whole numbers over a million random displacements (counts) and velocities (0.1 µm/s), six blocks: `report` gets name
+/// and checksum.
 pub fn long_runs(report: impl Fn(&str, u64)) {
     let blocks = &blocks::<6>();
-    let slip = counts(packed_force(blocks));
+    let counts = |force| Units {
+        length: COUNT,
+        force,
+        velocity: 1e-7,
+    };
+    let slip = counts(PackedSlipReserve::<3>::finest_force(
+        blocks, BREAKAWAY, COUNT,
+    ));
     let full = counts(CountGms::finest_force(blocks, BREAKAWAY, COUNT));
     let gms = CountGms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, full);
-    report("gms_i32", long_run(&built(gms)));
+    report("count_gms", long_run(&built(gms)));
     let plain = built(SlipReserve::try_new(blocks, BREAKAWAY, slip));
-    report("slip_reserve_i32", long_run(&plain));
+    report("slip_reserve", long_run(&plain));
     let packed = built(PackedSlipReserve::<3>::try_new(blocks, BREAKAWAY, slip));
     report("packed", long_run(&packed));
-    let constant = built(ConstantTimeSlipReserve::<3>::try_new(
-        blocks, BREAKAWAY, slip,
-    ));
-    report("constant_time", long_run(&constant));
 }
 
 #[inline(never)]

@@ -10,7 +10,7 @@
 
 mod alone;
 mod checksum;
-// A board's flash has no room for the application and gcc's translations beside every kernel.
+// A board's flash has no room for the application beside every kernel.
 #[cfg(not(feature = "board"))]
 mod closed_loop;
 #[cfg(not(feature = "board"))]
@@ -31,8 +31,6 @@ mod spent;
 mod stub;
 mod textbook;
 mod tick;
-#[cfg(not(feature = "board"))]
-mod translated;
 mod truth;
 
 use core::panic::PanicInfo;

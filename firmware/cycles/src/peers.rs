@@ -71,8 +71,6 @@ pub fn run_empty_tick() {
 
 pub fn run() {
     crate::textbook::run();
-    #[cfg(not(feature = "board"))]
-    crate::translated::run();
 
     let row = single("empty_call", Units::SI);
     let call = row.run(&(), (), empty_call, |_, _, _| ());

@@ -3,8 +3,9 @@
 //! The references are written from the equations and share no code with the kernels.
 
 mod reference;
+mod scaled;
 
-use preslide::kernels::{ConstantTimeSlipReserve, CountGms, PackedSlipReserve, SlipReserve};
+use preslide::kernels::{CountGms, PackedSlipReserve, SlipReserve};
 use preslide::{Block, Friction, Motion, Units};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -44,9 +45,8 @@ fn slip_reserve_kernels_agree<const N: usize, const PAIRS: usize>() {
     ));
     let plain = SlipReserve::try_new(&blocks, BREAKAWAY, units).unwrap();
     let packed = PackedSlipReserve::<PAIRS>::try_new(&blocks, BREAKAWAY, units).unwrap();
-    let constant = ConstantTimeSlipReserve::<PAIRS>::try_new(&blocks, BREAKAWAY, units).unwrap();
     let mut reference = Clamped::new(&blocks, units);
-    let mut states = (plain.at_rest(), packed.at_rest(), constant.at_rest());
+    let mut states = (plain.at_rest(), packed.at_rest());
     let mut random = ChaCha8Rng::seed_from_u64(N as u64);
     let limit = i64::from(plain.limit().unwrap().to_bits());
     for step in 0..STEPS {
@@ -56,10 +56,9 @@ fn slip_reserve_kernels_agree<const N: usize, const PAIRS: usize>() {
         let found = [
             plain.step(&mut states.0, motion),
             packed.step(&mut states.1, motion),
-            constant.step(&mut states.2, motion),
         ];
         let found = found.map(|force| i64::from(force.to_bits()));
-        assert_eq!(found, [force; 3], "N = {N}, step {step}, dx = {dx}");
+        assert_eq!(found, [force; 2], "N = {N}, step {step}, dx = {dx}");
         assert!(
             force.abs() <= limit,
             "N = {N}, step {step}: |{force}| > {limit}"
@@ -111,7 +110,7 @@ fn laws_against_f64<const N: usize, const PAIRS: usize>() {
     let kernel = CountGms::try_new(&blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, units).unwrap();
     let mut exact = Exact::new(&blocks);
     errors(&kernel, units, |dx, v| exact.step(dx, v))
-        .check(&format!("gms_i32 N = {N}"), [0.01, 0.004, 0.0002]);
+        .check(&format!("count gms N = {N}"), [0.01, 0.004, 0.0002]);
 }
 
 #[test]
@@ -189,12 +188,8 @@ fn what_lies_outside_a_kernels_range_is_refused_with_its_name() {
         stiffness: 1e9,
         weight: 1.0,
     }]; // D = 0.9 nm, less than half a count
-    for error in [
-        SlipReserve::try_new(&stiff, BREAKAWAY, counts(1e-9)).unwrap_err(),
-        ConstantTimeSlipReserve::<1>::try_new(&stiff, BREAKAWAY, counts(1e-9)).unwrap_err(),
-    ] {
-        assert!(message(error).contains("rounds to zero"), "{error}");
-    }
+    let error = SlipReserve::try_new(&stiff, BREAKAWAY, counts(1e-9)).unwrap_err();
+    assert!(message(error).contains("rounds to zero"), "{error}");
 
     let fine = SlipReserve::try_new(&blocks::<3>(), BREAKAWAY, counts(1e-12)).unwrap_err();
     assert!(message(fine).contains("stiffness of block 1"), "{fine}");

@@ -111,7 +111,7 @@ impl Core {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tune::kernel::Kernel;
+    use crate::kernel::Kernel;
 
     #[test]
     fn every_core_has_every_kernel_and_effects() {
@@ -153,7 +153,7 @@ mod tests {
         let ratio = |cpu: &str| {
             let costs = Core::named(cpu).unwrap().costs().unwrap();
             let cycles = |kernel| costs.cost(kernel, 6).unwrap().cycles_mean;
-            cycles("gms_f32") / cycles("gms_i32")
+            cycles("gms_f32") / cycles("count_gms_i16f16")
         };
         assert!(ratio("stm32g4") < 2.0, "{}", ratio("stm32g4"));
         for cpu in ["rp2040", "rp2350-riscv"] {

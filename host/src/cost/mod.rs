@@ -202,7 +202,7 @@ mod tests {
     #[test]
     fn the_committed_table_has_every_kernel_and_interpolates_between_its_rows() {
         let table = CostTable::of_cpu("cortex-m4").unwrap();
-        for kernel in crate::tune::kernel::Kernel::ALL {
+        for kernel in crate::kernel::Kernel::ALL {
             let cycles = |n| table.cost(kernel.name(), n).unwrap().cycles_worst;
             assert!(
                 (cycles(5) - (cycles(4) + cycles(6)) / 2.0).abs() < 1e-9,
@@ -224,26 +224,26 @@ mod tests {
         let dearer = table.whole_tick("f32", &cost("gms_f32", 4)).unwrap();
         let growth = cost("gms_f32", 4).cycles_worst - cost(like, 4).cycles_worst;
         assert!((dearer.worst - same.worst - growth).abs() < 1e-9);
-        let board = "kernel,n,cycles_mean,cycles_worst\npacked,6,51.5,70\n";
+        let board = "kernel,n,cycles_mean,cycles_worst\npacked_f32,6,51.5,70\n";
         let board = CostTable::parse(board, "board").unwrap();
         assert_eq!(
-            board.whole_tick("f32", &board.cost("packed", 6).unwrap()),
+            board.whole_tick("f32", &board.cost("packed_f32", 6).unwrap()),
             None
         );
     }
 
     #[test]
     fn a_boards_table_may_lack_what_a_board_cannot_know() {
-        let text = "kernel,n,instructions_mean,cycles_mean,cycles_worst\npacked,6,,51.5,70\n";
+        let text = "kernel,n,instructions_mean,cycles_mean,cycles_worst\npacked_f32,6,,51.5,70\n";
         let table = CostTable::parse(text, "board").unwrap();
-        let cost = table.cost("packed", 6).unwrap();
+        let cost = table.cost("packed_f32", 6).unwrap();
         assert!(cost.instructions.is_nan() && cost.cycles_worst == 70.0);
-        let torn = CostTable::parse("kernel,n,cycles_mean,cycles_worst\npacked,6,x,1\n", "board");
+        let torn = CostTable::parse("kernel,n,cycles_mean,cycles_worst\npacked_f32,6,x,1\n", "board");
         assert!(
             torn.unwrap_err()
                 .contains("line 2: `x` in column cycles_mean")
         );
-        let still = CostTable::parse("kernel,n,cycles_mean,cycles_worst\npacked,6,0.0,0\n", "");
+        let still = CostTable::parse("kernel,n,cycles_mean,cycles_worst\npacked_f32,6,0.0,0\n", "");
         assert!(still.unwrap_err().contains("line 2: 0 cycles"));
         assert!(
             CostTable::parse("kernel,n\n", "")

@@ -9,6 +9,8 @@ pub mod joint;
 mod sha256;
 mod source;
 
+use crate::friction::Visitor;
+use crate::kernel::Kernel;
 use crate::model::Model;
 pub use crate::model::{reduced, refused};
 pub use c::{C, c_source};
@@ -25,6 +27,43 @@ pub struct Options {
     pub limit: Option<f64>,
     /// Ticks per second (Hz) of C code in which time plays a part; Rust's takes them when the model is built.
     pub rate: Option<f64>,
+    /// The form of a Maxwell-slip model's law; without it, the one that takes every model, in `f32`.
+    pub kernel: Option<Kernel>,
+}
+
+/// The kernel for the model, where one is asked for.
+///
+/// # Errors
+/// A model that has not the kernel's law, or that its range does not hold: why, and what to take.
+fn fitting(kernel: Option<Kernel>, model: &Model) -> Result<Option<Kernel>, String> {
+    let Some(kernel) = kernel else {
+        return Ok(None);
+    };
+    let (name, friction) = (kernel.name(), &model.friction);
+    if friction.sliding().is_some() && !kernel.has_sliding() {
+        return Err(format!(
+            "--kernel {name} is quasi-static, and the model has a Stribeck curve: take {}, {}, or auto",
+            Kernel::GmsF32.name(),
+            Kernel::CountGms.name()
+        ));
+    }
+    match kernel.visit(friction, 1e-3, Held) {
+        Some(Ok(())) => Ok(Some(kernel)),
+        Some(Err(reason)) => Err(format!("--kernel {name} cannot run this model: {reason}")),
+        None => Err(format!(
+            "--kernel {name} is a form of Maxwell slip, and the model is a {}; leave --kernel out",
+            friction.kind()
+        )),
+    }
+}
+
+/// That a model could be built is all.
+struct Held;
+
+impl Visitor for Held {
+    type Outcome = ();
+
+    fn visit<M: preslide::Friction<Scalar = f64>>(self, _model: M) {}
 }
 
 /// An error where the model has effects that no controller can use: which, why, and the options that leave them out.

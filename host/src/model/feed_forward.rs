@@ -6,6 +6,7 @@ use super::{Model, refused};
 use crate::effects::form::{self, encoder_error};
 use crate::effects::term::{FAR, Term};
 use crate::friction::Visitor;
+use crate::kernel::Kernel;
 use preslide::ParamError;
 use preslide::effects::{Bounds, EncoderError, LARGEST_LEVEL, Situation, With};
 
@@ -118,12 +119,37 @@ impl Model {
         sample_time: f64,
         visitor: V,
     ) -> Result<V::Outcome, String> {
-        if let Some((id, reason)) = refused(self).first() {
-            return Err(format!(
-                "effect {id}: no controller can compensate it: {reason}"
-            ));
-        }
+        self.only_usable()?;
         self.forward_law(sample_time, visitor)
+    }
+
+    /// The same with the friction in a kernel's form, which it must have the law of.
+    ///
+    /// # Errors
+    /// As there; a model that is no Maxwell slip.
+    pub fn feed_forward_by<V: Visitor>(
+        &self,
+        kernel: Kernel,
+        sample_time: f64,
+        visitor: V,
+    ) -> Result<V::Outcome, String> {
+        self.only_usable()?;
+        let effects = Chosen::try_new(self, sample_time)?;
+        let composing = Composing { effects, visitor };
+        match kernel.visit(&self.friction, sample_time, composing) {
+            Some(Ok(Ok(outcome))) => Ok(outcome),
+            Some(Ok(Err(e)) | Err(e)) => Err(e.to_string()),
+            None => Err(format!("{} has no Maxwell-slip kernel", self.friction.kind())),
+        }
+    }
+
+    fn only_usable(&self) -> Result<(), String> {
+        match refused(self).first() {
+            Some((id, reason)) => Err(format!(
+                "effect {id}: no controller can compensate it: {reason}"
+            )),
+            None => Ok(()),
+        }
     }
 
     /// The same for a simulation, which takes every level and force; the effects on the drive's side are left to it.

@@ -1,7 +1,6 @@
 //! How many blocks, in which arithmetic: accuracy against cycles.
 
 pub mod cores;
-pub mod kernel;
 pub mod observer;
 mod present;
 mod recommend;
@@ -15,7 +14,7 @@ use crate::friction::{FrictionModel, Path};
 use crate::identify::{Identification, Method};
 use crate::model::Model;
 use crate::recording::Recording;
-use kernel::{Counts, Kernel};
+use crate::kernel::{Arithmetic, Counts, Kernel};
 use preslide::ParamError;
 use recommend::recommend;
 use std::ops::Range;
@@ -56,6 +55,21 @@ pub struct Choice {
 }
 
 impl Choice {
+    /// Kernel, cycles and flash in a sentence, on the core of that name.
+    pub fn said(&self, core: &str) -> String {
+        let whole = self.tick.map_or(String::new(), |tick| {
+            format!(" of the {:.0} that a whole control tick takes", tick.mean)
+        });
+        format!(
+            "Kernel {} ({}) for {core}: {:.0} cycles a tick{whole}, {:.0} at worst; {:.0} bytes of flash, effects included.",
+            self.kernel.name(),
+            self.kernel.description(),
+            self.cost.cycles_mean,
+            self.cost.cycles_worst,
+            self.cost.flash_bytes
+        )
+    }
+
     /// Friction stays within its budget, and the whole tick, where it is known, within the time between two.
     pub fn fits(&self, budget: Budget) -> bool {
         let whole = self.tick.map_or(0.0, |tick| budget.share_of(tick.worst));
@@ -78,6 +92,17 @@ pub struct Tuning {
     pub origin: String,
     /// Whether a recording decided the accuracy.
     pub recorded: bool,
+}
+
+impl Tuning {
+    /// The choice to take.
+    ///
+    /// # Errors
+    /// Why nothing fits.
+    pub fn chosen(mut self) -> Result<Choice, String> {
+        let (index, _) = self.recommended?;
+        Ok(self.choices.swap_remove(index))
+    }
 }
 
 /// A model to be tuned, with its error on motion that was not fitted (%).
@@ -299,12 +324,12 @@ impl Bench<'_> {
             let squares: f64 = force.iter().zip(&exact).map(|(a, b)| (a - b).powi(2)).sum();
             let mean_square = squares / force.len().max(1) as f64;
             let added = self.variance.map_or(0.0, |v| 100.0 * mean_square / v);
-            let effects = self.costs.effects(self.effects, kernel.arithmetic());
+            let effects = self.costs.effects(self.effects, kernel.arithmetic().name());
             let cost = effects.beside(alone);
             Choice {
                 kernel,
                 share: self.budget.share_of(cost.cycles_worst),
-                tick: self.costs.whole_tick(kernel.arithmetic(), &cost),
+                tick: self.costs.whole_tick(kernel.arithmetic().name(), &cost),
                 cost,
                 nmse_test: sized.nmse_test.map(|nmse| nmse + added),
                 arithmetic: 100.0 * mean_square.sqrt() / breakaway,
@@ -328,7 +353,7 @@ impl Bench<'_> {
         let Some(cost) = self.costs.cost(kernel.name(), blocks) else {
             return Some(Err(format!("{named} is not in the table of costs")));
         };
-        let force = kernel.force_of(friction, &self.motion.counts())?;
+        let force = kernel.force(friction, &self.motion.counts())?;
         Some(match force {
             Ok(force) => Ok((force, cost)),
             Err(reason) => Err(format!("{named} cannot run this model: {reason}")),
@@ -361,8 +386,8 @@ fn effects_notes(
 ) -> Vec<String> {
     let mut notes = Vec::new();
     let (float, fixed) = (
-        costs.effects(effects, "f32"),
-        costs.effects(effects, "i16f16"),
+        costs.effects(effects, Arithmetic::F32.name()),
+        costs.effects(effects, Arithmetic::I16F16.name()),
     );
     if !float.each.is_empty() {
         let list: Vec<String> = float
@@ -372,8 +397,7 @@ fn effects_notes(
             .map(|((id, float), (_, fixed))| format!("{id} {float:.0} and {fixed:.0}"))
             .collect();
         notes.push(format!(
-            "cycles, flash and RAM include the model's effects, measured beside four blocks in f32 and in I16F16: {}; a kernel in whole numbers \
-             is given those in I16F16, which the firmware has to compute beside it (no type composes the two)",
+            "cycles, flash and RAM include the model's effects, measured beside four blocks in f32 and in I16F16: {}",
             list.join(", ")
         ));
     }

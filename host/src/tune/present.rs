@@ -1,6 +1,6 @@
 //! A tuning for people and for machines.
 
-use super::kernel::Kernel;
+use crate::kernel::Kernel;
 use super::{Choice, Tuning};
 use crate::report::{Axis, Emphasis, Figure, Page, Section, Series, Style, Table};
 use serde_json::{Value, json};

@@ -1,5 +1,5 @@
 use super::cores::{Comparison, OnCore, budget_on};
-use super::kernel::Kernel;
+use crate::kernel::Kernel;
 use super::{Budget, of_model};
 use crate::cost::{CORES, CostTable};
 use crate::model::Model;

@@ -12,7 +12,7 @@ mod table;
 pub use known::known;
 pub use motions::{judged, recorded};
 pub use on_emulator::{serve, track};
-pub use on_host::{Followed, follow, record, rehearse};
+pub use on_host::{Followed, follow, follow_by, record, rehearse};
 pub use table::{Errors, Row, Told, table};
 
 use crate::stage::concealed::Concealed;

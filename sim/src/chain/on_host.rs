@@ -11,6 +11,7 @@ use preslide_host::capture::{Scale, capture};
 use preslide_host::diagnose::diagnose;
 use preslide_host::friction::Visitor;
 use preslide_host::identify::{Options, STEPS, identify};
+use preslide_host::kernel::Kernel;
 use preslide_host::model::Model;
 use preslide_host::progress::Progress;
 use preslide_host::recording::{LoadOptions, load_csv};
@@ -64,11 +65,7 @@ pub struct Followed {
 /// # Errors
 /// [`TrackingError`] where the model cannot be used. A fault of the controller is no error: the answer says so.
 pub fn follow(trial: &Trial, model: Option<&Model>) -> Result<Followed, TrackingError> {
-    let closed = Closed {
-        stage: trial.stage(JUDGED)?,
-        settings: trial.axis,
-        steps: trial.from_start(JUDGED, judged()),
-    };
+    let closed = Closed::of(trial)?;
     match model {
         None => closed.visit(NoFriction::<f64>::new()),
         Some(model) => model
@@ -77,10 +74,31 @@ pub fn follow(trial: &Trial, model: Option<&Model>) -> Result<Followed, Tracking
     }
 }
 
+/// The same with the model's friction in a kernel's form, as `preslide export --kernel` writes it.
+///
+/// # Errors
+/// As there.
+pub fn follow_by(trial: &Trial, model: &Model, kernel: Kernel) -> Result<Followed, TrackingError> {
+    let closed = Closed::of(trial)?;
+    model
+        .feed_forward_by(kernel, closed.settings.sample_time(), closed)
+        .map_err(TrackingError::Identification)?
+}
+
 struct Closed {
     stage: Stage,
     settings: Settings,
     steps: Vec<Step>,
+}
+
+impl Closed {
+    fn of(trial: &Trial) -> Result<Self, TrackingError> {
+        Ok(Self {
+            stage: trial.stage(JUDGED)?,
+            settings: trial.axis,
+            steps: trial.from_start(JUDGED, judged()),
+        })
+    }
 }
 
 impl Visitor for Closed {

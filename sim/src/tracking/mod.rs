@@ -27,6 +27,7 @@ pub use score::{Rest, Row, Steps, Tracking, print};
 use crate::stage::StageConfig;
 use fixed::types::I16F16;
 use preslide::control::{Move, NoFriction, Settings};
+use preslide::kernels::{PackedSlipReserve, Scaled};
 use preslide::{Coulomb, Friction, QuasiStaticGms, Units};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -71,11 +72,11 @@ pub fn table(
     };
     let observing = observer::Observing::tuned(&experiment, settings, stage)?;
     let mut tasks = rivals_tasks(&experiment, &identified, benchmark);
-    tasks.extend(gms::<2>(&experiment, benchmark));
-    tasks.extend(gms::<3>(&experiment, benchmark));
-    tasks.extend(gms::<4>(&experiment, benchmark));
-    tasks.extend(gms::<6>(&experiment, benchmark));
-    tasks.extend(gms::<10>(&experiment, benchmark));
+    tasks.extend(gms::<2, 1>(&experiment, benchmark));
+    tasks.extend(gms::<3, 2>(&experiment, benchmark));
+    tasks.extend(gms::<4, 2>(&experiment, benchmark));
+    tasks.extend(gms::<6, 3>(&experiment, benchmark));
+    tasks.extend(gms::<10, 5>(&experiment, benchmark));
     tasks.extend(observing.tasks(benchmark));
     tasks.retain(|(name, _)| only.is_empty() || only.iter().any(|part| name.contains(part)));
 
@@ -143,8 +144,11 @@ fn rivals_tasks<'a>(
         .collect()
 }
 
-/// The GMS of N blocks, in floating and in fixed point.
-fn gms<'a, const N: usize>(e: &'a Experiment, benchmark: Benchmark<'a>) -> [Task<'a>; 2] {
+/// The GMS of N blocks, in floating and in fixed point, and packed.
+fn gms<'a, const N: usize, const PAIRS: usize>(
+    e: &'a Experiment,
+    benchmark: Benchmark<'a>,
+) -> [Task<'a>; 3] {
     let float: Run = Box::new(move |name| {
         let (blocks, breakaway) = e.blocks::<N>()?;
         let model = QuasiStaticGms::<N, f32>::try_new(&blocks, breakaway, Units::SI)?;
@@ -155,7 +159,13 @@ fn gms<'a, const N: usize>(e: &'a Experiment, benchmark: Benchmark<'a>) -> [Task
         let model = QuasiStaticGms::<N, I16F16>::try_new(&blocks, breakaway, FIXED_UNITS)?;
         benchmark.row(name, "fixed", model, FIXED_UNITS)
     });
-    [float, fixed].map(|run| (format!("GMS N={N}"), run))
+    let packed: Run = Box::new(move |name| {
+        let (blocks, breakaway) = e.blocks::<N>()?;
+        let model =
+            Scaled::<PackedSlipReserve<PAIRS>, f32>::try_new(&blocks, breakaway, Units::SI)?;
+        benchmark.row(name, "packed", model, Units::SI)
+    });
+    [float, fixed, packed].map(|run| (format!("GMS N={N}"), run))
 }
 
 /// What every compensator is judged on.

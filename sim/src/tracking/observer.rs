@@ -189,7 +189,7 @@ pub fn study(
                 benchmark.row(name, "f32", NoFriction::<f32>::new(), Units::SI)
             });
             let mut tasks = vec![("none".to_owned(), feedback)];
-            let [gms, _] = super::gms::<4>(&e, benchmark);
+            let [gms, ..] = super::gms::<4, 2>(&e, benchmark);
             let [alone, both, adapted, _] = observing.tasks(benchmark);
             tasks.extend([gms, alone, both, adapted]);
             let rows = (tasks.par_iter())

@@ -8,7 +8,7 @@ use super::disassembly::Disassembly;
 use super::recorder::{Recorder, TakenPath, Watched};
 use super::table::Row;
 use super::{Prices, price, price_paths, stages};
-use crate::qemu::{self, LEARNING, LEARNING_FEATURES};
+use crate::qemu::{self, LEARNING, LEARNING_FEATURES, PACKED};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -21,9 +21,11 @@ const EXCHANGE: &str = "preslide_qemu7reading";
 /// Kernel, and the build of the firmware with it: name and features.
 type Build = (&'static str, &'static str, &'static [&'static str]);
 
-const BUILDS: [Build; 8] = [
+const BUILDS: [Build; 10] = [
     ("quasi_static_i16f16", "qemu-fixed", &[]),
     ("quasi_static_f32", "qemu-float", &["--features", "float"]),
+    ("packed_i16f16", PACKED[0].1, &[]),
+    ("packed_f32", PACKED[1].1, &[]),
     (
         "quasi_static_i16f16_observer",
         "qemu-fixed-observer",
@@ -84,9 +86,9 @@ pub fn print_stages(recorder: &Recorder) -> Result<(), String> {
     };
     let [fixed, longest_fixed] = listed(&BUILDS[0])?;
     let [float, longest_float] = listed(&BUILDS[1])?;
-    stages::print(&[fixed, float]);
+    stages::print("the mean tick", &[fixed, float]);
     println!();
-    stages::print_longest(&[longest_fixed, longest_float]);
+    stages::print("the longest tick", &[longest_fixed, longest_float]);
     Ok(())
 }
 
@@ -104,7 +106,9 @@ struct Tick {
 impl Tick {
     fn record(recorder: &Recorder, rig: &Path, build: &Build) -> Result<Self, String> {
         let &(kernel, name, features) = build;
-        let program = qemu::build("preslide-qemu", name, features)?;
+        let exported = PACKED.iter().find(|(_, image)| *image == name);
+        let exported = exported.map(|(model, _)| *model);
+        let program = qemu::build_with(exported, "preslide-qemu", name, features)?;
         let disassembly = Disassembly::of(&program)?;
         let address_of = |part: &str| {
             let mut functions = disassembly.functions_named("");

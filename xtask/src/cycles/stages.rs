@@ -10,10 +10,14 @@ use std::path::Path;
 use std::process::Command;
 
 use super::disassembly::Disassembly;
-use super::floor::{BOARD, FRAME};
+use super::price;
 use super::recorder::TakenPath;
-use super::{floor, price};
 use crate::process::output_of;
+
+/// Exception entry and return, float registers, registers that a function saves, and RTIC's priority.
+const FRAME: &str = "interrupt, saved registers";
+/// Timer, sensors, watchdog and bridge: another board, other cycles.
+const BOARD: &str = "timer, sensors, bridge";
 
 /// How instructions begin that belong to the frame wherever they stand.
 const FRAMING: [&str; 11] = [
@@ -57,7 +61,11 @@ pub const STAGES: &[(&str, &[(&str, &str)])] = &[
     ),
     (
         "friction",
-        &[("friction/gms.rs", ""), ("friction/quasi_static.rs", "")],
+        &[
+            ("friction/gms.rs", ""),
+            ("friction/quasi_static.rs", ""),
+            ("src/kernels/", ""),
+        ],
     ),
     ("watch, adaptation", &[("control/learning/", "")]),
     (
@@ -195,37 +203,8 @@ fn listing(disassembly: &Disassembly, spent: &BTreeMap<u32, (f64, f64, usize)>) 
     text
 }
 
-/// Beside each tick, what its stages take at least.
-pub fn print(ticks: &[(String, Breakdown); 2]) {
-    print!("{:<28}", "instructions, cycles, floor");
-    for (kernel, _) in ticks {
-        print!(" {kernel:>30}");
-    }
-    println!();
-    let line = |name: &str, spent: [(f64, f64, f64); 2]| {
-        print!("{name:<28}");
-        for (instructions, cycles, floor) in spent {
-            print!(" {instructions:>14.1} {cycles:>7.1} {floor:>7.1}");
-        }
-        println!();
-    };
-    let mut whole = [(0.0, 0.0, 0.0); 2];
-    for (index, (name, _)) in STAGES.iter().enumerate() {
-        let floors = floor::of(name);
-        let spent = [0, 1].map(|tick| {
-            let (_, instructions, cycles) = ticks[tick].1.stages[index];
-            let sum: &mut (f64, f64, f64) = &mut whole[tick];
-            *sum = (sum.0 + instructions, sum.1 + cycles, sum.2 + floors[tick]);
-            (instructions, cycles, floors[tick])
-        });
-        line(name, spent);
-    }
-    line("the whole tick", whole);
-    floor::print();
-}
-
-/// The longest tick of each, which no floor is known of.
-pub fn print_longest(ticks: &[(String, Breakdown); 2]) {
+/// Both ticks beside each other, the mean or the longest.
+pub fn print(which: &str, ticks: &[(String, Breakdown); 2]) {
     print!("{:<28}", "instructions, cycles");
     for (kernel, _) in ticks {
         print!(" {kernel:>30}");
@@ -233,7 +212,7 @@ pub fn print_longest(ticks: &[(String, Breakdown); 2]) {
     println!();
     let line = |name: &str, spent: [(f64, f64); 2]| {
         let [fixed, float] =
-            spent.map(|(instructions, cycles)| format!("{instructions:>22.0} {cycles:>7.0}"));
+            spent.map(|(instructions, cycles)| format!("{instructions:>22.1} {cycles:>7.1}"));
         println!("{name:<28} {fixed} {float}");
     };
     let mut whole = [(0.0, 0.0); 2];
@@ -246,5 +225,5 @@ pub fn print_longest(ticks: &[(String, Breakdown); 2]) {
         });
         line(name, spent);
     }
-    line("the longest tick", whole);
+    line(which, whole);
 }

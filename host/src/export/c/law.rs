@@ -3,6 +3,7 @@
 use super::{filled, literal};
 use crate::export::constants::of_friction;
 use crate::friction::FrictionModel;
+use crate::kernel::{Kernel, WholeNumbers};
 use crate::model::Model;
 use std::fmt::Write as _;
 
@@ -25,6 +26,32 @@ const DEFLECTIONS: (&str, &str) = (
 );
 
 impl Law {
+    /// The packed kernel's, a block after the other: the same bits.
+    ///
+    /// # Errors
+    /// A model that it cannot hold.
+    pub(super) fn packed(model: &Model) -> Result<Self, String> {
+        let numbers = Kernel::whole_numbers(&model.friction).transpose();
+        let numbers = numbers.map_err(|reason| reason.to_string())?;
+        let numbers = numbers.ok_or("only Maxwell slip has whole numbers")?;
+        Ok(Self {
+            memory: &[
+                (
+                    "int32_t remainder; /* of the path, 1/65536 units of length */",
+                    "s->remainder = 32768;",
+                ),
+                ("bool backward; /* it moves */", "s->backward = false;"),
+                (
+                    "int32_t reserve[@@BLOCKS]; /* of each block before it slips */",
+                    "for (i = 0; i < @@BLOCKS; ++i) {\n        s->reserve[i] = FULLS[i] / 2;\n    }",
+                ),
+            ],
+            arrays: whole(&numbers),
+            code: include_str!("law/packed.c").to_owned(),
+            bounded: true,
+        })
+    }
+
     /// # Errors
     /// A model that C has not.
     pub(super) fn of(model: &Model) -> Result<Self, String> {
@@ -86,6 +113,26 @@ impl Law {
             bounded: !matches!(model.friction, FrictionModel::LuGre { damping, .. } if damping != 0.0),
         })
     }
+}
+
+/// The blocks in whole numbers, and their units.
+fn whole(numbers: &WholeNumbers) -> String {
+    let list = |of: usize| {
+        let values: Vec<String> = numbers.blocks.iter().map(|b| b[of].to_string()).collect();
+        values.join(", ")
+    };
+    let limit: i32 = numbers.blocks.iter().map(|[full, k]| full / 2 * k).sum();
+    format!(
+        "/* Parts of 1/65536 of a unit of length in a metre or radian. */\n#define PER_LENGTH {}\n\
+         /* A unit of force (N or N m). */\n#define FORCE {}\n\
+         /* All blocks slipping, in units of force. */\n#define LIMIT {limit}\n\
+         /* Twice the displacement at which each slips, in units of length. */\nstatic const int32_t FULLS[@@BLOCKS] = {{ {} }};\n\
+         /* Stiffness of each block, in units of force per unit of length. */\nstatic const int32_t STIFFNESSES[@@BLOCKS] = {{ {} }};\n",
+        literal(65536.0 * numbers.per_length),
+        literal(numbers.force),
+        list(0),
+        list(1)
+    )
 }
 
 /// The blocks in the numbers that are computed with.

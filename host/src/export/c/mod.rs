@@ -9,7 +9,8 @@ mod step;
 mod term;
 
 use super::constants::{Constant, bounds, carried, numbered, of_friction};
-use super::{Options, no_refused};
+use super::{Options, fitting, no_refused};
+use crate::kernel::Kernel;
 use crate::model::Model;
 use file::File;
 use law::Law;
@@ -37,7 +38,17 @@ pub fn c_source(model: &Model, options: &Options, name: &str) -> Result<C, Strin
     check_name(name)?;
     no_refused(model)?;
     let effects = carried(model);
-    let law = Law::of(model)?;
+    let law = match fitting(options.kernel, model)? {
+        None => Law::of(model)?,
+        Some(Kernel::PackedF32) => Law::packed(model)?,
+        Some(kernel) => {
+            return Err(format!(
+                "--kernel {}: C has {} alone, and without --kernel the laws in single precision",
+                kernel.name(),
+                Kernel::PackedF32.name()
+            ));
+        }
+    };
     let terms: Vec<Term> = numbered(&effects)
         .map(|(id, effect)| Term::of(model, effect, id))
         .collect::<Result<_, String>>()?;

@@ -3,18 +3,32 @@
 use super::{Source, literal};
 use crate::export::constants::of_friction;
 use crate::friction::FrictionModel;
+use crate::kernel::Kernel;
 use preslide::Block;
 use std::fmt::Write as _;
 
 impl Source<'_> {
     /// The friction model's type, and the call that builds it.
-    pub(super) fn friction(&mut self) -> (String, String) {
+    pub(super) fn friction(&mut self, kernel: Option<Kernel>) -> (String, String) {
         let constants = of_friction(self.model);
         constants.iter().for_each(|c| self.constant(c));
         let names: Vec<String> = constants.into_iter().map(|c| c.name).collect();
         let friction = &self.model.friction;
         if !friction.blocks().is_empty() {
             self.blocks(friction.blocks());
+        }
+        if let Some(kernel) = kernel {
+            let kind = kernel.source(friction.blocks().len());
+            let arguments = match (kernel.has_sliding(), friction.sliding()) {
+                (false, _) => format!("&BLOCKS, {}", names[0]),
+                (true, Some(_)) => constructor(friction, &names).1,
+                (true, None) => format!(
+                    "&BLOCKS, {0}, ::preslide::Sliding::none({0}), sample_time",
+                    names[0]
+                ),
+            };
+            let build = format!("<{kind}>::try_new({arguments}, units)");
+            return (kind, build);
         }
         let (kind, arguments) = constructor(friction, &names);
         let path = kind.split('<').next().unwrap_or(&kind);

@@ -4,7 +4,8 @@ mod effects;
 mod friction;
 
 use super::constants::{Constant, inertia};
-use super::{Options, no_refused};
+use super::{Options, fitting, no_refused};
+use crate::kernel::{Arithmetic, Kernel};
 use crate::model::Model;
 use std::fmt::Write as _;
 
@@ -17,13 +18,14 @@ const TUPLE: usize = 8;
 /// Effects that no controller can use, each with the reason; a bound that is needed and cannot be taken from the model.
 pub fn rust_source(model: &Model, options: &Options) -> Result<String, String> {
     no_refused(model)?;
+    let kernel = fitting(options.kernel, model)?;
     let mut source = Source {
         model,
         constants: String::new(),
         terms: Vec::new(),
     };
     source.rigid_body();
-    let (friction, build) = source.friction();
+    let (friction, build) = source.friction(kernel);
     source.effects(options)?;
 
     let mut text = String::new();
@@ -37,7 +39,8 @@ pub fn rust_source(model: &Model, options: &Options) -> Result<String, String> {
     } else {
         ("_", "in which the sample time plays no part")
     };
-    let (types, body) = composed(&friction, &build, &source.terms);
+    let numbers = kernel.map_or(Arithmetic::F32, Kernel::arithmetic).source();
+    let (types, body) = composed(&friction, &build, &source.terms, numbers);
     let _ = write!(
         text,
         "{types}\
@@ -51,15 +54,17 @@ pub fn rust_source(model: &Model, options: &Options) -> Result<String, String> {
 }
 
 /// The friction model, built by `build`, with the effects beside it: the types, and the body of the function that builds them.
-fn composed(friction: &str, build: &str, terms: &[Term]) -> (String, String) {
+/// `numbers` is the type of the controller that it is for.
+fn composed(friction: &str, build: &str, terms: &[Term], numbers: &str) -> (String, String) {
     if terms.is_empty() {
-        let types = format!("/// The friction model.\npub type Model<S = f32> = {friction};\n\n");
+        let types =
+            format!("/// The friction model.\npub type Model<S = {numbers}> = {friction};\n\n");
         return (types, format!("    {build}\n"));
     }
     (
         format!(
-            "/// The effects beside the friction model.\npub type Effects<S = f32> = {};\n\n\
-             /// The friction model with its effects.\npub type Model<S = f32> = ::preslide::effects::With<{friction}, Effects<S>>;\n\n",
+            "/// The effects beside the friction model.\npub type Effects<S = {numbers}> = {};\n\n\
+             /// The friction model with its effects.\npub type Model<S = {numbers}> = ::preslide::effects::With<{friction}, Effects<S>>;\n\n",
             nested(terms, 0, |t| &t.kind)
         ),
         format!(
