@@ -4,7 +4,10 @@ use crate::chain::{Followed, Trial};
 use preslide_host::cost::DEFAULT;
 use preslide_host::diagnose::Diagnosis;
 use preslide_host::identify::Identification;
+use preslide_host::model::Model;
 use preslide_host::recording::Recording;
+use preslide_host::report::figures::quantity;
+use preslide_host::report::units::name_and_unit;
 use preslide_host::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Table};
 use preslide_host::tune::Choice;
 
@@ -20,6 +23,8 @@ pub struct Story<'a> {
     pub diagnosis: &'a Diagnosis,
     /// What was exported: its kernel with cycles and flash.
     pub exported: &'a Choice,
+    /// The model that the diagnosis ends in, and the stage's own.
+    pub models: [&'a Model; 2],
     /// The judged motion without a model, with the identified one, with what the diagnosis added, with that as it was exported, and with
     /// the truth.
     pub followed: [Followed; 5],
@@ -77,6 +82,40 @@ impl Story<'_> {
                 .zip(&self.followed)
                 .map(row)
                 .collect(),
+        }
+    }
+
+    /// What was found beside what the stage has: moving mass, friction, and the numbers of what it hides.
+    pub fn truth_table(&self) -> Table {
+        let [found, truth] = self.models;
+        let told = |key: &str, value: f64| {
+            let (_, unit) = name_and_unit(key, "N");
+            quantity(value, &unit)
+        };
+        let mut rows = vec![
+            vec![
+                "moving mass".to_owned(),
+                told("mass_kg", found.inertia),
+                told("mass_kg", truth.inertia),
+            ],
+            vec![
+                "breakaway".to_owned(),
+                told("breakaway_N", found.friction.breakaway().unwrap_or(0.0)),
+                told("breakaway_N", truth.friction.breakaway().unwrap_or(0.0)),
+            ],
+        ];
+        for hidden in &truth.effects {
+            let own = found.effects.iter().find(|e| e.id() == hidden.id());
+            rows.extend(hidden.values.iter().map(|(key, value)| {
+                let (name, _) = name_and_unit(key, "N");
+                let own = own.map_or("not found".to_owned(), |e| told(key, e.get(key)));
+                vec![format!("{}: {name}", hidden.id()), own, told(key, *value)]
+            }));
+        }
+        Table {
+            caption: "Beside the truth, which nothing had told".to_owned(),
+            head: ["", "found", "true"].map(String::from).to_vec(),
+            rows,
         }
     }
 
@@ -195,7 +234,7 @@ impl Story<'_> {
                     self.trial.effect.words()
                 ),
             ],
-            tables: vec![self.table()],
+            tables: vec![self.table(), self.truth_table()],
             figures: [error].into_iter().chain(reference).collect(),
         }
     }

@@ -40,11 +40,13 @@ impl Demo {
             .map_err(|e| Failure::Input(format!("--out {}: {e}", self.out.display())))?;
         let trial = Trial::draw(self.seed, 1);
         let trial = trial.first().ok_or_else(|| anyhow!("there is one trial"))?;
+        say!(
+            "A simulated stage that hides something is recorded, identified, diagnosed and compensated: some twenty seconds.\n"
+        );
         let recording = self.record(trial)?;
         let found = self.identify(&recording)?;
         let before = &found.best().model;
         let (diagnosis, after) = self.diagnose(&recording, before)?;
-        say!("\n4. How much better it tracks: another motion, the same gains, the same stage\n");
         let exported = self.export(trial, &after)?;
         let truth = known(trial).map_err(|reason| anyhow!(reason))?;
         let run = |model| anyhow::Ok(follow(trial, model)?);
@@ -54,6 +56,7 @@ impl Demo {
             found: &found,
             diagnosis: &diagnosis,
             exported: &exported,
+            models: [&after, &truth],
             followed: [
                 run(None)?,
                 run(Some(before))?,
@@ -62,20 +65,43 @@ impl Demo {
                 run(Some(&truth))?,
             ],
         };
-        say!("{}", story.table().to_text());
-        say!("{}", story.outcome());
-        say!("What it was: {}.\n", trial.effect.words());
-        say!(
-            "5. What it takes in the controller: preslide export {} --kernel auto --count {:e}\n",
-            self.file("extended.toml").display(),
-            trial.axis.encoder.count
-        );
-        say!(
-            "{} Source: {}.\n",
-            exported.said(DEFAULT),
-            self.file("stage_model.rs").display()
-        );
+        self.tell(&story);
         self.report(&story, start.elapsed().as_secs_f64())
+    }
+
+    /// The result first, then how it came about.
+    fn tell(&self, story: &Story) {
+        say!("{}\n", story.outcome());
+        say!("{}", story.table().to_text());
+        say!("{}", story.truth_table().to_text());
+        say!(
+            "How: 1. A simulated stage (seed {}: 3 kg on a 2 mm screw) followed strokes of 150 to 8 µm, slow slides and passes over\n\
+             4 mm under the firmware's control code; encoder count and motor current were recorded. Its friction is a\n\
+             64-element hysteresis that wanders by up to ±15 % and is no GMS; besides, it hid something.\n",
+            self.seed
+        );
+        let file = |name: &str| self.file(name).display().to_string();
+        say!("2. preslide identify {}\n", file("recording.csv"));
+        super::identify::print(story.found, story.recording);
+        say!(
+            "\n3. preslide diagnose {} --model {}\n",
+            file("recording.csv"),
+            file("model.toml")
+        );
+        say!("{}\n", story.diagnosis.verdict_words(story.recording));
+        say!("{}", story.diagnosis.budget_text(story.recording));
+        say!("{}", story.diagnosis.recommendation());
+        say!(
+            "\n4. preslide export {} --kernel auto --count {:e}\n",
+            file("extended.toml"),
+            story.trial.axis.encoder.count
+        );
+        say!(
+            "{} Source: {}.",
+            story.exported.said(DEFAULT),
+            file("stage_model.rs")
+        );
+        say!("\n5. Another motion, the same gains, the same stage: the errors above.\n");
     }
 
     fn file(&self, name: &str) -> PathBuf {
@@ -84,18 +110,8 @@ impl Demo {
 
     /// The simulated stage's recording, as the tool reads it back.
     fn record(&self, trial: &Trial) -> Result<Recording, Failure> {
-        say!(
-            "1. A simulated stage (seed {}: 3 kg on a 2 mm screw) follows strokes of 150 to 8 µm, slow slides and passes over\n   \
-             4 mm under the firmware's control code; encoder count and motor current are recorded. Its friction is a\n   \
-             64-element hysteresis that wanders by up to ±15 % and is no GMS; besides, it hides something.\n",
-            self.seed
-        );
         let text = record(trial)?;
         write_text(&self.file("recording.csv"), &text)?;
-        say!(
-            "\n2. How many blocks: preslide identify {}\n",
-            self.file("recording.csv").display()
-        );
         Ok(recording::load(
             &self.file("recording.csv"),
             &LoadOptions::default(),
@@ -106,7 +122,6 @@ impl Demo {
         let progress = Progress::new("identify", STEPS);
         let found = identify(recording, &Options::default(), &progress).map_err(Failure::Data)?;
         progress.finish();
-        super::identify::print(&found, recording);
         let model = super::identify::model_text(&found, recording);
         write_text(&self.file("model.toml"), &model)?;
         Ok(found)
@@ -118,13 +133,9 @@ impl Demo {
         recording: &Recording,
         before: &Model,
     ) -> Result<(Diagnosis, Model), Failure> {
-        say!("\n3. What is missing: preslide diagnose, from that recording and that model alone\n");
         let progress = Progress::new("diagnose, steps of the search", 0);
         let diagnosis = diagnose(recording, Some(before), None, &progress)?;
         progress.finish();
-        say!("{}\n", diagnosis.verdict_words(recording));
-        say!("{}", diagnosis.table(recording).to_text());
-        say!("{}", diagnosis.recommendation());
         let mut after = diagnosis.extended_model(recording, Some(before)).model;
         let useless: Vec<&str> = refused(&after).iter().map(|(id, _)| *id).collect();
         after

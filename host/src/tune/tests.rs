@@ -1,7 +1,7 @@
 use super::cores::{Comparison, OnCore, budget_on};
-use crate::kernel::Kernel;
 use super::{Budget, of_model};
 use crate::cost::{CORES, CostTable};
+use crate::kernel::Kernel;
 use crate::model::Model;
 
 fn model(blocks: &str) -> Model {
