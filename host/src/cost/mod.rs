@@ -238,12 +238,18 @@ mod tests {
         let table = CostTable::parse(text, "board").unwrap();
         let cost = table.cost("packed_f32", 6).unwrap();
         assert!(cost.instructions.is_nan() && cost.cycles_worst == 70.0);
-        let torn = CostTable::parse("kernel,n,cycles_mean,cycles_worst\npacked_f32,6,x,1\n", "board");
+        let torn = CostTable::parse(
+            "kernel,n,cycles_mean,cycles_worst\npacked_f32,6,x,1\n",
+            "board",
+        );
         assert!(
             torn.unwrap_err()
                 .contains("line 2: `x` in column cycles_mean")
         );
-        let still = CostTable::parse("kernel,n,cycles_mean,cycles_worst\npacked_f32,6,0.0,0\n", "");
+        let still = CostTable::parse(
+            "kernel,n,cycles_mean,cycles_worst\npacked_f32,6,0.0,0\n",
+            "",
+        );
         assert!(still.unwrap_err().contains("line 2: 0 cycles"));
         assert!(
             CostTable::parse("kernel,n\n", "")

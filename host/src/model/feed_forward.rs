@@ -139,7 +139,10 @@ impl Model {
         match kernel.visit(&self.friction, sample_time, composing) {
             Some(Ok(Ok(outcome))) => Ok(outcome),
             Some(Ok(Err(e)) | Err(e)) => Err(e.to_string()),
-            None => Err(format!("{} has no Maxwell-slip kernel", self.friction.kind())),
+            None => Err(format!(
+                "{} has no Maxwell-slip kernel",
+                self.friction.kind()
+            )),
         }
     }
 

@@ -1,7 +1,7 @@
 //! A tuning for people and for machines.
 
-use crate::kernel::Kernel;
 use super::{Choice, Tuning};
+use crate::kernel::Kernel;
 use crate::report::{Axis, Emphasis, Figure, Page, Section, Series, Style, Table};
 use serde_json::{Value, json};
 
