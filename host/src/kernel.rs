@@ -9,8 +9,8 @@ use preslide::{
 };
 use std::ops::Range;
 
-/// Most blocks that a kernel was measured with.
-pub const MOST_BLOCKS: usize = 10;
+/// Most blocks of a kernel, as of a model.
+pub const MOST_BLOCKS: usize = 16;
 
 /// A kernel of the library.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -298,7 +298,7 @@ impl Kernel {
                     per_length: 2_f64.powi(length as i32),
                     force: 2_f64.powi(-force),
                 }
-            }), 1 1, 2 1, 3 2, 4 2, 5 3, 6 3, 7 4, 8 4, 9 5, 10 5),
+            }), 1 1, 2 1, 3 2, 4 2, 5 3, 6 3, 7 4, 8 4, 9 5, 10 5, 11 6, 12 6, 13 7, 14 7, 15 8, 16 8),
         )
     }
 
@@ -323,7 +323,7 @@ impl Kernel {
             Self::PackedF32 | Self::Packed => {
                 visitor.visit(Scaled::<PackedSlipReserve<PAIRS>, S>::try_new(&array, breakaway, units)?)
             }
-        }), 1 1, 2 1, 3 2, 4 2, 5 3, 6 3, 7 4, 8 4, 9 5, 10 5)
+        }), 1 1, 2 1, 3 2, 4 2, 5 3, 6 3, 7 4, 8 4, 9 5, 10 5, 11 6, 12 6, 13 7, 14 7, 15 8, 16 8)
     }
 }
 

@@ -156,8 +156,8 @@ impl CostTable {
         })
     }
 
-    /// The cost of a kernel with so many blocks; between two measured numbers it is interpolated, since every block
-    /// adds the same code. `None` outside them.
+    /// The cost of a kernel with so many blocks; between two measured numbers, and beyond the largest, it is on the line through two of
+    /// them, since every block adds the same code. `None` below the smallest.
     pub fn cost(&self, kernel: &str, blocks: usize) -> Option<Cost> {
         let rows = || self.rows.iter().filter(|row| row.kernel == kernel);
         let below = rows()
@@ -165,7 +165,14 @@ impl CostTable {
             .max_by_key(|row| row.blocks)?;
         let above = rows()
             .filter(|row| row.blocks >= blocks)
-            .min_by_key(|row| row.blocks)?;
+            .min_by_key(|row| row.blocks);
+        let (below, above) = match above {
+            Some(above) => (below, above),
+            None => {
+                let fewer = rows().filter(|row| row.blocks < below.blocks);
+                (fewer.max_by_key(|row| row.blocks)?, below)
+            }
+        };
         let gap = (above.blocks - below.blocks).max(1) as f64;
         let part = (blocks - below.blocks) as f64 / gap;
         let between = |of: fn(&Cost) -> f64| of(below) + part * (of(above) - of(below));
@@ -209,7 +216,8 @@ mod tests {
                 "{}",
                 kernel.name()
             );
-            assert!(table.cost(kernel.name(), 11).is_none());
+            let beyond = cycles(12) - cycles(10);
+            assert!((beyond - (cycles(10) - cycles(8))).abs() < 1e-9);
         }
     }
 

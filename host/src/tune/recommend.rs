@@ -26,9 +26,11 @@ pub(super) fn recommend(choices: &[Choice], budget: Budget) -> Result<(usize, St
         c.nmse_test
             .is_none_or(|nmse| nmse <= best + (WORTH * best).max(LEAST_WORTH))
     };
+    // A kernel asks for its controller's arithmetic: what counts is the tick that both make, where it is known.
+    let takes = |c: &Choice| c.tick.map_or(c.share, |tick| budget.share_of(tick.worst));
     let chosen = pool.iter().filter(enough).min_by(|a, b| {
         let blocks = a.cost.blocks.cmp(&b.cost.blocks);
-        blocks.then(a.share.total_cmp(&b.share))
+        blocks.then(takes(a).total_cmp(&takes(b)))
     });
     let Some(chosen) = chosen else {
         return Err("no choice has a finite error; see the notes".to_owned());
