@@ -127,14 +127,14 @@ impl Story<'_> {
             rms.map_or("a fault".to_owned(), |rms| format!("{:.0} nm", rms * 1e9))
         };
         format!(
-            "The diagnosis names {}. RMS tracking error: {} without a friction model, {} with the identified one, {} with what the \
-             diagnosis added, {} as it is exported for the controller; knowing the truth gives {}.",
-            self.names(),
+            "RMS tracking error: {} without a friction model, {} with the identified one, {} with what the diagnosis added ({} as it is \
+             exported for the controller), {} knowing the truth. The diagnosis names {}.",
             nm(0),
             nm(1),
             nm(2),
             nm(3),
             nm(4),
+            self.names(),
         )
     }
 
