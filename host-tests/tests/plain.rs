@@ -325,7 +325,10 @@ fn stick_and_slip_is_told_by_its_levels() {
             .map(|e| e.to_string());
         for said in [identified, diagnosed] {
             let said = said.expect("a refusal");
-            assert!(said.contains("hunts") && said.contains("89.1 ± 1.9 mNm"), "{said}");
+            assert!(
+                said.contains("hunts") && said.contains("89.1 ± 1.9 mNm"),
+                "{said}"
+            );
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The budget in figures and words: root mean squares of what is taken off, never more than is left.
 
-use super::named::{Name, Named};
+use super::named::{CERTAIN, Name, Named};
 use super::verdict::Diagnosis;
 use super::words::place_words;
 use crate::model::key_of;
@@ -11,8 +11,6 @@ use crate::report::units::name_and_unit;
 use crate::statistics::Estimate;
 use serde_json::{Value, json};
 
-/// Confidence from which a name is certain.
-pub(super) const CERTAIN: f64 = 0.9;
 /// Share of the mismatch below which nobody misses a row.
 const SEEN: f64 = 0.005;
 /// Cells of a bar.

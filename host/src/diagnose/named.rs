@@ -12,6 +12,8 @@ use std::collections::BTreeMap;
 
 /// Even odds: the most that is stated of a name whose sign its own interval does not tell.
 pub(super) const EVEN: f64 = 0.5;
+/// Confidence from which a name is certain.
+pub(super) const CERTAIN: f64 = 0.9;
 
 /// What an effect is called by: an entry of the catalogue, or the hysteresis itself.
 #[derive(Clone, Copy)]

@@ -1,6 +1,5 @@
 //! From the hypothesis to what is said: names with their confidence, what has no name, and what the recording cannot tell.
 
-use super::account::CERTAIN;
 use super::axis::Axis;
 use super::budget::{self, Finding, Item};
 use super::channel;
@@ -15,7 +14,7 @@ use super::ground::{Ground, Hypothesis, Nmse};
 use super::hysteresis::{self, Shape};
 use super::lack::{Lack, lacks};
 use super::measured::measured;
-use super::named::{EVEN, Name, Named};
+use super::named::{CERTAIN, EVEN, Name, Named};
 use super::naming::Standing;
 use super::offer::{Offer, offers};
 use super::place::Place;
