@@ -70,7 +70,7 @@ impl Diagnosis {
         let rest = [
             ("refitted_hysteresis", self.refitted()),
             ("noise", self.noise_floor),
-            ("does_not_repeat", self.unrepeated.unwrap_or(0.0)),
+            ("unrepeated", self.unrepeated.unwrap_or(0.0)),
             ("not_explained", self.not_explained()),
         ];
         let rest = rest

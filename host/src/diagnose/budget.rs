@@ -1,4 +1,4 @@
-//! The mismatch budget: what each finding takes off the residual on stretches held out, one after the other, so that the squares add up.
+//! The mismatch budget: what each finding takes off the residual on stretches held out, so that the squares add up.
 
 use super::ground::{Ground, Hypothesis};
 use super::term::Term;
@@ -8,7 +8,7 @@ use super::term::Term;
 pub struct Item {
     /// Its number among the effects.
     pub effect: usize,
-    /// NMSE (% of the effort's variance) that it takes off beside those before it.
+    /// NMSE (% of the effort's variance) that it takes off beside those before it, or, against a simulation, its share of what all take.
     pub nmse: f64,
 }
 

@@ -85,12 +85,13 @@ fn families(ground: &Ground, hypothesis: &Hypothesis, periods: &[f64]) -> Vec<Fa
             tries: 1.0,
         });
     }
-    if is_friction_alone(ground) {
+    let friction_alone = is_friction_alone(ground);
+    if friction_alone {
         let of_effort =
             |f: &Family| matches!(f.subject, Subject::Effect(e) if e.line() == Some(Line::Effort));
         all.retain(|f| !of_effort(f));
     }
-    let lines = Lines::of(ground, hypothesis);
+    let lines = Lines::of(ground, hypothesis, friction_alone);
     for family in &mut all {
         let Subject::Effect(effect) = family.subject else {
             continue;
@@ -130,7 +131,7 @@ fn families(ground: &Ground, hypothesis: &Hypothesis, periods: &[f64]) -> Vec<Fa
     all
 }
 
-/// Whether the drive gives nearly nothing but friction, so that a share of the one is a share of the other.
+/// Whether friction is most of what the drive gives, so that a share of the one is a share of the other.
 fn is_friction_alone(ground: &Ground) -> bool {
     let baseline = &ground.baseline;
     let rest = baseline.fitted.iter().zip(&baseline.friction);
@@ -201,7 +202,7 @@ fn squares(force: &[f64]) -> f64 {
 struct Lines(BTreeMap<u8, (Vec<f64>, f64)>);
 
 impl Lines {
-    fn of(ground: &Ground, hypothesis: &Hypothesis) -> Self {
+    fn of(ground: &Ground, hypothesis: &Hypothesis, friction_alone: bool) -> Self {
         let (s, weak) = (&ground.rows.s, &ground.rows.weak);
         let x = weak.at_centres(&s.x);
         let t = weak.at_centres(&s.t);
@@ -228,7 +229,7 @@ impl Lines {
             lines.into_iter().map(|nu| 1.0 / nu).collect()
         };
         let modulated = |by: &[f64]| periods(&times(&weights, by), &times(&left, by));
-        let of_effort = match is_friction_alone(ground) {
+        let of_effort = match friction_alone {
             true => Vec::new(),
             false => modulated(&effort),
         };

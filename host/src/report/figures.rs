@@ -34,20 +34,20 @@ pub fn estimate(value: f64, interval: Option<[f64; 2]>, unit: &str) -> String {
 
 /// Two values in the prefix that suits the larger: `−0.5 and 0.1 mm`.
 pub fn between(from: f64, to: f64, unit: &str) -> String {
-    let shown = display_unit(unit, from.abs().max(to.abs()));
-    format!(
-        "between {} and {} {}",
-        three(from * shown.factor),
-        three(to * shown.factor),
-        shown.unit
-    )
+    let (from, to, unit) = ends(from, to, unit);
+    format!("between {from} and {to} {unit}")
 }
 
 /// From one value to the other in the prefix that suits the larger: `−0.5 to 0.1 mm`.
 pub fn range(from: f64, to: f64, unit: &str) -> String {
+    let (from, to, unit) = ends(from, to, unit);
+    format!("{from} to {to} {unit}")
+}
+
+fn ends(from: f64, to: f64, unit: &str) -> (String, String, String) {
     let shown = display_unit(unit, from.abs().max(to.abs()));
     let [from, to] = [from, to].map(|value| three(value * shown.factor));
-    format!("{from} to {to} {}", shown.unit)
+    (from, to, shown.unit)
 }
 
 /// A value and its interval times `factor`, for the cells of a table: to two figures of the interval's half, or three without one.
