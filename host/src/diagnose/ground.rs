@@ -405,7 +405,8 @@ impl Hypothesis {
         self.normal.held_out_residual(&self.columns(), &rows.target)
     }
 
-    fn columns(&self) -> Vec<&[f64]> {
+    /// Its columns at the rows, not whitened.
+    pub fn columns(&self) -> Vec<&[f64]> {
         self.columns
             .iter()
             .flat_map(|c| c.iter())

@@ -19,6 +19,7 @@ pub mod curve;
 mod drift;
 pub mod effect;
 mod event;
+mod exogenous;
 pub mod experiment;
 mod extend;
 pub mod fit;

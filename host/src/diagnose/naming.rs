@@ -7,6 +7,7 @@ use super::axis::Axis;
 use super::change::Change;
 use super::curve::hats;
 use super::effect::{ALWAYS_FREE, Class, Effect};
+use super::exogenous::is_told;
 use super::ground::{Ground, Hypothesis};
 use super::offer::{Offer, offer_of, offers, refined};
 use super::placebo::Placebo;
@@ -60,6 +61,8 @@ pub struct Standing {
     pub place: usize,
     /// No larger than what every recording has.
     pub harmless: bool,
+    /// Nothing else than the effect looks like it: a delay may be none.
+    pub told: bool,
     /// How it stands out of chance, where it is a line or a narrow place.
     pub placebo: Option<Placebo>,
     /// What else was tried in its place, with its explanation over the term's own.
@@ -100,6 +103,8 @@ fn standing(found: &Found, given: usize, index: usize, periods: &[f64]) -> Optio
         harmless: term
             .effect()
             .is_some_and(|e| e.is_harmless(&ground.scene(), found.hypothesis.coefficients(index))),
+        told: term.effect().is_none_or(|e| e.id() != ALWAYS_FREE.id())
+            || is_told(ground, &rest, &own),
         terms: found.hypothesis.terms.len() - given,
         placebo: term
             .effect()

@@ -290,7 +290,7 @@ pub fn refined(ground: &Ground, without: &Hypothesis, term: &Term) -> Term {
                     Scale::Travel => trial.shape[j] + sign * steps[j],
                     _ => trial.shape[j] * (sign * steps[j]).exp(),
                 };
-                trial.shape[j] = effect.within(&ground.scene(), j, trial.shape[j]);
+                trial.shape[j] = effect.within(&ground.scene(), &trial.shape, j);
                 if scales[j] == Scale::Period {
                     trial.shape[j] = trial.shape[j].min(s.travel() / REFINED);
                 }

@@ -96,11 +96,11 @@ pub fn polished(ground: &Ground, mut hypothesis: Hypothesis, given: usize) -> Hy
                 continue;
             };
             let step = length * step.clamp(-REACH * small, REACH * small);
-            let moved = match scale {
+            term.shape[k] = match scale {
                 Scale::Logarithmic => value * (step / value).exp(),
                 _ => value + step,
             };
-            term.shape[k] = effect.within(&ground.scene(), k, moved);
+            term.shape[k] = effect.within(&ground.scene(), &term.shape, k);
         }
         let Some(next) = ground.fit(&terms) else {
             break;

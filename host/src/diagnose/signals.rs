@@ -42,6 +42,8 @@ pub struct Signals {
     pub path: Vec<f64>,
     /// Duration of the last rest (s); 0 before the first one.
     pub dwell: Vec<f64>,
+    /// Commanded position (m or rad), where recorded.
+    pub reference: Option<Vec<f64>>,
     /// Temperature (°C), where recorded.
     pub temperature: Option<Vec<f64>>,
     /// Load (N), where recorded.
@@ -96,6 +98,7 @@ impl Signals {
             last_stroke: vec![high - low; n],
             path: vec![0.0; n],
             dwell: vec![0.0; n],
+            reference: recording.reference.clone(),
             temperature: recording.temperature_c.clone(),
             load: recording.load_n.clone(),
             extra: Vec::new(),

@@ -353,7 +353,10 @@ fn named(found: &Found, standing: &Standing, mechanics: &[(String, f64)]) -> Opt
     if standing.harmless {
         return None;
     }
-    let confidence = confidence(standing);
+    let mut confidence = confidence(standing);
+    if !standing.told {
+        confidence = confidence.min(EVEN);
+    }
     let mut ambiguous = standing.ambiguous.clone();
     for equivalent in effect.equivalents(&found.ground.rows.s) {
         if !ambiguous.iter().any(|e| e.id() == equivalent.id())

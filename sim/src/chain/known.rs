@@ -15,8 +15,8 @@ const TERMS: usize = 16;
 /// Points of a map's integral.
 const POINTS: usize = 2000;
 
-/// The stage's parameters as a model: the ten blocks that its hysteresis was calibrated to, with the gain of the day; mass and
-/// viscous friction; and the concealed effect with its true values. What it does not hold is how friction wanders.
+/// The stage's parameters as a model: the ten blocks that its hysteresis was calibrated to, with the gain of the day; the mass
+/// with the rotor's, viscous friction; and the concealed effect with its true values. What it does not hold is how friction wanders.
 ///
 /// # Errors
 /// Where the stage or the catalogue refuses a value.
@@ -39,7 +39,8 @@ pub fn known(trial: &Trial) -> Result<Model, String> {
     let keys = truth.keys.iter();
     let keys: Vec<(&str, f64)> = keys.map(|(k, v)| (k.as_str(), *v)).collect();
     Ok(Model {
-        inertia: config.mass_kg,
+        // What the motor moves is the rotor, too.
+        inertia: config.mass_kg + stage.reflected_rotor_kg(),
         viscous: config.friction.viscous_n_s_per_m,
         constant_force: truth.constant_force,
         effects: vec![Effect::new(trial.effect.id(), &keys)?],

@@ -64,8 +64,8 @@ impl Effect for ActuatorSaturation {
         one(rare, 0.95 * exceeded(scene, 0.9999), 16)
     }
 
-    fn within(&self, scene: &Scene, _: usize, value: f64) -> f64 {
-        value.max(exceeded(scene, RARE))
+    fn within(&self, scene: &Scene, shape: &[f64], index: usize) -> f64 {
+        shape[index].max(exceeded(scene, RARE))
     }
 
     fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column> {

@@ -89,10 +89,10 @@ impl Effect for Backlash {
         shapes
     }
 
-    fn within(&self, scene: &Scene, index: usize, value: f64) -> f64 {
+    fn within(&self, scene: &Scene, shape: &[f64], index: usize) -> f64 {
         match index {
-            CONTACT => ahead::within(value, scene),
-            _ => value,
+            CONTACT => ahead::within(shape[index], scene),
+            _ => shape[index],
         }
     }
 

@@ -59,8 +59,8 @@ impl Effect for Creep {
         one(SHARES[0], SHARES[1], 4)
     }
 
-    fn within(&self, _: &Scene, _: usize, value: f64) -> f64 {
-        value.clamp(SHARES[0], SHARES[1])
+    fn within(&self, _: &Scene, shape: &[f64], index: usize) -> f64 {
+        shape[index].clamp(SHARES[0], SHARES[1])
     }
 
     fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column> {

@@ -111,11 +111,11 @@ impl Effect for DriveCompliance {
         frequency > SEEN_FROM * scene.s.band_hz.min(ROWS_HZ)
     }
 
-    fn within(&self, scene: &Scene, index: usize, value: f64) -> f64 {
+    fn within(&self, scene: &Scene, shape: &[f64], index: usize) -> f64 {
         let seen = SEEN_FROM * scene.s.band_hz.min(ROWS_HZ);
         match index {
-            RESONANCE => ahead::within(value.min(seen), scene),
-            _ => value,
+            RESONANCE => ahead::within(shape[index].min(seen), scene),
+            _ => shape[index],
         }
     }
 

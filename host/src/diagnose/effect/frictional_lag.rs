@@ -76,7 +76,8 @@ impl Effect for FrictionalLag {
             .collect()
     }
 
-    fn within(&self, _: &Scene, index: usize, value: f64) -> f64 {
+    fn within(&self, _: &Scene, shape: &[f64], index: usize) -> f64 {
+        let value = shape[index];
         match index {
             EXPONENT => exponent(value),
             LAG => value.max(SHORTEST_S),

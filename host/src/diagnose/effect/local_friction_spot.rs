@@ -80,7 +80,8 @@ impl Effect for LocalFrictionSpot {
         widths.into_iter().flat_map(places).collect()
     }
 
-    fn within(&self, scene: &Scene, index: usize, value: f64) -> f64 {
+    fn within(&self, scene: &Scene, shape: &[f64], index: usize) -> f64 {
+        let value = shape[index];
         if index == WIDTH {
             value.min(WIDEST * scene.s.travel())
         } else {

@@ -303,9 +303,9 @@ pub trait Effect: Sync {
     }
 
     /// A shape parameter brought within what a recording can tell.
-    fn within(&self, scene: &Scene, index: usize, value: f64) -> f64 {
-        let _ = (scene, index);
-        value
+    fn within(&self, scene: &Scene, shape: &[f64], index: usize) -> f64 {
+        let _ = scene;
+        shape[index]
     }
 
     /// Columns at the sample rate, linear in their coefficients.

@@ -73,7 +73,8 @@ impl Effect for Stribeck {
             .collect()
     }
 
-    fn within(&self, _: &Scene, index: usize, value: f64) -> f64 {
+    fn within(&self, _: &Scene, shape: &[f64], index: usize) -> f64 {
+        let value = shape[index];
         if index == EXPONENT {
             exponent(value)
         } else {

@@ -131,8 +131,8 @@ fn columns_cover_the_samples_and_are_finite() {
         for shape in shapes {
             // Fewer where a mean or a centre is not free, or a column of the recording makes a shape needless.
             assert!(shape.len() <= effect.shape().len(), "{}", effect.id());
-            let within = |(i, v): (usize, &f64)| effect.within(&scene, i, *v);
-            let inside: Vec<f64> = shape.iter().enumerate().map(within).collect();
+            let within = |i| effect.within(&scene, &shape, i);
+            let inside: Vec<f64> = (0..shape.len()).map(within).collect();
             let columns = effect.columns(&inside, &scene);
             assert!(!columns.is_empty(), "{} {shape:?}", effect.id());
             for column in &columns {

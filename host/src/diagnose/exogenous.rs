@@ -1,0 +1,89 @@
+//! Whether a delay is one. Two things look like it: friction that is damped where it sticks leads, and no inertia with it; and in a closed loop
+//! friction that wanders moves the axis, whose motion follows it by a phase. What was commanded no friction moves: it is the instrument
+//! of the second (Young, *Recursive Estimation and Time-Series Analysis*, 2011, ch. 7).
+
+use super::ground::{Ground, Hypothesis};
+use super::normal::{Bound, Normal, dot};
+use super::offer::Offer;
+use super::weak::Column;
+use crate::evidence::evidence;
+use crate::signal::Deflection;
+use crate::statistics::jackknife;
+
+/// Share of a lead's explanation from which the lead of friction alone is another explanation, as of any rival.
+const NEAR: f64 = 0.6;
+/// Standard errors by which the commanded motion must tell a delay, and tell it of the same sign.
+const SURE: f64 = 2.0;
+
+/// Whether a delay is told, from its offer on top of what stands `beside` it.
+pub fn is_told(ground: &Ground, beside: &Hypothesis, own: &Offer) -> bool {
+    let Some(&delay) = own.trial.coefficients.first() else {
+        return true;
+    };
+    !is_damping(ground, beside, own, delay) && commanded(ground, beside, own, delay).unwrap_or(true)
+}
+
+/// Whether friction alone leads: damping of what sticks adds to its force in proportion to its slope.
+fn is_damping(ground: &Ground, beside: &Hypothesis, own: &Offer, delay: f64) -> bool {
+    let friction = ground.rows.weak.rows(&late(&ground.baseline.friction));
+    let trial = beside.normal.trial(&[&[friction]], |_, _| true);
+    let alone = trial.map_or(0.0, |trial| {
+        evidence(&trial.force, &beside.normal.held_out, &ground.rows.blocks).share
+    });
+    delay < 0.0 && alone >= NEAR * own.evidence.share
+}
+
+/// Whether the commanded motion tells the delay; `None` where no command was recorded.
+fn commanded(ground: &Ground, beside: &Hypothesis, own: &Offer, delay: f64) -> Option<bool> {
+    let rows = &ground.rows;
+    let s = &rows.s;
+    let reference = s.reference.as_deref()?;
+    let acceleration = s.smooth_slope(&s.smooth_slope(reference));
+    let mut effort: Vec<f64> = acceleration
+        .iter()
+        .map(|a| ground.baseline.mass * a)
+        .collect();
+    for &(stiffness, yields) in &ground.baseline.blocks {
+        let along = Deflection::along(reference, &s.pieces, yields).z;
+        effort
+            .iter_mut()
+            .zip(along)
+            .for_each(|(f, z)| *f += stiffness * z);
+    }
+    let instrument = rows.weak.rows(&late(&effort));
+    // What the columns beside it have in common with the instrument is theirs.
+    let columns = beside.columns();
+    let free = vec![Bound::Free; columns.len()];
+    let fitted = Normal::new(
+        &ground.noise,
+        &rows.weak.folds,
+        &columns,
+        &free,
+        &instrument,
+    )?;
+    let weighed = ground
+        .noise
+        .inverse(&fitted.residual(&columns, &instrument));
+    let column = ground.columns(&own.term);
+    let of = |values: &[f64]| -> Vec<f64> {
+        let blocks = rows.blocks.iter();
+        blocks
+            .map(|b| dot(&weighed[b.clone()], &values[b.clone()]))
+            .collect()
+    };
+    let (effort, delayed) = (of(&rows.target), of(column.first()?));
+    let all: [f64; 2] = [&effort, &delayed].map(|sums| sums.iter().sum());
+    let without: Vec<f64> = (effort.iter().zip(&delayed))
+        .map(|(e, d)| (all[0] - e) / (all[1] - d))
+        .collect();
+    let told = all[0] / all[1];
+    Some(told * delay > 0.0 && told.abs() >= SURE * jackknife(&without))
+}
+
+/// The column of a delay of an effort at the samples.
+fn late(effort: &[f64]) -> Column {
+    Column {
+        sloped: effort.iter().map(|f| -f).collect(),
+        ..Column::default()
+    }
+}
