@@ -137,6 +137,32 @@ def test_a_model_computes_what_simulate_does(axis):
     assert np.sqrt(np.mean(left**2)) < 0.02 * np.sqrt(np.mean(force**2))
 
 
+def test_a_stepper_has_the_bits_of_the_arrays(axis):
+    model = preslide.Model(axis / "model.toml")
+    data = columns(axis / "short.csv")
+    t, x = data["t_s"], data["x_m"]
+    v = np.gradient(x, t)
+    a = np.gradient(v, t)
+    whole = model.force(t, x, v, a)
+    stepper = model.stepper((t.size - 1) / (t[-1] - t[0]))
+    for _ in range(2):
+        assert np.array_equal([stepper.step(*now) for now in zip(x, v, a)], whole)
+        stepper.reset()
+    # Without a velocity it is the way since the last tick.
+    assert stepper.step(x[0]) == stepper.step(x[0])
+    step = (t[-1] - t[0]) / (t.size - 1)
+    back = np.diff(x, prepend=x[0]) / step
+    stepper.reset()
+    found, wanted = [stepper.step(now) for now in x], model.force(t, x, back, np.zeros_like(x))
+    np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-12)
+    for rate, why in ((0.0, "above zero"), (-5.0, "above zero")):
+        with pytest.raises(preslide.Error, match=why):
+            model.stepper(rate)
+    delayed = preslide.Model(model.to_toml() + '\n[[effects]]\nid = "channel_delay"\ndelay_s = 1e-3\n')
+    with pytest.raises(preslide.Error, match="channel_delay: no single tick"):
+        delayed.stepper(1e3)
+
+
 def test_a_simulation_of_ones_own_is_called_and_corrected():
     """A machine with a cogging that its simulation lacks."""
     t = np.arange(0.0, 40.0, 1e-3)

@@ -5,8 +5,8 @@ use std::process::Command;
 
 use crate::process::{build_as_tests, root, run, target_of};
 
-/// Installs the package and runs its tests, those on `clusters`, too, where that is asked.
-pub fn check(clusters: bool) -> Result<(), String> {
+/// Installs the package and runs its tests, the long ones, too, where that is asked.
+pub fn check(long: bool) -> Result<(), String> {
     // What the answers are compared with, in the profile of the package: the host is compiled once.
     build_as_tests(&["--bin", "preslide"])?;
     let target = target_of(root());
@@ -27,8 +27,8 @@ pub fn check(clusters: bool) -> Result<(), String> {
     install.arg(&package).arg("--requirement");
     let tests = package.join("tests");
     install.arg(tests.join("requirements.txt"));
-    if clusters {
-        install.arg("--requirement").arg(tests.join("clusters.txt"));
+    if long {
+        install.arg("--requirement").arg(tests.join("long.txt"));
     }
     run(install.env("CARGO_TARGET_DIR", &target)).map_err(|reason| {
         format!(
@@ -37,8 +37,8 @@ pub fn check(clusters: bool) -> Result<(), String> {
     })?;
     let mut test = Command::new(&python);
     test.args(["-m", "pytest", "-q", "-rs"]).arg(tests);
-    if clusters {
-        test.env("PRESLIDE_CLUSTERS", "1");
+    if long {
+        test.env("PRESLIDE_LONG", "1");
     }
     run(test.env("CARGO_TARGET_DIR", &target))
 }
