@@ -193,12 +193,66 @@ def test_a_simulation_of_ones_own_is_called_and_corrected():
     assert abs(first.parameters.force_N.value / 0.2 - 1.0) < 0.05
     assert abs(first.parameters.period_m.value / 8e-3 - 1.0) < 0.01
     assert found.correction.nmse_corrected < 0.2 * found.correction.nmse_simulation
-    # The simulation with the correction, called again, is consistent.
-    added = found.data["force_sim_corrected_N"] - found.data["force_sim_N"]
-    again = preslide.diagnose({"t_s": t, "x_m": x, "force_N": machine}, simulate=lambda m: simulate(m) + added)
+    # The simulation with the correction, called again, is consistent; the code adds what the table has.
+    corrector = found.corrector()
+
+    def added(motion):
+        return np.array([corrector.force(*now) for now in zip(*(motion[key] for key in "txva"))])
+
+    again = preslide.diagnose({"t_s": t, "x_m": x, "force_N": machine}, simulate=lambda m: simulate(m) + added(m))
     assert again.verdict == "consistent", again.text
+    corrector.reset()
+    own = found.data["force_sim_corrected_N"] - found.data["force_sim_N"]
+    motion = {"t": t, "x": x, "v": v, "a": acceleration}
+    np.testing.assert_allclose(added(motion)[100:-100], own[100:-100], atol=2e-3)
     with pytest.raises(preslide.Error, match="finite number"):
         preslide.diagnose({"t_s": t, "x_m": x, "force_N": machine}, simulate=lambda m: [1.0])
+
+
+def test_a_simulation_that_only_moves_forward_is_called_and_corrected():
+    """Force to motion, by a controller of its own that follows the recorded motion; the machine has a cogging besides."""
+    step, inner = 1e-3, 4
+    t = np.arange(0.0, 20.0, step)
+    path = sum(a * np.sin(w * t) for a, w in ((0.02, 2.1), (0.007, 7.3), (0.0025, 17.9)))
+
+    def moved(path, beside):
+        x, v, out, force = path[0], 0.0, [], []
+        for k, want in enumerate(path):
+            drive = 3e4 * (want - x) + 600.0 * ((want - path[max(k - 1, 0)]) / step - v)
+            out.append(x)
+            force.append(drive)
+            for _ in range(inner):
+                v += (drive - 2.0 * np.tanh(v / 1e-3) - 4.0 * v - beside(t[k], x, v)) / 3.0 * step / inner
+                x += v * step / inner
+        return np.array(out), np.array(force)
+
+    x, force = moved(path, lambda t, x, v: 0.2 * np.cos(2 * np.pi * x / 8e-3))
+    seed = 7
+    print(f"seed {seed}")
+    recording = {"t_s": t, "x_m": x, "force_N": force + 0.01 * np.random.default_rng(seed).normal(size=t.size)}
+    asked = []
+
+    def simulate_motion(motion, beside=lambda t, x, v: 0.0):
+        asked.append(sorted(motion))
+        return moved(motion["x"], beside)
+
+    found = preslide.diagnose(recording, simulate_motion=simulate_motion)
+    print(found)
+    assert asked == [["a", "force", "t", "v", "x"]]
+    [cogging] = [e for e in found.effects if e.level == "confident"]
+    assert cogging.id == "periodic_force" and abs(cogging.parameters.force_N.value / 0.2 - 1.0) < 0.05
+    # Its own correction, and once more.
+    corrector = found.corrector()
+    again = preslide.diagnose(recording, simulate_motion=lambda motion: simulate_motion(motion, lambda t, x, v: corrector.force(t, x, v, 0.0)))
+    print(again)
+    assert again.verdict == "consistent" and again.baseline.nmse_test < 0.1 * found.baseline.nmse_test
+    with pytest.raises(preslide.Error, match="there is no correction"):
+        again.corrector()
+    for answer, why in (([1.0], "finite number"), ((x, force, x), "position and force"), (x * np.nan, "finite number")):
+        with pytest.raises(preslide.Error, match=why):
+            preslide.diagnose(recording, simulate_motion=lambda motion, answer=answer: answer)
+    with pytest.raises(preslide.Error, match="one of model, simulate"):
+        preslide.diagnose(recording, simulate=lambda motion: x, simulate_motion=lambda motion: x)
 
 
 def test_a_simulation_in_a_file_of_its_own():
