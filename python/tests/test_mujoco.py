@@ -164,7 +164,7 @@ def test_a_mujoco_model_that_moves_under_the_recorded_force_is_corrected():
     """Force to motion, by `mj_step`: the machine is the same model with a cogging besides, moved by a controller."""
     step = 2e-3
     arm = mujoco.MjModel.from_xml_string(
-        '<mujoco><option timestep="1e-3"><flag contact="disable"/></option><worldbody><body><joint axis="0 -1 0" damping="0.05" frictionloss="0.2" '
+        '<mujoco><option timestep="1e-3"><flag contact="disable"/></option><worldbody><body><joint axis="0 -1 0" damping="0.05" frictionloss="0.1" '
         'solreffriction="0.004 1"/><inertial pos="0 0 -0.1" mass="0.4" diaginertia="1e-4 1e-4 1e-4"/></body></worldbody></mujoco>'
     )
 
