@@ -86,7 +86,7 @@ impl Effect for Backlash {
         let longest = (200.0 * shortest).min(scene.s.travel() / 20.0);
         let mut shapes = one(shortest, longest, 9);
         for hz in behind::swings(scene) {
-            let gaps = spread(shortest, longest, SIMULATED).into_iter();
+            let gaps = spread(shortest, longest, behind::GAPS).into_iter();
             shapes.extend(gaps.map(|gap| vec![gap, hz]));
         }
         for [contact, share] in ahead::contacts(scene) {
@@ -137,10 +137,19 @@ impl Effect for Backlash {
         true
     }
 
+    fn shows_in_simulations(&self, shape: &[f64]) -> bool {
+        // A spring of its own swings alike.
+        shape.len() != 2
+    }
+
     fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
         match fitted.shape {
             [_, _, share] => ahead::with_own_share(fitted, self, *share),
-            [_, _] => fitted.one(LOAD_SHARE, self),
+            [_, _] => {
+                let mut values = vec![fitted.entry(LOAD_SHARE, 0)];
+                values.extend(ahead::widened(fitted, self));
+                values
+            }
             _ => fitted.one(SHARE, self),
         }
     }

@@ -14,7 +14,9 @@ const STEP: f64 = 0.15;
 /// Slowest swing (Hz), and how many are tried up to what the samples tell, from where on they are refined.
 const SLOWEST_HZ: f64 = 15.0;
 const FASTEST_HZ: f64 = 150.0;
-const SWINGS: usize = 12;
+const SWINGS: usize = 18;
+/// Gaps that are tried for each.
+pub(super) const GAPS: usize = 18;
 /// Most periods of the swing in a sample.
 const SEEN: f64 = 0.2;
 /// The load's share of the inertia, which is the coefficient.

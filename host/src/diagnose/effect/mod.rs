@@ -330,6 +330,12 @@ pub trait Effect: Sync {
         false
     }
 
+    /// Whether a simulation's own effort tells that it has the effect, too.
+    fn shows_in_simulations(&self, shape: &[f64]) -> bool {
+        let _ = shape;
+        true
+    }
+
     /// Parameters with intervals, in the keys of a linear axis.
     fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)>;
 
