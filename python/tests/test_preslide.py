@@ -1,6 +1,8 @@
 """The functions are the tool's commands: equal answers, equal words, equal errors."""
 
 import csv
+import json
+import os
 import pathlib
 import re
 
@@ -235,6 +237,22 @@ def test_a_simulation_in_a_file_of_its_own():
         pytest.skip(f"SKIPPED: {twins} is not there")
     found = preslide.diagnose(twins / "joint_clean.rec.csv", simulated=str(twins / "joint_clean.twin.csv"))
     assert found.verdict == "parameters-differ"
+
+
+@pytest.mark.skipif(os.environ.get("PRESLIDE_LONG") != "1", reason="half a minute: `cargo xtask test --all python`")
+def test_a_gap_behind_a_spring_that_the_simulation_has():
+    twins = SHARED / "cases" / "twins"
+    if not twins.exists():
+        pytest.skip(f"SKIPPED: {twins} is not there")
+    found = preslide.diagnose(twins / "ballscrew_backlash.force.csv", simulated="force_sim_N")
+    print(found)
+    truth = json.loads((twins / "ballscrew_backlash.truth.json").read_text())["truth"]["backlash"]["gap"]
+    gap = next(e for e in found.effects if e.id == "backlash")
+    assert gap.level == "confident" and not gap.in_simulation and found.verdict == "missing-physics"
+    low, high = gap.parameters.gap_m.ci95
+    assert low < truth < high and abs(gap.parameters.gap_m.value / truth - 1.0) < 0.25
+    # The table's column over all samples.
+    assert found.correction.nmse_corrected < 0.25 * found.correction.nmse_simulation
 
 
 def test_plots_draw(answers, axis):

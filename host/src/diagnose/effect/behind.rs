@@ -87,3 +87,31 @@ fn transmitted(half: f64, w: f64, scene: &Scene) -> Vec<f64> {
     }
     effort
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::effect::Effect;
+    use crate::diagnose::effect::backlash::Backlash;
+    use crate::diagnose::effect::tests::Stage;
+    use crate::recording::MotionKind;
+
+    /// A load without weight follows the motor as friction lets it, which the quasi-static gap computes in another way.
+    #[test]
+    fn of_a_light_load_the_gap_is_the_quasi_static_one() {
+        let mut stage = Stage::new(MotionKind::Linear, 1.0);
+        stage.core.mass = 0.02;
+        stage.core.beside_simulation = Some(0.0);
+        let scene = stage.scene();
+        let gap = 2e-3;
+        let own = behind(gap, 90.0, &scene).value;
+        let slow = &Backlash.columns(&[gap], &scene)[0].value;
+        let squares = |of: &dyn Fn(usize) -> f64| -> f64 {
+            (0..own.len()).map(|i| of(i).powi(2)).sum::<f64>()
+        };
+        let apart = (squares(&|i| own[i] - slow[i]) / squares(&|i| slow[i])).sqrt();
+        eprintln!("{apart:.3} of the quasi-static column apart, RMS");
+        assert!(apart < 0.3, "{apart}");
+        assert!(behind(0.0, 90.0, &scene).value.iter().all(|f| *f == 0.0));
+    }
+}
