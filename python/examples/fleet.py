@@ -81,12 +81,14 @@ def main():
 
         def told(what, run):
             table = pathlib.Path(name) / f"{what.split()[0]}.parquet"
-            start = time.perf_counter()
+            start, own = time.perf_counter(), time.process_time()
             run(table)
             # Of parts it makes the table; of a whole fleet it has been made.
             preslide.fleet(folder, output=table, fit_only=fit_only)
-            seconds = time.perf_counter() - start
-            print(f"{what}: {AXES * DAYS / seconds:.1f} recordings a second, {seconds:.1f} s of {AXES * DAYS}", flush=True)
+            seconds, cpu = time.perf_counter() - start, time.process_time() - own
+            # Of workers the other processes' time is not known here.
+            took = "" if "workers" in what else f"; {cpu / (AXES * DAYS):.3f} s of a core each"
+            print(f"{what}: {AXES * DAYS / seconds:.1f} recordings a second, {seconds:.0f} s in all{took}", flush=True)
 
         print(f"{'fits' if fit_only else 'diagnoses'} of {AXES * DAYS} recordings of 600 rows, {os.cpu_count()} cores")
         told("one core", lambda table: preslide.fleet(folder, output=table, fit_only=fit_only, jobs=1))
