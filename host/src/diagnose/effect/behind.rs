@@ -91,27 +91,32 @@ fn transmitted(half: f64, w: f64, scene: &Scene) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::effect::Effect;
-    use crate::diagnose::effect::backlash::Backlash;
     use crate::diagnose::effect::tests::Stage;
     use crate::recording::MotionKind;
 
-    /// A load without weight follows the motor as friction lets it, which the quasi-static gap computes in another way.
+    /// What crosses the gap passes nothing, and on the whole the contact passes what holds the load. That the gap is told right is shown on a
+    /// machine of another's making (`python/tests/test_preslide.py`).
     #[test]
-    fn of_a_light_load_the_gap_is_the_quasi_static_one() {
+    fn a_gap_passes_nothing_and_its_flanks_what_holds_the_load() {
         let mut stage = Stage::new(MotionKind::Linear, 1.0);
         stage.core.mass = 0.02;
         stage.core.beside_simulation = Some(0.0);
         let scene = stage.scene();
-        let gap = 2e-3;
-        let own = behind(gap, 90.0, &scene).value;
-        let slow = &Backlash.columns(&[gap], &scene)[0].value;
-        let squares = |of: &dyn Fn(usize) -> f64| -> f64 {
-            (0..own.len()).map(|i| of(i).powi(2)).sum::<f64>()
+        let (w, level) = (TAU * 90.0, 1.0);
+        let [with, without] = [1e-3, 0.0].map(|half| transmitted(half, w, &scene));
+        let zeros = |force: &[f64]| force.iter().filter(|f| **f == 0.0).count();
+        assert!(zeros(&with) > 20 && zeros(&with) < with.len() / 2);
+        // The inertia is a hundredth of a newton: in sliding it is the friction, whose blocks hold 1 N.
+        let slides = |i: &usize| scene.s.v[*i].abs() > 0.05;
+        let mean = |force: &[f64]| {
+            let own: Vec<usize> = (0..force.len()).filter(slides).collect();
+            let along = own.iter().map(|i| force[*i] * scene.s.v[*i].signum());
+            along.sum::<f64>() / own.len() as f64
         };
-        let apart = (squares(&|i| own[i] - slow[i]) / squares(&|i| slow[i])).sqrt();
-        eprintln!("{apart:.3} of the quasi-static column apart, RMS");
-        assert!(apart < 0.3, "{apart}");
+        let [with_gap, stiff] = [&with, &without].map(|force| mean(force));
+        eprintln!("{with_gap:.3} N with the gap, {stiff:.3} N without, of {level} N");
+        assert!((stiff / level - 1.0).abs() < 0.05, "{stiff}");
+        assert!((0.6..1.0).contains(&(with_gap / level)), "{with_gap}");
         assert!(behind(0.0, 90.0, &scene).value.iter().all(|f| *f == 0.0));
     }
 }
