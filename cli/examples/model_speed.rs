@@ -1,9 +1,10 @@
 //! How long a model file takes for a sample, in Rust: what `python/examples/speed.py` compares the Python package with.
 //!
-//! `cargo run --release --example model_speed -- MODEL.toml SAMPLES` prints nanoseconds a sample, the best of five runs.
+//! `cargo run --release --example model_speed -- MODEL.toml SAMPLES` prints nanoseconds a sample, of a whole path and one tick after the other, the
+//! best of five runs.
 
 use preslide_host::friction::Path;
-use preslide_host::model::{Measured, Model};
+use preslide_host::model::{Measured, Model, Now, Stepper};
 use std::time::Instant;
 
 /// Time between samples (s).
@@ -37,12 +38,24 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         acceleration: Some(&acceleration),
         ..Measured::default()
     };
-    let mut best = f64::INFINITY;
+    let [mut whole, mut ticks] = [f64::INFINITY; 2];
     for _ in 0..5 {
         let start = Instant::now();
         let force = model.force_along(path, &measured)?;
-        best = best.min(start.elapsed().as_secs_f64() / std::hint::black_box(force).len() as f64);
+        whole = whole.min(start.elapsed().as_secs_f64() / std::hint::black_box(force).len() as f64);
+        let mut stepper = Stepper::of(&model, STEP)?;
+        let start = Instant::now();
+        for i in 0..samples {
+            let now = Now {
+                position: position[i],
+                velocity: Some(velocity[i]),
+                acceleration: Some(acceleration[i]),
+                ..Now::default()
+            };
+            std::hint::black_box(stepper.step(&now)?);
+        }
+        ticks = ticks.min(start.elapsed().as_secs_f64() / samples as f64);
     }
-    println!("{:.2}", best * 1e9);
+    println!("{:.2} {:.2}", whole * 1e9, ticks * 1e9);
     Ok(())
 }

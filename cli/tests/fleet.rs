@@ -94,7 +94,16 @@ fn a_fleet_is_a_row_a_recording_and_goes_on_where_it_was_stopped() {
     fleet(&folder.path().join("line"));
     let made = run(
         folder.path(),
-        &["line", "-o", "fleet.csv", "--fit-only", "--jobs", "2"],
+        &[
+            "line",
+            "-o",
+            "fleet.csv",
+            "--fit-only",
+            "--jobs",
+            "2",
+            "--json",
+            "fleet.json",
+        ],
     );
     assert!(made.status.success(), "{}", text(&made.stderr));
     let said = text(&made.stdout);
@@ -109,6 +118,25 @@ fn a_fleet_is_a_row_a_recording_and_goes_on_where_it_was_stopped() {
     assert!(said.contains("axis2/2026-11-03.csv"), "{said}");
     let table = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("written");
     let csv = table("fleet.csv");
+    let summary: serde_json::Value = serde_json::from_str(&table("fleet.json")).expect("a summary");
+    assert_eq!(summary["schema"], "preslide.fleet-summary/1");
+    let counts = ["recordings", "axes", "made"].map(|key| summary[key].as_u64().expect(key));
+    assert_eq!(counts, [21, 3, 21]);
+    assert_eq!(summary["errors"][0]["file"], "axis2/2026-11-03.csv");
+    assert_eq!(summary["errors"][0]["reason"], column(&csv, "error")[16]);
+    let alarms = column(&csv, "alarm")
+        .iter()
+        .filter(|a| *a == "true")
+        .count();
+    assert_eq!(summary["with_alarm"], alarms);
+    let worn = &summary["newest"][0];
+    assert_eq!(
+        (&worn["axis"], &worn["alarm"]),
+        (&"axis1".into(), &true.into())
+    );
+    assert_eq!(worn["parameter"], "coulomb_N");
+    let share = worn["by"].as_f64().expect("a change") / worn["usual"].as_f64().expect("a mean");
+    assert!((share - 0.33).abs() < 0.05, "{worn}");
     let levels: Vec<f64> = column(&csv, "coulomb_N")
         .iter()
         .filter_map(|v| v.parse().ok())

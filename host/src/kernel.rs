@@ -302,7 +302,7 @@ impl Kernel {
         )
     }
 
-    fn hand<S: Scalar, V: Visitor<S>>(
+    fn hand<S: Scalar + Send + 'static, V: Visitor<S>>(
         self,
         model: &MaxwellSlip,
         sample_time: f64,

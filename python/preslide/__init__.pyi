@@ -10,7 +10,8 @@ __version__: str
 Recording = Union[str, PathLike[str], Mapping[str, Any], Any]
 #: Called with what is being done, the steps done, and how many there are (0 where nobody knows).
 Progress = Callable[[str, int, int], object]
-#: Time (s), position, velocity and acceleration under `t`, `x`, `v`, `a`; to the force or torque.
+#: Time (s), position, velocity and acceleration under `t`, `x`, `v`, `a`; to the force or torque. Forward, with the recorded `force` besides: to
+#: the position, or to position and force.
 Simulation = Callable[[dict[str, np.ndarray]], Any]
 
 class Error(Exception):
@@ -29,7 +30,14 @@ class Result(View):
     warnings: list[str]
     model: Model | None
     data: dict[str, np.ndarray] | None
+    code: str | None
+    def corrector(self) -> Corrector: ...
     def plot(self, ax: Any = None) -> Any: ...
+
+class Corrector:
+    def force(self, t: float, x: float, v: float, a: float, *measured: float) -> float: ...
+    def terms(self, t: float, x: float, v: float, a: float, *measured: float) -> dict[str, float]: ...
+    def reset(self) -> None: ...
 
 class Model:
     def __init__(self, source: str | PathLike[str]) -> None: ...
@@ -51,6 +59,13 @@ class Model:
         temperature: np.ndarray | None = None,
         load: np.ndarray | None = None,
     ) -> np.ndarray: ...
+    def stepper(self, rate: float) -> Stepper: ...
+
+class Stepper:
+    def step(
+        self, x: float, v: float | None = None, a: float | None = None, temperature: float | None = None, load: float | None = None
+    ) -> float: ...
+    def reset(self) -> None: ...
 
 def identify(*recordings: Recording, progress: Progress | None = None, **options: Any) -> Result: ...
 def compare(*recordings: Recording, progress: Progress | None = None, **options: Any) -> Result: ...
@@ -58,6 +73,7 @@ def diagnose(
     *recordings: Recording,
     model: Model | Result | str | PathLike[str] | None = None,
     simulate: Simulation | None = None,
+    simulate_motion: Simulation | None = None,
     simulated: Recording | None = None,
     progress: Progress | None = None,
     **options: Any,

@@ -79,17 +79,21 @@ def _run(command, arguments, folder, progress, makes=None, fails=True):
     arguments = [command, *arguments, "--json", str(answer)]
     if made:
         arguments += ["-o", str(made)]
+    code = folder / "correction.py" if command == "diagnose" and makes == ".csv" else None
+    if code:
+        arguments += ["-o", str(code)]
     said, told, failure = run(arguments, progress)
     # Files of our own are nobody's business.
     own = str(folder) + os.sep
-    kept = [line for line in said.splitlines(keepends=True) if not (made and str(made) in line)]
+    kept = [line for line in said.splitlines(keepends=True) if not any(file and str(file) in line for file in (made, code))]
     said, told = "".join(kept).replace(own, ""), [line.replace(own, "") for line in told if not line.startswith("wrote ")]
     result = None
     if answer.exists():
         values = json.loads(answer.read_text(encoding="utf-8").replace(json.dumps(own)[1:-1], ""))
         model = Model(made) if makes == ".toml" and made.exists() else None
         data = _table(made) if makes == ".csv" and made.exists() else None
-        result = Result(command, values, said, told, model, data)
+        text = code.read_text(encoding="utf-8").replace(own, "") if code and code.exists() else None
+        result = Result(command, values, said, told, model, data, text)
     if failure and (fails or result is None):
         raise Error(failure[0].replace(own, ""), failure[1], result)
     return result
@@ -126,18 +130,22 @@ def compare(*recordings, progress=None, **options):
         return _run("compare", _files(recordings, folder) + _options(options), folder, progress)
 
 
-def diagnose(*recordings, model=None, simulate=None, simulated=None, progress=None, **options):
+def diagnose(*recordings, model=None, simulate=None, simulate_motion=None, simulated=None, progress=None, **options):
     """Where recording and model, or recording and simulation, differ, what physics is missing, and the proof.
 
     `simulate` is a simulation of your own: a function of a dictionary of arrays (`t`, `x`, `v`, `a` in SI) to the force that it needs for that
-    motion. `result.data` is then the correction, term by term, and `result.correction.nmse_corrected` what is left with it (% of the variance).
-    `simulated` names a column or a file instead.
+    motion. `result.data` is then the correction, term by term, `result.correction.nmse_corrected` what is left with it (% of the variance), and
+    `result.corrector()` adds it to any motion. `simulate_motion` is one that only moves forward: of the same dictionary with the recorded `force` to
+    the position that it comes to under it; or to position and force, where a controller of its own moves it. `simulated` names a column or a file
+    instead.
     """
     _without_own(options)
+    if sum(given is not None for given in (model, simulate, simulate_motion, simulated)) > 1:
+        raise Error("give one of model, simulate, simulate_motion and simulated: each is what the recording is held against")
     with _folder() as name:
         folder = pathlib.Path(name)
-        if simulate is not None:
-            return _with_simulation(recordings, simulate, folder, progress, options)
+        if simulate is not None or simulate_motion is not None:
+            return _with_simulation(recordings, simulate, simulate_motion, folder, progress, options)
         arguments = _options(options)
         if model is not None:
             arguments += ["--model", _model_file(model, folder)]
@@ -148,28 +156,36 @@ def diagnose(*recordings, model=None, simulate=None, simulated=None, progress=No
         return _run("diagnose", _files(recordings, folder) + arguments, folder, progress, makes)
 
 
-#: Columns of a recording that tell its motion, and the effort.
-_POSITION = ("x_m", "q_rad")
+#: Columns of a recording that tell its motion and its effort, and what those of a simulation are called.
+_POSITION = {"x_m": "x_sim_m", "q_rad": "q_sim_rad"}
 _EFFORT = {"force_N": "force_sim_N", "friction_N": "friction_sim_N", "torque_Nm": "torque_sim_Nm"}
 
 
-def _with_simulation(recordings, simulate, folder, progress, options):
+def _with_simulation(recordings, simulate, simulate_motion, folder, progress, options):
+    name = "simulate" if simulate_motion is None else "simulate_motion"
     if len(recordings) != 1 or _is_path(recordings[0]):
-        raise Error("simulate=… takes one recording as arrays or a frame: t_s, x_m or q_rad, and force_N or torque_Nm")
+        raise Error(f"{name}=… takes one recording as arrays or a frame: t_s, x_m or q_rad, and force_N or torque_Nm")
     columns = _columns(recordings[0])
     position = next((key for key in _POSITION if key in columns), None)
     effort = next((key for key in _EFFORT if key in columns), None)
     if "t_s" not in columns or position is None or effort is None:
-        raise Error(f"simulate=… needs t_s, x_m or q_rad, and force_N or torque_Nm; the recording has {', '.join(columns)}")
+        raise Error(f"{name}=… needs t_s, x_m or q_rad, and force_N or torque_Nm; the recording has {', '.join(columns)}")
     # The motion as the tool sees it: filtered, so that a simulation may differentiate nothing.
     t, x = columns["t_s"].astype(float), columns[position].astype(float)
     motion = _motion(t, x, position, folder, progress)
-    simulated = np.asarray(simulate(motion), dtype=float)
-    if simulated.shape != t.shape or not np.isfinite(simulated).all():
-        raise Error(f"simulate=… gave {simulated.shape} values, not one finite number for each of the {t.size} samples")
-    columns[_EFFORT[effort]] = simulated
-    file = _file(columns, folder, "recording")
-    arguments = [file, "--simulated", _EFFORT[effort], *_options(options)]
+    if simulate is not None:
+        answers = {_EFFORT[effort]: simulate(motion)}
+    else:
+        answer = simulate_motion(motion | {"force": columns[effort].astype(float)})
+        parts = answer if isinstance(answer, tuple) else (answer,)
+        if len(parts) > 2:
+            raise Error(f"{name}=… gave {len(parts)} arrays; give the position, or position and force")
+        answers = dict(zip((_POSITION[position], _EFFORT[effort]), parts))
+    for column, values in answers.items():
+        columns[column] = np.asarray(values, dtype=float)
+        if columns[column].shape != t.shape or not np.isfinite(columns[column]).all():
+            raise Error(f"{name}=… gave {columns[column].shape} values, not one finite number for each of the {t.size} samples")
+    arguments = [_file(columns, folder, "recording"), "--simulated", ",".join(answers), *_options(options)]
     return _run("diagnose", arguments, folder, progress, ".csv")
 
 

@@ -69,5 +69,18 @@ class Model:
         except ValueError as error:
             raise Error(str(error)) from None
 
+    def stepper(self, rate):
+        """The model a tick at a time, `rate` ticks a second (Hz), from rest: for simulators and loops that have but the present.
+
+        `.step(x, v, a)` is the force that `force` has at that sample. Without `v` it takes the way since the last tick; without `a` the force of
+        the inertia is left out. `temperature` and `load` are further arguments. `.reset()` goes back to rest.
+        """
+        if not rate > 0.0:
+            raise Error(f"rate={rate}: give the ticks a second (Hz), above zero")
+        try:
+            return self._own.stepper(rate)
+        except ValueError as error:
+            raise Error(str(error)) from None
+
     def __repr__(self):
         return f"<preslide.Model, inertia {self.inertia:.4g}, breakaway {self.breakaway}>"

@@ -60,7 +60,7 @@ def _view(value):
 class Result(View):
     """What a command found. Printed, it is what the tool prints; its attributes are the keys of the tool's JSON file."""
 
-    def __init__(self, command, values, text, warnings, model=None, data=None):
+    def __init__(self, command, values, text, warnings, model=None, data=None, code=None):
         super().__init__(values)
         self._command = command
         #: What the tool prints.
@@ -71,6 +71,16 @@ class Result(View):
         self.model = model
         #: Arrays by name, where the command makes a recording or a correction.
         self.data = data
+        #: The correction of a simulation as Python code.
+        self.code = code
+
+    def corrector(self):
+        """The correction of a simulation at work: `.force(t, x, v, a)`, called once for every sample in order, is what to add to its own force."""
+        if self.code is None:
+            raise Error("there is no correction here: nothing is stated that a simulation lacks")
+        names = {}
+        exec(compile(self.code, "correction.py", "exec"), names)  # What the tool wrote a moment ago.
+        return names["Correction"]()
 
     def __str__(self):
         return self.text

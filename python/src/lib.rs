@@ -3,11 +3,11 @@
 use numpy::{PyArray1, PyReadonlyArray1};
 use preslide_cli::call;
 use preslide_host::friction::Path;
-use preslide_host::model::{Measured, Model};
+use preslide_host::model::{Measured, Model, Now, Stepper};
 use preslide_host::recording::MotionKind;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// What a command said, what it told beside that, and why it failed with which exit code.
 type Answer = (String, Vec<String>, Option<(String, u8)>);
@@ -74,6 +74,16 @@ impl PyModel {
         self.model.friction.breakaway()
     }
 
+    /// The same, a tick at a time: for `rate` ticks a second (Hz), from rest.
+    fn stepper(&self, rate: f64) -> PyResult<PyStepper> {
+        let own = Stepper::of(&self.model, 1.0 / rate).map_err(PyValueError::new_err)?;
+        Ok(PyStepper {
+            own: Mutex::new(own),
+            model: self.model.clone(),
+            rate,
+        })
+    }
+
     /// The force (N or N·m) that a motion takes at every sample: friction, viscous and constant force, every effect, and inertia where the
     /// acceleration is given.
     #[pyo3(signature = (t, x, v, a=None, temperature=None, load=None))]
@@ -133,10 +143,51 @@ impl PyModel {
     }
 }
 
+/// A model at work, tick after tick.
+#[pyclass(name = "Stepper", module = "preslide._preslide", frozen)]
+struct PyStepper {
+    own: Mutex<Stepper>,
+    model: Model,
+    rate: f64,
+}
+
+#[pymethods]
+impl PyStepper {
+    /// The force (N or N·m) that this tick takes at position `x` (m or rad). `v` (m/s or rad/s) is the way since the last tick over its time where
+    /// it is not given; without `a` (m/s² or rad/s²) the force of the inertia is left out.
+    #[pyo3(signature = (x, v=None, a=None, temperature=None, load=None))]
+    fn step(
+        &self,
+        x: f64,
+        v: Option<f64>,
+        a: Option<f64>,
+        temperature: Option<f64>,
+        load: Option<f64>,
+    ) -> PyResult<f64> {
+        let now = Now {
+            position: x,
+            velocity: v,
+            acceleration: a,
+            temperature_c: temperature,
+            load_n: load,
+        };
+        let mut own = self.own.lock().unwrap_or_else(PoisonError::into_inner);
+        own.step(&now).map_err(PyValueError::new_err)
+    }
+
+    /// Back to rest, with nothing remembered.
+    fn reset(&self) -> PyResult<()> {
+        let fresh = Stepper::of(&self.model, 1.0 / self.rate).map_err(PyValueError::new_err)?;
+        *self.own.lock().unwrap_or_else(PoisonError::into_inner) = fresh;
+        Ok(())
+    }
+}
+
 /// The tool in this process.
 #[pymodule]
 fn _preslide(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(run, module)?)?;
     module.add_class::<PyModel>()?;
+    module.add_class::<PyStepper>()?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))
 }

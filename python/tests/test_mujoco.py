@@ -160,6 +160,48 @@ def test_a_mujoco_model_is_a_simulation_that_is_corrected():
     assert again.baseline.nmse_test < 0.1 * found.baseline.nmse_test
 
 
+def test_a_mujoco_model_that_moves_under_the_recorded_force_is_corrected():
+    """Force to motion, by `mj_step`: the machine is the same model with a cogging besides, moved by a controller."""
+    step = 2e-3
+    arm = mujoco.MjModel.from_xml_string(
+        '<mujoco><option timestep="1e-3"><flag contact="disable"/></option><worldbody><body><joint axis="0 -1 0" damping="0.05" frictionloss="0.1" '
+        'solreffriction="0.004 1"/><inertial pos="0 0 -0.1" mass="0.4" diaginertia="1e-4 1e-4 1e-4"/></body></worldbody></mujoco>'
+    )
+
+    def moved(t, torque, start, beside=lambda t, x, v, a: 0.0):
+        """`torque` of a time's number, of position and velocity."""
+        data = mujoco.MjData(arm)
+        data.qpos[0], data.qvel[0] = start
+        out, applied = [], []
+        for i, now in enumerate(t):
+            out.append(data.qpos[0])
+            applied.append(torque(i, data.qpos[0], data.qvel[0]))
+            for _ in range(2):
+                data.qfrc_applied[0] = applied[-1] - beside(now, data.qpos[0], data.qvel[0], 0.0)
+                mujoco.mj_step(arm, data)
+        return np.array(out), np.array(applied)
+
+    t = np.arange(0.0, 30.0, step)
+    path = sum(a * np.sin(w * t) for a, w in ((1.0, 2.1), (0.4, 5.3), (0.15, 11.9)))
+    speed = np.diff(path, prepend=path[0]) / step
+    position, torque = moved(t, lambda i, x, v: 60 * (path[i] - x) + 1.5 * (speed[i] - v), (0, 0), lambda t, x, v, a: 0.05 * np.cos(12 * x))
+    recording = {"t_s": t, "q_rad": position, "torque_Nm": torque + 2e-3 * np.random.default_rng(5).normal(size=t.size)}
+
+    def simulation(motion, *beside):
+        start = motion["x"][0], (motion["x"][1] - motion["x"][0]) / step
+        return moved(motion["t"], lambda i, *_: motion["force"][i], start, *beside)[0]
+
+    found = preslide.diagnose(recording, simulate_motion=simulation)
+    print(found)
+    first = next(e for e in found.effects if e.level == "confident")
+    assert first.id == "periodic_force" and abs(first.parameters.force_Nm.value / 0.05 - 1.0) < 0.05
+    # Its own correction, and the motion once more.
+    motion = {"t": t, "x": position, "force": recording["torque_Nm"]}
+    without = apart(simulation(motion), position, "as it is")
+    corrected = apart(simulation(motion, found.corrector().force), position, "corrected")
+    assert without > 0.03 and corrected < 0.003
+
+
 def test_urdf_is_read_with_the_models_numbers():
     joint = element(preslide.export(preslide.Model(CARRIAGE), urdf=True))
     assert "inertia" not in joint

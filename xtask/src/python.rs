@@ -1,34 +1,25 @@
 //! The Python package as its user installs it: `pip install ./python` in a fresh virtual environment, and its tests.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::process::{build_as_tests, root, run, target_of};
 
-/// Installs the package and runs its tests, those on `clusters`, too, where that is asked.
-pub fn check(clusters: bool) -> Result<(), String> {
+/// Installs the package and runs its tests, the long ones, too, where that is asked.
+pub fn check(long: bool) -> Result<(), String> {
     // What the answers are compared with, in the profile of the package: the host is compiled once.
     build_as_tests(&["--bin", "preslide"])?;
     let target = target_of(root());
-    let folder = target.join("python");
-    let python = folder.join("bin").join("python");
-    run(Command::new("python3")
-        .args(["-m", "venv", "--clear"])
-        .arg(&folder))?;
-    let package: PathBuf = root().join("python");
-    let mut install = Command::new(&python);
-    install.args([
-        "-m",
-        "pip",
-        "install",
-        "--disable-pip-version-check",
-        "--quiet",
-    ]);
-    install.arg(&package).arg("--requirement");
+    let python = environment(&target.join("python"))?;
+    let package = root().join("python");
     let tests = package.join("tests");
-    install.arg(tests.join("requirements.txt"));
-    if clusters {
-        install.arg("--requirement").arg(tests.join("clusters.txt"));
+    let mut install = pip_install(&python);
+    install.arg(&package);
+    install
+        .arg("--requirement")
+        .arg(tests.join("requirements.txt"));
+    if long {
+        install.arg("--requirement").arg(tests.join("long.txt"));
     }
     run(install.env("CARGO_TARGET_DIR", &target)).map_err(|reason| {
         format!(
@@ -36,9 +27,31 @@ pub fn check(clusters: bool) -> Result<(), String> {
         )
     })?;
     let mut test = Command::new(&python);
-    test.args(["-m", "pytest", "-q", "-rs"]).arg(tests);
-    if clusters {
-        test.env("PRESLIDE_CLUSTERS", "1");
+    test.args(["-m", "pytest", "-q", "-rs"]).arg(&tests);
+    if long {
+        test.env("PRESLIDE_LONG", "1");
+    }
+    if long && cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+        let physx = environment(&target.join("physx"))?;
+        run(pip_install(&physx)
+            .arg("--requirement")
+            .arg(tests.join("physx.txt")))?;
+        test.env("PRESLIDE_PHYSX", physx);
     }
     run(test.env("CARGO_TARGET_DIR", &target))
+}
+
+/// A fresh virtual environment; its interpreter.
+fn environment(folder: &Path) -> Result<PathBuf, String> {
+    run(Command::new("python3")
+        .args(["-m", "venv", "--clear"])
+        .arg(folder))?;
+    Ok(folder.join("bin").join("python"))
+}
+
+fn pip_install(python: &Path) -> Command {
+    let mut install = Command::new(python);
+    install.args(["-m", "pip", "install", "--quiet"]);
+    install.arg("--disable-pip-version-check");
+    install
 }

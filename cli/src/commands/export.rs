@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 /// A model as source for the firmware, in Rust (constants, the composed type, the function that builds it) or C; or as a simulator's joint
 #[derive(Args)]
 #[command(
-    after_help = "Example: preslide export model.toml --recording axis.csv -o src/stage_model.rs\n         preslide export model.toml --lang c --rate 20000 -o stage_model.c\n         preslide export model.toml --mjcf -o joint.xml"
+    after_help = "Example: preslide export model.toml --recording axis.csv -o src/stage_model.rs\n         preslide export model.toml --lang c --rate 20000 -o stage_model.c\n         preslide export model.toml --mjcf -o joint.xml\n         preslide export model.toml --usd -o joint.usda"
 )]
 pub struct Export {
     /// Model file, as `identify` and `diagnose` write it
@@ -34,7 +34,7 @@ pub struct Export {
     limit: Option<f64>,
 
     /// Language of the source; C99 is a pair of files, -o NAME.c and NAME.h beside it, in single precision
-    #[arg(long, value_enum, default_value_t = Lang::Rust, conflicts_with_all = ["mjcf", "urdf"])]
+    #[arg(long, value_enum, default_value_t = Lang::Rust, conflicts_with_all = ["mjcf", "urdf", "usd"])]
     lang: Lang,
 
     /// Ticks per second (Hz): of C code, where time plays a part in the model, and for --kernel auto (20 kHz without it)
@@ -42,7 +42,7 @@ pub struct Export {
     rate: Option<f64>,
 
     /// Form of a Maxwell-slip model's law: a kernel's name, or auto for what `preslide tune` recommends
-    #[arg(long, value_name = "NAME or auto", conflicts_with_all = ["mjcf", "urdf"])]
+    #[arg(long, value_name = "NAME or auto", conflicts_with_all = ["mjcf", "urdf", "usd"])]
     kernel: Option<String>,
 
     /// Core for --kernel auto, as for `preslide tune`
@@ -54,12 +54,16 @@ pub struct Export {
     count: Option<f64>,
 
     /// A joint of MuJoCo instead: frictionloss, damping, armature; what it cannot hold is said, and stands in comments
-    #[arg(long, conflicts_with_all = ["limit", "urdf"])]
+    #[arg(long, conflicts_with_all = ["limit", "urdf", "usd"])]
     mjcf: bool,
 
     /// A joint of URDF instead: the friction and damping of its dynamics
-    #[arg(long, conflicts_with = "limit")]
+    #[arg(long, conflicts_with_all = ["limit", "usd"])]
     urdf: bool,
+
+    /// A joint of OpenUSD instead, as text (.usda) with PhysX's schema, which Isaac Sim reads: armature, static, dynamic and viscous friction
+    #[arg(long, conflicts_with = "limit")]
+    usd: bool,
 
     /// Recording to name in the source by its hash, with the error of the exported model on it; may be repeated
     #[arg(long, value_name = "REC")]
@@ -102,11 +106,14 @@ impl Export {
         let whole = Model::parse(&text).map_err(in_file)?;
         let model = reduced(&whole, &self.without).map_err(in_file)?;
 
-        let format = match (self.mjcf, self.urdf) {
-            (true, _) => Some(Format::Mjcf),
-            (_, true) => Some(Format::Urdf),
-            _ => None,
-        };
+        let formats = [
+            (self.mjcf, Format::Mjcf),
+            (self.urdf, Format::Urdf),
+            (self.usd, Format::Usd),
+        ];
+        let format = formats
+            .into_iter()
+            .find_map(|(asked, f)| asked.then_some(f));
         let joint = format.map(|format| Joint::of(&model, format));
         let joint = joint.transpose().map_err(in_file)?;
         let how = match (&joint, self.lang) {
@@ -134,7 +141,7 @@ impl Export {
             remarks.push(self.error_on(exported, path)?);
         }
         if let Some(joint) = joint {
-            self.write(&joint.to_xml(&remarks))?;
+            self.write(&joint.to_text(&remarks))?;
             for clause in &joint.left_out {
                 tell!("Not in the joint: {clause}.");
             }

@@ -1,10 +1,10 @@
 //! `preslide fleet`.
 
 use super::tune::parse_percent;
-use super::{Failure, ReadingArgs, command_line, outputs};
+use super::{Failure, OutputArgs, ReadingArgs, command_line, outputs};
 use clap::Args;
 use preslide_host::fleet::history::{Change, FEWEST, changes};
-use preslide_host::fleet::page::{page, ranking, table};
+use preslide_host::fleet::page::{page, ranking, table, to_json};
 use preslide_host::fleet::table::{columns, write_csv, write_parquet};
 use preslide_host::fleet::{
     Asked, Journal, Member, Part, Row, is_begun, is_journal, members, rows,
@@ -12,6 +12,7 @@ use preslide_host::fleet::{
 use preslide_host::progress::Progress;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// Axes that the terminal lists.
 const SHOWN: usize = 12;
@@ -30,10 +31,6 @@ pub struct Fleet {
     #[arg(short, long, value_name = "FILE", required = true)]
     output: Vec<PathBuf>,
 
-    /// Write one self-contained page that ranks what drifted
-    #[arg(long, value_name = "FILE.html")]
-    report: Option<PathBuf>,
-
     /// Share of recordings of which nothing changed that may raise an alarm
     #[arg(long, value_name = "SHARE", default_value = "1%", value_parser = parse_percent)]
     false_alarms: f64,
@@ -44,7 +41,7 @@ pub struct Fleet {
 
     /// Make every Nth row from the Kth on and no table, for clusters that share a file system: each part has a journal of its own, and the same
     /// command without it makes the table of them all
-    #[arg(long, value_name = "K/N", conflicts_with = "report")]
+    #[arg(long, value_name = "K/N", conflicts_with_all = ["report", "json"])]
     part: Option<Part>,
 
     /// Recordings at a time [default: the cores of this machine]
@@ -53,6 +50,16 @@ pub struct Fleet {
 
     #[command(flatten)]
     reading: ReadingArgs,
+
+    #[command(flatten)]
+    outputs: OutputArgs,
+}
+
+/// Rows in the order of their recordings.
+struct Made {
+    rows: Vec<Row>,
+    /// How many of them are new, and how long those took together (s).
+    new: (usize, f64),
 }
 
 impl Fleet {
@@ -77,13 +84,11 @@ impl Fleet {
         };
         members.retain(|m| !is_own(&m.path));
         let inputs: Vec<&Path> = members.iter().map(|m| m.path.as_path()).collect();
-        let tables = self.output.iter().map(|path| ("-o", Some(path)));
-        let own: Vec<outputs::Output> =
-            tables.chain([("--report", self.report.as_ref())]).collect();
-        outputs::check(&inputs, &own, None)?;
+        let own: Vec<outputs::Output> = self.output.iter().map(|p| ("-o", Some(p))).collect();
+        outputs::check(&inputs, &own, Some(&self.outputs))?;
         if let Some(part) = self.part {
             let own = members.iter().skip(part.number - 1).step_by(part.of);
-            let rows = self.all_rows(&own.cloned().collect::<Vec<_>>())?;
+            let rows = self.all_rows(&own.cloned().collect::<Vec<_>>())?.rows;
             say!(
                 "{} of part {} of {}; the same command without --part makes the table.",
                 many(rows.len(), "row", "rows"),
@@ -96,7 +101,8 @@ impl Fleet {
     }
 
     /// The tables, the terminal's words and the page.
-    fn tell(&self, rows: &[Row]) -> Result<(), Failure> {
+    fn tell(&self, made: &Made) -> Result<(), Failure> {
+        let rows = &made.rows;
         let changes = changes(rows, self.false_alarms);
         let columns = columns(rows, &changes);
         for table in &self.output {
@@ -119,10 +125,9 @@ impl Fleet {
         if let Some(more @ 1..) = wrong.len().checked_sub(SHOWN) {
             say!("{more} more are without an answer; the column `error` has each one's reason.");
         }
-        if let Some(path) = &self.report {
-            let page = page(rows, &ranked, words, command_line());
-            outputs::write_with(path, |path| page.write_html(path))?;
-        }
+        let summary = to_json(rows, &changes, self.false_alarms, made.new);
+        self.outputs
+            .write(&summary, || page(rows, &ranked, words, command_line()))?;
         match wrong.len() == rows.len() {
             true => Err(Failure::Data(
                 "none of the recordings gave an answer; the table has each one's reason".to_owned(),
@@ -132,7 +137,8 @@ impl Fleet {
     }
 
     /// The row of every recording, in their order; those that are known are not made again.
-    fn all_rows(&self, members: &[Member]) -> Result<Vec<Row>, Failure> {
+    fn all_rows(&self, members: &[Member]) -> Result<Made, Failure> {
+        let start = Instant::now();
         let asked = match self.fit_only {
             true => Asked::Fit,
             false => Asked::Diagnosis,
@@ -162,7 +168,10 @@ impl Fleet {
         if let Some(reason) = failed {
             tell!("warning: {reason}; the next run makes these rows again");
         }
-        Ok(all.into_iter().flatten().collect())
+        Ok(Made {
+            rows: all.into_iter().flatten().collect(),
+            new: (new.len(), start.elapsed().as_secs_f64()),
+        })
     }
 
     /// What came of it, in words.

@@ -235,6 +235,7 @@ impl Core {
             slipping,
             stiffness,
             fitted,
+            beside_simulation: None,
         }
     }
 }

@@ -231,7 +231,8 @@ impl Ground {
         };
         let beside = [Subject::Effect(&viscous::Viscous), Subject::Curve(map)];
         let own = self.fit(&beside.map(|subject| Term::new(subject, &[])))?;
-        let found = self.with_baseline(&own);
+        let mut found = self.with_baseline(&own);
+        found.baseline.beside_simulation = own.coefficients(0).first().copied();
         drop((self, own));
         let mut rows = Arc::into_inner(found.rows)?;
         let simulated = rows.weak.rows(simulated);

@@ -169,8 +169,8 @@ pub fn diagnose_simulation(
     let (viscous, inertia) = (slope(&effort.sloped), slope(&slope(&effort.curved)));
     let parts = effort.value.iter().zip(viscous).zip(inertia);
     let simulated = parts.map(|((f, v), i)| f + v + i).collect();
-    found.take_correction(recording, simulated);
     found.reproduced = Some(reproduced);
+    found.take_correction(recording, simulated);
     Ok(found)
 }
 
@@ -178,7 +178,9 @@ impl Diagnosis {
     /// Takes down what a simulation of this effort for the recorded motion (N or N·m) lacks.
     fn take_correction(&mut self, recording: &Recording, simulated: Vec<f64>) {
         let state = (&self.ground, &self.states[1]);
-        self.correction = Correction::of(state, &self.effects, recording, simulated);
+        let is_reproduced = self.reproduced.is_some();
+        let of_simulation = (simulated, is_reproduced);
+        self.correction = Correction::of(state, &self.effects, recording, of_simulation);
     }
 
     /// The mismatch is no larger than what is not known of the simulation.

@@ -412,7 +412,11 @@ fn of_the_simulation(ground: &Ground, extended: &Hypothesis, effects: &mut [Name
     if !ground.core.corrects {
         return;
     }
-    for effect in effects.iter_mut().filter(|e| e.confident) {
+    let shows = |e: &&mut Named| {
+        let own = e.term.as_ref().and_then(|t| Some((t.effect()?, t)));
+        e.confident && own.is_none_or(|(effect, term)| effect.shows_in_simulations(&term.shape))
+    };
+    for effect in effects.iter_mut().filter(shows) {
         let own = |t: &Term| effect.term.as_ref().is_some_and(|own| own.is_near(t));
         let index = extended.terms.iter().position(own);
         effect.in_simulation = index.is_some_and(|i| simulation::has_its_term(ground, extended, i));

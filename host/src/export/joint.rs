@@ -1,7 +1,8 @@
 //! A model as a joint of a simulator: what the format holds, and in words what it does not.
 //!
 //! MuJoCo (MJCF) holds `inertia·a + damping·v + frictionloss·sgn v + stiffness·(x − springref)` with a bound of the actuator's force; URDF
-//! `damping·v + friction·sgn v`. Both friction levels are that in sliding.
+//! `damping·v + friction·sgn v`; OpenUSD with PhysX's schema, as Isaac Sim has it, `armature·a + viscousFrictionCoefficient·v +
+//! dynamicFrictionEffort·sgn v`, another level at rest, and a drive that is a spring or bounded.
 
 use crate::effects::Effect;
 use crate::effects::form::{self, Form};
@@ -17,6 +18,32 @@ pub enum Format {
     Mjcf,
     /// ROS's.
     Urdf,
+    /// OpenUSD's, with PhysX's friction.
+    Usd,
+}
+
+/// What a format holds beside friction in sliding and viscous friction.
+struct Holds {
+    inertia: bool,
+    /// A level at rest of its own.
+    rest: bool,
+    effects: &'static [&'static Form],
+}
+
+impl Format {
+    fn holds(self) -> Holds {
+        static OF_MJCF: [&Form; 2] = [&form::POSITION_SPRING, &form::ACTUATOR_SATURATION];
+        let (inertia, rest, effects) = match self {
+            Self::Mjcf => (true, false, &OF_MJCF[..]),
+            Self::Urdf => (false, false, &[][..]),
+            Self::Usd => (true, true, &OF_MJCF[..]),
+        };
+        Holds {
+            inertia,
+            rest,
+            effects,
+        }
+    }
 }
 
 /// A joint.
@@ -27,6 +54,8 @@ pub struct Joint {
     /// What it does not hold, a clause each.
     pub left_out: Vec<String>,
     format: Format,
+    /// Friction (N or N·m) at rest, where the format has one of its own.
+    rest: f64,
 }
 
 /// Standard gravity (m/s²), which makes a mass and a lever of a torque.
@@ -36,9 +65,6 @@ const GRAVITY: f64 = 9.806_65;
 /// time step, 2 ms.
 const SOLREF: &str = "0.004 1";
 
-/// What a joint of MuJoCo holds beside friction and inertia.
-static OF_MJCF: [&Form; 2] = [&form::POSITION_SPRING, &form::ACTUATOR_SATURATION];
-
 impl Joint {
     /// What of a model a format holds.
     ///
@@ -46,7 +72,8 @@ impl Joint {
     /// A friction model without a level in sliding.
     pub fn of(model: &Model, format: Format) -> Result<Self, String> {
         let mut left_out = Vec::new();
-        let coulomb = level(model, &mut left_out)?;
+        let holds = format.holds();
+        let (rest, coulomb) = levels(model, &holds, &mut left_out)?;
         let unit = effort(model);
         if model.constant_force != 0.0 {
             left_out.push(format!(
@@ -54,7 +81,7 @@ impl Joint {
                 model.constant_force
             ));
         }
-        if format == Format::Urdf && model.inertia > 0.0 {
+        if !holds.inertia && model.inertia > 0.0 {
             left_out.push(format!(
                 "inertia, {} {}: URDF has it in the `<inertial>` of the links that move, of which this is the whole",
                 model.inertia,
@@ -64,36 +91,49 @@ impl Joint {
                 }
             ));
         }
-        let holds = |effect: &&Effect| format == Format::Mjcf && OF_MJCF.contains(&effect.form);
-        let (held, rest): (Vec<&Effect>, Vec<&Effect>) = model.effects.iter().partition(holds);
-        left_out.extend(rest.into_iter().map(|effect| words(effect, unit)));
+        let mut held = Vec::new();
+        for effect in &model.effects {
+            // USD's drive is a spring or the user's own controller, which a bound is for.
+            let is_taken = format == Format::Usd && !held.is_empty();
+            match holds.effects.contains(&effect.form) && !is_taken {
+                true => held.push(effect.clone()),
+                false => left_out.push(words(effect, unit)),
+            }
+        }
         Ok(Self {
             model: Model {
-                inertia: match format {
-                    Format::Mjcf => model.inertia,
-                    Format::Urdf => 0.0,
-                },
+                inertia: if holds.inertia { model.inertia } else { 0.0 },
                 viscous: model.viscous,
-                effects: held.into_iter().cloned().collect(),
+                effects: held,
                 mechanics: model.mechanics.clone(),
                 ..Model::of_friction(model.motion, FrictionModel::Coulomb { coulomb })
             },
             left_out,
             format,
+            rest,
         })
     }
 
-    /// The joint's element, with `remarks` and what is left out in comments above it.
-    pub fn to_xml(&self, remarks: &[String]) -> String {
+    /// The joint in its format, with `remarks` and what is left out in comments above it.
+    pub fn to_text(&self, remarks: &[String]) -> String {
         let model = &self.model;
-        let mut text = String::new();
+        let mut text = match self.format {
+            Format::Usd => "#usda 1.0\n".to_owned(),
+            Format::Mjcf | Format::Urdf => String::new(),
+        };
         let left_out = self
             .left_out
             .iter()
             .map(|clause| format!("Not in it: {clause}."));
         for line in remarks.iter().cloned().chain(left_out) {
-            // Two hyphens end a comment.
-            let _ = writeln!(text, "<!-- {} -->", line.trim().replace("--", "‑‑"));
+            let line = line.trim();
+            let _ = match self.format {
+                Format::Usd => writeln!(text, "# {line}"),
+                // Two hyphens end a comment.
+                Format::Mjcf | Format::Urdf => {
+                    writeln!(text, "<!-- {} -->", line.replace("--", "‑‑"))
+                }
+            };
         }
         let level = model.friction.breakaway().unwrap_or_default();
         match self.format {
@@ -109,8 +149,52 @@ impl Joint {
                 );
             }
             Format::Mjcf => self.mjcf(level, &mut text),
+            Format::Usd => self.usd(level, &mut text),
         }
         text
+    }
+
+    /// What stands in an articulation of OpenUSD. Its angles are in degrees, in coefficients, too; torques and inertias know none.
+    fn usd(&self, level: f64, text: &mut String) {
+        let (kind, instance, angle) = match self.model.motion {
+            MotionKind::Linear => ("Prismatic", "linear", 1.0),
+            MotionKind::Rotary => ("Revolute", "angular", 1_f64.to_degrees()),
+        };
+        let mut attributes = vec![
+            ("physxJointAxis", "armature", self.model.inertia),
+            ("physxJointAxis", "staticFrictionEffort", self.rest),
+            ("physxJointAxis", "dynamicFrictionEffort", level),
+            (
+                "physxJointAxis",
+                "viscousFrictionCoefficient",
+                self.model.viscous / angle,
+            ),
+        ];
+        for effect in &self.model.effects {
+            if effect.is(&form::ACTUATOR_SATURATION) {
+                attributes.push(("drive", "physics:maxForce", effect.get("limit_N")));
+                continue;
+            }
+            let stiffness = effect.get("stiffness_N_per_m") / angle;
+            attributes.push(("drive", "physics:stiffness", stiffness));
+            let centre = effect.get("centre_m") * angle;
+            attributes.push(("drive", "physics:targetPosition", centre));
+        }
+        let drive = match self.model.effects.is_empty() {
+            true => String::new(),
+            false => format!("\"PhysicsDriveAPI:{instance}\", "),
+        };
+        *text += "# armature is the inertia of all that moves: take off it what your bodies have. Bodies, frames and limits are yours.\n";
+        *text += "# PhysX reads this friction from 5.6 on, of joints in an articulation. Its older physxJoint:jointFriction is a share of the load, no force.\n";
+        let _ = write!(
+            text,
+            "(\n    defaultPrim = \"axis\"\n    kilogramsPerUnit = 1\n    metersPerUnit = 1\n)\n\n\
+             def Physics{kind}Joint \"axis\" (\n    prepend apiSchemas = [{drive}\"PhysxJointAxisAPI:{instance}\"]\n)\n{{\n    uniform token physics:axis = \"X\"\n"
+        );
+        for (of, name, value) in attributes {
+            let _ = writeln!(text, "    float {of}:{instance}:{name} = {value}");
+        }
+        *text += "}\n";
     }
 
     /// What stands in a body of MuJoCo.
@@ -160,8 +244,8 @@ impl Joint {
     }
 }
 
-/// The friction level in sliding, and what of the law it leaves out.
-fn level(model: &Model, left_out: &mut Vec<String>) -> Result<f64, String> {
+/// The friction levels at rest and in sliding, and what of the law they leave out.
+fn levels(model: &Model, holds: &Holds, left_out: &mut Vec<String>) -> Result<(f64, f64), String> {
     let friction = &model.friction;
     let unit = effort(model);
     let breakaway = friction.breakaway().ok_or_else(|| {
@@ -176,16 +260,23 @@ fn level(model: &Model, left_out: &mut Vec<String>) -> Result<f64, String> {
             friction.name()
         ));
     }
-    let Some(sliding) = friction.sliding() else {
-        return Ok(breakaway);
-    };
-    if sliding.coulomb != breakaway {
-        left_out.push(format!(
-            "the level at rest, {breakaway} {unit}, with its fall to {} {unit} in sliding (Stribeck)",
-            sliding.coulomb
-        ));
+    let coulomb = friction.sliding().map_or(breakaway, |s| s.coulomb);
+    if let Some(sliding) = friction.sliding().filter(|_| coulomb != breakaway) {
+        left_out.push(match holds.rest {
+            true => format!(
+                "the fall from {breakaway} {unit} at rest to {coulomb} {unit} with speed (Stribeck, {} {}/s): it comes at once",
+                sliding.stribeck_velocity,
+                match model.motion {
+                    MotionKind::Linear => "m",
+                    MotionKind::Rotary => "rad",
+                }
+            ),
+            false => format!(
+                "the level at rest, {breakaway} {unit}, with its fall to {coulomb} {unit} in sliding (Stribeck)"
+            ),
+        });
     }
-    Ok(sliding.coulomb)
+    Ok((breakaway.max(coulomb), coulomb))
 }
 
 /// What is lost with an effect, and where it could go.
@@ -204,6 +295,8 @@ fn words(effect: &Effect, unit: &str) -> String {
         "most of the friction may be in it; the fit of the force (`preslide identify` without --criterion) has none"
     } else if effect.is(&form::COULOMB_ASYMMETRY) {
         "the friction is the mean of both directions"
+    } else if effect.is(&form::POSITION_SPRING) || effect.is(&form::ACTUATOR_SATURATION) {
+        "the format has no place for it, or one for either a spring or a bound"
     } else {
         "the format has nothing for it"
     };
@@ -236,7 +329,7 @@ mod tests {
     #[test]
     fn a_hinge_has_what_mujoco_holds_and_says_the_rest() {
         let joint = joint(SPRING, Format::Mjcf);
-        let text = joint.to_xml(&["by hand --mjcf".to_owned()]);
+        let text = joint.to_text(&["by hand --mjcf".to_owned()]);
         let element = text.lines().last().expect("an element");
         assert_eq!(
             element,
@@ -254,9 +347,57 @@ mod tests {
     }
 
     #[test]
+    fn usd_has_a_level_at_rest_and_counts_angles_in_degrees() {
+        let joint = joint(SPRING, Format::Usd);
+        let text = joint.to_text(&["by hand".to_owned()]);
+        let mut lines = text.lines();
+        assert_eq!(lines.next(), Some("#usda 1.0"));
+        assert!(text.contains("def PhysicsRevoluteJoint \"axis\""));
+        assert!(text.contains("[\"PhysicsDriveAPI:angular\", \"PhysxJointAxisAPI:angular\"]"));
+        let value = |name: &str| -> f64 {
+            let line = text.lines().find(|line| line.contains(name));
+            let line = line.unwrap_or_else(|| panic!("no {name}: {text}"));
+            let value = line.rsplit(" = ").next().expect("a value");
+            value.parse().expect("a number")
+        };
+        assert_eq!(value("physxJointAxis:angular:armature"), 0.004);
+        assert_eq!(value("physxJointAxis:angular:staticFrictionEffort"), 0.25);
+        assert_eq!(value("physxJointAxis:angular:dynamicFrictionEffort"), 0.25);
+        let per_degree = |name: &str, wanted: f64| {
+            assert!(
+                (value(name).to_degrees() / wanted - 1.0).abs() < 1e-12,
+                "{name}"
+            );
+        };
+        per_degree("angular:viscousFrictionCoefficient", 0.03);
+        per_degree("drive:angular:physics:stiffness", 0.7);
+        assert_eq!(
+            value("angular:physics:targetPosition"),
+            0.5_f64.to_degrees()
+        );
+        // The spring has the drive.
+        assert!(!text.contains("maxForce"));
+        assert!(
+            joint
+                .left_out
+                .iter()
+                .any(|c| c.starts_with("actuator_saturation"))
+        );
+        let bound = SPRING.replace(
+            "[[effects]]\nid = \"position_spring\"\nstiffness_Nm_per_rad = 0.7\ncentre_rad = 0.5\n",
+            "",
+        );
+        let text = self::joint(&bound, Format::Usd).to_text(&[]);
+        assert!(
+            text.contains("float drive:angular:physics:maxForce = 1.5"),
+            "{text}"
+        );
+    }
+
+    #[test]
     fn urdf_has_friction_and_damping_alone() {
         let joint = joint(SPRING, Format::Urdf);
-        let text = joint.to_xml(&[]);
+        let text = joint.to_text(&[]);
         assert!(text.contains("type=\"continuous\""));
         assert!(text.contains("<dynamics damping=\"0.03\" friction=\"0.25\"/>"));
         let lost = joint.left_out.join("\n");
@@ -282,9 +423,20 @@ mod tests {
         );
         assert!(joint.left_out[0].contains("pre-sliding of LuGre"));
         assert!(joint.left_out[1].contains("at rest, 3 N"));
-        assert!(!joint.to_xml(&[]).contains("inertial"));
+        assert!(!joint.to_text(&[]).contains("inertial"));
+        let usd = self::joint(linear, Format::Usd);
+        let text = usd.to_text(&[]);
+        assert!(
+            text.contains("float physxJointAxis:linear:staticFrictionEffort = 3\n"),
+            "{text}"
+        );
+        assert!(
+            text.contains("float physxJointAxis:linear:dynamicFrictionEffort = 2\n"),
+            "{text}"
+        );
+        assert!(usd.left_out[1].contains("0.01 m/s"), "{:?}", usd.left_out);
         let heavy = linear.replace("[friction]", "inertia = { mass_kg = 3.0 }\n[friction]");
-        let text = self::joint(&heavy, Format::Mjcf).to_xml(&[]);
+        let text = self::joint(&heavy, Format::Mjcf).to_text(&[]);
         assert!(
             text.contains("mass=\"3\"") && !text.contains("armature"),
             "{text}"

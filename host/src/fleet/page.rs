@@ -1,9 +1,11 @@
-//! What drifted, the surest first, on a page and in a table.
+//! What drifted, the surest first: on a page, in a table and for machines.
 
 use super::Row;
 use super::history::Change;
 use crate::report::units::name_and_unit;
 use crate::report::{Axis, Figure, Page, Section, Series, Table};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
 
 /// Histories that are drawn.
 const DRAWN: usize = 6;
@@ -52,6 +54,50 @@ pub fn table(ranked: &[(&Row, &Change)], most: usize) -> Table {
             .to_vec(),
         rows: ranked.iter().take(most).map(row).collect(),
     }
+}
+
+/// `preslide.fleet-summary/1`: how many recordings there are, what became of them, and of each axis with a history its newest recording's surest
+/// change, in the ranking's order. `made` of the rows are new, and took `seconds` together.
+pub fn to_json(
+    rows: &[Row],
+    changes: &[Vec<Change>],
+    false_alarms: f64,
+    (made, seconds): (usize, f64),
+) -> Value {
+    let mut verdicts: BTreeMap<&str, usize> = BTreeMap::new();
+    for verdict in rows.iter().filter_map(|row| row.verdict.as_deref()) {
+        *verdicts.entry(verdict).or_default() += 1;
+    }
+    let errors = rows.iter().filter_map(|row| {
+        Some(json!({ "axis": row.axis, "file": row.file, "reason": row.error.as_ref()? }))
+    });
+    let ranked = ranking(rows, changes);
+    let newest = ranked.iter().map(|(row, change)| {
+        json!({
+            "axis": row.axis,
+            "file": row.file,
+            "parameter": change.parameter,
+            "usual": change.usual,
+            "by": change.by,
+            "by_ci95": [change.by - change.reach, change.by + change.reach],
+            "chance": change.chance,
+            "alarm": change.alarm,
+        })
+    });
+    let has_alarm = |own: &&Vec<Change>| own.iter().any(|change| change.alarm);
+    json!({
+        "schema": "preslide.fleet-summary/1",
+        "recordings": rows.len(),
+        "axes": rows.chunk_by(|a, b| a.axis == b.axis).count(),
+        "made": made,
+        "verdicts": verdicts,
+        "errors": errors.collect::<Vec<_>>(),
+        "false_alarms": false_alarms,
+        "with_history": changes.iter().filter(|own| !own.is_empty()).count(),
+        "with_alarm": changes.iter().filter(has_alarm).count(),
+        "newest": newest.collect::<Vec<_>>(),
+        "seconds": seconds,
+    })
 }
 
 /// The fleet on one page.

@@ -18,7 +18,7 @@ use super::running::Running;
 use crate::effects::Effect;
 use crate::effects::form::{self, Column, Form, encoder_error};
 use crate::friction::{Path, Transmission};
-use preslide::effects::{Effect as _, Situation};
+use preslide::effects::{Effect as _, EncoderError, Situation};
 use std::f64::consts::TAU;
 use std::ops::Range;
 
@@ -68,7 +68,7 @@ impl Model {
     }
 
     /// Whether what the effects need was measured.
-    fn has_columns(&self, measured: &Measured) -> Result<(), String> {
+    pub(super) fn has_columns(&self, measured: &Measured) -> Result<(), String> {
         let has = |column| match column {
             Column::Temperature => measured.temperature_c.is_some(),
             Column::Load => measured.load_n.is_some(),
@@ -93,26 +93,36 @@ impl Model {
             velocity: path.velocity.to_vec(),
             acceleration: measured.acceleration.map(<[f64]>::to_vec),
         };
-        for effect in self.of(&form::ENCODER_ERROR) {
-            let encoder =
-                encoder_error::correction(effect).map_err(|e| refused_by(effect.id(), e))?;
-            motion.shift(path.position, |x| encoder.shift(x), effect);
+        for encoder in Encoder::of(self)? {
+            for (i, &read) in path.position.iter().enumerate() {
+                let mut at = [
+                    motion.position[i],
+                    motion.velocity[i],
+                    motion.acceleration.as_ref().map_or(0.0, |all| all[i]),
+                ];
+                encoder.correct(read, &mut at);
+                [motion.position[i], motion.velocity[i]] = [at[0], at[1]];
+                if let Some(acceleration) = &mut motion.acceleration {
+                    acceleration[i] = at[2];
+                }
+            }
         }
         Ok(motion)
     }
 
+    /// What lies between the encoder and the friction.
+    pub(super) fn transmission(&self) -> Transmission {
+        let creep = self.of(&form::CREEP).next();
+        let gaps = self.of(&form::BACKLASH).map(|effect| effect.get("gap_m"));
+        Transmission {
+            creep: creep.map(|effect| (effect.get("rate_m_s"), effect.get("share_of_breakaway"))),
+            gap: gaps.sum(),
+        }
+    }
+
     /// Friction of the load, behind play and springs, and what the springs add.
     fn transmitted(&self, path: Path, motion: &Motion) -> Result<(Vec<f64>, Vec<f64>), String> {
-        let transmission = Transmission {
-            creep: self
-                .of(&form::CREEP)
-                .next()
-                .map(|effect| (effect.get("rate_m_s"), effect.get("share_of_breakaway"))),
-            gap: self
-                .of(&form::BACKLASH)
-                .map(|effect| effect.get("gap_m"))
-                .sum(),
-        };
+        let transmission = self.transmission();
         let of_load = |position: &[f64]| {
             let path = Path {
                 position,
@@ -182,14 +192,8 @@ impl Model {
                         running.tick(&still);
                     }
                 }
-                let [level, load, of_speed] = running.tick(&at);
                 let a = motion.acceleration.as_ref().map_or(0.0, |all| all[i]);
-                force[i] = level.max(0.0) * force[i]
-                    + springs[i]
-                    + load
-                    + of_speed
-                    + self.inertia * a
-                    + running.of_transmitted(at.friction, load, a);
+                force[i] = running.whole(&at, springs[i], self.inertia, a);
             }
         }
         Ok(force)
@@ -204,19 +208,30 @@ impl Model {
         ripples.product()
     }
 
-    /// From the force back to the command, and to when it was sampled.
-    fn behind_the_actuator(&self, path: Path, force: &mut [f64]) {
-        for (f, x) in force.iter_mut().zip(path.position) {
-            *f /= self.given_of_command(*x);
-        }
+    /// From the force (N or N·m) at a position of the encoder (m or rad) back to the command.
+    pub(super) fn command(&self, force: f64, position: f64) -> f64 {
+        let mut command = force / self.given_of_command(position);
         for effect in self.of(&form::ACTUATOR_SATURATION) {
             let limit = effect.get("limit_N");
-            force.iter_mut().for_each(|f| *f = f.clamp(-limit, limit));
+            command = command.clamp(-limit, limit);
         }
         for effect in self.of(&form::ACTUATOR_DEAD_ZONE) {
-            let half = 0.5 * effect.get("width_N");
-            for f in force.iter_mut().filter(|f| **f != 0.0) {
-                *f += half.copysign(*f);
+            if command != 0.0 {
+                command += (0.5 * effect.get("width_N")).copysign(command);
+            }
+        }
+        command
+    }
+
+    /// From the force back to the command, and to when it was sampled.
+    fn behind_the_actuator(&self, path: Path, force: &mut [f64]) {
+        if self
+            .effects
+            .iter()
+            .any(|effect| OF_ACTUATOR.contains(&effect.form))
+        {
+            for (f, x) in force.iter_mut().zip(path.position) {
+                *f = self.command(*f, *x);
             }
         }
         for effect in self.of(&form::CHANNEL_DELAY) {
@@ -225,9 +240,12 @@ impl Model {
     }
 }
 
-fn refused_by(id: &str, error: preslide::ParamError) -> String {
-    format!("effect {id}: {error}")
-}
+/// Effects that lie between command and force.
+static OF_ACTUATOR: [&Form; 3] = [
+    &form::TORQUE_RIPPLE,
+    &form::ACTUATOR_SATURATION,
+    &form::ACTUATOR_DEAD_ZONE,
+];
 
 /// A motion as one part of the machine makes it.
 #[derive(Clone)]
@@ -237,21 +255,37 @@ struct Motion {
     acceleration: Option<Vec<f64>>,
 }
 
-impl Motion {
+/// An encoder's error at work.
+pub(super) struct Encoder {
+    own: EncoderError<f64>,
+    /// `2π/p`, error and phase.
+    wave: [f64; 3],
+}
+
+impl Encoder {
+    /// Those of a model.
+    pub(super) fn of(model: &Model) -> Result<Vec<Self>, String> {
+        let encoder = |effect: &Effect| {
+            let own = encoder_error::correction(effect)
+                .map_err(|e| format!("effect {}: {e}", effect.id()))?;
+            let wave = [
+                TAU / effect.get("period_m"),
+                effect.get("error_m"),
+                effect.get("phase_rad"),
+            ];
+            Ok(Self { own, wave })
+        };
+        model.of(&form::ENCODER_ERROR).map(encoder).collect()
+    }
+
     /// From what the encoder reads to where the axis is: `x ← x + s(x)`, `v ← v·(1 + s')`, `a ← a·(1 + s') + s''·v²`.
-    fn shift(&mut self, read: &[f64], s: impl Fn(f64) -> f64, effect: &Effect) {
-        let k = TAU / effect.get("period_m");
-        let (error, phase) = (effect.get("error_m"), effect.get("phase_rad"));
-        for (i, &x) in read.iter().enumerate() {
-            self.position[i] += s(x);
-            let (sin, cos) = (k * x + phase).sin_cos();
-            let v = self.velocity[i];
-            let slope = 1.0 + error * k * sin;
-            if let Some(acceleration) = &mut self.acceleration {
-                acceleration[i] = acceleration[i] * slope + error * k * k * cos * v * v;
-            }
-            self.velocity[i] = v * slope;
-        }
+    pub(super) fn correct(&self, read: f64, [x, v, a]: &mut [f64; 3]) {
+        let [k, error, phase] = self.wave;
+        *x += self.own.shift(read);
+        let (sin, cos) = (k * read + phase).sin_cos();
+        let slope = 1.0 + error * k * sin;
+        *a = *a * slope + error * k * k * cos * *v * *v;
+        *v *= slope;
     }
 }
 

@@ -104,7 +104,10 @@ struct Composing<V> {
 impl<V: Visitor> Visitor for Composing<V> {
     type Outcome = Result<V::Outcome, ParamError>;
 
-    fn visit<M: preslide::Friction<Scalar = f64>>(self, model: M) -> Self::Outcome {
+    fn visit<M: preslide::Friction<Scalar = f64, State: Send> + Send + 'static>(
+        self,
+        model: M,
+    ) -> Self::Outcome {
         Ok(self.visitor.visit(With::try_new(model, self.effects)?))
     }
 }

@@ -6,6 +6,7 @@ mod feed_forward;
 mod friction;
 mod refuse;
 mod running;
+mod stepper;
 mod write;
 
 use crate::effects::{Effect, form};
@@ -19,6 +20,7 @@ use thiserror::Error;
 pub use along::Measured;
 pub use feed_forward::Chosen;
 pub use refuse::{reduced, refused};
+pub use stepper::{Now, Stepper};
 
 /// The only schema there is.
 pub const SCHEMA: &str = "preslide.model/1";

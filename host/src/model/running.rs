@@ -57,6 +57,24 @@ impl Running {
         sums
     }
 
+    /// The whole force (N or N·m) of a tick, of which `spring` is a part from elsewhere: friction at its level and every force beside it, that of
+    /// an `inertia` (kg or kg·m²) at an acceleration among them.
+    pub(super) fn whole(
+        &mut self,
+        at: &Situation<f64>,
+        spring: f64,
+        inertia: f64,
+        acceleration: f64,
+    ) -> f64 {
+        let [level, load, of_speed] = self.tick(at);
+        level.max(0.0) * at.friction
+            + spring
+            + load
+            + of_speed
+            + inertia * acceleration
+            + self.of_transmitted(at.friction, load, acceleration)
+    }
+
     /// Whether something depends on what is transmitted.
     pub(super) fn has_gear(&self) -> bool {
         self.gear.is_some()

@@ -56,12 +56,13 @@ pub struct Added {
 }
 
 impl Correction {
-    /// What a simulation of this effort for the recorded motion (N or N·m) lacks of a recording; `None` where none of the `effects` is stated.
+    /// What a simulation of this effort for the recorded motion (N or N·m) lacks of a recording; `None` where none of the `effects` is stated. Where
+    /// the effort was reproduced from another motion, inertia and friction are not fitted to what that misses: they stand where they are stated.
     pub(super) fn of(
         (ground, state): (&Ground, &Hypothesis),
         effects: &[Named],
         recording: &Recording,
-        simulated: Vec<f64>,
+        (simulated, is_reproduced): (Vec<f64>, bool),
     ) -> Option<Self> {
         effects.iter().find(|e| e.confident)?;
         let s = &ground.rows.s;
@@ -75,7 +76,14 @@ impl Correction {
             let force = state.force_of(*index);
             left.iter_mut().zip(force).for_each(|(l, f)| *l -= f);
         }
-        let few = few_blocks(ground, &left)?;
+        let mut few = few_blocks(ground, &left)?;
+        let stands = |core: Core| {
+            let own = |e: &Named| matches!(e.name, Name::Correction(own) if own == core);
+            !is_reproduced || effects.iter().any(|e| e.confident && own(e))
+        };
+        if !stands(Core::Friction) {
+            few.blocks.clear();
+        }
         let level = ground.baseline.level;
         let direction: Blocks = ground
             .baseline
@@ -90,10 +98,12 @@ impl Correction {
             sums: [difference, all, slipping],
         };
         let mut terms: Vec<Added> = Vec::new();
-        if ground.core.first_of_friction() > 0 {
+        if ground.core.first_of_friction() > 0 && stands(Core::Inertia) {
             terms.push(along.of_core(effects, Core::Inertia, &few));
         }
-        terms.push(along.of_core(effects, Core::Friction, &few));
+        if stands(Core::Friction) {
+            terms.push(along.of_core(effects, Core::Friction, &few));
+        }
         for (index, term, stated) in own {
             let mut added = along.of_effect(stated, term, state.coefficients(index), ground);
             let before = terms.iter().filter(|t| t.words == added.words).count();

@@ -49,20 +49,26 @@ pub(super) fn is_motor(share: f64, times: f64) -> bool {
     MOTOR.contains(&(share * times))
 }
 
-/// Shapes of a fit, and in place of the share that was assumed the motor's own: that, times how much of the assumed motor is there.
-pub(super) fn with_own_share(
-    fitted: &Fitted,
-    effect: &dyn Effect,
-    assumed: f64,
-) -> Vec<(String, Estimate)> {
+/// Shapes of a fit with intervals that hold what is assumed.
+pub(super) fn widened(fitted: &Fitted, effect: &dyn Effect) -> Vec<(String, Estimate)> {
     let mut values = fitted.shape_of(effect);
-    values.retain(|(key, _)| key != SHARE);
     for (_, told) in &mut values {
         let least = LEAST_ERROR * told.value;
         told.ci95 = told
             .ci95
             .map(|[low, high]| [low.min(told.value - least), high.max(told.value + least)]);
     }
+    values
+}
+
+/// Shapes of a fit, and in place of the share that was assumed the motor's own: that, times how much of the assumed motor is there.
+pub(super) fn with_own_share(
+    fitted: &Fitted,
+    effect: &dyn Effect,
+    assumed: f64,
+) -> Vec<(String, Estimate)> {
+    let mut values = widened(fitted, effect);
+    values.retain(|(key, _)| key != SHARE);
     let coefficient = fitted.coefficient(0);
     // Beside a curve without a name it may be anything.
     if is_motor(assumed, coefficient) {

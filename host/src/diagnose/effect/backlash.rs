@@ -1,6 +1,7 @@
 //! A play of the whole width `gap` between motor and load.
 
 use super::ahead::{self, ENCODER_ON_LOAD, ahead};
+use super::behind::{self, behind};
 use super::drive_compliance::{DriveCompliance, MOTOR_SHARE};
 use super::grid::{one, spread};
 use super::lack::both_directions;
@@ -15,6 +16,8 @@ use crate::statistics::Estimate;
 
 /// Key of the coefficient: how much of the difference that the gap makes is there.
 const SHARE: &str = "share";
+/// The same beside a simulation's spring: the load's share of the inertia.
+const LOAD_SHARE: &str = "load_share";
 /// Gaps that are simulated for each contact: they cost most of an effect's time, and are refined.
 const SIMULATED: usize = 10;
 /// Place of the contact among the shapes, and its key.
@@ -60,13 +63,13 @@ impl Effect for Backlash {
     fn excludes(&self, shape: &[f64]) -> &'static [&'static dyn Effect] {
         match shape {
             // The spring of its contact is one.
-            [_, _, _] => &[&DriveCompliance],
+            [_, _] | [_, _, _] => &[&DriveCompliance],
             _ => &[],
         }
     }
 
     fn shape(&self) -> &'static [(&'static str, Scale)] {
-        // A motor with the encoder needs the gap alone: behind it the load is not seen to swing.
+        // A motor with the encoder needs the gap alone: behind it the load is not seen to swing. Beside a simulation that has the spring, it is.
         &[
             ("gap_m", Scale::Logarithmic),
             (CONTACT_KEY, Scale::Logarithmic),
@@ -82,6 +85,10 @@ impl Effect for Backlash {
         let shortest = shortest_yield(scene);
         let longest = (200.0 * shortest).min(scene.s.travel() / 20.0);
         let mut shapes = one(shortest, longest, 9);
+        for hz in behind::swings(scene) {
+            let gaps = spread(shortest, longest, behind::GAPS).into_iter();
+            shapes.extend(gaps.map(|gap| vec![gap, hz]));
+        }
         for [contact, share] in ahead::contacts(scene) {
             let gaps = spread(shortest, longest, SIMULATED).into_iter();
             shapes.extend(gaps.map(|gap| vec![gap, contact, share]));
@@ -91,6 +98,9 @@ impl Effect for Backlash {
 
     fn within(&self, scene: &Scene, shape: &[f64], index: usize) -> f64 {
         match index {
+            CONTACT if scene.core.beside_simulation.is_some() => {
+                behind::within(shape[index], scene)
+            }
             CONTACT => ahead::within(shape[index], scene),
             _ => shape[index],
         }
@@ -99,6 +109,7 @@ impl Effect for Backlash {
     fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column> {
         let gap = match *shape {
             [gap] => gap,
+            [gap, hz] => return vec![behind(gap, hz, scene)],
             [gap, contact, share] => return ahead(gap, [contact, share], scene),
             _ => return Vec::new(),
         };
@@ -117,6 +128,7 @@ impl Effect for Backlash {
     fn admits(&self, shape: &[f64], coefficients: &[f64]) -> bool {
         match (shape, coefficients) {
             (&[_, _, share], &[c]) => ahead::is_motor(share, c),
+            (&[_, _], &[c]) => behind::LOAD.contains(&c),
             // The whole difference that the gap makes, or it is none.
             (_, &[c]) => (0.4..1.6).contains(&c),
             _ => false,
@@ -127,9 +139,19 @@ impl Effect for Backlash {
         true
     }
 
+    fn shows_in_simulations(&self, shape: &[f64]) -> bool {
+        // A spring of its own swings alike.
+        shape.len() != 2
+    }
+
     fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
         match fitted.shape {
             [_, _, share] => ahead::with_own_share(fitted, self, *share),
+            [_, _] => {
+                let mut values = vec![fitted.entry(LOAD_SHARE, 0)];
+                values.extend(ahead::widened(fitted, self));
+                values
+            }
             _ => fitted.one(SHARE, self),
         }
     }

@@ -5,6 +5,7 @@ pub mod actuator_saturation;
 mod ahead;
 pub mod axis_coupling;
 pub mod backlash;
+mod behind;
 pub mod channel_delay;
 pub mod constant_force;
 mod cosines;
@@ -173,6 +174,8 @@ pub struct Baseline {
     pub stiffness: Vec<f64>,
     /// Whole modelled effort, plain effects included.
     pub fitted: Vec<f64>,
+    /// The recording's own viscous coefficient (N·s/m or N·m·s/rad), where the effort of a simulation is taken off.
+    pub beside_simulation: Option<f64>,
 }
 
 /// What columns are made of: the motion, the model that effects act through, the measured effort.
@@ -325,6 +328,12 @@ pub trait Effect: Sync {
     /// Whether its columns are made of the fitted or measured effort itself (then it is no part of that effort's model).
     fn acts_on_effort(&self) -> bool {
         false
+    }
+
+    /// Whether a simulation's own effort tells that it has the effect, too.
+    fn shows_in_simulations(&self, shape: &[f64]) -> bool {
+        let _ = shape;
+        true
     }
 
     /// Parameters with intervals, in the keys of a linear axis.

@@ -69,6 +69,7 @@ impl Stage {
             stiffness: vec![0.0; n],
             fitted: (0..n).map(|i| friction[i] + mass * s.a[i]).collect(),
             friction,
+            beside_simulation: None,
         };
         // The motion takes most where it accelerates, as a drive that saturates shows.
         let effort = core.fitted.clone();

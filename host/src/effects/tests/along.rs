@@ -199,3 +199,100 @@ fn a_missing_column_is_an_error() {
         "{error}"
     );
 }
+
+/// Every effect with every law that it goes with, one tick after the other: the bits of the whole path.
+#[test]
+fn a_stepper_has_the_bits_of_the_path() {
+    let [_, x, v, a] = sine();
+    let (x, v, a) = (&x[..2000], &v[..2000], &a[..2000]);
+    let column = |from: f64, per: f64| -> Vec<f64> {
+        (0..2000)
+            .map(|i| from + per * f64::from(i) * STEP)
+            .collect()
+    };
+    let (temperature, load) = (column(20.0, 1.0), column(30.0, 2.0));
+    let path = Path {
+        position: x,
+        velocity: v,
+        pieces: std::slice::from_ref(&(0..2000)),
+        sample_time: STEP,
+    };
+    let measured = Measured {
+        t_s: None,
+        acceleration: Some(a),
+        temperature_c: Some(&temperature),
+        load_n: Some(&load),
+    };
+    let laws = [
+        FrictionModel::Coulomb { coulomb: 0.8 },
+        FrictionModel::maxwell_slip(&[3e3, 1e3], &[1e-4, 5e-4]),
+        FrictionModel::LuGre {
+            stiffness: 2e4,
+            damping: 1.0,
+            breakaway: 1.0,
+            sliding: preslide::Sliding {
+                coulomb: 0.8,
+                stribeck_velocity: 5e-3,
+                stribeck_exponent: 2.0,
+                attraction: 10.0,
+            },
+        },
+    ];
+    let (mut same, mut refused) = (0, Vec::new());
+    for effect in every() {
+        for friction in &laws {
+            let model = Model {
+                friction: friction.clone(),
+                ..model(vec![effect.clone()])
+            };
+            let mut stepper = match Stepper::of(&model, STEP) {
+                Ok(stepper) => stepper,
+                Err(reason) => {
+                    // What one refuses of the parameters the other does, too: creep of a law without a highest force.
+                    let is_refused = model.force_along(path, &measured).is_err();
+                    assert_eq!(is_refused, reason.contains("creep"), "{reason}");
+                    refused.push(reason);
+                    continue;
+                }
+            };
+            let whole = model
+                .force_along(path, &measured)
+                .expect("all that effects need");
+            for i in 0..x.len() {
+                let now = Now {
+                    position: x[i],
+                    velocity: Some(v[i]),
+                    acceleration: Some(a[i]),
+                    temperature_c: Some(temperature[i]),
+                    load_n: Some(load[i]),
+                };
+                let force = stepper.step(&now).expect("all that effects need");
+                assert_eq!(
+                    force.to_bits(),
+                    whole[i].to_bits(),
+                    "{}, {}, sample {i}: {force} and {}",
+                    effect.id(),
+                    friction.name(),
+                    whole[i]
+                );
+            }
+            same += 1;
+        }
+    }
+    assert_eq!(
+        (same, refused.len()),
+        (3 * (every().len() - 2) - 1, 7),
+        "{refused:?}"
+    );
+    assert!(
+        refused
+            .iter()
+            .all(|r| ["drive_compliance", "channel_delay", "creep"]
+                .iter()
+                .any(|id| r.contains(id))),
+        "{refused:?}"
+    );
+    let mut cold = Stepper::of(&model(vec![every()[15].clone()]), STEP).expect("a stepper");
+    let error = cold.step(&Now::default()).expect_err("no temperature");
+    assert!(error.contains("temperature_C"), "{error}");
+}

@@ -6,7 +6,7 @@ mod mechanics;
 
 use super::*;
 use crate::friction::{FrictionModel, Path};
-use crate::model::{Measured, Model};
+use crate::model::{Measured, Model, Now, Stepper};
 use crate::recording::MotionKind;
 use std::f64::consts::TAU;
 

@@ -1,8 +1,13 @@
 //! The library's friction models, chosen at run time and run along a recording in `f64`.
 
+mod contact;
+
+pub(crate) use contact::Tick;
+
+use contact::{AtWork, Driven};
 use preslide::{
     Block, BoucWen, Coulomb, Dahl, ElastoPlastic, Friction, Gms, Hsieh, HsiehParams, Leuven,
-    LeuvenForm, LuGre, Motion, ParamError, QuasiStaticGms, Sliding, TwoState, Units,
+    LeuvenForm, LuGre, ParamError, QuasiStaticGms, Sliding, TwoState, Units,
 };
 use std::ops::Range;
 
@@ -120,112 +125,16 @@ pub struct Transmission {
     pub gap: f64,
 }
 
-impl Path<'_> {
-    /// The force (N or N·m) of `model` at every sample, from rest.
-    fn run<M: Friction<Scalar = f64>>(
-        &self,
-        model: &M,
-        transmission: Transmission,
-    ) -> Result<Vec<f64>, ParamError> {
-        // How far the contact creeps in a sample where the sinh is 1 (m or rad), and the force (N or N·m) where its argument is.
-        let creep = match (transmission.creep, model.limit()) {
-            (None, _) => None,
-            (Some((rate, share)), Some(limit)) if limit > 0.0 => {
-                Some((rate * self.sample_time, share * limit))
-            }
-            (Some(creep), _) => {
-                return Err(ParamError {
-                    parameter: "rate of creep, of a friction model without a highest force,",
-                    block: None,
-                    value: creep.0,
-                    bound: preslide::Bound::AtMost(0.0),
-                });
-            }
-        };
-        // No creep is no displacement, whatever the force: 0·sinh would be no number beyond 710 stresses.
-        let yielding = |force: f64| match creep {
-            Some((most, stress)) if most > 0.0 => most * (force / stress).sinh(),
-            _ => 0.0,
-        };
-        let mut state = model.at_rest();
-        let mut force = vec![0.0; self.position.len()];
-        let mut now = 0.0;
-        for piece in self.pieces {
-            let Some(&(mut load)) = self.position.get(piece.start) else {
-                continue;
-            };
-            for i in piece.clone() {
-                let velocity = self.velocity[i];
-                let of = |displacement: f64| Motion {
-                    displacement,
-                    velocity,
-                };
-                let unloads = |displacement: f64| {
-                    model.step(&mut state.clone(), of(displacement - yielding(now)))
-                };
-                let displacement =
-                    driven(load, self.position[i], 0.5 * transmission.gap, now, unloads);
-                load += displacement;
-                now = model.step(&mut state, of(displacement - yielding(now)));
-                force[i] = now;
-            }
-        }
-        Ok(force)
-    }
-}
-
 /// Something to do with any of the library's models, in the number type `S`.
 pub trait Visitor<S = f64> {
     /// What comes of it.
     type Outcome;
 
     /// Does it.
-    fn visit<M: Friction<Scalar = S>>(self, model: M) -> Self::Outcome;
-}
-
-/// A path behind a transmission, to be run along.
-struct Driven<'a> {
-    path: Path<'a>,
-    transmission: Transmission,
-}
-
-impl Visitor for Driven<'_> {
-    type Outcome = Result<Vec<f64>, ParamError>;
-
-    fn visit<M: Friction<Scalar = f64>>(self, model: M) -> Self::Outcome {
-        self.path.run(&model, self.transmission)
-    }
-}
-
-/// How far a load at `load` goes when the motor with its play of ± `half` is at `motor`, under the friction force `force`;
-/// `after` is the force that a displacement would leave.
-fn driven(load: f64, motor: f64, half: f64, force: f64, after: impl Fn(f64) -> f64) -> f64 {
-    if half == 0.0 {
-        return motor - load;
-    }
-    // It is held against the side that pushes it, and leaves that side where its friction is used up.
-    let side = if force > 0.0 {
-        motor - half
-    } else if force < 0.0 {
-        motor + half
-    } else {
-        load
-    };
-    let mut displacement = side - load;
-    if displacement * force < 0.0 && after(displacement) * force < 0.0 {
-        // Friction need not be linear in between: bisection, to the last bit or nearly so.
-        let (mut near, mut far) = (0.0, displacement);
-        for _ in 0..50 {
-            let middle = 0.5 * (near + far);
-            if after(middle) * force < 0.0 {
-                far = middle;
-            } else {
-                near = middle;
-            }
-        }
-        displacement = near;
-    }
-    (load + displacement).clamp(motor - half, motor + half) - load
+    fn visit<M: Friction<Scalar = S, State: Send> + Send + 'static>(
+        self,
+        model: M,
+    ) -> Self::Outcome;
 }
 
 /// Calls `$body` with `$n` bound to a constant equal to the number of blocks.
@@ -431,6 +340,22 @@ impl FrictionModel {
         transmission: Transmission,
     ) -> Result<Vec<f64>, ParamError> {
         self.visit(path.sample_time, Driven { path, transmission })?
+    }
+
+    /// The same from rest, tick after tick of `sample_time` (s).
+    ///
+    /// # Errors
+    /// As there.
+    pub(crate) fn at_work(
+        &self,
+        transmission: Transmission,
+        sample_time: f64,
+    ) -> Result<Tick, ParamError> {
+        let visitor = AtWork {
+            transmission,
+            sample_time,
+        };
+        self.visit(sample_time, visitor)?
     }
 
     /// Hands the library's model, in SI and for ticks of `sample_time` (s), to `visitor`.
