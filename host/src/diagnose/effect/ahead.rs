@@ -26,7 +26,7 @@ const SHARES: [f64; 2] = [0.2, 0.5];
 const MOTOR: Range<f64> = 0.05..0.95;
 /// Half of a 95 % interval of a gap or a frequency, at least, relative: how far the motor's own friction and inertia and the contact's
 /// damping, which are assumed, shift them. Gaps of made recordings were told as 0.84 to 1.57 times their width.
-const LEAST_ERROR: f64 = 0.4;
+pub(super) const LEAST_ERROR: f64 = 0.4;
 /// Why a model file cannot hold what was found beside an encoder on the load.
 pub(super) const ENCODER_ON_LOAD: &str =
     "the encoder is on the load here, and a model file's elastic drive or gap has it on the motor";
@@ -49,11 +49,11 @@ pub(super) fn is_motor(share: f64, times: f64) -> bool {
     MOTOR.contains(&(share * times))
 }
 
-/// Shapes of a fit with intervals that hold what is assumed.
-pub(super) fn widened(fitted: &Fitted, effect: &dyn Effect) -> Vec<(String, Estimate)> {
+/// Shapes of a fit with intervals that hold what is assumed: half of each at least, relative.
+pub(super) fn widened(fitted: &Fitted, effect: &dyn Effect, least: f64) -> Vec<(String, Estimate)> {
     let mut values = fitted.shape_of(effect);
     for (_, told) in &mut values {
-        let least = LEAST_ERROR * told.value;
+        let least = least * told.value;
         told.ci95 = told
             .ci95
             .map(|[low, high]| [low.min(told.value - least), high.max(told.value + least)]);
@@ -67,7 +67,7 @@ pub(super) fn with_own_share(
     effect: &dyn Effect,
     assumed: f64,
 ) -> Vec<(String, Estimate)> {
-    let mut values = widened(fitted, effect);
+    let mut values = widened(fitted, effect, LEAST_ERROR);
     values.retain(|(key, _)| key != SHARE);
     let coefficient = fitted.coefficient(0);
     // Beside a curve without a name it may be anything.

@@ -85,7 +85,8 @@ impl Effect for Backlash {
         let shortest = shortest_yield(scene);
         let longest = (200.0 * shortest).min(scene.s.travel() / 20.0);
         let mut shapes = one(shortest, longest, 9);
-        for hz in behind::swings(scene) {
+        let beside_a_spring = scene.core.beside_simulation.map(|_| behind::swings(scene));
+        for hz in beside_a_spring.into_iter().flatten() {
             let gaps = spread(shortest, longest, behind::GAPS).into_iter();
             shapes.extend(gaps.map(|gap| vec![gap, hz]));
         }
@@ -98,9 +99,7 @@ impl Effect for Backlash {
 
     fn within(&self, scene: &Scene, shape: &[f64], index: usize) -> f64 {
         match index {
-            CONTACT if scene.core.beside_simulation.is_some() => {
-                behind::within(shape[index], scene)
-            }
+            CONTACT if shape.len() == 2 => behind::within(shape[index], scene),
             CONTACT => ahead::within(shape[index], scene),
             _ => shape[index],
         }
@@ -149,7 +148,7 @@ impl Effect for Backlash {
             [_, _, share] => ahead::with_own_share(fitted, self, *share),
             [_, _] => {
                 let mut values = vec![fitted.entry(LOAD_SHARE, 0)];
-                values.extend(ahead::widened(fitted, self));
+                values.extend(ahead::widened(fitted, self, ahead::LEAST_ERROR));
                 values
             }
             _ => fitted.one(SHARE, self),

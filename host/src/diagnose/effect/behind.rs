@@ -1,5 +1,5 @@
-//! A load with play behind a spring and a motor that has the encoder, less the same without play: what a simulation that has the spring lacks.
-//! The load swings on its contact after each gap, which a simulation's own force shows of its spring, and the recording of both.
+//! A load behind a spring and a motor that has the encoder, where the load swings within what is recorded: what the spring changes, and what play does
+//! beside it. The load swings on its contact after each gap, which a simulation's own force shows of its spring, and the recording of both.
 
 use super::Scene;
 use super::grid::spread;
@@ -22,14 +22,12 @@ const SEEN: f64 = 0.2;
 /// The load's share of the inertia, which is the coefficient.
 pub(super) const LOAD: Range<f64> = 0.2..1.1;
 
-/// Frequencies (Hz) at which the load may swing behind a motor that stands; none where no simulation has the spring.
+/// Frequencies (Hz) at which the load may swing behind a motor that stands.
 pub(super) fn swings(scene: &Scene) -> Vec<f64> {
     let fastest = FASTEST_HZ.min(SEEN / scene.s.dt);
-    match scene.core.beside_simulation {
-        Some(_) if scene.core.mass > 0.0 && fastest > SLOWEST_HZ => {
-            spread(SLOWEST_HZ, fastest, SWINGS)
-        }
-        _ => Vec::new(),
+    match scene.core.mass > 0.0 && fastest > SLOWEST_HZ {
+        true => spread(SLOWEST_HZ, fastest, SWINGS),
+        false => Vec::new(),
     }
 }
 
@@ -38,10 +36,20 @@ pub(super) fn within(hz: f64, scene: &Scene) -> f64 {
     hz.clamp(SLOWEST_HZ, (SEEN / scene.s.dt).max(SLOWEST_HZ))
 }
 
-/// What a gap changes in the effort that the contact transmits, of a load that had all of the inertia and of the friction.
+/// What a gap and a spring change in the effort, of a load that had all of the inertia and of the friction: beside a simulation that has the
+/// spring what the gap does, else all that differs from a load that is bolted to the motor.
 pub(super) fn behind(gap: f64, hz: f64, scene: &Scene) -> Column {
-    let [with, without] = [gap, 0.0].map(|gap| transmitted(0.5 * gap, TAU * hz, scene));
-    Column::of(with.iter().zip(&without).map(|(a, b)| a - b).collect())
+    let (s, core) = (scene.s, scene.core);
+    let passed = |gap: f64| transmitted(0.5 * gap, TAU * hz, scene);
+    let less = |own: Vec<f64>, other: &[f64]| own.iter().zip(other).map(|(a, b)| a - b).collect();
+    if core.beside_simulation.is_some() && gap > 0.0 {
+        return Column::of(less(passed(gap), &passed(0.0)));
+    }
+    Column {
+        value: less(passed(gap), &core.friction),
+        curved: s.x.iter().map(|x| -core.mass * x).collect(),
+        ..Column::default()
+    }
 }
 
 fn transmitted(half: f64, w: f64, scene: &Scene) -> Vec<f64> {
