@@ -35,7 +35,8 @@ pub fn found(channel: &Channel, shift: Option<Shift>, ground: &Ground) -> Vec<Fo
     let delay = channel.delay.as_ref().zip(shift);
     let shifted = delay.map(|(delay, shift)| Found {
         effect: ALWAYS_FREE,
-        confident: true,
+        // The fit may take it off for the sake of rows that are none here.
+        confident: shift.nmse[1] < shift.nmse[0],
         evidence: shift.evidence,
         nmse: shift.nmse,
         force: shift.force,

@@ -162,12 +162,19 @@ impl Effect for DriveCompliance {
         if !values.iter().any(|(key, _)| key == STIFFNESS) {
             return Err(ENCODER_ON_LOAD.to_owned());
         }
-        let frequency: Vec<_> = values
-            .iter()
-            .filter(|(key, _)| key == FREQUENCY)
-            .cloned()
-            .collect();
-        enter(self.id(), &frequency, &[], model)
+        let own = |key: &str| values.iter().find(|(own, _)| own == key);
+        // The model file's drive has as much inertia on both sides: of the same stiffness it swings the slower, the less even they are.
+        let even = own(ahead::SHARE).map_or(1.0, |(_, told)| {
+            2.0 * (told.value * (1.0 - told.value)).max(0.0).sqrt()
+        });
+        let frequency = own(FREQUENCY).map(|(key, told)| {
+            let told = Estimate {
+                value: even * told.value,
+                ci95: told.ci95.map(|ends| ends.map(|end| even * end)),
+            };
+            (key.clone(), told)
+        });
+        enter(self.id(), frequency.as_slice(), &[], model)
     }
 }
 
