@@ -35,8 +35,7 @@ pub fn found(channel: &Channel, shift: Option<Shift>, ground: &Ground) -> Vec<Fo
     let delay = channel.delay.as_ref().zip(shift);
     let shifted = delay.map(|(delay, shift)| Found {
         effect: ALWAYS_FREE,
-        // The fit may take it off for the sake of rows that are none here.
-        confident: shift.nmse[1] < shift.nmse[0],
+        confident: true,
         evidence: shift.evidence,
         nmse: shift.nmse,
         force: shift.force,
