@@ -169,7 +169,7 @@ impl Story<'_> {
         Section {
             heading: "What was recorded".to_owned(),
             paragraphs: vec![format!(
-                "The simulated stage (3 kg on a 2 mm screw) follows nested strokes of 150 to 8 µm at three stations, slow slides \
+                "The simulated stage (3 kg and a rotor of 1 kg on a 2 mm screw) follows nested strokes of 150 to 8 µm at three stations, slow slides \
                  and passes over 4 mm, for {:.0} s, under the firmware's control code without a friction model. Encoder count and \
                  motor current leave it as telemetry and become a recording. Its friction is a 64-element hysteresis that \
                  yields smoothly and wanders by up to ±15 %; besides, it hides something.",

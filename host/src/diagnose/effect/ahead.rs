@@ -10,7 +10,7 @@ use std::ops::Range;
 /// Key of the motor's share of the inertia.
 pub(super) const SHARE: &str = "motor_share";
 /// Damping ratio of a contact of steel parts, which a recording hardly tells.
-const DAMPING: f64 = 0.05;
+pub(super) const DAMPING: f64 = 0.05;
 /// Most radians of the contact's own swing in one step of the simulation.
 const STEP: f64 = 0.3;
 /// Frequencies (Hz) at which motor and load may swing on their contact, from where on they are refined.

@@ -2,13 +2,12 @@
 //! beside it. The load swings on its contact after each gap, which a simulation's own force shows of its spring, and the recording of both.
 
 use super::Scene;
+use super::ahead::DAMPING;
 use super::grid::spread;
 use crate::diagnose::weak::Column;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-/// Damping ratio of a contact of steel parts, which a recording hardly tells.
-const DAMPING: f64 = 0.05;
 /// Most radians of the load's own swing in one step of the simulation.
 const STEP: f64 = 0.15;
 /// Slowest swing (Hz), and how many are tried up to what the samples tell, from where on they are refined.

@@ -11,6 +11,14 @@ use crate::statistics::Estimate;
 /// `channel_delay`.
 pub struct ChannelDelay;
 
+/// The column of a delay of an effort at the samples.
+pub(in crate::diagnose) fn late(effort: &[f64]) -> Column {
+    Column {
+        sloped: effort.iter().map(|f| -f).collect(),
+        ..Column::default()
+    }
+}
+
 impl Effect for ChannelDelay {
     fn id(&self) -> &'static str {
         form::CHANNEL_DELAY.id
@@ -41,10 +49,7 @@ impl Effect for ChannelDelay {
     }
 
     fn columns(&self, _: &[f64], scene: &Scene) -> Vec<Column> {
-        vec![Column {
-            sloped: scene.sampled(|i| -scene.core.fitted[i]),
-            ..Column::default()
-        }]
+        vec![late(&scene.core.fitted)]
     }
 
     /// A sample between reading the position and writing the force is how controllers work.
