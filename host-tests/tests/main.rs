@@ -25,6 +25,7 @@ mod real;
 mod reference;
 mod simulated;
 mod swap;
+mod swing;
 mod tracking;
 mod trials;
 
