@@ -36,6 +36,9 @@ const SHAKES_HZ: f64 = 11.3;
 /// An encoder's error is felt through the mass: it must make this share of the effort.
 const LEAST_INERTIA: f64 = 0.1;
 
+/// What raises the friction in one place or direction and lowers it by as much in another: friction does not push.
+const BOTH_WAYS: [&str; 3] = ["position_friction", "periodic_friction", "coulomb_asymmetry"];
+
 /// A recording with an effect in it.
 pub struct Injected {
     /// What the tool gets.
@@ -87,6 +90,11 @@ pub fn inject(recording: &Recording, id: &'static str, percent: f64) -> Option<I
                 .map(|(part, motion)| force(id, part, motion, &extent, &shape))
                 .collect();
             let scale = size / rms(forces.iter().flatten().copied());
+            if BOTH_WAYS.contains(&id)
+                && scale > Base::new(&recording.parts, &motions, "").friction()
+            {
+                return None;
+            }
             for (part, force) in changed.parts.iter_mut().zip(&forces) {
                 let effort = part.effort();
                 for (f, added) in part.columns[effort].iter_mut().zip(force) {

@@ -76,6 +76,13 @@ impl Base {
         )
     }
 
+    /// Level of the friction by least squares, whatever sign the effort has: all stops together, which are the last columns.
+    pub fn friction(&self) -> f64 {
+        let all: Vec<usize> = (0..self.rows.len()).collect();
+        let stops = |c: DVector<f64>| c.iter().rev().take(YIELDS.len()).sum::<f64>().abs();
+        fit(&self.rows, &self.effort, &all).map_or(0.0, stops)
+    }
+
     /// Whether `column`, one value a row of each part, is there.
     pub fn asks(&self, parts: &[Table], motions: &[Motion], column: &[Vec<f64>]) -> Verdict {
         let parts = parts.iter().zip(motions).zip(column);
