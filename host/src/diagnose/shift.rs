@@ -18,25 +18,33 @@ pub struct Shift {
 }
 
 impl Shift {
-    /// Of an effort on time, beside the ground as it was recorded. `None` where the motion does not determine inertia and friction.
-    pub fn of(ground: &Ground, on_time: &[f64]) -> Option<Self> {
-        let rows = &ground.rows;
-        let (columns, bounds) = columns(ground);
-        let all: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-        let white = ground.unweighted();
-        let left = |target: &[f64]| {
-            let fit = Normal::new(&white, &rows.weak.folds, &all, &bounds, target)?;
-            Some(fit.held_out_residual(&all, target))
-        };
-        let without = left(&rows.force)?;
-        let with = left(&rows.weak.rows(&Column::of(on_time.to_vec())))?;
+    /// Of the grounds of a recording as it was made and on time, each with a hysteresis of its own. `None` where the motion does not determine
+    /// inertia and friction.
+    pub fn of(late: &Ground, on_time: &Ground) -> Option<Self> {
+        let [without, with] = [late, on_time].map(left);
+        let (without, with) = (without?, with?);
         let force: Vec<f64> = without.iter().zip(&with).map(|(a, b)| a - b).collect();
         Some(Self {
-            evidence: evidence(&force, &without, &rows.blocks),
-            nmse: [&without, &with].map(|left| rows.nmse(left)),
+            evidence: evidence(&force, &without, &late.rows.blocks),
+            nmse: [late.rows.nmse(&without), on_time.rows.nmse(&with)],
             force,
         })
     }
+}
+
+/// What plain physics leaves of a ground's effort on folds held out (N or N·m).
+fn left(ground: &Ground) -> Option<Vec<f64>> {
+    let rows = &ground.rows;
+    let (columns, bounds) = columns(ground);
+    let all: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+    let fit = Normal::new(
+        &ground.unweighted(),
+        &rows.weak.folds,
+        &all,
+        &bounds,
+        &rows.force,
+    )?;
+    Some(fit.held_out_residual(&all, &rows.force))
 }
 
 /// Inertia and hysteresis, a constant, viscous friction, a spring and gravity, with how they are bound.
