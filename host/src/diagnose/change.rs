@@ -23,11 +23,18 @@ pub enum Change {
     PerDirection,
     /// Hysteresis that grows or shrinks with the logarithm of speed.
     Rate,
+    /// What sticks is damped: a force in proportion to the slope of friction.
+    Damped,
 }
 
 impl Change {
     /// All of them.
-    pub const ALL: [Change; 3] = [Change::LateYields, Change::PerDirection, Change::Rate];
+    pub const ALL: [Change; 4] = [
+        Change::LateYields,
+        Change::PerDirection,
+        Change::Rate,
+        Change::Damped,
+    ];
 
     /// Its name in reports.
     pub fn name(self) -> &'static str {
@@ -35,6 +42,7 @@ impl Change {
             Change::LateYields => "hysteresis over a large part of the travel",
             Change::PerDirection => "hysteresis that differs by direction",
             Change::Rate => "hysteresis that depends on the rate",
+            Change::Damped => "damping of what sticks",
         }
     }
 
@@ -42,8 +50,13 @@ impl Change {
     pub fn axis(self) -> Axis {
         match self {
             Change::Rate => Axis::Speed,
-            Change::LateYields | Change::PerDirection => Axis::SinceReversal,
+            Change::LateYields | Change::PerDirection | Change::Damped => Axis::SinceReversal,
         }
+    }
+
+    /// Whether every machine may have it, so that it is the core's own and nothing that is missing.
+    pub fn is_plain(self) -> bool {
+        matches!(self, Change::LateYields | Change::Damped)
     }
 
     /// Whether an effect is a case of it, so that it does not testify against the name: hysteresis that grows with speed has viscous friction in
@@ -53,6 +66,7 @@ impl Change {
             Change::LateYields => &[&PositionSpring],
             Change::PerDirection => &[&ConstantForce, &CoulombAsymmetry],
             Change::Rate => &[&Viscous, &QuadraticDrag],
+            Change::Damped => &[],
         };
         cases.iter().any(|case| case.id() == effect.id())
     }
@@ -60,7 +74,7 @@ impl Change {
     /// How its coefficients are bound.
     pub fn bound(self) -> Bound {
         match self {
-            Change::LateYields => Bound::NonNegative,
+            Change::LateYields | Change::Damped => Bound::NonNegative,
             _ => Bound::Free,
         }
     }
@@ -79,6 +93,10 @@ impl Change {
                 .iter()
                 .map(|&(k, d)| Column::of(along(d).iter().map(|z| k * z.abs()).collect()))
                 .collect(),
+            Change::Damped => vec![Column {
+                sloped: core.friction.clone(),
+                ..Column::default()
+            }],
             Change::Rate => {
                 let top = s.moving_speed(0.95).max(1e-300);
                 let slow = s.moving_speed(0.05).max(1e-3 * top);

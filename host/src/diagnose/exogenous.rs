@@ -2,11 +2,12 @@
 //! friction that wanders moves the axis, whose motion follows it by a phase. What was commanded no friction moves: it is the instrument
 //! of the second (Söderström and Stoica, *Instrumental Variable Methods for System Identification*, 1983).
 
+use super::change::Change;
 use super::effect::channel_delay::late;
 use super::ground::{Ground, Hypothesis};
 use super::normal::{Bound, Normal, dot};
-use super::offer::Offer;
-use crate::evidence::evidence;
+use super::offer::{Offer, offer_of};
+use super::term::{Subject, Term};
 use crate::signal::Deflection;
 use crate::statistics::jackknife;
 
@@ -21,19 +22,13 @@ pub fn is_told(ground: &Ground, beside: &Hypothesis, own: &Offer) -> bool {
     let Some(&delay) = own.trial.coefficients.first() else {
         return true;
     };
-    !is_damping(ground, beside, own, delay) && commanded(ground, beside, own, delay).unwrap_or(true)
+    !is_damping(ground, beside, own) && commanded(ground, beside, own, delay).unwrap_or(true)
 }
 
 /// Whether friction alone leads: damping of what sticks adds to its force in proportion to its slope.
-fn is_damping(ground: &Ground, beside: &Hypothesis, own: &Offer, delay: f64) -> bool {
-    if delay >= 0.0 {
-        return false;
-    }
-    let friction = ground.rows.weak.rows(&late(&ground.baseline.friction));
-    let trial = beside.normal.trial(&[&[friction]], |_, _| true);
-    let alone = trial.map_or(0.0, |trial| {
-        evidence(&trial.force, &beside.normal.held_out, &ground.rows.blocks).share
-    });
+fn is_damping(ground: &Ground, beside: &Hypothesis, own: &Offer) -> bool {
+    let damped = Term::new(Subject::Change(Change::Damped), &[]);
+    let alone = offer_of(ground, beside, &[damped], 1.0).map_or(0.0, |o| o.evidence.share);
     alone >= NEAR * own.evidence.share
 }
 

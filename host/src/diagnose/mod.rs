@@ -240,12 +240,12 @@ fn judge(
     let mut unknown = channel.unknown(0);
     let later = recording.joined.iter().skip(1);
     unknown.extend(later.map(|file| not_yet_known(recording, file)));
-    let shift = match (&channel.delay, &on_time) {
-        (Some(_), Some(on_time)) => Shift::of(&ground_of(recording, &unknown)?, &on_time.effort),
-        _ => None,
-    };
     let (recorded, recording) = (recording, on_time.as_ref().unwrap_or(recording));
     let ground = ground_of(recording, &unknown)?;
+    let shift = match channel.delay {
+        Some(_) => Shift::of(&ground_of(recorded, &unknown)?, &ground),
+        None => None,
+    };
     let searched = |mut ground: Ground| {
         if let Some((simulated, missed)) = simulated {
             ground = ground.against(simulated, missed).ok_or_else(unable)?;

@@ -189,7 +189,7 @@ fn pick<'a>(ground: &Ground, list: &'a [Offer], families: usize, least: f64) -> 
             OWN
         }
         (Subject::Curve(_), _) => MATCH,
-        (Subject::Change(Change::LateYields), _) => MATCH,
+        (Subject::Change(change), _) if change.is_plain() => MATCH,
         (Subject::Change(_), _) => OWN,
         _ => 0.0,
     };

@@ -91,6 +91,8 @@ impl Term {
     pub fn admits(&self, coefficients: &[f64]) -> bool {
         match self.subject {
             Subject::Effect(effect) => effect.admits(&self.shape, coefficients),
+            // What damps takes work, and never gives it.
+            Subject::Change(Change::Damped) => coefficients.iter().all(|c| *c >= 0.0),
             _ => true,
         }
     }

@@ -106,8 +106,7 @@ pub fn unnamed(
     let is_unnamed = |s: &&Standing| match s.term.subject {
         // A delay is none of the machine's physics, and a doubtful one mostly the loop's answer to friction that wanders.
         Subject::Effect(effect) => effect.id() != ALWAYS_FREE.id() && is_doubtful(effect),
-        // It widens the core, and stays in it.
-        Subject::Change(change) => change != Change::LateYields,
+        Subject::Change(change) => !change.is_plain(),
         Subject::Curve(_) => true,
     };
     let usual = rms(&friction(found));
