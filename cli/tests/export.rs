@@ -57,6 +57,19 @@ pub fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
+/// A committed file is what export writes; with `BLESS=1` it is made so.
+pub fn assert_kept(golden: &Path, source: &str) {
+    if std::env::var_os("BLESS").is_some() {
+        std::fs::write(golden, source).expect("blessed");
+    }
+    let kept = std::fs::read_to_string(golden).unwrap_or_default();
+    assert!(
+        kept == source,
+        "{} is not what export writes; look at the difference, then BLESS=1",
+        golden.display()
+    );
+}
+
 #[test]
 fn the_source_that_is_compiled_here_is_what_export_writes() {
     let folder = tempfile::tempdir().expect("temporary folder");
@@ -78,15 +91,7 @@ fn the_source_that_is_compiled_here_is_what_export_writes() {
         let run = export(&[&[model.as_str(), "-o", &written_to][..], more].concat());
         assert!(run.status.success(), "{}", text(&run.stderr));
         let source = std::fs::read_to_string(&written).expect("written");
-        let golden = file(&format!("{name}.rs"));
-        if std::env::var_os("BLESS").is_some() {
-            std::fs::write(&golden, &source).expect("blessed");
-        }
-        let kept = std::fs::read_to_string(&golden).unwrap_or_default();
-        assert!(
-            kept == source,
-            "{name}.rs is not what export writes; look at the difference, then BLESS=1"
-        );
+        assert_kept(&file(&format!("{name}.rs")), &source);
     }
 }
 

@@ -249,6 +249,32 @@ fn the_packed_kernel_in_c_has_the_librarys_bits() {
     );
 }
 
+/// `firmware/cycles` counts what is exported; run with `BLESS=1` to write it anew after a change.
+#[test]
+fn the_c_whose_cycles_are_counted_is_what_export_writes() {
+    let counted = Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware/cycles/peers/exported");
+    for (model, name, more) in [
+        ("full", "gms_f32", &[][..]),
+        ("blocks", "quasi_static_f32", &[]),
+        ("blocks", "packed_f32", &["--kernel", "packed_f32"]),
+    ] {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let written = folder
+            .path()
+            .join(format!("{name}.c"))
+            .display()
+            .to_string();
+        let model = counted.join(format!("{model}.toml")).display().to_string();
+        let arguments = [&model, "--lang", "c", "--rate", "20000", "-o", &written];
+        let run = export(&[&arguments[..], more].concat());
+        assert!(run.status.success(), "{}", text(&run.stderr));
+        for file in [format!("{name}.c"), format!("{name}.h")] {
+            let source = std::fs::read_to_string(folder.path().join(&file)).expect("written");
+            crate::export::assert_kept(&counted.join(file), &source);
+        }
+    }
+}
+
 /// The library has Stribeck curves and spots as tables, and waves as polynomials; C has them from `math.h`.
 #[test]
 fn every_effect_in_c_gives_the_librarys_force() {

@@ -69,6 +69,12 @@ const PEERS: &[(&str, &str, &[&str])] = &[
     ),
 ];
 
+/// What `preslide export --lang c` wrote in `peers/exported`: `src/exported.rs` calls it.
+const EXPORTED: [&str; 3] = ["gms_f32", "quasi_static_f32", "packed_f32"];
+
+/// Of every peer.
+const STRICT: [&str; 4] = ["-Wall", "-Wextra", "-Werror", "-ffunction-sections"];
+
 fn main() -> Result<(), String> {
     let crate_folder = env_path("CARGO_MANIFEST_DIR")?;
     let out = env_path("OUT_DIR")?;
@@ -104,18 +110,29 @@ fn build_peers(compiler: &Compiler, crate_folder: &Path, out: &Path) -> Result<(
             let name = format!("cycles__{kernel}__{n}");
             let object = out.join(format!("{name}.o"));
             let mut gcc = compiler.gcc();
-            gcc.args(compiler.cpu).args(*arguments).args([
-                "-std=c11",
-                "-Wall",
-                "-Wextra",
-                "-Werror",
-                "-ffunction-sections",
-            ]);
+            gcc.args(compiler.cpu).args(*arguments);
+            gcc.arg("-std=c11").args(STRICT);
             gcc.args([format!("-DN={n}"), format!("-DSTEP={name}")]);
             run(gcc.arg("-c").arg(&source).arg("-o").arg(&object))?;
             objects.push(object);
             names.push(name);
         }
+    }
+    for name in EXPORTED {
+        let peers = crate_folder.join("peers");
+        let step = format!("cycles__exported_c_{name}__6");
+        let object = out.join(format!("{step}.o"));
+        let mut gcc = compiler.gcc();
+        gcc.args(compiler.cpu)
+            .args(["-std=c99", "-O2", "-fwhole-program"])
+            .args(STRICT);
+        gcc.args([format!("-DNAME={name}"), format!("-DSTEP={step}")]);
+        gcc.arg("-include")
+            .arg(peers.join(format!("exported/{name}.c")));
+        gcc.arg("-c").arg(peers.join("exported.c"));
+        run(gcc.arg("-o").arg(&object))?;
+        objects.push(object);
+        names.extend([step, format!("{name}_rest"), format!("{name}_bytes")]);
     }
     link_with_own_library(compiler, &objects, &names, out)
 }

@@ -1,6 +1,8 @@
 """A fleet of small recordings: one machine, and clusters of two workers, make the same table."""
 
+import contextlib
 import json
+import multiprocessing
 import os
 import pathlib
 import signal
@@ -105,8 +107,8 @@ def test_killed_half_way_nothing_but_the_file_in_hand_is_lost(fleet, alone, tmp_
     assert_same(found, alone)
 
 
-def dying(fleet, table, once):
-    """What a worker does, but that the first to make the third part is killed half way."""
+def dying(fleet, table, asked):
+    """What a worker does, every call told to a file; but the first to make the third part is killed half way."""
     make = part_of(fleet, table, True)
     journal = table.with_name(f"{table.name}.rows.3-of-{PARTS}.jsonl")
     half = AXES * DAYS // PARTS // 2
@@ -117,46 +119,79 @@ def dying(fleet, table, once):
         os.kill(os.getpid(), signal.SIGKILL)
 
     def make_or_die(item):
-        if item["part"].startswith("3/") and not once.exists():
-            once.touch()
+        with asked.open("a+") as file:
+            file.seek(0)
+            is_first = item["part"] not in file.read().split()
+            file.write(f"{item['part']} {os.getpid()}\n")
+        if item["part"].startswith("3/") and is_first:
             threading.Thread(target=kill, daemon=True).start()
         return make(item)
 
     return make_or_die
 
 
-def assert_made_once(fleet, alone, table):
-    """All parts were made, one of them by two workers, of which the second went on where the first was killed."""
-    journals = sorted(table.parent.glob(f"{table.name}.rows.*.jsonl"))
-    assert len(journals) == PARTS
-    # Who goes on begins a line. Dask asks once more for parts whose answers the worker held, too; their rows are there.
-    assert "" in table.with_name(f"{table.name}.rows.3-of-{PARTS}.jsonl").read_text(encoding="utf-8").splitlines()
-    files = [file for journal in journals for file in rows_of(journal)]
-    assert len(files) == AXES * DAYS and set(files) == set(alone["file"])
-    assert_same(preslide.fleet(fleet, output=table, fit_only=True), alone)
+def run_cluster(engine, fleet, table, asked):
+    """A cluster of two workers makes all parts."""
+    make = dying(fleet, table, asked)
+    if engine == "ray":
+        import ray
 
-
-needs_clusters = pytest.mark.skipif(not LONG, reason="clusters are asked by `cargo xtask test --all python`")
-
-
-@needs_clusters
-def test_dask_makes_the_table_of_one_machine_though_a_worker_is_killed(fleet, alone, tmp_path):
-    from dask.distributed import Client, LocalCluster
-
-    table = tmp_path / "fleet.parquet"
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
-        by_dask(client, dying(fleet, table, tmp_path / "once"))
-    assert_made_once(fleet, alone, table)
-
-
-@needs_clusters
-def test_ray_data_makes_the_table_of_one_machine_though_a_worker_is_killed(fleet, alone, tmp_path):
-    import ray
-
-    table = tmp_path / "fleet.parquet"
-    ray.init(num_cpus=2, include_dashboard=False)
-    try:
-        by_ray(dying(fleet, table, tmp_path / "once"))
-    finally:
+        ray.init(num_cpus=2, include_dashboard=False)
+        by_ray(make)
         ray.shutdown()
-    assert_made_once(fleet, alone, table)
+    else:
+        from dask.distributed import Client, LocalCluster
+
+        with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+            by_dask(client, make)
+
+
+def calls(asked):
+    """Parts and the processes that were asked for them."""
+    return [tuple(line.split()) for line in asked.read_text().splitlines()] if asked.exists() else []
+
+
+@pytest.mark.skipif(not LONG, reason="clusters are asked by `cargo xtask test --all python`")
+@pytest.mark.parametrize("engine", ["dask", "ray"])
+def test_a_cluster_makes_the_table_of_one_machine_though_it_is_killed(engine, fleet, alone, tmp_path):
+    """First a worker half way through a part, then both workers and what asked them half way through the fleet."""
+    table, asked = tmp_path / "fleet.parquet", tmp_path / "asked"
+
+    def start():
+        process = multiprocessing.get_context("spawn").Process(target=run_cluster, args=(engine, fleet, table, asked))
+        process.start()
+        return process
+
+    def journals():
+        return {path: path.read_bytes() for path in sorted(tmp_path.glob(f"{table.name}.rows.*.jsonl"))}
+
+    def files():
+        return [file for path in journals() for file in rows_of(path)]
+
+    cluster = start()
+    while len(files()) < AXES * DAYS // 2:
+        assert cluster.is_alive()
+        time.sleep(0.05)
+    cluster.kill()
+    before = calls(asked)
+    for process in {process for _, process in before}:
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(int(process), signal.SIGKILL)
+    cluster.join()
+    kept, rows = journals(), files()
+    assert len(rows) < AXES * DAYS and not table.exists()
+    # The engine asked again for what the worker that was killed had in hand or had not yet handed over, and for nothing else.
+    killed = next(process for part, process in before if part.startswith("3/"))
+    again = {part for part, _ in before if [other for other, _ in before].count(part) > 1}
+    assert f"3/{PARTS}" in again and all((part, killed) in before for part in again)
+
+    cluster = start()
+    cluster.join()
+    assert cluster.exitcode == 0
+    after = calls(asked)[len(before):]
+    assert sorted(part for part, _ in after) == sorted(f"{i + 1}/{PARTS}" for i in range(PARTS))
+    # What was there is there, and no row was made twice: but the recordings in hand nothing was lost.
+    assert all(journal.startswith(kept.get(path, b"")) for path, journal in journals().items())
+    assert sorted(files()) == sorted(alone["file"])
+    print(f"{engine}: killed with {len(rows)} of {AXES * DAYS} rows, {len(again)} parts asked again before; the rest made once")
+    assert_same(preslide.fleet(fleet, output=table, fit_only=True), alone)

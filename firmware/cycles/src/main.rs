@@ -16,6 +16,7 @@ mod closed_loop;
 #[cfg(not(feature = "board"))]
 mod control_task;
 mod effects;
+mod exported;
 mod given;
 mod kernels;
 #[cfg(all(target_abi = "eabihf", not(feature = "board")))]

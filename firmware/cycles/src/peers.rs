@@ -1,4 +1,4 @@
-//! What Preslide's kernels are measured against: an empty call, a PID and a biquad; [`crate::textbook`] for the rest.
+//! What Preslide's kernels are measured against: an empty call, a PID and a biquad; [`crate::textbook`] and [`crate::exported`] for the rest.
 
 use core::sync::atomic::Ordering;
 use dsp_process::SplitProcess;
@@ -71,6 +71,7 @@ pub fn run_empty_tick() {
 
 pub fn run() {
     crate::textbook::run();
+    crate::exported::run();
 
     let row = single("empty_call", Units::SI);
     let call = row.run(&(), (), empty_call, |_, _, _| ());

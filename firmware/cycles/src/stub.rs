@@ -43,9 +43,21 @@ impl Row {
     pub fn run<M, State, S: Scalar>(
         &self,
         model: &M,
+        state: State,
+        step: Step<M, State, S>,
+        place: Place<M, State, S>,
+    ) -> Spent {
+        self.run_watched(model, state, step, place, |_, _| ())
+    }
+
+    /// The same, where somebody looks at every force.
+    pub fn run_watched<M, State, S: Scalar>(
+        &self,
+        model: &M,
         mut state: State,
         step: Step<M, State, S>,
         place: Place<M, State, S>,
+        mut watch: impl FnMut(Motion<S>, S),
     ) -> Spent {
         let step = black_box(step);
         let mut squares = 0.0;
@@ -53,9 +65,15 @@ impl Row {
         let mut spent = Spent::default();
         for (index, tick) in given(self.units).enumerate() {
             place(model, &mut state, tick.place);
-            // SAFETY: every stub is a safe Rust function, or a C peer whose structures `textbook.rs` mirrors.
+            // SAFETY: every stub is a safe Rust function, or a C peer whose structures `textbook.rs` or `exported.rs` mirrors.
             let force = unsafe { spent.update(step, model, &mut state, tick.motion) };
             checksum.add(force.to_f64());
+            let [displacement, velocity] = tick.motion;
+            let motion = Motion {
+                displacement,
+                velocity,
+            };
+            watch(motion, force);
             if !MEASURES {
                 let missed = force.to_f64() * self.units.force - truth::forces()[index];
                 squares += missed * missed;

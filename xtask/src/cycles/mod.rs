@@ -70,6 +70,7 @@ const CORTEX_M4F: Core = Core {
             "included. floor: the least that the quasi-static law takes by argument (xtask/src/cycles/table.rs); compare it with",
             "cycles_in_tick.",
             "with_EFFECT_SCALAR: `With<Gms<4>, (Effect,)>`; compare cycles_in_tick with that of gms_SCALAR. with_nothing: `()`.",
+            "exported_c_KERNEL: what `preslide export --lang c` writes of the same six blocks, by gcc -O2; its forces are KERNEL's.",
             "rtic_tick_KERNEL: the whole interrupt of the QEMU firmware's control task with that friction model, exception entry",
             "and return included (firmware/cycles/README.md says what else).",
             "flash_bytes: code of all functions on the paths and the parameters; libraries' constant tables not counted.",

@@ -14,6 +14,9 @@ use crate::statistics::Estimate;
 /// `run_in`.
 pub struct RunIn;
 
+/// Longest way of a decay, in recorded ones: over a longer one a falling level cannot be told from another level.
+const LONGEST: f64 = 2.0;
+
 impl Effect for RunIn {
     fn id(&self) -> &'static str {
         form::RUN_IN.id
@@ -58,7 +61,12 @@ impl Effect for RunIn {
 
     fn grid(&self, scene: &Scene) -> Vec<Vec<f64>> {
         let path = scene.s.path.last().copied().unwrap_or(0.0);
-        one(path / 20.0, path * 2.0, 5)
+        one(path / 20.0, path * LONGEST, 5)
+    }
+
+    fn within(&self, scene: &Scene, shape: &[f64], index: usize) -> f64 {
+        let path = scene.s.path.last().copied().unwrap_or(0.0);
+        shape[index].min(path * LONGEST)
     }
 
     fn shown_by(&self) -> &'static [Part] {

@@ -394,3 +394,14 @@ fn friction_follows_the_transmitted_effort_where_no_load_is_recorded() {
     stage.core.fitted = stage.core.friction.iter().map(|f| f + 5.0).collect();
     assert!(load.grid(&stage.scene()).is_empty());
 }
+
+#[test]
+fn a_decay_longer_than_the_recording_tells_is_none() {
+    let stage = Stage::new(MotionKind::Linear, 1.0);
+    let run_in = by_id("run_in").unwrap();
+    let grid = run_in.grid(&stage.scene());
+    let within = |path: f64| run_in.within(&stage.scene(), &[path], 0);
+    let longest = grid.last().expect("a grid")[0];
+    assert!((within(20.0 * longest) / longest - 1.0).abs() < 1e-9);
+    assert_eq!(within(grid[0][0]), grid[0][0]);
+}
