@@ -17,7 +17,7 @@ pub use deflection::{Deflection, not_yet_known};
 pub use delay::{Delay, TAKES};
 pub use kinematics::Kinematics;
 pub use resolution::step_at_reversals;
-pub use saturation::{ACCELERATES, End, Saturation};
+pub use saturation::{End, Saturation};
 pub use split::{FEWEST, GROUPS, Split, Window, check_windows, parse_window};
 pub use stick_slip::{Levels, StickSlip};
 pub use zero_phase::ZeroPhase;

@@ -10,9 +10,6 @@ const MOST: usize = 30_000;
 /// Blocks of contiguous samples by which intervals are told.
 pub(super) const BLOCKS: usize = 24;
 
-/// Columns after the blocks': acceleration first.
-const BESIDE: usize = 5;
-
 /// So many samples in these.
 pub(super) fn blocks(samples: usize) -> impl Iterator<Item = Range<usize>> {
     let cut = move |k: usize| k * samples / BLOCKS;
@@ -61,34 +58,16 @@ impl<'a> Rigid<'a> {
 
     /// What is left of an effort at every sample by the fit to the rows that `fits` admits.
     pub(super) fn left(&self, effort: &[f64], fits: impl Fn(usize) -> bool) -> Option<Vec<f64>> {
-        let solved = self.solved(effort, fits)?;
-        let left = |i: usize| effort[i] - self.modelled(&solved, i);
-        Some((0..effort.len()).map(left).collect())
-    }
-
-    /// Share of what the motion takes at some samples, along the effort there, that is inertia's, by the fit to all rows.
-    pub(super) fn share_of_inertia(&self, effort: &[f64], at: &[bool]) -> Option<f64> {
-        let solved = self.solved(effort, |_| true)?;
-        let mass = solved[self.columns.len() - BESIDE];
-        let (mut inertia, mut whole) = (0.0, 0.0);
-        for i in (0..at.len()).filter(|i| at[*i]) {
-            inertia += mass * self.kinematics.acceleration[i] * effort[i].signum();
-            whole += self.modelled(&solved, i) * effort[i].signum();
-        }
-        Some(inertia / f64::max(whole, f64::MIN_POSITIVE))
-    }
-
-    fn solved(&self, effort: &[f64], fits: impl Fn(usize) -> bool) -> Option<Vec<f64>> {
         let rows: Vec<usize> = self.rows.iter().copied().filter(|i| fits(*i)).collect();
         let columns = self.at(&rows);
         let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
         let target: Vec<f64> = rows.iter().map(|&i| effort[i]).collect();
-        Some(LeastSquares::of(&columns)?.coefficients(&target))
-    }
-
-    fn modelled(&self, solved: &[f64], i: usize) -> f64 {
-        let parts = solved.iter().zip(&self.columns);
-        parts.map(|(c, column)| c * column[i]).sum()
+        let solved = LeastSquares::of(&columns)?.coefficients(&target);
+        let modelled = |i: usize| -> f64 {
+            let parts = solved.iter().zip(&self.columns);
+            parts.map(|(c, column)| c * column[i]).sum()
+        };
+        Some((0..effort.len()).map(|i| effort[i] - modelled(i)).collect())
     }
 
     pub(super) fn squares(&self, left: &[f64], of: impl Fn(usize) -> bool) -> f64 {

@@ -22,9 +22,6 @@ const LEAVES: f64 = 0.5;
 const INTERIOR: f64 = 0.9;
 /// What is left where the command is cut may be this many times what is left elsewhere: at an outlier of the reading it is far more.
 const LIKE_ELSEWHERE: f64 = 3.0;
-/// Share of what the motion takes at the largest efforts that must be inertia's. A drive that gives less than it is asked for accelerates less;
-/// where the motion is steady it gives what friction takes, and an effort above that is a force that the model lacks.
-pub const ACCELERATES: f64 = 0.3;
 /// A reading piles up where its highest values, within this share of the end, are so many and so many times those in a band as wide below.
 const BAND: f64 = 0.03;
 const PILED: usize = 20;
@@ -168,11 +165,7 @@ impl Rigid<'_> {
             }
         }
         let beyond: Vec<bool> = size.iter().map(|f| *f > best).collect();
-        let cut = self.cut(best);
-        if self.share_of_inertia(&cut, &beyond)? < ACCELERATES {
-            return None;
-        }
-        let with = self.left(&cut, |_| true)?;
+        let with = self.left(&self.cut(best), |_| true)?;
         let (at, elsewhere) = (
             self.squares(&with, |i| beyond[i]),
             self.squares(&with, |i| !beyond[i]),

@@ -7,12 +7,14 @@ use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
 use crate::effects::form;
 use crate::model::Model;
-use crate::signal::ACCELERATES;
 use crate::statistics::{Estimate, quantile_between_ranks};
 
 /// Share of the samples that stay below the limit at least: the column is made of the measured effort, and with a limit below most of
 /// it the effort would explain itself.
 const RARE: f64 = 0.95;
+/// Share of what the motion takes at the largest efforts that must be inertia's. A drive that gives less than it is asked for accelerates less;
+/// where the motion is steady it gives what friction takes, and an effort above that is a force that the model lacks.
+const ACCELERATES: f64 = 0.3;
 /// Key of the coefficient: how much of the command above the limit is lost.
 const SHARE: &str = "share";
 /// Key of the end of a reading, which is the sensor's and no machine's.
