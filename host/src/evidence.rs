@@ -24,8 +24,6 @@ pub struct Evidence {
     pub blocks: f64,
     /// Coefficient of its force held out on what is there: 1 where it predicts what it promises.
     pub slope: f64,
-    /// Share of its force's squares in blocks that it leaves with less than they had.
-    pub agree: f64,
 }
 
 /// Judges a force against a residual, both whitened and held out.
@@ -37,16 +35,12 @@ pub fn evidence(force: &[f64], residual: &[f64], blocks: &[Range<usize>]) -> Evi
         return Evidence::default();
     }
     let slope = product / square;
-    let (mut variance, mut fourth, mut agree) = (0.0, 0.0, 0.0);
+    let (mut variance, mut fourth) = (0.0, 0.0);
     for rows in blocks {
         let (mut score, mut own) = (0.0, 0.0);
         for i in rows.clone() {
             score += force[i] * (residual[i] - slope * force[i]);
             own += force[i] * force[i];
-        }
-        // Its coefficient in this block alone is `slope + score / own`.
-        if score + slope * own > 0.5 * own {
-            agree += own;
         }
         variance += score * score;
         fourth += own * own;
@@ -63,7 +57,6 @@ pub fn evidence(force: &[f64], residual: &[f64], blocks: &[Range<usize>]) -> Evi
         },
         blocks: count,
         slope,
-        agree: agree / square,
     }
 }
 

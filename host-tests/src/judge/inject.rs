@@ -37,7 +37,11 @@ const SHAKES_HZ: f64 = 11.3;
 const LEAST_INERTIA: f64 = 0.1;
 
 /// What raises the friction in one place or direction and lowers it by as much in another: friction does not push.
-const BOTH_WAYS: [&str; 3] = ["position_friction", "periodic_friction", "coulomb_asymmetry"];
+const BOTH_WAYS: [&str; 3] = [
+    "position_friction",
+    "periodic_friction",
+    "coulomb_asymmetry",
+];
 
 /// A recording with an effect in it.
 pub struct Injected {

@@ -2,10 +2,7 @@
 //! what the core gets wrong looks like physics.
 
 use super::axis::Axis;
-use super::effect::{
-    Effect, Scene, constant_force::ConstantForce, coulomb_asymmetry::CoulombAsymmetry,
-    position_spring::PositionSpring, quadratic_drag::QuadraticDrag, viscous::Viscous,
-};
+use super::effect::Scene;
 use super::normal::Bound;
 use super::signals::Signals;
 use super::weak::Column;
@@ -57,18 +54,6 @@ impl Change {
     /// Whether every machine may have it, so that it is the core's own and nothing that is missing.
     pub fn is_plain(self) -> bool {
         matches!(self, Change::LateYields | Change::Damped)
-    }
-
-    /// Whether an effect is a case of it, so that it does not testify against the name: hysteresis that grows with speed has viscous friction in
-    /// it, one that differs by direction a constant, one of long displacements a spring.
-    pub fn contains(self, effect: &dyn Effect) -> bool {
-        let cases: &[&dyn Effect] = match self {
-            Change::LateYields => &[&PositionSpring],
-            Change::PerDirection => &[&ConstantForce, &CoulombAsymmetry],
-            Change::Rate => &[&Viscous, &QuadraticDrag],
-            Change::Damped => &[],
-        };
-        cases.iter().any(|case| case.id() == effect.id())
     }
 
     /// How its coefficients are bound.

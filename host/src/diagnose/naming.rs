@@ -1,16 +1,15 @@
-//! What each term of the hypothesis may be called: rivals in its place, and whether it survives changes of the core.
+//! What each term of the hypothesis may be called: rivals in its place.
 //!
 //! A rival counts against a name only if it is not clearly worse and makes the name needless (*encompasses* it, Mizon and
 //! Richard 1986): otherwise every second effect of a machine would be a rival of the first.
 
 use super::axis::Axis;
-use super::change::Change;
 use super::curve::hats;
 use super::effect::{ALWAYS_FREE, Class, Effect};
 use super::exogenous::is_told;
 use super::ground::{Ground, Hypothesis};
 use super::offer::{Offer, offer_of, offers, refined};
-use super::placebo::Placebo;
+use super::placebo::over_state;
 use super::search::{Found, MATERIAL, beside, simplicity};
 use super::term::{Subject, Term};
 use crate::evidence::{Evidence, at_its_largest, evidence};
@@ -43,8 +42,6 @@ pub struct Standing {
     pub better: Option<(Term, f64)>,
     /// Explanation of the best rival that makes it needless, over its own; 0 where there is none.
     pub rival: f64,
-    /// Least share of its explanation that it keeps beside a change of the core.
-    pub survival: f64,
     /// Its coefficient where its force is largest.
     pub at_its_largest: f64,
     /// The coordinate over which its size changes though the catalogue's does not, and what that change explains over its own.
@@ -53,18 +50,12 @@ pub struct Standing {
     pub left: f64,
     /// Share of that which it takes off, all rows alike.
     pub gain: f64,
-    /// Deviation of its force over the measured effort's.
-    pub relative: f64,
-    /// Terms of the hypothesis that are not given.
-    pub terms: usize,
-    /// Its place among them, 1 for the one that entered first.
-    pub place: usize,
     /// No larger than what every recording has.
     pub harmless: bool,
     /// Nothing else than the effect looks like it: a delay may be none.
     pub told: bool,
     /// How it stands out of chance, where it is a line or a narrow place.
-    pub placebo: Option<Placebo>,
+    pub placebo: Option<f64>,
     /// What else was tried in its place, with its explanation over the term's own.
     pub tried: Vec<(String, f64)>,
 }
@@ -72,11 +63,11 @@ pub struct Standing {
 /// Judges every term that is not given.
 pub fn standings(found: &Found, given: usize, periods: &[f64]) -> Vec<Standing> {
     (given..found.hypothesis.terms.len())
-        .filter_map(|index| standing(found, given, index, periods))
+        .filter_map(|index| standing(found, index, periods))
         .collect()
 }
 
-fn standing(found: &Found, given: usize, index: usize, periods: &[f64]) -> Option<Standing> {
+fn standing(found: &Found, index: usize, periods: &[f64]) -> Option<Standing> {
     let ground = &found.ground;
     let term = found.hypothesis.terms[index].clone();
     let rest = ground.fit(&beside(&found.hypothesis.terms, index))?;
@@ -92,24 +83,20 @@ fn standing(found: &Found, given: usize, index: usize, periods: &[f64]) -> Optio
         ambiguous: Vec::new(),
         better: None,
         rival: 0.0,
-        survival: survival(ground, [&rest, &with], &term, &own),
         at_its_largest: at_its_largest(&own.trial.force, &rest.normal.held_out),
         form: form(found, index, &own),
         tried: Vec::new(),
         left,
         gain: 1.0 - with.nmse(&ground.rows).test / left.max(1e-300),
-        relative: own.relative,
-        place: index - given + 1,
         harmless: term
             .effect()
             .is_some_and(|e| e.is_harmless(&ground.scene(), found.hypothesis.coefficients(index))),
         told: term.effect().is_none_or(|e| e.id() != ALWAYS_FREE.id())
             || is_told(ground, &rest, &own),
-        terms: found.hypothesis.terms.len() - given,
         placebo: term
             .effect()
             .filter(|e| e.is_narrow())
-            .map(|_| Placebo::of(ground, &rest, &term).unwrap_or_default()),
+            .map(|_| over_state(ground, &rest, &term).unwrap_or_default()),
         term,
     };
     for rival in &list {
@@ -216,28 +203,4 @@ fn form(found: &Found, index: usize, own: &Offer) -> Option<(Axis, f64)> {
         .filter(|axis| !axis.is_akin(effect.axis()))
         .filter_map(changes)
         .max_by(|a, b| a.1.total_cmp(&b.1))
-}
-
-/// The least share of its explanation that a term keeps beside a change of the core that does not contain it.
-fn survival(ground: &Ground, [rest, with]: [&Hypothesis; 2], term: &Term, own: &Offer) -> f64 {
-    let contained = |c: &Change| term.effect().is_some_and(|e| c.contains(e));
-    Change::ALL
-        .into_iter()
-        .filter(|c| !contained(c))
-        .map(Subject::Change)
-        .filter(|c| {
-            c.key() != term.subject.key() && !rest.terms.iter().any(|t| t.subject.key() == c.key())
-        })
-        .filter_map(|change| {
-            let change = Term::new(change, &[]);
-            // A change that adds nothing beside the term is no other explanation of the rest.
-            offer_of(ground, with, std::slice::from_ref(&change), 1.0)
-                .filter(|o| o.evidence.share >= MATERIAL && o.evidence.z >= WORSE)?;
-            let changed = ground.fit(&joined(rest, &change))?;
-            let loss = changed.normal.loss() / rest.normal.loss();
-            let kept = offer_of(ground, &changed, std::slice::from_ref(term), 1.0)
-                .map_or(0.0, |o| o.evidence.share);
-            Some(kept * loss / own.evidence.share.max(1e-300))
-        })
-        .fold(1.0, f64::min)
 }

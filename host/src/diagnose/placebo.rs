@@ -1,5 +1,5 @@
-//! What of a line or a narrow place chance takes as well: copies of its own columns at other times, and waves of the state that the
-//! machine does not have. Ripples at other periods are no such measure: harmonics of the motion stand out as well as a true line does.
+//! What of a line or a narrow place chance takes as well: waves of the state that the machine does not have. Ripples at other periods are no such
+//! measure: harmonics of the motion stand out as well as a true line does; nor are its own columns at other times, which tell no more than these.
 
 use super::ground::{Ground, Hypothesis};
 use super::term::Term;
@@ -7,10 +7,6 @@ use crate::statistics::quantile_between_ranks;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-/// Copies of the columns at other times.
-const COPIES: usize = 32;
-/// Least and greatest lag of a copy, of the rows.
-const LAGS: [f64; 2] = [0.05, 0.95];
 /// Waves of the state.
 const WAVES: usize = 48;
 /// Least and most cycles of a wave over what a coordinate covers.
@@ -20,56 +16,21 @@ const CHANCE: f64 = 0.9;
 /// The least and the most that is told of it, as a logarithm: beyond e⁴ more says nothing more.
 const TOLD: f64 = 4.0;
 
-/// How a name stands out of chance, as logarithms of what it takes over what chance does; 0 where it is not asked.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Placebo {
-    /// Over copies of its columns at other times, every second one reversed.
-    pub shifted: f64,
-    /// Over waves of position, velocity and displacement since reversal, a column.
-    pub state: f64,
-}
-
-impl Placebo {
-    /// Of a term that is a line or a narrow place, on top of the others; `None` where nothing of it is new.
-    pub fn of(ground: &Ground, rest: &Hypothesis, term: &Term) -> Option<Self> {
-        let taken = |columns: &[Vec<f64>]| rest.normal.reduction(columns).map_or(0.0, |r| r.0);
-        let own = ground.columns(term);
-        let (own, taken_by_it): (&[Vec<f64>], f64) = (&own, taken(&own));
-        let rows = own.first()?.len();
-        let copies: Vec<f64> = (0..COPIES)
-            .into_par_iter()
-            .map(|k| {
-                let lag = LAGS[0] + (LAGS[1] - LAGS[0]) * spread(k, 0);
-                let lag = (lag * rows as f64) as usize;
-                let copies = own.iter().map(|c| copy(c, lag, k % 2 == 1));
-                taken(&copies.collect::<Vec<_>>())
-            })
-            .collect();
-        let waves: Vec<f64> = state_waves(ground)
-            .into_par_iter()
-            .map(|wave| taken(&[wave]))
-            .collect();
-        let over = |taken: f64, chance: &[f64]| {
-            let chance = quantile_between_ranks(chance, CHANCE);
-            (taken.max(f64::MIN_POSITIVE) / chance.max(f64::MIN_POSITIVE))
-                .ln()
-                .clamp(-TOLD, TOLD)
-        };
-        Some(Self {
-            shifted: over(taken_by_it, &copies),
-            state: over(taken_by_it / own.len() as f64, &waves),
-        })
+/// How a term that is a line or a narrow place stands out of chance, on top of the others: the logarithm of what it takes, a column, over what waves
+/// of position, velocity and displacement since reversal do; `None` where nothing of it is new.
+pub fn over_state(ground: &Ground, rest: &Hypothesis, term: &Term) -> Option<f64> {
+    let taken = |columns: &[Vec<f64>]| rest.normal.reduction(columns).map_or(0.0, |r| r.0);
+    let own = ground.columns(term);
+    if own.is_empty() {
+        return None;
     }
-}
-
-/// A column a lag later, its end before its beginning, or that reversed.
-fn copy(column: &[f64], lag: usize, reversed: bool) -> Vec<f64> {
-    let mut copy = column.to_vec();
-    copy.rotate_right(lag.min(column.len()));
-    if reversed {
-        copy.reverse();
-    }
-    copy
+    let waves: Vec<f64> = state_waves(ground)
+        .into_par_iter()
+        .map(|wave| taken(&[wave]))
+        .collect();
+    let chance = quantile_between_ranks(&waves, CHANCE).max(f64::MIN_POSITIVE);
+    let taken = (taken(&own) / own.len() as f64).max(f64::MIN_POSITIVE);
+    Some((taken / chance).ln().clamp(-TOLD, TOLD))
 }
 
 /// Value `k` of a sequence that fills the unit interval evenly, another for each dimension (Roberts's, of the roots of x⁵ = x + 1): nothing is
@@ -129,12 +90,5 @@ mod tests {
             let gap = values.windows(2).map(|p| p[1] - p[0]).fold(0.0, f64::max);
             assert!(gap < 7.0 / WAVES as f64, "{dimension}: {gap}");
         }
-    }
-
-    #[test]
-    fn a_copy_is_the_column_at_another_time() {
-        let column: Vec<f64> = (0..5).map(f64::from).collect();
-        assert_eq!(copy(&column, 2, false), [3.0, 4.0, 0.0, 1.0, 2.0]);
-        assert_eq!(copy(&column, 2, true), [2.0, 1.0, 0.0, 4.0, 3.0]);
     }
 }

@@ -154,7 +154,8 @@ fn truth(effect: &Value, parameters: &Value) -> Truth {
     }
 }
 
-/// How far a stated period may be from a native one, of it.
+/// How far a stated period may be from a native one, of it; or further, to where the travel tells the two apart (Rayleigh: wave numbers that
+/// differ by one over the travel).
 const NEAR: f64 = 0.03;
 
 /// What a label says that a machine has besides what was concealed. `drives` gives its machines the ripple of a motor and friction that
@@ -162,10 +163,12 @@ const NEAR: f64 = 0.03;
 fn native(label: &Value, model: Option<&str>) -> Vec<Truth> {
     let params = &label["params"];
     let has = |key: &str| params[key].as_f64().is_some_and(|v| v > 0.0);
+    let end = |key: &str| params[key].as_f64().unwrap_or(f64::NAN);
+    let travel = end("hi") - end("lo");
     let at = |id: &str, period: &Value| Truth {
         checks: period
             .as_f64()
-            .map(|p| Check::relative("period_", p, NEAR))
+            .map(|p| Check::relative("period_", p, NEAR.max(p / travel)))
             .into_iter()
             .collect(),
         ..Truth::named(id)
@@ -288,7 +291,7 @@ mod tests {
 
     #[test]
     fn what_a_machine_has_besides_is_no_false_name() {
-        let label = json!({"params": {"viscous": 3.0, "ripple": 0.01, "motor_period": 0.0025, "wander": 0.01, "wave_lengths": [0.3, 0.1, 0.04]}});
+        let label = json!({"params": {"viscous": 3.0, "ripple": 0.01, "motor_period": 0.0025, "wander": 0.01, "wave_lengths": [0.3, 0.1, 0.04], "lo": 0.0, "hi": 0.5}});
         let right = |model: Option<&str>, id: &str, period: f64| {
             native(&label, model)
                 .iter()
@@ -296,7 +299,9 @@ mod tests {
         };
         assert!(right(None, "viscous", 1.0) && !right(Some(""), "viscous", 1.0));
         assert!(right(None, "periodic_force", 0.00252) && !right(None, "periodic_force", 0.003));
-        assert!(right(None, "periodic_friction", 0.1) && !right(None, "periodic_friction", 0.2));
+        assert!(right(None, "periodic_friction", 0.1) && !right(None, "periodic_friction", 0.06));
+        // Two waves that the travel does not tell apart.
+        assert!(right(None, "periodic_friction", 0.2));
         assert!(right(None, "position_friction", 1.0) && !right(None, "run_in", 1.0));
         assert!(native(&json!({"params": {"viscous": 0.0}}), None).is_empty());
     }
