@@ -71,13 +71,8 @@ for (const when of ['beforeprint', 'afterprint']) {
 
 /// The whole file.
 pub(super) fn render(page: &Page) -> String {
-    let series: usize = page
-        .sections
-        .iter()
-        .flat_map(|s| &s.figures)
-        .map(|f| f.series.len())
-        .sum();
-    let most = (POINTS_PER_PAGE / series.max(1)).clamp(LEAST_POINTS_PER_SERIES, POINTS_PER_SERIES);
+    let figures = page.sections.iter().flat_map(|s| &s.figures);
+    let most = most_points(figures.flat_map(|f| &f.series).map(|s| s.x.len()).collect());
     let has_figures = page.sections.iter().any(|s| !s.figures.is_empty());
     let title = escape(&page.title);
 
@@ -126,6 +121,20 @@ pub(super) fn render(page: &Page) -> String {
     }
     html.push_str("</footer>\n</body>\n</html>\n");
     html
+}
+
+/// Points that a series may have, of all series' lengths: the short ones leave to the long what they do not need of the page's.
+fn most_points(mut lengths: Vec<usize>) -> usize {
+    lengths.sort_unstable();
+    let mut left = POINTS_PER_PAGE;
+    for (i, &length) in lengths.iter().enumerate() {
+        let share = left / (lengths.len() - i);
+        if length > share {
+            return share.clamp(LEAST_POINTS_PER_SERIES, POINTS_PER_SERIES);
+        }
+        left -= length;
+    }
+    POINTS_PER_SERIES
 }
 
 fn section_body(html: &mut String, section: &Section, figure_number: &mut usize, most: usize) {
@@ -481,6 +490,16 @@ mod tests {
         let html = render(&with_figures(figures));
         assert!(html.len() < 1_500_000, "{}", html.len());
         assert!(html.contains("of 60000 points a series"));
+    }
+
+    #[test]
+    fn short_series_leave_their_points_to_long_ones() {
+        assert_eq!(most_points(vec![60_000; 2]), POINTS_PER_SERIES);
+        assert_eq!(most_points(vec![60_000; 11]), 2000);
+        let mut many = vec![100; 20];
+        many.extend([60_000; 10]);
+        assert_eq!(most_points(many), 2000);
+        assert_eq!(most_points(vec![60_000; 1000]), LEAST_POINTS_PER_SERIES);
     }
 
     #[test]
