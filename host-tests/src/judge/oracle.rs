@@ -65,10 +65,15 @@ impl Base {
         Self { rows, effort }
     }
 
-    /// Mass or inertia and its share of the effort's deviation, by least squares; the acceleration is the first column.
-    pub fn inertia(&self) -> (f64, f64) {
+    /// Coefficients of all columns by least squares, none where they cannot be told.
+    fn coefficients(&self) -> Vec<f64> {
         let all: Vec<usize> = (0..self.rows.len()).collect();
-        let inertia = fit(&self.rows, &self.effort, &all).map_or(0.0, |c| c[0]);
+        fit(&self.rows, &self.effort, &all).map_or(Vec::new(), |c| c.iter().copied().collect())
+    }
+
+    /// Mass or inertia and its share of the effort's deviation; the acceleration is the first column.
+    pub fn inertia(&self) -> (f64, f64) {
+        let inertia = self.coefficients().first().copied().unwrap_or(0.0);
         let accelerations: Vec<f64> = self.rows.iter().map(|row| row[0]).collect();
         (
             inertia,
@@ -76,11 +81,10 @@ impl Base {
         )
     }
 
-    /// Level of the friction by least squares, whatever sign the effort has: all stops together, which are the last columns.
+    /// Level of the friction, whatever sign the effort has: all stops together, which are the last columns.
     pub fn friction(&self) -> f64 {
-        let all: Vec<usize> = (0..self.rows.len()).collect();
-        let stops = |c: DVector<f64>| c.iter().rev().take(YIELDS.len()).sum::<f64>().abs();
-        fit(&self.rows, &self.effort, &all).map_or(0.0, stops)
+        let stops = self.coefficients().into_iter().rev().take(YIELDS.len());
+        stops.sum::<f64>().abs()
     }
 
     /// Whether `column`, one value a row of each part, is there.
