@@ -33,6 +33,10 @@ pub fn cargo(arguments: &[&str]) -> Command {
     command
 }
 
+/// What builds for a microcontroller whatever its user's environment says: in increments code is cut otherwise, costs other cycles, and calls what
+/// an interrupt must not reach.
+pub const IN_ONE_PIECE: (&str, &str) = ("CARGO_INCREMENTAL", "0");
+
 /// Builds programs and examples of the root workspace as its tests are built: of one package alone, cargo resolves other features, and
 /// compiles the host and all that stands on it again.
 pub fn build_as_tests(what: &[&str]) -> Result<(), String> {

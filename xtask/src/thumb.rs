@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
-use crate::process::{find, output, run_for};
+use crate::process::{IN_ONE_PIECE, find, output, run_for};
 use crate::tools::install;
 
 /// Cortex-M4F and M7: Thumb-2 with DSP instructions and a single-precision FPU.
@@ -82,6 +82,7 @@ impl Toolchain {
             }
         };
         command.args(["--target", TARGET]).current_dir(folder);
+        command.envs([IN_ONE_PIECE]);
         command
     }
 

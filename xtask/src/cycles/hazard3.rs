@@ -13,7 +13,7 @@ use std::time::Duration;
 use super::sizes::Sizes;
 use super::table::{COLUMNS, Counts, grown};
 use super::{BUILD, PREFIX, compare_with_host, nowhere, version_of};
-use crate::process::{cargo, find, output_for, root, run_for};
+use crate::process::{IN_ONE_PIECE, cargo, find, output_for, root, run_for};
 use crate::tools::Need;
 
 /// What writes its tables.
@@ -385,6 +385,7 @@ fn program(folder: &Path) -> Result<PathBuf, String> {
         .args(["--target", TARGET, "--target-dir"])
         .arg(folder)
         .env("RUSTFLAGS", FEATURES)
+        .envs([IN_ONE_PIECE])
         .current_dir(root().join("firmware"));
     nowhere::wrap(&mut build)?;
     run_for(&mut build, LIMIT).map_err(|error| {

@@ -22,7 +22,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::process::Command;
 
-use crate::process::{cargo, output, root, run, target_of};
+use crate::process::{IN_ONE_PIECE, cargo, output, root, run, target_of};
 use crate::thumb::{TARGET, Toolchain};
 use crate::tools::Need;
 use disassembly::Disassembly;
@@ -205,7 +205,8 @@ fn build(core: &Core) -> Result<(PathBuf, String), String> {
         toolchain.version()?
     } else {
         let mut build = cargo(&BUILD);
-        run(build.args(["--target", core.target]).current_dir(&firmware)).map_err(|error| {
+        build.args(["--target", core.target]).envs([IN_ONE_PIECE]);
+        run(build.current_dir(&firmware)).map_err(|error| {
             format!(
                 "{error}\nIf the target is missing: rustup target add {}",
                 core.target
