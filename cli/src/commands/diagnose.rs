@@ -240,7 +240,9 @@ impl Diagnose {
     fn write_correction(&self, found: &Diagnosis, recording: &Recording) -> Result<(), Failure> {
         let Some(correction) = &found.correction else {
             if !self.output.is_empty() {
-                say!("Nothing is stated that a correction could add: no file is written.");
+                say!(
+                    "Nothing is stated with which the simulation would leave less at the samples: no correction is written."
+                );
             }
             return Ok(());
         };

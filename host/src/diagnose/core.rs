@@ -236,6 +236,7 @@ impl Core {
             stiffness,
             fitted,
             beside_simulation: None,
+            simulated_swing: None,
         }
     }
 }

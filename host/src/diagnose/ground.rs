@@ -10,7 +10,7 @@ use super::noise::{Course, Noise};
 use super::normal::{Bound, Normal};
 use super::rows::Rows;
 use super::signals::Signals;
-use super::smooth::smooth_friction;
+use super::simulated::Simulated;
 use super::spectra;
 use super::term::{Subject, Term};
 use super::weak::Column;
@@ -236,7 +236,15 @@ impl Ground {
         drop((self, own));
         let mut rows = Arc::into_inner(found.rows)?;
         let simulated = rows.weak.rows(simulated);
-        let smooth = smooth_friction(&rows, &found.core, &found.noise, &simulated);
+        let own = Simulated::new(&rows, &found.core, &found.noise, &simulated);
+        let smooth = own.smooth_friction();
+        let scene = Scene {
+            s: &rows.s,
+            core: &found.baseline,
+            effort: &rows.effort,
+        };
+        let swing = own.swing(&scene);
+        found.baseline.simulated_swing = swing;
         rows.target
             .iter_mut()
             .zip(simulated)
@@ -252,10 +260,14 @@ impl Ground {
         against.referred_to(&[])
     }
 
-    /// Whether coefficients of a term are what the physics admits; a simulation may have too much of it.
+    /// Whether coefficients of a term are what the physics admits; a simulation may have too much of what it may have.
     pub fn admits(&self, term: &Term, coefficients: &[f64]) -> bool {
         let opposite = || coefficients.iter().map(|c| -c).collect::<Vec<_>>();
-        term.admits(coefficients) || self.core.corrects && term.admits(&opposite())
+        let may_have = || {
+            let effect = term.effect();
+            effect.is_none_or(|e| e.in_simulation(&term.shape) != Some(false))
+        };
+        term.admits(coefficients) || self.core.corrects && may_have() && term.admits(&opposite())
     }
 
     /// What columns are made of.

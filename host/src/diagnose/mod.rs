@@ -49,8 +49,8 @@ pub mod search;
 pub mod second_position;
 pub mod shift;
 pub mod signals;
+mod simulated;
 pub mod simulation;
-mod smooth;
 mod spectra;
 pub mod term;
 #[cfg(test)]

@@ -284,6 +284,14 @@ fn is_sure(corrected: &Corrected, missed: f64) -> bool {
         && without - with > missed
 }
 
+/// Whether the simulation's inertia is wrong by more than `share` of the mismatch: another load swings otherwise on the same spring.
+pub fn is_another_load(ground: &Ground, extended: &Hypothesis, share: f64) -> bool {
+    let inertia = corrections(ground, extended)
+        .into_iter()
+        .find(|c| c.what == Correction::Inertia);
+    inertia.is_some_and(|c| c.evidence.share > share)
+}
+
 /// What inertia and friction of the simulation lack or have too much of, where that is material.
 pub fn corrections(ground: &Ground, extended: &Hypothesis) -> Vec<Corrected> {
     let judged = Correction::ALL

@@ -169,8 +169,10 @@ pub fn conclude(
         .filter_map(|s| named(&found, s, mechanics))
         .collect();
     let kept: Vec<Term> = found.hypothesis.terms[..given].to_vec();
-    let (ground, extended) = measured(&found, &kept, &mut effects)?;
-    of_the_simulation(&ground, &extended, &mut effects);
+    let (mut ground, mut extended) = measured(&found, &kept, &mut effects)?;
+    if of_the_simulation(&ground, &extended, &mut effects) {
+        (ground, extended) = measured(&found, &kept, &mut effects)?;
+    }
     let first = ground.fit_as_given(&[kept.as_slice(), &found.known.terms].concat())?;
     let given_model = user.and_then(|m| Given::of(&ground, &extended, recording, m));
     // Where all names together leave much of the effort, none of them is sure but a line that stands out of chance by itself.
@@ -407,20 +409,31 @@ fn is_material(effect: &dyn Effect, standing: &Standing) -> bool {
     standing.size() >= least && taken >= WORTH * WORTH
 }
 
-/// Tells of each effect whether the simulation has it, too.
-fn of_the_simulation(ground: &Ground, extended: &Hypothesis, effects: &mut [Named]) {
-    if !ground.core.corrects {
-        return;
-    }
-    let shows = |e: &&mut Named| {
-        let own = e.term.as_ref().and_then(|t| Some((t.effect()?, t)));
-        e.confident && own.is_none_or(|(effect, term)| effect.shows_in_simulations(&term.shape))
-    };
-    for effect in effects.iter_mut().filter(shows) {
+/// Tells of each effect whether the simulation has it, too; whether one is doubtful for what it says of the simulation's own.
+fn of_the_simulation(ground: &Ground, extended: &Hypothesis, effects: &mut [Named]) -> bool {
+    let mut doubts = false;
+    for effect in effects
+        .iter_mut()
+        .filter(|e| e.confident && ground.core.corrects)
+    {
         let own = |t: &Term| effect.term.as_ref().is_some_and(|own| own.is_near(t));
-        let index = extended.terms.iter().position(own);
-        effect.in_simulation = index.is_some_and(|i| simulation::has_its_term(ground, extended, i));
+        let by_itself = effect
+            .term
+            .as_ref()
+            .and_then(|t| t.effect()?.in_simulation(&t.shape));
+        effect.in_simulation = by_itself.unwrap_or_else(|| {
+            let index = extended.terms.iter().position(own);
+            index.is_some_and(|i| simulation::has_its_term(ground, extended, i))
+        });
+        if by_itself == Some(true)
+            && simulation::is_another_load(ground, extended, effect.evidence.share)
+        {
+            effect.confident = false;
+            effect.confidence = effect.confidence.min(EVEN);
+            doubts = true;
+        }
     }
+    doubts
 }
 
 fn wrong_shape(ground: &Ground, shape: Shape) -> Named {

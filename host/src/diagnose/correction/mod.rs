@@ -27,6 +27,8 @@ type Blocks = Vec<(f64, f64)>;
 pub struct Correction {
     /// What is added, one after the other.
     pub terms: Vec<Added>,
+    /// What is stated, and left out since the samples are worse with it.
+    left_out: Vec<&'static str>,
     /// Blocks of the friction's difference; a stiffness below zero is what the simulation has too much of.
     blocks: Blocks,
     /// Blocks of the recording's own friction, over its level.
@@ -39,13 +41,16 @@ pub struct Correction {
     pub left: [f64; 2],
 }
 
+/// How certain a term is that stands for nothing that is stated, and goes with the others.
+const REFITTED: &str = "refitted";
+
 /// A term of a correction.
 pub struct Added {
     /// Id in JSON and code; the second of one kind has a `_2` behind it.
     pub id: String,
     /// What it is, for a person.
     words: &'static str,
-    /// `certain`, `likely`, or `refitted`: it stands for nothing that is stated, and goes with the others.
+    /// `certain`, `likely`, or [`REFITTED`].
     certainty: &'static str,
     /// Keys of a linear axis, in absolute units.
     pub parameters: Vec<(String, Estimate)>,
@@ -112,17 +117,37 @@ impl Correction {
             }
             terms.push(added);
         }
-        let mut corrected = simulated.clone();
-        for term in &terms {
-            corrected
-                .iter_mut()
-                .zip(&term.force)
-                .for_each(|(c, f)| *c += f);
-        }
         let all: Vec<usize> = (0..simulated.len()).collect();
-        let left = [&simulated, &corrected].map(|own| nmse(&recording.effort, own, &all));
+        let left_with = |terms: &[Added], without: Option<usize>| {
+            let mut sum = simulated.clone();
+            for (_, term) in terms
+                .iter()
+                .enumerate()
+                .filter(|(i, _)| Some(*i) != without)
+            {
+                sum.iter_mut().zip(&term.force).for_each(|(c, f)| *c += f);
+            }
+            nmse(&recording.effort, &sum, &all)
+        };
+        let alone = left_with(&[], None);
+        let mut left_out = Vec::new();
+        let corrected = loop {
+            let corrected = left_with(&terms, None);
+            if corrected <= alone || terms.is_empty() {
+                break corrected;
+            }
+            // What the fit sees through its kernel may swing otherwise at the samples.
+            let without: Vec<f64> = (0..terms.len())
+                .map(|i| left_with(&terms, Some(i)))
+                .collect();
+            let worst = (0..terms.len()).min_by(|a, b| without[*a].total_cmp(&without[*b]))?;
+            left_out.push(terms.remove(worst).words);
+        };
+        terms.iter().find(|t| t.certainty != REFITTED)?;
+        let left = [alone, corrected];
         Some(Self {
             terms,
+            left_out,
             blocks: few.blocks,
             direction,
             motion: [s.v.clone(), s.a.clone()],
@@ -233,7 +258,7 @@ impl Along<'_> {
             },
             certainty: stated
                 .filter(|e| e.confident)
-                .map_or("refitted", |e| e.certainty()),
+                .map_or(REFITTED, |e| e.certainty()),
             parameters: vec![(key.to_owned(), estimate)],
             force: self.force(&formula),
             formula: Some(formula),

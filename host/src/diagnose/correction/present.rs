@@ -34,7 +34,7 @@ impl Correction {
             "schema": "preslide.correction/1", "recording": recording.name, "unit": recording.effort_unit(),
             "nmse_simulation": self.left[0], "nmse_corrected": self.left[1],
             "terms": self.terms.iter().map(|t| t.to_json(recording.kind)).collect::<Vec<_>>(),
-            "blocks": blocks, "direction": direction,
+            "left_out": self.left_out, "blocks": blocks, "direction": direction,
         })
     }
 
@@ -42,14 +42,22 @@ impl Correction {
     pub fn words(&self, rows: &Rows, recording: &Recording) -> String {
         let force = |nmse: f64| quantity(rows.rms_of(nmse), recording.effort_unit());
         let [before, after] = self.left;
-        format!(
+        let mut words = format!(
             "your simulation plus this correction leaves {} of the variance ({} RMS) at all samples of {}, your simulation alone {} ({})",
             left(after),
             force(after),
             recording.name,
             left(before),
             force(before)
-        )
+        );
+        if !self.left_out.is_empty() {
+            let _ = write!(
+                words,
+                "; it leaves out {}, with which it would leave more",
+                self.left_out.join(", ")
+            );
+        }
+        words
     }
 
     /// A table of the recording, the simulation, every term, and their sum; the columns' names have the units.

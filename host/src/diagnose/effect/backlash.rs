@@ -85,8 +85,7 @@ impl Effect for Backlash {
         let shortest = shortest_yield(scene);
         let longest = (200.0 * shortest).min(scene.s.travel() / 20.0);
         let mut shapes = one(shortest, longest, 9);
-        let beside_a_spring = scene.core.beside_simulation.map(|_| behind::swings(scene));
-        for hz in beside_a_spring.into_iter().flatten() {
+        if let Some(hz) = scene.core.simulated_swing {
             let gaps = spread(shortest, longest, behind::GAPS).into_iter();
             shapes.extend(gaps.map(|gap| vec![gap, hz]));
         }
@@ -138,9 +137,9 @@ impl Effect for Backlash {
         true
     }
 
-    fn shows_in_simulations(&self, shape: &[f64]) -> bool {
-        // A spring of its own swings alike.
-        shape.len() != 2
+    fn in_simulation(&self, shape: &[f64]) -> Option<bool> {
+        // Its own effort does not tell: a spring swings alike, and a motor ahead of the load is driven by the measured effort.
+        (shape.len() > 1).then_some(false)
     }
 
     fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {

@@ -22,7 +22,7 @@ const SEEN: f64 = 0.2;
 pub(super) const LOAD: Range<f64> = 0.2..1.1;
 
 /// Frequencies (Hz) at which the load may swing behind a motor that stands.
-pub(super) fn swings(scene: &Scene) -> Vec<f64> {
+pub fn swings(scene: &Scene) -> Vec<f64> {
     let fastest = FASTEST_HZ.min(SEEN / scene.s.dt);
     match scene.core.mass > 0.0 && fastest > SLOWEST_HZ {
         true => spread(SLOWEST_HZ, fastest, SWINGS),
@@ -37,7 +37,7 @@ pub(super) fn within(hz: f64, scene: &Scene) -> f64 {
 
 /// What a gap and a spring change in the effort, of a load that had all of the inertia and of the friction: beside a simulation that has the
 /// spring what the gap does, else all that differs from a load that is bolted to the motor.
-pub(super) fn behind(gap: f64, hz: f64, scene: &Scene) -> Column {
+pub fn behind(gap: f64, hz: f64, scene: &Scene) -> Column {
     let (s, core) = (scene.s, scene.core);
     let passed = |gap: f64| transmitted(0.5 * gap, TAU * hz, scene);
     let less = |own: Vec<f64>, other: &[f64]| own.iter().zip(other).map(|(a, b)| a - b).collect();
@@ -49,6 +49,13 @@ pub(super) fn behind(gap: f64, hz: f64, scene: &Scene) -> Column {
         curved: s.x.iter().map(|x| -core.mass * x).collect(),
         ..Column::default()
     }
+}
+
+/// What a spring on which the load swings at `hz` changes in the effort of a simulation in which it swings at `simulated` (Hz), of a load that
+/// had all of the inertia and of the friction.
+pub(super) fn another_spring([hz, simulated]: [f64; 2], scene: &Scene) -> Column {
+    let [own, other] = [hz, simulated].map(|hz| transmitted(0.0, TAU * hz, scene));
+    Column::of(own.iter().zip(&other).map(|(a, b)| a - b).collect())
 }
 
 fn transmitted(half: f64, w: f64, scene: &Scene) -> Vec<f64> {

@@ -5,7 +5,7 @@ pub mod actuator_saturation;
 mod ahead;
 pub mod axis_coupling;
 pub mod backlash;
-mod behind;
+pub(in crate::diagnose) mod behind;
 pub mod channel_delay;
 pub mod constant_force;
 mod cosines;
@@ -176,6 +176,8 @@ pub struct Baseline {
     pub fitted: Vec<f64>,
     /// The recording's own viscous coefficient (N·s/m or N·m·s/rad), where the effort of a simulation is taken off.
     pub beside_simulation: Option<f64>,
+    /// The frequency (Hz) at which the load of its elastic drive swings, where it has one.
+    pub simulated_swing: Option<f64>,
 }
 
 /// What columns are made of: the motion, the model that effects act through, the measured effort.
@@ -330,10 +332,10 @@ pub trait Effect: Sync {
         false
     }
 
-    /// Whether a simulation's own effort tells that it has the effect, too.
-    fn shows_in_simulations(&self, shape: &[f64]) -> bool {
+    /// Whether a simulation has the effect, too, of another size; `None` where its own effort must tell.
+    fn in_simulation(&self, shape: &[f64]) -> Option<bool> {
         let _ = shape;
-        true
+        None
     }
 
     /// Parameters with intervals, in the keys of a linear axis.

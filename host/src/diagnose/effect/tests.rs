@@ -70,6 +70,7 @@ impl Stage {
             fitted: (0..n).map(|i| friction[i] + mass * s.a[i]).collect(),
             friction,
             beside_simulation: None,
+            simulated_swing: None,
         };
         // The motion takes most where it accelerates, as a drive that saturates shows.
         let effort = core.fitted.clone();
