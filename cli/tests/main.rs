@@ -6,6 +6,7 @@ mod exit_codes;
 mod export;
 mod export_c;
 mod fleet;
+mod reading;
 
 #[test]
 fn every_file_of_tests_runs() {
