@@ -1,7 +1,7 @@
 //! `preslide export`.
 
 use super::tune::{SHARE, count_of, plan};
-use super::{Failure, ReadingArgs, outputs, write_text};
+use super::{Failure, ReadingArgs, outputs, parse_frequency, write_text};
 use clap::{Args, ValueEnum};
 use preslide_drive::quantity;
 use preslide_host::cost::DEFAULT;
@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 /// A model as source for the firmware, in Rust (constants, the composed type, the function that builds it) or C; or as a simulator's joint
 #[derive(Args)]
 #[command(
-    after_help = "Example: preslide export model.toml --recording axis.csv -o src/stage_model.rs\n         preslide export model.toml --lang c --rate 20000 -o stage_model.c\n         preslide export model.toml --mjcf -o joint.xml\n         preslide export model.toml --usd -o joint.usda"
+    after_help = "Example: preslide export model.toml --recording axis.csv -o src/stage_model.rs\n         preslide export model.toml --lang c --rate 20kHz -o stage_model.c\n         preslide export model.toml --mjcf -o joint.xml\n         preslide export model.toml --usd -o joint.usda"
 )]
 pub struct Export {
     /// Model file, as `identify` and `diagnose` write it
@@ -38,7 +38,7 @@ pub struct Export {
     lang: Lang,
 
     /// Ticks per second (Hz): of C code, where time plays a part in the model, and for --kernel auto (20 kHz without it)
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", value_parser = parse_frequency)]
     rate: Option<f64>,
 
     /// Form of a Maxwell-slip model's law: a kernel's name, or auto for what `preslide tune` recommends

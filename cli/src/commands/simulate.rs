@@ -1,6 +1,6 @@
 //! `preslide simulate`.
 
-use super::{Failure, OutputArgs, ReadingArgs, command_line, outputs, write_text};
+use super::{Failure, OutputArgs, ReadingArgs, command_line, outputs, parse_frequency, write_text};
 use clap::{ArgGroup, Args};
 use preslide_host::model::Model;
 use preslide_host::recording::Needs;
@@ -49,7 +49,7 @@ pub struct Simulate {
     ramp: Option<Ramp>,
 
     /// Samples per second of --ramp (Hz)
-    #[arg(long, value_name = "HZ", default_value_t = 10.0, conflicts_with_all = ["motion", "force", "reference"])]
+    #[arg(long, value_name = "HZ", default_value = "10Hz", value_parser = parse_frequency, conflicts_with_all = ["motion", "force", "reference"])]
     rate: f64,
 
     #[command(flatten)]
