@@ -52,14 +52,17 @@
 
 mod encoder;
 mod friction;
+mod hint;
 mod param;
 mod scalar;
 
 pub mod control;
 pub mod effects;
+#[cfg(feature = "fixed")]
 pub mod kernels;
 
 /// The crate of the fixed-point number types, which are part of this one's interface.
+#[cfg(feature = "fixed")]
 pub use fixed;
 
 pub use encoder::{Count, CountTracker, EdgeTiming, EncoderScale};
@@ -69,5 +72,5 @@ pub use friction::{
     LuGreState, Motion, QuasiStaticGms, QuasiStaticState, REVERSALS, Sliding, TwoState,
     TwoStateMemory,
 };
-pub use param::{Block, Bound, ParamError, Units, WEIGHT_SUM_TOLERANCE};
+pub use param::{Block, Bound, ParamError, Units, WEIGHT_SUM_TOLERANCE, to_scalar};
 pub use scalar::Scalar;

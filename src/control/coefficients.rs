@@ -3,11 +3,12 @@
 use super::{
     Axis, Compensator, Encoder, Fade, Limiter, Monitor, MotorDrive, Pace, Pid, VelocitySource,
 };
+use crate::hint::cold_path;
 use crate::param::{
     ParamError, fits, nearest, not_negative, reachable, reachable_ticks, to_gain, to_scalar,
 };
+use crate::scalar::Arithmetic;
 use crate::{EncoderScale, Friction, Motion, Scalar, Units};
-use core::hint::cold_path;
 
 /// What a tick computes with: validated, scaled, no division left.
 ///

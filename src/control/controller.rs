@@ -9,8 +9,8 @@ use super::{
     Rounding, Saturation, Suspicion,
 };
 use crate::encoder::EdgeTiming;
+use crate::hint::cold_path;
 use crate::{Count, Friction, Motion, Scalar};
-use core::hint::cold_path;
 
 /// What a tick decided, raw, for the PWM and the telemetry.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -317,6 +317,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
     /// those need not ask is left out. A task that has more to do in other ticks asks for this first, and then for
     /// [`Controller::any_tick`].
     #[inline]
+    #[must_use = "a tick that was an ordinary one is over, and its command is this"]
     pub fn ordinary_tick(&mut self, measured: Measurement<C>) -> Option<Command> {
         let c = &self.coefficients;
         let ordinary = self.steady

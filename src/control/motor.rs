@@ -213,6 +213,7 @@ impl<S: Scalar> MotorDrive<S> {
     /// 0.5 % of its breakaway force, and without the carry that would be the resolution of the force.
     // As a call it would save eight registers, because of the dead time.
     #[inline(always)]
+    #[must_use]
     pub fn code(&self, rounding: &mut Rounding<S>, force: S, velocity: S, boost: S) -> Option<i32> {
         let back_emf = self.codes_per_velocity.mul_input(velocity);
         let current = self.codes_per_force.mul_input(force);

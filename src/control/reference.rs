@@ -69,6 +69,7 @@ impl Pace {
 
 /// Why a move is not started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Refused {
     /// The axis is not enabled.
     NotEnabled,

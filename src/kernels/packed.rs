@@ -118,7 +118,7 @@ impl<const PAIRS: usize> Friction for PackedSlipReserve<PAIRS> {
         // Compared as they are subtracted: one instruction.
         let (along, backward) = (dx ^ state.backward, state.backward);
         let advance = if along < backward {
-            core::hint::cold_path();
+            crate::hint::cold_path();
             self.reverse(state);
             backward - along
         } else {

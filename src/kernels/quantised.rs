@@ -141,12 +141,11 @@ fn round(
     }
     // `Σ k_i·w_i` reaches twice the limit.
     if limit > i64::from(i32::MAX / 2) {
-        return Err(ParamError {
-            parameter: "breakaway force",
-            block: None,
-            value: limit as f64,
-            bound: Bound::Representable(f64::from(i32::MAX / 2)),
-        });
+        return Err(ParamError::new(
+            "breakaway force",
+            limit as f64,
+            Bound::Representable(f64::from(i32::MAX / 2)),
+        ));
     }
     Ok(limit as i32)
 }
@@ -177,14 +176,7 @@ pub(super) fn longest([largest, _]: [f64; 2]) -> f64 {
 
 /// The nearest whole number, refused where it is 0 or above `greatest`.
 pub(super) fn whole(parameter: &'static str, value: f64, greatest: i32) -> Result<i32, ParamError> {
-    let refuse = |bound| {
-        Err(ParamError {
-            parameter,
-            block: None,
-            value,
-            bound,
-        })
-    };
+    let refuse = |bound| Err(ParamError::new(parameter, value, bound));
     let rounded = libm::round(value);
     if !(rounded <= f64::from(greatest)) {
         refuse(Bound::Representable(f64::from(greatest)))

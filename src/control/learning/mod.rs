@@ -33,6 +33,7 @@ pub use mismatch::{MismatchSettings, MismatchState, MismatchWatch};
 pub use run_length::decision_interval;
 
 use crate::param::{Bound, ParamError, at_least, at_most, fits, positive, to_positive, to_scalar};
+use crate::scalar::Arithmetic;
 use crate::{Friction, Motion, Scalar, Units};
 
 /// How to learn (SI).
@@ -413,12 +414,7 @@ fn reciprocal<S: Scalar>(limit: f64) -> Result<S, ParamError> {
     let name = "reciprocal of the force's limit";
     let scalar: S = to_positive(name, 1.0 / limit)?;
     if (scalar.to_f64() * limit - 1.0).abs() > 0.1 {
-        return Err(ParamError {
-            parameter: name,
-            block: None,
-            value: 1.0 / limit,
-            bound: Bound::Resolvable,
-        });
+        return Err(ParamError::new(name, 1.0 / limit, Bound::Resolvable));
     }
     Ok(scalar)
 }
