@@ -1,6 +1,5 @@
-//! Says what a core multiplies, which no stable `cfg` does: whether it has the DSP instructions that `src/kernels/dsp.rs` uses, and
-//! whether it gives the upper word of a product (`src/kernels/product.rs`); and whether the compiler takes the hint of `src/hint.rs`. Has the examples for a
-//! microcontroller linked by cortex-m-rt's script, with `memory.x` from the root.
+//! Says what no stable `cfg` does: whether a core has the DSP instructions that `src/kernels/dsp.rs` uses, whether it gives the upper word
+//! of a product (`src/kernels/product.rs`), and whether the compiler takes the hint of `src/hint.rs`.
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
@@ -15,10 +14,6 @@ fn main() {
     }
     if compiler() >= Some(95) {
         println!("cargo:rustc-cfg=cold_path");
-    }
-    if target.ends_with("-none-eabihf") && std::env::var_os("CARGO_FEATURE_EXAMPLE").is_some() {
-        println!("cargo:rustc-link-arg-examples=-Tlink.x");
-        println!("cargo:rerun-if-changed=memory.x");
     }
 }
 
