@@ -326,8 +326,11 @@ fn thumb_build() -> Result<(), String> {
 /// The workspaces of the firmware: a chip's drivers cannot be built beside another's.
 const FIRMWARE: [&str; 2] = ["firmware", "firmware/boards/b_g431b_esc1"];
 
-/// Debian's compiler comes without clippy for the target: it builds, which warns of less.
+/// What a board is put together by is tested where the test runs, and each board is built. Debian's compiler comes without clippy for the
+/// target: it builds, which warns of less.
 fn firmware() -> Result<(), String> {
+    let tests = ["test", "--locked", "--package", "preslide-app"];
+    run(cargo(&tests).current_dir(root().join("firmware")))?;
     let toolchain = Toolchain::ensure()?;
     let (what, denied): (_, &[&str]) = match toolchain {
         Toolchain::Installed => ("clippy", &["--", "-D", "warnings"]),
