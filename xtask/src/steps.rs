@@ -2,7 +2,7 @@
 
 use crate::cycles;
 use crate::process::{cargo, root, run, run_counting, target_of};
-use crate::thumb::Toolchain;
+use crate::thumb::{TARGET, Toolchain};
 use crate::tools::Need;
 
 pub struct Step {
@@ -170,7 +170,7 @@ pub const STEPS: &[Step] = &[
     },
     Step {
         name: "firmware",
-        reason: "the firmware workspace builds for the microcontroller, warnings denied",
+        reason: "the firmware builds and links for every board, warnings denied, and what boards are put together by does as told",
         needs: &[Need::Clippy, Need::ArmGcc],
         paths: FIRMWARE_PATHS,
         lane: Lane::Beside,
@@ -289,10 +289,13 @@ pub fn has_step(name: &str) -> bool {
 }
 
 fn format() -> Result<(), String> {
-    let workspaces = FIRMWARE.iter().chain(&["", "examples"]);
-    workspaces.copied().try_for_each(|folder| {
-        run(cargo(&["fmt", "--all", "--check"]).current_dir(root().join(folder)))
-    })
+    let firmware = FIRMWARE.iter().map(|(folder, _)| *folder);
+    ["", "examples"]
+        .into_iter()
+        .chain(firmware)
+        .try_for_each(|folder| {
+            run(cargo(&["fmt", "--all", "--check"]).current_dir(root().join(folder)))
+        })
 }
 
 /// In the profile of demo and judges, so that the host is compiled once. A test whose data is absent says so in a line of its own, past the
@@ -323,25 +326,34 @@ fn thumb_build() -> Result<(), String> {
     run(build.arg("--all-features").arg("--target-dir").arg(folder))
 }
 
-/// The workspaces of the firmware: a chip's drivers cannot be built beside another's.
-const FIRMWARE: [&str; 2] = ["firmware", "firmware/boards/b_g431b_esc1"];
+/// The workspaces of the firmware, and what they are built for: a chip's drivers cannot be built beside another's.
+const FIRMWARE: [(&str, &str); 3] = [
+    ("firmware", TARGET),
+    ("firmware/boards/b_g431b_esc1", TARGET),
+    ("firmware/boards/pico2", "thumbv8m.main-none-eabihf"),
+];
 
 /// What a board is put together by is tested where the test runs, and each board is built. Debian's compiler comes without clippy for the
 /// target: it builds, which warns of less.
 fn firmware() -> Result<(), String> {
     let tests = ["test", "--locked", "--package", "preslide-app"];
     run(cargo(&tests).current_dir(root().join("firmware")))?;
-    let toolchain = Toolchain::ensure()?;
-    let (what, denied): (_, &[&str]) = match toolchain {
-        Toolchain::Installed => ("clippy", &["--", "-D", "warnings"]),
-        Toolchain::Debian => ("build", &[]),
-    };
-    for folder in FIRMWARE {
+    for (folder, target) in FIRMWARE {
+        let toolchain = Toolchain::ensure_for(target)?;
+        let (what, denied): (_, &[&str]) = match toolchain {
+            Toolchain::Installed => ("clippy", &["--", "-D", "warnings"]),
+            Toolchain::Debian => ("build", &[]),
+        };
         let arguments = [what, "--release", "--locked", "--workspace"];
-        let mut command = toolchain.cargo(&root().join(folder), &arguments);
+        let mut command = toolchain.cargo_for(target, &root().join(folder), &arguments);
         run(command.args(denied))?;
     }
-    Ok(())
+    // Those of no other step are linked, too, which clippy does not: a program may not fit, or lack a symbol.
+    FIRMWARE[1..].iter().try_for_each(|(folder, target)| {
+        let arguments = ["build", "--release", "--locked"];
+        let toolchain = Toolchain::ensure_for(target)?;
+        run(&mut toolchain.cargo_for(target, &root().join(folder), &arguments))
+    })
 }
 
 fn demo() -> Result<(), String> {

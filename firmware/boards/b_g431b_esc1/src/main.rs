@@ -25,7 +25,6 @@ mod app {
     use super::{Friction, HARDWARE, MODEL, Model};
     use crate::encoder::Encoder;
     use crate::sense::{self, Converters};
-    use embassy_stm32::flash::{Blocking, Flash};
     use embassy_stm32::gpio::{Level, Output, OutputType, Speed};
     use embassy_stm32::peripherals::IWDG;
     use embassy_stm32::time::Hertz;
@@ -35,10 +34,9 @@ mod app {
     use embassy_stm32::wdg::IndependentWatchdog;
     use heapless::spsc::{Consumer, Producer, Queue};
     use preslide::control::Axis;
-    use preslide_app::{Background, CountEncoder, Drive, Queues, RECEIVED, SENT, Start};
+    use preslide_app::{Background, CountEncoder, Drive, NoFlash, Queues, RECEIVED, SENT, Start};
     use preslide_stm32g4::tim1::{self, HalfBridges};
     use preslide_stm32g4::{cause, clock};
-    use preslide_store::Slots;
 
     /// Telemetry of every eighth tick, 2500 frames of some 30 bytes a second, is what 921600 baud carry.
     const EVERY: u16 = 8;
@@ -146,7 +144,7 @@ mod app {
     fn idle(cx: idle::Context) -> ! {
         let local = cx.local;
         // The chip's one bank of flash cannot be written while code runs from it: nothing is kept.
-        let mut memory: Option<Slots<Flash<'static, Blocking>>> = None;
+        let mut memory = NoFlash::SLOTS;
         loop {
             let done = local
                 .background
