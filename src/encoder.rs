@@ -90,6 +90,7 @@ pub struct EncoderScale<S = f32> {
 
 /// What [`EncoderScale`] remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct EdgeTiming<S = f32> {
     /// Ticks, and counts of the last edge; both wrap.
     now: u32,

@@ -5,6 +5,7 @@ use core::fmt;
 
 /// One Maxwell-slip block: the paper's `k_i` and `α_i` (eqs. 7–9, Table 3).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Block {
     /// Stiffness `k_i` (N/m), or (N·m/rad) on a rotary axis.
     pub stiffness: f64,
@@ -29,6 +30,7 @@ impl Block {
 /// let counts = Units { length: 25e-9, force: 1e-3, velocity: 1e-3 };
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Units {
     /// Displacement unit (m or rad).
     pub length: f64,
@@ -66,6 +68,7 @@ pub const WEIGHT_SUM_TOLERANCE: f64 = 0.005;
 
 /// A parameter that cannot be used: which one, its value, and the bound it broke.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub struct ParamError {
     /// The parameter in the field's words ("stiffness", "weight", …).
@@ -80,6 +83,7 @@ pub struct ParamError {
 
 /// The bound that a parameter broke.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Bound {
     /// Must be finite and above zero.

@@ -14,6 +14,7 @@ use crate::{Count, Friction, Motion, Scalar};
 
 /// What a tick decided, raw, for the PWM and the telemetry.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Command {
     /// PWM code, within ± the limiter's; 0 while not enabled.
     pub code: i32,

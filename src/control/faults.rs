@@ -8,6 +8,7 @@ use crate::{Scalar, Units};
 
 /// Why the controller is in its safe state: PWM off until [`super::Controller::acknowledge`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Fault {
     /// The count moved further in one tick than the axis can. Found in that tick.
@@ -99,6 +100,7 @@ pub struct Monitor<S> {
 
 /// How long things have been wrong so far, and what the current sense reads at rest.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Suspicion {
     /// One of the counters below is above 0.
     any: bool,

@@ -11,6 +11,7 @@ pub struct Limiter {
 
 /// On which side the limiter cut; the integrator holds in that direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Saturation {
     /// The command passed.
     None,

@@ -8,6 +8,7 @@ use crate::param::{ParamError, Units, at_most, fits, not_negative, positive, to_
 ///
 /// For a rotary axis set `screw_lead` to `2π` (rad per turn); forces are then torques.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Motor {
     /// Torque constant `k_M` (N·m/A); in SI the back-EMF constant (V·s/rad) is the same number.
     pub torque_constant: f64,

@@ -25,6 +25,7 @@ pub struct With<F, E> {
 
 /// What a [`With`] remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct WithState<M, E, S = f32> {
     /// Temperature (°C), for [`ThermalDrift`](super::ThermalDrift): to be told as it is measured.
     pub temperature: Option<S>,

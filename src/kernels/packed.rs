@@ -27,6 +27,7 @@ pub struct PackedSlipReserve<const PAIRS: usize> {
 
 /// What a [`PackedSlipReserve`] remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PackedState<const PAIRS: usize> {
     /// 0 while the body moves forward, −1 backward: `(x ^ b) − b` is `dir·x`.
     backward: i32,

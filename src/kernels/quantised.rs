@@ -4,6 +4,7 @@ use crate::param::{Block, Bound, ParamError, Units, check_blocks};
 
 /// One block: `2·D_i` in units of length, and `k_i` in units of force per unit of length.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(C)]
 pub(super) struct Reserve {
     pub(super) full: i32,
@@ -22,6 +23,7 @@ pub(super) const WITHIN_A_TICK: i32 = (1 << 14) - 1;
 
 /// Binary places from a controller's units to a kernel's.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(C)]
 pub(super) struct Scale {
     pub(super) length: u32,

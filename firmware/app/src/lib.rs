@@ -17,6 +17,7 @@ mod drive;
 mod encoder;
 mod half_bridges;
 mod learning;
+mod log;
 mod model;
 mod no_flash;
 mod observing;

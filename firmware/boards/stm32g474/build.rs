@@ -6,9 +6,6 @@ fn main() {
     // `ccm.x` first, so that it takes its sections before link.x takes all.
     preslide_build::link(&["ccm.x", "link.x"]);
     println!("cargo:rerun-if-changed=ccm.x");
-    if std::env::var_os("CARGO_FEATURE_LOG").is_some() {
-        println!("cargo:rustc-link-arg=-Tdefmt.x");
-    }
     preslide_build::axis(Some("stm32g474"));
     preslide_build::exported_model();
     let transmitter = request("LPUART1", "TX").map_or_else(String::new, |n| n.to_string());

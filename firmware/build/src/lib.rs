@@ -4,13 +4,16 @@ mod pins;
 
 pub use pins::pins;
 
-/// Links by these scripts, in their order.
+/// Links by these scripts, in their order; with the board's feature `log` by that of defmt, too.
 pub fn link(scripts: &[&str]) {
     let folder = std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
     println!("cargo:rustc-link-search={folder}");
     println!("cargo:rerun-if-changed=memory.x");
     for script in scripts {
         println!("cargo:rustc-link-arg=-T{script}");
+    }
+    if std::env::var_os("CARGO_FEATURE_LOG").is_some() {
+        println!("cargo:rustc-link-arg=-Tdefmt.x");
     }
 }
 

@@ -21,6 +21,7 @@ pub struct Guided<F: Friction> {
 
 /// What a [`Guided`] remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct GuidedState<M, S> {
     friction: M,
     /// What acts; what the next sample begins with.

@@ -38,6 +38,7 @@ use crate::{Friction, Motion, Scalar, Units};
 
 /// How to learn (SI).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LearningSettings {
     /// Moving ticks in a block, from [`LOOK_EVERY`] to 10000; those beyond a multiple of it are not counted.
     pub block: u32,
@@ -82,6 +83,7 @@ pub const LOOK_EVERY: u32 = 7;
 
 /// Means over a block, in the model's units.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BlockMeans<S> {
     /// The model's force along the motion.
     pub model: S,
@@ -224,6 +226,7 @@ pub struct Learning<F: Friction, L> {
 
 /// What a [`Learning`] remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LearningState<M, B, S> {
     friction: M,
     learned: B,

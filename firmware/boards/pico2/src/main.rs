@@ -7,6 +7,8 @@ mod encoder;
 mod sense;
 
 use core::panic::PanicInfo;
+#[cfg(feature = "log")]
+use defmt_rtt as _;
 use preslide::control::Hardware;
 use preslide_app::Board;
 use rp235x_hal::block::ImageDef;

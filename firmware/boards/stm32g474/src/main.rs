@@ -7,11 +7,12 @@ mod bridge;
 mod ccm;
 mod encoder;
 mod line;
-mod log;
 mod memory;
 mod sense;
 
 use core::panic::PanicInfo;
+#[cfg(feature = "log")]
+use defmt_rtt as _;
 use preslide::control::Hardware;
 use preslide_app::Board;
 use preslide_stm32g4::{clock, tim1};
@@ -29,7 +30,6 @@ mod app {
     use super::{Friction, HARDWARE, MODEL, Model};
     use crate::encoder::Encoder;
     use crate::line::{CHUNK, Sender};
-    use crate::log::Log;
     use crate::memory::Pages;
     use crate::sense::Converter;
     use crate::{bridge, memory};
@@ -141,9 +141,7 @@ mod app {
     #[idle(local = [background, memory, sender, from_line, to_line])]
     fn idle(cx: idle::Context) -> ! {
         let local = cx.local;
-        let mut log = Log::default();
         loop {
-            log.fault(local.background.fault());
             let done = local
                 .background
                 .poll(local.from_line, local.to_line, local.memory);
