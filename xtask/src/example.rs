@@ -51,6 +51,18 @@ pub fn run_in_qemu() -> Result<(), String> {
     Ok(())
 }
 
+/// The examples that no emulator of Debian's runs, and what each is built for.
+const OTHERS: [(&str, &str); 2] = [("embassy-g4", TARGET), ("rp2040", "thumbv6m-none-eabi")];
+
+/// Builds them as a stranger would.
+pub fn link_others() -> Result<(), String> {
+    OTHERS.iter().try_for_each(|(name, target)| {
+        let arguments = ["build", "--release", "--locked", "--package", name];
+        let toolchain = Toolchain::ensure_for(target)?;
+        run(&mut toolchain.cargo_for(target, &root().join("examples"), &arguments))
+    })
+}
+
 /// A write to a device that QEMU has not.
 struct Write<'a> {
     device: &'a str,

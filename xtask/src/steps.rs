@@ -148,7 +148,7 @@ pub const STEPS: &[Step] = &[
     },
     Step {
         name: "thumb",
-        reason: "the library builds without std for the microcontroller",
+        reason: "the library builds without std for four kinds of microcontrollers",
         needs: &[],
         paths: LIBRARY,
         lane: Lane::Beside,
@@ -156,7 +156,7 @@ pub const STEPS: &[Step] = &[
     },
     Step {
         name: "example",
-        reason: "the example to be copied first sets its clock, refuses another, and computes in QEMU what its model gives",
+        reason: "the example to be copied first sets its clock, refuses another, and computes in QEMU what its model gives; the others link",
         needs: &[Need::Qemu],
         paths: &[
             "src/",
@@ -166,7 +166,7 @@ pub const STEPS: &[Step] = &[
             "xtask/src/example.rs",
         ],
         lane: Lane::Beside,
-        run: |_| crate::example::run_in_qemu(),
+        run: |_| crate::example::run_in_qemu().and_then(|()| crate::example::link_others()),
     },
     Step {
         name: "firmware",
@@ -321,9 +321,24 @@ fn host_tests(tier: Tier) -> Result<(), String> {
 /// Beside the firmware's builds: cargo lets one command at a time into a folder, and the host's are at work in the other.
 fn thumb_build() -> Result<(), String> {
     let folder = target_of(&root().join("firmware"));
-    let arguments = ["build", "--release", "--package", "preslide"];
-    let mut build = Toolchain::ensure()?.cargo(root(), &arguments);
-    run(build.arg("--all-features").arg("--target-dir").arg(folder))
+    let arguments = [
+        "build",
+        "--release",
+        "--package",
+        "preslide",
+        "--all-features",
+    ];
+    // Cores that the kernels multiply otherwise on, and two of another kind.
+    for target in [
+        TARGET,
+        "thumbv6m-none-eabi",
+        "thumbv8m.main-none-eabihf",
+        "riscv32imac-unknown-none-elf",
+    ] {
+        let mut build = Toolchain::ensure_for(target)?.cargo_for(target, root(), &arguments);
+        run(build.arg("--target-dir").arg(&folder))?;
+    }
+    Ok(())
 }
 
 /// The workspaces of the firmware, and what they are built for: a chip's drivers cannot be built beside another's.
