@@ -170,7 +170,7 @@ pub const STEPS: &[Step] = &[
     },
     Step {
         name: "firmware",
-        reason: "the firmware builds and links for every board, warnings denied, and what boards are put together by does as told",
+        reason: "the firmware builds and links for every board, warnings denied; no control task can panic, and what boards are put together by does as told",
         needs: &[Need::Clippy, Need::ArmGcc],
         paths: FIRMWARE_PATHS,
         lane: Lane::Beside,
@@ -363,12 +363,19 @@ fn firmware() -> Result<(), String> {
         let mut command = toolchain.cargo_for(target, &root().join(folder), &arguments);
         run(command.args(denied))?;
     }
-    // Those of no other step are linked, too, which clippy does not: a program may not fit, or lack a symbol.
-    FIRMWARE[1..].iter().try_for_each(|(folder, target)| {
+    // Those of no other step are linked, too, which clippy does not: a program may not fit, lack a symbol, or reach a panic.
+    let programs = [
+        ("preslide-b-g431b-esc1", "ADC1_2"),
+        ("preslide-pico2", "PWM_IRQ_WRAP_0"),
+    ];
+    for ((folder, target), (program, task)) in FIRMWARE[1..].iter().zip(programs) {
         let arguments = ["build", "--release", "--locked"];
         let toolchain = Toolchain::ensure_for(target)?;
-        run(&mut toolchain.cargo_for(target, &root().join(folder), &arguments))
-    })
+        run(&mut toolchain.cargo_for(target, &root().join(folder), &arguments))?;
+        let built = target_of(&root().join("firmware")).join(target);
+        crate::qemu::check_image(program, &built.join("release").join(program), task, &[])?;
+    }
+    Ok(())
 }
 
 fn demo() -> Result<(), String> {
