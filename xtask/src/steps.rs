@@ -1,7 +1,9 @@
 //! What `cargo xtask test` checks, each step with its reason.
 
+use std::process::Command;
+
 use crate::cycles;
-use crate::process::{cargo, root, run, run_counting, target_of};
+use crate::process::{cargo, output, root, run, run_counting, run_for, target_of};
 use crate::thumb::{TARGET, Toolchain};
 use crate::tools::Need;
 
@@ -220,6 +222,14 @@ pub const STEPS: &[Step] = &[
         },
     },
     Step {
+        name: "miri",
+        reason: "an interpreter finds nothing undefined in what the library's tests of numbers and kernels do",
+        needs: &[],
+        paths: &["src/scalar/", "src/kernels/"],
+        lane: Lane::Beside,
+        run: |_| miri(),
+    },
+    Step {
         name: "trials",
         reason: "the diagnosis on a fixed set of every source: each answer is the committed one",
         needs: &[],
@@ -280,8 +290,9 @@ pub const STEPS: &[Step] = &[
     },
 ];
 
-/// Steps that run where they are named or touched, and not with the whole: the optional readers take ten minutes of one core to compile.
-pub const APART: &[&str] = &["formats"];
+/// Steps that run where they are named or touched, and not with the whole: the optional readers take ten minutes of one core to compile, and the
+/// interpreter is a nightly compiler's.
+pub const APART: &[&str] = &["formats", "miri"];
 
 /// Whether CI has a step of this name.
 pub fn has_step(name: &str) -> bool {
@@ -316,6 +327,35 @@ fn host_tests(tier: Tier) -> Result<(), String> {
     run(&mut cargo(&examples))?;
     println!("{} tests skipped for want of data", skipped?);
     Ok(())
+}
+
+/// Without the two tests that try every pair of some hundred numbers: the first of them had not ended after five minutes.
+fn miri() -> Result<(), String> {
+    let nightly = |arguments: &[&str]| {
+        let mut command = Command::new("cargo");
+        command.args(arguments).current_dir(root());
+        command.env_remove("RUSTUP_TOOLCHAIN");
+        command
+    };
+    if output(&mut nightly(&["+nightly", "miri", "--version"])).is_err() {
+        let install = ["toolchain", "install", "nightly", "--profile", "minimal"];
+        let mut rustup = Command::new("rustup");
+        rustup.args(install).args(["--component", "miri,rust-src"]);
+        if let Err(reason) = run_for(&mut rustup, std::time::Duration::from_secs(300)) {
+            println!("SKIPPED: Miri has NOT looked at the library: {reason}");
+            return Ok(());
+        }
+    }
+    let tests = [
+        "+nightly",
+        "miri",
+        "test",
+        "--package",
+        "preslide",
+        "--lib",
+        "--",
+    ];
+    run(nightly(&tests).args(["--skip", "fixed_point_gives", "--skip", "halves_give"]))
 }
 
 /// Beside the firmware's builds: cargo lets one command at a time into a folder, and the host's are at work in the other.
