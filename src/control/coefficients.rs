@@ -17,7 +17,7 @@ use crate::{EncoderScale, Friction, Motion, Scalar, Units};
 pub struct Coefficients<F: Friction> {
     pub(crate) scale: EncoderScale<F::Scalar>,
     pub(crate) length_per_count: F::Scalar,
-    /// For [`Scalar::of_q16`], as the acceleration.
+    /// For [`Arithmetic::of_q16`], as the acceleration.
     length_per_q16: F::Scalar,
     pub(crate) velocity_per_length: F::Scalar,
     /// Of a change of the reference's speed that is still to be divided by the smoothing.

@@ -32,7 +32,7 @@ pub struct Command {
 ///
 /// `count → displacement → reference → PID + feed-forward → limiter → code`, with the friction model `F` and its
 /// number type. Nothing here divides by a parameter, allocates or panics; the one division is by a measured time
-/// ([`crate::EncoderScale`]), another by the measured supply, both held above zero ([`Scalar::rate`]).
+/// ([`crate::EncoderScale`]), another by the measured supply, both held above zero.
 ///
 /// It begins *disabled*, and so it is again after every fault: PWM off until [`Controller::enable`]. Disabled, it follows the
 /// count and learns what the current sense reads at rest.

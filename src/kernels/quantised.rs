@@ -27,7 +27,7 @@ pub(super) const WITHIN_A_TICK: i32 = (1 << 14) - 1;
 #[repr(C)]
 pub(super) struct Scale {
     pub(super) length: u32,
-    /// Beyond the 16 of [`Scalar::to_q16`](crate::Scalar::to_q16).
+    /// Beyond the 16 of `Arithmetic::to_q16`.
     pub(super) velocity: u32,
     pub(super) force: i32,
 }
