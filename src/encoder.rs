@@ -48,6 +48,7 @@ impl<C: Count> CountTracker<C> {
 
     /// Takes a reading; returns the counts travelled since the previous one.
     #[inline]
+    #[must_use = "counts that are dropped are travel that no model sees"]
     pub fn update(&mut self, reading: C) -> i32 {
         let travelled = reading.since(self.last);
         self.last = reading;
@@ -89,6 +90,7 @@ pub struct EncoderScale<S = f32> {
 
 /// What [`EncoderScale`] remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct EdgeTiming<S = f32> {
     /// Ticks, and counts of the last edge; both wrap.
     now: u32,

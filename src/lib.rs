@@ -1,8 +1,6 @@
-//! Friction models for the last micrometre, fast enough for a motor controller's interrupt.
+#![doc = include_str!("README.md")]
 //!
-//! Below about 0.1 mm of travel, guideways and screws never quite slide: friction is a hysteretic spring with
-//! memory (*pre-sliding*). This crate runs models of it inside a control task, without heap, panics or the
-//! standard library:
+//! # Models
 //!
 //! | | model | memory |
 //! |---|---|---|
@@ -22,29 +20,11 @@
 //!
 //! The way through the crate is the way of the signal: an encoder [`Count`] becomes a [`Motion`]
 //! ([`CountTracker`], [`EncoderScale`]), a [`Friction`] model turns that into a force; [`control`] is the loop around
-//! it. Parameters are given in SI
-//! and validated once (`try_new`); every model computes in `f32`, `f64` or a type of the [`fixed`] crate
-//! ([`Scalar`], [`Units`]).
+//! it. Parameters are given in SI and validated once (`try_new`, [`to_scalar`]); what every model computes in is a [`Scalar`], in
+//! [`Units`] of its own.
 //!
 //! Equation and table numbers are those of E. Kamenar and S. Zelenika, *Issues in validation of pre-sliding
 //! friction models for ultra-high precision positioning*, Proc. IMechE Part C (JMES-17-1227).
-//!
-//! ```
-//! use preslide::{Block, CountTracker, EncoderScale, Friction, QuasiStaticGms, Units};
-//!
-//! let blocks = [Block { stiffness: 113_948.0, weight: 0.616 }, Block { stiffness: 8_870.0, weight: 0.384 }];
-//! let gms = QuasiStaticGms::<2>::try_new(&blocks, 0.9, Units::SI)?;
-//! let encoder = EncoderScale::try_new(25e-9, 50e-6, 1e-3, 2.0, Units::SI)?;
-//!
-//! let mut counter = CountTracker::new(0_u16);
-//! let (mut timing, mut friction) = (encoder.at_rest(), gms.at_rest());
-//! for reading in [3_u16, 7, 12] {
-//!     let motion = encoder.step(&mut timing, counter.update(reading));
-//!     let force = gms.step(&mut friction, motion); // (N), to be added to the controller's output
-//!     assert!(force > 0.0);
-//! }
-//! # Ok::<(), preslide::ParamError>(())
-//! ```
 #![no_std]
 // `!(a < b)` is meant: NaN has to take the branch that bounds it, without the cost of `partial_cmp`.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
@@ -52,14 +32,17 @@
 
 mod encoder;
 mod friction;
+mod hint;
 mod param;
 mod scalar;
 
 pub mod control;
 pub mod effects;
+#[cfg(feature = "fixed")]
 pub mod kernels;
 
 /// The crate of the fixed-point number types, which are part of this one's interface.
+#[cfg(feature = "fixed")]
 pub use fixed;
 
 pub use encoder::{Count, CountTracker, EdgeTiming, EncoderScale};
@@ -69,5 +52,5 @@ pub use friction::{
     LuGreState, Motion, QuasiStaticGms, QuasiStaticState, REVERSALS, Sliding, TwoState,
     TwoStateMemory,
 };
-pub use param::{Block, Bound, ParamError, Units, WEIGHT_SUM_TOLERANCE};
+pub use param::{Block, Bound, ParamError, Units, WEIGHT_SUM_TOLERANCE, to_scalar};
 pub use scalar::Scalar;

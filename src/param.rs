@@ -5,6 +5,7 @@ use core::fmt;
 
 /// One Maxwell-slip block: the paper's `k_i` and `α_i` (eqs. 7–9, Table 3).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Block {
     /// Stiffness `k_i` (N/m), or (N·m/rad) on a rotary axis.
     pub stiffness: f64,
@@ -29,6 +30,7 @@ impl Block {
 /// let counts = Units { length: 25e-9, force: 1e-3, velocity: 1e-3 };
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Units {
     /// Displacement unit (m or rad).
     pub length: f64,
@@ -66,6 +68,8 @@ pub const WEIGHT_SUM_TOLERANCE: f64 = 0.005;
 
 /// A parameter that cannot be used: which one, its value, and the bound it broke.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct ParamError {
     /// The parameter in the field's words ("stiffness", "weight", …).
     pub parameter: &'static str,
@@ -79,6 +83,8 @@ pub struct ParamError {
 
 /// The bound that a parameter broke.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum Bound {
     /// Must be finite and above zero.
     Positive,
@@ -101,6 +107,16 @@ pub enum Bound {
 }
 
 impl ParamError {
+    /// That `parameter`, which is no block's, is `value` (SI) and breaks `bound`: for the `try_new` of a model or an effect of your own.
+    pub const fn new(parameter: &'static str, value: f64, bound: Bound) -> Self {
+        Self {
+            parameter,
+            block: None,
+            value,
+            bound,
+        }
+    }
+
     /// The same of block `index`, counted from 0.
     pub(crate) fn of_block(self, index: usize) -> Self {
         Self {
@@ -148,20 +164,11 @@ impl fmt::Display for ParamError {
 
 impl core::error::Error for ParamError {}
 
-fn refuse(parameter: &'static str, value: f64, bound: Bound) -> ParamError {
-    ParamError {
-        parameter,
-        block: None,
-        value,
-        bound,
-    }
-}
-
 pub(crate) fn positive(name: &'static str, value: f64) -> Result<f64, ParamError> {
     if value.is_finite() && value > 0.0 {
         Ok(value)
     } else {
-        Err(refuse(name, value, Bound::Positive))
+        Err(ParamError::new(name, value, Bound::Positive))
     }
 }
 
@@ -169,7 +176,7 @@ pub(crate) fn not_negative(name: &'static str, value: f64) -> Result<f64, ParamE
     if value.is_finite() && value >= 0.0 {
         Ok(value)
     } else {
-        Err(refuse(name, value, Bound::NotNegative))
+        Err(ParamError::new(name, value, Bound::NotNegative))
     }
 }
 
@@ -177,7 +184,7 @@ pub(crate) fn at_most(name: &'static str, value: f64, limit: f64) -> Result<f64,
     if value <= limit {
         Ok(value)
     } else {
-        Err(refuse(name, value, Bound::AtMost(limit)))
+        Err(ParamError::new(name, value, Bound::AtMost(limit)))
     }
 }
 
@@ -185,20 +192,37 @@ pub(crate) fn at_least(name: &'static str, value: f64, limit: f64) -> Result<f64
     if value >= limit {
         Ok(value)
     } else {
-        Err(refuse(name, value, Bound::AtLeast(limit)))
+        Err(ParamError::new(name, value, Bound::AtLeast(limit)))
     }
 }
 
 /// Converts a value in the model's units to its number type, refusing overflow.
 pub(crate) fn nearest<S: Scalar>(name: &'static str, value: f64) -> Result<S, ParamError> {
-    S::try_from_f64(value).ok_or_else(|| refuse(name, value, Bound::Representable(S::greatest())))
+    S::try_from_f64(value)
+        .ok_or_else(|| ParamError::new(name, value, Bound::Representable(S::greatest())))
 }
 
-/// The same, refusing also a value other than 0 that vanishes.
-pub(crate) fn to_scalar<S: Scalar>(name: &'static str, value: f64) -> Result<S, ParamError> {
+/// A parameter in the model's own [`Units`] as its number type: the nearest representable number. What the constructors of this crate
+/// convert by, for those of your own.
+///
+/// ```
+/// use preslide::{ParamError, Scalar, Units, to_scalar};
+/// /// From N/m.
+/// fn stiffness<S: Scalar>(si: f64, units: Units) -> Result<S, ParamError> {
+///     to_scalar("stiffness", si * units.length / units.force)
+/// }
+/// let counts = Units { length: 25e-9, force: 1e-3, velocity: 1e-3 };
+/// assert_eq!(stiffness(1e5, counts), Ok(2.5_f32));
+/// assert_eq!(stiffness::<f32>(1e-50, counts).map_err(|e| e.bound), Err(preslide::Bound::Resolvable));
+/// ```
+///
+/// # Errors
+/// [`Bound::Representable`] where it lies outside the type's range or is not finite, [`Bound::Resolvable`] where it is not 0 and would
+/// be held as 0; under the `name` given, with the value as it is given.
+pub fn to_scalar<S: Scalar>(name: &'static str, value: f64) -> Result<S, ParamError> {
     let scalar: S = nearest(name, value)?;
     if value != 0.0 && scalar == S::ZERO {
-        return Err(refuse(name, value, Bound::Resolvable));
+        return Err(ParamError::new(name, value, Bound::Resolvable));
     }
     // −0 becomes 0, since limits are compared by their bits.
     Ok(scalar + S::ZERO)
@@ -209,7 +233,7 @@ pub(crate) fn to_gain<S: Scalar>(name: &'static str, value: f64) -> Result<S, Pa
     let scalar: S = to_scalar(name, value)?;
     let held = scalar.to_f64();
     if (held - value).abs() > 0.01 * value.abs() {
-        return Err(refuse(name, value, Bound::Rounded(held)));
+        return Err(ParamError::new(name, value, Bound::Rounded(held)));
     }
     Ok(scalar)
 }
@@ -220,7 +244,7 @@ pub(crate) fn to_positive<S: Scalar>(name: &'static str, value: f64) -> Result<S
     if scalar > S::ZERO {
         Ok(scalar)
     } else {
-        Err(refuse(name, value, Bound::Resolvable))
+        Err(ParamError::new(name, value, Bound::Resolvable))
     }
 }
 
@@ -229,7 +253,11 @@ pub(crate) fn fits<S: Scalar>(name: &'static str, value: f64) -> Result<(), Para
     if value.abs() <= S::greatest() {
         Ok(())
     } else {
-        Err(refuse(name, value, Bound::Representable(S::greatest())))
+        Err(ParamError::new(
+            name,
+            value,
+            Bound::Representable(S::greatest()),
+        ))
     }
 }
 
@@ -244,7 +272,11 @@ pub(crate) fn reachable(
     if own < most {
         Ok(own)
     } else {
-        Err(refuse(name, own * unit, Bound::Reachable(most * unit)))
+        Err(ParamError::new(
+            name,
+            own * unit,
+            Bound::Reachable(most * unit),
+        ))
     }
 }
 
@@ -264,7 +296,7 @@ pub(crate) fn unsaturated<S: Scalar>(name: &'static str, result: S) -> Result<S,
     if magnitude.to_f64() < S::greatest() {
         Ok(magnitude)
     } else {
-        Err(refuse(
+        Err(ParamError::new(
             name,
             result.to_f64(),
             Bound::Representable(S::greatest()),
@@ -288,7 +320,7 @@ pub(crate) fn check_blocks(
         sum += block.weight;
     }
     if (sum - 1.0).abs() > WEIGHT_SUM_TOLERANCE {
-        return Err(refuse("sum of the weights", sum, Bound::SumToOne));
+        return Err(ParamError::new("sum of the weights", sum, Bound::SumToOne));
     }
     Ok(())
 }

@@ -114,12 +114,7 @@ macro_rules! with_blocks {
                 $array.copy_from_slice($blocks);
                 $body
             })*
-            other => Err(ParamError {
-                parameter: "number of blocks",
-                block: None,
-                value: other as f64,
-                bound: Bound::AtMost(MOST_BLOCKS as f64),
-            }),
+            other => Err(ParamError::new("number of blocks", other as f64, Bound::AtMost(MOST_BLOCKS as f64))),
         }
     };
 }

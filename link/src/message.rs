@@ -301,6 +301,7 @@ pub enum RangeCode {
 
 /// `preslide::control::Fault` on the wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FaultCode {
     /// The count moved further in a tick than the axis can.
     EncoderJump,
@@ -326,6 +327,7 @@ pub enum FaultCode {
 
 /// Why a frame or a request was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refusal {
     /// The frame is longer than any request.
     Oversized,

@@ -5,6 +5,7 @@ use crate::param::{ParamError, at_least, at_most, not_negative, positive};
 
 /// The encoder, and how velocity is read from it (see [`crate::EncoderScale`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Encoder {
     /// One count (m or rad).
     pub count: f64,
@@ -21,6 +22,7 @@ pub struct Encoder {
 
 /// What a motion must not exceed (SI).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Limits {
     /// Speed (m/s or rad/s).
     pub speed: f64,
@@ -50,6 +52,7 @@ impl Limits {
 
 /// Everything a controller is told but its friction model (SI). Plain data: a build script can write it, a host can read it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Axis {
     /// The board.
     pub hardware: Hardware,

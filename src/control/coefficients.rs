@@ -3,11 +3,12 @@
 use super::{
     Axis, Compensator, Encoder, Fade, Limiter, Monitor, MotorDrive, Pace, Pid, VelocitySource,
 };
+use crate::hint::cold_path;
 use crate::param::{
     ParamError, fits, nearest, not_negative, reachable, reachable_ticks, to_gain, to_scalar,
 };
+use crate::scalar::Arithmetic;
 use crate::{EncoderScale, Friction, Motion, Scalar, Units};
-use core::hint::cold_path;
 
 /// What a tick computes with: validated, scaled, no division left.
 ///
@@ -16,7 +17,7 @@ use core::hint::cold_path;
 pub struct Coefficients<F: Friction> {
     pub(crate) scale: EncoderScale<F::Scalar>,
     pub(crate) length_per_count: F::Scalar,
-    /// For [`Scalar::of_q16`], as the acceleration.
+    /// For [`Arithmetic::of_q16`], as the acceleration.
     length_per_q16: F::Scalar,
     pub(crate) velocity_per_length: F::Scalar,
     /// Of a change of the reference's speed that is still to be divided by the smoothing.

@@ -18,6 +18,7 @@ use core::marker::PhantomData;
 /// result is a limit cycle and not a divergence: `|F̂| ≤ g·ΣŴ` still holds. So compensate less than all
 /// (`share < 1`) when driving by the measured count, and do it where the reference is not known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum VelocitySource {
     /// The reference's displacement and velocity: feed-forward proper.
     Reference,
@@ -27,6 +28,7 @@ pub enum VelocitySource {
 
 /// How much of what is fed forward (SI).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FeedForward {
     /// Which motion drives the model.
     pub drive: VelocitySource,

@@ -9,11 +9,12 @@ use super::{
     Rounding, Saturation, Suspicion,
 };
 use crate::encoder::EdgeTiming;
+use crate::hint::cold_path;
 use crate::{Count, Friction, Motion, Scalar};
-use core::hint::cold_path;
 
 /// What a tick decided, raw, for the PWM and the telemetry.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Command {
     /// PWM code, within ± the limiter's; 0 while not enabled.
     pub code: i32,
@@ -31,7 +32,7 @@ pub struct Command {
 ///
 /// `count → displacement → reference → PID + feed-forward → limiter → code`, with the friction model `F` and its
 /// number type. Nothing here divides by a parameter, allocates or panics; the one division is by a measured time
-/// ([`crate::EncoderScale`]), another by the measured supply, both held above zero ([`Scalar::rate`]).
+/// ([`crate::EncoderScale`]), another by the measured supply, both held above zero.
 ///
 /// It begins *disabled*, and so it is again after every fault: PWM off until [`Controller::enable`]. Disabled, it follows the
 /// count and learns what the current sense reads at rest.
@@ -317,6 +318,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
     /// those need not ask is left out. A task that has more to do in other ticks asks for this first, and then for
     /// [`Controller::any_tick`].
     #[inline]
+    #[must_use = "a tick that was an ordinary one is over, and its command is this"]
     pub fn ordinary_tick(&mut self, measured: Measurement<C>) -> Option<Command> {
         let c = &self.coefficients;
         let ordinary = self.steady

@@ -2,6 +2,7 @@
 
 /// Bounds of what counts as healthy (SI).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FaultLimits {
     /// Fastest motion the axis can make (m/s or rad/s).
     pub top_speed: f64,

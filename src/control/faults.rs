@@ -8,6 +8,8 @@ use crate::{Scalar, Units};
 
 /// Why the controller is in its safe state: PWM off until [`super::Controller::acknowledge`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum Fault {
     /// The count moved further in one tick than the axis can. Found in that tick.
     EncoderJump,
@@ -31,6 +33,19 @@ pub enum Fault {
 }
 
 impl Fault {
+    /// Every fault, so that who tells of them can hold itself to each.
+    pub const ALL: [Fault; 9] = [
+        Fault::EncoderJump,
+        Fault::EncoderFrozen,
+        Fault::FollowingError,
+        Fault::SupplyOutOfRange,
+        Fault::Overrun,
+        Fault::NotANumber,
+        Fault::OverCurrent,
+        Fault::Overload,
+        Fault::CurrentOffset,
+    ];
+
     /// After it the count may be wrong, and with it every place: it jumped, stood still, or stayed behind (of which a count that stands
     /// still may be the reason), or the encoder may have been without supply. The others leave it alone: what counts is hardware.
     pub fn doubts_count(self) -> bool {
@@ -85,6 +100,7 @@ pub struct Monitor<S> {
 
 /// How long things have been wrong so far, and what the current sense reads at rest.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Suspicion {
     /// One of the counters below is above 0.
     any: bool,
@@ -376,6 +392,7 @@ impl<S: Scalar> Monitor<S> {
 
     /// Checks the position error.
     #[inline]
+    #[must_use]
     pub fn followed(&self, error: S) -> Option<Fault> {
         (error.magnitude() > self.following_error).then_some(Fault::FollowingError)
     }

@@ -8,6 +8,7 @@ use crate::param::{ParamError, at_least, at_most, not_negative, positive};
 /// ([`Hardware::edge_aligned`], [`Hardware::centre_aligned`]) and sets its timers from the constant, so that the clock cannot be
 /// edited alone. A clock that does not divide into the rate does not compile.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Hardware {
     /// Ticks of the control task per second (Hz), at least 10.
     pub rate_hz: u32,

@@ -11,6 +11,7 @@ pub struct Limiter {
 
 /// On which side the limiter cut; the integrator holds in that direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Saturation {
     /// The command passed.
     None,
@@ -26,12 +27,7 @@ impl Limiter {
     /// # Errors
     /// [`ParamError`] where `duty` is not in (0, 1] or the limit is less than one code.
     pub fn try_new(duty: f64, steps: f64) -> Result<Self, ParamError> {
-        let refuse = |bound| ParamError {
-            parameter: "duty limit",
-            block: None,
-            value: duty,
-            bound,
-        };
+        let refuse = |bound| ParamError::new("duty limit", duty, bound);
         if positive("duty limit", duty)? > 1.0 {
             return Err(refuse(Bound::AtMost(1.0)));
         }
@@ -45,6 +41,7 @@ impl Limiter {
 
     /// The command within ± [`Limiter::largest`], and which side was cut.
     #[inline]
+    #[must_use]
     pub fn apply(&self, code: i32) -> (i32, Saturation) {
         if code > self.largest {
             (self.largest, Saturation::Above)

@@ -2,6 +2,7 @@
 
 /// What a board measures in a tick, raw.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Measurement<C> {
     /// The quadrature counter.
     pub count: C,

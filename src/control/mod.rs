@@ -1,4 +1,4 @@
-//! The control task: what runs between the encoder and the PWM, on both boards and in the host's simulation.
+//! The control task: what runs between the encoder and the PWM, on every board and in the host's simulation.
 //!
 //! `count → displacement → reference → PID + friction feed-forward → limiter → PWM code`
 //!

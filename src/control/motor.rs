@@ -8,6 +8,7 @@ use crate::param::{ParamError, Units, at_most, fits, not_negative, positive, to_
 ///
 /// For a rotary axis set `screw_lead` to `2π` (rad per turn); forces are then torques.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Motor {
     /// Torque constant `k_M` (N·m/A); in SI the back-EMF constant (V·s/rad) is the same number.
     pub torque_constant: f64,
@@ -213,6 +214,7 @@ impl<S: Scalar> MotorDrive<S> {
     /// 0.5 % of its breakaway force, and without the carry that would be the resolution of the force.
     // As a call it would save eight registers, because of the dead time.
     #[inline(always)]
+    #[must_use]
     pub fn code(&self, rounding: &mut Rounding<S>, force: S, velocity: S, boost: S) -> Option<i32> {
         let back_emf = self.codes_per_velocity.mul_input(velocity);
         let current = self.codes_per_force.mul_input(force);

@@ -13,6 +13,7 @@ const BELOW: f64 = 1.0 - 2e-5;
 
 /// What one count and one tick are, for planning.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Grid {
     /// One encoder count (m or rad).
     pub count: f64,
@@ -47,6 +48,7 @@ impl Grid {
 ///
 /// The [reference](super::Reference) smooths it, so that its corners are not felt.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Move {
     /// 2⁻³² counts.
     pub(super) distance: i64,

@@ -40,6 +40,7 @@ pub struct Observed<F: Friction> {
 
 /// What an [`Observed`] remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ObservedState<M, S> {
     friction: M,
     observer: ObserverState<S>,

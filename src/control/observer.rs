@@ -6,6 +6,7 @@ use crate::param::{ParamError, Units, not_negative, positive, to_gain};
 /// What an [`Observer`] is built from (SI). The gains are the stationary ones of a Kalman filter; a host computes them
 /// (`preslide tune`), since they are the solution of a Riccati equation.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ObserverSettings {
     /// What of the innovation is added to the position `l₁` (-), 0…1.
     pub position: f64,
@@ -67,6 +68,7 @@ pub struct Observer<S> {
 
 /// What an [`Observer`] knows.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ObserverState<S> {
     /// Estimated position less the last reading.
     ahead: S,

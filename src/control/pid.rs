@@ -6,6 +6,7 @@ use crate::param::{ParamError, Units, not_negative, positive, to_gain, to_scalar
 
 /// Gains of the feedback (SI).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PidGains {
     /// `K_p` (N/m or N·m/rad).
     pub proportional: f64,
@@ -35,6 +36,7 @@ pub struct Pid<S> {
 
 /// What a [`Pid`] remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PidState<S> {
     integral: S,
 }

@@ -69,6 +69,8 @@ impl Pace {
 
 /// Why a move is not started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum Refused {
     /// The axis is not enabled.
     NotEnabled,
@@ -86,6 +88,7 @@ pub enum Refused {
 
 /// The reference at the end of a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sample {
     /// Position (2⁻³² counts), which wraps after 2³² counts.
     pub position: i64,
@@ -97,6 +100,7 @@ pub struct Sample {
 
 /// A speed to keep ([`super::Planner::jog`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Jog {
     /// 2⁻³² counts per tick.
     pub(super) speed: i64,

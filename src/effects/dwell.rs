@@ -47,12 +47,11 @@ impl<S: Scalar> DwellAging<S> {
         let per_tick: S = to_positive("ageing per tick", sample_time / time_constant)?;
         let oldest: S = to_positive("oldest age", libm::pow(10.0, decades) - 1.0)?;
         if oldest - per_tick == oldest {
-            return Err(ParamError {
-                parameter: "ageing per tick at the given decades",
-                block: None,
-                value: sample_time / time_constant,
-                bound: Bound::Resolvable,
-            });
+            return Err(ParamError::new(
+                "ageing per tick at the given decades",
+                sample_time / time_constant,
+                Bound::Resolvable,
+            ));
         }
         Ok(Self {
             level: to_scalar("level of the ageing", per_decade * LOG10_E)?,

@@ -28,12 +28,11 @@ impl<S: Scalar> EncoderError<S> {
         let wave = Wave::try_new(period, phase, units.length)?;
         let limit = period / TAU;
         if !(error.abs() < limit) {
-            return Err(ParamError {
-                parameter: "encoder error",
-                block: None,
-                value: error,
-                bound: Bound::AtMost(limit),
-            });
+            return Err(ParamError::new(
+                "encoder error",
+                error,
+                Bound::AtMost(limit),
+            ));
         }
         Ok(Self {
             wave,

@@ -97,6 +97,7 @@ use crate::param::{ParamError, at_most, to_scalar};
 
 /// What an effect may know of a tick, in the model's units (temperature in °C, load in force units).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Situation<S> {
     /// Where the axis is.
     pub position: S,
@@ -114,6 +115,7 @@ pub struct Situation<S> {
 
 /// What an effect's outputs never exceed in magnitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Bounds<S> {
     /// Of [`Effect::level`] (-).
     pub level: S,

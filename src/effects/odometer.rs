@@ -8,6 +8,7 @@ const COARSE: i32 = 1024;
 /// Sums steps that single precision would lose: a whole number of 1/1024, and what is below that. Stays at
 /// [`Odometer::END`] from there on.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Odometer<S = f32> {
     coarse: i32,
     fine: S,

@@ -39,12 +39,7 @@ pub(super) fn precise<S: Scalar>(
 ) -> Result<S, ParamError> {
     let own: S = to_positive(name, value)?;
     if (own.to_f64() / value - 1.0).abs() > tolerance {
-        return Err(ParamError {
-            parameter: name,
-            block: None,
-            value,
-            bound: Bound::Resolvable,
-        });
+        return Err(ParamError::new(name, value, Bound::Resolvable));
     }
     Ok(own)
 }

@@ -25,6 +25,7 @@ pub struct With<F, E> {
 
 /// What a [`With`] remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct WithState<M, E, S = f32> {
     /// Temperature (°C), for [`ThermalDrift`](super::ThermalDrift): to be told as it is measured.
     pub temperature: Option<S>,
@@ -49,12 +50,11 @@ impl<F: Friction, E: Effect<F::Scalar>> With<F, E> {
         let greatest = F::Scalar::greatest();
         match composed.limit().map(Scalar::to_f64) {
             // Sums of bounds saturate where they do not fit.
-            Some(limit) if !(limit < greatest) => Err(ParamError {
-                parameter: "bound of the composed force",
-                block: None,
-                value: limit,
-                bound: Bound::Representable(greatest),
-            }),
+            Some(limit) if !(limit < greatest) => Err(ParamError::new(
+                "bound of the composed force",
+                limit,
+                Bound::Representable(greatest),
+            )),
             _ => Ok(composed),
         }
     }

@@ -43,6 +43,7 @@ pub struct BoucWen<S = f32> {
 
 /// What a [`BoucWen`] remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BoucWenState<S = f32> {
     /// `F/F_c` (-).
     share: S,

@@ -2,6 +2,7 @@
 
 /// What a model that learns has to say.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Condition<S> {
     /// The watch's verdict; `None` without a watch.
     pub range: Option<NormalRange>,
@@ -19,6 +20,7 @@ impl<S> Condition<S> {
 
 /// The watch's verdict. Above and below stay until [`MismatchState::acknowledge`](crate::control::learning::MismatchState::acknowledge), or a swap of the controller's coefficients.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NormalRange {
     /// Commissioning: the range is being learned.
     Learning,

@@ -35,6 +35,7 @@ pub struct Dahl<S = f32> {
 
 /// What a [`Dahl`] remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DahlState<S = f32> {
     /// `F/F_c` (-).
     share: S,

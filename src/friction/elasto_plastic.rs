@@ -49,6 +49,7 @@ pub struct ElastoPlastic<S = f32> {
 
 /// What an [`ElastoPlastic`] remembers: the deflection `z`, in the model's unit of length.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ElastoPlasticState<S = f32> {
     deflection: S,
 }

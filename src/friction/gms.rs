@@ -121,6 +121,7 @@ pub struct Gms<const N: usize, S = f32> {
 /// The deflections are kept along the direction of motion and the flags as bits, one word for all blocks: a block
 /// then costs two comparisons, whichever way the body moves.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct GmsState<const N: usize, S = f32> {
     along: [S; N],
     slipping: u32,

@@ -13,6 +13,7 @@ const BISECTIONS: usize = 20;
 
 /// The parameters of Hsieh's model, in SI, named as in the paper's Table 2.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct HsiehParams {
     /// Stiffness `k_1s` (N/m): the slope of a branch far from its reversal.
     pub k1: f64,
@@ -78,6 +79,7 @@ pub struct Hsieh<S = f32> {
 /// More nested reversals than that forget the oldest pair, which shows only when the motion later leaves the
 /// loops that are remembered.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct HsiehState<S = f32> {
     spring: S,
     hardened: S,

@@ -9,6 +9,7 @@ use crate::{Friction, Motion, Scalar};
 
 /// Which state equation a [`Leuven`] has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LeuvenForm {
     /// Swevers et al. (2000): relative to the force `F_b` of the last reversal that is not wiped out. `dz/dt`, and with
     /// it the force, jumps where an inner loop closes, because `F_b` does.
@@ -65,6 +66,7 @@ pub struct Leuven<const N: usize, S = f32> {
 
 /// What a [`Leuven`] remembers: the blocks' deflections, and the forces at the reversals for `F_b`.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LeuvenState<const N: usize, S = f32> {
     deflection: [S; N],
     /// `F_h`.

@@ -44,6 +44,7 @@ pub struct LuGre<S = f32> {
 
 /// What a [`LuGre`] remembers: the average deflection `z`, in the model's unit of length.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LuGreState<S = f32> {
     deflection: S,
 }

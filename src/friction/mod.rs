@@ -31,6 +31,7 @@ pub use two_state::{TwoState, TwoStateMemory};
 
 /// The motion of one control tick, in the model's [`Units`](crate::Units).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Motion<S> {
     /// Displacement since the previous tick. Its sign gives the direction; 0 means that nothing moved.
     pub displacement: S,

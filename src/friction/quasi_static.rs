@@ -29,6 +29,7 @@ pub struct QuasiStaticGms<const N: usize, S = f32> {
 
 /// What a [`QuasiStaticGms`] remembers: the deflections `z_i`, in the model's units.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct QuasiStaticState<const N: usize, S = f32> {
     deflection: [S; N],
 }

@@ -10,6 +10,7 @@ use crate::param::{
 /// `s(v) = F_c + (F_s − F_c)·exp(−(|v|/v_s)^δ)` (N), the usual form of the paper's `s(v)` "bounded on the
 /// lower end by Coulomb friction" (text before eq. 7; the paper prints no formula).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sliding {
     /// Coulomb force `F_c` (N or N·m), at most the breakaway force `F_s`.
     pub coulomb: f64,

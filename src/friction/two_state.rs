@@ -36,6 +36,7 @@ use crate::{Friction, Motion, Scalar};
 /// # Ok::<(), preslide::ParamError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TwoState<S = f32> {
     breakaway: S,
     per_distance: S,
@@ -45,6 +46,7 @@ pub struct TwoState<S = f32> {
 
 /// What a [`TwoState`] remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TwoStateMemory<S = f32> {
     /// `ζ`, at most 1.
     travelled: S,

@@ -61,6 +61,7 @@ struct ShareBlock {
 
 /// What a [`CountGms`] remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(C)]
 pub struct CountGmsState<const N: usize> {
     /// 0 while the body moves forward, −1 backward: `(x ^ b) − b` is `dir·x`.

@@ -27,6 +27,7 @@ pub(super) fn settled(sum: i32) -> i32 {
 
 /// Two blocks, the first in the low halves: `2·D` and `k`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(C)]
 pub(super) struct Pair {
     pub(super) full: u32,

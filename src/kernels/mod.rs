@@ -25,6 +25,8 @@ mod product;
 mod quantised;
 mod scaled;
 mod slip_reserve;
+#[cfg(test)]
+mod tests;
 
 pub use count_gms::{CountGms, CountGmsState};
 pub use packed::{PackedSlipReserve, PackedState};

@@ -27,6 +27,7 @@ pub struct PackedSlipReserve<const PAIRS: usize> {
 
 /// What a [`PackedSlipReserve`] remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PackedState<const PAIRS: usize> {
     /// 0 while the body moves forward, −1 backward: `(x ^ b) − b` is `dir·x`.
     backward: i32,
@@ -118,7 +119,7 @@ impl<const PAIRS: usize> Friction for PackedSlipReserve<PAIRS> {
         // Compared as they are subtracted: one instruction.
         let (along, backward) = (dx ^ state.backward, state.backward);
         let advance = if along < backward {
-            core::hint::cold_path();
+            crate::hint::cold_path();
             self.reverse(state);
             backward - along
         } else {

@@ -4,6 +4,7 @@ use crate::param::{Block, Bound, ParamError, Units, check_blocks};
 
 /// One block: `2·D_i` in units of length, and `k_i` in units of force per unit of length.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(C)]
 pub(super) struct Reserve {
     pub(super) full: i32,
@@ -22,10 +23,11 @@ pub(super) const WITHIN_A_TICK: i32 = (1 << 14) - 1;
 
 /// Binary places from a controller's units to a kernel's.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(C)]
 pub(super) struct Scale {
     pub(super) length: u32,
-    /// Beyond the 16 of [`Scalar::to_q16`](crate::Scalar::to_q16).
+    /// Beyond the 16 of `Arithmetic::to_q16`.
     pub(super) velocity: u32,
     pub(super) force: i32,
 }
@@ -141,12 +143,11 @@ fn round(
     }
     // `Σ k_i·w_i` reaches twice the limit.
     if limit > i64::from(i32::MAX / 2) {
-        return Err(ParamError {
-            parameter: "breakaway force",
-            block: None,
-            value: limit as f64,
-            bound: Bound::Representable(f64::from(i32::MAX / 2)),
-        });
+        return Err(ParamError::new(
+            "breakaway force",
+            limit as f64,
+            Bound::Representable(f64::from(i32::MAX / 2)),
+        ));
     }
     Ok(limit as i32)
 }
@@ -177,14 +178,7 @@ pub(super) fn longest([largest, _]: [f64; 2]) -> f64 {
 
 /// The nearest whole number, refused where it is 0 or above `greatest`.
 pub(super) fn whole(parameter: &'static str, value: f64, greatest: i32) -> Result<i32, ParamError> {
-    let refuse = |bound| {
-        Err(ParamError {
-            parameter,
-            block: None,
-            value,
-            bound,
-        })
-    };
+    let refuse = |bound| Err(ParamError::new(parameter, value, bound));
     let rounded = libm::round(value);
     if !(rounded <= f64::from(greatest)) {
         refuse(Bound::Representable(f64::from(greatest)))

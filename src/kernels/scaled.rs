@@ -47,6 +47,7 @@ pub struct Scaled<K, S = f32> {
 
 /// What a [`Scaled`] remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(C)]
 pub struct ScaledState<M> {
     /// Path that the kernel has not been given yet (2⁻¹⁶ units of length), and half a unit, so that the nearest unit is the whole part. Of a

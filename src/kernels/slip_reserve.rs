@@ -47,6 +47,7 @@ pub struct SlipReserve<const N: usize> {
 
 /// What a [`SlipReserve`] remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(C)]
 pub struct SlipReserveState<const N: usize> {
     /// 0 while the body moves forward, −1 backward: `(x ^ b) − b` is `dir·x`.

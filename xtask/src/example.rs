@@ -6,7 +6,7 @@ use std::time::Duration;
 use crate::process::{output_for, root, run, target_of};
 use crate::thumb::{TARGET, Toolchain};
 
-/// What `examples/rtic.rs` prints in QEMU. Its clock registers read as zero there, which is the chip's 16 MHz undivided: 16 MHz / 4200.
+/// What `examples/rtic` prints in QEMU. Its clock registers read as zero there, which is the chip's 16 MHz undivided: 16 MHz / 4200.
 /// Sliding at 0.5 mm/s, Stribeck's curve gives 0.81 + 0.09·exp(−0.5²) = 0.880 N.
 const PRINTED: [&str; 3] = [
     "TIM3 ticks at 3809 Hz, not at 20000: off",
@@ -20,11 +20,11 @@ const RATE: u32 = 20_000;
 
 /// Builds the example for the target, runs it, and compares what it prints and what it writes to the clock's registers.
 pub fn run_in_qemu() -> Result<(), String> {
-    let what = ["--package", "preslide", "--example", "rtic"];
-    let how = ["build", "--release", "--features", "example-semihosting"];
-    let arguments = [&how[..], &what[..]].concat();
-    run(&mut Toolchain::ensure()?.cargo(root(), &arguments))?;
-    let image = target_of(root()).join(TARGET).join("release/examples/rtic");
+    let folder = root().join("examples");
+    let what = ["build", "--release", "--locked", "--package", "rtic-f405"];
+    let arguments = [&what[..], &["--features", "semihosting"]].concat();
+    run(&mut Toolchain::ensure()?.cargo(&folder, &arguments))?;
+    let image = target_of(&folder).join(TARGET).join("release/rtic-f405");
     let mut qemu = Command::new("qemu-system-arm");
     qemu.args(["-M", "netduinoplus2", "-nographic", "-icount", "shift=3"])
         .args(["-semihosting-config", "enable=on,target=native"])
@@ -32,7 +32,7 @@ pub fn run_in_qemu() -> Result<(), String> {
         .arg(image)
         .stdin(Stdio::null());
     let (printed, log) = output_for(&mut qemu, Duration::from_secs(60))?;
-    let told = |what: &str| Err(format!("examples/rtic.rs {what}:\n{printed}{log}"));
+    let told = |what: &str| Err(format!("examples/rtic {what}:\n{printed}{log}"));
     if let Some(line) = PRINTED
         .iter()
         .find(|line| !printed.contains(*line) && !log.contains(*line))
@@ -45,10 +45,22 @@ pub fn run_in_qemu() -> Result<(), String> {
         Err(reason) => return told(&reason),
     }
     println!(
-        "examples/rtic.rs: sets the clock for {RATE} Hz; {}",
+        "examples/rtic: sets the clock for {RATE} Hz; {}",
         printed.trim().replace('\n', "; ")
     );
     Ok(())
+}
+
+/// The examples that no emulator of Debian's runs, and what each is built for.
+const OTHERS: [(&str, &str); 2] = [("embassy-g4", TARGET), ("rp2040", "thumbv6m-none-eabi")];
+
+/// Builds them as a stranger would.
+pub fn link_others() -> Result<(), String> {
+    OTHERS.iter().try_for_each(|(name, target)| {
+        let arguments = ["build", "--release", "--locked", "--package", name];
+        let toolchain = Toolchain::ensure_for(target)?;
+        run(&mut toolchain.cargo_for(target, &root().join("examples"), &arguments))
+    })
 }
 
 /// A write to a device that QEMU has not.

@@ -10,6 +10,7 @@ mod cycles;
 mod example;
 mod imports;
 mod judge;
+mod package;
 mod process;
 mod python;
 mod qemu;

@@ -286,7 +286,7 @@ fn disassembly(elf: &Path) -> Result<String, String> {
 }
 
 /// Flash and RAM of an image, and whether its control task, but for what is `beyond`, can panic.
-fn check_image(kind: &str, elf: &Path, task: &str, beyond: &[&str]) -> Result<(), String> {
+pub fn check_image(kind: &str, elf: &Path, task: &str, beyond: &[&str]) -> Result<(), String> {
     let sizes = output(Command::new("arm-none-eabi-size").arg(elf))?;
     let numbers: Vec<u64> = sizes
         .lines()

@@ -1,4 +1,4 @@
-//! A Rust toolchain for the Cortex-M4F, in the order: installed target, rustup, Debian's own compiler.
+//! A Rust toolchain for the Cortex-M4F and other cores, in the order: installed target, rustup, Debian's own compiler.
 
 use std::path::Path;
 use std::process::Command;
@@ -13,9 +13,6 @@ pub const TARGET: &str = "thumbv7em-none-eabihf";
 /// rustup's download hangs on some networks instead of failing; Debian's packages are then the way.
 const RUSTUP_LIMIT: Duration = Duration::from_secs(120);
 
-/// rustc asks for `rust-lld`, which Debian's package does not hold.
-const LINKER_VARIABLE: &str = "CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER";
-
 const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
 const DEBIAN_CARGO: &str = "/usr/bin/cargo";
 
@@ -29,21 +26,26 @@ pub enum Toolchain {
 }
 
 impl Toolchain {
-    /// Finds a toolchain for the target, installing one if there is none.
+    /// Finds a toolchain for the Cortex-M4F, installing one if there is none.
     pub fn ensure() -> Result<Self, String> {
-        if has_target() {
+        Self::ensure_for(TARGET)
+    }
+
+    /// The same for another target.
+    pub fn ensure_for(target: &str) -> Result<Self, String> {
+        if has_target(target) {
             return Ok(Self::Installed);
         }
         let mut tried = String::from("no installed target");
         if find("rustup").is_some() {
             println!(
-                "installing the Rust target {TARGET}: the library must build for the microcontroller"
+                "installing the Rust target {target}: the library must build for the microcontroller"
             );
             match run_for(
-                Command::new("rustup").args(["target", "add", TARGET]),
+                Command::new("rustup").args(["target", "add", target]),
                 RUSTUP_LIMIT,
             ) {
-                Ok(()) if has_target() => return Ok(Self::Installed),
+                Ok(()) if has_target(target) => return Ok(Self::Installed),
                 Ok(()) => tried += ", rustup added it but rustc does not see it",
                 Err(error) => tried += &format!(", {error}"),
             }
@@ -51,37 +53,44 @@ impl Toolchain {
         if !has_debian() {
             install(
                 &["rustc-web", "cargo-web", "rust-web-src", "lld"],
-                &format!("a compiler for {TARGET} ({tried})"),
-                &format!("  rustup target add {TARGET}"),
+                &format!("a compiler for {target} ({tried})"),
+                &format!("  rustup target add {target}"),
             )?;
         }
         if has_debian() {
             Ok(Self::Debian)
         } else {
             Err(format!(
-                "no compiler for {TARGET}: {tried}, and Debian's rustc-web did not install {DEBIAN_RUSTC} and \
-                 its source; remedy: rustup target add {TARGET}"
+                "no compiler for {target}: {tried}, and Debian's rustc-web did not install {DEBIAN_RUSTC} and \
+                 its source; remedy: rustup target add {target}"
             ))
         }
     }
 
-    /// `cargo` for the target; the arguments begin with the subcommand.
+    /// `cargo` for the Cortex-M4F; the arguments begin with the subcommand.
     pub fn cargo(self, folder: &Path, arguments: &[&str]) -> Command {
+        self.cargo_for(TARGET, folder, arguments)
+    }
+
+    /// The same for another target.
+    pub fn cargo_for(self, target: &str, folder: &Path, arguments: &[&str]) -> Command {
         let mut command = match self {
             Self::Installed => crate::process::cargo(arguments),
             Self::Debian => {
                 let mut command = Command::new(DEBIAN_CARGO);
+                let name = target.to_uppercase().replace(['-', '.'], "_");
                 command
                     .args(arguments)
                     .arg("-Zbuild-std=core")
                     // `build-std` is unstable; Debian ships no nightly.
                     .env("RUSTC", DEBIAN_RUSTC)
                     .env("RUSTC_BOOTSTRAP", "1")
-                    .env(LINKER_VARIABLE, "ld.lld");
+                    // rustc asks for `rust-lld`, which Debian's package does not hold.
+                    .env(format!("CARGO_TARGET_{name}_LINKER"), "ld.lld");
                 command
             }
         };
-        command.args(["--target", TARGET]).current_dir(folder);
+        command.args(["--target", target]).current_dir(folder);
         command.envs([IN_ONE_PIECE]);
         command
     }
@@ -98,9 +107,9 @@ impl Toolchain {
     }
 }
 
-fn has_target() -> bool {
+fn has_target(target: &str) -> bool {
     let query =
-        output(Command::new("rustc").args(["--print", "target-libdir", "--target", TARGET]));
+        output(Command::new("rustc").args(["--print", "target-libdir", "--target", target]));
     query.is_ok_and(|folder| Path::new(folder.trim()).is_dir())
 }
 

@@ -1,6 +1,7 @@
 //! The task below the interrupt: requests in, reports out.
 
 use crate::control::refusal;
+use crate::log::Log;
 use crate::parameters::{Entry, When};
 use crate::queues::{Act, Order, Planned, Seek, Shared, Stall, Status};
 use crate::{Model, Parameters, ROOM, telemetry};
@@ -9,8 +10,8 @@ use embedded_storage::nor_flash::NorFlash;
 use heapless::spsc::{Consumer, Producer};
 use preslide::control::{Axis, Coefficients, Move, Planner, Refused};
 use preslide_link::{
-    Answered, Deframer, FaultCode, GainSettings, Homing, Identity, LARGEST_FRAME, Mode, Numbered,
-    POINTS, PROTOCOL, Points, Refusal, Reply, Report, Request, ResetCause, State, encode,
+    Answered, Deframer, GainSettings, Homing, Identity, LARGEST_FRAME, Mode, Numbered, POINTS,
+    PROTOCOL, Points, Refusal, Reply, Report, Request, ResetCause, State, encode,
 };
 use preslide_store::Slots;
 
@@ -26,6 +27,7 @@ type Carried = Result<Outcome, Refusal>;
 
 /// Reads requests, validates and plans what they ask for, and hands on telemetry.
 pub struct Background<M: Model> {
+    pub(crate) log: Log,
     pub(crate) deframer: Deframer,
     pub(crate) answered: Answered,
     pub(crate) axis: Axis,
@@ -63,6 +65,7 @@ impl<M: Model> Background<M> {
         while let Some(status) = self.statuses.dequeue() {
             self.status = status;
         }
+        self.log.fault(self.status.fault);
         let room = out.capacity() - out.len();
         if room >= LARGEST_FRAME {
             let report = match self.pending {
@@ -81,11 +84,6 @@ impl<M: Model> Background<M> {
             return true;
         }
         false
-    }
-
-    /// Why the axis is in its safe state, as far as the background knows.
-    pub fn fault(&self) -> Option<FaultCode> {
-        self.status.fault
     }
 
     /// The answer to the request that waits for its order.
@@ -129,7 +127,10 @@ impl<M: Model> Background<M> {
     }
 
     fn answer(&mut self, id: u16, outcome: Result<Reply, Refusal>) -> Report {
-        let reply = outcome.unwrap_or_else(Reply::Refused);
+        let reply = outcome.unwrap_or_else(|refusal| {
+            self.log.refused(id, refusal);
+            Reply::Refused(refusal)
+        });
         self.answered.add(id, reply);
         Report::Answer { id, reply }
     }

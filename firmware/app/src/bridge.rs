@@ -9,5 +9,5 @@ pub trait Bridge {
     fn open(&mut self);
 
     /// The bridge's own protection has opened it since it was last driven.
-    fn is_broken(&self) -> bool;
+    fn is_broken(&mut self) -> bool;
 }

@@ -490,6 +490,8 @@ pub(crate) fn refusal(refused: Refused) -> Refusal {
         Refused::TooSteep => Refusal::TooSteep,
         Refused::BeyondTravel => Refusal::BeyondTravel,
         Refused::Broken => Refusal::NotStanding,
+        // None that there is yet.
+        _ => Refusal::OutOfRange,
     }
 }
 
@@ -502,6 +504,9 @@ fn range_on_the_wire(range: NormalRange) -> RangeCode {
     }
 }
 
+// One that is new in the library would be told as the last one below: it is to have a name here first.
+const _: () = assert!(Fault::ALL.len() == 9);
+
 fn on_the_wire(fault: Fault) -> FaultCode {
     match fault {
         Fault::EncoderJump => FaultCode::EncoderJump,
@@ -513,5 +518,6 @@ fn on_the_wire(fault: Fault) -> FaultCode {
         Fault::OverCurrent => FaultCode::OverCurrent,
         Fault::Overload => FaultCode::Overload,
         Fault::CurrentOffset => FaultCode::CurrentOffset,
+        _ => FaultCode::NotANumber,
     }
 }

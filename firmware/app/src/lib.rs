@@ -3,14 +3,23 @@
 //! Two tasks. [`Control`] is the interrupt at the control rate: it computes, and touches nothing that can block.
 //! [`Background`] runs below it: it reads requests, validates and plans, and frames telemetry. Between them are
 //! single-producer queues, so neither ever waits for the other; so are the line's two interrupts, which only move bytes.
+//!
+//! A board is its chip's HAL and what this asks for: PWM channels and pins by the traits of embedded-hal ([`HalfBridges`]), and by two of
+//! its own what those have not, a counter ([`CountEncoder`]) and a converter in step with the PWM ([`Sense`]); [`Drive`] is then the tick.
 
 #![no_std]
 
 mod background;
+mod board;
 mod bridge;
 mod control;
+mod drive;
+mod encoder;
+mod half_bridges;
 mod learning;
+mod log;
 mod model;
+mod no_flash;
 mod observing;
 mod parameters;
 mod queues;
@@ -19,14 +28,19 @@ mod tasks;
 mod telemetry;
 
 pub use background::Background;
+pub use board::Board;
 pub use bridge::Bridge;
 pub use control::{Control, Inputs};
+pub use drive::Drive;
+pub use encoder::{CountEncoder, Widened};
+pub use half_bridges::{HalfBridges, wake};
 pub use learning::Learner;
 pub use model::{Blocks, Exported, Model, Number, STARTING_MODEL};
+pub use no_flash::NoFlash;
 pub use observing::Observing;
 pub use parameters::Parameters;
 pub use queues::ROOM;
-pub use sense::Scales;
+pub use sense::{Scales, Sense};
 pub use tasks::{Queues, Start};
 
 /// Bytes that a board's ring for received bytes must hold, so that the frames that a host may have on their way find room while the

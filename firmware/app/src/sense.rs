@@ -1,4 +1,17 @@
-//! From a converter's codes to what the control task reads: supply in mV, current in 0.1 mA. What is beyond those ends at them.
+//! The board's converter, and its codes as the control task reads them: supply in mV, current in 0.1 mA. What is beyond those ends at them.
+
+/// Supply and current, converted at one phase of every PWM period; the end of that is the control task's interrupt. embedded-hal has no
+/// such trait.
+pub trait Sense {
+    /// Takes the interrupt back.
+    fn acknowledge(&mut self);
+
+    /// Supply (mV) and winding current (0.1 mA), positive where a positive code drives it.
+    fn read(&mut self) -> (u16, i16);
+
+    /// The next tick is due already.
+    fn is_due(&mut self) -> bool;
+}
 
 /// Codes of a converter of 12 bits.
 const FULL: i64 = 4096;

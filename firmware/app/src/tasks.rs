@@ -78,6 +78,7 @@ impl<F: Friction> Queues<F> {
         let controller = Controller::new(coefficients, start.count);
         let control = Control::new(controller, moves, orders, statuses, &self.shared);
         let background = Background {
+            log: crate::log::Log::default(),
             deframer: preslide_link::Deframer::new(),
             answered: preslide_link::Answered::new(),
             axis,

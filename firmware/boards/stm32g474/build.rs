@@ -1,37 +1,22 @@
-//! Linker arguments, the axis, the exported model, and whether the pins are what the chip has.
+//! Linker arguments, the axis, the exported model, the DMA's request, and whether the pins are what the chip has.
 
-include!("../axis.rs");
-include!("../exported_model.rs");
-include!("pins.rs");
+use stm32_metapac::metadata::METADATA;
 
 fn main() {
-    println!(
-        "cargo:rustc-link-search={}",
-        std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default()
-    );
-    // First, so that it takes its sections before link.x takes all.
-    println!("cargo:rustc-link-arg=-Tccm.x");
-    println!("cargo:rustc-link-arg=-Tlink.x");
-    if std::env::var_os("CARGO_FEATURE_LOG").is_some() {
-        println!("cargo:rustc-link-arg=-Tdefmt.x");
-    }
-    for file in ["memory.x", "ccm.x", "build.rs"] {
-        println!("cargo:rerun-if-changed={file}");
-    }
-    axis(Some("stm32g474"));
-    exported_model();
+    // `ccm.x` first, so that it takes its sections before link.x takes all.
+    preslide_build::link(&["ccm.x", "link.x"]);
+    println!("cargo:rerun-if-changed=ccm.x");
+    preslide_build::axis(Some("stm32g474"));
+    preslide_build::exported_model();
     let transmitter = request("LPUART1", "TX").map_or_else(String::new, |n| n.to_string());
     let folder = std::path::PathBuf::from(std::env::var_os("OUT_DIR").unwrap_or_default());
     if let Err(error) = std::fs::write(folder.join("lpuart1_tx.rs"), transmitter) {
         println!("cargo::error=lpuart1_tx.rs: {error}");
     }
-    let read = |file: &str| std::fs::read_to_string(file).unwrap_or_default();
-    for wrong in check_pins(&read("README.md"), &read("src/main.rs")) {
-        println!("cargo::error={wrong}");
-    }
-    for file in ["README.md", "src/main.rs", "pins.rs"] {
-        println!("cargo:rerun-if-changed={file}");
-    }
+    preslide_build::pins(|peripheral, signal, pin| {
+        let known = METADATA.peripherals.iter().find(|p| p.name == peripheral);
+        known.is_some_and(|p| p.pins.iter().any(|c| c.pin == pin && c.signal == signal))
+    });
 }
 
 /// The number by which DMAMUX1 knows a peripheral's request.

@@ -56,7 +56,7 @@ impl Bridge for Duty {
     }
 
     #[inline(always)]
-    fn is_broken(&self) -> bool {
+    fn is_broken(&mut self) -> bool {
         false
     }
 }

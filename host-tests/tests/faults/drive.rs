@@ -82,7 +82,7 @@ impl Bridge for Told {
         self.code = 0;
     }
 
-    fn is_broken(&self) -> bool {
+    fn is_broken(&mut self) -> bool {
         false
     }
 }

@@ -25,12 +25,11 @@ impl<M: Friction<Scalar = f64>> Contact<M> {
                 Some((rate * sample_time, share * limit))
             }
             (Some(creep), _) => {
-                return Err(ParamError {
-                    parameter: "rate of creep, of a friction model without a highest force,",
-                    block: None,
-                    value: creep.0,
-                    bound: preslide::Bound::AtMost(0.0),
-                });
+                return Err(ParamError::new(
+                    "rate of creep, of a friction model without a highest force,",
+                    creep.0,
+                    preslide::Bound::AtMost(0.0),
+                ));
             }
         };
         Ok(Self {

@@ -146,12 +146,7 @@ macro_rules! with_blocks {
                 $array.copy_from_slice($blocks);
                 $body
             })*
-            other => Err(preslide::ParamError {
-                parameter: "number of blocks",
-                block: None,
-                value: other as f64,
-                bound: preslide::Bound::AtMost(MOST_BLOCKS as f64),
-            }),
+            other => Err(preslide::ParamError::new("number of blocks", other as f64, preslide::Bound::AtMost(MOST_BLOCKS as f64))),
         }
     };
 }

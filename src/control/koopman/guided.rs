@@ -21,6 +21,7 @@ pub struct Guided<F: Friction> {
 
 /// What a [`Guided`] remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct GuidedState<M, S> {
     friction: M,
     /// What acts; what the next sample begins with.
@@ -86,12 +87,11 @@ impl<F: Friction> Guided<F> {
             fits::<F::Scalar>("limit of friction and outer force", own.to_f64() + limit)?;
         }
         if ticks < 2 {
-            return Err(ParamError {
-                parameter: "ticks of an outer sample",
-                block: None,
-                value: ticks.into(),
-                bound: Bound::AtLeast(2.0),
-            });
+            return Err(ParamError::new(
+                "ticks of an outer sample",
+                ticks.into(),
+                Bound::AtLeast(2.0),
+            ));
         }
         Ok(Self {
             friction,

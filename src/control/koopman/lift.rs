@@ -26,6 +26,7 @@ pub struct ErrorLift<const STATES: usize, const BLOCKS: usize, const DELAYS: usi
 
 /// What an [`ErrorLift`] remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ErrorLiftState<const STATES: usize, const BLOCKS: usize> {
     lifted: [f32; STATES],
     /// Along the measured motion and along the reference.

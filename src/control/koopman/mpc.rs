@@ -5,6 +5,7 @@ use crate::param::{ParamError, at_least, at_most, nearest, not_negative, positiv
 
 /// `ψ⁺ = A·ψ + B·u + C·Δr`, a sample long (SI).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct KoopmanModel<const STATES: usize> {
     /// `A`, row by row. The first state is the following error (m or rad), reference less position.
     pub map: [[f64; STATES]; STATES],
@@ -16,6 +17,7 @@ pub struct KoopmanModel<const STATES: usize> {
 
 /// What is made small, within which limits (SI).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct KoopmanSettings<const MOVES: usize> {
     /// Samples for which each decided force is held. Short ones first: only the first is ever applied. Their sum is the horizon.
     pub lengths: [u32; MOVES],
@@ -35,6 +37,7 @@ pub struct KoopmanSettings<const MOVES: usize> {
 
 /// What is known of the moves that are decided on (m or rad).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Ahead<const MOVES: usize> {
     /// The reference's mean displacement in a sample of each move.
     pub displacement: [f32; MOVES],
@@ -103,6 +106,7 @@ struct Ends<const STATES: usize, const MOVES: usize> {
 
 /// What a [`KoopmanMpc`] remembers: its plan, and the force that it gave last.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct KoopmanState<const MOVES: usize> {
     plan: [f32; MOVES],
     last: f32,

@@ -7,6 +7,7 @@ use crate::{Scalar, Units};
 
 /// How fast and how far the level may go.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AdaptationSettings {
     /// Memory `M` in excited blocks (-), after which 37 % of a block's weight is left; at least 1, and so long that
     /// `(1/e² − 1)/M ≤ 1/2` with the excitation `e`.
@@ -47,6 +48,7 @@ pub struct Adaptation<S> {
 
 /// What an [`Adaptation`] remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AdaptationState<S> {
     level: S,
     information: S,

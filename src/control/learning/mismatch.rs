@@ -7,6 +7,7 @@ use crate::{Scalar, Units};
 
 /// What is normal, and how rarely that may be denied.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct MismatchSettings {
     /// Path of a window (m or rad): several times that over which friction wanders, so that windows are independent.
     pub window: f64,
@@ -52,6 +53,7 @@ pub struct MismatchWatch<S> {
 
 /// What a [`MismatchWatch`] remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct MismatchState<S> {
     /// Of the running window: its part that is over (-), and its mismatch so far.
     part: S,

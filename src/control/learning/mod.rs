@@ -33,10 +33,12 @@ pub use mismatch::{MismatchSettings, MismatchState, MismatchWatch};
 pub use run_length::decision_interval;
 
 use crate::param::{Bound, ParamError, at_least, at_most, fits, positive, to_positive, to_scalar};
+use crate::scalar::Arithmetic;
 use crate::{Friction, Motion, Scalar, Units};
 
 /// How to learn (SI).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LearningSettings {
     /// Moving ticks in a block, from [`LOOK_EVERY`] to 10000; those beyond a multiple of it are not counted.
     pub block: u32,
@@ -81,6 +83,7 @@ pub const LOOK_EVERY: u32 = 7;
 
 /// Means over a block, in the model's units.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BlockMeans<S> {
     /// The model's force along the motion.
     pub model: S,
@@ -223,6 +226,7 @@ pub struct Learning<F: Friction, L> {
 
 /// What a [`Learning`] remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LearningState<M, B, S> {
     friction: M,
     learned: B,
@@ -413,12 +417,7 @@ fn reciprocal<S: Scalar>(limit: f64) -> Result<S, ParamError> {
     let name = "reciprocal of the force's limit";
     let scalar: S = to_positive(name, 1.0 / limit)?;
     if (scalar.to_f64() * limit - 1.0).abs() > 0.1 {
-        return Err(ParamError {
-            parameter: name,
-            block: None,
-            value: 1.0 / limit,
-            bound: Bound::Resolvable,
-        });
+        return Err(ParamError::new(name, 1.0 / limit, Bound::Resolvable));
     }
     Ok(scalar)
 }

@@ -6,6 +6,7 @@ use embassy_stm32::pac;
 use embassy_stm32::pac::timer::vals::{CcmrInputCcs, FilterValue};
 use embassy_stm32::peripherals::{PB6, PB7, PB8, TIM4};
 use embassy_stm32::timer::qei::{Config, Qei};
+use preslide_app::{CountEncoder, Widened};
 
 /// TIM4_CH3 on PB8 (DS12589, table of alternate functions).
 const INDEX_FUNCTION: u8 = 2;
@@ -17,8 +18,7 @@ const FILTER: FilterValue = FilterValue::FCK_INT_N8;
 pub struct Encoder {
     // Kept, so that its pins stay the timer's.
     _counter: Qei<'static, TIM4>,
-    last: u16,
-    count: u32,
+    count: Widened,
 }
 
 impl Encoder {
@@ -43,35 +43,23 @@ impl Encoder {
             w.set_icf(0, FILTER);
         });
         tim.ccer().modify(|w| w.set_cce(2, true));
-        let last = tim.cnt().read().cnt();
         Self {
             _counter: counter,
-            last,
-            count: last.into(),
+            count: Widened::new(tim.cnt().read().cnt()),
         }
     }
+}
 
-    /// The count; to be read every tick, in which it comes on by less than half the timer's range.
+impl CountEncoder for Encoder {
     #[inline]
-    pub fn count(&mut self) -> u32 {
-        let now = pac::TIM4.cnt().read().cnt();
-        self.count = self.at(now);
-        self.last = now;
-        self.count
-    }
-
-    /// The count where the timer showed `reading`.
-    #[inline]
-    fn at(&self, reading: u16) -> u32 {
-        let since = reading.wrapping_sub(self.last).cast_signed();
-        self.count.wrapping_add_signed(since.into())
-    }
-
-    /// What it was at the index pulse, once for each pulse.
-    #[inline]
-    pub fn index(&self) -> Option<u32> {
+    fn index(&mut self) -> Option<u32> {
         let pulse = pac::TIM4.sr().read().ccif(2);
         // Reading the captured count clears the flag.
-        pulse.then(|| self.at(pac::TIM4.ccr(2).read().ccr()))
+        pulse.then(|| self.count.at(pac::TIM4.ccr(2).read().ccr()))
+    }
+
+    #[inline]
+    fn count(&mut self) -> u32 {
+        self.count.go_on(pac::TIM4.cnt().read().cnt())
     }
 }

@@ -3,17 +3,18 @@
 #![no_std]
 #![no_main]
 
-#[path = "../../stm32g474/src/clock.rs"]
-mod clock;
 mod encoder;
-#[path = "../../stm32g474/src/half_bridges.rs"]
-mod half_bridges;
 mod line;
-#[path = "../../stm32g474/src/reset.rs"]
-mod reset;
 mod sense;
 
 use core::panic::PanicInfo;
+use preslide::control::Hardware;
+use preslide_app::Board;
+use preslide_stm32g4::{clock, tim1};
+
+/// What axis.toml says of the bridge and the converters on this board (build.rs), and what the clock makes of it.
+const BOARD: Board = include!(concat!(env!("OUT_DIR"), "/board.rs"));
+const HARDWARE: Hardware = clock::hardware(&BOARD);
 
 preslide_app::model!(fixed::types::I16F16);
 
@@ -21,13 +22,9 @@ type Friction = <Model as preslide_app::Model>::Friction;
 
 #[rtic::app(device = embassy_stm32, peripherals = false)]
 mod app {
-    use super::{Friction, MODEL, Model};
-    use crate::clock::HARDWARE;
+    use super::{Friction, HARDWARE, MODEL, Model};
     use crate::encoder::Encoder;
-    use crate::half_bridges::{self, HalfBridges};
-    use crate::sense::{self, Sense};
-    use crate::{clock, reset};
-    use embassy_stm32::flash::{Blocking, Flash};
+    use crate::sense::{self, Converters};
     use embassy_stm32::gpio::{Level, Output, OutputType, Speed};
     use embassy_stm32::peripherals::IWDG;
     use embassy_stm32::time::Hertz;
@@ -37,8 +34,9 @@ mod app {
     use embassy_stm32::wdg::IndependentWatchdog;
     use heapless::spsc::{Consumer, Producer, Queue};
     use preslide::control::Axis;
-    use preslide_app::{Background, Control, Inputs, Queues, RECEIVED, SENT, Start};
-    use preslide_store::Slots;
+    use preslide_app::{Background, CountEncoder, Drive, NoFlash, Queues, RECEIVED, SENT, Start};
+    use preslide_stm32g4::tim1::{self, HalfBridges};
+    use preslide_stm32g4::{cause, clock};
 
     /// Telemetry of every eighth tick, 2500 frames of some 30 bytes a second, is what 921600 baud carry.
     const EVERY: u16 = 8;
@@ -48,17 +46,13 @@ mod app {
 
     #[local]
     struct Local {
-        control: Control<Friction>,
+        drive: Drive<Friction, Encoder, Converters, HalfBridges>,
         background: Background<Model>,
-        bridge: HalfBridges,
-        sense: Sense,
-        encoder: Encoder,
         watchdog: IndependentWatchdog<'static, IWDG>,
         received: Producer<'static, u8>,
         sent: Consumer<'static, u8>,
         from_line: Consumer<'static, u8>,
         to_line: Producer<'static, u8>,
-        late: bool,
     }
 
     #[init(local = [
@@ -67,7 +61,7 @@ mod app {
         leaving: Queue<u8, SENT> = Queue::new(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
-        let reset = reset::cause();
+        let reset = cause();
         let p = embassy_stm32::init(clock::config());
         // The third phase stays open.
         core::mem::forget(Output::new(p.PA10, Level::Low, Speed::Low));
@@ -91,7 +85,7 @@ mod app {
             Hertz(HARDWARE.rate_hz),
             CountingMode::CenterAlignedBothInterrupts,
         );
-        let bridge = half_bridges::run(pwm, false, axis.sampling_phase());
+        let bridge = tim1::run(pwm, &HARDWARE, false, axis.sampling_phase());
         let start = Start {
             axis,
             model: MODEL,
@@ -102,9 +96,9 @@ mod app {
         };
         let tasks = cx.local.queues.tasks(start);
         let link = crate::line::start(p.USART2, p.PB4, p.PB3);
-        let (Ok((control, background)), Some(())) = (tasks, link) else {
+        let (Ok((control, background)), Some(()), Some(bridge)) = (tasks, link, bridge) else {
             // Nothing drives yet; the watchdog is not running, so it stays so.
-            half_bridges::off();
+            tim1::off();
             loop {
                 cortex_m::asm::wfi();
             }
@@ -119,39 +113,23 @@ mod app {
             v: (p.PA7, p.PA5, p.PA6),
             supply: p.PA0,
         };
+        let sense = Converters::start((p.ADC1, p.ADC2), (p.OPAMP1, p.OPAMP2), pins);
         let local = Local {
-            control,
+            drive: Drive::new(control, encoder, sense, bridge),
             background,
-            bridge,
-            sense: Sense::start((p.ADC1, p.ADC2), (p.OPAMP1, p.OPAMP2), pins),
-            encoder,
             watchdog,
             received,
             sent,
             from_line,
             to_line,
-            late: false,
         };
         (Shared {}, local)
     }
 
-    /// The control task; see [`Control`] for its deadline and what happens when it is missed. Due when the current of a PWM period
-    /// has been converted, so it has no timer of its own.
-    #[task(binds = ADC1_2, priority = 8, local = [control, bridge, sense, encoder, watchdog, late])]
+    /// The control task ([`Drive::tick`]). Due when the current of a PWM period has been converted, so it has no timer of its own.
+    #[task(binds = ADC1_2, priority = 8, local = [drive, watchdog])]
     fn tick(cx: tick::Context) {
-        Sense::acknowledge();
-        let (supply, current) = cx.local.sense.read();
-        // Before the count, on which it is based.
-        let index = cx.local.encoder.index();
-        let inputs = Inputs {
-            count: cx.local.encoder.count(),
-            index,
-            supply,
-            current,
-            late: *cx.local.late,
-        };
-        cx.local.control.tick(inputs, cx.local.bridge);
-        *cx.local.late = Sense::is_due();
+        cx.local.drive.tick();
         cx.local.watchdog.pet();
     }
 
@@ -166,7 +144,7 @@ mod app {
     fn idle(cx: idle::Context) -> ! {
         let local = cx.local;
         // The chip's one bank of flash cannot be written while code runs from it: nothing is kept.
-        let mut memory: Option<Slots<Flash<'static, Blocking>>> = None;
+        let mut memory = NoFlash::SLOTS;
         loop {
             let done = local
                 .background
@@ -182,7 +160,7 @@ mod app {
 
 #[panic_handler]
 fn panic(_: &PanicInfo) -> ! {
-    half_bridges::off();
+    tim1::off();
     // The watchdog resets.
     loop {
         cortex_m::asm::nop();

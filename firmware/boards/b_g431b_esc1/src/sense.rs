@@ -3,19 +3,19 @@
 //! The half bridge that rests has its low side on throughout, so the current of the winding flows through its shunt: that of V where
 //! U drives, and that of U, downward as well, where V drives.
 
-use crate::clock::BOARD;
+use crate::BOARD;
 use embassy_stm32::Peri;
 use embassy_stm32::adc::{Adc, AdcConfig};
 use embassy_stm32::opamp::{OpAmp, OpAmpGain, OpAmpSpeed};
 use embassy_stm32::pac;
 use embassy_stm32::pac::adc::vals::{Exten, SampleTime};
 use embassy_stm32::peripherals::{ADC1, ADC2, OPAMP1, OPAMP2, PA0, PA1, PA2, PA3, PA5, PA6, PA7};
-use preslide_app::Scales;
+use preslide_app::{Scales, Sense};
 
 /// ADC codes at the 3.3 V reference.
 const FULL: i32 = 4096;
 
-const SCALES: Scales = Scales::new(BOARD.supply_full, BOARD.current_span);
+const SCALES: Scales = BOARD.scales();
 
 /// Channels of PA2 and PA6, the amplifiers' outputs, on their converters, and of PA0 (DS12589, pin definitions).
 const AMPLIFIER: u8 = 3;
@@ -38,13 +38,13 @@ pub struct Pins {
 }
 
 /// Both currents and the supply, converted when TIM1 says; the end of the first converter's two is the interrupt of the control task.
-pub struct Sense {
+pub struct Converters {
     /// What the amplifiers of U and V read with the bridge open, times 256.
     offsets: [i32; 2],
     _supply: Peri<'static, PA0>,
 }
 
-impl Sense {
+impl Converters {
     /// Calibrates the converters and has them wait for the timer.
     pub fn start(
         converters: (Peri<'static, ADC1>, Peri<'static, ADC2>),
@@ -90,22 +90,17 @@ impl Sense {
             _supply: pins.supply,
         }
     }
+}
 
-    /// Takes the interrupt back.
+impl Sense for Converters {
     #[inline]
-    pub fn acknowledge() {
+    fn acknowledge(&mut self) {
         pac::ADC1.isr().write(|w| w.set_jeos(true));
     }
 
-    /// The next set has been converted already.
+    /// The current ends at ±3.2767 A.
     #[inline]
-    pub fn is_due() -> bool {
-        pac::ADC1.isr().read().jeos()
-    }
-
-    /// Supply (mV) and winding current (0.1 mA), which ends at ±3.2767 A.
-    #[inline]
-    pub fn read(&mut self) -> (u16, i16) {
+    fn read(&mut self) -> (u16, i16) {
         let read = [pac::ADC1, pac::ADC2].map(|adc| i32::from(adc.jdr(0).read().jdata()));
         let supply = SCALES.supply(pac::ADC1.jdr(1).read().jdata());
         if !pac::TIM1.bdtr().read().moe() {
@@ -119,5 +114,10 @@ impl Sense {
         let [u, v] = [0, 1].map(|of: usize| read[of] - (self.offsets[of] >> 8));
         let v_drives = pac::TIM1.ccr(1).read().ccr() > 0;
         (supply, SCALES.current(if v_drives { -u } else { v }))
+    }
+
+    #[inline]
+    fn is_due(&mut self) -> bool {
+        pac::ADC1.isr().read().jeos()
     }
 }

@@ -24,7 +24,7 @@ impl Bridge for StageBridge {
         off();
     }
 
-    fn is_broken(&self) -> bool {
+    fn is_broken(&mut self) -> bool {
         false
     }
 }

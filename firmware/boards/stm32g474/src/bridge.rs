@@ -1,7 +1,6 @@
 //! The pins of TIM1: two half bridges, each with its complement, and the break input.
 
-use crate::clock::HARDWARE;
-use crate::half_bridges::{self, HalfBridges};
+use crate::HARDWARE;
 use embassy_stm32::Peri;
 use embassy_stm32::gpio::{AfType, Flex, OutputType, Pull};
 use embassy_stm32::peripherals::{PA8, PA9, PB12, PB13, PB14, TIM1};
@@ -9,6 +8,7 @@ use embassy_stm32::time::Hertz;
 use embassy_stm32::timer::complementary_pwm::{ComplementaryPwm, ComplementaryPwmPin};
 use embassy_stm32::timer::low_level::CountingMode;
 use embassy_stm32::timer::simple_pwm::PwmPin;
+use preslide_stm32g4::tim1::{self, HalfBridges};
 
 /// TIM1_BKIN on PB12 (DS12288, table of alternate functions).
 const BREAK_FUNCTION: u8 = 6;
@@ -23,8 +23,8 @@ pub struct Pins {
     pub fault: Peri<'static, PB12>,
 }
 
-/// Starts the timer with the bridge open. The current is sampled at `phase` of a period (¼…½) after the middle of the pulse.
-pub fn start(timer: Peri<'static, TIM1>, pins: Pins, phase: f64) -> HalfBridges {
+/// Starts the timer with the bridge open ([`tim1::run`]).
+pub fn start(timer: Peri<'static, TIM1>, pins: Pins, phase: f64) -> Option<HalfBridges> {
     let mut fault = Flex::new(pins.fault);
     fault.set_as_af_unchecked(BREAK_FUNCTION, AfType::input(Pull::Up));
     core::mem::forget(fault);
@@ -41,5 +41,5 @@ pub fn start(timer: Peri<'static, TIM1>, pins: Pins, phase: f64) -> HalfBridges 
         Hertz(HARDWARE.rate_hz),
         CountingMode::CenterAlignedBothInterrupts,
     );
-    half_bridges::run(pwm, true, phase)
+    tim1::run(pwm, &HARDWARE, true, phase)
 }

@@ -6,6 +6,7 @@ use embassy_stm32::pac;
 use embassy_stm32::pac::timer::vals::{CcmrInputCcs, FilterValue};
 use embassy_stm32::peripherals::{PA0, PA1, PB10, TIM2};
 use embassy_stm32::timer::qei::{Config, Qei};
+use preslide_app::CountEncoder;
 
 /// TIM2_CH3 on PB10 (DS12288, table of alternate functions).
 const INDEX_FUNCTION: u8 = 1;
@@ -45,18 +46,18 @@ impl Encoder {
         tim.ccer().modify(|w| w.set_cce(2, true));
         Self { _counter: counter }
     }
+}
 
-    /// The counter.
+impl CountEncoder for Encoder {
     #[inline]
-    pub fn count(&self) -> u32 {
-        pac::TIM2.cnt().read()
-    }
-
-    /// What it showed at the index pulse, once for each pulse.
-    #[inline]
-    pub fn index(&self) -> Option<u32> {
+    fn index(&mut self) -> Option<u32> {
         let pulse = pac::TIM2.sr().read().ccif(2);
         // Reading the captured count clears the flag.
         pulse.then(|| pac::TIM2.ccr(2).read())
+    }
+
+    #[inline]
+    fn count(&mut self) -> u32 {
+        pac::TIM2.cnt().read()
     }
 }

@@ -5,16 +5,21 @@
 
 mod bridge;
 mod ccm;
-mod clock;
 mod encoder;
-mod half_bridges;
 mod line;
-mod log;
 mod memory;
-mod reset;
 mod sense;
 
 use core::panic::PanicInfo;
+#[cfg(feature = "log")]
+use defmt_rtt as _;
+use preslide::control::Hardware;
+use preslide_app::Board;
+use preslide_stm32g4::{clock, tim1};
+
+/// What axis.toml says of the bridge and the converters on this board (build.rs), and what the clock makes of it.
+const BOARD: Board = include!(concat!(env!("OUT_DIR"), "/board.rs"));
+const HARDWARE: Hardware = clock::hardware(&BOARD);
 
 preslide_app::model!(fixed::types::I16F16);
 
@@ -22,20 +27,21 @@ type Friction = <Model as preslide_app::Model>::Friction;
 
 #[rtic::app(device = embassy_stm32, peripherals = false)]
 mod app {
-    use super::{Friction, MODEL, Model};
-    use crate::bridge;
+    use super::{Friction, HARDWARE, MODEL, Model};
     use crate::encoder::Encoder;
-    use crate::half_bridges::{self, HalfBridges};
     use crate::line::{CHUNK, Sender};
-    use crate::log::Log;
     use crate::memory::Pages;
-    use crate::sense::Sense;
-    use crate::{clock, memory, reset};
+    use crate::sense::Converter;
+    use crate::{bridge, memory};
     use embassy_stm32::peripherals::IWDG;
     use embassy_stm32::wdg::IndependentWatchdog;
     use heapless::spsc::{Consumer, Producer, Queue};
     use preslide::control::Axis;
-    use preslide_app::{Background, Control, Inputs, Parameters, Queues, RECEIVED, SENT, Start};
+    use preslide_app::{
+        Background, CountEncoder, Drive, Parameters, Queues, RECEIVED, SENT, Start,
+    };
+    use preslide_stm32g4::tim1::{self, HalfBridges};
+    use preslide_stm32g4::{cause, clock};
     use preslide_store::{LONGEST, Slots};
 
     /// Telemetry of every eighth tick, 2500 frames of some 30 bytes a second, is what 921600 baud carry.
@@ -46,18 +52,14 @@ mod app {
 
     #[local]
     struct Local {
-        control: Control<Friction>,
+        drive: Drive<Friction, Encoder, Converter, HalfBridges>,
         background: Background<Model>,
-        bridge: HalfBridges,
-        sense: Sense,
-        encoder: Encoder,
         watchdog: IndependentWatchdog<'static, IWDG>,
         memory: Option<Slots<Pages>>,
         received: Producer<'static, u8>,
         sender: Sender,
         from_line: Consumer<'static, u8>,
         to_line: Producer<'static, u8>,
-        late: bool,
     }
 
     #[init(local = [
@@ -68,9 +70,9 @@ mod app {
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         crate::ccm::load();
-        let reset = reset::cause();
+        let reset = cause();
         let p = embassy_stm32::init(clock::config());
-        let encoder = Encoder::start(p.TIM2, p.PA0, p.PA1, p.PB10);
+        let mut encoder = Encoder::start(p.TIM2, p.PA0, p.PA1, p.PB10);
         let pins = bridge::Pins {
             a: (p.PA8, p.PB13),
             b: (p.PA9, p.PB14),
@@ -78,7 +80,7 @@ mod app {
         };
         // What axis.toml says (build.rs), on this board's clock.
         let axis = Axis {
-            hardware: clock::HARDWARE,
+            hardware: HARDWARE,
             ..include!(concat!(env!("OUT_DIR"), "/axis.rs"))
         };
         let bridge = bridge::start(p.TIM1, pins, axis.sampling_phase());
@@ -98,9 +100,9 @@ mod app {
         let (to_line, sent) = cx.local.leaving.split();
         let chunk = cx.local.chunk;
         let link = crate::line::start(p.LPUART1, p.PA3, p.PA2, p.DMA1_CH1, chunk, sent);
-        let (Ok((control, background)), Some(sender)) = (tasks, link) else {
+        let (Ok((control, background)), Some(sender), Some(bridge)) = (tasks, link, bridge) else {
             // Nothing drives yet; the watchdog is not running, so it stays so.
-            half_bridges::off();
+            tim1::off();
             loop {
                 cortex_m::asm::wfi();
             }
@@ -108,38 +110,24 @@ mod app {
         // Ten ticks without a sign of life are 500 µs; the slow oscillator is good to a few percent.
         let mut watchdog = IndependentWatchdog::new(p.IWDG, 500);
         watchdog.unleash();
+        let sense = Converter::start(p.ADC1, p.PC0, p.PC1);
         let local = Local {
-            control,
+            drive: Drive::new(control, encoder, sense, bridge),
             background,
-            bridge,
-            sense: Sense::start(p.ADC1, p.PC0, p.PC1),
-            encoder,
             watchdog,
             memory,
             received,
             sender,
             from_line,
             to_line,
-            late: false,
         };
         (Shared {}, local)
     }
 
-    /// The control task; see [`Control`] for its deadline and what happens when it is missed. Due when the current of a PWM period
-    /// has been converted, so it has no timer of its own.
-    #[task(binds = ADC1_2, priority = 8, local = [control, bridge, sense, encoder, watchdog, late])]
+    /// The control task ([`Drive::tick`]). Due when the current of a PWM period has been converted, so it has no timer of its own.
+    #[task(binds = ADC1_2, priority = 8, local = [drive, watchdog])]
     fn tick(cx: tick::Context) {
-        Sense::acknowledge();
-        let (supply, current) = cx.local.sense.read();
-        let inputs = Inputs {
-            count: cx.local.encoder.count(),
-            index: cx.local.encoder.index(),
-            supply,
-            current,
-            late: *cx.local.late,
-        };
-        cx.local.control.tick(inputs, cx.local.bridge);
-        *cx.local.late = Sense::is_due();
+        cx.local.drive.tick();
         cx.local.watchdog.pet();
     }
 
@@ -153,9 +141,7 @@ mod app {
     #[idle(local = [background, memory, sender, from_line, to_line])]
     fn idle(cx: idle::Context) -> ! {
         let local = cx.local;
-        let mut log = Log::default();
         loop {
-            log.fault(local.background.fault());
             let done = local
                 .background
                 .poll(local.from_line, local.to_line, local.memory);
@@ -169,7 +155,7 @@ mod app {
 
 #[panic_handler]
 fn panic(_: &PanicInfo) -> ! {
-    half_bridges::off();
+    tim1::off();
     // The watchdog resets.
     loop {
         cortex_m::asm::nop();

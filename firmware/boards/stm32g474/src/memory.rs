@@ -2,12 +2,12 @@
 
 #![allow(unsafe_code)]
 
-use crate::half_bridges;
 use core::sync::atomic::{AtomicBool, Ordering};
 use cortex_m_rt::exception;
 use embassy_stm32::pac;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use preslide_app::Parameters;
+use preslide_stm32g4::tim1;
 use preslide_store::Slots;
 
 /// Where they are; `memory.x` leaves them out of FLASH. Pages 126 and 127 of bank 2.
@@ -55,7 +55,7 @@ unsafe fn NonMaskableInt() {
         });
         return;
     }
-    half_bridges::off();
+    tim1::off();
     loop {
         cortex_m::asm::nop();
     }

@@ -1,17 +1,17 @@
 //! Supply voltage and winding current, converted at the same phase of every PWM period.
 
-use crate::clock::BOARD;
+use crate::BOARD;
 use embassy_stm32::Peri;
 use embassy_stm32::adc::{Adc, AdcConfig};
 use embassy_stm32::pac;
 use embassy_stm32::pac::adc::vals::{Exten, SampleTime};
 use embassy_stm32::peripherals::{ADC1, PC0, PC1};
-use preslide_app::Scales;
+use preslide_app::{Scales, Sense};
 
 /// ADC code of no current, the middle of the scale.
 const MIDDLE: i32 = 2048;
 
-const SCALES: Scales = Scales::new(BOARD.supply_full, BOARD.current_span);
+const SCALES: Scales = BOARD.scales();
 
 /// ADC1's channels of PC0 and PC1 (DS12288, pin definitions).
 const SUPPLY: u8 = 6;
@@ -21,12 +21,12 @@ const CURRENT: u8 = 7;
 const TIM1_TRGO: u8 = 0;
 
 /// Current, then supply, converted when TIM1 says; the end of both is the interrupt of the control task.
-pub struct Sense {
+pub struct Converter {
     _supply: Peri<'static, PC0>,
     _current: Peri<'static, PC1>,
 }
 
-impl Sense {
+impl Converter {
     /// Calibrates the converter and has it wait for the timer. Pins are analog after a reset.
     pub fn start(
         adc: Peri<'static, ADC1>,
@@ -56,24 +56,23 @@ impl Sense {
             _current: current,
         }
     }
+}
 
-    /// Takes the interrupt back.
+impl Sense for Converter {
     #[inline]
-    pub fn acknowledge() {
+    fn acknowledge(&mut self) {
         pac::ADC1.isr().write(|w| w.set_jeos(true));
     }
 
-    /// The next pair has been converted already.
     #[inline]
-    pub fn is_due() -> bool {
-        pac::ADC1.isr().read().jeos()
-    }
-
-    /// Supply (mV) and winding current (0.1 mA).
-    #[inline]
-    pub fn read(&self) -> (u16, i16) {
+    fn read(&mut self) -> (u16, i16) {
         let current = i32::from(pac::ADC1.jdr(0).read().jdata());
         let supply = pac::ADC1.jdr(1).read().jdata();
         (SCALES.supply(supply), SCALES.current(current - MIDDLE))
+    }
+
+    #[inline]
+    fn is_due(&mut self) -> bool {
+        pac::ADC1.isr().read().jeos()
     }
 }

@@ -7,10 +7,10 @@
 //! The clock is set as the reference manual RM0090 says, and read back before anything drives: what ticks at another rate than the
 //! controller is built for stays as after reset. No board was here to try it on: what is checked is what is written to the registers.
 //!
-//! `rustup target add thumbv7em-none-eabihf`, then
-//! `cargo run --release --example rtic --features example-semihosting --target thumbv7em-none-eabihf` runs it in QEMU, which has no
+//! `rustup target add thumbv7em-none-eabihf`, then, in `examples`,
+//! `cargo run --release -p rtic-f405 --features semihosting --target thumbv7em-none-eabihf` runs it in QEMU, which has no
 //! clock tree, and whose TIM2 counts time instead of edges: there is no axis, and only the model's force means something there.
-//! On a board use `--features example`, and your probe as the runner in `.cargo/config.toml`.
+//! On a board leave the feature out, and have your probe be the runner in `.cargo/config.toml`.
 #![no_std]
 #![no_main]
 
@@ -174,13 +174,13 @@ mod app {
         let control = rcc.cr().read().bits();
         let clock = timer_clock(rcc.cfgr().read().bits(), rcc.pllcfgr().read().bits());
         let is_right = clock == RATE as u32 * CLOCKS;
-        #[cfg(feature = "example-semihosting")]
+        #[cfg(feature = "semihosting")]
         if !is_right {
             let rate = clock / CLOCKS;
             cortex_m_semihosting::hprintln!("TIM3 ticks at {} Hz, not at {}: off", rate, RATE);
         }
         // An oscillator is on in every chip that runs: this is QEMU.
-        is_right || cfg!(feature = "example-semihosting") && control == 0
+        is_right || cfg!(feature = "semihosting") && control == 0
     }
 
     /// Clock of the timers on APB1 (Hz) for registers CFGR and PLLCFGR: the bus's, twice where the bus is divided (RM0090, 7.2). 0 for a
@@ -239,12 +239,12 @@ mod app {
         let (ahead, back) = (code.max(0) as u16, (-code).max(0) as u16);
         cx.local.pwm.ccr1().write(|w| w.ccr().set(ahead));
         cx.local.pwm.ccr2().write(|w| w.ccr().set(back));
-        #[cfg(feature = "example-semihosting")]
+        #[cfg(feature = "semihosting")]
         tell(axis.ticks, friction, code);
     }
 
     /// For QEMU: the force at the end of both strokes.
-    #[cfg(feature = "example-semihosting")]
+    #[cfg(feature = "semihosting")]
     fn tell(ticks: u32, friction: f32, code: i32) {
         use cortex_m_semihosting::{debug, hprintln};
         if ticks.is_multiple_of(STROKE) {
