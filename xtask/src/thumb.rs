@@ -33,23 +33,10 @@ impl Toolchain {
 
     /// The same for another target.
     pub fn ensure_for(target: &str) -> Result<Self, String> {
-        if has_target(target) {
-            return Ok(Self::Installed);
-        }
-        let mut tried = String::from("no installed target");
-        if find("rustup").is_some() {
-            println!(
-                "installing the Rust target {target}: the library must build for the microcontroller"
-            );
-            match run_for(
-                Command::new("rustup").args(["target", "add", target]),
-                RUSTUP_LIMIT,
-            ) {
-                Ok(()) if has_target(target) => return Ok(Self::Installed),
-                Ok(()) => tried += ", rustup added it but rustc does not see it",
-                Err(error) => tried += &format!(", {error}"),
-            }
-        }
+        let tried = match Self::by_rustup(target) {
+            Ok(found) => return Ok(found),
+            Err(tried) => tried,
+        };
         if !has_debian() {
             install(
                 &["rustc-web", "cargo-web", "rust-web-src", "lld"],
@@ -64,6 +51,35 @@ impl Toolchain {
                 "no compiler for {target}: {tried}, and Debian's rustc-web did not install {DEBIAN_RUSTC} and \
                  its source; remedy: rustup target add {target}"
             ))
+        }
+    }
+
+    /// The same for what is built besides, where rustup has the target: `what` is skipped aloud where it has not.
+    pub fn or_skipped(target: &str, what: &str) -> Option<Self> {
+        let found = Self::by_rustup(target);
+        found
+            .map_err(|tried| println!("SKIPPED: {what} was NOT built for {target}: {tried}; remedy: rustup target add {target}"))
+            .ok()
+    }
+
+    fn by_rustup(target: &str) -> Result<Self, String> {
+        if has_target(target) {
+            return Ok(Self::Installed);
+        }
+        let tried = "no installed target";
+        if find("rustup").is_none() {
+            return Err(tried.to_owned());
+        }
+        println!(
+            "installing the Rust target {target}: the library must build for the microcontroller"
+        );
+        let add = ["target", "add", target];
+        match run_for(Command::new("rustup").args(add), RUSTUP_LIMIT) {
+            Ok(()) if has_target(target) => Ok(Self::Installed),
+            Ok(()) => Err(format!(
+                "{tried}, rustup added it but rustc does not see it"
+            )),
+            Err(error) => Err(format!("{tried}, {error}")),
         }
     }
 
