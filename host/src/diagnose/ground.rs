@@ -234,17 +234,11 @@ impl Ground {
         let mut found = self.with_baseline(&own);
         found.baseline.beside_simulation = own.coefficients(0).first().copied();
         drop((self, own));
-        let mut rows = Arc::into_inner(found.rows)?;
-        let simulated = rows.weak.rows(simulated);
-        let own = Simulated::new(&rows, &found.core, &found.noise, &simulated);
-        let smooth = own.smooth_friction();
-        let scene = Scene {
-            s: &rows.s,
-            core: &found.baseline,
-            effort: &rows.effort,
-        };
-        let swing = own.swing(&scene);
+        let simulated = found.rows.weak.rows(simulated);
+        let laws = Simulated::new(&found.rows, &found.core, &found.noise, &simulated);
+        let (smooth, swing) = (laws.smooth_friction(), laws.swing(&found.scene()));
         found.baseline.simulated_swing = swing;
+        let mut rows = Arc::into_inner(found.rows)?;
         rows.target
             .iter_mut()
             .zip(simulated)

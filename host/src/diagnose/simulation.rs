@@ -286,10 +286,8 @@ fn is_sure(corrected: &Corrected, missed: f64) -> bool {
 
 /// Whether the simulation's inertia is wrong by more than `share` of the mismatch: another load swings otherwise on the same spring.
 pub fn is_another_load(ground: &Ground, extended: &Hypothesis, share: f64) -> bool {
-    let inertia = corrections(ground, extended)
-        .into_iter()
-        .find(|c| c.what == Correction::Inertia);
-    inertia.is_some_and(|c| c.evidence.share > share)
+    let mut sure = corrections(ground, extended).into_iter();
+    sure.any(|c| c.what == Correction::Inertia && c.evidence.share > share)
 }
 
 /// What inertia and friction of the simulation lack or have too much of, where that is material.

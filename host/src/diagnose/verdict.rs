@@ -411,23 +411,21 @@ fn is_material(effect: &dyn Effect, standing: &Standing) -> bool {
 
 /// Tells of each effect whether the simulation has it, too; whether one is doubtful for what it says of the simulation's own.
 fn of_the_simulation(ground: &Ground, extended: &Hypothesis, effects: &mut [Named]) -> bool {
+    if !ground.core.corrects {
+        return false;
+    }
     let mut doubts = false;
-    for effect in effects
-        .iter_mut()
-        .filter(|e| e.confident && ground.core.corrects)
-    {
-        let own = |t: &Term| effect.term.as_ref().is_some_and(|own| own.is_near(t));
-        let by_itself = effect
-            .term
-            .as_ref()
-            .and_then(|t| t.effect()?.in_simulation(&t.shape));
+    for effect in effects.iter_mut().filter(|e| e.confident) {
+        let Some(term) = &effect.term else {
+            continue;
+        };
+        let by_itself = term.effect().and_then(|e| e.in_simulation(&term.shape));
         effect.in_simulation = by_itself.unwrap_or_else(|| {
-            let index = extended.terms.iter().position(own);
+            let index = extended.terms.iter().position(|t| term.is_near(t));
             index.is_some_and(|i| simulation::has_its_term(ground, extended, i))
         });
-        if by_itself == Some(true)
-            && simulation::is_another_load(ground, extended, effect.evidence.share)
-        {
+        let share = effect.evidence.share;
+        if by_itself == Some(true) && simulation::is_another_load(ground, extended, share) {
             effect.confident = false;
             effect.confidence = effect.confidence.min(EVEN);
             doubts = true;

@@ -117,34 +117,8 @@ impl Correction {
             }
             terms.push(added);
         }
-        let all: Vec<usize> = (0..simulated.len()).collect();
-        let left_with = |terms: &[Added], without: Option<usize>| {
-            let mut sum = simulated.clone();
-            for (_, term) in terms
-                .iter()
-                .enumerate()
-                .filter(|(i, _)| Some(*i) != without)
-            {
-                sum.iter_mut().zip(&term.force).for_each(|(c, f)| *c += f);
-            }
-            nmse(&recording.effort, &sum, &all)
-        };
-        let alone = left_with(&[], None);
-        let mut left_out = Vec::new();
-        let corrected = loop {
-            let corrected = left_with(&terms, None);
-            if corrected <= alone || terms.is_empty() {
-                break corrected;
-            }
-            // What the fit sees through its kernel may swing otherwise at the samples.
-            let without: Vec<f64> = (0..terms.len())
-                .map(|i| left_with(&terms, Some(i)))
-                .collect();
-            let worst = (0..terms.len()).min_by(|a, b| without[*a].total_cmp(&without[*b]))?;
-            left_out.push(terms.remove(worst).words);
-        };
+        let (left, left_out) = leave_out(&mut terms, &simulated, recording);
         terms.iter().find(|t| t.certainty != REFITTED)?;
-        let left = [alone, corrected];
         Some(Self {
             terms,
             left_out,
@@ -155,6 +129,35 @@ impl Correction {
             left,
         })
     }
+}
+
+/// Takes out, the worst first, what the samples are worse with than the simulation by itself: what the fit sees through its kernel may swing otherwise
+/// there. What simulation and corrected simulation leave (%) is told, and what went.
+fn leave_out(
+    terms: &mut Vec<Added>,
+    simulated: &[f64],
+    recording: &Recording,
+) -> ([f64; 2], Vec<&'static str>) {
+    let all: Vec<usize> = (0..simulated.len()).collect();
+    let left = |terms: &[Added], without: usize| {
+        let mut sum = simulated.to_vec();
+        for (_, term) in terms.iter().enumerate().filter(|(i, _)| *i != without) {
+            sum.iter_mut().zip(&term.force).for_each(|(c, f)| *c += f);
+        }
+        nmse(&recording.effort, &sum, &all)
+    };
+    let alone = left(&[], 0);
+    let mut gone = Vec::new();
+    let mut corrected = left(terms, terms.len());
+    while corrected > alone {
+        let without = (0..terms.len()).map(|i| (i, left(terms, i)));
+        let Some((worst, less)) = without.min_by(|a, b| a.1.total_cmp(&b.1)) else {
+            break;
+        };
+        gone.push(terms.remove(worst).words);
+        corrected = less;
+    }
+    ([alone, corrected], gone)
 }
 
 impl Named {

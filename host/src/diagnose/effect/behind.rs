@@ -40,12 +40,11 @@ pub(super) fn within(hz: f64, scene: &Scene) -> f64 {
 pub fn behind(gap: f64, hz: f64, scene: &Scene) -> Column {
     let (s, core) = (scene.s, scene.core);
     let passed = |gap: f64| transmitted(0.5 * gap, TAU * hz, scene);
-    let less = |own: Vec<f64>, other: &[f64]| own.iter().zip(other).map(|(a, b)| a - b).collect();
     if core.beside_simulation.is_some() && gap > 0.0 {
-        return Column::of(less(passed(gap), &passed(0.0)));
+        return Column::of(less(&passed(gap), &passed(0.0)));
     }
     Column {
-        value: less(passed(gap), &core.friction),
+        value: less(&passed(gap), &core.friction),
         curved: s.x.iter().map(|x| -core.mass * x).collect(),
         ..Column::default()
     }
@@ -55,7 +54,11 @@ pub fn behind(gap: f64, hz: f64, scene: &Scene) -> Column {
 /// had all of the inertia and of the friction.
 pub(super) fn another_spring([hz, simulated]: [f64; 2], scene: &Scene) -> Column {
     let [own, other] = [hz, simulated].map(|hz| transmitted(0.0, TAU * hz, scene));
-    Column::of(own.iter().zip(&other).map(|(a, b)| a - b).collect())
+    Column::of(less(&own, &other))
+}
+
+fn less(own: &[f64], other: &[f64]) -> Vec<f64> {
+    own.iter().zip(other).map(|(a, b)| a - b).collect()
 }
 
 fn transmitted(half: f64, w: f64, scene: &Scene) -> Vec<f64> {

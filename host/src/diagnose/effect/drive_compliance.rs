@@ -212,11 +212,9 @@ fn swinging(fitted: &Fitted, effect: &dyn Effect) -> Vec<(String, Estimate)> {
         let (_, swing) = told.iter().find(|(key, _)| key == own)?;
         let load = share.value;
         let value = of(swing.value, load);
+        let least = [-LEAST_ERROR, LEAST_ERROR].map(|by| (1.0 + by) * swing.value);
+        let swings = swing.ci95.unwrap_or(least);
         // Swing and share err by themselves.
-        let within = |of: f64| of * swing.value;
-        let swings = swing
-            .ci95
-            .unwrap_or([1.0 - LEAST_ERROR, 1.0 + LEAST_ERROR].map(within));
         let ends = share.ci95.map(|shares| {
             [0, 1].map(|end| {
                 let of_swing = of(swings[end], load) - value;
@@ -226,17 +224,15 @@ fn swinging(fitted: &Fitted, effect: &dyn Effect) -> Vec<(String, Estimate)> {
         });
         Some(Estimate { value, ci95: ends })
     };
-    if let Some(simulated) = at(SIMULATED, &stiffness) {
-        // What the two differ in hardly tells the share by itself.
-        let own = at(FREQUENCY, &stiffness).map(|own| (STIFFNESS.to_owned(), own));
-        let simulated = (SIMULATED_STIFFNESS.to_owned(), simulated);
-        return own.into_iter().chain([simulated]).collect();
-    }
-    let motor = fitted.estimate(1.0 - possible(c), fitted.error(0));
+    let simulated = at(SIMULATED, &stiffness);
+    // What two springs differ in hardly tells the share by itself.
+    let is_told = simulated.is_none();
+    let motor = || fitted.estimate(1.0 - possible(c), fitted.error(0));
     let values = [
         (STIFFNESS, at(FREQUENCY, &stiffness)),
-        (FREQUENCY, at(FREQUENCY, &both)),
-        (ahead::SHARE, Some(motor)),
+        (SIMULATED_STIFFNESS, simulated),
+        (FREQUENCY, at(FREQUENCY, &both).filter(|_| is_told)),
+        (ahead::SHARE, is_told.then(motor)),
     ];
     let values = values
         .into_iter()
