@@ -118,8 +118,8 @@ impl Diagnose {
         };
         progress.finish();
         say!("{}\n", found.verdict_words(&recording));
-        if let Some(fit) = &found.fit {
-            say!("Note: {}.\n", fit.words(&recording));
+        if let Some(fit) = found.fit_words(&recording) {
+            say!("Note: {fit}.\n");
         }
         for left_out in found.left_out_words() {
             say!("Note: {left_out}.\n");

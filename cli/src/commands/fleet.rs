@@ -44,7 +44,7 @@ pub struct Fleet {
     #[arg(long, value_name = "K/N", conflicts_with_all = ["report", "json"])]
     part: Option<Part>,
 
-    /// Recordings at a time [default: the cores of this machine]
+    /// Cores to work on, a recording on each [default: those of this machine]
     #[arg(long, value_name = "N")]
     jobs: Option<NonZero<usize>>,
 

@@ -4,6 +4,7 @@ use super::{Compared, Comparison, NEAR, TICK};
 use crate::friction::FrictionModel;
 use crate::identify::family::bench::SEED;
 use crate::recording::{MotionKind, Recording};
+use crate::report::figures::digits;
 use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
 use serde_json::{Value, json};
 
@@ -381,17 +382,6 @@ fn last_strokes(recording: &Recording, rows: &[usize]) -> Vec<usize> {
         .copied()
         .filter(|&i| kept.contains(&recording.segment[i]))
         .collect()
-}
-
-/// Five significant digits.
-fn digits(value: f64) -> String {
-    let short = format!("{value:.4e}");
-    match short.parse::<f64>() {
-        Ok(rounded) if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) => {
-            rounded.to_string()
-        }
-        _ => short,
-    }
 }
 
 /// Three significant digits or more.

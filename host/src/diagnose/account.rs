@@ -6,7 +6,7 @@ use super::words::place_words;
 use crate::model::key_of;
 use crate::recording::Recording;
 use crate::report::Table;
-use crate::report::figures::{estimate, probability, quantity};
+use crate::report::figures::{estimate, left, probability, quantity};
 use crate::report::units::name_and_unit;
 use crate::statistics::Estimate;
 use serde_json::{Value, json};
@@ -83,7 +83,9 @@ impl Diagnosis {
         let whose = match (self.ground.core.corrects, self.given_model.is_some()) {
             (true, _) => "Your simulation",
             (_, true) => "Your model with its parameters refitted",
-            _ if self.fit.is_some() => "The fit of `preslide identify`",
+            _ if self.fit.as_ref().is_some_and(|fit| fit.is_found()) => {
+                "The fit with a finer hysteresis"
+            }
             _ => return "The best plain model".to_owned(),
         };
         // The fit itself takes off what lies between the machine and the recorded effort.
@@ -193,6 +195,19 @@ impl Diagnosis {
             })
             .collect();
         (!each.is_empty()).then(|| format!("Possible: {}", each.join("; ")))
+    }
+
+    /// The fit that every command tells, and why what the diagnosis begins with is another figure.
+    pub fn fit_words(&self, recording: &Recording) -> Option<String> {
+        let fit = self.fit.as_ref()?;
+        let words = fit.words(recording);
+        Some(match fit.is_found() {
+            true => format!(
+                "{words}; the diagnosis begins with {}, of the stretches in motion alone and with as many blocks as they can tell",
+                left(self.baseline.test)
+            ),
+            false => words,
+        })
     }
 
     /// What the fit has, with its sizes.

@@ -122,10 +122,10 @@ impl Diagnosis {
 
     /// The fit that every command tells.
     fn fit_section(&self, recording: &Recording) -> Option<Section> {
-        let fit = self.fit.as_ref()?;
+        let fit = self.fit_words(recording)?;
         Some(Section {
             heading: "The fit".to_owned(),
-            paragraphs: vec![format!("{}.", capital(&fit.words(recording)))],
+            paragraphs: vec![format!("{}.", capital(&fit))],
             ..Section::default()
         })
     }

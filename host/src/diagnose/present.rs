@@ -12,16 +12,8 @@ use crate::effects::form;
 use crate::model::key_of;
 use crate::recording::Recording;
 use crate::report::Table;
-use crate::report::figures::probability;
+use crate::report::figures::{digits, probability};
 use serde_json::{Map, Value, json};
-
-fn digits(value: f64) -> String {
-    if value == 0.0 || (value.abs() >= 0.01 && value.abs() < 1e4) {
-        format!("{value:.4}")
-    } else {
-        format!("{value:.3e}")
-    }
-}
 
 impl SecondPosition {
     /// For machines.

@@ -18,6 +18,8 @@ use std::str::FromStr;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 
+use rayon::ThreadPoolBuilder;
+
 /// Every `of`th recording, from the one of this number on, counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {
@@ -41,20 +43,28 @@ impl FromStr for Part {
     }
 }
 
-/// Makes rows on so many threads, and hands each over with its place as it is done: a recording at a time in each thread is in memory, whatever
-/// the fleet.
+/// Makes rows on so many cores, and hands each over with its place as it is done: a recording at a time on each core is in memory, whatever the
+/// fleet. Where there are more cores than recordings, those work together on one.
 pub fn rows(
     members: &[Member],
-    jobs: usize,
+    cores: usize,
     row: impl Fn(&Member) -> Row + Sync,
     mut done: impl FnMut(usize, Row),
 ) {
     let next = AtomicUsize::new(0);
     let (sender, receiver) = mpsc::channel();
     std::thread::scope(|scope| {
-        for _ in 0..jobs.clamp(1, members.len().max(1)) {
+        let at_a_time = cores.clamp(1, members.len().max(1));
+        for _ in 0..at_a_time {
             let (sender, next, row) = (sender.clone(), &next, &row);
             scope.spawn(move || {
+                // Threads of its own: in the pool of all, each recording would wait for parts of the others.
+                let threads = ThreadPoolBuilder::new().num_threads(cores / at_a_time);
+                let pool = threads.build().ok();
+                let row = |member| match &pool {
+                    Some(pool) => pool.install(|| row(member)),
+                    None => row(member),
+                };
                 loop {
                     let place = next.fetch_add(1, Ordering::Relaxed);
                     let made = members.get(place).map(|member| (place, row(member)));

@@ -6,7 +6,7 @@ use super::{Identification, Method};
 use crate::friction::Path;
 use crate::model::Model;
 use crate::recording::Recording;
-use crate::report::figures::{cells, quantity};
+use crate::report::figures::{cells, digits, quantity};
 use crate::report::{
     Axis, Colour, DisplayUnit, Emphasis, Figure, Page, Section, Series, Style, Table, display_unit,
 };
@@ -510,17 +510,4 @@ fn force_unit(recording: &Recording) -> &'static str {
 /// The values at some samples.
 fn of_rows(values: &[f64], rows: &[usize]) -> Vec<f64> {
     rows.iter().map(|&i| values[i]).collect()
-}
-
-/// Five significant digits.
-pub(super) fn digits(value: f64) -> String {
-    let size = value.abs();
-    if size == 0.0 {
-        return "0".to_owned();
-    }
-    if !(1e-2..1e5).contains(&size) {
-        return format!("{value:.4e}");
-    }
-    let decimals = 4 - size.log10().floor().clamp(-4.0, 4.0) as i32;
-    format!("{value:.*}", decimals.max(0) as usize)
 }

@@ -78,6 +78,19 @@ pub fn three(value: f64) -> String {
     format!("{value:.decimals$}").replace('-', "−")
 }
 
+/// Five significant digits.
+pub fn digits(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 {
+        return "0".to_owned();
+    }
+    if !(1e-2..1e5).contains(&size) {
+        return format!("{value:.4e}");
+    }
+    let decimals = 4 - size.log10().floor().clamp(-4.0, 4.0) as i32;
+    format!("{value:.*}", decimals.max(0) as usize)
+}
+
 /// Two figures, and never certainty: the weights behind it are known no better.
 pub fn probability(p: f64) -> String {
     format!("{:.2}", p.clamp(0.01, 0.99))

@@ -1,11 +1,12 @@
 //! A motion fit for people and for machines.
 
 use super::super::fit::{self as force_fit, shown};
-use super::super::present::{bounds, digits};
+use super::super::present::bounds;
 use super::search::{SEED, long_pieces};
 use super::told::NUDGE;
 use super::{Apart, MotionFit};
 use crate::recording::{MotionKind, Recording};
+use crate::report::figures::digits;
 use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Table};
 use serde_json::{Value, json};
 

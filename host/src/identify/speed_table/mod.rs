@@ -7,11 +7,11 @@ mod present;
 #[cfg(test)]
 mod tests;
 
-use super::present::digits;
 use crate::effects::Effect;
 use crate::friction::FrictionModel;
 use crate::model::Model;
 use crate::recording::Speeds;
+use crate::report::figures::digits;
 use crate::statistics::{Estimate, nmse};
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};

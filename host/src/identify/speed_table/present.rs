@@ -2,7 +2,7 @@
 
 use super::SpeedTable;
 use crate::identify::fit::key;
-use crate::identify::present::digits;
+use crate::report::figures::digits;
 use crate::report::{Axis, Emphasis, Figure, Page, Section, Series, Table};
 use crate::statistics::Estimate;
 use serde_json::{Value, json};
