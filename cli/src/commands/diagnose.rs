@@ -246,7 +246,7 @@ impl Diagnose {
             }
             return Ok(());
         };
-        let words = capital(&correction.words(&found.ground.rows, recording));
+        let words = capital(&correction.words(&found.null.rows, recording));
         say!("{words}.");
         let remarks = [
             format!(

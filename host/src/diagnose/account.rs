@@ -61,7 +61,7 @@ impl Diagnosis {
     /// The budget for machines: what is taken off, of the residual without all of it.
     pub(super) fn budget_json(&self) -> Value {
         let share = |nmse: f64| nmse / self.baseline.test.max(1e-300);
-        let rms = |nmse: f64| self.ground.rows.rms_of(nmse);
+        let rms = |nmse: f64| self.null.rows.rms_of(nmse);
         let items = self.budget.iter().map(|item| {
             let effect = &self.effects[item.effect];
             json!({ "what": effect.id(), "certainty": effect.certainty(), "probability": effect.confidence,
@@ -80,7 +80,7 @@ impl Diagnosis {
 
     /// Who leaves the mismatch.
     fn whose(&self) -> String {
-        let whose = match (self.ground.core.corrects, self.given_model.is_some()) {
+        let whose = match (self.null.core.corrects, self.given_model.is_some()) {
             (true, _) => "Your simulation",
             (_, true) => "Your model with its parameters refitted",
             _ if self.fit.as_ref().is_some_and(|fit| fit.is_found()) => {
@@ -115,7 +115,7 @@ impl Diagnosis {
     /// The budget for a page.
     pub fn budget_table(&self, recording: &Recording) -> Table {
         let whole = self.baseline.test.max(1e-300);
-        let force = |nmse: f64| quantity(self.ground.rows.rms_of(nmse), recording.effort_unit());
+        let force = |nmse: f64| quantity(self.null.rows.rms_of(nmse), recording.effort_unit());
         let row = |what: String, nmse: f64, sure: &str, size: String| {
             let share = (nmse / whole).clamp(0.0, 1.0);
             let bar = "█".repeat((BAR * share).round() as usize);
@@ -159,7 +159,7 @@ impl Diagnosis {
             let place = u.place.map_or(String::new(), |p| {
                 format!("most {}", place_words(&p, recording))
             });
-            format!("follows {} {place}", u.axis.name(&self.ground.rows.s))
+            format!("follows {} {place}", u.axis.name(&self.null.rows.s))
         });
         rows.push(row(
             "not explained".to_owned(),
@@ -180,7 +180,7 @@ impl Diagnosis {
 
     /// What may be there besides, each with what it would take off; nothing where nothing may.
     pub fn possible_words(&self, recording: &Recording) -> Option<String> {
-        let force = |nmse: f64| quantity(self.ground.rows.rms_of(nmse), recording.effort_unit());
+        let force = |nmse: f64| quantity(self.null.rows.rms_of(nmse), recording.effort_unit());
         let possible = self.effects.iter().filter(|e| !e.confident && !e.in_fit);
         let each: Vec<String> = possible
             .filter(|e| !matches!(e.name, Name::Correction(_)))

@@ -1,6 +1,6 @@
 //! The mismatch budget: what each finding takes off the residual on stretches held out, so that the squares add up.
 
-use super::ground::{Ground, Hypothesis};
+use super::null_model::{Hypothesis, NullModel};
 use super::term::Term;
 
 /// What a finding takes off.
@@ -27,13 +27,13 @@ pub(super) struct Finding<'a> {
 /// What the findings against a simulation take off, `left` at the rows with all of them, of `from − to` %: their Shapley values, `f·(y + r)` for
 /// what is missing, `y`, which no fit stands in front of. One after the other, the first would take what two share.
 pub(super) fn of_a_simulation(
-    ground: &Ground,
+    null: &NullModel,
     left: &[f64],
     findings: &[Finding],
     [from, to]: [f64; 2],
 ) -> Vec<Item> {
     let value = |force: &[f64]| {
-        let own = force.iter().zip(&ground.rows.target).zip(left);
+        let own = force.iter().zip(&null.rows.target).zip(left);
         own.map(|((f, y), r)| f * (y + r)).sum::<f64>().max(0.0)
     };
     let values: Vec<f64> = findings.iter().map(|f| value(f.force)).collect();
@@ -48,7 +48,7 @@ pub(super) fn of_a_simulation(
 /// What the findings take off in their order, `from` % being left without them and `to` % with all: first what has no term, then the terms on
 /// top of `kept`.
 pub(super) fn budget(
-    ground: &Ground,
+    null: &NullModel,
     kept: &[Term],
     findings: &[Finding],
     [from, to]: [f64; 2],
@@ -64,8 +64,8 @@ pub(super) fn budget(
         take(finding.effect, finding.nmse[0] - finding.nmse[1]);
     }
     let mut terms = kept.to_vec();
-    let test = |h: Option<Hypothesis>| h.map(|h| h.nmse(&ground.rows).test);
-    let mut before = test(ground.fit(&terms));
+    let test = |h: Option<Hypothesis>| h.map(|h| h.nmse(&null.rows).test);
+    let mut before = test(null.fit(&terms));
     let with_terms: Vec<(usize, &Term)> = findings
         .iter()
         .filter_map(|f| Some((f.effect, f.term?)))
@@ -74,7 +74,7 @@ pub(super) fn budget(
         terms.push((*term).clone());
         let after = match place + 1 == with_terms.len() {
             true => Some(to),
-            false => test(ground.fit(&terms)),
+            false => test(null.fit(&terms)),
         };
         take(*effect, before.zip(after).map_or(0.0, |(b, a)| b - a));
         before = after;

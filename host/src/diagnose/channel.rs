@@ -3,7 +3,7 @@
 
 use super::effect::actuator_saturation::{ActuatorSaturation, READING};
 use super::effect::{ALWAYS_FREE, Effect};
-use super::ground::Ground;
+use super::null_model::NullModel;
 use super::shift::Shift;
 use super::weak::Column;
 use crate::evidence::{Evidence, NAMED, evidence};
@@ -31,7 +31,7 @@ pub struct Found {
 }
 
 /// What there is of a channel, of which the delay is worth so much.
-pub fn found(channel: &Channel, shift: Option<Shift>, ground: &Ground) -> Vec<Found> {
+pub fn found(channel: &Channel, shift: Option<Shift>, null: &NullModel) -> Vec<Found> {
     let delay = channel.delay.as_ref().zip(shift);
     let shifted = delay.map(|(delay, shift)| Found {
         effect: ALWAYS_FREE,
@@ -42,12 +42,12 @@ pub fn found(channel: &Channel, shift: Option<Shift>, ground: &Ground) -> Vec<Fo
         parameters: vec![("delay_s".to_owned(), delay.delay_s)],
     });
     let end = channel.saturation.as_ref();
-    let limited = end.map(|end| limited(ground, end));
+    let limited = end.map(|end| limited(null, end));
     shifted.into_iter().chain(limited).collect()
 }
 
 /// An end of the effort: of a command that was cut to it, of a reading whose samples there were left out.
-fn limited(ground: &Ground, end: &Saturation) -> Found {
+fn limited(null: &NullModel, end: &Saturation) -> Found {
     let [without, with] = &end.residuals;
     let change: Vec<f64> = without.iter().zip(with).map(|(a, b)| a - b).collect();
     let evidence = evidence(&change, without, &blocks_of(without.len()));
@@ -55,7 +55,7 @@ fn limited(ground: &Ground, end: &Saturation) -> Found {
         End::Command => "limit_N",
         End::Reading => READING,
     };
-    let rows = &ground.rows;
+    let rows = &null.rows;
     let of = |values: &[f64]| rows.weak.rows(&Column::of(values.to_vec()));
     Found {
         effect: &ActuatorSaturation,

@@ -1,6 +1,6 @@
 //! How sure a name is: one logistic of features of its evidence, calibrated on judged names of every source that there is.
 
-use super::naming::Standing;
+use super::naming::TermReport;
 use crate::evidence::{Evidence, NAMED};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -35,38 +35,38 @@ pub(super) static FITTED: LazyLock<Calibration> =
 
 /// What tells a right name from a false one, by name; about zero for a name at the edge. Ten more were tried (standard deviations, agreement of blocks,
 /// changes of the hysteresis, order and number of terms, class): with them names of a source that was left out are told less well.
-pub fn features(standing: &Standing) -> BTreeMap<&'static str, f64> {
+pub fn features(report: &TermReport) -> BTreeMap<&'static str, f64> {
     BTreeMap::from([
-        ("size", size(standing)),
+        ("size", size(report)),
         (
             "at_its_largest",
-            standing.at_its_largest.clamp(0.0, 1.0) - 1.0,
+            report.at_its_largest.clamp(0.0, 1.0) - 1.0,
         ),
         // Of a line or a narrow place.
-        ("state", standing.placebo.unwrap_or_default()),
+        ("state", report.placebo.unwrap_or_default()),
     ])
 }
 
-fn size(standing: &Standing) -> f64 {
-    (standing.size().max(LEAST) / NAMED).ln()
+fn size(report: &TermReport) -> f64 {
+    (report.size().max(LEAST) / NAMED).ln()
 }
 
 /// What tells that something is there, whatever it is called, from chance; about zero at the edge.
-pub fn features_of_presence(standing: &Standing) -> BTreeMap<&'static str, f64> {
+pub fn features_of_presence(report: &TermReport) -> BTreeMap<&'static str, f64> {
     BTreeMap::from([
-        ("size", size(standing)),
-        ("sure", standing.evidence.z.min(SURE) - SURE_EDGE),
+        ("size", size(report)),
+        ("sure", report.evidence.z.min(SURE) - SURE_EDGE),
     ])
 }
 
 /// Probability that the effect is there and so named.
-pub fn confidence(standing: &Standing) -> f64 {
-    weighed(&FITTED.weights, features(standing))
+pub fn confidence(report: &TermReport) -> f64 {
+    weighed(&FITTED.weights, features(report))
 }
 
 /// Probability that something is there, whatever it is called.
-pub fn presence(standing: &Standing) -> f64 {
-    weighed(&FITTED.presence, features_of_presence(standing))
+pub fn presence(report: &TermReport) -> f64 {
+    weighed(&FITTED.presence, features_of_presence(report))
 }
 
 fn weighed(weights: &BTreeMap<String, f64>, features: BTreeMap<&'static str, f64>) -> f64 {

@@ -3,7 +3,7 @@
 
 use super::confidence::confidence;
 use super::effect;
-use super::naming::{Standing, standings};
+use super::naming::{TermReport, reports};
 use super::search::Found;
 
 /// Confidence below which a name does not stand in the way of others.
@@ -15,10 +15,10 @@ pub fn sieved(
     found: &mut Found,
     given: usize,
     periods: &[f64],
-) -> Option<(Vec<Standing>, Vec<Standing>)> {
+) -> Option<(Vec<TermReport>, Vec<TermReport>)> {
     let mut gone = Vec::new();
     loop {
-        let mut left = standings(found, given, periods);
+        let mut left = reports(found, given, periods);
         if exchange(found, &left)? {
             continue;
         }
@@ -31,15 +31,15 @@ pub fn sieved(
         let out = left.remove(least);
         let mut terms = found.hypothesis.terms.clone();
         terms.remove(out.index);
-        found.hypothesis = found.ground.fit(&terms)?;
+        found.hypothesis = found.null.fit(&terms)?;
         gone.push(out);
     }
 }
 
 /// Puts the best of the better names in its place; whether there was one. Each is simpler than the last, so that this ends. Friction is found
 /// anew beside it: what it took the place of may have held a part of it, and a level refers to the whole.
-fn exchange(found: &mut Found, standings: &[Standing]) -> Option<bool> {
-    let better = standings
+fn exchange(found: &mut Found, reports: &[TermReport]) -> Option<bool> {
+    let better = reports
         .iter()
         .filter_map(|s| Some((s.index, s.better.as_ref()?)));
     let Some((index, (better, _))) = better.max_by(|a, b| a.1.1.total_cmp(&b.1.1)) else {
@@ -47,13 +47,13 @@ fn exchange(found: &mut Found, standings: &[Standing]) -> Option<bool> {
     };
     let mut terms = found.hypothesis.terms.clone();
     terms[index] = better.clone();
-    found.ground = found.ground.referred_to(&terms)?;
-    found.hypothesis = found.ground.fit(&terms)?;
+    found.null = found.null.referred_to(&terms)?;
+    found.hypothesis = found.null.fit(&terms)?;
     Some(true)
 }
 
 /// A delay stays: every recording may have one.
-fn is_incredible(standing: &Standing) -> bool {
-    let effect = standing.term.effect();
-    effect.is_some_and(|e| e.id() != effect::ALWAYS_FREE.id()) && confidence(standing) < INCREDIBLE
+fn is_incredible(report: &TermReport) -> bool {
+    let effect = report.term.effect();
+    effect.is_some_and(|e| e.id() != effect::ALWAYS_FREE.id()) && confidence(report) < INCREDIBLE
 }

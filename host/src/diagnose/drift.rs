@@ -1,12 +1,12 @@
 //! Friction that rises or falls from the beginning of a recording to its end, where no temperature was recorded that could say why.
 
 use super::axis::Axis;
+use super::candidate::candidate_of;
 use super::confidence;
 use super::curve::Curve;
 use super::effect::thermal_drift::ThermalDrift;
 use super::effect::viscous::Viscous;
 use super::effect::{Class, Effect};
-use super::offer::offer_of;
 use super::place::Place;
 use super::search::Found;
 use super::term::{Subject, Term};
@@ -22,7 +22,7 @@ const PART: f64 = 0.03;
 
 /// What changes the friction level in the course of a recording, unless a temperature tells or the search has found it.
 pub fn drift(found: &Found) -> Option<Unknown> {
-    let (ground, rows) = (&found.ground, &found.ground.rows);
+    let (null, rows) = (&found.null, &found.null.rows);
     let is_drift = |t: &Term| t.effect().is_some_and(|e| e.class() == Class::Drift);
     let terms = &found.hypothesis.terms;
     if ThermalDrift.lacks(&rows.s).is_none() || terms.iter().any(is_drift) {
@@ -39,13 +39,13 @@ pub fn drift(found: &Found) -> Option<Unknown> {
     let others = terms.iter().filter(|t| !t.is_like(&curve));
     let mut terms: Vec<Term> = others.cloned().collect();
     // All rows alike: the noise model takes friction that wanders slowly for its own.
-    let without = ground.fit_unweighted(&terms)?;
-    let offer = offer_of(ground, &without, std::slice::from_ref(&curve), 1.0)?;
+    let without = null.fit_unweighted(&terms)?;
+    let candidate = candidate_of(null, &without, std::slice::from_ref(&curve), 1.0)?;
     terms.push(curve);
-    let with = ground.fit_unweighted(&terms)?;
+    let with = null.fit_unweighted(&terms)?;
     let force = with.force_of(terms.len() - 1);
     // What warms thins the oil, too: viscous friction is a part of the level.
-    let mut friction = with.friction(ground);
+    let mut friction = with.friction(null);
     for index in (0..terms.len()).filter(|i| terms[*i].is_like(&viscous)) {
         let own = with.force_of(index);
         friction.iter_mut().zip(own).for_each(|(f, v)| *f += v);
@@ -57,7 +57,7 @@ pub fn drift(found: &Found) -> Option<Unknown> {
         1.0 + along / own.iter().map(|f| f * f).sum::<f64>().max(1e-300)
     };
     let change = level(force.len() - part..force.len()) / level(0..part) - 1.0;
-    let evidence = offer.evidence;
+    let evidence = candidate.evidence;
     (evidence.z >= SURE && change.abs() >= SHOWN).then(|| Unknown {
         axis: Axis::Time,
         odd: true,

@@ -2,11 +2,11 @@
 //! friction that wanders moves the axis, whose motion follows it by a phase. What was commanded no friction moves: it is the instrument
 //! of the second (Söderström and Stoica, *Instrumental Variable Methods for System Identification*, 1983).
 
+use super::candidate::{Candidate, candidate_of};
 use super::change::Change;
 use super::effect::channel_delay::late;
-use super::ground::{Ground, Hypothesis};
 use super::normal::{Bound, Normal, dot};
-use super::offer::{Offer, offer_of};
+use super::null_model::{Hypothesis, NullModel};
 use super::term::{Subject, Term};
 use crate::signal::Deflection;
 use crate::statistics::jackknife;
@@ -17,32 +17,32 @@ const NEAR: f64 = 0.6;
 /// Standard errors by which the commanded motion must tell a delay, and tell it of the same sign.
 const SURE: f64 = 2.0;
 
-/// Whether a delay is told, from its offer on top of what stands `beside` it.
-pub fn is_told(ground: &Ground, beside: &Hypothesis, own: &Offer) -> bool {
+/// Whether a delay is told, from the candidate on top of what stands `beside` it.
+pub fn is_told(null: &NullModel, beside: &Hypothesis, own: &Candidate) -> bool {
     let Some(&delay) = own.trial.coefficients.first() else {
         return true;
     };
-    !is_damping(ground, beside, own) && commanded(ground, beside, own, delay).unwrap_or(true)
+    !is_damping(null, beside, own) && commanded(null, beside, own, delay).unwrap_or(true)
 }
 
 /// Whether friction alone leads: damping of what sticks adds to its force in proportion to its slope.
-fn is_damping(ground: &Ground, beside: &Hypothesis, own: &Offer) -> bool {
+fn is_damping(null: &NullModel, beside: &Hypothesis, own: &Candidate) -> bool {
     let damped = Term::new(Subject::Change(Change::Damped), &[]);
-    let alone = offer_of(ground, beside, &[damped], 1.0).map_or(0.0, |o| o.evidence.share);
+    let alone = candidate_of(null, beside, &[damped], 1.0).map_or(0.0, |o| o.evidence.share);
     alone >= NEAR * own.evidence.share
 }
 
 /// Whether the commanded motion tells the delay; `None` where no command was recorded.
-fn commanded(ground: &Ground, beside: &Hypothesis, own: &Offer, delay: f64) -> Option<bool> {
-    let rows = &ground.rows;
+fn commanded(null: &NullModel, beside: &Hypothesis, own: &Candidate, delay: f64) -> Option<bool> {
+    let rows = &null.rows;
     let s = &rows.s;
     let reference = s.reference.as_deref()?;
     let acceleration = s.smooth_slope(&s.smooth_slope(reference));
     let mut effort: Vec<f64> = acceleration
         .iter()
-        .map(|a| ground.baseline.mass * a)
+        .map(|a| null.baseline.mass * a)
         .collect();
-    for &(stiffness, yields) in &ground.baseline.blocks {
+    for &(stiffness, yields) in &null.baseline.blocks {
         let along = Deflection::along(reference, &s.pieces, yields).z;
         effort
             .iter_mut()
@@ -53,17 +53,9 @@ fn commanded(ground: &Ground, beside: &Hypothesis, own: &Offer, delay: f64) -> O
     // What the columns beside it have in common with the instrument is theirs.
     let columns = beside.columns();
     let free = vec![Bound::Free; columns.len()];
-    let fitted = Normal::new(
-        &ground.noise,
-        &rows.weak.folds,
-        &columns,
-        &free,
-        &instrument,
-    )?;
-    let weighed = ground
-        .noise
-        .inverse(&fitted.residual(&columns, &instrument));
-    let column = ground.columns(&own.term);
+    let fitted = Normal::new(&null.noise, &rows.weak.folds, &columns, &free, &instrument)?;
+    let weighed = null.noise.inverse(&fitted.residual(&columns, &instrument));
+    let column = null.columns(&own.term);
     let of = |values: &[f64]| -> Vec<f64> {
         let blocks = rows.blocks.iter();
         blocks

@@ -148,7 +148,7 @@ impl Experiment {
                 parts.push(*part);
             }
         }
-        let s = &found.ground.rows.s;
+        let s = &found.null.rows.s;
         let (low, high) = bounds(&s.x);
         let top = s.top_speed();
         let speeds = (s.speeds().0.min(0.1 * top), top);

@@ -1,9 +1,9 @@
 //! The model file that a diagnosis ends in: the confident effects on the user's own model with its parameters refitted, or on the refitted core.
 
 use super::given::Given;
-use super::ground::{Ground, Hypothesis};
 use super::modelled::effort_of;
 use super::named::Name;
+use super::null_model::{Hypothesis, NullModel};
 use super::parameters::parameters;
 use super::term::Term;
 use super::verdict::Diagnosis;
@@ -36,32 +36,31 @@ impl Diagnosis {
     /// The extended model, of the user's or of the fit's: never one that leaves more on rows held out than that. Against a simulation the effects are
     /// what it lacks, and inertia and friction are the recording's own, which their levels refer to.
     pub fn extended_model(&self, recording: &Recording, user: Option<&Model>) -> Extended {
-        let ground = &self.ground;
+        let null = &self.null;
         let mut terms = self.states[1].terms.clone();
         for term in &mut terms {
             if let Some(effect) = term.effect() {
                 term.shape = effect.storable(&term.shape);
             }
         }
-        let refitted = ground.fit(&terms);
+        let refitted = null.fit(&terms);
         let state = refitted.as_ref().unwrap_or(&self.states[1]);
         let core = self.on_the_core(state, recording, user);
         let recording = &recording.at_one_rate();
         let of_fit = self.fit.as_ref().and_then(|fit| fit.model());
         let of_fit = of_fit.as_ref();
         let judged = of_fit.filter(|_| user.is_none());
-        let judged = judged.and_then(|m| Given::of(ground, &self.states[1], recording, m));
+        let judged = judged.and_then(|m| Given::of(null, &self.states[1], recording, m));
         let own = user.zip(self.given_model.as_ref());
         let Some((user, given)) = own.or_else(|| of_fit.zip(judged.as_ref())) else {
             return core;
         };
         let nmse = |model: &Model| {
-            let modelled = ground.rows.weak.rows(&effort_of(model, recording).ok()?);
-            let measured = ground.rows.weak.rows(&Column::of(recording.effort.clone()));
+            let modelled = null.rows.weak.rows(&effort_of(model, recording).ok()?);
+            let measured = null.rows.weak.rows(&Column::of(recording.effort.clone()));
             let left = measured.iter().zip(modelled);
             Some(
-                ground
-                    .rows
+                null.rows
                     .nmse(&left.map(|(f, m)| f - m).collect::<Vec<_>>()),
             )
         };
@@ -94,7 +93,7 @@ impl Diagnosis {
             own.any(|e| e.term.as_ref().is_some_and(|own| own.is_like(term)))
         };
         for index in (self.given..state.terms.len()).filter(|i| !in_fit(&state.terms[*i])) {
-            enter(&self.ground, state, index, &mut model, &mut refused);
+            enter(&self.null, state, index, &mut model, &mut refused);
         }
         self.enter_channel(&mut model, &mut refused);
         Extended {
@@ -124,16 +123,16 @@ impl Diagnosis {
         recording: &Recording,
         user: Option<&Model>,
     ) -> Extended {
-        let ground = &self.ground;
+        let null = &self.null;
         let inertia = match state.normal.coefficients.first() {
-            Some(_) if ground.core.corrects => ground.baseline.mass,
-            Some(mass) if ground.rows.inertial => *mass,
+            Some(_) if null.core.corrects => null.baseline.mass,
+            Some(mass) if null.rows.inertial => *mass,
             _ => 0.0,
         };
-        let mut blocks = if ground.core.corrects {
-            ground.baseline.blocks.clone()
+        let mut blocks = if null.core.corrects {
+            null.baseline.blocks.clone()
         } else {
-            ground.blocks(state)
+            null.blocks(state)
         };
         // The library takes so many blocks: the weakest give way.
         blocks.sort_by(|a, b| (b.0 * b.1).total_cmp(&(a.0 * a.1)));
@@ -150,7 +149,7 @@ impl Diagnosis {
         };
         let mut refused = Vec::new();
         for index in 0..state.terms.len() {
-            enter(ground, state, index, &mut model, &mut refused);
+            enter(null, state, index, &mut model, &mut refused);
         }
         self.enter_channel(&mut model, &mut refused);
         let mut replaces = user.map(|u| changes(u, &model)).unwrap_or_default();
@@ -171,7 +170,7 @@ impl Diagnosis {
 
 /// Enters term `index` of a hypothesis in a model.
 fn enter(
-    ground: &Ground,
+    null: &NullModel,
     state: &Hypothesis,
     index: usize,
     model: &mut Model,
@@ -180,7 +179,7 @@ fn enter(
     let Some(effect) = state.terms[index].effect() else {
         return;
     };
-    let values = parameters(ground, state, index);
+    let values = parameters(null, state, index);
     if let Err(reason) = effect.extend(&values, model) {
         refused.push(format!("{}: {reason}", effect.id()));
     }

@@ -3,9 +3,9 @@
 
 use super::confidence;
 use super::effect::ALWAYS_FREE;
-use super::ground::{Ground, Hypothesis, Nmse};
 use super::modelled::effort_of;
 use super::normal::{Bound, Normal};
+use super::null_model::{Hypothesis, Nmse, NullModel};
 use super::term::{Subject, Term};
 use super::weak::Column;
 use crate::effects::form;
@@ -96,17 +96,17 @@ impl Given {
     /// Judges a model beside what a hypothesis names besides. `None` where an effect needs what was not recorded, or where the motion does
     /// not determine the parameters.
     pub fn of(
-        ground: &Ground,
+        null: &NullModel,
         extended: &Hypothesis,
         recording: &Recording,
         model: &Model,
     ) -> Option<Self> {
-        let rows = &ground.rows;
+        let rows = &null.rows;
         let at_rows = |model: &Model| Some(rows.weak.rows(&effort_of(model, recording).ok()?));
         let whole = at_rows(model)?;
         let as_recorded = rows.weak.rows(&Column::of(recording.effort.clone()));
         let stands = rows.nmse(&left(&as_recorded, &whole));
-        let shares = shares(ground, recording, model)?;
+        let shares = shares(null, recording, model)?;
         // What is in no proportion to a parameter stays as it is.
         let mut fixed = whole;
         for share in &shares {
@@ -116,10 +116,10 @@ impl Given {
                 .for_each(|(w, f)| *w -= f);
         }
         let target = left(&rows.force, &fixed);
-        let fit = Fit::of(ground, extended, shares, &target)?;
-        let both = fit.split_by_direction(ground, extended, model, &target);
-        let mut parameters = both.as_ref().unwrap_or(&fit).parameters(ground, model)?;
-        let own = fit.parameters(ground, model)?;
+        let fit = Fit::of(null, extended, shares, &target)?;
+        let both = fit.split_by_direction(null, extended, model, &target);
+        let mut parameters = both.as_ref().unwrap_or(&fit).parameters(null, model)?;
+        let own = fit.parameters(null, model)?;
         let mut model = model.clone();
         own.iter().for_each(|p| p.enter(&mut model));
         let [train, test] =
@@ -163,8 +163,8 @@ fn left(measured: &[f64], modelled: &[f64]) -> Vec<f64> {
 }
 
 /// The parameters of a model that a fit can tell, each with its force.
-fn shares(ground: &Ground, recording: &Recording, model: &Model) -> Option<Vec<Share>> {
-    let rows = &ground.rows;
+fn shares(null: &NullModel, recording: &Recording, model: &Model) -> Option<Vec<Share>> {
+    let rows = &null.rows;
     let at_rows = |column: Column| rows.weak.rows(&column);
     let n = recording.len();
     let mut shares = Vec::new();
@@ -178,7 +178,7 @@ fn shares(ground: &Ground, recording: &Recording, model: &Model) -> Option<Vec<S
         });
     };
     if model.inertia > 0.0 && rows.inertial {
-        let force = ground.core.rows[0].iter().map(|c| model.inertia * c);
+        let force = null.core.rows[0].iter().map(|c| model.inertia * c);
         add(Part::Inertia, "mass_kg", model.inertia, force.collect());
     }
     let friction = Model {
@@ -245,7 +245,7 @@ struct Fit {
 
 impl Fit {
     fn of(
-        ground: &Ground,
+        null: &NullModel,
         extended: &Hypothesis,
         shares: Vec<Share>,
         target: &[f64],
@@ -257,12 +257,12 @@ impl Fit {
             .filter(|t| !t.given && t.effect().is_some() && !t.is_delay() && !is_among(t, &shares));
         let mut columns: Vec<Vec<f64>> = shares.iter().map(|s| s.force.clone()).collect();
         for term in named.chain([&delay]) {
-            columns.extend(ground.columns(term).iter().cloned());
+            columns.extend(null.columns(term).iter().cloned());
         }
         let all: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
         let bounds = vec![Bound::Free; all.len()];
-        let folds = &ground.rows.weak.folds;
-        let normal = Normal::new(&ground.unweighted(), folds, &all, &bounds, target)?;
+        let folds = &null.rows.weak.folds;
+        let normal = Normal::new(&null.unweighted(), folds, &all, &bounds, target)?;
         Some(Self {
             shares,
             normal,
@@ -273,12 +273,12 @@ impl Fit {
     /// The same with viscous friction of each direction, where the model has any.
     fn split_by_direction(
         &self,
-        ground: &Ground,
+        null: &NullModel,
         extended: &Hypothesis,
         model: &Model,
         target: &[f64],
     ) -> Option<Self> {
-        let s = &ground.rows.s;
+        let s = &null.rows.s;
         let viscous = self.shares.iter().find(|s| s.part == Part::Viscous)?;
         let of = |direction: f64| {
             let along = s.v.iter().map(|v| {
@@ -293,12 +293,12 @@ impl Fit {
                     if direction > 0.0 { "forward" } else { "back" }
                 ),
                 given: viscous.given,
-                force: ground.rows.weak.rows(&Column::of(along.collect())),
+                force: null.rows.weak.rows(&Column::of(along.collect())),
             }
         };
         let others = self.shares.iter().filter(|s| s.part != Part::Viscous);
         let shares = others.map(Share::copy).chain([1.0, -1.0].map(of)).collect();
-        Self::of(ground, extended, shares, target)
+        Self::of(null, extended, shares, target)
     }
 
     fn residual(&self, held_out: bool, target: &[f64]) -> Vec<f64> {
@@ -311,8 +311,8 @@ impl Fit {
     }
 
     /// Values with the widest interval that blocks, kinds of strokes, or folds give.
-    fn parameters(&self, ground: &Ground, model: &Model) -> Option<Vec<Refitted>> {
-        let rows = &ground.rows;
+    fn parameters(&self, null: &NullModel, model: &Model) -> Option<Vec<Refitted>> {
+        let rows = &null.rows;
         let mut block_of = vec![0; rows.force.len()];
         for (b, own) in rows.blocks.iter().enumerate() {
             block_of[own.clone()].fill(b);

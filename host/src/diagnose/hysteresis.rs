@@ -4,8 +4,8 @@ use super::blocks::{FINER, between_samples};
 use super::effect::Effect;
 use super::effect::backlash::Backlash;
 use super::effect::drive_compliance::DriveCompliance;
-use super::ground::{Ground, Hypothesis};
 use super::normal::{Bound, Normal};
+use super::null_model::{Hypothesis, NullModel};
 use super::signals::Signals;
 use super::weak::Column;
 use crate::evidence::{Evidence, evidence};
@@ -83,24 +83,24 @@ impl Shape {
 
     /// Judges the friction of the user's model beside the terms of a hypothesis, by least squares: a wrong shape misleads a fit that
     /// trusts its noise model. `None` where the library refuses a parameter.
-    pub fn of(ground: &Ground, hypothesis: &Hypothesis, friction: &FrictionModel) -> Option<Self> {
-        let rows = &ground.rows;
-        let core = &ground.core.rows[..ground.core.first_of_friction()];
-        let terms: Vec<_> = hypothesis.terms.iter().map(|t| ground.columns(t)).collect();
+    pub fn of(null: &NullModel, hypothesis: &Hypothesis, friction: &FrictionModel) -> Option<Self> {
+        let rows = &null.rows;
+        let core = &null.core.rows[..null.core.first_of_friction()];
+        let terms: Vec<_> = hypothesis.terms.iter().map(|t| null.columns(t)).collect();
         let residual = |factor: f64| {
-            let own = own_friction(ground, friction, factor)?;
+            let own = own_friction(null, friction, factor)?;
             let columns: Vec<&[f64]> = std::iter::once(&own)
                 .chain(core)
                 .chain(terms.iter().flat_map(|c| c.iter()))
                 .map(Vec::as_slice)
                 .collect();
             let bounds = vec![Bound::Free; columns.len()];
-            let white = ground.unweighted();
+            let white = null.unweighted();
             let fit = Normal::new(&white, &rows.weak.folds, &columns, &bounds, &rows.target)?;
             Some(fit.held_out_residual(&columns, &rows.target))
         };
         let as_it_is = residual(1.0)?;
-        let with_core = ground
+        let with_core = null
             .fit_unweighted(&hypothesis.terms)?
             .held_out_residual(rows);
         let force: Vec<f64> = as_it_is
@@ -129,8 +129,8 @@ impl Shape {
 }
 
 /// The user's friction along the recording, at the rows, its displacements times a factor.
-fn own_friction(ground: &Ground, friction: &FrictionModel, factor: f64) -> Option<Vec<f64>> {
-    let s = &ground.rows.s;
+fn own_friction(null: &NullModel, friction: &FrictionModel, factor: f64) -> Option<Vec<f64>> {
+    let s = &null.rows.s;
     let (mut fine, pieces) = between_samples(s);
     fine.iter_mut().for_each(|x| *x /= factor);
     let velocity: Vec<f64> =
@@ -150,5 +150,5 @@ fn own_friction(ground: &Ground, friction: &FrictionModel, factor: f64) -> Optio
     }
     let force = friction.force(path).ok()?;
     let at_samples = force.into_iter().step_by(FINER).collect();
-    Some(ground.rows.weak.rows(&Column::of(at_samples)))
+    Some(null.rows.weak.rows(&Column::of(at_samples)))
 }

@@ -1,8 +1,8 @@
 //! The confident effects beside one another: each improves what is held out, has a sign and is possible, and is measured with all others.
 
 use super::change::Change;
-use super::ground::{Ground, Hypothesis};
 use super::named::{EVEN, Name, Named};
+use super::null_model::{Hypothesis, NullModel};
 use super::parameters::parameters;
 use super::place::Place;
 use super::search::Found;
@@ -30,13 +30,13 @@ fn extend(found: &Found, kept: &[Term], effects: &[Named]) -> Option<Hypothesis>
         .filter(|e| e.is_missing())
         .filter_map(|e| e.term.as_ref());
     let beside: Vec<Term> = kept.iter().chain(widens).chain(missing).cloned().collect();
-    let with = |known: Vec<Term>| found.ground.fit(&[beside.as_slice(), &known].concat());
+    let with = |known: Vec<Term>| found.null.fit(&[beside.as_slice(), &known].concat());
     let those_told = with(known.iter().filter(|t| told(t)).cloned().collect())?;
     if known.iter().all(told) {
         return Some(those_told);
     }
     let all = with(known)?;
-    let left = |h: &Hypothesis| h.nmse(&found.ground.rows).test;
+    let left = |h: &Hypothesis| h.nmse(&found.null.rows).test;
     Some(match left(&all) < left(&those_told) {
         true => all,
         false => those_told,
@@ -49,16 +49,16 @@ pub(super) fn measured(
     found: &Found,
     kept: &[Term],
     effects: &mut [Named],
-) -> Option<(Ground, Hypothesis)> {
+) -> Option<(NullModel, Hypothesis)> {
     loop {
         let terms = shown(found, kept, effects)?.terms;
-        let ground = found.ground.settled(&terms)?;
-        let extended = ground.fit(&terms)?;
+        let null = found.null.settled(&terms)?;
+        let extended = null.fit(&terms)?;
         let mut signless = Vec::new();
         for effect in effects.iter_mut() {
-            let with = weigh(&ground, kept, &extended, effect)?;
-            measure(&ground, &with, effect);
-            if effect.confident && (is_signless(effect, &with) || !is_possible(&ground, &with)) {
+            let with = weigh(&null, kept, &extended, effect)?;
+            measure(&null, &with, effect);
+            if effect.confident && (is_signless(effect, &with) || !is_possible(&null, &with)) {
                 signless.push(effect);
             }
         }
@@ -67,7 +67,7 @@ pub(super) fn measured(
             .into_iter()
             .min_by(|a, b| share(a).total_cmp(&share(b)));
         let Some(least) = least else {
-            return Some((ground, extended));
+            return Some((null, extended));
         };
         least.confident = false;
         least.confidence = least.confidence.min(EVEN);
@@ -80,11 +80,11 @@ fn shown(found: &Found, kept: &[Term], effects: &mut [Named]) -> Option<Hypothes
     loop {
         let extended = extend(found, kept, effects)?;
         for effect in effects.iter_mut() {
-            weigh(&found.ground, kept, &extended, effect)?;
+            weigh(&found.null, kept, &extended, effect)?;
         }
         let loss = |e: &Named| e.nmse_test[1] - e.nmse_test[0];
-        let least = match found.ground.core.corrects {
-            true => found.ground.rows.missed.max(NEGLIGIBLE),
+        let least = match found.null.core.corrects {
+            true => found.null.rows.missed.max(NEGLIGIBLE),
             false => 0.0,
         };
         let worst = effects
@@ -101,7 +101,7 @@ fn shown(found: &Found, kept: &[Term], effects: &mut [Named]) -> Option<Hypothes
 /// Held-out NMSE of an effect, all confident ones beside it and nothing without a name: a free curve would share its coefficients. The
 /// hypothesis with it, its own term the last.
 fn weigh(
-    ground: &Ground,
+    null: &NullModel,
     kept: &[Term],
     extended: &Hypothesis,
     effect: &mut Named,
@@ -112,22 +112,22 @@ fn weigh(
     if let Some(at) = terms.iter().skip(kept.len()).position(is_own) {
         terms.remove(at + kept.len());
     }
-    let without = ground.fit(&terms)?;
+    let without = null.fit(&terms)?;
     terms.push(own);
-    let with = ground.fit(&terms)?;
-    effect.nmse_test = [&without, &with].map(|h| h.nmse(&ground.rows).test);
+    let with = null.fit(&terms)?;
+    effect.nmse_test = [&without, &with].map(|h| h.nmse(&null.rows).test);
     Some(with)
 }
 
 /// Parameters, force and places of an effect, its term the last of a hypothesis.
-fn measure(ground: &Ground, with: &Hypothesis, effect: &mut Named) {
+fn measure(null: &NullModel, with: &Hypothesis, effect: &mut Named) {
     let Name::Entry(entry) = effect.name else {
         return;
     };
     let index = with.terms.len() - 1;
     effect.force = with.force_of(index);
-    effect.places = Place::all(&ground.rows, entry.axis(), &effect.force);
-    effect.parameters = parameters(ground, with, index);
+    effect.places = Place::all(&null.rows, entry.axis(), &effect.force);
+    effect.parameters = parameters(null, with, index);
 }
 
 /// Whether the interval of an effect's size, its first parameter, holds zero: of a map over the travel, that is one cosine of many.
@@ -142,9 +142,8 @@ fn is_signless(effect: &Named, with: &Hypothesis) -> bool {
 
 /// Whether the physics admits what the last term of a hypothesis is fitted with: a gap is not less than none, and a simulation has too much only
 /// of what it has.
-fn is_possible(ground: &Ground, with: &Hypothesis) -> bool {
+fn is_possible(null: &NullModel, with: &Hypothesis) -> bool {
     let last = with.terms.len() - 1;
     let (term, coefficients) = (&with.terms[last], with.coefficients(last));
-    term.admits(coefficients)
-        || ground.admits(term, coefficients) && has_its_term(ground, with, last)
+    term.admits(coefficients) || null.admits(term, coefficients) && has_its_term(null, with, last)
 }

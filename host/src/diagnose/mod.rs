@@ -1,13 +1,14 @@
 //! What a model left out of a recording: located, named, modelled and shown on stretches that no fit saw.
 //!
-//! The stages, each immutable once made: [`rows`] (which instants can tell) → [`mod@core`] and noise in [`ground`] (what every
-//! hypothesis stands on) → [`offer`] (every candidate on top of one) → [`search`] (which of them the recording asks for) →
+//! The stages, each immutable once made: [`rows`] (which instants can tell) → [`mod@core`] and noise in [`null_model`] (what every
+//! hypothesis stands on) → [`candidate`] (every candidate on top of one) → [`search`] (which of them the recording asks for) →
 //! [`naming`] and [`confidence`] (what each may be called) → [`verdict`], and `unnamed` (what has no name). The catalogue is [`effect`], one file each.
 
 mod account;
 pub mod axis;
 mod blocks;
 mod budget;
+pub mod candidate;
 pub mod change;
 mod channel;
 pub mod column;
@@ -24,7 +25,6 @@ pub mod experiment;
 mod extend;
 pub mod fit;
 pub mod given;
-pub mod ground;
 mod hysteresis;
 pub mod lack;
 mod late;
@@ -35,7 +35,7 @@ pub mod named;
 pub mod naming;
 mod noise;
 pub mod normal;
-pub mod offer;
+pub mod null_model;
 mod page;
 mod parameters;
 pub mod place;
@@ -69,8 +69,8 @@ use crate::signal::{Channel, Kinematics, Saturation, StickSlip, not_yet_known};
 use crate::statistics::earlier;
 use correction::Correction;
 use fit::Fit;
-use ground::Ground;
 use late::lateness;
+use null_model::NullModel;
 use reproduced::Reproduced;
 use rows::Rows;
 use shift::Shift;
@@ -164,7 +164,7 @@ pub fn diagnose_simulation(
             recording.role.name()
         )));
     }
-    let s = &found.ground.rows.s;
+    let s = &found.null.rows.s;
     let slope = |values: &[f64]| s.smooth_slope(values);
     let (viscous, inertia) = (slope(&effort.sloped), slope(&slope(&effort.curved)));
     let parts = effort.value.iter().zip(viscous).zip(inertia);
@@ -177,7 +177,7 @@ pub fn diagnose_simulation(
 impl Diagnosis {
     /// Takes down what a simulation of this effort for the recorded motion (N or N·m) lacks.
     fn take_correction(&mut self, recording: &Recording, simulated: Vec<f64>) {
-        let state = (&self.ground, &self.states[1]);
+        let state = (&self.null, &self.states[1]);
         let is_reproduced = self.reproduced.is_some();
         let of_simulation = (simulated, is_reproduced);
         self.correction = Correction::of(state, &self.effects, recording, of_simulation);
@@ -230,10 +230,10 @@ fn judge(
     let begins = fit.filter(|_| model.is_none());
     let known = begins.map(Fit::known).unwrap_or_default();
     let beside = [given.as_slice(), &known.terms].concat();
-    let ground_of = |recording: &Recording, outside: &[Range<usize>]| {
+    let null_of = |recording: &Recording, outside: &[Range<usize>]| {
         let rows = Rows::new(recording, outside).map_err(Refusal::Data)?;
         progress.inc(1);
-        Ground::new(rows, &beside, known.yields.as_deref()).ok_or_else(unable)
+        NullModel::new(rows, &beside, known.yields.as_deref()).ok_or_else(unable)
     };
     let channel = channel_of(recording, model, fit, simulated.is_some());
     let on_time = channel.taken_off(recording);
@@ -241,25 +241,25 @@ fn judge(
     let later = recording.joined.iter().skip(1);
     unknown.extend(later.map(|file| not_yet_known(recording, file)));
     let (recorded, recording) = (recording, on_time.as_ref().unwrap_or(recording));
-    let ground = ground_of(recording, &unknown)?;
+    let null = null_of(recording, &unknown)?;
     let shift = match channel.delay {
-        Some(_) => Shift::of(&ground_of(recorded, &unknown)?, &ground),
+        Some(_) => Shift::of(&null_of(recorded, &unknown)?, &null),
         None => None,
     };
-    let searched = |mut ground: Ground| {
+    let searched = |mut null: NullModel| {
         if let Some((simulated, missed)) = simulated {
-            ground = ground.against(simulated, missed).ok_or_else(unable)?;
+            null = null.against(simulated, missed).ok_or_else(unable)?;
         }
         progress.inc(1);
-        search::search(ground, &given, &known, &lengths, progress).ok_or_else(unable)
+        search::search(null, &given, &known, &lengths, progress).ok_or_else(unable)
     };
-    let mut found = searched(ground)?;
+    let mut found = searched(null)?;
     let event = unnamed::happened(&found);
     // An event belongs to no effect, and pulls at all of them: all else is said without it, or not at all.
     if let Some(happened) = event.as_ref().and_then(|e| e.happened.as_ref()) {
         let outside = [happened.samples.as_slice(), &unknown].concat();
-        let ground = ground_of(recording, &outside)?;
-        found = searched(ground)?;
+        let null = null_of(recording, &outside)?;
+        found = searched(null)?;
     }
     verdict::conclude(
         found,

@@ -2,7 +2,7 @@
 
 use super::confidence;
 use super::effect::Effect;
-use super::naming::Standing;
+use super::naming::TermReport;
 use super::place::Place;
 use super::simulation::Correction;
 use super::term::Term;
@@ -44,7 +44,7 @@ pub struct Named {
     /// What it explains, everything else given.
     pub evidence: Evidence,
     /// What the confidence is computed from; `None` for the hysteresis, corrections, and hints that did not enter.
-    pub standing: Option<Standing>,
+    pub report: Option<TermReport>,
     /// Held-out NMSE (%) without and with it.
     pub nmse_test: [f64; 2],
     /// Where it acts, over its own coordinate first.
@@ -62,7 +62,7 @@ pub struct Named {
 impl Named {
     /// Whether it is a line or a narrow place, which was held against placebos.
     pub(super) fn is_narrow(&self) -> bool {
-        self.standing.as_ref().is_some_and(|s| s.placebo.is_some())
+        self.report.as_ref().is_some_and(|s| s.placebo.is_some())
     }
 
     /// Whether it is certain, and no part of the fit.
@@ -77,8 +77,8 @@ impl Named {
 
     /// What its confidence is computed from, where that is fitted.
     pub fn features(&self) -> Option<BTreeMap<&'static str, f64>> {
-        match (&self.standing, self.name) {
-            (Some(standing), _) => Some(confidence::features(standing)),
+        match (&self.report, self.name) {
+            (Some(report), _) => Some(confidence::features(report)),
             (None, Name::Correction(_)) => None,
             (None, _) if self.confident => None,
             (None, Name::Hysteresis) => Some(confidence::features_of_a_hint(None)),

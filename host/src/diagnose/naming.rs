@@ -4,11 +4,11 @@
 //! Richard 1986): otherwise every second effect of a machine would be a rival of the first.
 
 use super::axis::Axis;
+use super::candidate::{Candidate, candidate_of, candidates, refined};
 use super::curve::hats;
 use super::effect::{ALWAYS_FREE, Class, Effect};
 use super::exogenous::is_told;
-use super::ground::{Ground, Hypothesis};
-use super::offer::{Offer, offer_of, offers, refined};
+use super::null_model::{Hypothesis, NullModel};
 use super::placebo::over_state;
 use super::search::{Found, MATERIAL, beside, simplicity};
 use super::term::{Subject, Term};
@@ -27,9 +27,9 @@ const MODULATED: f64 = 3.0;
 /// Standard deviations by which a rival is clearly worse.
 const WORSE: f64 = 2.0;
 
-/// An effect's, a curve's or a change's standing in the final hypothesis.
+/// An effect's, a curve's or a change's report in the final hypothesis.
 #[derive(Clone)]
-pub struct Standing {
+pub struct TermReport {
     /// The term.
     pub term: Term,
     /// Its number in the hypothesis.
@@ -61,23 +61,23 @@ pub struct Standing {
 }
 
 /// Judges every term that is not given.
-pub fn standings(found: &Found, given: usize, periods: &[f64]) -> Vec<Standing> {
+pub fn reports(found: &Found, given: usize, periods: &[f64]) -> Vec<TermReport> {
     (given..found.hypothesis.terms.len())
-        .filter_map(|index| standing(found, index, periods))
+        .filter_map(|index| report(found, index, periods))
         .collect()
 }
 
-fn standing(found: &Found, index: usize, periods: &[f64]) -> Option<Standing> {
-    let ground = &found.ground;
+fn report(found: &Found, index: usize, periods: &[f64]) -> Option<TermReport> {
+    let null = &found.null;
     let term = found.hypothesis.terms[index].clone();
-    let rest = ground.fit(&beside(&found.hypothesis.terms, index))?;
-    let own = offer_of(ground, &rest, std::slice::from_ref(&term), 1.0)?;
-    let with = ground.fit(&joined(&rest, &term))?;
-    let (mut list, _) = offers(ground, &rest, periods);
+    let rest = null.fit(&beside(&found.hypothesis.terms, index))?;
+    let own = candidate_of(null, &rest, std::slice::from_ref(&term), 1.0)?;
+    let with = null.fit(&joined(&rest, &term))?;
+    let (mut list, _) = candidates(null, &rest, periods);
     list.retain(|o| !o.term.is_like(&term) && o.evidence.share > NEAR * own.evidence.share * 0.8);
     list.truncate(RIVALS);
-    let left = rest.nmse(&ground.rows).test;
-    let mut standing = Standing {
+    let left = rest.nmse(&null.rows).test;
+    let mut report = TermReport {
         index,
         evidence: own.evidence,
         ambiguous: Vec::new(),
@@ -87,55 +87,55 @@ fn standing(found: &Found, index: usize, periods: &[f64]) -> Option<Standing> {
         form: form(found, index, &own),
         tried: Vec::new(),
         left,
-        gain: 1.0 - with.nmse(&ground.rows).test / left.max(1e-300),
+        gain: 1.0 - with.nmse(&null.rows).test / left.max(1e-300),
         harmless: term
             .effect()
-            .is_some_and(|e| e.is_harmless(&ground.scene(), found.hypothesis.coefficients(index))),
+            .is_some_and(|e| e.is_harmless(&null.scene(), found.hypothesis.coefficients(index))),
         told: term.effect().is_none_or(|e| e.id() != ALWAYS_FREE.id())
-            || is_told(ground, &rest, &own),
+            || is_told(null, &rest, &own),
         placebo: term
             .effect()
             .filter(|e| e.is_narrow())
-            .map(|_| over_state(ground, &rest, &term).unwrap_or_default()),
+            .map(|_| over_state(null, &rest, &term).unwrap_or_default()),
         term,
     };
     for rival in &list {
-        let sharp = refined(ground, &rest, &rival.term);
-        let rival = offer_of(ground, &rest, &[sharp], 1.0)
+        let sharp = refined(null, &rest, &rival.term);
+        let rival = candidate_of(null, &rest, &[sharp], 1.0)
             .filter(|o| o.evidence.share > rival.evidence.share)
             .unwrap_or_else(|| rival.clone());
-        standing.meet(ground, &rest, &own, &rival);
+        report.meet(null, &rest, &own, &rival);
     }
-    Some(standing)
+    Some(report)
 }
 
-impl Standing {
+impl TermReport {
     /// Share of the mismatch that it takes: weighted, or all rows alike, which is what slow effects are seen in.
     pub fn size(&self) -> f64 {
         self.evidence.share.max(self.gain)
     }
 
     /// Whether a rival is simpler. Plain physics stays, which every machine may have, and a delay, which every recording may have.
-    fn gives_way(&self, own: &Offer, rival: &Offer) -> bool {
+    fn gives_way(&self, own: &Candidate, rival: &Candidate) -> bool {
         let stays = |e: &dyn Effect| e.class() == Class::Plain || e.id() == ALWAYS_FREE.id();
         let may = self.term.effect().is_some_and(|e| !stays(e));
         may && simplicity(rival) < simplicity(own)
     }
 
     /// Compares with one rival in the same place. What has no name is only told: a curve that contains the effect's own does as well.
-    fn meet(&mut self, ground: &Ground, rest: &Hypothesis, own: &Offer, rival: &Offer) {
+    fn meet(&mut self, null: &NullModel, rest: &Hypothesis, own: &Candidate, rival: &Candidate) {
         let ratio = rival.evidence.share / own.evidence.share.max(1e-300);
         self.tried
-            .push((rival.term.subject.name(&ground.rows.s), ratio));
+            .push((rival.term.subject.name(&null.rows.s), ratio));
         let Subject::Effect(effect) = rival.term.subject else {
             return;
         };
         if ratio < NEAR {
             return;
         }
-        let left = ground
+        let left = null
             .fit(&joined(rest, &rival.term))
-            .and_then(|with| offer_of(ground, &with, std::slice::from_ref(&self.term), 1.0))
+            .and_then(|with| candidate_of(null, &with, std::slice::from_ref(&self.term), 1.0))
             .map_or(0.0, |o| o.evidence.share);
         // Shares of what is left beside a rival are larger than those of the whole.
         let kept = left * (1.0 - rival.evidence.share).max(0.0);
@@ -143,11 +143,11 @@ impl Standing {
             return;
         }
         let best = self.better.as_ref().map_or(1.0, |better| better.1);
-        if ratio > best && self.gives_way(own, rival) && effect.lacks(&ground.rows.s).is_none() {
+        if ratio > best && self.gives_way(own, rival) && effect.lacks(&null.rows.s).is_none() {
             self.better = Some((rival.term.clone(), ratio));
         }
         self.rival = self.rival.max(ratio);
-        if margin(ground, rest, own, rival) < WORSE {
+        if margin(null, rest, own, rival) < WORSE {
             self.ambiguous.push(effect);
         }
     }
@@ -159,9 +159,9 @@ fn joined(rest: &Hypothesis, term: &Term) -> Vec<Term> {
 }
 
 /// Standard deviations, over blocks, by which `own` leaves less than `rival`.
-fn margin(ground: &Ground, rest: &Hypothesis, own: &Offer, rival: &Offer) -> f64 {
+fn margin(null: &NullModel, rest: &Hypothesis, own: &Candidate, rival: &Candidate) -> f64 {
     let e = &rest.normal.held_out;
-    let differences: Vec<f64> = ground
+    let differences: Vec<f64> = null
         .rows
         .blocks
         .iter()
@@ -181,11 +181,11 @@ fn margin(ground: &Ground, rest: &Hypothesis, own: &Offer, rival: &Offer) -> f64
 
 /// The coordinate over which the size of a term changes most, and what the change explains over the term's own. A viscous force that acts
 /// at one place looks like a friction spot until one asks whether it grows with speed.
-fn form(found: &Found, index: usize, own: &Offer) -> Option<(Axis, f64)> {
-    let (ground, hypothesis) = (&found.ground, &found.hypothesis);
+fn form(found: &Found, index: usize, own: &Candidate) -> Option<(Axis, f64)> {
+    let (null, hypothesis) = (&found.null, &found.hypothesis);
     let effect = hypothesis.terms[index].effect()?;
     let force = hypothesis.force_of(index);
-    let rows = &ground.rows;
+    let rows = &null.rows;
     let changes = |axis: Axis| {
         let values = rows.weak.at_centres(&axis.values(&rows.s)?);
         let columns: Vec<Vec<f64>> = hats(&values)

@@ -239,7 +239,7 @@ impl Diagnosis {
         place: Option<Place>,
         recording: &Recording,
     ) -> Option<Figure> {
-        let rows = &self.ground.rows;
+        let rows = &self.null.rows;
         let (x_unit, f_unit) = (axis.unit(recording.position_unit()), unit_of(recording));
         let values = rows.weak.at_centres(&axis.values(&rows.s)?);
         let direction = rows.weak.at_centres(&rows.s.direction);
@@ -304,25 +304,25 @@ impl Diagnosis {
     }
 
     fn residuals(&self) -> [Vec<f64>; 2] {
-        let mut residuals = [0, 1].map(|i| self.states[i].residual(&self.ground.rows));
-        if self.ground.core.corrects {
-            residuals[0].clone_from(&self.ground.rows.target);
+        let mut residuals = [0, 1].map(|i| self.states[i].residual(&self.null.rows));
+        if self.null.core.corrects {
+            residuals[0].clone_from(&self.null.rows.target);
         }
         residuals
     }
 
     /// The ranked names with how sure and why not the others.
     fn missing_section(&self, recording: &Recording) -> Section {
-        let rows = &self.ground.rows;
+        let rows = &self.null.rows;
         let evidence = self.effects.iter().map(|e| {
-            let Some(standing) = &e.standing else {
+            let Some(report) = &e.report else {
                 let soft = matches!(e.name, Name::Hysteresis).then(|| self.too_soft()).flatten();
                 return format!(
                     "{} ({}): {}. It would explain {:.1} % of what is left, at {:.1} standard errors.",
                     e.id(), e.level(), soft.unwrap_or_else(|| e.name.words().to_owned()), 100.0 * e.evidence.share, e.evidence.z
                 );
             };
-            let tried: Vec<String> = standing
+            let tried: Vec<String> = report
                 .tried
                 .iter()
                 .map(|(key, ratio)| format!("{key} {:.0} %", 100.0 * ratio))
@@ -350,7 +350,7 @@ impl Diagnosis {
     }
 
     fn loops(&self, recording: &Recording) -> Figure {
-        let rows = &self.ground.rows;
+        let rows = &self.null.rows;
         let residuals = self.residuals();
         let position = rows.weak.at_centres(&rows.s.x);
         let shown = rows.weak.folds.last().cloned().unwrap_or(0..0);
@@ -384,7 +384,7 @@ impl Diagnosis {
 
     /// Maps of the mismatch over position × velocity and over time, and the free curves.
     fn maps(&self, recording: &Recording) -> Section {
-        let s = &self.ground.rows.s;
+        let s = &self.null.rows.s;
         let organised = self.organised.iter().take(8).map(|o| {
             vec![
                 o.term.subject.name(s),
@@ -413,7 +413,7 @@ impl Diagnosis {
 
     /// The cells of position × velocity in which the mean mismatch is largest, before and after.
     fn largest_cells(&self, recording: &Recording) -> Table {
-        let rows = &self.ground.rows;
+        let rows = &self.null.rows;
         let (x, v) = (
             rows.weak.at_centres(&rows.s.x),
             rows.weak.at_centres(&rows.s.v),

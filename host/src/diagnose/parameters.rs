@@ -2,7 +2,7 @@
 
 use super::confidence;
 use super::effect::Fitted;
-use super::ground::{Ground, Hypothesis};
+use super::null_model::{Hypothesis, NullModel};
 use super::polish::slopes;
 use super::term::Term;
 use crate::statistics::{Estimate, jackknife};
@@ -11,7 +11,7 @@ use crate::statistics::{Estimate, jackknife};
 /// blocks of the recording, its folds, or its kinds of strokes give: where a form is wrong, other motions give other values,
 /// which repeats of the same motion do not show.
 pub fn parameters(
-    ground: &Ground,
+    null: &NullModel,
     hypothesis: &Hypothesis,
     index: usize,
 ) -> Vec<(String, Estimate)> {
@@ -19,16 +19,16 @@ pub fn parameters(
         return Vec::new();
     };
     let term = &hypothesis.terms[index];
-    let slopes = slopes(ground, hypothesis, 0);
+    let slopes = slopes(null, hypothesis, 0);
     let columns: Vec<Vec<f64>> = slopes.iter().map(|s| s.force.clone()).collect();
-    let fit = ground.fit_beside(&hypothesis.terms, &columns);
-    let mut block_of = vec![0; ground.rows.force.len()];
-    for (b, rows) in ground.rows.blocks.iter().enumerate() {
+    let fit = null.fit_beside(&hypothesis.terms, &columns);
+    let mut block_of = vec![0; null.rows.force.len()];
+    for (b, rows) in null.rows.blocks.iter().enumerate() {
         block_of[rows.clone()].fill(b);
     }
     let errors: Option<Vec<Option<f64>>> = fit.as_ref().map(|fit| {
-        let (by_block, by_kind) = (fit.errors(&block_of), fit.errors(&ground.rows.kinds));
-        let folds = ground.rows.weak.folds.len();
+        let (by_block, by_kind) = (fit.errors(&block_of), fit.errors(&null.rows.kinds));
+        let folds = null.rows.weak.folds.len();
         let held: Vec<Vec<f64>> = (0..folds).map(|s| fit.without_fold(s)).collect();
         let by_fold = |j: usize| jackknife(&held.iter().map(|c| c[j]).collect::<Vec<_>>());
         by_block
@@ -54,7 +54,7 @@ pub fn parameters(
     let at_shape = |shape: &[f64]| {
         let mut terms = hypothesis.terms.clone();
         terms[index] = Term::new(term.subject, shape);
-        Some(ground.fit(&terms)?.coefficients(index)[0])
+        Some(null.fit(&terms)?.coefficients(index)[0])
     };
     let errors = place.map(error).collect::<Vec<_>>();
     let values = |coefficients: &[f64]| {
@@ -63,13 +63,13 @@ pub fn parameters(
             coefficients,
             shape_errors: &shape_errors,
             errors: &errors,
-            folds: ground.rows.weak.folds.len(),
+            folds: null.rows.weak.folds.len(),
             at_shape: &at_shape,
-            scene: ground.scene(),
+            scene: null.scene(),
         })
     };
     let mut own = values(hypothesis.coefficients(index));
-    if let Some(alike) = ground.fit_unweighted(&hypothesis.terms) {
+    if let Some(alike) = null.fit_unweighted(&hypothesis.terms) {
         hold(&mut own, values(alike.coefficients(index)));
     }
     for (_, estimate) in &mut own {

@@ -1,7 +1,7 @@
 //! What of a line or a narrow place chance takes as well: waves of the state that the machine does not have. Ripples at other periods are no such
 //! measure: harmonics of the motion stand out as well as a true line does; nor are its own columns at other times, which tell no more than these.
 
-use super::ground::{Ground, Hypothesis};
+use super::null_model::{Hypothesis, NullModel};
 use super::term::Term;
 use crate::statistics::quantile_between_ranks;
 use rayon::prelude::*;
@@ -18,13 +18,13 @@ const TOLD: f64 = 4.0;
 
 /// How a term that is a line or a narrow place stands out of chance, on top of the others: the logarithm of what it takes, a column, over what waves
 /// of position, velocity and displacement since reversal do; `None` where nothing of it is new.
-pub fn over_state(ground: &Ground, rest: &Hypothesis, term: &Term) -> Option<f64> {
+pub fn over_state(null: &NullModel, rest: &Hypothesis, term: &Term) -> Option<f64> {
     let taken = |columns: &[Vec<f64>]| rest.normal.reduction(columns).map_or(0.0, |r| r.0);
-    let own = ground.columns(term);
+    let own = null.columns(term);
     if own.is_empty() {
         return None;
     }
-    let waves: Vec<f64> = state_waves(ground)
+    let waves: Vec<f64> = state_waves(null)
         .into_par_iter()
         .map(|wave| taken(&[wave]))
         .collect();
@@ -41,9 +41,9 @@ fn spread(k: usize, dimension: i32) -> f64 {
 }
 
 /// Waves over a third each of position, of velocity and displacement since reversal, and of all three, every second one of the friction level.
-fn state_waves(ground: &Ground) -> Vec<Vec<f64>> {
-    let (s, weak) = (&ground.rows.s, &ground.rows.weak);
-    let friction = weak.at_centres(&ground.baseline.friction);
+fn state_waves(null: &NullModel) -> Vec<Vec<f64>> {
+    let (s, weak) = (&null.rows.s, &null.rows.weak);
+    let friction = weak.at_centres(&null.baseline.friction);
     let state: Vec<Vec<f64>> = [&s.x, &s.v, &s.since_reversal]
         .map(|c| unit(weak.at_centres(c)))
         .to_vec();

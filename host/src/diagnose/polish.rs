@@ -2,7 +2,7 @@
 //! valley between two.
 
 use super::effect::Scale;
-use super::ground::{Ground, Hypothesis};
+use super::null_model::{Hypothesis, NullModel};
 use super::term::Term;
 
 /// Most steps.
@@ -25,7 +25,7 @@ pub struct Slope {
 }
 
 /// Slopes of all terms behind the first `given` by their shape parameters, but for those chosen from a grid.
-pub fn slopes(ground: &Ground, hypothesis: &Hypothesis, given: usize) -> Vec<Slope> {
+pub fn slopes(null: &NullModel, hypothesis: &Hypothesis, given: usize) -> Vec<Slope> {
     let mut list = Vec::new();
     for (index, term) in hypothesis.terms.iter().enumerate().skip(given) {
         let Some(effect) = term.effect() else {
@@ -33,16 +33,16 @@ pub fn slopes(ground: &Ground, hypothesis: &Hypothesis, given: usize) -> Vec<Slo
         };
         // A measured temperature needs no time constant: fewer shape parameters than keys.
         for (k, ((_, scale), value)) in effect.shape().iter().zip(&term.shape).enumerate() {
-            let Some(step) = straight(ground, *scale, *value) else {
+            let Some(step) = straight(null, *scale, *value) else {
                 continue;
             };
             let moved = |by: f64| {
                 let mut moved = Term::new(term.subject, &term.shape);
                 moved.shape[k] += by;
-                ground.columns_once(&moved)
+                null.columns_once(&moved)
             };
             let (up, down) = (moved(step), moved(-step));
-            let mut force = vec![0.0; ground.rows.force.len()];
+            let mut force = vec![0.0; null.rows.force.len()];
             let columns = up.iter().zip(&down).zip(hypothesis.coefficients(index));
             for ((up, down), c) in columns {
                 for (f, (u, d)) in force.iter_mut().zip(up.iter().zip(down)) {
@@ -60,8 +60,8 @@ pub fn slopes(ground: &Ground, hypothesis: &Hypothesis, given: usize) -> Vec<Slo
 }
 
 /// A change of a shape parameter over which its columns are straight.
-fn straight(ground: &Ground, scale: Scale, value: f64) -> Option<f64> {
-    let s = &ground.rows.s;
+fn straight(null: &NullModel, scale: Scale, value: f64) -> Option<f64> {
+    let s = &null.rows.s;
     match scale {
         Scale::Chosen => None,
         Scale::Period => Some(0.01 * value * value / s.travel()),
@@ -72,15 +72,15 @@ fn straight(ground: &Ground, scale: Scale, value: f64) -> Option<f64> {
 }
 
 /// The hypothesis with its shapes polished, where that predicts better.
-pub fn polished(ground: &Ground, mut hypothesis: Hypothesis, given: usize) -> Hypothesis {
+pub fn polished(null: &NullModel, mut hypothesis: Hypothesis, given: usize) -> Hypothesis {
     let mut length = 1.0;
     for _ in 0..STEPS {
-        let slopes = slopes(ground, &hypothesis, given);
+        let slopes = slopes(null, &hypothesis, given);
         let columns: Vec<Vec<f64>> = slopes.iter().map(|s| s.force.clone()).collect();
         if columns.is_empty() {
             break;
         }
-        let Some(fit) = ground.fit_beside(&hypothesis.terms, &columns) else {
+        let Some(fit) = null.fit_beside(&hypothesis.terms, &columns) else {
             break;
         };
         let first = fit.coefficients.len() - columns.len();
@@ -92,7 +92,7 @@ pub fn polished(ground: &Ground, mut hypothesis: Hypothesis, given: usize) -> Hy
             };
             let (k, scale) = (slope.parameter, effect.shape()[slope.parameter].1);
             let value = term.shape[k];
-            let Some(small) = straight(ground, scale, value) else {
+            let Some(small) = straight(null, scale, value) else {
                 continue;
             };
             let step = length * step.clamp(-REACH * small, REACH * small);
@@ -100,13 +100,13 @@ pub fn polished(ground: &Ground, mut hypothesis: Hypothesis, given: usize) -> Hy
                 Scale::Logarithmic => value * (step / value).exp(),
                 _ => value + step,
             };
-            term.shape[k] = effect.within(&ground.scene(), &term.shape, k);
+            term.shape[k] = effect.within(&null.scene(), &term.shape, k);
         }
-        let Some(next) = ground.fit(&terms) else {
+        let Some(next) = null.fit(&terms) else {
             break;
         };
         let gained = 1.0 - next.normal.loss() / hypothesis.normal.loss();
-        let admits = |h: &Hypothesis, i: usize| ground.admits(&h.terms[i], h.coefficients(i));
+        let admits = |h: &Hypothesis, i: usize| null.admits(&h.terms[i], h.coefficients(i));
         let sound = (given..terms.len()).all(|i| admits(&next, i) || !admits(&hypothesis, i));
         if gained > 0.0 && sound {
             hypothesis = next;

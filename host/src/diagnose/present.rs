@@ -1,8 +1,8 @@
 //! A diagnosis for machines, and its table.
 
+use super::candidate::Candidate;
 use super::given::Refitted;
 use super::named::Named;
-use super::offer::Offer;
 use super::place::Place;
 use super::second_position::SecondPosition;
 use super::unnamed::Unknown;
@@ -59,23 +59,23 @@ impl Diagnosis {
             "effects": self.effects.iter().enumerate().map(|(i, e)| self.effect_json(i, e, recording)).collect::<Vec<_>>(),
             "unknown": self.unknown().map(|u| self.unknown_json(u, recording)),
             "unnamed": self.unnamed.iter().map(|u| self.unknown_json(u, recording)).collect::<Vec<_>>(),
-            "organised_by": self.organised.iter().take(6).map(|o| self.offer_json(o)).collect::<Vec<_>>(),
-            "not_named": self.rest.iter().take(8).map(|o| self.offer_json(o)).collect::<Vec<_>>(),
-            "noise": { "friction_variability": self.ground.noise.variability(), "disturbance": self.ground.noise.disturbance() },
+            "organised_by": self.organised.iter().take(6).map(|o| self.candidate_json(o)).collect::<Vec<_>>(),
+            "not_named": self.rest.iter().take(8).map(|o| self.candidate_json(o)).collect::<Vec<_>>(),
+            "noise": { "friction_variability": self.null.noise.variability(), "disturbance": self.null.noise.disturbance() },
             "excitation": self.lacks.iter().map(|l| json!({"missing": l.missing, "hides": l.hides})).collect::<Vec<_>>(),
-            "blocks": self.ground.rows.blocks.len(),
+            "blocks": self.null.rows.blocks.len(),
             "correction": self.correction.as_ref().map(|c| c.to_json(recording)),
             "simulated_late_s": self.simulated_late,
             "reproduced_nmse": self.reproduced.as_ref().map(|r| r.nmse),
             "second_positions": self.second_positions.iter().map(|p| p.to_json(recording)).collect::<Vec<_>>(),
-            "left_out": self.ground.rows.s.left_out.iter().map(|(name, kind)| json!({"column": name, "why": kind.words()})).collect::<Vec<_>>(),
+            "left_out": self.null.rows.s.left_out.iter().map(|(name, kind)| json!({"column": name, "why": kind.words()})).collect::<Vec<_>>(),
             "seconds": seconds,
         })
     }
 
     fn place_json(&self, place: &Place, recording: &Recording) -> Value {
         json!({
-            "axis": place.axis.name(&self.ground.rows.s), "from": place.from, "to": place.to,
+            "axis": place.axis.name(&self.null.rows.s), "from": place.from, "to": place.to,
             "unit": place.axis.unit(recording.position_unit()), "share_of_mismatch": place.share,
         })
     }
@@ -92,7 +92,7 @@ impl Diagnosis {
             .map(|p| self.place_json(p, recording))
             .collect();
         let rivals: Vec<Value> = e
-            .standing
+            .report
             .iter()
             .flat_map(|s| &s.tried)
             .map(|(key, ratio)| json!({"id": key, "of_its_own": ratio}))
@@ -110,20 +110,20 @@ impl Diagnosis {
     fn unknown_json(&self, u: &Unknown, recording: &Recording) -> Value {
         let unit = u.axis.unit(recording.position_unit());
         json!({
-            "axis": u.axis.name(&self.ground.rows.s),
+            "axis": u.axis.name(&self.null.rows.s),
             "symmetry": if u.odd { "odd" } else { "even" },
             "rises_by": u.rises_by, "core": u.change.map(|c| c.name()), "like": u.like.map(|e| e.id()), "confidence": u.confidence,
             "from": u.place.map(|p| p.from), "to": u.place.map(|p| p.to), "share": u.place.map(|p| p.share),
             "unit": unit, "rms": u.rms, "share_of_mismatch": u.evidence.share, "standard_errors": u.evidence.z,
-            "segments": u.evidence.blocks.round(), "segments_of": self.ground.rows.blocks.len(),
+            "segments": u.evidence.blocks.round(), "segments_of": self.null.rows.blocks.len(),
             "wanders": u.wanders, "features": u.features, "stretches_s": u.happened.as_ref().map_or(&[][..], |h| &h.times),
         })
     }
 
-    fn offer_json(&self, offer: &Offer) -> Value {
+    fn candidate_json(&self, candidate: &Candidate) -> Value {
         json!({
-            "id": offer.term.subject.name(&self.ground.rows.s), "share_of_mismatch": offer.evidence.share,
-            "standard_errors": offer.evidence.z, "chance": offer.chance(self.families),
+            "id": candidate.term.subject.name(&self.null.rows.s), "share_of_mismatch": candidate.evidence.share,
+            "standard_errors": candidate.evidence.z, "chance": candidate.chance(self.families),
         })
     }
 

@@ -2,7 +2,7 @@
 //! simulation would have needed for the recorded motion comes from what its own motion shows of it.
 
 use super::effect::{ALWAYS_FREE, Baseline, Scene};
-use super::ground::{Ground, Hypothesis};
+use super::null_model::{Hypothesis, NullModel};
 use super::rows::Rows;
 use super::term::{Subject, Term};
 use super::weak::Column;
@@ -17,7 +17,7 @@ const MISSED: f64 = 0.5;
 /// What stands for a simulation.
 pub struct Reproduced {
     /// The simulation as if it were a machine: its rows and friction, and the inertia and effects that its own motion and effort show.
-    ground: Ground,
+    null: NullModel,
     state: Hypothesis,
     named: Vec<&'static str>,
     /// What they leave of the simulation's own effort (%) on stretches held out.
@@ -32,12 +32,12 @@ impl Reproduced {
     pub fn of(own: &Recording, progress: &Progress) -> Result<Self, Refusal> {
         let found = judge(own, None, None, None, progress)?;
         let named = found.confident().map(|e| e.id()).collect();
-        let (ground, [_, state]) = (found.ground, found.states);
-        let rows = &ground.rows;
+        let (null, [_, state]) = (found.null, found.states);
+        let rows = &null.rows;
         let mut left = state.held_out_residual(rows);
         // A solver of fixed steps delays its motion by a part of a step, which is no force.
         let delay = Term::new(Subject::Effect(ALWAYS_FREE), &[]);
-        for column in ground.columns(&delay).iter() {
+        for column in null.columns(&delay).iter() {
             let square: f64 = column.iter().map(|c| c * c).sum();
             let product: f64 = column.iter().zip(&left).map(|(c, l)| c * l).sum();
             let part = product / square.max(1e-300);
@@ -47,7 +47,7 @@ impl Reproduced {
         let nmse = rows.nmse(&left);
         Ok(Self {
             nmse,
-            ground,
+            null,
             state,
             named,
         })
@@ -58,14 +58,14 @@ impl Reproduced {
     /// # Errors
     /// [`Refusal`], where the recording has no motion to tell it.
     pub fn effort(&self, recording: &Recording) -> Result<Column, Refusal> {
-        let (ground, state) = (&self.ground, &self.state);
+        let (null, state) = (&self.null, &self.state);
         let rows = Rows::new(recording, &[]).map_err(Refusal::Data)?;
-        let core = ground.core.moved(&rows);
+        let core = null.core.moved(&rows);
         let coefficients = &state.normal.coefficients;
         let baseline = core.baseline(&rows, coefficients, &[], &Baseline::default());
         // An effect is of the simulation's friction level, however much of it this motion uses.
         let baseline = Baseline {
-            level: ground.baseline.level,
+            level: null.baseline.level,
             ..baseline
         };
         let scene = Scene {
@@ -91,7 +91,7 @@ impl Reproduced {
 
     /// What stands for the simulation, and how well: a sentence without its full stop.
     pub fn words(&self, recording: &Recording) -> String {
-        let core = match self.ground.core.follows_velocity() {
+        let core = match self.null.core.follows_velocity() {
             true => "hysteresis, friction that reverses smoothly with velocity",
             false => "hysteresis",
         };

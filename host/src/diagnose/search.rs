@@ -1,11 +1,11 @@
 //! Which terms a recording asks for: forward and backward, by what they explain of rows that their fit has not seen.
 
+use super::candidate::{Candidate, candidate_of, candidates, refined};
 use super::change::Change;
 use super::effect::{self, Class, Effect};
 use super::fit::Known;
-use super::ground::{Ground, Hypothesis};
 use super::merge::merged;
-use super::offer::{Offer, offer_of, offers, refined};
+use super::null_model::{Hypothesis, NullModel};
 use super::polish::polished;
 use super::term::{Subject, Term};
 use crate::progress::Progress;
@@ -43,11 +43,11 @@ const LARGE: f64 = 0.1;
 /// What the search ends in.
 pub struct Found {
     /// Rows, friction and noise beside all terms.
-    pub ground: Ground,
+    pub null: NullModel,
     /// The hypothesis.
     pub hypothesis: Hypothesis,
     /// What would come next, best first.
-    pub rest: Vec<Offer>,
+    pub rest: Vec<Candidate>,
     /// Number of candidates, among which chance picks.
     pub families: usize,
     /// What the fit has.
@@ -56,7 +56,7 @@ pub struct Found {
 
 /// Searches on top of the given terms, and of a delay, which every recording may have; of `known` physics what these rows show stays, too.
 pub fn search(
-    mut ground: Ground,
+    mut null: NullModel,
     given: &[Term],
     known: &Known,
     periods: &[f64],
@@ -68,52 +68,52 @@ pub fn search(
     } else {
         [given, &[delay]].concat()
     };
-    let begun = ground.fit(&[first.as_slice(), &known.terms].concat())?;
+    let begun = null.fit(&[first.as_slice(), &known.terms].concat())?;
     // What they do not show yet may come back beside what they lack.
-    let mut hypothesis = sifted(&ground, begun, first.len(), &mut Vec::new())?;
-    let visible = SEEN.min(MATERIAL * hypothesis.nmse(&ground.rows).test);
+    let mut hypothesis = sifted(&null, begun, first.len(), &mut Vec::new())?;
+    let visible = SEEN.min(MATERIAL * hypothesis.nmse(&null.rows).test);
     let mut barred: Vec<Term> = Vec::new();
     loop {
-        let (mut list, families) = offers(&ground, &hypothesis, periods);
+        let (mut list, families) = candidates(&null, &hypothesis, periods);
         progress.inc(1);
-        lead(&ground, &hypothesis, &mut list);
-        let left = hypothesis.nmse(&ground.rows).test;
+        lead(&null, &hypothesis, &mut list);
+        let left = hypothesis.nmse(&null.rows).test;
         list.retain(|o| {
             let out = barred.iter().any(|b| b.is_near(&o.term));
-            !(out || is_harmless(&ground, o) || o.keeps_step(&ground))
+            !(out || is_harmless(&null, o) || o.keeps_step(&null))
         });
         let full = hypothesis.terms.len() >= first.len() + MOST;
         let least = MATERIAL.max(visible / left);
-        let Some(next) = pick(&ground, &list, families, least)
+        let Some(next) = pick(&null, &list, families, least)
             .filter(|_| !full)
             .cloned()
         else {
-            if let Some((one, two)) = merged(&ground, &hypothesis, first.len(), periods) {
+            if let Some((one, two)) = merged(&null, &hypothesis, first.len(), periods) {
                 barred.extend(two);
-                hypothesis = sifted(&ground, one, first.len(), &mut barred)?;
+                hypothesis = sifted(&null, one, first.len(), &mut barred)?;
                 continue;
             }
             // Polished, a term may have lost its sign to another's shape.
-            let polished = polished(&ground, hypothesis, first.len());
+            let polished = polished(&null, hypothesis, first.len());
             return Some(Found {
-                hypothesis: sifted(&ground, polished, first.len(), &mut barred)?,
-                ground,
+                hypothesis: sifted(&null, polished, first.len(), &mut barred)?,
+                null,
                 rest: list,
                 families,
                 known: known.clone(),
             });
         };
-        let terms = with(&ground, &hypothesis, &next.term)?;
+        let terms = with(&null, &hypothesis, &next.term)?;
         if next.evidence.share > LARGE {
-            ground = ground.referred_to(&terms)?;
+            null = null.referred_to(&terms)?;
         }
-        hypothesis = ground.fit(&terms)?;
-        hypothesis = sifted(&ground, hypothesis, first.len(), &mut barred)?;
+        hypothesis = null.fit(&terms)?;
+        hypothesis = sifted(&null, hypothesis, first.len(), &mut barred)?;
     }
 }
 
 /// The terms and one more, in place of those found before that it contains: its shapes were refined beside them, and are without.
-pub fn with(ground: &Ground, hypothesis: &Hypothesis, next: &Term) -> Option<Vec<Term>> {
+pub fn with(null: &NullModel, hypothesis: &Hypothesis, next: &Term) -> Option<Vec<Term>> {
     let contains = next.effect().map_or(&[][..], |e| e.excludes(&next.shape));
     let stays = |t: &&Term| {
         let contained = |e: &dyn Effect| contains.iter().any(|c| c.id() == e.id());
@@ -121,7 +121,7 @@ pub fn with(ground: &Ground, hypothesis: &Hypothesis, next: &Term) -> Option<Vec
     };
     let mut terms: Vec<Term> = hypothesis.terms.iter().filter(stays).cloned().collect();
     let next = if terms.len() < hypothesis.terms.len() {
-        refined(ground, &ground.fit(&terms)?, next)
+        refined(null, &null.fit(&terms)?, next)
     } else {
         next.clone()
     };
@@ -131,55 +131,60 @@ pub fn with(ground: &Ground, hypothesis: &Hypothesis, next: &Term) -> Option<Vec
 
 /// Without the terms that the later ones make needless; they do not come back, so that the search ends.
 fn sifted(
-    ground: &Ground,
+    null: &NullModel,
     mut hypothesis: Hypothesis,
     given: usize,
     barred: &mut Vec<Term>,
 ) -> Option<Hypothesis> {
-    while let Some(index) = needless(ground, &hypothesis, given) {
+    while let Some(index) = needless(null, &hypothesis, given) {
         let mut terms = hypothesis.terms.clone();
         barred.push(terms.remove(index));
-        hypothesis = ground.fit(&terms)?;
+        hypothesis = null.fit(&terms)?;
     }
     Some(hypothesis)
 }
 
-/// Whether an offer is no larger than what every recording has.
-fn is_harmless(ground: &Ground, offer: &Offer) -> bool {
-    let effect = offer.term.effect();
-    effect.is_some_and(|e| e.is_harmless(&ground.scene(), &offer.trial.coefficients))
+/// Whether a candidate is no larger than what every recording has.
+fn is_harmless(null: &NullModel, candidate: &Candidate) -> bool {
+    let effect = candidate.term.effect();
+    effect.is_some_and(|e| e.is_harmless(&null.scene(), &candidate.trial.coefficients))
 }
 
 /// Refines the shapes of those that explain most: the grids of two effects are not equally fine.
-fn lead(ground: &Ground, hypothesis: &Hypothesis, list: &mut [Offer]) {
-    for offer in list
+fn lead(null: &NullModel, hypothesis: &Hypothesis, list: &mut [Candidate]) {
+    for candidate in list
         .iter_mut()
         .filter(|o| !o.term.shape.is_empty())
         .take(LEADERS)
     {
-        let term = refined(ground, hypothesis, &offer.term);
-        if let Some(better) = offer_of(ground, hypothesis, &[term], offer.tries)
-            && better.evidence.share > offer.evidence.share
+        let term = refined(null, hypothesis, &candidate.term);
+        if let Some(better) = candidate_of(null, hypothesis, &[term], candidate.tries)
+            && better.evidence.share > candidate.evidence.share
         {
-            *offer = better;
+            *candidate = better;
         }
     }
     list.sort_by(|a, b| b.evidence.share.total_cmp(&a.evidence.share));
 }
 
 /// The candidate that enters, of those that take at least a share `least` of the mismatch.
-fn pick<'a>(ground: &Ground, list: &'a [Offer], families: usize, least: f64) -> Option<&'a Offer> {
-    let fit: Vec<&Offer> = list
+fn pick<'a>(
+    null: &NullModel,
+    list: &'a [Candidate],
+    families: usize,
+    least: f64,
+) -> Option<&'a Candidate> {
+    let fit: Vec<&Candidate> = list
         .iter()
         .filter(|o| o.evidence.share >= least && o.relative >= WORTH && o.chance(families) < ALPHA)
         .collect();
     let best = *fit.first()?;
     // What the recording cannot tell has no better right than what has no name.
-    let can = |o: &Offer| {
+    let can = |o: &Candidate| {
         let effect = o.term.effect();
-        effect.is_some_and(|e| e.lacks(&ground.rows.s).is_none())
+        effect.is_some_and(|e| e.lacks(&null.rows.s).is_none())
     };
-    let matching = |o: &Offer| match (best.term.subject, o.term.effect()) {
+    let matching = |o: &Candidate| match (best.term.subject, o.term.effect()) {
         (Subject::Effect(_), _) if !can(best) => MATCH,
         (Subject::Curve(curve), Some(effect)) if effect.axis() == curve.axis => OWN,
         // Friction wanders in time and along the path: a free curve over either takes that as well as the drift.
@@ -193,43 +198,43 @@ fn pick<'a>(ground: &Ground, list: &'a [Offer], families: usize, least: f64) -> 
         (Subject::Change(_), _) => OWN,
         _ => 0.0,
     };
-    let good = |o: &&&Offer| o.evidence.share >= matching(o) * best.evidence.share;
+    let good = |o: &&&Candidate| o.evidence.share >= matching(o) * best.evidence.share;
     // Hysteresis of long displacements is plain, too.
     let ahead = match best.term.subject {
         Subject::Change(Change::LateYields) => MATCH,
         _ => PLAIN,
     };
-    let plain = |o: &&&Offer| {
+    let plain = |o: &&&Candidate| {
         o.term.effect().is_some_and(|e| e.class() == Class::Plain)
             && o.evidence.share >= ahead * best.evidence.share
     };
     let first = fit.iter().find(|o| can(o) && plain(o));
     first
         .or_else(|| fit.iter().find(|o| can(o) && good(o)))
-        .map(|o| simplest(ground, o, &fit))
+        .map(|o| simplest(null, o, &fit))
         .or(Some(best))
 }
 
 /// What a candidate is simple by: fewest parameters, then the catalogue's order.
-pub fn simplicity(offer: &Offer) -> (usize, usize) {
-    let parameters = offer.term.shape.len() + offer.trial.coefficients.len();
+pub fn simplicity(candidate: &Candidate) -> (usize, usize) {
+    let parameters = candidate.term.shape.len() + candidate.trial.coefficients.len();
     (
         parameters,
-        offer.term.effect().map_or(usize::MAX, effect::rank),
+        candidate.term.effect().map_or(usize::MAX, effect::rank),
     )
 }
 
 /// The simplest effect that explains nearly as much as `leader`. Plain physics is all as simple: there the order
 /// decides between equivalents only, and a drag that explains more is no viscous friction.
-fn simplest<'a>(ground: &Ground, leader: &'a Offer, fit: &[&'a Offer]) -> &'a Offer {
+fn simplest<'a>(null: &NullModel, leader: &'a Candidate, fit: &[&'a Candidate]) -> &'a Candidate {
     let plain = leader.term.effect().filter(|e| e.class() == Class::Plain);
     let rival = |effect: &dyn Effect| {
         plain.is_none_or(|leader| {
-            let equivalents = leader.equivalents(&ground.rows.s);
+            let equivalents = leader.equivalents(&null.rows.s);
             effect.id() == leader.id() || equivalents.iter().any(|e| e.id() == effect.id())
         })
     };
-    let near = |o: &&Offer| {
+    let near = |o: &&Candidate| {
         o.term.effect().is_some_and(rival) && o.evidence.share >= TIE * leader.evidence.share
     };
     fit.iter()
@@ -240,11 +245,11 @@ fn simplest<'a>(ground: &Ground, leader: &'a Offer, fit: &[&'a Offer]) -> &'a Of
 }
 
 /// The first term that explains too little beside the others, or has a sign that its physics has not.
-fn needless(ground: &Ground, hypothesis: &Hypothesis, given: usize) -> Option<usize> {
+fn needless(null: &NullModel, hypothesis: &Hypothesis, given: usize) -> Option<usize> {
     (given..hypothesis.terms.len()).find(|&i| {
-        let kept = ground
+        let kept = null
             .fit(&beside(&hypothesis.terms, i))
-            .and_then(|without| offer_of(ground, &without, &hypothesis.terms[i..=i], 1.0))
+            .and_then(|without| candidate_of(null, &without, &hypothesis.terms[i..=i], 1.0))
             .is_some_and(|o| o.evidence.share >= KEEP * MATERIAL && o.evidence.z >= SURE);
         !kept
     })

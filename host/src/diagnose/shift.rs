@@ -1,8 +1,8 @@
 //! What a delay between effort and position, which was taken off as a shift, is worth.
 
 use super::effect::{constant_force::ConstantForce, viscous::Viscous};
-use super::ground::Ground;
 use super::normal::{Bound, Normal};
+use super::null_model::NullModel;
 use super::term::{Subject, Term};
 use super::weak::Column;
 use crate::evidence::{Evidence, evidence};
@@ -20,7 +20,7 @@ pub struct Shift {
 impl Shift {
     /// Of the grounds of a recording as it was made and on time, each with a hysteresis of its own. `None` where the motion does not determine
     /// inertia and friction.
-    pub fn of(late: &Ground, on_time: &Ground) -> Option<Self> {
+    pub fn of(late: &NullModel, on_time: &NullModel) -> Option<Self> {
         let [without, with] = [late, on_time].map(left);
         let (without, with) = (without?, with?);
         let force: Vec<f64> = without.iter().zip(&with).map(|(a, b)| a - b).collect();
@@ -32,13 +32,13 @@ impl Shift {
     }
 }
 
-/// What plain physics leaves of a ground's effort on folds held out (N or N·m).
-fn left(ground: &Ground) -> Option<Vec<f64>> {
-    let rows = &ground.rows;
-    let (columns, bounds) = columns(ground);
+/// What plain physics leaves of the effort on folds held out (N or N·m).
+fn left(null: &NullModel) -> Option<Vec<f64>> {
+    let rows = &null.rows;
+    let (columns, bounds) = columns(null);
     let all: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
     let fit = Normal::new(
-        &ground.unweighted(),
+        &null.unweighted(),
         &rows.weak.folds,
         &all,
         &bounds,
@@ -48,16 +48,16 @@ fn left(ground: &Ground) -> Option<Vec<f64>> {
 }
 
 /// Inertia and hysteresis, a constant, viscous friction, a spring and gravity, with how they are bound.
-fn columns(ground: &Ground) -> (Vec<Vec<f64>>, Vec<Bound>) {
-    let s = &ground.rows.s;
-    let mut columns = ground.core.rows.to_vec();
-    let mut bounds = ground.core.bounds();
+fn columns(null: &NullModel) -> (Vec<Vec<f64>>, Vec<Bound>) {
+    let s = &null.rows.s;
+    let mut columns = null.core.rows.to_vec();
+    let mut bounds = null.core.bounds();
     let plain = [Subject::Effect(&ConstantForce), Subject::Effect(&Viscous)];
     let mut beside: Vec<Vec<f64>> = plain
         .iter()
-        .flat_map(|subject| ground.columns(&Term::new(*subject, &[])).to_vec())
+        .flat_map(|subject| null.columns(&Term::new(*subject, &[])).to_vec())
         .collect();
-    let of = |column: Vec<f64>| ground.rows.weak.rows(&Column::of(column));
+    let of = |column: Vec<f64>| null.rows.weak.rows(&Column::of(column));
     beside.push(of(s.x.clone()));
     if s.rotary {
         beside.push(of(s.x.iter().map(|x| x.sin()).collect()));

@@ -2,8 +2,8 @@
 
 use super::axis::Axis;
 use super::effect::ALWAYS_FREE;
-use super::ground::{Ground, Hypothesis};
 use super::normal::{Bound, Normal};
+use super::null_model::{Hypothesis, NullModel};
 use super::search::ALPHA;
 use super::term::{Subject, Term};
 use crate::evidence::{Evidence, NAMED, chance, evidence};
@@ -89,40 +89,40 @@ impl Correction {
     }
 
     /// Whether the simulation has another law of it.
-    fn is_another_law(self, ground: &Ground) -> bool {
-        self == Self::Friction && ground.core.simulated_law().is_some()
+    fn is_another_law(self, null: &NullModel) -> bool {
+        self == Self::Friction && null.core.simulated_law().is_some()
     }
 
     /// Its columns among the core's.
-    fn columns(self, ground: &Ground) -> Range<usize> {
-        let first = ground.core.first_of_friction();
+    fn columns(self, null: &NullModel) -> Range<usize> {
+        let first = null.core.first_of_friction();
         match self {
             Self::Inertia => 0..first,
-            Self::Friction => first..ground.core.rows.len(),
+            Self::Friction => first..null.core.rows.len(),
         }
     }
 
     /// What the coefficients of the core add: inertia, or force in sliding.
-    fn value(self, ground: &Ground, core: &[f64]) -> f64 {
-        let own = &core[self.columns(ground)];
+    fn value(self, null: &NullModel, core: &[f64]) -> f64 {
+        let own = &core[self.columns(null)];
         match self {
             Self::Inertia => own[0],
             Self::Friction => {
-                let blocks = own.iter().zip(ground.core.reaches());
+                let blocks = own.iter().zip(null.core.reaches());
                 blocks.map(|(k, d)| k * d).sum()
             }
         }
     }
 
     /// Judges it beside all else; `None` where the effort does not contain it or the rest does not determine its coefficients.
-    fn judged(self, ground: &Ground, extended: &Hypothesis) -> Option<Corrected> {
-        let (rows, core) = (&ground.rows, &ground.core.rows);
-        let own = self.columns(ground);
+    fn judged(self, null: &NullModel, extended: &Hypothesis) -> Option<Corrected> {
+        let (rows, core) = (&null.rows, &null.core.rows);
+        let own = self.columns(null);
         let delay = Term::new(Subject::Effect(ALWAYS_FREE), &[]);
         // A sample of delay between the two columns is no error of the simulation's.
         let delay = Some(&delay).filter(|d| !extended.terms.iter().any(|t| t.is_like(d)));
         let terms = extended.terms.iter().chain(delay);
-        let others: Vec<_> = terms.map(|t| ground.columns(t)).collect();
+        let others: Vec<_> = terms.map(|t| null.columns(t)).collect();
         let mut rest: Vec<&[f64]> = (0..core.len())
             .filter(|j| !own.contains(j))
             .map(|j| core[j].as_slice())
@@ -130,7 +130,7 @@ impl Correction {
         rest.extend(others.iter().flat_map(|c| c.iter()).map(Vec::as_slice));
         let bounds = vec![Bound::Free; rest.len()];
         let folds = &rows.weak.folds;
-        let without = Normal::new(&ground.noise, folds, &rest, &bounds, &rows.target)?;
+        let without = Normal::new(&null.noise, folds, &rest, &bounds, &rows.target)?;
         let trial = without.trial(&[&core[own.clone()]], |_, _| true)?;
         let found = evidence(&trial.force, &without.held_out, &rows.blocks);
         let coefficients = &extended.normal.coefficients;
@@ -140,60 +140,60 @@ impl Correction {
         Some(Corrected {
             what: self,
             // One whose friction follows velocity has none along the path.
-            in_simulation: !self.is_another_law(ground) && has(ground, &rest, &core[own]) >= SOME,
+            in_simulation: !self.is_another_law(null) && has(null, &rest, &core[own]) >= SOME,
             evidence: found,
             nmse: [
                 rows.nmse(&without.held_out_residual(&rest, &rows.target)),
                 extended.nmse(rows).test,
             ],
             force,
-            parameter: self.parameter(ground, extended),
+            parameter: self.parameter(null, extended),
         })
     }
 
     /// Its value, with an interval from the scatter over folds left out in turn.
-    fn parameter(self, ground: &Ground, extended: &Hypothesis) -> (String, Estimate) {
+    fn parameter(self, null: &NullModel, extended: &Hypothesis) -> (String, Estimate) {
         let key = match self {
             Self::Inertia => "mass_kg",
             Self::Friction => "force_N",
         };
-        let folds = ground.rows.weak.folds.len();
+        let folds = null.rows.weak.folds.len();
         let left_out: Vec<f64> = (0..folds)
-            .map(|s| self.value(ground, &extended.normal.without_fold(s)))
+            .map(|s| self.value(null, &extended.normal.without_fold(s)))
             .collect();
-        let value = self.value(ground, &extended.normal.coefficients);
+        let value = self.value(null, &extended.normal.coefficients);
         let estimate = Estimate::new(value, Some(jackknife(&left_out)), folds);
         (key.to_owned(), estimate)
     }
 }
 
 /// Whether the simulation itself has a term of the hypothesis, of another size: then one of its own parameters is wrong.
-pub fn has_its_term(ground: &Ground, state: &Hypothesis, index: usize) -> bool {
+pub fn has_its_term(null: &NullModel, state: &Hypothesis, index: usize) -> bool {
     let least = match state.terms[index].admits(state.coefficients(index)) {
         true => SOME,
         false => ALL_OF_IT,
     };
-    let own = ground.columns(&state.terms[index]);
+    let own = null.columns(&state.terms[index]);
     let others = (0..state.terms.len()).filter(|i| *i != index);
-    let others: Vec<_> = others.map(|i| ground.columns(&state.terms[i])).collect();
-    let rest = ground
+    let others: Vec<_> = others.map(|i| null.columns(&state.terms[i])).collect();
+    let rest = null
         .core
         .rows
         .iter()
         .chain(others.iter().flat_map(|c| c.iter()));
     let rest: Vec<&[f64]> = rest.map(Vec::as_slice).collect();
-    has(ground, &rest, &own) >= least
+    has(null, &rest, &own) >= least
 }
 
 /// What the simulation's own effort, on the recorded motion, holds of some columns beside the `rest`, over what the mismatch holds of them; 0 where
 /// that may be chance.
-fn has(ground: &Ground, rest: &[&[f64]], own: &[Vec<f64>]) -> f64 {
-    let rows = &ground.rows;
+fn has(null: &NullModel, rest: &[&[f64]], own: &[Vec<f64>]) -> f64 {
+    let rows = &null.rows;
     let simulated = rows.force.iter().zip(&rows.target).map(|(f, t)| f - t);
     let simulated: Vec<f64> = simulated.collect();
     let bounds = vec![Bound::Free; rest.len()];
     let beside_the_rest =
-        |target: &[f64]| Normal::new(&ground.noise, &rows.weak.folds, rest, &bounds, target);
+        |target: &[f64]| Normal::new(&null.noise, &rows.weak.folds, rest, &bounds, target);
     let found = || {
         let [of_both, without] = [beside_the_rest(&rows.target)?, beside_the_rest(&simulated)?];
         let trial = without.trial(&[own], |_, _| true)?;
@@ -216,15 +216,15 @@ pub struct Few {
 
 /// The fewest blocks, and the simulation's own law, that tell the friction's difference about as well as all, with the inertia beside them;
 /// `target` is the mismatch at the rows without what else is stated.
-pub fn few_blocks(ground: &Ground, target: &[f64]) -> Option<Few> {
-    let core = &ground.core;
+pub fn few_blocks(null: &NullModel, target: &[f64]) -> Option<Few> {
+    let core = &null.core;
     let first = core.first_of_friction();
     let yields: Vec<f64> = core.reaches().collect();
-    let folds = &ground.rows.weak.folds;
+    let folds = &null.rows.weak.folds;
     let normal = |chosen: &[usize]| {
         let columns: Vec<&[f64]> = chosen.iter().map(|j| core.rows[*j].as_slice()).collect();
         Normal::new(
-            &ground.noise,
+            &null.noise,
             folds,
             &columns,
             &vec![Bound::Free; columns.len()],
@@ -285,16 +285,16 @@ fn is_sure(corrected: &Corrected, missed: f64) -> bool {
 }
 
 /// Whether the simulation's inertia is wrong by more than `share` of the mismatch: another load swings otherwise on the same spring.
-pub fn is_another_load(ground: &Ground, extended: &Hypothesis, share: f64) -> bool {
-    let mut sure = corrections(ground, extended).into_iter();
+pub fn is_another_load(null: &NullModel, extended: &Hypothesis, share: f64) -> bool {
+    let mut sure = corrections(null, extended).into_iter();
     sure.any(|c| c.what == Correction::Inertia && c.evidence.share > share)
 }
 
 /// What inertia and friction of the simulation lack or have too much of, where that is material.
-pub fn corrections(ground: &Ground, extended: &Hypothesis) -> Vec<Corrected> {
+pub fn corrections(null: &NullModel, extended: &Hypothesis) -> Vec<Corrected> {
     let judged = Correction::ALL
         .into_iter()
-        .filter(|c| !c.columns(ground).is_empty())
-        .filter_map(|c| c.judged(ground, extended));
-    judged.filter(|c| is_sure(c, ground.rows.missed)).collect()
+        .filter(|c| !c.columns(null).is_empty())
+        .filter_map(|c| c.judged(null, extended));
+    judged.filter(|c| is_sure(c, null.rows.missed)).collect()
 }

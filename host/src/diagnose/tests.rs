@@ -4,13 +4,13 @@ mod as_it_is;
 mod experiments;
 
 use super::axis::Axis;
+use super::candidate::{candidate_of, candidates, refined};
 use super::credible::sieved;
 use super::curve::Curve;
 use super::effect;
 use super::fit::Known;
 use super::merge::merged;
-use super::naming::standings;
-use super::offer::{offer_of, offers, refined};
+use super::naming::reports;
 use super::search::{Found, search, with};
 use super::term::Subject;
 use super::verdict::Verdict;
@@ -85,13 +85,13 @@ fn made_of(blocks: &[(f64, f64)], more: impl Fn(f64, f64, f64) -> f64) -> Record
     load_csv(text.as_bytes(), "made.csv", &LoadOptions::default()).expect("a recording")
 }
 
-fn ground(recording: &Recording) -> Ground {
-    Ground::new(Rows::new(recording, &[]).expect("rows"), &[], None).expect("a fit")
+fn null(recording: &Recording) -> NullModel {
+    NullModel::new(Rows::new(recording, &[]).expect("rows"), &[], None).expect("a fit")
 }
 
 fn found(recording: &Recording) -> Found {
     search(
-        ground(recording),
+        null(recording),
         &[],
         &Known::default(),
         &[],
@@ -128,7 +128,7 @@ fn blocks_have_equal_shares() {
 #[test]
 fn a_free_curve_leaves_friction_to_the_core() {
     let recording = made(|_, _, v| 4.0 * v * v.abs());
-    let alone = ground(&recording);
+    let alone = null(&recording);
     for (axis, odd) in [(Axis::Velocity, false), (Axis::Speed, true)] {
         let curve = Term::new(Subject::Curve(Curve { axis, odd }), &[]);
         let beside = alone.referred_to(&[curve]).expect("a fit");
@@ -148,7 +148,7 @@ fn curves_over_speed_beside_viscous_friction_leave_its_level_to_the_core() {
         curve(Axis::Velocity, false),
         curve(Axis::Speed, true),
     ];
-    let found = ground(&recording).referred_to(&beside).expect("a fit");
+    let found = null(&recording).referred_to(&beside).expect("a fit");
     let level = found.baseline.level / 3.0;
     assert!((level - 1.0).abs() < 0.03, "{level} of 3 N");
 }
@@ -164,7 +164,7 @@ fn friction_without_hysteresis_is_the_cores() {
     let drag = made(|_, _, v| 100.0 * v * v.abs());
     let stribeck = made(|_, _, v| 1.5 * v.signum() * (-(v / 5e-3).powi(2)).exp());
     for other in [drag, stribeck] {
-        assert!(!ground(&other).core.follows_velocity());
+        assert!(!null(&other).core.follows_velocity());
     }
 }
 
@@ -213,16 +213,16 @@ fn what_is_there_enters_first_and_with_its_value() {
 fn a_period_off_the_grid_is_refined() {
     let period = 0.0031;
     let recording = made(|_, x, _| 0.4 * (std::f64::consts::TAU * x / period).sin());
-    let ground = ground(&recording);
-    let plain = ground.fit(&[by_id("channel_delay")]).expect("a fit");
+    let null = null(&recording);
+    let plain = null.fit(&[by_id("channel_delay")]).expect("a fit");
     let coarse = Term::new(by_id("periodic_force").subject, &[1.01 * period]);
-    let sharp = refined(&ground, &plain, &coarse);
+    let sharp = refined(&null, &plain, &coarse);
     assert!(
         (sharp.shape[0] / period - 1.0).abs() < 1e-3,
         "{}",
         sharp.shape[0]
     );
-    let (list, families) = offers(&ground, &plain, &[]);
+    let (list, families) = candidates(&null, &plain, &[]);
     assert_eq!(
         list[0].term.effect().map(effect::Effect::id),
         Some("periodic_force")
@@ -236,16 +236,16 @@ fn a_period_off_the_grid_is_refined() {
 
 #[test]
 fn a_gap_takes_the_place_of_the_spring_that_it_contains_and_not_of_the_users_own() {
-    let ground = ground(&made(|_, _, _| 0.0));
+    let null = null(&made(|_, _, _| 0.0));
     let spring = Term::new(by_id("drive_compliance").subject, &[0.5]);
     let ids_beside = |gap: &[f64], given: bool| -> Vec<&str> {
         let spring = Term {
             given,
             ..spring.clone()
         };
-        let before = ground.fit(&[spring]).expect("a fit");
+        let before = null.fit(&[spring]).expect("a fit");
         let gap = Term::new(by_id("backlash").subject, gap);
-        let terms = with(&ground, &before, &gap).expect("a fit");
+        let terms = with(&null, &before, &gap).expect("a fit");
         let effects = terms.iter().filter_map(Term::effect);
         effects.map(|e| e.id()).collect()
     };
@@ -261,9 +261,9 @@ fn a_gap_takes_the_place_of_the_spring_that_it_contains_and_not_of_the_users_own
 fn the_effect_itself_is_no_rival_and_a_curve_that_holds_it_makes_it_needless() {
     let recording = made(|_, _, v| 8.0 * v);
     let found = found(&recording);
-    let standings = standings(&found, 1, &[]);
-    assert_eq!(standings.len(), 1);
-    let own = &standings[0];
+    let reports = reports(&found, 1, &[]);
+    assert_eq!(reports.len(), 1);
+    let own = &reports[0];
     assert!(own.ambiguous.is_empty(), "{}", own.ambiguous.len());
     assert!(own.gain > 0.5, "{} {:?}", own.gain, own.evidence);
 
@@ -288,7 +288,7 @@ fn the_effect_itself_is_no_rival_and_a_curve_that_holds_it_makes_it_needless() {
         odd: false,
     };
     let wide = found
-        .ground
+        .null
         // The hats of a curve hold a line but for its mean.
         .fit(&[
             by_id("channel_delay"),
@@ -296,7 +296,7 @@ fn the_effect_itself_is_no_rival_and_a_curve_that_holds_it_makes_it_needless() {
             Term::new(Subject::Curve(curve), &[]),
         ])
         .expect("a fit");
-    let beside = offer_of(&found.ground, &wide, &[by_id("viscous")], 1.0);
+    let beside = candidate_of(&found.null, &wide, &[by_id("viscous")], 1.0);
     assert!(beside.is_none_or(|o| o.evidence.share < 0.05));
 }
 
@@ -306,9 +306,9 @@ fn a_name_that_nobody_should_believe_does_not_stand_in_the_way() {
     let mut found = found(&recording);
     let mut terms = found.hypothesis.terms.clone();
     terms.push(Term::new(by_id("periodic_force").subject, &[0.0123]));
-    found.hypothesis = found.ground.fit(&terms).expect("a fit");
+    found.hypothesis = found.null.fit(&terms).expect("a fit");
     let (kept, gone) = sieved(&mut found, 1, &[]).expect("a fit");
-    let ids = |list: &[naming::Standing]| -> Vec<&str> {
+    let ids = |list: &[naming::TermReport]| -> Vec<&str> {
         let effects = list.iter().filter_map(|s| s.term.effect());
         effects.map(effect::Effect::id).collect()
     };
@@ -323,14 +323,11 @@ fn what_is_simpler_and_explains_as_much_takes_the_place_of_what_it_makes_needles
     let recording = made(|_, x, _| 0.4 * (std::f64::consts::TAU * x / period).sin());
     let mut found = found(&recording);
     let delay = by_id("channel_delay");
-    let alone = found
-        .ground
-        .fit(std::slice::from_ref(&delay))
-        .expect("a fit");
-    let (list, _) = offers(&found.ground, &alone, &[]);
-    let is_map = |o: &&offer::Offer| o.term.is_like(&by_id("position_force"));
-    let map = list.iter().find(is_map).expect("an offer");
-    found.hypothesis = found.ground.fit(&[delay, map.term.clone()]).expect("a fit");
+    let alone = found.null.fit(std::slice::from_ref(&delay)).expect("a fit");
+    let (list, _) = candidates(&found.null, &alone, &[]);
+    let is_map = |o: &&candidate::Candidate| o.term.is_like(&by_id("position_force"));
+    let map = list.iter().find(is_map).expect("a candidate");
+    found.hypothesis = found.null.fit(&[delay, map.term.clone()]).expect("a fit");
     sieved(&mut found, 1, &[]).expect("a fit");
     assert_eq!(names(&found), ["channel_delay", "periodic_force"]);
     let own = found.hypothesis.terms[1].shape[0];
@@ -341,15 +338,15 @@ fn what_is_simpler_and_explains_as_much_takes_the_place_of_what_it_makes_needles
 fn no_viscous_force_drives_the_axis_but_a_users_own_model_keeps_its_sign() {
     // Friction that falls with speed looks like it.
     let recording = made(|_, _, v| 1.5 * v.signum() * (-v.abs() / 0.03).exp());
-    let ground = ground(&recording);
+    let null = null(&recording);
     for term in [by_id("viscous"), by_id("quadratic_drag")] {
-        let bound = ground.fit(std::slice::from_ref(&term)).expect("a fit");
+        let bound = null.fit(std::slice::from_ref(&term)).expect("a fit");
         assert_eq!(bound.coefficients(0), [0.0]);
         let own = Term {
             given: true,
             ..term
         };
-        let free = ground.fit_as_given(&[own]).expect("a fit");
+        let free = null.fit_as_given(&[own]).expect("a fit");
         assert!(free.coefficients(0)[0] < -1.0, "{:?}", free.coefficients(0));
         assert!(free.normal.loss() < bound.normal.loss());
     }
@@ -413,10 +410,10 @@ fn what_happens_now_and_then_has_its_times_and_no_name() {
 #[test]
 fn what_recurs_with_the_motion_or_is_noise_is_no_event() {
     let found_in = |recording: &Recording| {
-        let ground = ground(recording);
-        let alone = ground.fit(&[]).expect("a fit");
-        let rows = &ground.rows;
-        let friction = rows.weak.at_centres(&ground.baseline.friction);
+        let null = null(recording);
+        let alone = null.fit(&[]).expect("a fit");
+        let rows = &null.rows;
+        let friction = rows.weak.at_centres(&null.baseline.friction);
         event::event(rows, &friction, &alone.held_out_residual(rows)).map(|e| (e.share, e.z))
     };
     assert_eq!(found_in(&made(|_, _, _| 0.0)), None);
@@ -474,10 +471,10 @@ fn a_hysteresis_that_is_too_soft_is_a_parameter_and_one_that_is_too_stiff_may_be
     assert_eq!(told(4.0), (Verdict::Consistent, None, Some(0.25)));
 
     // Nothing beside it: late blocks would stand in for what it lacks.
-    let ground = ground(&recording);
-    let alone = ground.fit(&[]).expect("a fit");
+    let null = null(&recording);
+    let alone = null.fit(&[]).expect("a fit");
     let shape = |factor: f64| {
-        let shape = hysteresis::Shape::of(&ground, &alone, &friction(factor)).expect("a shape");
+        let shape = hysteresis::Shape::of(&null, &alone, &friction(factor)).expect("a shape");
         println!("{factor}: {:?} % {:?}", shape.nmse, shape.shorter);
         (shape.is_wrong(), shape.displacement_factor())
     };
@@ -574,9 +571,9 @@ fn a_ripple_takes_the_place_of_two_spots_and_nothing_that_of_two_true_ones() {
     };
     let one_for_two = |level: &dyn Fn(f64) -> f64, places: [f64; 2]| {
         let recording = made(|_, x, v| 3.0 * level(x) * v.signum());
-        let ground = ground(&recording);
-        let two = ground.fit(&places.map(spot)).expect("a fit");
-        let (one, _) = merged(&ground, &two, 0, &[])?;
+        let null = null(&recording);
+        let two = null.fit(&places.map(spot)).expect("a fit");
+        let (one, _) = merged(&null, &two, 0, &[])?;
         one.terms.last().cloned()
     };
     let ripple = |x: f64| 0.2 * (std::f64::consts::TAU * x / 0.036).cos();

@@ -5,7 +5,7 @@ use super::change::Change;
 use super::confidence::{features_of_presence, presence};
 use super::effect::{self, ALWAYS_FREE, Effect};
 use super::event::{self, event};
-use super::naming::Standing;
+use super::naming::TermReport;
 use super::noise::rms;
 use super::place::Place;
 use super::search::Found;
@@ -100,17 +100,17 @@ pub fn unnamed(
     found: &Found,
     event: Option<Unknown>,
     drift: Option<Unknown>,
-    standings: &[Standing],
+    reports: &[TermReport],
     is_doubtful: impl Fn(&dyn Effect) -> bool,
 ) -> Vec<Unknown> {
-    let is_unnamed = |s: &&Standing| match s.term.subject {
+    let is_unnamed = |s: &&TermReport| match s.term.subject {
         // A delay is none of the machine's physics, and a doubtful one mostly the loop's answer to friction that wanders.
         Subject::Effect(effect) => effect.id() != ALWAYS_FREE.id() && is_doubtful(effect),
         Subject::Change(change) => !change.is_plain(),
         Subject::Curve(_) => true,
     };
     let usual = rms(&friction(found));
-    let material = standings
+    let material = reports
         .iter()
         .filter(is_unnamed)
         .filter(|s| s.size() >= UNNAMED && s.size() * s.left >= NOTICEABLE)
@@ -127,7 +127,7 @@ pub fn unnamed(
 
 /// What happened at some time and not otherwise.
 pub fn happened(found: &Found) -> Option<Unknown> {
-    let rows = &found.ground.rows;
+    let rows = &found.null.rows;
     let friction = friction(found);
     let mismatch = found.hypothesis.held_out_residual(rows);
     let event = event(rows, &friction, &mismatch)?;
@@ -178,8 +178,8 @@ pub fn happened(found: &Found) -> Option<Unknown> {
 
 /// Friction without effects at the rows (N or N·m).
 fn friction(found: &Found) -> Vec<f64> {
-    let ground = &found.ground;
-    ground.rows.weak.at_centres(&ground.baseline.friction)
+    let null = &found.null;
+    null.rows.weak.at_centres(&null.baseline.friction)
 }
 
 /// The one effect of the catalogue that acts over a coordinate, where there is but one.
@@ -190,18 +190,18 @@ fn alone_over(axis: Axis) -> Option<&'static dyn Effect> {
 }
 
 /// `usual` is the root mean square of the friction.
-fn unknown(found: &Found, standing: &Standing, usual: f64) -> Unknown {
-    let rows = &found.ground.rows;
-    let force = found.hypothesis.force_of(standing.index);
+fn unknown(found: &Found, report: &TermReport, usual: f64) -> Unknown {
+    let rows = &found.null.rows;
+    let force = found.hypothesis.force_of(report.index);
     let level = mean(&force);
-    let (axis, odd, change) = match standing.term.subject {
+    let (axis, odd, change) = match report.term.subject {
         Subject::Curve(curve) => (curve.axis, curve.odd, None),
         Subject::Change(change) => (change.axis(), true, Some(change)),
         Subject::Effect(effect) => {
             let direction = rows.weak.at_centres(&rows.s.direction);
             let along: Vec<f64> = force.iter().zip(&direction).map(|(f, d)| f * d).collect();
-            let axis = standing.form.map_or(effect.axis(), |f| f.0);
-            let flips = standing.term.is_level(&found.ground.scene());
+            let axis = report.form.map_or(effect.axis(), |f| f.0);
+            let flips = report.term.is_level(&found.null.scene());
             (axis, flips || mean(&along).abs() > level.abs(), None)
         }
     };
@@ -214,15 +214,15 @@ fn unknown(found: &Found, standing: &Standing, usual: f64) -> Unknown {
         axis,
         odd,
         change,
-        like: (standing.term.effect()).or_else(|| alone_over(axis).filter(|_| odd)),
-        confidence: presence(standing),
-        evidence: standing.evidence,
-        size: standing.size(),
-        features: Some(features_of_presence(standing)),
+        like: (report.term.effect()).or_else(|| alone_over(axis).filter(|_| odd)),
+        confidence: presence(report),
+        evidence: report.evidence,
+        size: report.size(),
+        features: Some(features_of_presence(report)),
         happened: None,
         rises_by: None,
         place: Place::of(rows, axis, &varying),
-        rms: rows.rms_of(standing.size() * standing.left),
+        rms: rows.rms_of(report.size() * report.left),
         wanders: odd
             && matches!(axis, Axis::Time | Axis::Path | Axis::Position)
             && own <= WANDERS * usual,

@@ -2,6 +2,7 @@
 
 use super::axis::Axis;
 use super::budget::{self, Finding, Item};
+use super::candidate::{Candidate, candidates};
 use super::channel;
 use super::confidence::{self, confidence};
 use super::correction::Correction;
@@ -10,13 +11,12 @@ use super::drift::drift;
 use super::effect::{self, Class, Effect};
 use super::fit::Fit;
 use super::given::Given;
-use super::ground::{Ground, Hypothesis, Nmse};
 use super::hysteresis::{self, Shape};
 use super::lack::{Lack, lacks};
 use super::measured::measured;
 use super::named::{CERTAIN, EVEN, Name, Named};
-use super::naming::Standing;
-use super::offer::{Offer, offers};
+use super::naming::TermReport;
+use super::null_model::{Hypothesis, Nmse, NullModel};
 use super::place::Place;
 use super::repeats::unrepeated;
 use super::reproduced::Reproduced;
@@ -111,15 +111,15 @@ pub struct Diagnosis {
     /// What the recording lacks.
     pub lacks: Vec<Lack>,
     /// How the baseline's mismatch is organised: free curves, best first.
-    pub organised: Vec<Offer>,
+    pub organised: Vec<Candidate>,
     /// Candidates that did not enter, best first.
-    pub rest: Vec<Offer>,
+    pub rest: Vec<Candidate>,
     /// Number of candidates.
     pub families: usize,
     /// Terms that the user's model already has.
     pub given: usize,
     /// Rows, friction and noise.
-    pub ground: Ground,
+    pub null: NullModel,
     /// The hypothesis without and with the confident effects.
     pub states: [Hypothesis; 2],
     /// What the user's simulation lacks, where something is stated.
@@ -162,55 +162,55 @@ pub fn conclude(
     [user, of_fit]: [Option<&Model>; 2],
 ) -> Option<Diagnosis> {
     let periods: Vec<f64> = mechanics.iter().map(|m| m.1).collect();
-    let (standings, gone) = sieved(&mut found, given, &periods)?;
-    let mut effects: Vec<Named> = standings
+    let (reports, gone) = sieved(&mut found, given, &periods)?;
+    let mut effects: Vec<Named> = reports
         .iter()
         .chain(&gone)
         .filter_map(|s| named(&found, s, mechanics))
         .collect();
     let kept: Vec<Term> = found.hypothesis.terms[..given].to_vec();
-    let (mut ground, mut extended) = measured(&found, &kept, &mut effects)?;
-    if of_the_simulation(&ground, &extended, &mut effects) {
-        (ground, extended) = measured(&found, &kept, &mut effects)?;
+    let (mut null, mut extended) = measured(&found, &kept, &mut effects)?;
+    if of_the_simulation(&null, &extended, &mut effects) {
+        (null, extended) = measured(&found, &kept, &mut effects)?;
     }
-    let first = ground.fit_as_given(&[kept.as_slice(), &found.known.terms].concat())?;
-    let given_model = user.and_then(|m| Given::of(&ground, &extended, recording, m));
+    let first = null.fit_as_given(&[kept.as_slice(), &found.known.terms].concat())?;
+    let given_model = user.and_then(|m| Given::of(&null, &extended, recording, m));
     // Where all names together leave much of the effort, none of them is sure but a line that stands out of chance by itself.
-    let reached = extended.nmse(&ground.rows);
+    let reached = extended.nmse(&null.rows);
     if reached.test > EXPLAINS_LITTLE {
         let is_doubtful = |e: &&mut Named| !(e.is_narrow() && e.confidence >= CERTAIN);
         let doubtful = effects.iter_mut().filter(is_doubtful);
         doubtful.for_each(|e| e.confident = false);
     }
-    let mut baseline = first.nmse(&ground.rows);
+    let mut baseline = first.nmse(&null.rows);
     // The fit's physics, on the core that names are judged on or on its own law, which predicts better where the core fits what happens once.
     let law = of_fit.filter(|_| user.is_none());
-    if let Some(own) = law.and_then(|m| Given::of(&ground, &first, recording, m))
+    if let Some(own) = law.and_then(|m| Given::of(&null, &first, recording, m))
         && own.refitted.test < baseline.test
     {
         baseline = own.refitted;
     }
-    if ground.core.corrects {
+    if null.core.corrects {
         // Nothing of a simulation as it is was fitted.
-        let given = ground.rows.nmse(&ground.rows.target);
+        let given = null.rows.nmse(&null.rows.target);
         baseline = Nmse {
             train: given,
             test: given,
         };
-        let corrections = simulation::corrections(&ground, &extended);
-        effects.extend(corrections.into_iter().map(|c| correction(&ground, c)));
+        let corrections = simulation::corrections(&null, &extended);
+        effects.extend(corrections.into_iter().map(|c| correction(&null, c)));
     }
-    let shape = user.and_then(|m| Shape::of(&ground, &extended, &m.friction));
+    let shape = user.and_then(|m| Shape::of(&null, &extended, &m.friction));
     if let Some(shape) = shape.filter(Shape::is_suspect) {
         let [own, core] = shape.nmse;
         if shape.misleads() {
             baseline.test += own - core;
             baseline.train += own - core;
         }
-        effects.push(wrong_shape(&ground, shape));
+        effects.push(wrong_shape(&null, shape));
     }
-    for own in channel::found(&channel, shift, &ground) {
-        let own = in_the_channel(&ground, own);
+    for own in channel::found(&channel, shift, &null) {
+        let own = in_the_channel(&null, own);
         let [without, with] = own.nmse_test;
         baseline.test += without - with;
         baseline.train += without - with;
@@ -227,18 +227,18 @@ pub fn conclude(
         let own = |n: &&Named| matches!(n.name, Name::Entry(e) if e.id() == effect.id());
         effects.iter().find(own).is_some_and(|n| !n.confident)
     };
-    let mut unnamed = unnamed(&found, event, drift(&found), &standings, is_doubtful);
+    let mut unnamed = unnamed(&found, event, drift(&found), &reports, is_doubtful);
     // Where nothing is missing, nothing is added.
     let adds = effects.iter().any(Named::is_missing);
-    let after = if !adds && (ground.core.corrects || reached.test > baseline.test) {
+    let after = if !adds && (null.core.corrects || reached.test > baseline.test) {
         baseline
     } else {
         reached
     };
-    let noise_floor = ground.noise_floor(&extended).min(after.test);
-    let between_repeats = unrepeated(&ground.rows, &extended.residual(&ground.rows));
+    let noise_floor = null.noise_floor(&extended).min(after.test);
+    let between_repeats = unrepeated(&null.rows, &extended.residual(&null.rows));
     let unrepeated = between_repeats.map(|square| {
-        let rows = &ground.rows;
+        let rows = &null.rows;
         let all = 100.0 * square * rows.force.len() as f64 / rows.variation().max(1e-300);
         (all - noise_floor).min(after.test - noise_floor).max(0.0)
     });
@@ -246,7 +246,7 @@ pub fn conclude(
     // What the wrong ones are worth (%), where any is.
     let differs = given_model.as_ref().and_then(Given::worth);
     let of_a_simulation = |all: fn(&Named) -> bool| {
-        ground.core.corrects && effects.iter().filter(|e| e.is_missing()).all(all)
+        null.core.corrects && effects.iter().filter(|e| e.is_missing()).all(all)
     };
     let verdict = match verdict(
         effects.iter().any(Named::is_missing),
@@ -258,22 +258,22 @@ pub fn conclude(
             Verdict::ParametersDiffer
         }
         Verdict::Consistent
-            if ground.core.corrects
-                && after.test - at_random - ground.rows.missed > UNEXPLAINED_OF_A_SIMULATION =>
+            if null.core.corrects
+                && after.test - at_random - null.rows.missed > UNEXPLAINED_OF_A_SIMULATION =>
         {
             Verdict::UnknownPhysics
         }
-        Verdict::UnknownPhysics if ground.core.corrects && after.test <= NO_DIFFERENCE => {
+        Verdict::UnknownPhysics if null.core.corrects && after.test <= NO_DIFFERENCE => {
             unnamed.clear();
             Verdict::Consistent
         }
         other => other,
     };
-    let lacks = lacks(&ground.rows.s, |id| {
+    let lacks = lacks(&null.rows.s, |id| {
         effects.iter().any(|n| n.confident && n.id() == id)
     });
     let organised = {
-        let (mut list, _) = offers(&ground, &first, &[]);
+        let (mut list, _) = candidates(&null, &first, &[]);
         list.retain(|o| matches!(o.term.subject, Subject::Curve(_)) && o.evidence.share > 0.0);
         list
     };
@@ -295,11 +295,9 @@ pub fn conclude(
         })
         .collect();
     let whole = [baseline.test, after.test];
-    let budget = match ground.core.corrects {
-        true => {
-            budget::of_a_simulation(&ground, &extended.residual(&ground.rows), &findings, whole)
-        }
-        false => budget::budget(&ground, &stays, &findings, whole),
+    let budget = match null.core.corrects {
+        true => budget::of_a_simulation(&null, &extended.residual(&null.rows), &findings, whole),
+        false => budget::budget(&null, &stays, &findings, whole),
     };
     Some(Diagnosis {
         verdict,
@@ -316,7 +314,7 @@ pub fn conclude(
         rest: found.rest,
         families: found.families,
         given,
-        ground,
+        null,
         states: [first, extended],
         correction: None,
         simulated_late: None,
@@ -350,39 +348,39 @@ fn verdict(
 }
 
 /// An effect of the hypothesis as it is stated; `None` for curves and changes, and for what every recording may have.
-fn named(found: &Found, standing: &Standing, mechanics: &[(String, f64)]) -> Option<Named> {
-    let effect = standing.term.effect()?;
-    if standing.harmless {
+fn named(found: &Found, report: &TermReport, mechanics: &[(String, f64)]) -> Option<Named> {
+    let effect = report.term.effect()?;
+    if report.harmless {
         return None;
     }
-    let mut confidence = confidence(standing);
-    if !standing.told {
+    let mut confidence = confidence(report);
+    if !report.told {
         confidence = confidence.min(EVEN);
     }
-    let mut ambiguous = standing.ambiguous.clone();
-    for equivalent in effect.equivalents(&found.ground.rows.s) {
+    let mut ambiguous = report.ambiguous.clone();
+    for equivalent in effect.equivalents(&found.null.rows.s) {
         if !ambiguous.iter().any(|e| e.id() == equivalent.id())
-            && equivalent.lacks(&found.ground.rows.s).is_none()
+            && equivalent.lacks(&found.null.rows.s).is_none()
         {
             ambiguous.push(*equivalent);
         }
     }
     Some(Named {
         name: Name::Entry(effect),
-        term: Some(standing.term.clone()),
+        term: Some(report.term.clone()),
         confident: confidence >= LIKELY
-            && is_material(effect, standing)
-            && is_told(effect, &found.ground.rows.s),
-        in_fit: found.known.has(&standing.term),
+            && is_material(effect, report)
+            && is_told(effect, &found.null.rows.s),
+        in_fit: found.known.has(&report.term),
         in_simulation: false,
         confidence,
-        evidence: standing.evidence,
-        standing: Some(standing.clone()),
+        evidence: report.evidence,
+        report: Some(report.clone()),
         nmse_test: [f64::NAN; 2],
         places: Vec::new(),
         force: Vec::new(),
         parameters: Vec::new(),
-        source: source(effect, &standing.term, mechanics),
+        source: source(effect, &report.term, mechanics),
         ambiguous,
     })
 }
@@ -394,8 +392,8 @@ fn is_told(effect: &dyn Effect, s: &Signals) -> bool {
 
 /// Whether an effect takes enough of the mismatch to be named: weighted, or all rows alike, which is what slow effects are seen in. What
 /// the hysteresis misses after a stop is large there, too: transients count weighted only.
-fn is_material(effect: &dyn Effect, standing: &Standing) -> bool {
-    let evidence = &standing.evidence;
+fn is_material(effect: &dyn Effect, report: &TermReport) -> bool {
+    let evidence = &report.evidence;
     if effect.is_transient() {
         return evidence.share >= NAMED_TRANSIENT;
     }
@@ -405,13 +403,13 @@ fn is_material(effect: &dyn Effect, standing: &Standing) -> bool {
         NAMED
     };
     // What it takes off is as much as its force must be.
-    let taken = 0.01 * standing.size() * standing.left;
-    standing.size() >= least && taken >= WORTH * WORTH
+    let taken = 0.01 * report.size() * report.left;
+    report.size() >= least && taken >= WORTH * WORTH
 }
 
 /// Tells of each effect whether the simulation has it, too; whether one is doubtful for what it says of the simulation's own.
-fn of_the_simulation(ground: &Ground, extended: &Hypothesis, effects: &mut [Named]) -> bool {
-    if !ground.core.corrects {
+fn of_the_simulation(null: &NullModel, extended: &Hypothesis, effects: &mut [Named]) -> bool {
+    if !null.core.corrects {
         return false;
     }
     let mut doubts = false;
@@ -422,10 +420,10 @@ fn of_the_simulation(ground: &Ground, extended: &Hypothesis, effects: &mut [Name
         let by_itself = term.effect().and_then(|e| e.in_simulation(&term.shape));
         effect.in_simulation = by_itself.unwrap_or_else(|| {
             let index = extended.terms.iter().position(|t| term.is_near(t));
-            index.is_some_and(|i| simulation::has_its_term(ground, extended, i))
+            index.is_some_and(|i| simulation::has_its_term(null, extended, i))
         });
         let share = effect.evidence.share;
-        if by_itself == Some(true) && simulation::is_another_load(ground, extended, share) {
+        if by_itself == Some(true) && simulation::is_another_load(null, extended, share) {
             effect.confident = false;
             effect.confidence = effect.confidence.min(EVEN);
             doubts = true;
@@ -434,7 +432,7 @@ fn of_the_simulation(ground: &Ground, extended: &Hypothesis, effects: &mut [Name
     doubts
 }
 
-fn wrong_shape(ground: &Ground, shape: Shape) -> Named {
+fn wrong_shape(null: &NullModel, shape: Shape) -> Named {
     let [_, core] = shape.nmse;
     let confident = shape.is_wrong();
     let factor = shape.displacement_factor();
@@ -450,9 +448,9 @@ fn wrong_shape(ground: &Ground, shape: Shape) -> Named {
             confidence::of_a_hint(None)
         },
         evidence: shape.evidence,
-        standing: None,
+        report: None,
         nmse_test: shape.nmse,
-        places: Place::all(&ground.rows, Axis::SinceReversal, &shape.force),
+        places: Place::all(&null.rows, Axis::SinceReversal, &shape.force),
         force: shape.force,
         parameters: factor
             .map(|value| {
@@ -467,13 +465,13 @@ fn wrong_shape(ground: &Ground, shape: Shape) -> Named {
         // A gap and a spring make it softer, not stiffer.
         ambiguous: match factor {
             Some(_) => Vec::new(),
-            None => hysteresis::rivals(&ground.rows.s),
+            None => hysteresis::rivals(&null.rows.s),
         },
     }
 }
 
 /// What lies between the machine and the recorded effort, as it is stated.
-fn in_the_channel(ground: &Ground, own: channel::Found) -> Named {
+fn in_the_channel(null: &NullModel, own: channel::Found) -> Named {
     Named {
         name: Name::Entry(own.effect),
         term: None,
@@ -482,9 +480,9 @@ fn in_the_channel(ground: &Ground, own: channel::Found) -> Named {
         in_simulation: false,
         confidence: confidence::of_evidence(&own.evidence),
         evidence: own.evidence,
-        standing: None,
+        report: None,
         nmse_test: own.nmse,
-        places: Place::all(&ground.rows, own.effect.axis(), &own.force),
+        places: Place::all(&null.rows, own.effect.axis(), &own.force),
         force: own.force,
         parameters: own.parameters,
         source: None,
@@ -492,7 +490,7 @@ fn in_the_channel(ground: &Ground, own: channel::Found) -> Named {
     }
 }
 
-fn correction(ground: &Ground, corrected: Corrected) -> Named {
+fn correction(null: &NullModel, corrected: Corrected) -> Named {
     let sure = confidence::of_evidence(&corrected.evidence);
     let holds_zero = |[low, high]: [f64; 2]| low <= 0.0 && 0.0 <= high;
     // A friction of another shape may have the same level.
@@ -506,9 +504,9 @@ fn correction(ground: &Ground, corrected: Corrected) -> Named {
         in_simulation: corrected.in_simulation,
         confidence: if doubtful { sure.min(EVEN) } else { sure },
         evidence: corrected.evidence,
-        standing: None,
+        report: None,
         nmse_test: corrected.nmse,
-        places: Place::all(&ground.rows, corrected.what.axis(), &corrected.force),
+        places: Place::all(&null.rows, corrected.what.axis(), &corrected.force),
         force: corrected.force,
         parameters: vec![corrected.parameter],
         source: None,
@@ -522,22 +520,22 @@ fn hint(found: &Found, effects: &mut Vec<Named>) {
         .rest
         .iter()
         .filter(|o| o.evidence.share >= 0.5 * NAMED && o.chance(found.families) < SUSPECT);
-    for offer in near.take(HINTS) {
-        let Some(effect) = offer.term.effect() else {
+    for candidate in near.take(HINTS) {
+        let Some(effect) = candidate.term.effect() else {
             continue;
         };
-        if effect.is_harmless(&found.ground.scene(), &offer.trial.coefficients) {
+        if effect.is_harmless(&found.null.scene(), &candidate.trial.coefficients) {
             continue;
         }
         effects.push(Named {
             name: Name::Entry(effect),
-            term: Some(offer.term.clone()),
+            term: Some(candidate.term.clone()),
             confident: false,
             in_fit: false,
             in_simulation: false,
-            confidence: confidence::of_a_hint(Some(&offer.evidence)),
-            evidence: offer.evidence,
-            standing: None,
+            confidence: confidence::of_a_hint(Some(&candidate.evidence)),
+            evidence: candidate.evidence,
+            report: None,
             nmse_test: [f64::NAN; 2],
             places: Vec::new(),
             force: Vec::new(),

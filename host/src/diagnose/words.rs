@@ -87,7 +87,7 @@ impl Refitted {
 impl Unknown {
     /// What it asks for: the experiment of what it is most like, or eyes.
     fn advice(&self, found: &Diagnosis) -> String {
-        let axis = self.axis.name(&found.ground.rows.s);
+        let axis = self.axis.name(&found.null.rows.s);
         if self.rises_by.is_some() {
             return "record the temperature beside the motion (`temperature_C`), and the same strokes again after a rest: warmth goes back, run-in does not.".to_owned();
         }
@@ -109,7 +109,7 @@ impl Unknown {
 
     /// What is left, in a clause.
     pub fn words(&self, found: &Diagnosis, recording: &Recording) -> String {
-        let s = &found.ground.rows.s;
+        let s = &found.null.rows.s;
         if let Some(happened) = &self.happened {
             return self.event_words(&happened.times, recording);
         }
@@ -189,7 +189,7 @@ pub(super) fn place_words(place: &Place, recording: &Recording) -> String {
 fn size(found: &Diagnosis, effect: &Named, recording: &Recording) -> String {
     let force = &effect.force;
     let large = quantile_between_ranks(&force.iter().map(|f| f.abs()).collect::<Vec<_>>(), 0.98);
-    let level = found.ground.baseline.level;
+    let level = found.null.baseline.level;
     let of_level = percent(large / level.max(1e-300));
     let unit = recording.effort_unit();
     match found.side(force) {
@@ -211,7 +211,7 @@ fn size(found: &Diagnosis, effect: &Named, recording: &Recording) -> String {
 impl Diagnosis {
     /// 1 where a force at the rows goes with the direction of the motion, −1 where it goes against it, `None` where it does neither.
     pub(super) fn side(&self, force: &[f64]) -> Option<f64> {
-        let rows = &self.ground.rows;
+        let rows = &self.null.rows;
         let direction = rows.weak.at_centres(&rows.s.direction);
         let along: Vec<f64> = force.iter().zip(&direction).map(|(f, d)| f * d).collect();
         let square = |side: f64| -> f64 {
@@ -230,7 +230,7 @@ impl Diagnosis {
     /// Whether a force at the rows has opposite signs in the two directions at the same place of a coordinate, whichever goes with the motion
     /// there: a friction level that is higher at one end and lower at the other.
     pub(super) fn flips(&self, axis: Axis, force: &[f64]) -> bool {
-        let rows = &self.ground.rows;
+        let rows = &self.null.rows;
         let Some(values) = axis.values(&rows.s) else {
             return false;
         };
@@ -264,7 +264,7 @@ impl Diagnosis {
         if !(without.is_finite() && with.is_finite()) {
             return String::new();
         }
-        let force = |nmse| quantity(self.ground.rows.rms_of(nmse), recording.effort_unit());
+        let force = |nmse| quantity(self.null.rows.rms_of(nmse), recording.effort_unit());
         match without > with {
             true => format!(
                 "; compensated, {} RMS of the {} that are left on stretches held out are gone",
@@ -291,12 +291,12 @@ impl Diagnosis {
             left(self.noise_floor)
         );
         let mut text = match self.verdict {
-            Verdict::Consistent if self.ground.core.corrects => format!(
+            Verdict::Consistent if self.null.core.corrects => format!(
                 "consistent: no difference larger than {} of the variance ({figures})",
-                left(self.baseline.test.max(self.ground.rows.missed))
+                left(self.baseline.test.max(self.null.rows.missed))
             ),
             Verdict::Consistent => format!("consistent: nothing material is missing ({figures})"),
-            Verdict::ParametersDiffer if self.ground.core.corrects => {
+            Verdict::ParametersDiffer if self.null.core.corrects => {
                 let names: Vec<&str> = self.missing().map(|e| e.name.name()).collect();
                 format!(
                     "parameters-differ: no physics is missing, but the simulation's {} not the recording's ({figures})",
@@ -345,7 +345,7 @@ impl Diagnosis {
         if let Some(words) = self.too_soft() {
             text += &format!("; {words}");
         }
-        if self.ground.core.follows_velocity() {
+        if self.null.core.follows_velocity() {
             text += "; friction reverses smoothly over the slowest speeds here, as tanh(v/v0) does, and not along the path: hysteresis alone, GMS's too, would leave most of the mismatch";
         }
         for unknown in self.nameless() {
@@ -354,7 +354,7 @@ impl Diagnosis {
         if let Some(wanders) = self.unnamed.iter().find(|u| u.wanders && u.is_sure()) {
             text += &format!(
                 "; friction wanders over {} by {} RMS, as every machine's does",
-                wanders.axis.name(&self.ground.rows.s),
+                wanders.axis.name(&self.null.rows.s),
                 quantity(wanders.rms, recording.effort_unit())
             );
         }
@@ -363,7 +363,7 @@ impl Diagnosis {
 
     /// Further columns that are left out, each in a sentence without its full stop.
     pub fn left_out_words(&self) -> impl Iterator<Item = String> {
-        let left_out = self.ground.rows.s.left_out.iter();
+        let left_out = self.null.rows.s.left_out.iter();
         left_out.map(|(name, kind)| {
             format!(
                 "`{name}` {}: it is left out, and no other axis",
@@ -455,7 +455,7 @@ impl Diagnosis {
 
     /// Where a simulation's friction follows another law than the recording's.
     fn other_law(&self, recording: &Recording) -> Option<String> {
-        let slow = self.ground.core.simulated_law()?;
+        let slow = self.null.core.simulated_law()?;
         let is_stated = |e: &Named| matches!(e.name, Name::Correction(Correction::Friction));
         self.missing().any(is_stated).then(|| {
             let slow = quantity(slow, &format!("{}/s", recording.position_unit()));
@@ -517,7 +517,7 @@ impl Diagnosis {
     }
 
     fn model_word(&self) -> &'static str {
-        if self.ground.core.corrects {
+        if self.null.core.corrects {
             "simulation"
         } else {
             "model"

@@ -122,8 +122,8 @@ impl Evidence<'_> {
                 best = Some(errors);
             }
         };
-        for offer in offered {
-            take(&mut shown, offer);
+        for candidate in offered {
+            take(&mut shown, candidate);
         }
         let by_direction = Plain {
             by_direction: true,

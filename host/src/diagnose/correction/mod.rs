@@ -7,8 +7,8 @@ mod formula;
 mod present;
 
 use super::core::SLIPS;
-use super::ground::{Ground, Hypothesis};
 use super::named::{Name, Named};
+use super::null_model::{Hypothesis, NullModel};
 use super::signals::Signals;
 use super::simulation::{Correction as Core, Few, few_blocks};
 use super::term::Term;
@@ -64,24 +64,24 @@ impl Correction {
     /// What a simulation of this effort for the recorded motion (N or N·m) lacks of a recording; `None` where none of the `effects` is stated. Where
     /// the effort was reproduced from another motion, inertia and friction are not fitted to what that misses: they stand where they are stated.
     pub(super) fn of(
-        (ground, state): (&Ground, &Hypothesis),
+        (null, state): (&NullModel, &Hypothesis),
         effects: &[Named],
         recording: &Recording,
         (simulated, is_reproduced): (Vec<f64>, bool),
     ) -> Option<Self> {
         effects.iter().find(|e| e.confident)?;
-        let s = &ground.rows.s;
+        let s = &null.rows.s;
         let stated = |term: &Term| effects.iter().find(|e| e.confident && e.is_of(term));
         let own = state.terms.iter().enumerate();
         let own: Vec<_> = own
             .filter_map(|(i, term)| Some((i, term, stated(term)?)))
             .collect();
-        let mut left = ground.rows.target.clone();
+        let mut left = null.rows.target.clone();
         for (index, _, _) in &own {
             let force = state.force_of(*index);
             left.iter_mut().zip(force).for_each(|(l, f)| *l -= f);
         }
-        let mut few = few_blocks(ground, &left)?;
+        let mut few = few_blocks(null, &left)?;
         let stands = |core: Core| {
             let own = |e: &Named| matches!(e.name, Name::Correction(own) if own == core);
             !is_reproduced || effects.iter().any(|e| e.confident && own(e))
@@ -89,8 +89,8 @@ impl Correction {
         if !stands(Core::Friction) {
             few.blocks.clear();
         }
-        let level = ground.baseline.level;
-        let direction: Blocks = ground
+        let level = null.baseline.level;
+        let direction: Blocks = null
             .baseline
             .blocks
             .iter()
@@ -103,14 +103,14 @@ impl Correction {
             sums: [difference, all, slipping],
         };
         let mut terms: Vec<Added> = Vec::new();
-        if ground.core.first_of_friction() > 0 && stands(Core::Inertia) {
+        if null.core.first_of_friction() > 0 && stands(Core::Inertia) {
             terms.push(along.of_core(effects, Core::Inertia, &few));
         }
         if stands(Core::Friction) {
             terms.push(along.of_core(effects, Core::Friction, &few));
         }
         for (index, term, stated) in own {
-            let mut added = along.of_effect(stated, term, state.coefficients(index), ground);
+            let mut added = along.of_effect(stated, term, state.coefficients(index), null);
             let before = terms.iter().filter(|t| t.words == added.words).count();
             if before > 0 {
                 added.id += &format!("_{}", before + 1);
@@ -202,13 +202,13 @@ impl Along<'_> {
         stated: &Named,
         term: &Term,
         coefficients: &[f64],
-        ground: &Ground,
+        null: &NullModel,
     ) -> Added {
-        let level = ground.baseline.level;
+        let level = null.baseline.level;
         let formula = formula(stated.id(), &stated.parameters, level);
         let force = match &formula {
             Some(formula) => self.force(formula),
-            None => self.of_columns(&term.columns(&ground.scene()), coefficients),
+            None => self.of_columns(&term.columns(&null.scene()), coefficients),
         };
         let absolute = stated
             .parameters

@@ -156,7 +156,7 @@ fn a_column_of_the_effort_couples_to_nothing() {
     add("other_m", (0..SAMPLES).map(|i| other(at(i))).collect());
     let found = told(&recording, None);
     let left_out: Vec<(&str, Kind)> = found
-        .ground
+        .null
         .rows
         .s
         .left_out
@@ -200,12 +200,12 @@ fn expected_noise_is_never_more_than_what_is_left() {
 fn a_line_is_held_against_placebos() {
     let period = 5e-3;
     let recording = made(|_, x, _| 0.15 * (std::f64::consts::TAU * x / period).cos());
-    let ground = ground(&recording);
-    let rest = ground.fit(&[by_id("channel_delay")]).expect("a fit");
+    let null = null(&recording);
+    let rest = null.fit(&[by_id("channel_delay")]).expect("a fit");
     let of = |period: f64| {
         let effect = effect::by_id("periodic_force").expect("in the catalogue");
         let term = Term::new(Subject::Effect(effect), &[period]);
-        placebo::over_state(&ground, &rest, &term).expect("columns")
+        placebo::over_state(&null, &rest, &term).expect("columns")
     };
     let (there, absent) = (of(period), of(0.7 * period));
     println!("{there:?} {absent:?}");

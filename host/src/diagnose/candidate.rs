@@ -3,8 +3,8 @@
 use super::change::Change;
 use super::curve::Curve;
 use super::effect::{self, Line, Scale};
-use super::ground::{Ground, Hypothesis};
 use super::normal::Trial;
+use super::null_model::{Hypothesis, NullModel};
 use super::spectra;
 use super::term::{Subject, Term};
 use crate::evidence::{Evidence, chance, evidence};
@@ -25,7 +25,7 @@ const FRICTION_ALONE: f64 = 0.5;
 
 /// A candidate, judged.
 #[derive(Clone)]
-pub struct Offer {
+pub struct Candidate {
     /// It, with its best shape.
     pub term: Term,
     /// What it explains.
@@ -38,16 +38,16 @@ pub struct Offer {
     pub tries: f64,
 }
 
-impl Offer {
+impl Candidate {
     /// Whether it is a vibration at a frequency of the motion itself, where no recording tells what shakes the axis from what the motion makes.
-    pub fn keeps_step(&self, ground: &Ground) -> bool {
+    pub fn keeps_step(&self, null: &NullModel) -> bool {
         let effect = self.term.effect();
         if effect.and_then(|e| e.line()) != Some(Line::Time) {
             return false;
         }
-        let force = combined(&ground.columns(&self.term), &self.trial.coefficients);
-        let t = ground.rows.weak.at_centres(&ground.rows.s.t);
-        spectra::keeps_step(&t, &force, &ground.rows.force, self.term.shape[0])
+        let force = combined(&null.columns(&self.term), &self.trial.coefficients);
+        let t = null.rows.weak.at_centres(&null.rows.s.t);
+        spectra::keeps_step(&t, &force, &null.rows.force, self.term.shape[0])
     }
 
     /// The chance that any of `families` candidates does as well without any effect.
@@ -64,8 +64,8 @@ struct Family {
 }
 
 /// The candidates of a recording on top of `hypothesis`; `periods` are those of the mechanics (m or rad).
-fn families(ground: &Ground, hypothesis: &Hypothesis, periods: &[f64]) -> Vec<Family> {
-    let scene = ground.scene();
+fn families(null: &NullModel, hypothesis: &Hypothesis, periods: &[f64]) -> Vec<Family> {
+    let scene = null.scene();
     let mut all: Vec<Family> = Vec::new();
     for effect in effect::ALL {
         let subject = Subject::Effect(effect);
@@ -85,13 +85,13 @@ fn families(ground: &Ground, hypothesis: &Hypothesis, periods: &[f64]) -> Vec<Fa
             tries: 1.0,
         });
     }
-    let friction_alone = is_friction_alone(ground);
+    let friction_alone = is_friction_alone(null);
     if friction_alone {
         let of_effort =
             |f: &Family| matches!(f.subject, Subject::Effect(e) if e.line() == Some(Line::Effort));
         all.retain(|f| !of_effort(f));
     }
-    let lines = Lines::of(ground, hypothesis, friction_alone);
+    let lines = Lines::of(null, hypothesis, friction_alone);
     for family in &mut all {
         let Subject::Effect(effect) = family.subject else {
             continue;
@@ -103,14 +103,14 @@ fn families(ground: &Ground, hypothesis: &Hypothesis, periods: &[f64]) -> Vec<Fa
         family.shapes.extend(found.iter().map(|l| vec![*l]));
         family.tries = tries;
         if line != Line::Time {
-            let travel = ground.rows.s.travel();
+            let travel = null.rows.s.travel();
             let known = periods.iter().filter(|p| PERIODS * **p < travel);
             family
                 .shapes
                 .extend(known.flat_map(|p| [vec![*p], vec![p / 2.0]]));
         }
     }
-    let nameless = Curve::all(&ground.rows.s)
+    let nameless = Curve::all(&null.rows.s)
         .into_iter()
         .map(Subject::Curve)
         .chain(Change::ALL.map(Subject::Change));
@@ -132,17 +132,21 @@ fn families(ground: &Ground, hypothesis: &Hypothesis, periods: &[f64]) -> Vec<Fa
 }
 
 /// Whether friction is most of what the drive gives, so that a share of the one is a share of the other.
-fn is_friction_alone(ground: &Ground) -> bool {
-    let baseline = &ground.baseline;
+fn is_friction_alone(null: &NullModel) -> bool {
+    let baseline = &null.baseline;
     let rest = baseline.fitted.iter().zip(&baseline.friction);
     let rest: f64 = rest.map(|(all, friction)| (all - friction).powi(2)).sum();
     rest < FRICTION_ALONE * squares(&baseline.fitted)
 }
 
 /// Every candidate that explains something, best first, and how many were tried.
-pub fn offers(ground: &Ground, hypothesis: &Hypothesis, periods: &[f64]) -> (Vec<Offer>, usize) {
-    let families = families(ground, hypothesis, periods);
-    let mut list: Vec<Offer> = families
+pub fn candidates(
+    null: &NullModel,
+    hypothesis: &Hypothesis,
+    periods: &[f64],
+) -> (Vec<Candidate>, usize) {
+    let families = families(null, hypothesis, periods);
+    let mut list: Vec<Candidate> = families
         .par_iter()
         .filter_map(|family| {
             let terms: Vec<Term> = family
@@ -150,7 +154,7 @@ pub fn offers(ground: &Ground, hypothesis: &Hypothesis, periods: &[f64]) -> (Vec
                 .iter()
                 .map(|s| Term::new(family.subject, s))
                 .collect();
-            offer_of(ground, hypothesis, &terms, family.tries)
+            candidate_of(null, hypothesis, &terms, family.tries)
         })
         .collect();
     list.sort_by(|a, b| b.evidence.share.total_cmp(&a.evidence.share));
@@ -158,28 +162,24 @@ pub fn offers(ground: &Ground, hypothesis: &Hypothesis, periods: &[f64]) -> (Vec
 }
 
 /// The best of some terms on top of a hypothesis.
-pub fn offer_of(
-    ground: &Ground,
+pub fn candidate_of(
+    null: &NullModel,
     hypothesis: &Hypothesis,
     terms: &[Term],
     tries: f64,
-) -> Option<Offer> {
-    let columns: Vec<Arc<Vec<Vec<f64>>>> = terms.par_iter().map(|t| ground.columns(t)).collect();
+) -> Option<Candidate> {
+    let columns: Vec<Arc<Vec<Vec<f64>>>> = terms.par_iter().map(|t| null.columns(t)).collect();
     let some: Vec<usize> = (0..terms.len())
         .filter(|i| !columns[*i].is_empty())
         .collect();
     let shapes: Vec<&[Vec<f64>]> = some.iter().map(|&i| columns[i].as_slice()).collect();
-    let admits = |i: usize, c: &[f64]| ground.admits(&terms[some[i]], c);
+    let admits = |i: usize, c: &[f64]| null.admits(&terms[some[i]], c);
     let trial = hypothesis.normal.trial(&shapes, admits)?;
     let force = combined(shapes[trial.best], &trial.coefficients);
-    Some(Offer {
-        relative: (squares(&force) / ground.rows.variation().max(1e-300)).sqrt(),
+    Some(Candidate {
+        relative: (squares(&force) / null.rows.variation().max(1e-300)).sqrt(),
         term: terms[some[trial.best]].clone(),
-        evidence: evidence(
-            &trial.force,
-            &hypothesis.normal.held_out,
-            &ground.rows.blocks,
-        ),
+        evidence: evidence(&trial.force, &hypothesis.normal.held_out, &null.rows.blocks),
         trial,
         tries,
     })
@@ -202,14 +202,14 @@ fn squares(force: &[f64]) -> f64 {
 struct Lines(BTreeMap<u8, (Vec<f64>, f64)>);
 
 impl Lines {
-    fn of(ground: &Ground, hypothesis: &Hypothesis, friction_alone: bool) -> Self {
-        let (s, weak) = (&ground.rows.s, &ground.rows.weak);
+    fn of(null: &NullModel, hypothesis: &Hypothesis, friction_alone: bool) -> Self {
+        let (s, weak) = (&null.rows.s, &null.rows.weak);
         let x = weak.at_centres(&s.x);
         let t = weak.at_centres(&s.t);
-        let friction = weak.at_centres(&ground.baseline.friction);
-        let left = hypothesis.residual(&ground.rows);
-        let weights = ground.noise.inverse(&left);
-        let effort = weak.at_centres(&ground.baseline.fitted);
+        let friction = weak.at_centres(&null.baseline.friction);
+        let left = hypothesis.residual(&null.rows);
+        let weights = null.noise.inverse(&left);
+        let effort = weak.at_centres(&null.baseline.fitted);
         let times = |values: &[f64], by: &[f64]| -> Vec<f64> {
             values.iter().zip(by).map(|(w, f)| w * f).collect()
         };
@@ -217,7 +217,7 @@ impl Lines {
         let row_s = weak.half_width_s;
         let (lowest, finest) = (PERIODS / travel, 0.5 / (row_s * slow));
         let duration = (s.duration()).max(1e-300);
-        let (slowest, fastest) = spectra::in_time(&ground.rows);
+        let (slowest, fastest) = spectra::in_time(&null.rows);
         let in_position = (finest * travel).max(1.0);
         let in_time = (fastest * duration).max(1.0);
         let comb = spectra::comb(&x, lowest, finest);
@@ -255,21 +255,21 @@ impl Lines {
 const ROUNDS: usize = 7;
 
 /// The term with the shape that explains most where it is fitted, all coefficients free.
-pub fn refined(ground: &Ground, without: &Hypothesis, term: &Term) -> Term {
+pub fn refined(null: &NullModel, without: &Hypothesis, term: &Term) -> Term {
     let mut best = term.clone();
     let Some(effect) = term.effect() else {
         return best;
     };
     let value_of = |term: &Term| {
-        let columns = ground.columns(term);
+        let columns = null.columns(term);
         let (reduction, c) = without.normal.reduction(&columns)?;
-        ground.admits(term, &c).then_some(reduction)
+        null.admits(term, &c).then_some(reduction)
     };
     let Some(mut value) = value_of(&best) else {
         return best;
     };
     let scales: Vec<Scale> = effect.shape().iter().map(|p| p.1).collect();
-    let s = &ground.rows.s;
+    let s = &null.rows.s;
     let mut steps: Vec<f64> = scales
         .iter()
         .zip(&term.shape)
@@ -290,7 +290,7 @@ pub fn refined(ground: &Ground, without: &Hypothesis, term: &Term) -> Term {
                     Scale::Travel => trial.shape[j] + sign * steps[j],
                     _ => trial.shape[j] * (sign * steps[j]).exp(),
                 };
-                trial.shape[j] = effect.within(&ground.scene(), &trial.shape, j);
+                trial.shape[j] = effect.within(&null.scene(), &trial.shape, j);
                 if scales[j] == Scale::Period {
                     trial.shape[j] = trial.shape[j].min(s.travel() / REFINED);
                 }

@@ -46,7 +46,7 @@ const FLOORS: [f64; 4] = [0.1, 0.3, 1.0, 3.0];
 type Key = (String, Vec<u64>);
 
 /// Rows, core, baseline and noise.
-pub struct Ground {
+pub struct NullModel {
     /// The rows.
     pub rows: Arc<Rows>,
     /// The core.
@@ -79,7 +79,7 @@ pub struct Nmse {
     pub test: f64,
 }
 
-impl Ground {
+impl NullModel {
     /// Finds friction and noise of a recording, beside the terms of a model that is given and blocks of the yields `fitted` among others (m
     /// or rad); `None` where the motion does not tell them.
     pub fn new(rows: Rows, given: &[Term], fitted: Option<&[f64]>) -> Option<Self> {
@@ -89,20 +89,20 @@ impl Ground {
             &rows.target,
             &course(&rows, &Places::of(&rows, &course_less)),
         );
-        let mut ground = Self {
+        let mut null = Self {
             baseline: course_less,
             noise,
             cache: Mutex::default(),
             rows: Arc::new(rows),
             core: Arc::new(core.hysteretic()),
         };
-        let smooth = ground.with_core(core);
-        if ground.predicts_worse_than(&smooth)? {
-            ground = smooth;
+        let smooth = null.with_core(core);
+        if null.predicts_worse_than(&smooth)? {
+            null = smooth;
         }
-        let alone = ground.fit(&[])?;
-        ground = ground.with_baseline(&alone);
-        ground.referred_to(given)
+        let alone = null.fit(&[])?;
+        null = null.with_baseline(&alone);
+        null.referred_to(given)
     }
 
     /// Whether another core predicts blocks held out better than its own, beside viscous friction and what is plain but curves over speed.
@@ -130,9 +130,9 @@ impl Ground {
             .filter(|t| !t.is_free_over_speed())
             .cloned()
             .collect();
-        let mut ground: Option<Self> = None;
+        let mut null: Option<Self> = None;
         for _ in 0..ROUNDS {
-            let from = ground.as_ref().unwrap_or(self);
+            let from = null.as_ref().unwrap_or(self);
             let mut fitted = from.fit_unweighted(&all)?;
             let lines = from.strongest_lines(&fitted);
             if !lines.is_empty() {
@@ -149,19 +149,19 @@ impl Ground {
             let places = Places::of(&next.rows, &next.baseline);
             next.noise =
                 Noise::estimate(&fitted.residual(&next.rows), &course(&next.rows, &places));
-            ground = Some(next.with_a_hold(&all)?);
+            null = Some(next.with_a_hold(&all)?);
         }
-        ground
+        null
     }
 
     /// The same recording with effects that act through the friction which `terms` themselves leave, not through what was found beside free
     /// curves: a level refers to the friction of the model that it is stated with. The noise stays.
     pub fn settled(&self, terms: &[Term]) -> Option<Self> {
-        let mut ground = self.with_baseline(&self.fit(terms)?);
+        let mut null = self.with_baseline(&self.fit(terms)?);
         for _ in 1..ROUNDS {
-            ground = ground.with_baseline(&ground.fit(terms)?);
+            null = null.with_baseline(&null.fit(terms)?);
         }
-        Some(ground)
+        Some(null)
     }
 
     /// The same with the mildest floor of white noise under which the weights leave no more, all rows alike, than they may, and enough blocks
@@ -430,10 +430,10 @@ impl Hypothesis {
     }
 
     /// Force of the core without inertia, at the rows.
-    pub fn friction(&self, ground: &Ground) -> Vec<f64> {
-        let first = ground.core.first_of_friction();
-        let own = ground.core.rows.iter().zip(&self.normal.coefficients);
-        let mut force = vec![0.0; ground.rows.force.len()];
+    pub fn friction(&self, null: &NullModel) -> Vec<f64> {
+        let first = null.core.first_of_friction();
+        let own = null.core.rows.iter().zip(&self.normal.coefficients);
+        let mut force = vec![0.0; null.rows.force.len()];
         for (column, c) in own.skip(first) {
             force.iter_mut().zip(column).for_each(|(f, v)| *f += c * v);
         }
