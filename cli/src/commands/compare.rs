@@ -40,10 +40,10 @@ impl Compare {
         }
 
         say!("{}", found.table(&recording).to_text());
-        for model in &found.models {
-            say!("{}: {}", model.name(), model.parameters_in_words());
+        if let Some(best) = found.models.get(found.recommended) {
+            say!("{}: {}", best.name(), best.parameters_in_words());
+            say!("The others' parameters are in --report and --json.\n");
         }
-        say!("");
         for note in &found.notes {
             say!("Note: {note}.");
         }

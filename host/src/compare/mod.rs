@@ -108,7 +108,7 @@ pub fn compare(
             _ => gms.push(judged),
         }
     }
-    let kinematics = Kinematics::of(recording);
+    let kinematics = Kinematics::below(recording, identification.band_hz);
     let bench = Bench::new(recording, &kinematics, &identification);
     for family in Family::ALL {
         progress.set_message(format!("compare: {}", family.name()));

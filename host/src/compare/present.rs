@@ -140,17 +140,18 @@ impl Comparison {
         let unit = recording.effort_unit();
         Table {
             caption: format!(
-                "NMSE (eq. 13) in % of the variance; seed of the starts {SEED}; * recommended"
+                "NMSE (eq. 13) in % of the variance, {} held out; cycles on a Cortex-M4F; seed of the starts {SEED}; * recommended",
+                self.held_out()
             ),
             head: [
                 "model".to_owned(),
                 "train".to_owned(),
-                self.held_out(),
+                "held out".to_owned(),
                 "parameters".to_owned(),
                 format!("loop closure {unit}"),
                 "of range".to_owned(),
                 "non-local memory".to_owned(),
-                "cycles in the tick (Cortex-M4F)".to_owned(),
+                "cycles".to_owned(),
             ]
             .to_vec(),
             rows: self

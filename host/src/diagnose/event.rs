@@ -139,10 +139,21 @@ fn windows(rows: &Rows, load: &[f64], mismatch: &[f64], length: f64) -> Vec<Wind
     let whole = |w: &Range<usize>| {
         w.end <= time.len() && time[w.end - 1] - time[w.start] < 1.5 * count as f64 * step
     };
+    let direction = rows.weak.at_centres(&s.direction);
+    let turns: Vec<usize> = (1..direction.len())
+        .filter(|i| direction[*i] != direction[i - 1])
+        .collect();
+    // Of few reversals each is an event of its own: nothing else moved like that.
+    let is_compared = |w: &Range<usize>| {
+        turns.len() >= ALIKE
+            || !turns
+                .iter()
+                .any(|t| (w.start..w.end + count).contains(&(t + count)))
+    };
     (0..time.len())
         .step_by(hop)
         .map(|first| first..first + count)
-        .filter(whole)
+        .filter(|w| whole(w) && is_compared(w))
         .filter(|w| load[w.clone()].iter().map(|l| l * l).sum::<f64>() >= tells * count as f64)
         .filter_map(|w| {
             let size = coefficient(load, mismatch, &w)?;

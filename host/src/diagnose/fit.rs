@@ -1,8 +1,12 @@
 //! The fit that every command tells, beside a diagnosis: what `identify` prints of the same recording.
 
 use super::effect::{
-    Effect, constant_force::ConstantForce, gravity::Gravity, position_spring::PositionSpring,
-    viscous::Viscous, viscous_asymmetry::ViscousAsymmetry,
+    Effect,
+    constant_force::ConstantForce,
+    gravity::Gravity,
+    position_spring::{ASIDE, PositionSpring},
+    viscous::Viscous,
+    viscous_asymmetry::ViscousAsymmetry,
 };
 use super::term::{Subject, Term};
 use crate::effects::form;
@@ -13,6 +17,9 @@ use crate::progress::Progress;
 use crate::recording::Recording;
 use crate::signal::Delay;
 use serde_json::Value;
+
+/// Times the distance of a spring's centre that the diagnosis finds it within.
+const FAR: f64 = 1.5;
 
 /// What `identify` finds in a recording, or why it finds nothing.
 pub struct Fit(Result<Identification, String>);
@@ -31,6 +38,15 @@ impl Known {
     pub fn has(&self, term: &Term) -> bool {
         self.terms.iter().any(|known| known.is_like(term))
     }
+}
+
+/// The shape of the spring of a model: within how far of the middle of the travel its centre is found.
+fn reach(model: &Model, recording: &Recording) -> f64 {
+    let centre = model.of(&form::POSITION_SPRING).next();
+    let centre = centre.map_or(0.0, |spring| spring.get("centre_m"));
+    let (low, high) = recording.ends();
+    let aside = (centre - 0.5 * (low + high)).abs() / (high - low).max(1e-300);
+    (FAR * aside / ASIDE).max(1.0)
 }
 
 impl Fit {
@@ -55,7 +71,7 @@ impl Fit {
     }
 
     /// What it has.
-    pub(super) fn known(&self) -> Known {
+    pub(super) fn known(&self, recording: &Recording) -> Known {
         let Ok(found) = &self.0 else {
             return Known::default();
         };
@@ -71,8 +87,8 @@ impl Fit {
             has(&ViscousAsymmetry, &[]);
         }
         match plain.place {
-            // Its free centre holds the constant force.
-            Place::Spring => has(&PositionSpring, &[1.0]),
+            // Its free centre, wherever that is, holds the constant force.
+            Place::Spring => has(&PositionSpring, &[reach(&found.best().model, recording)]),
             Place::Gravity => {
                 has(&ConstantForce, &[]);
                 has(&Gravity, &[]);

@@ -21,7 +21,7 @@ const UNNAMED: f64 = 0.05;
 /// about a third of what machines' friction changes by itself. A name below it can be put into a model; what has none cannot. Set after
 /// recordings of `axes` and `drives` were seen: 0.01 calls 23 of their 150 clean ones unknown, 0.02 18, 0.05 14; none, and two, of their
 /// strangers are lost.
-const NOTICEABLE: f64 = 0.02;
+pub(super) const NOTICEABLE: f64 = 0.02;
 /// Share of the friction from which a force is more than any machine's cables, seals and motor add. Set after recordings of `axes` and
 /// `drives` were seen: it takes three of their 120 clean machines from the unknown ones, whose motors have a ripple of half as much, and
 /// none of their strangers.

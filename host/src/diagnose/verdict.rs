@@ -26,7 +26,7 @@ use super::shift::Shift;
 use super::signals::Signals;
 use super::simulation::{self, Corrected};
 use super::term::{Subject, Term};
-use super::unnamed::{Unknown, is_likely, likely, unnamed};
+use super::unnamed::{NOTICEABLE, Unknown, is_likely, likely, unnamed};
 use crate::evidence::NAMED;
 use crate::model::Model;
 use crate::recording::Recording;
@@ -228,6 +228,8 @@ pub fn conclude(
         effects.iter().find(own).is_some_and(|n| !n.confident)
     };
     let mut unnamed = unnamed(&found, event, drift(&found), &reports, is_doubtful);
+    // Nothing takes off more than is left without it: what looks large stands in for what fits as well.
+    unnamed.retain(|_| baseline.test >= NOTICEABLE);
     // Where nothing is missing, nothing is added.
     let adds = effects.iter().any(Named::is_missing);
     let after = if !adds && (null.core.corrects || reached.test > baseline.test) {

@@ -133,16 +133,32 @@ impl Evidence<'_> {
         take(&mut shown, (by_direction, end));
         let sum = |errors: &[f64]| errors.iter().sum::<f64>();
         shown.gain = best.map_or(0.0, |best| 100.0 * (1.0 - sum(&best) / sum(&plainest)));
+        // What is in the fit earns its place.
+        if shown.gain < 0.0 && shown.plain != base {
+            (shown.plain, shown.longest, shown.gain) = (base, longest, 0.0);
+        }
         shown
     }
 }
 
-/// Whether errors held out are less, by a share that counts and for certain.
+/// Whether errors held out are less, by a share that counts and for certain: by as much everywhere, or everywhere in proportion, as where a few
+/// long strokes have most of an error that every stroke has.
 fn is_better(before: &[f64], after: &[f64]) -> bool {
     let n = before.len() as f64;
-    let gains: Vec<f64> = before.iter().zip(after).map(|(b, a)| b - a).collect();
-    let mean = gains.iter().sum::<f64>() / n;
-    let spread = gains.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    let material = n * mean > MATERIAL * before.iter().sum::<f64>();
-    material && mean > CERTAIN * (spread / n).sqrt()
+    let sum = |errors: &[f64]| errors.iter().sum::<f64>();
+    let pairs = || before.iter().zip(after);
+    let is_certain = |gains: Vec<f64>| {
+        let mean = sum(&gains) / n;
+        let spread = gains.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        mean > CERTAIN * (spread / n).sqrt()
+    };
+    let material = sum(before) - sum(after) > MATERIAL * sum(before);
+    let least = 1e-300;
+    material
+        && (is_certain(pairs().map(|(b, a)| b - a).collect())
+            || is_certain(
+                pairs()
+                    .map(|(b, a)| (b.max(least) / a.max(least)).ln())
+                    .collect(),
+            ))
 }

@@ -1,5 +1,6 @@
 //! From a recording to parameters: the rigid body, and friction models of every size.
 
+mod band;
 mod between;
 mod evidence;
 pub mod family;
@@ -225,6 +226,9 @@ pub fn thinned(recording: &Recording, from: usize) -> Option<Recording> {
     (factor > 1).then(|| recording.decimated(factor))
 }
 
+/// Times that the band of a fit is narrowed at most: what a fit beside false accelerations leaves tells the rest.
+const NARROWER: usize = 3;
+
 /// Steps of the progress of [`identify`]: the search, its repetitions on held-out data, each number of blocks.
 pub const STEPS: u64 = maxwell_slip::STEPS;
 
@@ -238,9 +242,35 @@ pub fn identify(
     options: &Options,
     progress: &Progress,
 ) -> Result<Identification, String> {
+    let mut kinematics = Kinematics::of(recording);
+    let mut found = within(recording, options, &kinematics, progress)?;
+    for _ in 0..NARROWER {
+        let followed = found
+            .filtered
+            .then(|| found.followed_up_to(recording, &kinematics));
+        let Some(cutoff_hz) = followed.flatten() else {
+            break;
+        };
+        kinematics = Kinematics::below(recording, cutoff_hz);
+        let progress = Progress::new("in a narrower band", STEPS);
+        found = within(recording, options, &kinematics, &progress)?;
+        found.search_notes.push(format!(
+            "the effort does not follow the acceleration above {:.1} Hz, as where the encoder's error is periodic or a load swings: the fit looks below; `preslide diagnose` tells which",
+            found.band_hz
+        ));
+    }
+    Ok(found)
+}
+
+/// The fit within the band of a motion.
+fn within(
+    recording: &Recording,
+    options: &Options,
+    kinematics: &Kinematics,
+    progress: &Progress,
+) -> Result<Identification, String> {
     let split = split(recording, options)?;
-    let kinematics = Kinematics::of(recording);
-    let channel = Channel::of(recording, &kinematics);
+    let channel = Channel::of(recording, kinematics);
     let has_delay = channel.delay.is_some();
     let without_delay = Channel {
         delay: None,
@@ -248,7 +278,7 @@ pub fn identify(
     };
     let fit = |channel, progress| {
         let split = split.clone();
-        fitted(recording, options, split, &kinematics, channel, progress)
+        fitted(recording, options, split, kinematics, channel, progress)
     };
     let on_time = fit(channel, progress)?;
     if !has_delay {

@@ -2,7 +2,7 @@
 
 use super::family::Family;
 use super::family::bench::Bench;
-use super::{Candidate, Identification, Method};
+use super::{Candidate, Identification, Method, yield_range};
 use crate::progress::Progress;
 use crate::recording::Recording;
 use crate::report::figures::{left, quantity};
@@ -108,7 +108,7 @@ impl Identification {
         family: Family,
         progress: &Progress,
     ) -> Result<(), String> {
-        let kinematics = Kinematics::of(recording);
+        let kinematics = Kinematics::below(recording, self.band_hz);
         let candidate = Bench::new(recording, &kinematics, self).candidate(family, progress)?;
         let candidate = candidate.ok_or_else(|| {
             format!(
@@ -244,12 +244,10 @@ impl Identification {
     }
 
     /// The share of the breakaway force that blocks hold which hardly ever slip, where it is most of it.
-    fn soft_share(&self) -> Option<f64> {
+    fn soft_share(&self, half_a_stroke: f64) -> Option<f64> {
         let held = |(k, d): &(Estimate, Estimate)| k.value * d.value;
         let blocks = &self.best().blocks;
-        let soft = blocks
-            .iter()
-            .filter(|b| b.1.value > SOFT * self.yield_range.1);
+        let soft = blocks.iter().filter(|b| b.1.value > SOFT * half_a_stroke);
         let share = soft.map(held).sum::<f64>() / blocks.iter().map(held).sum::<f64>();
         (share > MOSTLY_SOFT).then_some(share)
     }
@@ -286,7 +284,10 @@ impl Identification {
         let best = self.best();
         let mut notes = self.search_notes.clone();
         notes.extend(self.stick_slip.map(|found| found.words(recording)));
-        if let Some(share) = self.soft_share() {
+        let (shortest, longest) = self.yield_range;
+        let range = yield_range(recording, &self.split.train());
+        let half_a_stroke = range.map_or(longest, |range| range.1);
+        if let Some(share) = self.soft_share(half_a_stroke) {
             notes.push(format!(
                 "{:.0} % of the friction yields only beyond {:.0} % of the longest stroke: what hardly ever slips is a spring, a weight or another force that follows the position as much as hysteresis; `preslide diagnose` tells which, a longer motion would",
                 100.0 * share,
@@ -307,7 +308,6 @@ impl Identification {
         }
         notes.extend(best.caveats());
         if best.size() > 0 {
-            let (shortest, longest) = self.yield_range;
             for (_, d) in &best.blocks {
                 if d.value <= 1.001 * shortest {
                     notes.push(format!(
@@ -316,8 +316,15 @@ impl Identification {
                     ));
                 }
                 if d.value >= 0.98 * longest {
+                    let (end, remedy) = match longest < 0.98 * half_a_stroke {
+                        true => (
+                            "the longest displacement that this recording tells from a force of the position",
+                            "more strokes of different length",
+                        ),
+                        false => ("half of the longest stroke", "longer strokes"),
+                    };
                     notes.push(format!(
-                        "the softest block yields at half of the longest stroke ({}) and may never have slipped: its weight is a lower bound; record longer strokes",
+                        "the softest block yields at {end} ({}) and may never have slipped: its weight is a lower bound; record {remedy}",
                         quantity(d.value, unit)
                     ));
                 }

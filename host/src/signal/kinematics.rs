@@ -33,7 +33,12 @@ impl Kinematics {
 
     /// Chooses the band and differentiates the position.
     pub fn of(recording: &Recording) -> Self {
-        let filter = ZeroPhase::choose(recording);
+        Self::below(recording, ZeroPhase::choose_cutoff(recording))
+    }
+
+    /// Differentiates the position within the band up to a cut-off (Hz).
+    pub fn below(recording: &Recording, cutoff_hz: f64) -> Self {
+        let filter = ZeroPhase::new(recording, cutoff_hz);
         let velocity = filter.derivative(&recording.position, 1);
         let acceleration = filter.derivative(&recording.position, 2);
         let still = STANDSTILL * velocity.iter().fold(0.0, |top: f64, v| top.max(v.abs()));

@@ -11,9 +11,11 @@ use std::ops::Range;
 
 /// Half of the window (s) over which a motion is looked at: shorter than a slip, longer than what a loop does to one count of the encoder.
 const WINDOW_S: f64 = 0.01;
-/// Share of the fastest motion below which an axis rests, and of the travel that a slip covers at least.
+/// Share of the fastest motion below which an axis rests, and of the travel that a slip covers at least, both without the share [`RARE`] of the
+/// samples at their ends: how the axis got to where it hunts is soon over, and may be thirty times as far as a slip.
 const SLOW: f64 = 0.02;
 const SHORT: f64 = 0.03;
+const RARE: f64 = 0.02;
 /// Quantile of the steps that is a count of the encoder, and counts that are no motion.
 const COUNT: f64 = 0.02;
 const COUNTS: f64 = 1.5;
@@ -204,10 +206,10 @@ impl<'a> Scene<'a> {
             .pieces
             .iter()
             .flat_map(|p| x[p.clone()].windows(2 * half + 1));
-        let fastest = windows
-            .map(|w| (w[2 * half] - w[0]).abs())
-            .fold(0.0, f64::max);
-        let (low, high) = recording.ends();
+        let mut speeds: Vec<f64> = windows.map(|w| (w[2 * half] - w[0]).abs()).collect();
+        let fastest = quantile(&mut speeds, 1.0 - RARE)?;
+        let mut places = x.clone();
+        let [low, high] = [0.5 * RARE, 1.0 - 0.5 * RARE].map(|q| quantile(&mut places, q));
         let means = |values: &[f64]| {
             let pieces = recording.pieces.iter();
             pieces
@@ -219,7 +221,7 @@ impl<'a> Scene<'a> {
             half,
             still: (COUNTS * count).max(SLOW * fastest),
             count,
-            travel: high - low,
+            travel: high? - low?,
             position: means(x),
             effort: means(&recording.effort),
         })

@@ -1,4 +1,4 @@
-//! `κ·(x − x0)`, the centre in the middle of the travel or free.
+//! `κ·(x − x0)`, the centre in the middle of the travel or free: of a shape `c` within `c` times [`ASIDE`] of the travel from there.
 
 use super::gravity::{Gravity, is_one_slope};
 use super::lack::different_ends;
@@ -68,7 +68,9 @@ impl Effect for PositionSpring {
     fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column> {
         let (from, to) = bounds(&scene.s.x);
         let spring = scene.force(|i| scene.s.x[i] - 0.5 * (from + to));
-        let centre = shape.first().map(|_| scene.force(|_| ASIDE * (to - from)));
+        let centre = shape
+            .first()
+            .map(|far| scene.force(|_| far * ASIDE * (to - from)));
         std::iter::once(spring).chain(centre).collect()
     }
 
@@ -84,16 +86,14 @@ impl Effect for PositionSpring {
     fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
         let (from, to) = bounds(&fitted.scene.s.x);
         let stiffness = fitted.coefficient(0);
+        let along = fitted.shape.first().unwrap_or(&1.0) * ASIDE * (to - from);
         let aside = match fitted.coefficient(1) {
             0.0 => 0.0,
-            share => ASIDE * (to - from) * share / stiffness,
+            share => along * share / stiffness,
         };
         let centre = 0.5 * (from + to) - aside;
         let errors = fitted.error(0).zip(fitted.error(1));
-        let error = errors.map(|(own, of_aside)| {
-            let along = ASIDE * (to - from);
-            (along * of_aside).hypot(aside * own) / stiffness
-        });
+        let error = errors.map(|(own, of_aside)| (along * of_aside).hypot(aside * own) / stiffness);
         vec![
             fitted.entry("stiffness_N_per_m", 0),
             match error {
