@@ -32,10 +32,10 @@ mod two_state {
 pub mod packed_f32 {
     include!("exported/packed_f32.rs");
 }
-mod packed_i16f16 {
+pub mod packed_i16f16 {
     include!("exported/packed_i16f16.rs");
 }
-mod full {
+pub mod full {
     include!("exported/full.rs");
 }
 

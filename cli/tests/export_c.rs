@@ -1,6 +1,7 @@
 //! `preslide export --lang c`: the C is compiled as a stranger would, with every warning an error, and run beside the library.
 
-use crate::export::{export, file, linear, packed_f32, plain, rotary, text};
+use crate::export::{export, file, full, linear, packed_f32, packed_i16f16, plain, rotary, text};
+use preslide::fixed::types::I16F16;
 use preslide::{Friction, Motion, Units};
 use preslide_host::friction::Path as MotionPath;
 use preslide_host::model::Model;
@@ -20,7 +21,18 @@ const WARNINGS: [&str; 6] = [
     "-Werror",
 ];
 
-/// Reads rows of displacement, velocity, position, temperature and load, and writes the forces.
+const SANITIZED: [&str; 3] = [
+    "-O1",
+    "-fsanitize=address,undefined",
+    "-fno-sanitize-recover=all",
+];
+
+fn compilers() -> impl Iterator<Item = &'static str> {
+    let is_here = |c: &&str| Command::new(c).arg("--version").output().is_ok();
+    ["gcc", "clang"].into_iter().filter(is_here)
+}
+
+/// Reads rows of displacement, velocity, position, temperature and load, or in whole numbers of the first two, and writes the forces.
 const DRIVER: &str = r#"
 #include "stage_model.h"
 #include <stdio.h>
@@ -30,6 +42,21 @@ const DRIVER: &str = r#"
 #ifndef SURROUND
 #define SURROUND(s, t, l) ((void)(t), (void)(l))
 #endif
+#ifdef WHOLE
+int main(void)
+{
+    static stage_model_state state;
+    int32_t row[2];
+    stage_model_rest(&state);
+    while (fread(row, sizeof row, 1, stdin) == 1) {
+        const int32_t force = stage_model_step(&state, row[0], row[1]);
+        if (fwrite(&force, sizeof force, 1, stdout) != 1) {
+            return 1;
+        }
+    }
+    return 0;
+}
+#else
 int main(void)
 {
     static stage_model_state state;
@@ -46,6 +73,7 @@ int main(void)
     }
     return 0;
 }
+#endif
 "#;
 
 /// What a step is given: displacement, velocity, position, temperature and load.
@@ -125,25 +153,27 @@ fn compiled(folder: &Path, compiler: &str, flags: &[&str]) -> PathBuf {
 }
 
 fn forces(program: &Path, rows: &[Row]) -> Vec<f32> {
+    let forces = run(program, rows.iter().flatten().flat_map(|v| v.to_le_bytes()));
+    forces.into_iter().map(f32::from_le_bytes).collect()
+}
+
+/// The words that it answers.
+fn run(program: &Path, bytes: impl Iterator<Item = u8>) -> Vec<[u8; 4]> {
     let mut child = Command::new(program)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
         .spawn()
         .expect("it runs");
-    let bytes: Vec<u8> = rows
-        .iter()
-        .flatten()
-        .flat_map(|v| v.to_le_bytes())
-        .collect();
+    let bytes: Vec<u8> = bytes.collect();
     let mut input = child.stdin.take().expect("piped");
     let writer = std::thread::spawn(move || input.write_all(&bytes));
     let run = child.wait_with_output().expect("it ends");
-    writer.join().expect("no panic").expect("all is read");
+    let written = writer.join().expect("no panic");
     assert!(run.status.success(), "{}", text(&run.stderr));
-    run.stdout
-        .chunks_exact(4)
-        .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
-        .collect()
+    written.expect("all is read");
+    let words = run.stdout.chunks_exact(4);
+    words.map(|b| [b[0], b[1], b[2], b[3]]).collect()
 }
 
 /// What the library gives for the same rows.
@@ -233,20 +263,119 @@ fn the_packed_kernel_in_c_has_the_librarys_bits() {
         let c = forces(&compiled(folder.path(), "cc", &["-O2"]), &rows);
         assert_eq!(apart(&c, &wanted), [0.0; 3]);
     }
-    let refused = export(&[
-        &file("packed.toml").display().to_string(),
-        "--lang",
-        "c",
-        "--kernel",
-        "packed_i16f16",
-        "-o",
-        &folder.path().join("other.c").display().to_string(),
-    ]);
-    let error = text(&refused.stderr);
+}
+
+/// What whole numbers stand for where a count is 25 nm and the breakaway force 0.9 N.
+const COUNT: f64 = 25e-9;
+const COUNTS: Units = Units {
+    length: COUNT,
+    force: 1e-3,
+    velocity: COUNT * 1e4,
+};
+
+/// Displacements and velocities of every size, the ends of the type and rests among them.
+fn any_counts() -> Vec<[i32; 2]> {
+    let mut random = 0x1727_2018_u32;
+    let mut next = || {
+        random ^= random << 13;
+        random ^= random >> 17;
+        random ^= random << 5;
+        random
+    };
+    let mut any = || match next() % 64 {
+        0 => i32::MAX,
+        1 => i32::MIN,
+        2..10 => 0,
+        _ => next() as i32 >> (next() % 32),
+    };
+    (0..STEPS).map(|_| [any(), any()]).collect()
+}
+
+/// Compiled by every compiler that is here, as for firmware and under the sanitizers: the library's bits.
+fn assert_whole_numbers<F: Friction<Scalar = I16F16>>(model: &str, more: &[&str], library: &F) {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let count = [&["--count", "25e-9"][..], more].concat();
+    let source = exported_by(folder.path(), &file(model), &count);
+    let code = std::fs::read_to_string(source).expect("written");
     assert!(
-        refused.status.code() == Some(2) && error.contains("packed_f32"),
-        "{error}"
+        !code.contains("float") && !code.contains("math.h"),
+        "{code}"
     );
+    let rows = any_counts();
+    let mut state = library.at_rest();
+    let step = |&[dx, v]: &[i32; 2]| {
+        let motion = Motion {
+            displacement: I16F16::from_bits(dx),
+            velocity: I16F16::from_bits(v),
+        };
+        library.step(&mut state, motion).to_bits()
+    };
+    let wanted: Vec<i32> = rows.iter().map(step).collect();
+    let [most, least] = [800, 100].map(|units| units << 16);
+    let size = |f: &i32| f.unsigned_abs();
+    assert!(wanted.iter().any(|f| size(f) > most) && wanted.iter().any(|f| size(f) < least));
+    for compiler in compilers() {
+        // The second also as a core that multiplies by halves.
+        let sanitized = [&["-DWHOLE", "-D__ARM_ARCH_6M__"], &SANITIZED[..]].concat();
+        for flags in [&["-DWHOLE", "-O2"][..], &sanitized] {
+            let program = compiled(folder.path(), compiler, flags);
+            let c = run(
+                &program,
+                rows.iter().flatten().flat_map(|v| v.to_le_bytes()),
+            );
+            let c: Vec<i32> = c.into_iter().map(i32::from_le_bytes).collect();
+            assert!(c == wanted, "{model} {more:?} {compiler} {flags:?}");
+        }
+    }
+}
+
+#[test]
+fn kernels_in_whole_numbers_have_the_librarys_bits_in_c() {
+    use preslide::effects::{ConstantForce, Viscous, With};
+    use preslide::kernels::{Scaled, SlipReserve};
+    type OneByOne = Scaled<SlipReserve<4>, I16F16>;
+
+    let packed = packed_i16f16::model::<I16F16>(STEP, COUNTS).expect("valid");
+    let of = |kernel| ["--kernel", kernel];
+    assert_whole_numbers("packed.toml", &of("packed_i16f16"), &packed);
+    let (blocks, breakaway) = (packed_i16f16::BLOCKS, packed_i16f16::GMS_BREAKAWAY_N);
+    let one_by_one = || OneByOne::try_new(&blocks, breakaway, COUNTS).expect("valid");
+    assert_whole_numbers("packed.toml", &of("slip_reserve_i16f16"), &one_by_one());
+    // Of the full law with its viscous friction, without the effect that C has in single precision alone.
+    let sliding = preslide::Sliding {
+        coulomb: full::GMS_COULOMB_N,
+        stribeck_velocity: full::GMS_STRIBECK_VELOCITY_M_S,
+        stribeck_exponent: full::GMS_STRIBECK_EXPONENT,
+        attraction: full::GMS_ATTRACTION_N_PER_S,
+    };
+    let friction = Scaled::<preslide::kernels::CountGms<3>, I16F16>::try_new(
+        &full::BLOCKS,
+        full::GMS_BREAKAWAY_N,
+        sliding,
+        STEP,
+        COUNTS,
+    );
+    let viscous = |b, limit| Viscous::try_new(b, limit, COUNTS).expect("valid");
+    let with = With::try_new(friction.expect("valid"), viscous(12.0, 9.0)).expect("valid");
+    let more = [
+        "--kernel",
+        "count_gms_i16f16",
+        "--without",
+        "periodic_force",
+    ];
+    assert_whole_numbers("full.toml", &more, &with);
+    // Where tune chooses, beside forces of both signs.
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let model = std::fs::read_to_string(file("packed.toml")).expect("kept");
+    let more = "breakaway_N = 0.9\nviscous_N_s_per_m = -7.0\n";
+    let model = model.replace("breakaway_N = 0.9\n", more)
+        + "\n[[effects]]\nid = \"constant_force\"\nforce_N = -0.2\n";
+    let written = folder.path().join("forces.toml");
+    std::fs::write(&written, model).expect("written");
+    let constant = ConstantForce::try_new(-0.2, COUNTS).expect("valid");
+    let with = With::try_new(one_by_one(), (viscous(-7.0, 3.0), constant)).expect("valid");
+    let more = ["--kernel", "auto", "--cpu", "rp2040", "--limit", "3"];
+    assert_whole_numbers(&written.display().to_string(), &more, &with);
 }
 
 /// `firmware/cycles` counts what is exported; run with `BLESS=1` to write it anew after a change.
@@ -257,6 +386,21 @@ fn the_c_whose_cycles_are_counted_is_what_export_writes() {
         ("full", "gms_f32", &[][..]),
         ("blocks", "quasi_static_f32", &[]),
         ("blocks", "packed_f32", &["--kernel", "packed_f32"]),
+        (
+            "full",
+            "count_gms_i16f16",
+            &["--kernel", "count_gms_i16f16", "--count", "25e-9"],
+        ),
+        (
+            "blocks",
+            "packed_i16f16",
+            &["--kernel", "packed_i16f16", "--count", "25e-9"],
+        ),
+        (
+            "blocks",
+            "slip_reserve_i16f16",
+            &["--kernel", "slip_reserve_i16f16", "--count", "25e-9"],
+        ),
     ] {
         let folder = tempfile::tempdir().expect("temporary folder");
         let written = folder
@@ -375,21 +519,13 @@ fn bad_input_is_bounded_and_nothing_is_undefined() {
             row[i % 5] = bad[i % 4];
         }
     }
-    let compilers = ["gcc", "clang"]
-        .into_iter()
-        .filter(|c| Command::new(c).arg("--version").output().is_ok());
-    for compiler in compilers {
+    for compiler in compilers() {
         for name in ["plain", "linear", "rotary", "packed"] {
             let folder = tempfile::tempdir().expect("temporary folder");
             let kernel = ["--kernel", "packed_f32"];
             let more: &[&str] = if name == "packed" { &kernel } else { &[] };
             exported_by(folder.path(), &file(&format!("{name}.toml")), more);
-            let flags = [
-                "-O1",
-                "-fsanitize=address,undefined",
-                "-fno-sanitize-recover=all",
-            ];
-            let program = compiled(folder.path(), compiler, &flags);
+            let program = compiled(folder.path(), compiler, &SANITIZED);
             let c = forces(&program, &rows);
             assert!(c.iter().all(|f| f.abs() < 60.0), "{compiler} {name}");
             let after = forces(&program, &calm);
@@ -427,6 +563,49 @@ fn what_c_needs_and_lacks_is_said() {
         error.contains("leuven") && error.contains("without --lang"),
         "{error}"
     );
+    let whole = |name: &str, kernel: &str, more: &[&str]| {
+        let model = model(name);
+        let own = [
+            &model,
+            "--lang",
+            "c",
+            "-o",
+            "stage_model.c",
+            "--kernel",
+            kernel,
+        ];
+        refused(&[&own[..], more].concat())
+    };
+    let error = whole("linear", "count_gms_i16f16", &["--count", "1e-7"]);
+    assert!(
+        error.contains("--without frictional_lag") && error.contains("gms_f32"),
+        "{error}"
+    );
+    let error = whole("plain", "slip_reserve_i16f16", &[]);
+    assert!(error.contains("--count"), "{error}");
+    let error = whole("plain", "slip_reserve_i16f16", &["--count", "1e4"]);
+    assert!(error.contains("a count is far longer"), "{error}");
+    let bound = [
+        "--count",
+        "25e-9",
+        "--rate",
+        "1e4",
+        "--without",
+        "periodic_force",
+        "--limit",
+        "90",
+    ];
+    let error = whole("full", "count_gms_i16f16", &bound);
+    assert!(error.contains("a lower --limit"), "{error}");
+    let error = whole(
+        "full",
+        "count_gms_i16f16",
+        &["--count", "25e-9", "--without", "periodic_force"],
+    );
+    assert!(
+        error.contains("--rate") && error.contains("Stribeck"),
+        "{error}"
+    );
     let error = refused(&[&model("plain"), "--rate", "1000"]);
     assert!(error.contains("--lang c"), "{error}");
 }
@@ -435,18 +614,30 @@ fn what_c_needs_and_lacks_is_said() {
 #[test]
 fn the_examples_compile_as_strangers_would() {
     let folder = tempfile::tempdir().expect("temporary folder");
-    for (model, name) in [("plain", "stage_model"), ("rotary", "joint_model")] {
+    let whole = ["--kernel", "slip_reserve_i16f16", "--count", "1e-7"];
+    for (model, name, more) in [
+        ("plain", "stage_model", &[][..]),
+        ("plain", "counts_model", &whole),
+        ("rotary", "joint_model", &[]),
+    ] {
         let source = folder
             .path()
             .join(format!("{name}.c"))
             .display()
             .to_string();
         let model = file(&format!("{model}.toml")).display().to_string();
-        let run = export(&[&model, "--lang", "c", "--rate", RATE_HZ, "-o", &source]);
+        let own = [&model, "--lang", "c", "--rate", RATE_HZ, "-o", &source];
+        let run = export(&[&own[..], more].concat());
         assert!(run.status.success(), "{}", text(&run.stderr));
     }
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/c");
-    for name in ["linuxcnc.c", "stm32.c", "simplefoc.cpp", "ros2_control.cpp"] {
+    for name in [
+        "linuxcnc.c",
+        "stm32.c",
+        "stm32_counts.c",
+        "simplefoc.cpp",
+        "ros2_control.cpp",
+    ] {
         let is_cpp = name.ends_with("cpp");
         let (compiler, standard) = if is_cpp {
             ("c++", "-std=c++17")

@@ -70,7 +70,14 @@ const PEERS: &[(&str, &str, &[&str])] = &[
 ];
 
 /// What `preslide export --lang c` wrote in `peers/exported`: `src/exported.rs` calls it.
-const EXPORTED: [&str; 3] = ["gms_f32", "quasi_static_f32", "packed_f32"];
+const EXPORTED: [&str; 6] = [
+    "gms_f32",
+    "quasi_static_f32",
+    "packed_f32",
+    "count_gms_i16f16",
+    "packed_i16f16",
+    "slip_reserve_i16f16",
+];
 
 /// Of every peer.
 const STRICT: [&str; 4] = ["-Wall", "-Wextra", "-Werror", "-ffunction-sections"];
@@ -126,7 +133,12 @@ fn build_peers(compiler: &Compiler, crate_folder: &Path, out: &Path) -> Result<(
         gcc.args(compiler.cpu)
             .args(["-std=c99", "-O2", "-fwhole-program"])
             .args(STRICT);
+        let number = match name.ends_with("f32") {
+            true => "float",
+            false => "int32_t",
+        };
         gcc.args([format!("-DNAME={name}"), format!("-DSTEP={step}")]);
+        gcc.arg(format!("-DNUMBER={number}"));
         gcc.arg("-include")
             .arg(peers.join(format!("exported/{name}.c")));
         gcc.arg("-c").arg(peers.join("exported.c"));

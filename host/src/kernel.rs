@@ -119,14 +119,38 @@ macro_rules! with_blocks {
     };
 }
 
-/// A Maxwell-slip model in whole numbers.
+/// What a kernel in whole numbers computes with.
 pub struct WholeNumbers {
-    /// `2·D_i` in units of length, and `k_i` in units of force per unit of length.
+    /// Of each block `2·D_i` in units of length, and `k_i` in units of force per unit of length; of the full law what [`CountGms::blocks`] says.
     pub blocks: Vec<[i32; 2]>,
-    /// Units of length in a metre or radian.
-    pub per_length: f64,
-    /// Unit of force (N or N·m).
-    pub force: f64,
+    /// Binary places from the controller's units to the kernel's, as [`Scaled::places`] says.
+    pub places: (u32, u32, i32),
+    /// Greatest force in the controller's units.
+    pub limit: f64,
+    /// The Stribeck curve and the lag.
+    pub curves: Option<Curves>,
+}
+
+/// What the full law has beside its blocks: see [`CountGms`].
+pub struct Curves {
+    /// [`CountGms::longest`].
+    pub longest: i32,
+    /// [`CountGms::curves`].
+    pub table: (u32, Vec<[i32; 4]>),
+}
+
+impl WholeNumbers {
+    fn of<K: preslide::kernels::Kernel, S: Scalar>(
+        model: &Scaled<K, S>,
+        blocks: impl Iterator<Item = [i32; 2]>,
+    ) -> Self {
+        Self {
+            blocks: blocks.collect(),
+            places: model.places(),
+            limit: model.limit().map_or(f64::INFINITY, S::to_f64),
+            curves: None,
+        }
+    }
 }
 
 /// A Maxwell-slip model's own parameters.
@@ -276,25 +300,53 @@ impl Kernel {
         Some(self.hand::<f64, V>(&model, sample_time, Units::SI, visitor))
     }
 
-    /// What [`Self::PackedF32`] computes with in SI; `None` where the model is no Maxwell slip.
+    /// What a kernel computes with; `None` where that is no whole numbers, or the model no Maxwell slip. `sample_time` in s.
     ///
     /// # Errors
     /// As [`Kernel::visit`]'s.
-    pub fn whole_numbers(friction: &FrictionModel) -> Option<Result<WholeNumbers, ParamError>> {
-        let MaxwellSlip {
+    pub fn whole_numbers(
+        self,
+        friction: &FrictionModel,
+        sample_time: f64,
+        units: Units,
+    ) -> Option<Result<WholeNumbers, ParamError>> {
+        let model = MaxwellSlip::of(friction)?;
+        match self {
+            Self::GmsF32 | Self::QuasiStaticF32 => None,
+            Self::PackedF32 => Some(self.whole::<f32>(&model, sample_time, units)),
+            Self::CountGms | Self::Packed | Self::SlipReserve => {
+                Some(self.whole::<I16F16>(&model, sample_time, units))
+            }
+        }
+    }
+
+    fn whole<S: Scalar>(
+        self,
+        model: &MaxwellSlip,
+        sample_time: f64,
+        units: Units,
+    ) -> Result<WholeNumbers, ParamError> {
+        let &MaxwellSlip {
             blocks, breakaway, ..
-        } = MaxwellSlip::of(friction)?;
-        Some(
-            with_blocks!(blocks, array, PAIRS => Scaled::<PackedSlipReserve<PAIRS>, f32>::try_new(&array, breakaway, Units::SI)
-            .map(|model| {
-                let (length, force) = model.places();
-                WholeNumbers {
-                    blocks: model.kernel().blocks().take(blocks.len()).collect(),
-                    per_length: 2_f64.powi(length as i32),
-                    force: 2_f64.powi(-force),
-                }
-            }), 1 1, 2 1, 3 2, 4 2, 5 3, 6 3, 7 4, 8 4, 9 5, 10 5, 11 6, 12 6, 13 7, 14 7, 15 8, 16 8),
-        )
+        } = model;
+        let sliding = model.sliding.unwrap_or(Sliding::none(breakaway));
+        with_blocks!(blocks, array, PAIRS => Ok(match self {
+            Self::CountGms => {
+                let model = Scaled::<CountGms<_>, S>::try_new(&array, breakaway, sliding, sample_time, units)?;
+                let kernel = model.kernel();
+                let (intervals, table) = kernel.curves();
+                let curves = Curves { longest: kernel.longest(), table: (intervals, table.collect()) };
+                WholeNumbers { curves: Some(curves), ..WholeNumbers::of(&model, kernel.blocks()) }
+            }
+            Self::SlipReserve => {
+                let model = Scaled::<SlipReserve<_>, S>::try_new(&array, breakaway, units)?;
+                WholeNumbers::of(&model, model.kernel().blocks())
+            }
+            _ => {
+                let model = Scaled::<PackedSlipReserve<PAIRS>, S>::try_new(&array, breakaway, units)?;
+                WholeNumbers::of(&model, model.kernel().blocks().take(blocks.len()))
+            }
+        }), 1 1, 2 1, 3 2, 4 2, 5 3, 6 3, 7 4, 8 4, 9 5, 10 5, 11 6, 12 6, 13 7, 14 7, 15 8, 16 8)
     }
 
     fn hand<S: Scalar + Send + 'static, V: Visitor<S>>(

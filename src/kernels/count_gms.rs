@@ -160,6 +160,22 @@ impl<const N: usize> CountGms<N> {
         2.02 * heaviest * breakaway / scale(extremes(blocks, breakaway, length))
     }
 
+    /// `1/D_i` and `α_i·F_s` of each block, as a tick multiplies by them.
+    pub fn blocks(&self) -> impl Iterator<Item = [i32; 2]> {
+        self.blocks.iter().map(|b| [b.rate, b.share])
+    }
+
+    /// The longest displacement of a tick (units of length).
+    pub fn longest(&self) -> i32 {
+        self.longest
+    }
+
+    /// The table: its intervals per unit of velocity, times 2³², and of each `σ` in the middle (in the scale of `q`), its difference across,
+    /// and the same of `λ` (times 2³¹).
+    pub fn curves(&self) -> (u32, impl Iterator<Item = [i32; 4]>) {
+        self.curves.numbers()
+    }
+
     /// `F_s·Σ α_i·q_i`, in units of force.
     #[inline]
     fn force(&self, shares: &[i32; N]) -> i32 {

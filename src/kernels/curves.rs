@@ -58,6 +58,13 @@ impl Curves {
         })
     }
 
+    /// Intervals per unit of velocity, times 2³², and of each `σ` in its middle, its difference across, and the same of `λ`.
+    pub(super) fn numbers(&self) -> (u32, impl Iterator<Item = [i32; 4]>) {
+        let intervals = self.table.iter();
+        let intervals = intervals.map(|i| [i.weakening, i.weakening_step, i.lag, i.lag_step]);
+        (self.per_velocity, intervals)
+    }
+
     /// `σ(v)` in parts of `one`, and `λ(v)` times 2³¹.
     #[inline]
     pub(super) fn at(&self, velocity: i32) -> (i32, i32) {

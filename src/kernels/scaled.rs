@@ -91,9 +91,9 @@ impl<K, S> Scaled<K, S> {
         &self.kernel
     }
 
-    /// Binary places from the controller's units to the kernel's, of length and of force.
-    pub fn places(&self) -> (u32, i32) {
-        (self.scale.length, self.scale.force)
+    /// Binary places from the controller's units to the kernel's: of length, of velocity beside 16 more, and of force.
+    pub fn places(&self) -> (u32, u32, i32) {
+        (self.scale.length, self.scale.velocity, self.scale.force)
     }
 }
 

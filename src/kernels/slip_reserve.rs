@@ -72,6 +72,11 @@ impl<const N: usize> SlipReserve<N> {
         finest_force(blocks, breakaway, length, RANGE)
     }
 
+    /// `2·D_i` (units of length) and `k_i` (units of force per unit of length) of each block.
+    pub fn blocks(&self) -> impl Iterator<Item = [i32; 2]> {
+        self.blocks.iter().map(|b| [b.full, b.stiffness])
+    }
+
     /// The fence costs no instruction. It has the blocks stored here and loaded again below: kept in registers across
     /// both ways, they would make the ordinary tick save those registers.
     #[inline]

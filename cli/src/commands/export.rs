@@ -7,7 +7,7 @@ use preslide_drive::quantity;
 use preslide_host::cost::DEFAULT;
 use preslide_host::export::joint::{Format, Joint};
 use preslide_host::export::{Options, c_source, reduced, rust_source, sha256};
-use preslide_host::kernel::Kernel;
+use preslide_host::kernel::{Arithmetic, Kernel};
 use preslide_host::model::{Model, ModelError, read};
 use preslide_host::recording::Needs;
 use preslide_host::report::figures::quantity;
@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 /// A model as source for the firmware, in Rust (constants, the composed type, the function that builds it) or C; or as a simulator's joint
 #[derive(Args)]
 #[command(
-    after_help = "Example: preslide export model.toml --recording axis.csv -o src/stage_model.rs\n         preslide export model.toml --lang c --rate 20kHz -o stage_model.c\n         preslide export model.toml --mjcf -o joint.xml\n         preslide export model.toml --usd -o joint.usda"
+    after_help = "Example: preslide export model.toml --recording axis.csv -o src/stage_model.rs\n         preslide export model.toml --lang c --rate 20kHz -o stage_model.c\n         preslide export model.toml --lang c --kernel slip_reserve_i16f16 --count 25e-9 -o stage_model.c\n         preslide export model.toml --mjcf -o joint.xml\n         preslide export model.toml --usd -o joint.usda"
 )]
 pub struct Export {
     /// Model file, as `identify` and `diagnose` write it
@@ -33,7 +33,7 @@ pub struct Export {
     #[arg(long, value_name = "FORCE")]
     limit: Option<f64>,
 
-    /// Language of the source; C99 is a pair of files, -o NAME.c and NAME.h beside it, in single precision
+    /// Language of the source; C99 is a pair of files, -o NAME.c and NAME.h beside it, in single precision or, by --kernel, in whole numbers
     #[arg(long, value_enum, default_value_t = Lang::Rust, conflicts_with_all = ["mjcf", "urdf", "usd"])]
     lang: Lang,
 
@@ -41,7 +41,8 @@ pub struct Export {
     #[arg(long, value_name = "HZ", value_parser = parse_frequency)]
     rate: Option<f64>,
 
-    /// Form of a Maxwell-slip model's law: a kernel's name, or auto for what `preslide tune` recommends
+    /// Form of a Maxwell-slip model's law: a kernel's name, or auto for what `preslide tune` recommends; those of i16f16 take counts and no
+    /// float, and in C of effects viscous and constant force alone
     #[arg(long, value_name = "NAME or auto", conflicts_with_all = ["mjcf", "urdf", "usd"])]
     kernel: Option<String>,
 
@@ -49,7 +50,7 @@ pub struct Export {
     #[arg(long, default_value = DEFAULT, value_name = "CORE or FILE.csv")]
     cpu: String,
 
-    /// Length of an encoder count for --kernel auto (m or rad); without it, encoder_count_m of the model's [mechanics]
+    /// Length of an encoder count for --kernel auto and for C in whole numbers (m or rad); without it, encoder_count_m of the model's [mechanics]
     #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_rate)]
     count: Option<f64>,
 
@@ -148,10 +149,14 @@ impl Export {
             return Ok(());
         }
         let kernel = self.kernel(&model, &mut remarks)?;
+        let in_counts = |kernel: Kernel| kernel.arithmetic() == Arithmetic::I16F16;
+        let needs_count = self.lang == Lang::C && kernel.is_some_and(in_counts);
+        let count = needs_count.then(|| count_of(self.count, &model, &self.model));
         let options = Options {
             remarks,
             limit: self.limit,
             rate: self.rate,
+            count: count.transpose()?,
             kernel,
         };
         if let Some((source, header)) = self.output.as_ref().zip(header) {
@@ -187,7 +192,10 @@ impl Export {
                     .map_err(Failure::Input)?;
                 let tuning = of_model(model, count, &costs, budget).map_err(Failure::Input)?;
                 let choice = tuning.chosen().map_err(Failure::Data)?;
-                let said = choice.said(&self.cpu);
+                let mut said = choice.said(&self.cpu);
+                if self.lang == Lang::C {
+                    said += " That is the kernel in Rust.";
+                }
                 tell!("{said}");
                 remarks.push(said);
                 choice.kernel

@@ -1,22 +1,40 @@
 //! What `preslide export --lang c` writes of Table 3's six blocks, built by gcc: its forces must be those of the library's kernels.
 
-use preslide::kernels::{PackedSlipReserve, Scaled};
+use fixed::types::I16F16;
+use preslide::kernels::{CountGms, PackedSlipReserve, Scaled, SlipReserve};
 use preslide::{Friction, Gms, QuasiStaticGms, Units};
 
 use crate::kernels::{BREAKAWAY, SLIDING, blocks, built};
-use crate::motion::SAMPLE_TIME;
+use crate::motion::{COUNT, SAMPLE_TIME};
 use crate::stub::Row;
 
-/// An exported model, as many words as it remembers, the library's model, and whether two forces are the same.
+/// Two arrays of six.
+const BLOCKS: usize = 12;
+/// The full law's in whole numbers, and its table.
+const BLOCKS_AND_TABLE: usize = BLOCKS + 64 * 4;
+
+/// What export writes takes and gives at [`COUNT`] and 20 kHz: counts, millinewtons, counts a tick.
+const WHOLE: Units = Units {
+    length: COUNT,
+    force: 1e-3,
+    velocity: COUNT * 20_000.0,
+};
+
+/// An exported model, as many words as its constants are and as it remembers, the library's model in units, and whether two forces are the same.
 macro_rules! exported {
-    ($name:literal, $words:literal, $model:expr, $are_same:expr) => {{
+    ($name:literal, $number:ty, $constants:expr, $words:literal, $model:expr, $units:expr, $are_same:expr) => {{
         type State = [u32; $words];
-        // C has its own: two arrays of six, which this is as long as.
-        type Model = [u32; 12];
+        // C has its own, which this is as long as.
+        type Model = [u32; $constants];
         // SAFETY: build.rs compiles the file of this name, with these functions.
         unsafe extern "C" {
             #[link_name = concat!("cycles__exported_c_", $name, "__6")]
-            fn step(model: &Model, state: &mut State, displacement: f32, velocity: f32) -> f32;
+            fn step(
+                model: &Model,
+                state: &mut State,
+                displacement: $number,
+                velocity: $number,
+            ) -> $number;
             #[link_name = concat!($name, "_rest")]
             fn rest(state: &mut State);
             #[link_name = concat!($name, "_bytes")]
@@ -30,20 +48,21 @@ macro_rules! exported {
         }
         let model = built($model);
         let mut own = model.at_rest();
+        let constants: Model = [0; $constants];
         let row = Row {
             kernel: concat!("exported_c_", $name),
             blocks: 6,
-            units: Units::SI,
+            units: $units,
         };
-        let compare = |motion, force: f32| {
-            let wanted: f32 = model.step(&mut own, motion);
+        let compare = |motion, force: $number| {
+            let wanted: $number = model.step(&mut own, motion);
             assert!(
                 $are_same(force, wanted),
-                "{}: {force} N in C, {wanted} N in Rust",
+                "{}: {force} in C, {wanted} in Rust",
                 $name
             );
         };
-        let call = row.run_watched(&Model::default(), state, step, |_, _, _| (), compare);
+        let call = row.run_watched(&constants, state, step, |_, _, _| (), compare);
         row.print_measured::<State>(&call, None);
     }};
 }
@@ -59,10 +78,44 @@ fn near(c: f32, rust: f32) -> bool {
 
 pub fn run() {
     let blocks = &blocks::<6>();
-    let gms = Gms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, Units::SI);
-    exported!("gms_f32", 8, gms, near);
-    let quasi_static = QuasiStaticGms::try_new(blocks, BREAKAWAY, Units::SI);
-    exported!("quasi_static_f32", 6, quasi_static, same_bits);
-    let packed = Scaled::<PackedSlipReserve<3>, f32>::try_new(blocks, BREAKAWAY, Units::SI);
-    exported!("packed_f32", 8, packed, same_bits);
+    let si = Units::SI;
+    let gms = Gms::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, si);
+    exported!("gms_f32", f32, BLOCKS, 8, gms, si, near);
+    let quasi_static = QuasiStaticGms::try_new(blocks, BREAKAWAY, si);
+    exported!(
+        "quasi_static_f32",
+        f32,
+        BLOCKS,
+        6,
+        quasi_static,
+        si,
+        same_bits
+    );
+    let packed = Scaled::<PackedSlipReserve<3>, f32>::try_new(blocks, BREAKAWAY, si);
+    exported!("packed_f32", f32, BLOCKS, 8, packed, si, same_bits);
+
+    let same = |c: I16F16, rust: I16F16| c == rust;
+    let full =
+        Scaled::<CountGms<6>, I16F16>::try_new(blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, WHOLE);
+    exported!(
+        "count_gms_i16f16",
+        I16F16,
+        BLOCKS_AND_TABLE,
+        9,
+        full,
+        WHOLE,
+        same
+    );
+    let packed = Scaled::<PackedSlipReserve<3>, I16F16>::try_new(blocks, BREAKAWAY, WHOLE);
+    exported!("packed_i16f16", I16F16, BLOCKS, 8, packed, WHOLE, same);
+    let one_by_one = Scaled::<SlipReserve<6>, I16F16>::try_new(blocks, BREAKAWAY, WHOLE);
+    exported!(
+        "slip_reserve_i16f16",
+        I16F16,
+        BLOCKS,
+        8,
+        one_by_one,
+        WHOLE,
+        same
+    );
 }

@@ -27,6 +27,8 @@ pub struct Options {
     pub limit: Option<f64>,
     /// Ticks per second (Hz) of C code in which time plays a part; Rust's takes them when the model is built.
     pub rate: Option<f64>,
+    /// Length of an encoder count (m or rad), for C in whole numbers.
+    pub count: Option<f64>,
     /// The form of a Maxwell-slip model's law; without it, the one that takes every model, in `f32`.
     pub kernel: Option<Kernel>,
 }

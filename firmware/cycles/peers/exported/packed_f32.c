@@ -20,27 +20,19 @@ static const int32_t FULLS[PACKED_F32_BLOCKS] = { 522, 1044, 2614, 7830, 15586, 
 static const int32_t STIFFNESSES[PACKED_F32_BLOCKS] = { 16893, 3616, 1825, 594, 163, 268 };
 
 
-/* Maxwell-slip blocks in whole numbers: each keeps what it can still move before it slips; a reversal turns that round. */
-static float friction_step(packed_f32_state *s, float dx, float v)
+/* Does not compile where a shift of a negative number is none that rounds down. */
+typedef char packed_f32_shifts_round_down[(-1 >> 1) == -1 ? 1 : -1];
+
+/* Maxwell-slip blocks in whole numbers: each keeps what it can still move before it slips; a reversal turns that round.
+   moved is in 1/65536 units of length, what is returned in units of force. */
+static int32_t blocks_step(packed_f32_state *s, int32_t moved)
 {
-    const float q16 = dx * PER_LENGTH;
-    const float up = q16 < 0.0f ? q16 - 0.5f : q16 + 0.5f;
-    int32_t path = 0;
-    int32_t advance;
+    const int32_t path = moved > INT32_MAX - s->remainder ? INT32_MAX : moved + s->remainder;
+    int32_t advance = path >> 16;
     int32_t lacking = 0;
     int i;
-    (void)v;
-    if (up >= 2147483648.0f) {
-        path = INT32_MAX;
-    } else if (up <= -2147483648.0f) {
-        path = INT32_MIN;
-    } else if (up == up) {
-        path = (int32_t)up;
-    }
-    /* What is no whole unit yet waits in the remainder. */
-    path = path > INT32_MAX - s->remainder ? INT32_MAX : path + s->remainder;
-    s->remainder = (int32_t)((uint32_t)path & 0xffffu);
-    advance = (path - s->remainder) / 65536;
+    /* What is no whole unit yet waits. */
+    s->remainder = path & 0xffff;
     if (s->backward ? advance > 0 : advance < 0) {
         s->backward = !s->backward;
         for (i = 0; i < PACKED_F32_BLOCKS; ++i) {
@@ -53,7 +45,23 @@ static float friction_step(packed_f32_state *s, float dx, float v)
         lacking += STIFFNESSES[i] * s->reserve[i];
     }
     lacking = LIMIT - lacking;
-    return (float)(s->backward ? -lacking : lacking) * FORCE;
+    return s->backward ? -lacking : lacking;
+}
+
+static float friction_step(packed_f32_state *s, float dx, float v)
+{
+    const float q16 = dx * PER_LENGTH;
+    const float up = q16 < 0.0f ? q16 - 0.5f : q16 + 0.5f;
+    int32_t moved = 0;
+    (void)v;
+    if (up >= 2147483648.0f) {
+        moved = INT32_MAX;
+    } else if (up <= -2147483648.0f) {
+        moved = INT32_MIN;
+    } else if (up == up) {
+        moved = (int32_t)up;
+    }
+    return (float)blocks_step(s, moved) * FORCE;
 }
 
 float packed_f32_step(packed_f32_state *s, float displacement_m, float velocity_m_s)

@@ -2,7 +2,7 @@
 
 use super::law::Law;
 use super::term::Term;
-use super::{SAMPLE_TIME, literal};
+use super::{SAMPLE_TIME, define, literal};
 use crate::effects::form::Sum;
 use crate::export::constants::{Constant, inertia};
 use crate::model::Model;
@@ -16,31 +16,30 @@ pub(super) struct File<'a> {
     pub(super) name: &'a str,
     /// Where the model comes from.
     pub(super) remarks: &'a [String],
-    /// Ticks per second (Hz), where time plays a part.
-    pub(super) rate: Option<f64>,
+    /// Constants of the header.
+    pub(super) defines: String,
+    /// The step, declared, and what it is.
+    pub(super) step: [String; 2],
+    /// Seconds between two steps are taken.
+    pub(super) timed: bool,
+    /// It takes `math.h`.
+    pub(super) math: bool,
     pub(super) terms: &'a [Term],
     pub(super) law: &'a Law,
 }
 
 impl File<'_> {
     pub(super) fn header(&self) -> String {
-        let unit = |linear, rotary| match self.model.motion {
-            MotionKind::Linear => linear,
-            MotionKind::Rotary => rotary,
-        };
-        let (length, force) = (unit("m", "rad"), unit("N", "N m"));
-        let [dx, v] = ["displacement_m", "velocity_m_s"].map(|k| self.model.key(k));
         let mut defines = String::new();
         if !self.model.friction.blocks().is_empty() {
             let count = self.model.friction.blocks().len();
             defines += &define("Maxwell-slip blocks", "@@BLOCKS", &count.to_string());
         }
-        if let Some(rate) = self.rate {
-            defines += &define("Calls of @step per second", "@@RATE_HZ", &literal(rate));
-        }
+        defines += &self.defines;
         if let Some(Constant { name, said, value }) = inertia(self.model) {
             defines += &define(&said, &format!("@@{name}"), &literal(value));
         }
+        let [declared, said] = &self.step;
         let setters = self.setters();
         let setters = setters.iter();
         let setters: String = setters
@@ -50,23 +49,21 @@ impl File<'_> {
             "#ifndef @@H\n#define @@H\n\n#include <stdbool.h>\n#include <stdint.h>\n\n#ifdef __cplusplus\nextern \"C\" {{\n#endif\n\n{defines}\n\
              /* What the model remembers; of each axis one, set by @rest before the first step. */\ntypedef struct {{\n{}}} @state;\n\n\
              /* An axis that rests, its friction free of tension. */\nvoid @rest(@state *s);\n{setters}\
-             /* The force ({force}) that holds against friction and effects: add it to the controller's before the limiter. {dx}: since the step before\n   ({length}); {v}: now ({length}/s).{} */\nfloat @step(@state *s, float {dx}, float {v});\n\n\
+             /* {} */\n{};\n\n\
              #ifdef __cplusplus\n}}\n#endif\n\n#endif\n",
             self.fields()
                 .into_iter()
                 .map(|(field, _)| format!("    {field}\n"))
                 .collect::<String>(),
-            match self.law.bounded {
-                true => " Bounded whatever the input, NAN included.",
-                false => "",
-            }
+            said,
+            declared,
         );
         self.named(&text)
     }
 
     pub(super) fn source(&self, constants: &[Constant], helpers: &str, code: &str) -> String {
         let mut defines = String::new();
-        if self.rate.is_some() {
+        if self.timed {
             let seconds = "(1.0f / @@RATE_HZ)";
             defines += &define("Seconds between two steps", SAMPLE_TIME, seconds);
         }
@@ -98,8 +95,13 @@ impl File<'_> {
         } else {
             ""
         };
+        let math = if self.math {
+            "#include <math.h>\n\n"
+        } else {
+            ""
+        };
         let text = format!(
-            "#include \"{}.h\"\n\n#include <math.h>\n\n{defines}{}\n{helpers}\n{code}\nvoid @rest(@state *s)\n{{\n{counter}{rest}}}\n{setters}",
+            "#include \"{}.h\"\n\n{math}{defines}{}\n{helpers}\n{code}\nvoid @rest(@state *s)\n{{\n{counter}{rest}}}\n{setters}",
             self.name, self.law.arrays,
         );
         self.named(&text)
@@ -190,9 +192,4 @@ struct Setter {
     said: String,
     declared: String,
     body: String,
-}
-
-/// A constant, and what it is.
-fn define(said: &str, name: &str, value: &str) -> String {
-    format!("/* {said}. */\n#define {name} {value}\n")
 }

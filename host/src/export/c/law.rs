@@ -1,10 +1,11 @@
 //! The friction model in C: what it remembers, and its code.
 
-use super::{filled, literal};
+use super::{define, filled, literal};
 use crate::export::constants::of_friction;
 use crate::friction::FrictionModel;
 use crate::kernel::{Kernel, WholeNumbers};
 use crate::model::Model;
+use preslide::Units;
 use std::fmt::Write as _;
 
 /// A friction model.
@@ -20,6 +21,13 @@ pub(super) struct Law {
 }
 
 const SLIDING: &str = include_str!("law/sliding.c");
+pub(super) const SHIFTS: &str = include_str!("law/shifts.c");
+/// Slip-reserve blocks in whole numbers.
+pub(super) const BLOCKS: &str = concat!(
+    include_str!("law/shifts.c"),
+    "\n",
+    include_str!("law/blocks.c")
+);
 const DEFLECTIONS: (&str, &str) = (
     "float deflection[@@BLOCKS]; /* of each block */",
     "for (i = 0; i < @@BLOCKS; ++i) {\n        s->deflection[i] = 0.0f;\n    }",
@@ -31,10 +39,38 @@ impl Law {
     /// # Errors
     /// A model that it cannot hold.
     pub(super) fn packed(model: &Model) -> Result<Self, String> {
-        let numbers = Kernel::whole_numbers(&model.friction).transpose();
-        let numbers = numbers.map_err(|reason| reason.to_string())?;
-        let numbers = numbers.ok_or("only Maxwell slip has whole numbers")?;
-        Ok(Self {
+        let numbers = whole_numbers(Kernel::PackedF32, model, 1.0, Units::SI)?;
+        let (length, _, force) = numbers.places;
+        let units = [
+            (
+                "Parts of 1/65536 of a unit of length in a metre or radian",
+                "PER_LENGTH",
+                literal(65536.0 * 2_f64.powi(length as i32)),
+            ),
+            (
+                "A unit of force (N or N m)",
+                "FORCE",
+                literal(2_f64.powi(-force)),
+            ),
+        ];
+        let units = units.map(|(said, name, value)| define(said, name, &value));
+        let code = [BLOCKS, include_str!("law/packed.c")].concat();
+        Ok(Self::of_blocks(&numbers, units.concat(), code))
+    }
+
+    /// Slip-reserve blocks in whole numbers, behind other constants.
+    pub(super) fn of_blocks(numbers: &WholeNumbers, constants: String, code: String) -> Self {
+        let limit: i32 = numbers.blocks.iter().map(|[full, k]| full / 2 * k).sum();
+        let limit = define(
+            "All blocks slipping, in units of force",
+            "LIMIT",
+            &limit.to_string(),
+        );
+        let said = [
+            "Twice the displacement at which each slips, in units of length.",
+            "Stiffness of each block, in units of force per unit of length.",
+        ];
+        Self {
             memory: &[
                 (
                     "int32_t remainder; /* of the path, 1/65536 units of length */",
@@ -46,10 +82,10 @@ impl Law {
                     "for (i = 0; i < @@BLOCKS; ++i) {\n        s->reserve[i] = FULLS[i] / 2;\n    }",
                 ),
             ],
-            arrays: whole(&numbers),
-            code: include_str!("law/packed.c").to_owned(),
+            arrays: constants + &limit + &of_each_block(numbers, said, ["FULLS", "STIFFNESSES"]),
+            code,
             bounded: true,
-        })
+        }
     }
 
     /// # Errors
@@ -115,24 +151,29 @@ impl Law {
     }
 }
 
-/// The blocks in whole numbers, and their units.
-fn whole(numbers: &WholeNumbers) -> String {
-    let list = |of: usize| {
+/// What a kernel computes with.
+///
+/// # Errors
+/// Why it cannot run the model.
+pub(super) fn whole_numbers(
+    kernel: Kernel,
+    model: &Model,
+    sample_time: f64,
+    units: Units,
+) -> Result<WholeNumbers, String> {
+    let numbers = kernel.whole_numbers(&model.friction, sample_time, units);
+    let numbers = numbers.ok_or("only Maxwell slip has whole numbers")?;
+    numbers.map_err(|reason| format!("--kernel {} cannot run this model: {reason}", kernel.name()))
+}
+
+/// Two arrays of the blocks in whole numbers.
+pub(super) fn of_each_block(numbers: &WholeNumbers, said: [&str; 2], names: [&str; 2]) -> String {
+    let array = |of: usize| {
         let values: Vec<String> = numbers.blocks.iter().map(|b| b[of].to_string()).collect();
-        values.join(", ")
+        let (said, name, values) = (said[of], names[of], values.join(", "));
+        format!("/* {said} */\nstatic const int32_t {name}[@@BLOCKS] = {{ {values} }};\n")
     };
-    let limit: i32 = numbers.blocks.iter().map(|[full, k]| full / 2 * k).sum();
-    format!(
-        "/* Parts of 1/65536 of a unit of length in a metre or radian. */\n#define PER_LENGTH {}\n\
-         /* A unit of force (N or N m). */\n#define FORCE {}\n\
-         /* All blocks slipping, in units of force. */\n#define LIMIT {limit}\n\
-         /* Twice the displacement at which each slips, in units of length. */\nstatic const int32_t FULLS[@@BLOCKS] = {{ {} }};\n\
-         /* Stiffness of each block, in units of force per unit of length. */\nstatic const int32_t STIFFNESSES[@@BLOCKS] = {{ {} }};\n",
-        literal(65536.0 * numbers.per_length),
-        literal(numbers.force),
-        list(0),
-        list(1)
-    )
+    array(0) + &array(1)
 }
 
 /// The blocks in the numbers that are computed with.

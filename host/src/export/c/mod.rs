@@ -1,4 +1,4 @@
-//! A model as a pair of C99 files, in single precision and SI units: no heap, no library but `math.h`.
+//! A model as a pair of C99 files, in single precision and SI units or in whole numbers: no heap, no library but `math.h`.
 //!
 //! The laws are those of the Rust library, written once more as templates: `law/*.c`, and an expression beside each effect's
 //! [form](crate::effects::form). What holds the two together are the program's tests, which compile the C and run both along a million steps.
@@ -7,10 +7,11 @@ mod file;
 mod law;
 mod step;
 mod term;
+mod whole;
 
 use super::constants::{Constant, bounds, carried, numbered, of_friction};
 use super::{Options, fitting, no_refused};
-use crate::kernel::Kernel;
+use crate::kernel::{Arithmetic, Kernel};
 use crate::model::Model;
 use file::File;
 use law::Law;
@@ -39,27 +40,28 @@ pub fn c_source(model: &Model, options: &Options, name: &str) -> Result<C, Strin
     no_refused(model)?;
     let effects = carried(model);
     let law = match fitting(options.kernel, model)? {
-        None => Law::of(model)?,
-        Some(Kernel::PackedF32) => Law::packed(model)?,
-        Some(kernel) => {
-            return Err(format!(
-                "--kernel {}: C has {} alone, and without --kernel the laws in single precision",
-                kernel.name(),
-                Kernel::PackedF32.name()
-            ));
+        Some(kernel) if kernel.arithmetic() == Arithmetic::I16F16 => {
+            return whole::c_source(model, &effects, options, name, kernel);
         }
+        Some(Kernel::PackedF32) => Law::packed(model)?,
+        _ => Law::of(model)?,
     };
     let terms: Vec<Term> = numbered(&effects)
         .map(|(id, effect)| Term::of(model, effect, id))
         .collect::<Result<_, String>>()?;
-    let code = format!("{}{}", law.code, step::step(model, &terms));
+    let step = step::declared(model, law.bounded);
+    let code = format!("{}{}", law.code, step::step(model, &terms, &step[0]));
     let mut constants: Vec<Constant> = of_friction(model);
     constants.extend(bounds(model, &effects, options)?);
+    let rate = rate(options, &law, &terms)?;
     let file = File {
         model,
         name,
         remarks: &options.remarks,
-        rate: rate(options, &law, &terms)?,
+        defines: rate.map_or_else(String::new, of_rate),
+        step,
+        timed: rate.is_some(),
+        math: true,
         terms: &terms,
         law: &law,
     };
@@ -84,7 +86,14 @@ fn rate(options: &Options, law: &Law, terms: &[Term]) -> Result<Option<f64>, Str
         .contains(SAMPLE_TIME)
         .then_some("the friction's attraction");
     let effects = terms.iter().filter(|t| t.is_timed()).map(|t| t.id.as_str());
-    let timed: Vec<&str> = friction.into_iter().chain(effects).collect();
+    given_rate(
+        options,
+        &friction.into_iter().chain(effects).collect::<Vec<_>>(),
+    )
+}
+
+/// The same, where it does in what is `timed`.
+fn given_rate(options: &Options, timed: &[&str]) -> Result<Option<f64>, String> {
     match options.rate {
         Some(rate) if !(rate.is_finite() && rate > 0.0) => {
             Err("--rate: give the ticks per second, above zero (Hz)".to_owned())
@@ -95,6 +104,10 @@ fn rate(options: &Options, law: &Law, terms: &[Term]) -> Result<Option<f64>, Str
         )),
         rate => Ok(rate.filter(|_| !timed.is_empty())),
     }
+}
+
+fn of_rate(rate: f64) -> String {
+    define("Calls of @step per second", "@@RATE_HZ", &literal(rate))
 }
 
 /// The helpers that the code calls, and those that these call.
@@ -128,4 +141,9 @@ fn literal(value: f64) -> String {
         f32::INFINITY => "INFINITY".to_owned(),
         single => format!("{single:?}f"),
     }
+}
+
+/// A constant, and what it is.
+fn define(said: &str, name: &str, value: &str) -> String {
+    format!("/* {said}. */\n#define {name} {value}\n")
 }

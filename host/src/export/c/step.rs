@@ -3,10 +3,30 @@
 use super::term::Term;
 use crate::effects::form::Sum;
 use crate::model::Model;
+use crate::recording::MotionKind;
 use std::fmt::Write as _;
 
+/// What is said of a force that is.
+const BOUNDED: &str = " Bounded whatever the input, NAN included.";
+
+/// `@step`, declared, and what it is.
+pub(super) fn declared(model: &Model, bounded: bool) -> [String; 2] {
+    let [dx, v] = ["displacement_m", "velocity_m_s"].map(|k| model.key(k));
+    let [length, force] = match model.motion {
+        MotionKind::Linear => ["m", "N"],
+        MotionKind::Rotary => ["rad", "N m"],
+    };
+    let bounded = if bounded { BOUNDED } else { "" };
+    [
+        format!("float @step(@state *s, float {dx}, float {v})"),
+        format!(
+            "The force ({force}) that holds against friction and effects: add it to the controller's before the limiter. {dx}: since the step before\n   ({length}); {v}: now ({length}/s).{bounded}"
+        ),
+    ]
+}
+
 /// `@step`: `F = max(0, 1 + Σ level)·F_model(x + Σ shift) + Σ force`.
-pub(super) fn step(model: &Model, terms: &[Term]) -> String {
+pub(super) fn step(model: &Model, terms: &[Term], declared: &str) -> String {
     let [dx, v] = ["displacement_m", "velocity_m_s"].map(|key| model.key(key));
     let takes = |variable: &str| terms.iter().any(|term| term.takes(variable));
     let enter = |sum: Sum| terms.iter().any(|term| term.c.sum == sum);
@@ -32,7 +52,7 @@ pub(super) fn step(model: &Model, terms: &[Term]) -> String {
         body += "    force = level > 0.0f ? force * level : 0.0f;\n";
     }
     body += &added(terms, Sum::Force, "force");
-    format!("\nfloat @step(@state *s, float {dx}, float {v})\n{{\n{body}    return force;\n}}\n")
+    format!("\n{declared}\n{{\n{body}    return force;\n}}\n")
 }
 
 /// The displacement that is left once the encoder's error is taken off both ends.

@@ -1,0 +1,6 @@
+
+static int32_t friction_step(@state *s, int32_t dx, int32_t v)
+{
+    (void)v;
+    return blocks_step(s, finer(dx, LENGTH, INT32_MAX / LENGTH))$to_force;
+}
