@@ -185,6 +185,11 @@ impl Reference {
         pace.travel.filter(|_| self.located)
     }
 
+    /// What is followed, or was last.
+    pub(super) fn plan(&self) -> &Move {
+        &self.plan
+    }
+
     /// What was planned ends in motion: a stream of points that goes on where more is known.
     pub(super) fn is_open(&self) -> bool {
         self.speed != 0 && self.is_idle()
