@@ -18,6 +18,9 @@ const BRAKING_TICKS: u32 = 1000;
 /// How long it is watched after that (ticks).
 const WATCHED_TICKS: u32 = 2000;
 
+/// Counts by which a reference has set out.
+const MOVES_COUNTS: i64 = 1000;
+
 /// An emulator may run at a tenth of a drive's speed.
 const PATIENCE: Duration = Duration::from_secs(120);
 
@@ -234,6 +237,20 @@ impl Cable {
         Ok(Self { near, far })
     }
 
+    /// What was sent is lost where the emulator's line is closed before it was read.
+    fn wait_until_it_moves(&mut self, told: &mut Deframer) -> anyhow::Result<()> {
+        let (start, mut first) = (Instant::now(), None);
+        while start.elapsed() < PATIENCE {
+            for sample in samples(told, &taken(&mut self.far)?) {
+                let from = *first.get_or_insert(sample.reference);
+                if (sample.reference - from).abs() > MOVES_COUNTS << 16 {
+                    return Ok(());
+                }
+            }
+        }
+        bail!("the axis does not move")
+    }
+
     /// Carries until the moment has come, lets go of the tool `id`, and watches the drive.
     fn carry(mut self, pull: &Pull, id: u32) -> anyhow::Result<After> {
         let (mut asked, mut told) = (Deframer::new(), Deframer::new());
@@ -255,7 +272,10 @@ impl Cable {
             last = samples(&mut told, &bytes).last().or(last);
         }
         match pull.what {
-            What::AtOnce => return Ok(After::default()),
+            What::AtOnce => {
+                self.wait_until_it_moves(&mut told)?;
+                return Ok(After::default());
+            }
             What::Interrupted => {
                 let id = id.to_string();
                 Command::new("kill").args(["-INT", &id]).status()?;
