@@ -3,9 +3,9 @@
 //! the stage through nested strokes, hands its telemetry to `preslide capture tcp:127.0.0.1:PORT` and writes what the
 //! stage's friction was; `rig judge REC.csv TRUTH` compares with it what `identify` finds in the capture. `rig record ELF
 //! PLUGIN` has a QEMU plugin watch the motion. `rig wear ELF` lets the stage wear from half way on and asks
-//! whether the firmware notices. `cargo xtask qemu`, `stage` and `cycles` call it.
+//! whether the firmware notices. `rig guided ELF` has a predictive controller guide the firmware as an outer task, in time and late. `cargo xtask qemu`, `stage` and `cycles` call it.
 
-use anyhow::{Context, bail};
+use anyhow::{Context, bail, ensure};
 use fixed::types::I16F16;
 use preslide::control::learning::{Adaptation, MismatchWatch};
 use preslide::control::{Learning, LearningSettings};
@@ -15,8 +15,8 @@ use preslide_host::progress::Progress;
 use preslide_host::recording::{self, LoadOptions};
 use preslide_link::{RangeCode, Request};
 use preslide_sim::rig::{
-    Listener, Notice, Script, TrueCurve, Wear, agreement, injections, motion, notice, presliding,
-    requests, run,
+    Guidance, Listener, Notice, Script, TrueCurve, Wear, agreement, guidance, injections, motion,
+    notice, presliding, requests, run,
 };
 use preslide_sim::tracking::FIXED_UNITS;
 use std::cell::RefCell;
@@ -26,6 +26,10 @@ use std::process::ExitCode;
 /// What `preslide export --kernel` wrote, which is compiled into the firmware as well.
 mod packed_f32 {
     include!("../tests/exported/packed_f32.rs");
+}
+#[allow(dead_code)]
+mod koopman {
+    include!("../tests/exported/koopman.rs");
 }
 mod packed_i16f16 {
     include!("../tests/exported/packed_i16f16.rs");
@@ -48,6 +52,11 @@ fn blocks() -> ([Block; 4], f64) {
 
 /// Codes by which a command in `f32` may differ: one, by rounding. In fixed point none may differ.
 const FLOAT_BOUND: u32 = 1;
+
+/// Ticks in which the next run of the outer task is made late.
+const LATE: [u64; 4] = [3000, 4507, 6011, 8019];
+/// From here on all are.
+const LATE_FROM: u64 = 3000;
 
 /// Ticks that the motion takes, but for the rest at its end.
 const MOVING: u64 = 10_000;
@@ -114,6 +123,7 @@ fn asked(words: &[&str]) -> anyhow::Result<()> {
             let model = Learning::<_, Both>::try_new(model, &settings, FIXED_UNITS)?;
             wear(&notice(Path::new(elf), model, FIXED_UNITS, &WEAR)?)?;
         }
+        ["guided", elf] => guided(Path::new(elf))?,
         ["serve", elf, port, truth] => {
             serve(
                 Path::new(elf),
@@ -133,7 +143,7 @@ fn asked(words: &[&str]) -> anyhow::Result<()> {
         ["faults", elf, folder] => faults(Path::new(elf), Path::new(folder), false)?,
         ["faults", elf, folder, "--bless"] => faults(Path::new(elf), Path::new(folder), true)?,
         _ => bail!(
-            "usage: rig fixed|float|packed-fixed|packed-float ELF, rig faults ELF FOLDER [--bless], rig serve ELF PORT TRUTH, rig judge REC.csv TRUTH, rig wear ELF, or rig record ELF PLUGIN"
+            "usage: rig fixed|float|packed-fixed|packed-float ELF, rig faults ELF FOLDER [--bless], rig serve ELF PORT TRUTH, rig judge REC.csv TRUTH, rig wear ELF, rig guided ELF, or rig record ELF PLUGIN"
         ),
     }
     Ok(())
@@ -295,5 +305,53 @@ fn judge(recording: &Path, truth: &Path) -> anyhow::Result<()> {
     if !whole || outside > 2 * points || deviation > LARGEST_DEVIATION {
         bail!("the identified model does not match the stage's friction");
     }
+    Ok(())
+}
+
+/// The outer task in time, late now and then, late from a moment on, and late from the start.
+fn guided(elf: &Path) -> anyhow::Result<()> {
+    let settings = &koopman::SETTINGS;
+    let run = |name: &str, guidance: Guidance| {
+        let [rms, mean, largest] = guidance.errors_m.map(|error| error * 1e9);
+        let Guidance {
+            agreement,
+            missed,
+            faults,
+            ..
+        } = &guidance;
+        println!(
+            "koopman, {name}: RMS {rms:.0} nm, mean {mean:+.1} nm, largest {largest:.0} nm; {} orders missed; {} commands, {} unlike the host's, \
+             by {} at most, reach {}",
+            missed[0], agreement.ticks, agreement.different, agreement.largest, agreement.reach
+        );
+        ensure!(
+            agreement.largest <= FLOAT_BOUND && agreement.reach >= 100,
+            "{name}: QEMU and the host differ by {} codes; the bound is {FLOAT_BOUND}",
+            agreement.largest
+        );
+        ensure!(
+            missed[0] == missed[1] && *faults == 0,
+            "{name}: orders missed in QEMU and on the host {missed:?}, {faults} faults"
+        );
+        Ok((rms, missed[0]))
+    };
+    let now_and_then = |tick: u64| LATE.contains(&tick);
+    let (in_time, none) = run("in time", guidance(elf, settings, |_| false)?)?;
+    let (_, some) = run("late now and then", guidance(elf, settings, now_and_then)?)?;
+    let (_, all) = run(
+        "late from a moment on",
+        guidance(elf, settings, |tick| tick >= LATE_FROM)?,
+    )?;
+    let (never, unguided) = run("late from the start", guidance(elf, settings, |_| true)?)?;
+    ensure!(
+        (none, some, unguided) == (0, LATE.len() as u32, 0),
+        "orders missed: {none}, {some} of {}, {unguided}",
+        LATE.len()
+    );
+    ensure!(all > 400, "orders missed for ever: {all}");
+    ensure!(
+        in_time < 0.3 * never,
+        "the outer task is to take most of the feedback's error: {in_time} of {never} nm"
+    );
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! `cargo run --release --example track` prints the tracking table; behind `--`: `adaptation`, tracking with and without adaptation of
 //! the friction level; `observer`, the observer's rows
-//! with friction and mass that it was not told; `koopman`, every controller tuned alike, Koopman MPC among them, on stages that are not as told (`koopman-electrical` on the electrical one); `watch`, the watch's false alarms, asked for and measured, and its delays; `dead-time`, what the bridge's dead
+//! with friction and mass that it was not told; `koopman`, every controller tuned alike, Koopman MPC among them, on stages that are not as told (`koopman-electrical` on the electrical one); `koopman-firmware`, what a board's outer task is told (PRESLIDE_KOOPMAN); `watch`, the watch's false alarms, asked for and measured, and its delays; `dead-time`, what the bridge's dead
 //! time costs and what making up for it wins back; `identify`, what a capture says of friction by how the current is sampled.
 //!
 //! `--electrical` puts the table on the electrical stage, its dead time told to the controller; `--electrical=untold` does not tell;
@@ -37,6 +37,7 @@ fn main() -> anyhow::Result<()> {
             let electrical = word != "koopman";
             koopman::print(&koopman::study(&settings, &stage, electrical, progress)?)
         }
+        Some("koopman-firmware") => koopman::source(&koopman::firmware(&settings, stage)?),
         Some("dead-time") => dead_time::print(&dead_time::study(
             &settings,
             &ElectricalConfig::default(),
@@ -49,7 +50,7 @@ fn main() -> anyhow::Result<()> {
             print(&table(&settings, &stage, &only, progress)?)
         }
         Some(other) => bail!(
-            "give `adaptation`, `observer`, `koopman`, `koopman-electrical`, `watch`, `dead-time`, `identify`, `--electrical` or nothing, not `{other}`"
+            "give `adaptation`, `observer`, `koopman`, `koopman-electrical`, `koopman-firmware`, `watch`, `dead-time`, `identify`, `--electrical` or nothing, not `{other}`"
         ),
     };
     print!("{text}");

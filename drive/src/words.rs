@@ -120,6 +120,12 @@ pub fn state(state: &State, count: f64, rate_hz: u32, unit: &str) -> Vec<String>
             reset(state.reset)
         ),
     ];
+    if state.missed > 0 {
+        lines.push(format!(
+            "outer     {} of the outer task's orders came too late; the loop went on without",
+            state.missed
+        ));
+    }
     if state.silent {
         lines.push(
             "silence   the host was silent for too long; a moving axis was stopped".to_owned(),

@@ -18,6 +18,7 @@ mod koopman;
 mod learning;
 mod observer;
 mod on_the_fit;
+mod outer;
 mod parameters;
 mod plain;
 mod properties;

@@ -30,6 +30,8 @@ pub struct Reading {
     pub dawdle: bool,
     /// Fault injection: the control task hangs.
     pub hang: bool,
+    /// Fault injection: the next run of the outer task takes longer than its sample.
+    pub outlast: bool,
     /// The run is over.
     pub quit: bool,
 }
@@ -67,7 +69,8 @@ impl Exchange<14> for Reading {
             | u8::from(self.hang) << 2
             | u8::from(self.quit) << 3
             | u8::from(self.index.is_some()) << 4
-            | u8::from(self.unread) << 5;
+            | u8::from(self.unread) << 5
+            | u8::from(self.outlast) << 6;
         let byte = self.byte.unwrap_or(0);
         [c0, c1, c2, c3, x0, x1, x2, x3, s0, s1, i0, i1, flags, byte]
     }
@@ -80,6 +83,7 @@ impl Exchange<14> for Reading {
             current: i16::from_le_bytes([i0, i1]),
             byte: (flags & 1 != 0).then_some(byte),
             unread: flags & 32 != 0,
+            outlast: flags & 64 != 0,
             dawdle: flags & 2 != 0,
             hang: flags & 4 != 0,
             quit: flags & 8 != 0,

@@ -10,7 +10,7 @@ pub const MOST_BLOCKS: usize = 4;
 pub const POINTS: usize = 8;
 
 /// What both ends must speak; the controller tells it in [`Identity`].
-pub const PROTOCOL: u16 = 3;
+pub const PROTOCOL: u16 = 4;
 
 /// A request with the number that its answer carries.
 ///
@@ -225,6 +225,8 @@ pub struct State {
     pub queued: u16,
     /// Moves that were planned but not made since the reset: the stream ran dry, or an end of travel.
     pub dropped: u16,
+    /// Orders of an outer task that came too late since the reset; 0 without one.
+    pub missed: u16,
     /// Supply (mV).
     pub supply: u16,
     /// Winding current (0.1 mA).

@@ -90,6 +90,7 @@ fn messages_survive_the_line() {
         position: i64::MIN,
         queued: u16::MAX,
         dropped: u16::MAX,
+        missed: u16::MAX,
         supply: u16::MAX,
         current: i16::MIN,
     });

@@ -271,6 +271,11 @@ impl<F: Friction, C: Count> Controller<F, C> {
         &mut self.friction
     }
 
+    /// What the controller follows, for a look ahead on a copy.
+    pub(super) fn followed(&self) -> &Reference {
+        &self.reference
+    }
+
     /// How fast the reference may move.
     pub fn pace(&self) -> &Pace {
         &self.coefficients.pace

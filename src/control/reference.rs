@@ -170,6 +170,31 @@ impl Reference {
         self.smoothing.rest(pace.bits);
     }
 
+    /// Becomes as another one, in place: an eighth of a copy where the smoothing is as short.
+    pub(super) fn become_as(&mut self, other: &Self) {
+        (self.even, self.run) = (other.even, other.run);
+        (self.speed, self.gain) = (other.speed, other.gain);
+        (self.position, self.planned) = (other.position, other.planned);
+        (self.mode, self.plan, self.tick) = (other.mode, other.plan, other.tick);
+        self.located = other.located;
+        self.smoothing.become_as(&other.smoothing);
+    }
+
+    /// The ends of travel (2⁻³² counts), where they are known.
+    pub(super) fn ends(&self, pace: &Pace) -> Option<(i64, i64)> {
+        pace.travel.filter(|_| self.located)
+    }
+
+    /// What is followed, or was last.
+    pub(super) fn plan(&self) -> &Move {
+        &self.plan
+    }
+
+    /// What was planned ends in motion: a stream of points that goes on where more is known.
+    pub(super) fn is_open(&self) -> bool {
+        self.speed != 0 && self.is_idle()
+    }
+
     /// The next move may start: the one before it is done, but for what the smoothing still has to let out.
     #[inline]
     pub fn is_idle(&self) -> bool {
@@ -262,7 +287,7 @@ impl Reference {
     }
 
     /// The speed before smoothing (2⁻³² counts per tick).
-    fn speed(&self) -> i64 {
+    pub(super) fn speed(&self) -> i64 {
         self.speed >> self.smoothing.lift()
     }
 

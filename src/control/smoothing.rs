@@ -67,6 +67,28 @@ impl Smoothing {
         self.clear = 0;
     }
 
+    /// Becomes as another one, whose ring is copied as far as it is used.
+    pub(super) fn become_as(&mut self, other: &Self) {
+        let Self {
+            at,
+            mask,
+            lift,
+            part,
+            left,
+            rest,
+            sum,
+            clear,
+            speeds: _,
+        } = *other;
+        (self.at, self.mask, self.lift, self.part) = (at, mask, lift, part);
+        (self.left, self.rest, self.sum, self.clear) = (left, rest, sum, clear);
+        let used = mask as usize + 1;
+        let places = self.speeds.iter_mut().zip(&other.speeds).take(used);
+        for (to, from) in places {
+            *to = *from;
+        }
+    }
+
     /// Clears the next places of the ring; for how many ticks that is enough, this one included, where some are left.
     ///
     /// Called again no later than that, it stays ahead of the ticks that read them.

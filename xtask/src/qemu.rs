@@ -28,11 +28,17 @@ const QUIT: &str = "preslide_qemu::quit";
 /// What `preslide export` writes of a model with all effects that a controller can use; the tests of the tool keep it.
 const EXPORTED: &str = "cli/tests/exported/linear.rs";
 
+/// Names the file of an exported model to a build.
+pub const MODEL: &str = "PRESLIDE_MODEL";
+
 /// The packed kernel as it writes it for a controller in I16F16 and in `f32`, and the images with it.
 pub const PACKED: [(&str, &str); 2] = [
     ("cli/tests/exported/packed_i16f16.rs", "qemu-packed-fixed"),
     ("cli/tests/exported/packed_f32.rs", "qemu-packed-float"),
 ];
+
+/// What `track -- koopman-firmware` wrote, for a firmware with an outer task.
+const KOOPMAN: &str = "cli/tests/exported/koopman.rs";
 
 const GOLDEN: &str = "firmware/boards/qemu/expected";
 
@@ -48,7 +54,7 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     let fixed = build("preslide-qemu", "qemu-fixed", &[])?;
     let float = build("preslide-qemu", "qemu-float", &["--features", "float"])?;
     let [packed_fixed, packed_float] = PACKED;
-    let build_packed = |(model, name)| build_with(Some(model), "preslide-qemu", name, &[]);
+    let build_packed = |(file, name)| build_with(Some((MODEL, file)), "preslide-qemu", name, &[]);
     let packed_fixed = build_packed(packed_fixed)?;
     let packed_float = build_packed(packed_float)?;
     for (kind, elf) in [
@@ -69,7 +75,8 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
         println!("{kind}: the second run printed the same bytes");
     }
     hammered(&fixed)?;
-    typed(&fixed)?;
+    at_the_tool("typed", &fixed)?;
+    at_the_tool("pulled", &fixed)?;
     crate::commission::run(&fixed, flag == Some("--long"))?;
     // It cannot be run here, but it must build, fit and not panic.
     build("preslide-stm32g474", "stm32g474", &["--features", "log"])?;
@@ -78,7 +85,7 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     check_ccm(&board)?;
     // With a model compiled in that has every effect.
     let (mut exported, board) = build_command("preslide-stm32g474")?;
-    run(exported.env("PRESLIDE_MODEL", root().join(EXPORTED)))?;
+    run(exported.env(MODEL, root().join(EXPORTED)))?;
     check_image("stm32g474 with an exported model", &board, ADC1_2, &[])?;
     check_ccm(&board)?;
     let golden = root().join(GOLDEN);
@@ -97,7 +104,17 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     )?;
     let mut wear = Command::new(&rig);
     run_for(wear.arg("wear").arg(&learning), LIMIT)?;
+    guided(&rig)?;
     identified(&rig, &fixed)
+}
+
+/// The firmware with the predictive controller as an outer task: as on the host, and where it is late.
+fn guided(rig: &Path) -> Result<(), String> {
+    let variable = ("PRESLIDE_KOOPMAN", KOOPMAN);
+    let koopman = build_with(Some(variable), "preslide-qemu", "qemu-koopman", &[])?;
+    check_image("koopman", &koopman, TIMER0, &[QUIT])?;
+    let mut guided = Command::new(rig);
+    run_for(guided.arg("guided").arg(&koopman), LIMIT)
 }
 
 /// Ten thousand requests, as many at once as the link allows, under telemetry of every tick: all answered, once each.
@@ -107,11 +124,12 @@ fn hammered(elf: &Path) -> Result<(), String> {
     run_for(&mut hammer, LIMIT)
 }
 
-/// A script that types at `preslide drive`, over a pseudo terminal for the line and in its own terminal.
-fn typed(elf: &Path) -> Result<(), String> {
-    let mut typed = Command::new(released("examples/drive"));
-    typed.arg("typed").arg(elf).arg(free_port()?);
-    run_for(typed.arg(released("preslide")), LIMIT)
+/// Beside an emulated drive, a script that types at `preslide drive`, over a pseudo terminal for the line and in its own terminal; or one that
+/// pulls the cable of `preslide commission` in every stage.
+fn at_the_tool(what: &str, elf: &Path) -> Result<(), String> {
+    let mut script = Command::new(released("examples/drive"));
+    script.arg(what).arg(elf).arg(free_port()?);
+    run_for(script.arg(released("preslide")), LIMIT)
 }
 
 /// Serves an emulated drive, the firmware on the simulated stage, to one client after the other.
@@ -196,17 +214,17 @@ pub fn build(package: &str, name: &str, more: &[&str]) -> Result<PathBuf, String
     build_with(None, package, name, more)
 }
 
-/// The same with a model that `preslide export` wrote compiled in: its file.
+/// The same with a file compiled in, by the variable that names it: a model that `preslide export` wrote, what an outer task was told.
 pub fn build_with(
-    model: Option<&str>,
+    file: Option<(&str, &str)>,
     package: &str,
     name: &str,
     more: &[&str],
 ) -> Result<PathBuf, String> {
     let (mut command, built) = build_command(package)?;
     command.args(more);
-    if let Some(model) = model {
-        command.env("PRESLIDE_MODEL", root().join(model));
+    if let Some((variable, file)) = file {
+        command.env(variable, root().join(file));
     }
     run(&mut command)?;
     let images = built.with_file_name("images");

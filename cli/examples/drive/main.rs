@@ -2,8 +2,9 @@
 //!
 //! `drive serve ELF PORT` serves it to one client after the other, at the speed of a real one where the machine keeps up.
 //! `drive hammer ELF PORT` sends ten thousand requests, as many at once as the link allows, under telemetry of every tick, and counts
-//! the answers. `drive typed ELF PORT TOOL` types at the tool. `cargo xtask stage` and `cargo xtask qemu` call it.
+//! the answers. `drive typed ELF PORT TOOL` types at the tool, `drive pulled ELF PORT TOOL` pulls its cable. `cargo xtask stage` and `cargo xtask qemu` call it.
 
+mod pulled;
 mod typed;
 
 use anyhow::{Context, bail, ensure};
@@ -47,8 +48,15 @@ fn main() -> anyhow::Result<()> {
                 .with_context(|| tool.to_owned())?;
             beside(Path::new(elf), port, |_| typed::typed(&tool, port))?;
         }
+        ["pulled", elf, port, tool] => {
+            let port = port.parse().context("the port")?;
+            let tool = Path::new(tool)
+                .canonicalize()
+                .with_context(|| tool.to_owned())?;
+            beside(Path::new(elf), port, |_| pulled::pulled(&tool, port))?;
+        }
         _ => bail!(
-            "usage: drive serve ELF PORT, drive hammer ELF PORT, or drive typed ELF PORT TOOL"
+            "usage: drive serve ELF PORT, drive hammer ELF PORT, drive typed ELF PORT TOOL, or drive pulled ELF PORT TOOL"
         ),
     }
     Ok(())

@@ -150,7 +150,7 @@ fn position(state: &str) -> anyhow::Result<f64> {
 }
 
 /// Runs a plain command; what it printed.
-fn run(tool: &Path, port: &str, words: &[&str]) -> anyhow::Result<String> {
+pub fn run(tool: &Path, port: &str, words: &[&str]) -> anyhow::Result<String> {
     let mut command = Command::new(tool);
     let output = command
         .args(["drive", port, "--wait", "20"])

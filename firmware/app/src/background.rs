@@ -435,6 +435,7 @@ impl<M: Model> Background<M> {
             position: status.position,
             queued: self.moves.len() as u16,
             dropped: status.dropped,
+            missed: status.missed,
             supply: status.supply,
             current: status.current,
         }

@@ -5,6 +5,7 @@ use crate::queues::{Act, Order, Planned, Seek, Shared, Status};
 use crate::telemetry;
 use core::sync::atomic::{Ordering, compiler_fence};
 use heapless::spsc::{Consumer, Producer};
+use preslide::control::koopman::{Desk, Guided};
 use preslide::control::{Command, Controller, Fault, Measurement, NormalRange, Refused};
 use preslide::{Friction, Scalar};
 use preslide_link::{FaultCode, Mark, Mode, RangeCode, Refusal, Sample};
@@ -98,6 +99,7 @@ impl<F: Friction> Control<F> {
                 position: 0,
                 reference: 0,
                 dropped: 0,
+                missed: 0,
                 supply: 0,
                 current: 0,
             },
@@ -479,6 +481,30 @@ impl<F: Friction> Control<F> {
         if !telemetry::put(&self.shared.samples, sample) {
             self.dropped = self.dropped.wrapping_add(1);
         }
+    }
+}
+
+impl<F: Friction<Scalar = f32>> Control<Guided<F>> {
+    /// For a board with an outer task, after every tick: leaves and takes what lies on the desk. Whether the outer task is to be started.
+    #[inline]
+    pub fn attend(&mut self, desk: &mut Desk) -> bool {
+        let (moves, epoch) = (&self.moves, self.status.epoch);
+        let next = || match moves.peek() {
+            Some((of, next)) if *of == epoch => Some(*next),
+            _ => None,
+        };
+        let starts = desk.attend(&mut self.controller, next);
+        let state = self.controller.friction_state();
+        if state.is_due() {
+            // What the wire holds.
+            self.status.missed = state.missed().min(u16::MAX.into()) as u16;
+        }
+        starts
+    }
+
+    /// What is to lie between this task and the outer one.
+    pub fn desk(&self) -> Desk {
+        Desk::new(&self.controller)
     }
 }
 

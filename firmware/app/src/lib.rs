@@ -4,6 +4,8 @@
 //! [`Background`] runs below it: it reads requests, validates and plans, and frames telemetry. Between them are
 //! single-producer queues, so neither ever waits for the other; so are the line's two interrupts, which only move bytes.
 //!
+//! A board with a predictive controller has a third, between the two: the outer task ([`Guiding`]), which [`Control::attend`] starts.
+//!
 //! A board is its chip's HAL and what this asks for: PWM channels and pins by the traits of embedded-hal ([`HalfBridges`]), and by two of
 //! its own what those have not, a counter ([`CountEncoder`]) and a converter in step with the PWM ([`Sense`]); [`Drive`] is then the tick.
 
@@ -15,6 +17,7 @@ mod bridge;
 mod control;
 mod drive;
 mod encoder;
+mod guiding;
 mod half_bridges;
 mod learning;
 mod log;
@@ -33,6 +36,7 @@ pub use bridge::Bridge;
 pub use control::{Control, Inputs};
 pub use drive::Drive;
 pub use encoder::{CountEncoder, Widened};
+pub use guiding::{Guiding, Unmodelled};
 pub use half_bridges::{HalfBridges, wake};
 pub use learning::Learner;
 pub use model::{Blocks, Exported, Model, Number, STARTING_MODEL};

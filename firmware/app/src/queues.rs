@@ -101,6 +101,8 @@ pub(crate) struct Status {
     pub position: i64,
     pub reference: i64,
     pub dropped: u16,
+    /// Orders of an outer task that came too late.
+    pub missed: u16,
     pub supply: u16,
     pub current: i16,
 }

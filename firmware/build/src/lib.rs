@@ -47,22 +47,35 @@ pub fn axis(board: Option<&str>) {
     }
 }
 
-/// Tells the compiler that there is a friction model that `preslide export` wrote, where PRESLIDE_MODEL names its file, by a path that does
-/// not depend on the folder of the build.
+/// Tells the compiler that there is a friction model that `preslide export` wrote, where PRESLIDE_MODEL names its file.
 pub fn exported_model() {
-    println!("cargo:rustc-check-cfg=cfg(exported_model)");
-    println!("cargo:rerun-if-env-changed=PRESLIDE_MODEL");
-    let Ok(named) = std::env::var("PRESLIDE_MODEL") else {
+    written("PRESLIDE_MODEL", "exported_model", "`preslide export`");
+}
+
+/// And that there is an outer task, where PRESLIDE_KOOPMAN names the file that says what was learnt for it.
+pub fn outer_task() {
+    written(
+        "PRESLIDE_KOOPMAN",
+        "outer_task",
+        "`track -- koopman-firmware`",
+    );
+}
+
+/// Has the compiler know a file that a variable names, by a path that does not depend on the folder of the build.
+fn written(variable: &str, cfg: &str, by: &str) {
+    println!("cargo:rustc-check-cfg=cfg({cfg})");
+    println!("cargo:rerun-if-env-changed={variable}");
+    let Ok(named) = std::env::var(variable) else {
         return;
     };
     match std::fs::canonicalize(&named) {
         Ok(path) => {
-            println!("cargo:rustc-cfg=exported_model");
-            println!("cargo:rustc-env=PRESLIDE_MODEL={}", path.display());
+            println!("cargo:rustc-cfg={cfg}");
+            println!("cargo:rustc-env={variable}={}", path.display());
             println!("cargo:rerun-if-changed={}", path.display());
         }
         Err(error) => println!(
-            "cargo::error=PRESLIDE_MODEL={named}: {error}; give the full path of the file that `preslide export` wrote"
+            "cargo::error={variable}={named}: {error}; give the full path of the file that {by} wrote"
         ),
     }
 }

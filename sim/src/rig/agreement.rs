@@ -4,7 +4,7 @@ use super::run::{Record, Script, registers, requests, run};
 use super::{Listener, RigError};
 use crate::stage::Stage;
 use crate::tracking::{Step, TrackingError};
-use preslide::control::{Coefficients, Controller, Measurement, Settings};
+use preslide::control::{Coefficients, Controller, Measurement, Move};
 use preslide::{Friction, ParamError, Units};
 use preslide_link::{Report, Sample};
 use std::path::Path;
@@ -76,19 +76,19 @@ pub fn agreement<F: Friction>(
     let ticks = 16_000;
     let script = Script::quiet(ticks).send(20, &requests(&steps));
     let record = run(elf, &script, Listener::File)?;
-    let agreement = compare(&record, &script, &steps, friction, units, |_, _| {})?;
+    let agreement = compare(&record, &script, &steps, friction, units, |_, _, _| {})?;
     Ok((agreement, record))
 }
 
 /// Compares a run of the script, which asked for `steps` one behind the other, with the host's. `observe` is shown the host's
-/// controller after every tick.
+/// controller after every tick, and the move that waits.
 pub(super) fn compare<F: Friction>(
     record: &Record,
     script: &Script,
     steps: &[Step],
     friction: F,
     units: Units,
-    observe: impl FnMut(u64, &Controller<F, u32>),
+    observe: impl FnMut(u64, &mut Controller<F, u32>, Option<Move>),
 ) -> Result<Agreement, RigError> {
     // Requests are read below the interrupt, so the ticks of enabling, from which what learns counts its looks, and of the
     // first move are the firmware's to tell.
@@ -143,9 +143,9 @@ fn simulate<F: Friction>(
     friction: F,
     units: Units,
     [enabled, begin]: [u64; 2],
-    mut observe: impl FnMut(u64, &Controller<F, u32>),
+    mut observe: impl FnMut(u64, &mut Controller<F, u32>, Option<Move>),
 ) -> Result<Vec<i32>, RigError> {
-    let settings = Settings::PAPER_AXIS;
+    let settings = script.axis;
     let parameter = |error: ParamError| RigError::Tracking(TrackingError::Parameter(error));
     let mut stage = Stage::try_new(script.stage.clone()).map_err(TrackingError::from)?;
     let coefficients = Coefficients::try_new(&settings, friction, units).map_err(parameter)?;
@@ -185,7 +185,9 @@ fn simulate<F: Friction>(
                 late: false,
             })
             .code;
-        observe(tick, &controller);
+        // Before the first is made, none has come.
+        let next = moves.as_slice().first().filter(|_| tick >= begin);
+        observe(tick, &mut controller, next.copied());
     }
     Ok(codes)
 }

@@ -3,6 +3,7 @@
 mod agreement;
 mod emulator;
 mod faults;
+mod outer;
 mod run;
 pub mod sensed;
 mod truth;
@@ -11,6 +12,7 @@ mod wear;
 pub use agreement::{Agreement, agreement, motion, samples};
 pub use emulator::{Emulator, Listener, Remains, RigError};
 pub use faults::{Injection, injections};
+pub use outer::{Guidance, guidance};
 pub use run::{ByTick, CALIBRATED, Record, Script, frame, registers, requests, run};
 pub use sensed::telemetry;
 pub use truth::{Comparison, TrueCurve, presliding};

@@ -16,8 +16,12 @@ pub const CALIBRATED: u64 = 2048;
 
 /// A script is silent for longer than a host may be: the axis is told not to mind, and to be enabled.
 fn enabling() -> Vec<Request> {
-    let silence = Name::new("silence").map(|name| Request::Set(name, 0.0));
+    let silence = set("silence", 0.0);
     silence.into_iter().chain([Request::Enable]).collect()
+}
+
+fn set(name: &str, value: f64) -> Option<Request> {
+    Some(Request::Set(Name::new(name)?, value as f32))
 }
 
 /// The motion as requests.
@@ -95,12 +99,21 @@ impl Script<'_> {
         ];
         let set = settings
             .iter()
-            .filter_map(|(name, value)| Some(Request::Set(Name::new(name)?, *value as f32)));
+            .filter_map(|(name, value)| set(name, *value));
         let mut script = Self::quiet(0);
         (script.bytes, script.requests) = (Vec::new(), 0);
         script
             .send(FIRST, &set.collect::<Vec<_>>())
             .send(CALIBRATED, &enabling())
+    }
+
+    /// As [`Script::quiet`], with the integral's place free for an outer task.
+    pub fn guided(ticks: u64) -> Self {
+        let mut script = Self::quiet(ticks);
+        script.axis.gains.integral = 0.0;
+        (script.bytes, script.requests) = (Vec::new(), 0);
+        let free = set("gains.integral", 0.0).into_iter();
+        script.send(FIRST, &free.chain(enabling()).collect::<Vec<_>>())
     }
 
     /// Sends requests from `tick` on, one behind the other.

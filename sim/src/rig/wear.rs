@@ -95,7 +95,7 @@ pub fn notice<F: Friction>(
         &steps,
         friction,
         units,
-        |tick, controller| match controller.condition().range {
+        |tick, controller, _| match controller.condition().range {
             Some(NormalRange::Inside) => learned = learned.or(Some(tick)),
             Some(NormalRange::Above) => raised = raised.or(Some((tick, RangeCode::Above))),
             Some(NormalRange::Below) => raised = raised.or(Some((tick, RangeCode::Below))),

@@ -64,6 +64,12 @@ impl<M, S: Scalar> GuidedState<M, S> {
         self.guided = true;
     }
 
+    /// An order has come since the axis was enabled: samples without one are counted.
+    #[inline]
+    pub fn is_guided(&self) -> bool {
+        self.guided
+    }
+
     /// The force that acts.
     #[inline]
     pub fn force(&self) -> S {

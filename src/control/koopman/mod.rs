@@ -7,13 +7,18 @@
 //! `f32` only: the products of a lift's states, each with a unit of its own, span more than a fixed-point word holds.
 //!
 //! The outer task, below the control loop in priority, once a sample: [`ErrorLift::take`] what was measured, [`KoopmanMpc::solve`],
-//! then [`Guided`]'s order. It has a whole sample for that: an order counts from the next sample on, and the map knows.
+//! then [`Guided`]'s order. It has a whole sample for that: an order counts from the next sample on, and the map knows. [`Outer`] is that
+//! task, and a [`Desk`] lies between it and the control task.
 
+mod desk;
 mod guided;
 mod lift;
 mod mpc;
+mod outer;
 mod spectrum;
 
+pub use desk::{Desk, Told};
 pub use guided::{Guided, GuidedState};
 pub use lift::{ErrorLift, ErrorLiftState};
 pub use mpc::{Ahead, KoopmanModel, KoopmanMpc, KoopmanSettings, KoopmanState};
+pub use outer::{Outer, OuterSettings};

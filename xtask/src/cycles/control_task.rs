@@ -107,7 +107,7 @@ impl Tick {
     fn record(recorder: &Recorder, rig: &Path, build: &Build) -> Result<Self, String> {
         let &(kernel, name, features) = build;
         let exported = PACKED.iter().find(|(_, image)| *image == name);
-        let exported = exported.map(|(model, _)| *model);
+        let exported = exported.map(|(model, _)| (qemu::MODEL, *model));
         let program = qemu::build_with(exported, "preslide-qemu", name, features)?;
         let disassembly = Disassembly::of(&program)?;
         let address_of = |part: &str| {

@@ -15,6 +15,9 @@ pub struct Journal {
     schema: String,
     /// The axis and the limits that it was begun with.
     of: String,
+    /// Share of the feed-forward that the controller had before it began.
+    #[serde(default)]
+    pub share: Option<f64>,
     /// By the recording's name.
     pub played: BTreeMap<String, Played>,
     /// Experiments, in their order.
@@ -63,6 +66,7 @@ impl Journal {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => Self {
                 schema: SCHEMA.to_owned(),
                 of: of.clone(),
+                share: None,
                 played: BTreeMap::new(),
                 asked: Vec::new(),
                 folder: PathBuf::new(),

@@ -100,18 +100,25 @@ impl Commission {
         if self.dry {
             return Ok(());
         }
-        let journal = Journal::open(&self.output, bounds.in_words(axis.unit))?;
+        let mut journal = Journal::open(&self.output, bounds.in_words(axis.unit))?;
         let keys = SpaceBar::stops(&axis.stop);
-        let found_share = axis.limit("feed_forward.share")?;
+        // Where a link was pulled, the controller still has what a stage set.
+        let found_share = match journal.share {
+            Some(share) => share,
+            None => axis.limit("feed_forward.share")?,
+        };
+        journal.share = Some(found_share);
+        journal.keep()?;
         let mut run = Run {
             axis,
             journal,
             motions,
             middle: 0.0,
+            stage: String::new(),
         };
         let done = run.all(&self, &bounds);
         let ended = run.end(done.is_err().then_some(found_share));
-        let told = done.map_err(|failure| self.interrupted(failure, &ended))?;
+        let told = done.map_err(|failure| self.interrupted(failure, &run.stage, &ended))?;
         ended?;
         run.report(&told)?;
         self.keep(&mut run.axis, keys.as_ref())
@@ -173,16 +180,16 @@ impl Commission {
     }
 
     /// What to do about a commissioning that ended early.
-    fn interrupted(&self, failure: Failure, ended: &Result<(), Failure>) -> Failure {
+    fn interrupted(&self, failure: Failure, stage: &str, ended: &Result<(), Failure>) -> Failure {
         let axis = match ended {
             Ok(()) => "The axis is disabled".to_owned(),
             Err(reason) => format!(
-                "The axis could not be disabled ({}): a controller that hears nothing stops it after its `silence`",
+                "The axis could not be disabled ({}): a controller that hears nothing stops it after its `silence` and holds it; look to cable and supply",
                 reason.message()
             ),
         };
         let next = format!(
-            "{}\n{axis}. What was recorded is in {}; the same command goes on from there",
+            "in stage `{stage}`: {}\n{axis}. What was recorded is in {}; the same command goes on from there",
             failure.message(),
             self.output.display()
         );
@@ -280,6 +287,8 @@ struct Run {
     motions: Motions,
     /// Where every motion begins, as the controller counts (m or rad): the middle of the travel, or where an axis without an origin stood.
     middle: f64,
+    /// What is going on, for who reads of an early end.
+    stage: String,
 }
 
 impl Run {
@@ -305,7 +314,8 @@ impl Run {
 
     /// Enabled, moved by hardly anything, and located.
     fn begin(&mut self, asked: &Commission, bounds: &Bounds) -> Result<(), Failure> {
-        let state = self.axis.drive.state()?;
+        self.stage = "enable, nudge".to_owned();
+        let mut state = self.axis.drive.state()?;
         if let Some(fault) = state.fault {
             return Err(Failure::Data(format!(
                 "the axis has a fault ({fault:?}); find out why, then: preslide drive {} acknowledge",
@@ -314,6 +324,10 @@ impl Run {
         }
         if state.mode == Mode::Disabled {
             self.axis.drive.ask(Request::Enable)?;
+        } else {
+            // What a link that was pulled left moving.
+            self.axis.drive.stop()?;
+            state = self.axis.drive.wait(|| false)?;
         }
         let nudge = NUDGE_COUNTS * bounds.count;
         for by in [nudge, -nudge] {
@@ -330,6 +344,7 @@ impl Run {
                 Origin::Stop => MarkArg::Stop,
                 Origin::Index | Origin::None => MarkArg::Index,
             };
+            self.stage = "home".to_owned();
             self.axis.home(&Home {
                 mark,
                 speed: None,
@@ -390,6 +405,7 @@ impl Run {
 
     /// Plays what would decide the dearest doubt, until nothing is in doubt or as many were played as may be.
     fn experiments(&mut self, most: usize) -> Result<Told, Failure> {
+        self.stage = "identify, diagnose".to_owned();
         let mut told = Told::of(&self.journal.recordings())?;
         told.say();
         while let Some(Asked { name, about, .. }) = self.next_experiment(&told, most)? {
@@ -438,6 +454,7 @@ impl Run {
 
     /// Plays a motion that was written from the middle on, with a share of the feed-forward, unless it was played before.
     fn play(&mut self, name: &str, share: f64) -> Result<(), Failure> {
+        self.stage = format!("play {name}");
         let output = self.journal.file(&format!("{name}.csv"));
         if self.journal.played.contains_key(name) {
             say!("{name}: recorded before, {}", output.display());
@@ -477,6 +494,7 @@ impl Run {
 
     /// Hysteresis and moving weight to the controller; the files know its encoder, which `tune` asks for.
     fn load(&mut self, told: &Told) -> Result<(), Failure> {
+        self.stage = "load".to_owned();
         let remarks = [told.diagnosis.verdict_words(&told.recording)];
         let key = if self.axis.rotary {
             "encoder_count_rad"

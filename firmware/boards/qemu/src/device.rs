@@ -18,6 +18,8 @@ pub enum Interrupt {
     UARTTX0 = 1,
     /// CMSDK Timer0.
     TIMER0 = 8,
+    /// CMSDK Timer1, which does not run: pended to start the outer task.
+    TIMER1 = 9,
 }
 
 pub use Interrupt as interrupt;
@@ -46,13 +48,14 @@ unsafe extern "C" {
     fn UARTRX0();
     fn UARTTX0();
     fn TIMER0();
+    fn TIMER1();
     fn DefaultHandler();
 }
 
-/// The external interrupts of the vector table, which end at Timer0.
+/// The external interrupts of the vector table, which end at Timer1.
 #[unsafe(link_section = ".vector_table.interrupts")]
 #[unsafe(no_mangle)]
-pub static __INTERRUPTS: [unsafe extern "C" fn(); 9] = [
+pub static __INTERRUPTS: [unsafe extern "C" fn(); 10] = [
     UARTRX0,
     UARTTX0,
     DefaultHandler,
@@ -62,4 +65,5 @@ pub static __INTERRUPTS: [unsafe extern "C" fn(); 9] = [
     DefaultHandler,
     DefaultHandler,
     TIMER0,
+    TIMER1,
 ];

@@ -20,15 +20,18 @@ use preslide::control::learning::MismatchWatch;
 use preslide_app::Learner;
 use preslide_link::Reading;
 
-#[cfg(feature = "float")]
+// An outer task is over single precision alone: over what was exported, or over the feedback.
+#[cfg(any(feature = "float", all(outer_task, exported_model)))]
 preslide_app::model!(f32);
-#[cfg(not(feature = "float"))]
+#[cfg(not(any(feature = "float", outer_task)))]
 preslide_app::model!(fixed::types::I16F16);
+
+preslide_app::outer_task!();
 
 #[cfg(feature = "watch")]
 type Number = <<Model as preslide_app::Model>::Friction as preslide::Friction>::Scalar;
 
-#[cfg(not(any(feature = "watch", feature = "observer")))]
+#[cfg(not(any(feature = "watch", feature = "observer", outer_task)))]
 type Source = Model;
 #[cfg(all(feature = "observer", not(feature = "watch")))]
 type Source = preslide_app::Observing<Model>;
@@ -37,7 +40,7 @@ type Source = Learner<Model, MismatchWatch<Number>>;
 #[cfg(feature = "adaptation")]
 type Source = Learner<Model, (MismatchWatch<Number>, Adaptation<Number>)>;
 
-#[cfg(not(any(feature = "watch", feature = "observer")))]
+#[cfg(not(any(feature = "watch", feature = "observer", outer_task)))]
 const SOURCE: Source = MODEL;
 #[cfg(all(feature = "observer", not(feature = "watch")))]
 const SOURCE: Source =
@@ -52,17 +55,30 @@ mod app {
     use super::{Friction, SOURCE, Source};
     use crate::device::Interrupt;
     use crate::memory::{self, Pages};
+    #[cfg(outer_task)]
+    use crate::outer_task::{Outer, SETTINGS};
     use crate::registers::{CLOCK_HZ, Timer, Uart, Watchdog};
     use crate::stage::{self, StageBridge};
     use cortex_m_semihosting::{debug, heprintln};
     use heapless::spsc::{Consumer, Producer, Queue};
     use preslide::control::Axis;
+    #[cfg(outer_task)]
+    use preslide::control::koopman::Desk;
     use preslide_app::{Background, Control, Inputs, Parameters, Queues, RECEIVED, SENT, Start};
     use preslide_link::ResetCause;
     use preslide_store::{LONGEST, Slots};
 
+    /// Nothing lies between the control task and one that there is not.
+    #[cfg(not(outer_task))]
+    pub struct Desk;
+    /// And it remembers nothing.
+    #[cfg(not(outer_task))]
+    pub struct Outer;
+
     #[shared]
-    struct Shared {}
+    struct Shared {
+        desk: Desk,
+    }
 
     #[local]
     struct Local {
@@ -76,6 +92,7 @@ mod app {
         received: Producer<'static, u8>,
         sent: Consumer<'static, u8>,
         late: bool,
+        outer: Outer,
     }
 
     #[init(local = [
@@ -101,11 +118,16 @@ mod app {
             reset: ResetCause::Power,
         };
         let Ok((control, background)) = cx.local.queues.tasks(start) else {
-            heprintln!("the built-in settings are not usable");
-            loop {
-                debug::exit(debug::EXIT_FAILURE);
-            }
+            unusable();
         };
+        #[cfg(outer_task)]
+        let desk = control.desk();
+        #[cfg(outer_task)]
+        let Ok(outer) = Outer::try_new(&SETTINGS, &axis, &desk) else {
+            unusable();
+        };
+        #[cfg(not(outer_task))]
+        let (desk, outer) = (Desk, Outer);
         let (to_script, from_script) = cx.local.script.split();
         let (received, from_line) = cx.local.arriving.split();
         let (to_line, sent) = cx.local.leaving.split();
@@ -124,12 +146,20 @@ mod app {
             received,
             sent,
             late: false,
+            outer,
         };
-        (Shared {}, local)
+        (Shared { desk }, local)
+    }
+
+    fn unusable() -> ! {
+        heprintln!("the built-in settings are not usable");
+        loop {
+            debug::exit(debug::EXIT_FAILURE);
+        }
     }
 
     /// The control task; see [`Control`] for its deadline and what happens when it is missed.
-    #[task(binds = TIMER0, priority = 2, local = [control, to_script, late])]
+    #[task(binds = TIMER0, priority = 3, shared = [desk], local = [control, to_script, late])]
     fn tick(cx: tick::Context) {
         Timer::acknowledge();
         let reading = crate::reading(cx.local.to_script);
@@ -141,6 +171,13 @@ mod app {
             late: *cx.local.late,
         };
         cx.local.control.tick(inputs, &mut StageBridge);
+        #[cfg(outer_task)]
+        {
+            let (mut desk, control) = (cx.shared.desk, cx.local.control);
+            if desk.lock(|desk| control.attend(desk)) {
+                rtic::pend(Interrupt::TIMER1);
+            }
+        }
         if reading.dawdle {
             while !Timer::is_due() {}
         }
@@ -148,8 +185,21 @@ mod app {
         Watchdog::feed();
     }
 
+    /// The outer task, once a sample: below the control task and the line, above the background. One that is late is not waited for.
+    #[cfg(outer_task)]
+    #[task(binds = TIMER1, priority = 1, shared = [desk], local = [outer])]
+    fn outer(cx: outer::Context) {
+        let (mut desk, outer) = (cx.shared.desk, cx.local.outer);
+        if desk.lock(|desk| outer.take(desk)) {
+            let outlasts = stage::outlasts();
+            let force = outer.solve();
+            while outlasts && desk.lock(|desk| desk.sample() == outer.sample()) {}
+            desk.lock(|desk| desk.order(outer.sample(), force));
+        }
+    }
+
     /// Bytes from the host. Its ring holds all that a host may have on its way, so none finds it full.
-    #[task(binds = UARTRX0, priority = 1, local = [received])]
+    #[task(binds = UARTRX0, priority = 2, local = [received])]
     fn receive(cx: receive::Context) {
         while let Some(byte) = Uart::receive() {
             let _ = cx.local.received.enqueue(byte);
@@ -157,7 +207,7 @@ mod app {
     }
 
     /// Bytes to the host; pended when there are new ones, and by the UART when it takes another.
-    #[task(binds = UARTTX0, priority = 1, local = [sent])]
+    #[task(binds = UARTTX0, priority = 2, local = [sent])]
     fn send(cx: send::Context) {
         while Uart::can_send()
             && let Some(byte) = cx.local.sent.dequeue()
@@ -201,6 +251,8 @@ fn reading(to_script: &mut Producer<'static, u8>) -> Reading {
         // What has waited goes on, as when a transmitter has room again.
         rtic::pend(device::Interrupt::UARTTX0);
     }
+    #[cfg(outer_task)]
+    stage::outlast(reading.outlast);
     if reading.hang {
         loop {
             cortex_m::asm::nop();

@@ -35,6 +35,24 @@ pub fn off() {
     DRIVEN.store(false, Ordering::Relaxed);
 }
 
+/// The next run of the outer task is to take longer than its sample.
+#[cfg(outer_task)]
+static OUTLAST: AtomicBool = AtomicBool::new(false);
+
+/// Has it do so.
+#[cfg(outer_task)]
+pub fn outlast(does: bool) {
+    if does {
+        OUTLAST.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Whether the run that begins is that one.
+#[cfg(outer_task)]
+pub fn outlasts() -> bool {
+    OUTLAST.swap(false, Ordering::Relaxed)
+}
+
 /// Sends what the bridge holds and waits for what the registers show after the stage has moved on by a tick.
 ///
 /// The emulator stands still meanwhile: neither the controller's time nor the watchdog sees how long the simulator takes.

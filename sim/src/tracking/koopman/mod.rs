@@ -1,6 +1,7 @@
 //! Koopman model predictive control as an outer task over the production controller, and what it is worth beside its rivals.
 
 mod contender;
+mod firmware;
 mod learnt;
 mod outer;
 mod predictive;
@@ -9,6 +10,7 @@ mod tests;
 mod verdict;
 
 pub use contender::{Contender, Known};
+pub use firmware::{FirmwareSettings, FirmwareTask, firmware, source};
 pub use learnt::{Learnt, learn};
 pub use verdict::{Verdict, print, study};
 
@@ -29,6 +31,12 @@ const LENGTHS: [u32; MOVES] = [1, 1, 2, 4, 8];
 const FORCE_N: f64 = 1.5;
 /// And on its change in a sample (N).
 const SLEW_N: f64 = 0.5;
+
+/// Iterations of the fast gradient in a sample.
+const ITERATIONS: u32 = 20;
+
+/// What an excursion beyond the travel weighs against an error (-).
+const TRAVEL: f64 = 10.0;
 
 type Model = preslide::control::koopman::KoopmanModel<STATES>;
 type Mpc = preslide::control::koopman::KoopmanMpc<STATES, MOVES>;

@@ -2,18 +2,14 @@
 
 use super::learnt::Learnt;
 use super::outer::{Sample, Task};
-use super::{BLOCKS, FORCE_N, LENGTHS, Lift, MOVES, Mpc, SLEW_N, STATES, TICKS};
+use super::{
+    BLOCKS, FORCE_N, ITERATIONS, LENGTHS, Lift, MOVES, Mpc, SLEW_N, STATES, TICKS, TRAVEL,
+};
 use crate::tracking::TrackingError;
 use crate::tracking::rivals::velocities;
 use preslide::control::koopman::{Ahead, ErrorLiftState, KoopmanSettings, KoopmanState};
 use preslide::control::{Move, Settings};
 use std::sync::Arc;
-
-/// Iterations of the fast gradient in a sample.
-const ITERATIONS: u32 = 20;
-
-/// What an excursion beyond the travel weighs against an error (-).
-const TRAVEL: f64 = 10.0;
 
 /// What is tuned.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +19,20 @@ pub(super) struct Weights {
     pub(super) change: f64,
     /// Of the error that was not foreseen (-).
     pub(super) gain: f64,
+}
+
+impl Weights {
+    pub(super) fn cost(&self) -> KoopmanSettings<MOVES> {
+        KoopmanSettings {
+            lengths: LENGTHS,
+            effort: self.effort,
+            change: self.change,
+            force: FORCE_N,
+            slew: SLEW_N,
+            travel: TRAVEL,
+            iterations: ITERATIONS,
+        }
+    }
 }
 
 /// Lift and controller over a motion that is known beforehand, as a planner knows its queue.
@@ -52,18 +62,7 @@ impl Predictive {
         });
         Ok(Self {
             lift: Lift::try_new(yields, compensated, &learnt.model, weights.gain)?,
-            mpc: Mpc::try_new(
-                &learnt.model,
-                &KoopmanSettings {
-                    lengths: LENGTHS,
-                    effort: weights.effort,
-                    change: weights.change,
-                    force: FORCE_N,
-                    slew: SLEW_N,
-                    travel: TRAVEL,
-                    iterations: ITERATIONS,
-                },
-            )?,
+            mpc: Mpc::try_new(&learnt.model, &weights.cost())?,
             places: places.collect(),
             travel: settings
                 .limits

@@ -1,12 +1,12 @@
+use super::firmware::{WEIGHTS, firmware, guided, source, yields};
 use super::learnt::learn;
 use super::outer::{Outer, Sample, Task};
-use super::predictive::{Predictive, Weights};
-use super::{BLOCKS, FORCE_N, TICKS};
+use super::predictive::Predictive;
+use super::{FORCE_N, TICKS};
 use crate::stage::StageConfig;
 use crate::tracking::{Axis, Tracking, motions};
-use preslide::control::{Axis as Settings, NoFriction, PidGains};
+use preslide::control::{Axis as Settings, NoFriction};
 use preslide::{Friction, Units};
-use preslide_host::paper;
 
 /// An outer task whose order comes too late in all but one of so many samples.
 #[derive(Clone, PartialEq)]
@@ -31,13 +31,7 @@ impl Task for Late {
 
 /// The paper's axis with the integral's place free, on a stage of a quarter of the usual steps.
 fn axis() -> (Settings, StageConfig) {
-    let settings = Settings {
-        gains: PidGains {
-            integral: 0.0,
-            ..Settings::PAPER_AXIS.gains
-        },
-        ..Settings::PAPER_AXIS
-    };
+    let settings = guided(&Settings::PAPER_AXIS);
     let stage = StageConfig {
         substeps: 2,
         ..StageConfig::default().on(&settings)
@@ -73,10 +67,7 @@ fn follow<F: Friction>(
 #[test]
 fn an_outer_task_removes_most_of_the_error_and_its_absence_harms_nothing() {
     let (settings, stage) = axis();
-    let mut yields = [0.0; BLOCKS];
-    for (to, (k, alpha)) in yields.iter_mut().zip(paper::TABLE_3[BLOCKS - 2].blocks) {
-        *to = alpha * paper::BREAKAWAY / k;
-    }
+    let yields = yields();
     let none = NoFriction::<f32>::new;
     let learnt = learn(&settings, none(), stage, &yields, false).expect("learnt");
     println!("{:?} of {} m", learnt.errors_m, learnt.size_m);
@@ -84,12 +75,7 @@ fn an_outer_task_removes_most_of_the_error_and_its_absence_harms_nothing() {
     let moves: Vec<_> = (motions::nested_triangles().iter())
         .map(|step| step.plan(&settings).expect("planned"))
         .collect();
-    let weights = Weights {
-        effort: 1e-16,
-        change: 1e-13,
-        gain: 0.05,
-    };
-    let task = Predictive::try_new(&learnt, &yields, false, weights, &settings, &moves);
+    let task = Predictive::try_new(&learnt, &yields, false, WEIGHTS, &settings, &moves);
     let task = task.expect("built");
     let late = |every| {
         let task = Late {
@@ -114,4 +100,30 @@ fn an_outer_task_removes_most_of_the_error_and_its_absence_harms_nothing() {
     let samples = ticks.div_ceil(TICKS);
     assert_eq!((all_missed, half_missed), (samples - 2, (samples - 1) / 2));
     assert!((never / feedback - 1.0).abs() < 0.01);
+}
+
+/// What the firmware is built with is what is learnt. `cargo run --release -p preslide-cli --example track -- koopman-firmware` writes it.
+#[test]
+fn the_firmware_is_told_what_is_learnt() {
+    let kept = include_str!("../../../../cli/tests/exported/koopman.rs");
+    let settings = Settings::PAPER_AXIS;
+    let learnt = firmware(&settings, StageConfig::default().on(&settings)).expect("learnt");
+    let learnt = source(&learnt);
+    let words = |text: &str| -> Vec<String> {
+        let split = text.split(|c: char| c.is_whitespace() || "[]{},;".contains(c));
+        split.map(str::to_owned).collect()
+    };
+    let (kept, learnt) = (words(kept), words(&learnt));
+    assert_eq!(kept.len(), learnt.len());
+    let mut numbers = 0;
+    for (kept, learnt) in kept.iter().zip(&learnt) {
+        let (Ok(a), Ok(b)) = (kept.parse::<f64>(), learnt.parse::<f64>()) else {
+            assert_eq!(kept, learnt);
+            continue;
+        };
+        // Another machine's sine may round otherwise, and a regression makes more of it.
+        assert!((a - b).abs() <= 1e-6 * b.abs(), "{a}, and now {b}");
+        numbers += 1;
+    }
+    assert!(numbers > 200);
 }
