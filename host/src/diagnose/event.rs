@@ -4,6 +4,7 @@
 //! that of the windows in which the axis moved most alike: what depends on the motion is there in both, what happened is not.
 
 use super::rows::Rows;
+use crate::signal::LATE;
 use crate::statistics::quantile_between_ranks;
 use std::ops::Range;
 
@@ -139,16 +140,14 @@ fn windows(rows: &Rows, load: &[f64], mismatch: &[f64], length: f64) -> Vec<Wind
     let whole = |w: &Range<usize>| {
         w.end <= time.len() && time[w.end - 1] - time[w.start] < 1.5 * count as f64 * step
     };
-    let direction = rows.weak.at_centres(&s.direction);
-    let turns: Vec<usize> = (1..direction.len())
-        .filter(|i| direction[*i] != direction[i - 1])
-        .collect();
-    // Of few reversals each is an event of its own: nothing else moved like that.
+    let turns = turns(rows);
+    // Of few reversals each is an event of its own, and so is what comes after it: nothing else moved like that.
+    let after = (LENGTHS[LENGTHS.len() - 1] / step).ceil() as usize;
     let is_compared = |w: &Range<usize>| {
         turns.len() >= ALIKE
             || !turns
                 .iter()
-                .any(|t| (w.start..w.end + count).contains(&(t + count)))
+                .any(|turn| (w.start..w.end + after).contains(&(turn + after)))
     };
     (0..time.len())
         .step_by(hop)
@@ -165,6 +164,18 @@ fn windows(rows: &Rows, load: &[f64], mismatch: &[f64], length: f64) -> Vec<Wind
                 size,
             })
         })
+        .collect()
+}
+
+/// The first row after each reversal that a stroke follows; the rest is the encoder's noise at standstill.
+fn turns(rows: &Rows) -> Vec<usize> {
+    let (s, least) = (&rows.s, LATE * rows.s.travel());
+    let all: Vec<usize> = s.turns().collect();
+    let ends = all.iter().skip(1).copied().chain([s.x.len() - 1]);
+    let strokes = all.iter().zip(ends);
+    let strokes = strokes.filter(|(from, to)| (s.x[*to] - s.x[**from]).abs() > least);
+    strokes
+        .map(|(from, _)| rows.weak.centres.partition_point(|centre| centre < from))
         .collect()
 }
 

@@ -229,7 +229,7 @@ pub fn conclude(
     };
     let mut unnamed = unnamed(&found, event, drift(&found), &reports, is_doubtful);
     // Nothing takes off more than is left without it: what looks large stands in for what fits as well.
-    unnamed.retain(|_| baseline.test >= NOTICEABLE);
+    unnamed.retain(|u| u.happened.is_some() || baseline.test >= NOTICEABLE);
     // Where nothing is missing, nothing is added.
     let adds = effects.iter().any(Named::is_missing);
     let after = if !adds && (null.core.corrects || reached.test > baseline.test) {
