@@ -37,7 +37,10 @@ fn is_of(names: &Names, column: usize, slot: Slot) -> bool {
     };
     match slot {
         // What takes minutes is no clock.
-        Slot::Time => unit.dimension == Dimension::Time && unit.factor <= 1.0,
+        Slot::Time => {
+            let is_step = holds_word(&names.columns[column], Slot::Step);
+            unit.dimension == Dimension::Time && unit.factor <= 1.0 && !is_step
+        }
         // Supplies have volts, too.
         Slot::Effort => matches!(
             unit.dimension,
@@ -99,6 +102,8 @@ pub(super) fn propose(names: &Names, sources: &[Source], open: &[usize]) -> Vec<
         if has(slot) || instead.is_some_and(has) {
             continue;
         }
+        let other = instead.filter(|other| best(slot).is_none() && best(*other).is_some());
+        let slot = other.unwrap_or(slot);
         let found = best(slot);
         if slot == Slot::Time && found.is_none() {
             // Without a position it may be a table of speeds, which needs none.
@@ -195,7 +200,8 @@ fn is_rotary(names: &Names, sources: &[Source]) -> bool {
             return true;
         }
         let words = ["torque", "angle", "theta", "moment", "motor", "rad", "deg"];
-        lower == "tau" || words.iter().any(|w| lower.contains(w))
+        let mut parts = lower.split(|c: char| !c.is_alphabetic());
+        parts.any(|part| part == "tau") || words.iter().any(|w| lower.contains(w))
     };
     by_unit.into_iter().any(angular) || names.columns.iter().any(by_word)
 }

@@ -27,7 +27,7 @@ const FILETIME_MS: f64 = 1e-4;
 
 /// Whether the text begins like an export.
 pub(super) fn is_export(head: &[u8]) -> bool {
-    let mut start = head.split(|&b| b == b'\n').take(6);
+    let mut start = head.split(|&b| b == b'\n').take(12);
     // Between blanks it stands in quotes.
     let begins = |line: &[u8], mark: &str| {
         let line = line.strip_prefix(b"\"").unwrap_or(line);

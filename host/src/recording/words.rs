@@ -135,12 +135,13 @@ pub(super) fn split(name: &str) -> (&str, Option<&str>) {
             return (&name[..i], Some(&name[i + 1..]));
         }
     }
-    // `tickUs`, `ActTorqueNm`; a letter there is as often an axis or a phase.
+    // `tickUs`, `ActTorqueNm`; a letter there is as often an axis or a phase, `In` an input and `Min` the least.
     let upper = name.char_indices().rev().find(|(_, c)| c.is_uppercase());
     match upper.map(|(i, _)| name.split_at(i)) {
         Some((stem, unit))
             if stem.ends_with(|c: char| c.is_lowercase())
                 && unit.len() > 1
+                && !["In", "Min"].contains(&unit)
                 && units::is_unit(unit) =>
         {
             (stem, Some(unit))

@@ -39,6 +39,11 @@ fn counters_of_time_are_known_by_their_names_and_units() {
     let (r, maps) = as_told(&timed("esp.loop_us", |i| (2000 * i).to_string()));
     assert_eq!(maps, ["--map t_s=esp.loop_us"]);
     is_joint("loop_us", &r, 1.0);
+    for (name, step) in [("loop.dt_us", "2000"), ("loop.dt", "0.002")] {
+        let (r, maps) = as_told(&timed(name, |_| step.into()));
+        assert_eq!(maps, [format!("--map dt_s={name}")]);
+        is_joint(name, &r, 1.0);
+    }
     // Below four samples a turn a wrap is as near as none.
     let e = text(
         &timed("tick_us", |i| (20_000 * i % 65_536).to_string()),
@@ -137,6 +142,13 @@ fn names_with_paths_and_units_are_offered_whole() {
         assert_eq!(told.join(" "), maps);
         is_joint(position, &r, 1.0);
     }
+    let speed = "t_s,Motor.Speed_rpm,Motor.Torque_Nm\n0,60,1\n1,120,2\n2,60,1\n";
+    let (r, told) = as_told(speed);
+    assert_eq!(
+        told.join(" "),
+        "--map qd_rad_s=Motor.Speed_rpm --map torque_Nm=Motor.Torque_Nm"
+    );
+    assert!((r.velocity.expect("measured")[1] - 2.0 * turn).abs() < 1e-12);
     // What a count is worth only its user knows.
     let counts = "t_s,enc_counts,torque_Nm\n0,1,1\n1,2,1\n2,3,1\n";
     let e = text(counts, &[]).expect_err("counts").to_string();
