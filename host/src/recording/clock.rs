@@ -13,10 +13,19 @@ pub(super) struct Clock {
     midnights: f64,
 }
 
+/// Of a day of twice twelve hours, and the hour that it begins with.
+#[derive(Clone, Copy)]
+enum Half {
+    Morning = 0,
+    Afternoon = 12,
+}
+
 impl Clock {
-    /// Seconds of `2025-11-09T09:27:03.748Z`, `2025-11-09 09:27:03+01:00` or `09:27:03.748`; a time of day that falls by more than half a day has
-    /// passed midnight.
+    /// Seconds of `2025-11-09T09:27:03.748Z`, `2025-11-09 09:27:03+01:00`, `09:27:03.748` or `9:27:03.748 AM`; a time of day that falls by more than
+    /// half a day has passed midnight.
     pub(super) fn seconds(&mut self, text: &str) -> Option<f64> {
+        let (text, half) = half_of_day(text);
+        let of_day = |time: &str| of_day(time, half);
         if let Some((date, time)) = text.split_once(['T', 't', ' ']) {
             let day = day(date)?;
             let (time, ahead) = zone(time)?;
@@ -50,15 +59,34 @@ pub(super) fn said(unit: f64) -> Warning {
     )
 }
 
-/// Days from a fixed one to a Gregorian `year-month-day`, `year/month/day` or `day.month.year`.
+/// A time without its `AM` or `PM`, and which.
+fn half_of_day(text: &str) -> (&str, Option<Half>) {
+    let text = text.trim_end();
+    let marks = ["am", "pm", "a.m.", "p.m."];
+    let mark = marks.iter().find_map(|mark| {
+        let (before, end) = text.split_at_checked(text.len().checked_sub(mark.len())?)?;
+        let half = match mark.starts_with('a') {
+            true => Half::Morning,
+            false => Half::Afternoon,
+        };
+        end.eq_ignore_ascii_case(mark)
+            .then(|| (before.trim_end(), Some(half)))
+    });
+    mark.unwrap_or((text, None))
+}
+
+/// Days from a fixed one to a Gregorian `year-month-day`, `year/month/day`, `day.month.year`, or `month/day/year` where that is a date, and else
+/// `day/month/year`.
 fn day(date: &str) -> Option<i64> {
     let mut parts = date
         .splitn(3, ['-', '/', '.'])
         .map(|p| p.parse::<i64>().ok());
     let (first, month, last) = (parts.next()??, parts.next()??, parts.next()??);
-    let (year, day) = match date.contains('.') {
-        true => (last, first),
-        false => (first, last),
+    let (year, month, day) = match (date.contains('.'), last > 31) {
+        (true, _) => (last, month, first),
+        (false, true) if first <= 12 => (last, first, month),
+        (false, true) => (last, month, first),
+        (false, false) => (first, month, last),
     };
     if !(1..=12).contains(&month) || !(1..=31).contains(&day) {
         return None;
@@ -96,14 +124,19 @@ fn zone(time: &str) -> Option<(&str, f64)> {
     }
 }
 
-/// Seconds of `09:27:03.748` or `9:27:03,748`.
-fn of_day(time: &str) -> Option<f64> {
+/// Seconds of `09:27:03.748` or `9:27:03,748`, of the whole day or of a half of it.
+fn of_day(time: &str, half: Option<Half>) -> Option<f64> {
     let mut parts = time.split(':');
     let (hour, minute, second) = (parts.next()?, parts.next()?, parts.next()?);
     let whole = |text: &str, below: u32| text.trim().parse::<u32>().ok().filter(|n| *n < below);
     let seconds: f64 = second.replace(',', ".").parse().ok()?;
     let is_time = parts.next().is_none() && (0.0..61.0).contains(&seconds);
-    let (hour, minute) = (whole(hour, 24)?, whole(minute, 60)?);
+    let minute = whole(minute, 60)?;
+    let hour = match half {
+        None => whole(hour, 24)?,
+        // It begins with the hour 12.
+        Some(half) => whole(hour, 13).filter(|h| *h > 0)? % 12 + half as u32,
+    };
     is_time.then(|| f64::from(3600 * hour + 60 * minute) + seconds)
 }
 
@@ -121,6 +154,11 @@ mod tests {
             ["23:59:59.5", "0:00:00.25"],
             ["2024/02/28 23:59:59.5", "2024/02/29 00:00:00.25"],
             ["28.02.2024 23:59:59,5", "29.02.2024 00:00:00,25"],
+            ["11:59:59.5 PM", "12:00:00.25 AM"],
+            ["11:59:59.5am", "12:00:00.25 p.m."],
+            ["12:59:59.5 PM", "1:00:00.25 PM"],
+            ["2/28/2024 11:59:59.5 PM", "2/29/2024 12:00:00.25 AM"],
+            ["28/02/2024 23:59:59.5", "29/02/2024 00:00:00.25"],
         ] {
             let mut clock = Clock::default();
             let [a, b] = stamps.map(|s| clock.seconds(s).unwrap_or_else(|| panic!("{s}")));
@@ -131,6 +169,8 @@ mod tests {
             "12",
             "12:61:00",
             "25:00:00",
+            "13:00:00 PM",
+            "0:00:00 AM",
             "abc",
             "2025-13-01T00:00:00",
             "1:2:3:4",

@@ -174,11 +174,12 @@ fn by_unit(
     let mut taken: Vec<(usize, &'static Known, Unit)> = Vec::new();
     for &i in open.iter() {
         let name = &names.columns[i];
-        let Some(slot) = quantity(name).slot else {
+        let said = quantity(name);
+        let Some(slot) = said.slot else {
             continue;
         };
         // Time without a unit is in seconds, which the warning says.
-        let clock = matches!(slot, Slot::Time | Slot::Step);
+        let clock = matches!(slot, Slot::Time | Slot::Step) && !said.is_count;
         let bare = (clock && split(name).1.is_none()).then_some(SECOND);
         let Some(unit) = names.unit(i).or(bare) else {
             continue;
@@ -348,6 +349,7 @@ mod tests {
             map: &map,
             ignore: &[],
             needs: Needs::Both,
+            sample_time: None,
         })
     }
 

@@ -9,10 +9,10 @@ use super::error::Problem;
 use super::extra::Reading;
 use super::known::Slot;
 use super::labels::{self, Labels};
-use super::layout::{self, Layout, Squeezed, io_problem};
-use super::lost;
+use super::layout::{self, Commas, Layout, Squeezed, io_problem};
 use super::names::{Names, Source, plausible};
 use super::table::{Data, Location, Table};
+use super::{labelled, lost};
 
 /// Reads every sample of a text of that layout.
 pub(super) fn read(
@@ -27,6 +27,7 @@ pub(super) fn read(
         map: &options.map,
         ignore: &options.ignore,
         needs: options.needs,
+        sample_time: layout.sample_time,
     })?;
     let table = Rows::new(plan, layout);
     // Quotes are taken off cell by cell: an unclosed one must not swallow the rest of the file.
@@ -113,6 +114,12 @@ impl Rows {
             .map_err(|e| csv_problem(e, line))?
         {
             line = self.layout.first_line - 1 + record.position().map_or(0, ::csv::Position::line);
+            if self.layout.labelled {
+                record = labelled::bare(&record, &self.layout.names);
+            }
+            if record.len() > self.layout.names.len() {
+                record = requoted(&record, self.layout.separator);
+            }
             if let Err(problem) = self.row(&record, line, &mut expected, options) {
                 self.hold(problem, &record, line)?;
             }
@@ -133,7 +140,7 @@ impl Rows {
         if record.len() != columns && !surplus_blank {
             return Err(ragged(line, record, columns, self.layout.separator));
         }
-        let comma = self.layout.separator != b',';
+        let commas = self.layout.commas;
         for (k, source) in self.plan.sources.iter().enumerate() {
             let column = source.columns().next().unwrap_or(0);
             let refused = match &mut self.data[k] {
@@ -150,7 +157,7 @@ impl Rows {
                     let since_1970 = &mut self.since_1970;
                     source
                         .value(|column| {
-                            let value = number(cell(record, column), comma)?;
+                            let value = number(cell(record, column), commas)?;
                             let unit = match source.is_bare_time() {
                                 true => *since_1970.get_or_insert(clock::since_1970(value)),
                                 false => None,
@@ -177,15 +184,15 @@ impl Rows {
             self.breaks.push((self.samples, line));
         }
         *expected = line + 1;
-        self.further(record, line, comma);
+        self.further(record, line, commas);
         self.samples += 1;
         Ok(())
     }
 
     /// The columns without a role.
-    fn further(&mut self, record: &::csv::ByteRecord, line: u64, comma: bool) {
+    fn further(&mut self, record: &::csv::ByteRecord, line: u64, commas: Commas) {
         for (reading, &column) in self.extra.iter_mut().zip(&self.plan.unused) {
-            let value = number(cell(record, column), comma).and_then(plausible);
+            let value = number(cell(record, column), commas).and_then(plausible);
             reading.push(value.map_err(|what| format!("line {line}: {what}")));
         }
         if self.samples == 0 {
@@ -216,7 +223,8 @@ impl Rows {
         let time = self.plan.sources.iter();
         let time = time.filter(|s| s.known.slot == Slot::Time);
         let time = cell(record, time.flat_map(Source::columns).next().unwrap_or(0));
-        let has_time = number(time, true).is_ok() || stamp(&mut Clock::default(), time).is_some();
+        let has_time =
+            number(time, Commas::Decimals).is_ok() || stamp(&mut Clock::default(), time).is_some();
         let (first, rows) = &mut self.broken;
         rows.push(Broken {
             line,
@@ -315,13 +323,38 @@ fn cell(record: &::csv::ByteRecord, column: usize) -> &[u8] {
     inside.unwrap_or(cell).trim_ascii()
 }
 
-/// The number in a cell, or what it is instead; `comma` allows a decimal comma.
-pub(super) fn number(cell: &[u8], comma: bool) -> Result<f64, String> {
+/// The row with what stands in quotes in one cell, whatever it holds.
+fn requoted(record: &::csv::ByteRecord, separator: u8) -> ::csv::ByteRecord {
+    let mut cells = ::csv::ByteRecord::new();
+    let mut open: Option<Vec<u8>> = None;
+    for cell in record {
+        let whole = match open.take() {
+            Some(before) => [&before[..], &[separator], cell].concat(),
+            None => cell.to_vec(),
+        };
+        let text = whole.trim_ascii();
+        match text.starts_with(b"\"") && (text.len() < 2 || !text.ends_with(b"\"")) {
+            true => open = Some(whole),
+            false => cells.push_field(&whole),
+        }
+    }
+    open.iter().for_each(|cell| cells.push_field(cell));
+    cells
+}
+
+/// The number in a cell, or what it is instead.
+pub(super) fn number(cell: &[u8], commas: Commas) -> Result<f64, String> {
     if cell.is_empty() {
         return Err("the cell is empty".into());
     }
+    if commas == Commas::Unsure && cell.contains(&b',') {
+        return Err(format!(
+            "the comma of `{}` may be one of thousands or of decimals, and no number in the file has a point; write numbers without it",
+            shortened(&String::from_utf8_lossy(cell))
+        ));
+    }
     let parsed = std::str::from_utf8(cell).ok();
-    match parsed.and_then(|text| layout::parse(text, comma)) {
+    match parsed.and_then(|text| layout::parse(text, commas == Commas::Decimals)) {
         // Some tools write the first time stamp as -0.
         Some(value) if value.is_finite() => Ok(value + 0.0),
         Some(_) => Err(format!(

@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use super::places;
+
 /// A recording that cannot be loaded: the file as the user named it, and what is wrong with it.
 #[derive(Debug, Error)]
 #[error("{file}: {problem}")]
@@ -241,8 +243,9 @@ fn by_place(columns: usize, maps: &[String]) -> String {
     let like = match maps {
         [] => "NAME=column1".to_owned(),
         maps => format!(
-            "what their numbers look like, if the units are right, {}",
-            maps.join(" ")
+            "what their numbers look like, if the units are right, {}{}",
+            maps.join(" "),
+            places::said(maps)
         ),
     };
     match columns {
@@ -255,8 +258,9 @@ fn proposal(maps: &[String]) -> String {
     match maps {
         [] => String::new(),
         maps => format!(
-            ". Rename the columns with their SI units, or bring them in, if this is what they are, with {}",
-            maps.join(" ")
+            ". Rename the columns with their SI units, or bring them in, if this is what they are, with {}{}",
+            maps.join(" "),
+            places::said(maps)
         ),
     }
 }

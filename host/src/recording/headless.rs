@@ -2,7 +2,7 @@
 
 use super::error::Problem;
 use super::layout::{self, Layout};
-use super::propose::quoted;
+use super::propose::{quoted, sample_time};
 
 /// Names the columns of a text that does not: those of a joint state as `ros2 topic echo --csv` writes it by what they are, others by number. Returns
 /// what is to be said where they are not mapped.
@@ -32,7 +32,7 @@ pub(super) fn name(layout: &mut Layout, samples: &[u8]) -> Option<Problem> {
         line: layout.first_line,
         first: first[0].clone(),
         columns,
-        maps: guess(&values),
+        maps: guess(&values, layout.sample_time),
     })
 }
 
@@ -61,7 +61,7 @@ fn joint_state(cells: &[String]) -> Option<Vec<String>> {
 }
 
 /// The `--map`s that would read columns whose numbers look like time, position and effort.
-fn guess(columns: &[Vec<f64>]) -> Vec<String> {
+fn guess(columns: &[Vec<f64>], told: Option<f64>) -> Vec<String> {
     let mut open: Vec<usize> = (0..columns.len())
         .filter(|&i| columns[i].windows(2).any(|p| p[0] != p[1]))
         .collect();
@@ -75,11 +75,10 @@ fn guess(columns: &[Vec<f64>]) -> Vec<String> {
         None => smoothest(columns, &open),
     };
     let mut maps = Vec::new();
-    maps.push(match (clock, moves, counter) {
+    maps.push(match (clock, told, moves) {
         (Some(i), ..) => format!("t_s={}", in_seconds(&columns[i], &name(i))),
-        (None, Some((_, _, step)), _) => format!("dt_s={step:.3e}"),
-        (None, None, Some(i)) => format!("t_s=0.001*{}", name(i)),
-        (None, None, None) => "dt_s=0.001".to_owned(),
+        (None, None, Some((_, _, step))) => format!("dt_s={step:.3e}"),
+        (None, told, _) => format!("dt_s={}", sample_time(told)),
     });
     let Some(position) = position else {
         return Vec::new();

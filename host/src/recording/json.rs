@@ -104,10 +104,8 @@ fn lines(text: &str) -> Option<Content> {
     let layout = Layout {
         separator: SEPARATOR as u8,
         names,
-        units: Vec::new(),
-        skip: 0,
         first_line: 1,
-        headless: false,
+        ..Layout::default()
     };
     Some(Content::Lines(layout, written))
 }

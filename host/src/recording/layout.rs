@@ -3,7 +3,8 @@
 use std::io::{self, Read};
 
 use super::error::Problem;
-use super::units;
+use super::words::quantity;
+use super::{stated, units};
 
 /// No sensible row is longer; a file without line ends would otherwise be held as one row.
 const MAX_LINE_BYTES: usize = 64 * 1024;
@@ -115,8 +116,19 @@ impl<R: Read> Read for Squeezed<R> {
     }
 }
 
+/// What a comma within a number stands for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Commas {
+    #[default]
+    Decimals,
+    /// Thousands: commas are between the cells too, and decimals follow points.
+    Thousands,
+    /// Commas are between the cells, and no number shows what its decimals follow.
+    Unsure,
+}
+
 /// Where what is in the file.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Layout {
     /// Between cells; a blank stands for any number of them.
     pub(super) separator: u8,
@@ -129,6 +141,11 @@ pub(super) struct Layout {
     pub(super) first_line: u64,
     /// Nothing names the columns.
     pub(super) headless: bool,
+    /// Before each number stands its column's name.
+    pub(super) labelled: bool,
+    pub(super) commas: Commas,
+    /// The sample time (s) that the lines above the samples tell.
+    pub(super) sample_time: Option<f64>,
 }
 
 pub(super) struct Line {
@@ -204,9 +221,13 @@ fn unquoted(cell: &str) -> String {
     cell.trim().trim_matches('"').trim().to_owned()
 }
 
-/// The number in a cell; `comma` allows a decimal comma.
+/// The number in a cell; `comma` allows a decimal comma, without which one comma may be of thousands.
 pub(super) fn parse(cell: &str, comma: bool) -> Option<f64> {
     if let Ok(value) = cell.parse::<f64>() {
+        return Some(value);
+    }
+    let grouped = thousands(cell, ',', '.', comma);
+    if let Some(value) = grouped.or_else(|| thousands(cell, '.', ',', true).filter(|_| comma)) {
         return Some(value);
     }
     let (whole, part) = cell.split_once(',').filter(|_| comma)?;
@@ -216,7 +237,22 @@ pub(super) fn parse(cell: &str, comma: bool) -> Option<f64> {
         .flatten()
 }
 
-const SEPARATORS: [u8; 5] = [b',', b';', b'\t', b'|', b' '];
+/// The number of `1,234.5` or `1.234,5`; where `doubtful`, a single mark without decimals tells too little.
+fn thousands(cell: &str, mark: char, point: char, doubtful: bool) -> Option<f64> {
+    let (whole, part) = cell.split_once(point).unwrap_or((cell, ""));
+    let digits = |text: &str| text.bytes().all(|b| b.is_ascii_digit());
+    let mut groups = whole.trim_start_matches(['+', '-']).split(mark);
+    let first = groups.next()?;
+    let more: Vec<&str> = groups.collect();
+    let is_first = (1..=3).contains(&first.len()) && digits(first) && !first.starts_with('0');
+    let are_groups = more.iter().all(|g| g.len() == 3 && digits(g));
+    let enough = more.len() > usize::from(doubtful && part.is_empty());
+    let told = is_first && are_groups && enough && digits(part);
+    told.then(|| format!("{}.{part}", whole.replace(mark, "")).parse().ok())
+        .flatten()
+}
+
+pub(super) const SEPARATORS: [u8; 5] = [b',', b';', b'\t', b'|', b' '];
 
 /// Cells and numbers of a line, where it looks like a row of samples.
 fn row(text: &str, separator: u8) -> Option<(usize, usize)> {
@@ -255,6 +291,24 @@ fn likeness(lines: &[Line], separator: u8) -> (f64, usize) {
 /// No text.
 pub(super) fn of(head: &[u8]) -> Result<Layout, Problem> {
     let all = lines(head);
+    let layout = place(&all)?;
+    let (above, samples): (Vec<_>, Vec<_>) = all.iter().partition(|l| l.number < layout.first_line);
+    let has_point = |cell: String| cell.contains('.') && cell.parse::<f64>().is_ok();
+    let mut rows = samples.iter().map(|l| cells(&l.text, layout.separator));
+    let commas = match layout.separator {
+        b',' if rows.any(|row| row.into_iter().any(has_point)) => Commas::Thousands,
+        b',' => Commas::Unsure,
+        _ => Commas::Decimals,
+    };
+    Ok(Layout {
+        commas,
+        sample_time: above.iter().find_map(|l| stated::sample_time(&l.text)),
+        ..layout
+    })
+}
+
+/// Separator, names and units of the lines, and where the samples begin.
+fn place(all: &[Line]) -> Result<Layout, Problem> {
     let is_remark = |l: &&Line| l.text.trim_start().starts_with(['#', '%']);
     let is_blank = |l: &&Line| l.text.trim().is_empty();
     let plain: Vec<&Line> = all
@@ -271,7 +325,7 @@ pub(super) fn of(head: &[u8]) -> Result<Layout, Problem> {
         });
     }
     let best = SEPARATORS
-        .map(|separator| (separator, likeness(&all, separator)))
+        .map(|separator| (separator, likeness(all, separator)))
         .into_iter()
         .rev()
         .max_by(|(_, a), (_, b)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -279,72 +333,97 @@ pub(super) fn of(head: &[u8]) -> Result<Layout, Problem> {
         Some((separator, (sum, width))) if sum > 0.0 => (separator, width),
         _ => (by_header(&first.text), 0),
     };
+    let layout = |names: Vec<String>, skip: usize, first_line: u64| Layout {
+        separator,
+        names,
+        skip,
+        first_line,
+        ..Layout::default()
+    };
+    let of_first = || {
+        let names = cells(&first.text, separator);
+        layout(names, first.end, first.number + 1)
+    };
     let sample = plain
         .iter()
         .position(|l| width > 0 && row(&l.text, separator).is_some_and(|r| r.0 == width));
     let Some(sample) = sample else {
-        return Ok(layout(separator, first, None, first.end, first.number + 1));
+        return Ok(of_first());
     };
-    let is_units = |l: &Line| {
-        let found = cells(&l.text, separator);
-        found.iter().all(|c| c.is_empty() || units::is_unit(c))
-    };
-    let fits = |l: &&&Line| {
-        let found = cells(&l.text, separator);
-        let named = found.iter().filter(|c| !c.is_empty()).count();
-        // Columns without a unit leave their cells of the row of units blank.
-        let wide = if is_units(l) { found.len() } else { named };
-        let words = found.iter().all(|c| parse(c, true).is_none());
-        wide.abs_diff(width) <= 1 && named >= 2 && words
-    };
+    let named = |l: &&Line| Some((l.number, names(&l.text, separator, width)?));
     let above = || plain[..sample].iter().rev().take(LINES_BETWEEN);
     let data = plain[sample];
-    if let Some(header) = above().find(fits) {
-        let upper = above().skip_while(|l| l.number >= header.number).find(fits);
+    if let Some((number, header)) = above().find_map(named) {
+        let upper = above().skip_while(|l| l.number >= number).find_map(named);
         return Ok(match upper {
-            Some(names) if is_units(header) => {
-                layout(separator, names, Some(header), data.start, data.number)
-            }
-            _ => layout(separator, header, None, data.start, data.number),
+            Some((_, names)) if are_units(&header) => Layout {
+                units: header,
+                ..layout(names, data.start, data.number)
+            },
+            _ => layout(header, data.start, data.number),
         });
     }
-    // Some tools write the header as a remark.
-    let remark = all.iter().rev().filter(is_remark).find_map(|l| {
-        let text = l
-            .text
+    // Some tools write the header as a remark, of several the one with most names that say what they are; others between blanks.
+    let is_said = |name: &&String| quantity(name).slot.is_some();
+    let said = |names: &Vec<String>| names.iter().filter(is_said).count();
+    let text = |l: &Line| {
+        l.text
             .trim_start()
             .trim_start_matches(['#', '%'])
-            .to_owned();
-        let line = Line { text, ..*l };
-        (l.number < data.number && fits(&&&line)).then_some(line)
-    });
-    match remark {
-        Some(header) => Ok(layout(separator, &header, None, data.start, data.number)),
+            .to_owned()
+    };
+    let remarks = all.iter().filter(is_remark);
+    let remarks: Vec<String> = remarks
+        .filter(|l| l.number < data.number)
+        .map(text)
+        .collect();
+    let remark = remarks.iter().filter_map(|l| names(l, separator, width));
+    let between_blanks = || {
+        let lines = remarks.iter().chain(above().rev().map(|l| &l.text));
+        let lines = lines.filter(|l| !l.contains(char::from(separator)));
+        let names = lines.map(|l| cells(l, b' '));
+        let names = names.filter(|n| n.len() == width && said(n) > 0);
+        names.max_by_key(said)
+    };
+    match remark.max_by_key(said).or_else(between_blanks) {
+        Some(header) => Ok(layout(header, data.start, data.number)),
         // A row of samples whose cells are one too few or too many belongs to the header above it.
-        None if sample > 0
-            && cells(&first.text, separator)
-                .iter()
-                .all(|c| parse(c, true).is_none()) =>
-        {
-            Ok(layout(separator, first, None, first.end, first.number + 1))
-        }
+        None if sample > 0 && are_words(&cells(&first.text, separator)) => Ok(of_first()),
         None => Ok(Layout {
-            names: Vec::new(),
             headless: true,
-            ..layout(separator, data, None, data.start, data.number)
+            ..layout(Vec::new(), data.start, data.number)
         }),
     }
 }
 
-fn layout(separator: u8, names: &Line, units: Option<&Line>, skip: usize, line: u64) -> Layout {
-    Layout {
-        separator,
-        names: cells(&names.text, separator),
-        units: units.map_or_else(Vec::new, |l| cells(&l.text, separator)),
-        skip,
-        first_line: line,
-        headless: false,
+fn are_words(cells: &[String]) -> bool {
+    cells.iter().all(|c| parse(c, true).is_none())
+}
+
+fn are_units(cells: &[String]) -> bool {
+    cells.iter().all(|c| c.is_empty() || units::is_unit(c))
+}
+
+/// The names of `width` columns, where the line may hold them: between the separator of the samples, or another one that is no blank.
+fn names(text: &str, separator: u8, width: usize) -> Option<Vec<String>> {
+    let other = SEPARATORS[..4].iter().find_map(|&other| {
+        let found = cells(text, other);
+        let mixed = separator != b' ' && text.contains(char::from(separator));
+        let full = found.len() == width && found.iter().all(|c| !c.is_empty());
+        (full && width > 1 && !mixed && are_words(&found)).then_some(found)
+    });
+    if other.is_some() {
+        return other;
     }
+    let found = cells(text, separator);
+    let named = found.iter().filter(|c| !c.is_empty()).count();
+    // Columns without a unit leave their cells of the row of units blank.
+    let wide = if are_units(&found) {
+        found.len()
+    } else {
+        named
+    };
+    (wide.abs_diff(width) <= 1 && named >= 2 && are_words(&found)).then_some(found)
 }
 
 /// The separator of a header without samples to tell it from.

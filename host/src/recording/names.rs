@@ -3,6 +3,7 @@
 use super::error::Problem;
 use super::expression::{self, Factor, Term};
 use super::known::{KNOWN, Known, Slot};
+use super::places;
 use super::units::{self, Unit};
 use super::words::{quantity, split};
 use super::{Needs, Warning};
@@ -91,6 +92,8 @@ pub(super) struct Names<'a> {
     pub(super) map: &'a [(String, String)],
     pub(super) ignore: &'a [String],
     pub(super) needs: Needs,
+    /// The sample time (s) that the file tells beside its columns.
+    pub(super) sample_time: Option<f64>,
 }
 
 impl Names<'_> {
@@ -128,6 +131,9 @@ impl Names<'_> {
             reason,
         };
         let products = expression::products(text, |name| self.find(name)).map_err(|part| {
+            if places::WORDS.contains(&part) {
+                return fail(format!("put your own in place of `{part}`"));
+            }
             fail(format!(
                 "there is no column `{part}`; the file has {}",
                 self.columns.join(", ")

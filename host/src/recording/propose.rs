@@ -2,26 +2,54 @@
 
 use super::known::{KNOWN, Known, Slot};
 use super::names::{Names, Source};
-use super::units::Dimension;
-use super::words::{WORDS, quantity, split};
+use super::places::SAMPLE_TIME;
+use super::units::{self, Dimension};
+use super::words::{holds_word, quantity, split};
 use super::{EffortRole, MotionKind, Needs};
 
-/// How well a column would do for a role: 3 where its name is the quantity, 1 where it holds the word.
-fn likely(name: &str, slot: Slot) -> u32 {
-    if quantity(name).slot == Some(slot) {
-        return 3;
+/// How well a column would do for a role, by what its name says: most where it is the quantity, less where it holds its word or has a unit of it.
+fn likely(names: &Names, column: usize, slot: Slot) -> u32 {
+    let name = &names.columns[column];
+    let said = quantity(name);
+    if said.slot == Some(slot) {
+        return if said.is_count { 1 } else { 8 };
     }
     let lower = name.to_lowercase();
-    // Of two positions or efforts the measured one.
-    let asked = [
-        "ref", "cmd", "target", "set", "std", "error", "enable", "limit",
-    ];
-    if slot != Slot::Reference && asked.iter().any(|word| lower.contains(word)) {
+    let has = |words: &[&str]| words.iter().any(|word| lower.contains(word));
+    if slot != Slot::Reference && has(&["std", "error", "enable", "limit"]) {
         return 0;
     }
-    let parts: Vec<&str> = lower.split(|c: char| !c.is_ascii_alphabetic()).collect();
-    let word = |w: &&(&str, Slot)| w.1 == slot && parts.contains(&w.0);
-    u32::from(WORDS.iter().any(|w| word(&w)))
+    let word = if holds_word(name, slot) { 4 } else { 0 };
+    let unit = if is_of(names, column, slot) { 2 } else { 0 };
+    // Of two positions or efforts the measured one; where an axis follows its reference closely the command is the effort.
+    match slot != Slot::Reference && has(&["ref", "cmd", "target", "set"]) {
+        true if slot == Slot::Effort => (word + unit).min(1),
+        true => 0,
+        false => word + unit,
+    }
+}
+
+/// Whether the column's unit is one that a name without a word of the quantity gives away.
+fn is_of(names: &Names, column: usize, slot: Slot) -> bool {
+    let Some(unit) = names.unit(column) else {
+        let unit = split(&names.columns[column]).1;
+        return slot == Slot::Position && unit.is_some_and(units::is_count);
+    };
+    match slot {
+        // What takes minutes is no clock.
+        Slot::Time => {
+            let is_step = holds_word(&names.columns[column], Slot::Step);
+            unit.dimension == Dimension::Time && unit.factor <= 1.0 && !is_step
+        }
+        // Supplies have volts, too.
+        Slot::Effort => matches!(
+            unit.dimension,
+            Dimension::Force | Dimension::Torque | Dimension::Current
+        ),
+        _ => KNOWN
+            .iter()
+            .any(|k| k.slot == slot && k.dimension == Some(unit.dimension)),
+    }
 }
 
 /// The roles that a file must give.
@@ -43,8 +71,7 @@ pub(super) fn without_unit(names: &Names, sources: &[Source], open: &[usize]) ->
         .copied()
         .collect();
     let could = |i: &&usize| {
-        let name = &names.columns[**i];
-        names.unit(**i).is_none() && slots.iter().any(|&slot| likely(name, slot) > 0)
+        names.unit(**i).is_none() && slots.iter().any(|&slot| likely(names, **i, slot) > 0)
     };
     let columns = open.iter().filter(could);
     columns
@@ -55,7 +82,7 @@ pub(super) fn without_unit(names: &Names, sources: &[Source], open: &[usize]) ->
 /// The `--map`s that would read the file, as far as its names let them be guessed.
 pub(super) fn propose(names: &Names, sources: &[Source], open: &[usize]) -> Vec<String> {
     let best = |slot: Slot| {
-        let scored = open.iter().map(|&i| (likely(&names.columns[i], slot), i));
+        let scored = open.iter().map(|&i| (likely(names, i, slot), i));
         // Of equals the first.
         scored
             .rev()
@@ -75,11 +102,14 @@ pub(super) fn propose(names: &Names, sources: &[Source], open: &[usize]) -> Vec<
         if has(slot) || instead.is_some_and(has) {
             continue;
         }
+        let other = instead.filter(|other| best(slot).is_none() && best(*other).is_some());
+        let slot = other.unwrap_or(slot);
         let found = best(slot);
         if slot == Slot::Time && found.is_none() {
             // Without a position it may be a table of speeds, which needs none.
             let is_table = has(Slot::Velocity) && !has(Slot::Position);
-            maps.extend((!is_table).then(|| "--map dt_s=0.001".to_owned()));
+            let step = sample_time(names.sample_time);
+            maps.extend((!is_table).then(|| format!("--map dt_s={step}")));
             continue;
         }
         if let (Slot::Effort, None, Some(sum)) = (slot, found, of_pressures(names, open)) {
@@ -95,6 +125,11 @@ pub(super) fn propose(names: &Names, sources: &[Source], open: &[usize]) -> Vec<
         ));
     }
     maps
+}
+
+/// The sample time that the file tells, or the word for it.
+pub(super) fn sample_time(told: Option<f64>) -> String {
+    told.map_or_else(|| SAMPLE_TIME.to_owned(), |step| step.to_string())
 }
 
 /// A cylinder's force, of the pressures on both of its sides.
@@ -115,13 +150,17 @@ fn of_pressures(names: &Names, open: &[usize]) -> Option<String> {
     }
 }
 
-/// What is in a unit of the target needs no factor, for it is converted; nor does a name that ends in the quantity, whose unit its reader knows.
+/// What is in a unit of the target needs no factor, for it is converted; nor does a name that ends in the quantity, whose unit its reader knows, unless
+/// it is a count.
 fn scale(names: &Names, target: &Known, column: usize) -> &'static str {
     let name = &names.columns[column];
     let mut words = name.split(|c: char| !c.is_alphabetic());
     let last = words.rfind(|w| !w.is_empty());
-    let is_word = last.is_some_and(|w| quantity(w).slot.is_some());
-    let bare = split(name).1.is_none() && (is_word || quantity(name).slot.is_some());
+    let is_quantity = |name| {
+        let said = quantity(name);
+        said.slot.is_some() && !said.is_count
+    };
+    let bare = split(name).1.is_none() && (last.is_some_and(is_quantity) || is_quantity(name));
     match names.unit(column) {
         _ if target.dimension.is_none() => "",
         Some(u) if Some(u.dimension) == target.dimension => "",
@@ -160,9 +199,9 @@ fn is_rotary(names: &Names, sources: &[Source]) -> bool {
         if lower.ends_with(JOINT_EFFORT) {
             return true;
         }
-        ["torque", "angle", "theta", "moment", "motor", "rad", "deg"]
-            .iter()
-            .any(|w| lower.contains(w))
+        let words = ["torque", "angle", "theta", "moment", "motor", "rad", "deg"];
+        let mut parts = lower.split(|c: char| !c.is_alphabetic());
+        parts.any(|part| part == "tau") || words.iter().any(|w| lower.contains(w))
     };
     by_unit.into_iter().any(angular) || names.columns.iter().any(by_word)
 }

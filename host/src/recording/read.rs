@@ -5,7 +5,9 @@ use std::io::{Read, Seek};
 use std::path::Path;
 
 use super::table::Table;
-use super::{LoadOptions, Problem, csv, formats, headless, json, layout, twincat, variables};
+use super::{
+    LoadOptions, Problem, csv, formats, headless, json, labelled, layout, twincat, variables,
+};
 
 /// The columns of a file that the options ask for.
 pub(super) fn file(path: &Path, options: &LoadOptions) -> Result<Table, Problem> {
@@ -66,7 +68,10 @@ pub(super) fn text(mut input: impl Read, options: &LoadOptions) -> Result<Table,
     if twincat::is_export(&head) {
         return twincat::read(&head, rest, options);
     }
-    let mut layout = layout::of(&head)?;
+    let mut layout = match labelled::layout(&head) {
+        Some(layout) => layout,
+        None => layout::of(&head)?,
+    };
     let samples = head.get(layout.skip..).unwrap_or_default();
     let unnamed = match layout.headless {
         true => headless::name(&mut layout, samples),

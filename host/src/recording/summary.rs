@@ -2,6 +2,8 @@
 
 use super::columns::Plan;
 use super::known::Slot;
+use super::units::SECOND;
+use super::words;
 use super::{MotionKind, Recording, Warning};
 use crate::report::display_unit;
 use crate::report::figures::quantity;
@@ -29,7 +31,12 @@ const LEAST_TRAVEL: f64 = 1e-10;
 /// have, where a drive that tells mA shows hundreds.
 const MOST_EFFORT: [(&str, f64); 4] = [("N", 1e7), ("Nm", 1e6), ("A", 100.0), ("V", 2e3)];
 /// Sample times that a recording of friction has (s): the slowest servos tell ten a second.
-const SAMPLE_TIMES: std::ops::RangeInclusive<f64> = 1e-7..=0.5;
+const LEAST_SAMPLE_TIME: f64 = 1e-7;
+const LONGEST_SAMPLE_TIME: f64 = 0.5;
+/// The longest one of a scan.
+const LONGEST_OF_SCAN: f64 = 100.0;
+/// Steps in its travel that a scan has at most, which stops at each place to be measured; what is recorded in motion has hundreds in a stroke.
+const MOST_PLACES: f64 = 100.0;
 
 /// Three digits with the prefix that suits them.
 fn short(value: f64, unit: &str) -> String {
@@ -170,6 +177,17 @@ impl Recording {
         format!("{}   {}", self.name, said.join(" · "))
     }
 
+    /// Whether the time is in seconds by its name, and from one sample to the next it goes a good part of the travel.
+    fn is_scan(&self, plan: &Plan, travel: f64) -> bool {
+        let is_named = plan.sources.iter().any(|s| {
+            let name = s.columns().next().and_then(|i| plan.names.get(i));
+            s.is_bare_time() && name.is_some_and(|n| words::quantity(n).unit == Some(SECOND))
+        });
+        let steps = self.position.windows(2).map(|p| (p[1] - p[0]).abs());
+        let usual = crate::statistics::quantile(&mut steps.collect::<Vec<_>>(), 0.5);
+        is_named && usual.is_some_and(|step| MOST_PLACES * step > travel)
+    }
+
     /// Values that no machine has, with what would put them right.
     pub(super) fn implausible(&self, plan: &Plan) -> Option<Warning> {
         let (most, milli) = match self.kind {
@@ -194,9 +212,13 @@ impl Recording {
             false => Slot::Position,
         };
         let step = self.sample_time_s;
-        if !SAMPLE_TIMES.contains(&step) {
+        let longest = match self.is_scan(plan, travel) {
+            true => LONGEST_OF_SCAN,
+            false => LONGEST_SAMPLE_TIME,
+        };
+        if !(LEAST_SAMPLE_TIME..=longest).contains(&step) {
             let units = [("ms", 1e-3), ("µs", 1e-6), ("ns", 1e-9)];
-            let of_step = units.iter().find(|u| u.1 * step <= *SAMPLE_TIMES.end());
+            let of_step = units.iter().find(|u| u.1 * step <= LONGEST_SAMPLE_TIME);
             let (unit, scale) = of_step.unwrap_or(&units[0]);
             ask(format!("a sample every {step} s"), Slot::Time, unit, *scale);
         }

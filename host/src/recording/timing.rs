@@ -77,11 +77,13 @@ pub(super) fn unwrap(t: &mut [f64], table: &Table, warnings: &mut Vec<Warning>) 
     let counters = counters.into_iter().filter(|_| t.iter().all(counts));
     let day = [86_400.0];
     let fits = |range: &f64| {
+        // A counter of so few steps that a wrap is as near as none tells nothing.
+        let near = (NEAR * step).min(0.5 * range);
         let at = |&i: &usize| {
             let over = t[i] + range - t[i - 1];
-            over > 0.0 && over < NEAR * step
+            over > 0.0 && over < near
         };
-        falls.iter().all(at) && 4.0 * NEAR * step < *range
+        falls.iter().all(at) && 4.0 * step < *range
     };
     let Some(range) = counters.chain(day).find(fits) else {
         return;

@@ -11,8 +11,10 @@ use super::table::Table;
 use super::units;
 use super::variables::{self, Variable};
 
-/// The row that tells such a file.
+/// The row that tells such a file …
 const MARK: &str = "Starttime of export";
+/// … or, where only the channels were kept, this one below their names.
+const SAMPLE_TIME: &str = "SampleTime[ms]";
 
 /// What stands above each column of times.
 const TIME: &str = "Name";
@@ -25,13 +27,14 @@ const FILETIME_MS: f64 = 1e-4;
 
 /// Whether the text begins like an export.
 pub(super) fn is_export(head: &[u8]) -> bool {
-    let mut start = head.split(|&b| b == b'\n').take(6);
+    let mut start = head.split(|&b| b == b'\n').take(12);
     // Between blanks it stands in quotes.
-    start.any(|line| {
-        line.strip_prefix(b"\"")
-            .unwrap_or(line)
-            .starts_with(MARK.as_bytes())
-    })
+    let begins = |line: &[u8], mark: &str| {
+        let line = line.strip_prefix(b"\"").unwrap_or(line);
+        line.starts_with(mark.as_bytes())
+    };
+    let channels = begins(head, TIME);
+    start.any(|line| begins(line, MARK) || channels && begins(line, SAMPLE_TIME))
 }
 
 /// Channels that share a column of times.
@@ -68,12 +71,10 @@ pub(super) fn read(head: &[u8], rest: impl Read, options: &LoadOptions) -> Resul
 
 /// The groups that the header names, and the first line of samples.
 fn groups(lines: &[Line], separator: u8) -> Result<(Vec<Group>, &Line), Problem> {
+    // Of two rows that begin with `Name` the first is the chart's.
     let row = |key: &str| {
-        let mut cells = lines
-            .iter()
-            .skip(1)
-            .map(|l| layout::cells(&l.text, separator));
-        cells.find(|c| c.first().is_some_and(|c| c == key))
+        let mut cells = lines.iter().map(|l| layout::cells(&l.text, separator));
+        cells.rfind(|c| c.first().is_some_and(|c| c == key))
     };
     let sample = |l: &&Line| {
         let first = layout::cells(&l.text, separator).swap_remove(0);
@@ -121,7 +122,10 @@ fn samples(
     reader.has_headers(false).flexible(true).quoting(false);
     let mut reader = reader.delimiter(separator).from_reader(&mut input);
     let mut record = ::csv::ByteRecord::new();
-    let comma = separator != b',';
+    let commas = match separator {
+        b',' => layout::Commas::Unsure,
+        _ => layout::Commas::Decimals,
+    };
     let columns = groups.last().map_or(0, |g| g.column + 1 + g.names.len());
     loop {
         let line = first - 1 + reader.position().line();
@@ -147,7 +151,7 @@ fn samples(
         let cell = |column: usize| record.get(column).unwrap_or_default().trim_ascii();
         for group in groups.iter_mut().filter(|g| !cell(g.column).is_empty()) {
             let number = |column: usize, name: &str| {
-                super::csv::number(cell(column), comma).map_err(|what| Problem::Cell {
+                super::csv::number(cell(column), commas).map_err(|what| Problem::Cell {
                     at: format!("line {line}"),
                     column: name.to_owned(),
                     what,

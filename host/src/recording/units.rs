@@ -46,10 +46,13 @@ const GRAVITY: f64 = 9.806_65;
 /// Spelling without blanks, `·` and `*`; `_` and `_per_` between words are `/`.
 #[rustfmt::skip]
 const UNITS: &[(&str, Dimension, f64)] = &[
-    ("s", Time, 1.0), ("sec", Time, 1.0), ("ms", Time, 1e-3), ("us", Time, 1e-6), ("ns", Time, 1e-9), ("min", Time, 60.0), ("h", Time, 3600.0),
+    ("s", Time, 1.0), ("sec", Time, 1.0), ("secs", Time, 1.0), ("seconds", Time, 1.0), ("min", Time, 60.0), ("h", Time, 3600.0),
+    ("ms", Time, 1e-3), ("msec", Time, 1e-3), ("millis", Time, 1e-3), ("millisec", Time, 1e-3), ("milliseconds", Time, 1e-3),
+    ("us", Time, 1e-6), ("usec", Time, 1e-6), ("micros", Time, 1e-6), ("microsec", Time, 1e-6), ("microseconds", Time, 1e-6),
+    ("ns", Time, 1e-9), ("nsec", Time, 1e-9), ("nanos", Time, 1e-9), ("nanosec", Time, 1e-9), ("nanoseconds", Time, 1e-9),
     ("m", Length, 1.0), ("mm", Length, 1e-3), ("um", Length, 1e-6), ("nm", Length, 1e-9), ("cm", Length, 1e-2), ("km", Length, 1e3),
     ("in", Length, INCH), ("inch", Length, INCH), ("ft", Length, 12.0 * INCH),
-    ("rad", Angle, 1.0), ("mrad", Angle, 1e-3), ("urad", Angle, 1e-6), ("deg", Angle, DEGREE), ("°", Angle, DEGREE),
+    ("rad", Angle, 1.0), ("mrad", Angle, 1e-3), ("urad", Angle, 1e-6), ("deg", Angle, DEGREE), ("degree", Angle, DEGREE), ("degrees", Angle, DEGREE), ("°", Angle, DEGREE),
     ("rev", Angle, TURN), ("turn", Angle, TURN), ("turns", Angle, TURN),
     ("m/s", Speed, 1.0), ("mm/s", Speed, 1e-3), ("um/s", Speed, 1e-6), ("nm/s", Speed, 1e-9), ("cm/s", Speed, 1e-2),
     ("mm/min", Speed, 1e-3 / 60.0), ("m/min", Speed, 1.0 / 60.0), ("in/s", Speed, INCH),
@@ -64,9 +67,9 @@ const UNITS: &[(&str, Dimension, f64)] = &[
 ];
 
 /// Units that a number alone does not turn into SI: what one of them is worth is the drive's matter.
-const UNSCALED: &[&str] = &[
-    "counts", "count", "cnt", "inc", "incr", "lsb", "raw", "%", "percent", "-", "1",
-];
+const UNSCALED: &[&str] = &["raw", "%", "percent", "-", "1"];
+/// The same of an encoder or an input.
+const COUNTS: &[&str] = &["counts", "count", "cnt", "inc", "incr", "lsb"];
 
 /// The unit's spelling in the table.
 fn plain(text: &str) -> String {
@@ -105,7 +108,14 @@ pub(super) fn is_unit(text: &str) -> bool {
 /// Whether it is a unit that only the drive's own constant turns into SI.
 pub(super) fn is_unscaled(text: &str) -> bool {
     let text = plain(text);
-    UNSCALED.iter().any(|u| u.eq_ignore_ascii_case(&text))
+    let mut units = UNSCALED.iter().chain(COUNTS);
+    units.any(|u| u.eq_ignore_ascii_case(&text))
+}
+
+/// Whether it is a count.
+pub(super) fn is_count(text: &str) -> bool {
+    let text = plain(text);
+    COUNTS.iter().any(|u| u.eq_ignore_ascii_case(&text))
 }
 
 #[cfg(test)]

@@ -71,6 +71,7 @@ pub(super) fn table(variables: &[Variable], options: &LoadOptions) -> Result<Tab
         map: &options.map,
         ignore: &options.ignore,
         needs: options.needs,
+        sample_time: None,
     })?;
     let mut found = Vec::new();
     let mut length: Option<(String, usize)> = None;

@@ -1,12 +1,13 @@
 //! What a column's name says of it: a quantity's word, and a unit.
 
 use super::known::Slot;
-use super::units::{self, Unit};
+use super::units::{self, Dimension, Unit};
 
 /// Words of quantities: as they stand alone or before a unit.
 #[rustfmt::skip]
-pub(super) const WORDS: [(&str, Slot); 68] = [
+const WORDS: [(&str, Slot); 72] = [
     ("t", Slot::Time), ("time", Slot::Time), ("timestamp", Slot::Time), ("zeit", Slot::Time), ("stamp", Slot::Time), ("ts", Slot::Time),
+    ("time_stamp", Slot::Time), ("zeitstempel", Slot::Time), ("elapsed", Slot::Time), ("uptime", Slot::Time),
     ("dt", Slot::Step), ("delta_t", Slot::Step), ("timestep", Slot::Step), ("time_step", Slot::Step), ("sample_time", Slot::Step), ("zeitschritt", Slot::Step),
     ("dtime", Slot::Step),
     ("x", Slot::Position), ("q", Slot::Position), ("pos", Slot::Position), ("position", Slot::Position), ("angle", Slot::Position),
@@ -22,13 +23,11 @@ pub(super) const WORDS: [(&str, Slot); 68] = [
     ("temperature", Slot::Temperature), ("temp", Slot::Temperature), ("temperatur", Slot::Temperature), ("normal", Slot::Load), ("load", Slot::Load), ("pressure", Slot::Pressure),
 ];
 
-/// Names of a time that are its unit: of counters as microcontrollers have them, and of stamps in parts.
+/// Words of what counts: without a unit no number turns it into SI.
 #[rustfmt::skip]
-const TIME_UNITS: [(&str, &str); 17] = [
-    ("seconds", "s"), ("secs", "s"), ("sec", "s"),
-    ("milliseconds", "ms"), ("millisec", "ms"), ("millis", "ms"), ("msec", "ms"), ("ms", "ms"),
-    ("microseconds", "us"), ("microsec", "us"), ("micros", "us"), ("usec", "us"), ("us", "us"),
-    ("nanoseconds", "ns"), ("nanosec", "ns"), ("nsec", "ns"), ("ns", "ns"),
+const COUNTERS: [(&str, Slot); 8] = [
+    ("tick", Slot::Time), ("ticks", Slot::Time), ("systick", Slot::Time), ("timer", Slot::Time), ("counter", Slot::Time), ("clock", Slot::Time),
+    ("encoder", Slot::Position), ("enc", Slot::Position),
 ];
 
 /// What a name says.
@@ -36,23 +35,52 @@ pub(super) struct Quantity {
     /// Where the whole of it but the unit is a quantity's word.
     pub(super) slot: Option<Slot>,
     pub(super) unit: Option<Unit>,
+    /// It counts, and does not say what one count is worth.
+    pub(super) is_count: bool,
 }
 
-/// Reads `x_mm`, `Position [mm]`, `speed (rpm)`, `torque`.
+/// Reads `x_mm`, `Position [mm]`, `speed (rpm)`, `torque`, `tick_us`, `micros`.
 pub(super) fn quantity(name: &str) -> Quantity {
     let (stem, unit) = split(name);
     let stem = stem.trim().to_lowercase().replace([' ', '-', '.'], "_");
-    let by_unit = TIME_UNITS.iter().find(|u| u.0 == stem);
-    if let (Some((_, unit)), None) = (by_unit, unit) {
+    // A name of a time that is its unit; a letter may be another quantity, and `min` is the least of it.
+    let is_time = |u: &Unit| u.dimension == Dimension::Time && stem.len() > 1 && stem != "min";
+    if let (Some(unit), None) = (units::unit(&stem).filter(is_time), unit) {
         return Quantity {
             slot: Some(Slot::Time),
-            unit: units::unit(unit),
+            unit: Some(unit),
+            is_count: false,
         };
     }
+    let of = |words: &[(&str, Slot)]| words.iter().find(|w| w.0 == stem).map(|w| w.1);
+    let unit = unit.and_then(units::unit);
     Quantity {
-        slot: WORDS.iter().find(|w| w.0 == stem).map(|w| w.1),
-        unit: unit.and_then(units::unit),
+        slot: of(&WORDS).or(of(&COUNTERS)),
+        unit,
+        is_count: unit.is_none() && of(&COUNTERS).is_some(),
     }
+}
+
+/// Whether a word of the quantity is part of the name, as in `Axis1.ActPos_turns`; a letter is one only in a name without a longer word.
+pub(super) fn holds_word(name: &str, slot: Slot) -> bool {
+    let mut parts = vec![String::new()];
+    let mut last = ' ';
+    for c in split(name).0.chars() {
+        let begins = !c.is_alphabetic() || c.is_uppercase() && last.is_lowercase();
+        if begins {
+            parts.push(String::new());
+        }
+        if let (true, Some(part)) = (c.is_alphabetic(), parts.last_mut()) {
+            part.extend(c.to_lowercase());
+        }
+        last = c;
+    }
+    let words = || WORDS.iter().chain(&COUNTERS);
+    let found: Vec<_> = words().filter(|w| parts.iter().any(|p| p == w.0)).collect();
+    let long = found.iter().any(|w| w.0.len() > 1);
+    found
+        .iter()
+        .any(|w| w.1 == slot && (w.0.len() > 1 || !long))
 }
 
 /// What a name says of the part of a time stamp that it holds: what stands before the part's name, and the seconds of one of it.
@@ -107,5 +135,17 @@ pub(super) fn split(name: &str) -> (&str, Option<&str>) {
             return (&name[..i], Some(&name[i + 1..]));
         }
     }
-    (name, None)
+    // `tickUs`, `ActTorqueNm`; a letter there is as often an axis or a phase, `In` an input and `Min` the least.
+    let upper = name.char_indices().rev().find(|(_, c)| c.is_uppercase());
+    match upper.map(|(i, _)| name.split_at(i)) {
+        Some((stem, unit))
+            if stem.ends_with(|c: char| c.is_lowercase())
+                && unit.len() > 1
+                && !["In", "Min"].contains(&unit)
+                && units::is_unit(unit) =>
+        {
+            (stem, Some(unit))
+        }
+        _ => (name, None),
+    }
 }

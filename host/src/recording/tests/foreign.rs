@@ -12,13 +12,16 @@ fn joint(i: i32) -> (f64, f64, f64, f64) {
     (f64::from(i) * 0.002, q, qd, torque)
 }
 
-fn joint_rows(header: &str, row: impl Fn(i32, (f64, f64, f64, f64)) -> String) -> String {
+pub(super) fn joint_rows(
+    header: &str,
+    row: impl Fn(i32, (f64, f64, f64, f64)) -> String,
+) -> String {
     let rows = (0..4000).map(|i| row(i, joint(i)) + "\n");
     format!("{header}{}", rows.collect::<String>())
 }
 
 /// Loads it with what its error says to, if it is refused; the maps that it took.
-fn as_told(csv: &str) -> (Recording, Vec<String>) {
+pub(super) fn as_told(csv: &str) -> (Recording, Vec<String>) {
     let maps = match text(csv, &[]) {
         Ok(r) => return (r, Vec::new()),
         Err(e) => e.problem.maps().to_vec(),
@@ -36,7 +39,7 @@ fn as_told(csv: &str) -> (Recording, Vec<String>) {
 }
 
 /// The motion and effort of [`joint`], to the digits that a file holds.
-fn is_joint(name: &str, r: &Recording, effort: f64) {
+pub(super) fn is_joint(name: &str, r: &Recording, effort: f64) {
     assert_eq!(
         (r.len(), r.pieces.len(), r.kind),
         (4000, 1, MotionKind::Rotary),
@@ -127,7 +130,7 @@ fn a_time_step_a_row_and_a_stamp_in_parts_are_times() {
         format!("{q:.9},{f:.9}")
     });
     let e = text(&csv, &[]).expect_err("no time").to_string();
-    assert!(e.contains("--map dt_s=0.001"), "{e}");
+    assert!(e.contains("--map dt_s=SAMPLE_TIME_IN_S"), "{e}");
     is_joint(
         "a number",
         &text(&csv, &[("dt_s", "0.002")]).expect("a step"),

@@ -2,6 +2,7 @@
 
 mod faults;
 mod foreign;
+mod loggers;
 mod lost;
 mod real;
 mod refusals;

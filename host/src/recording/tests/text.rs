@@ -47,9 +47,10 @@ fn rows_of_the_wrong_length_name_the_line() {
 
 #[test]
 fn headers_that_are_none() {
+    // Names between commas, the sample between semicolons.
     assert!(matches!(
         error("t_s,x_m,force_N\n0;0;1\n").problem,
-        Problem::Separator { .. } | Problem::Columns { .. } | Problem::Ragged { .. }
+        Problem::TooShort { samples: 1, .. }
     ));
     assert!(matches!(
         error("0,0,1\n1,0,1\n").problem,
