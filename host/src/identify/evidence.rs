@@ -13,6 +13,9 @@ const CERTAIN: f64 = 3.0;
 /// Share of the error held out that an addition must take off: what is less moves friction and inertia by less than their intervals.
 const MATERIAL: f64 = 0.02;
 
+/// Share of an error held out that is hardly any.
+const HARDLY_ANY: f64 = 0.1;
+
 /// What was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Shown {
@@ -141,8 +144,8 @@ impl Evidence<'_> {
     }
 }
 
-/// Whether errors held out are less, by a share that counts and for certain: by as much everywhere, or everywhere in proportion, as where a few
-/// long strokes have most of an error that every stroke has.
+/// Whether errors held out are less, by a share that counts and for certain: by as much everywhere, or, where hardly any is left, everywhere in
+/// proportion: a few long strokes have most of an error that every stroke has.
 fn is_better(before: &[f64], after: &[f64]) -> bool {
     let n = before.len() as f64;
     let sum = |errors: &[f64]| errors.iter().sum::<f64>();
@@ -152,13 +155,9 @@ fn is_better(before: &[f64], after: &[f64]) -> bool {
         let spread = gains.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (n - 1.0);
         mean > CERTAIN * (spread / n).sqrt()
     };
-    let material = sum(before) - sum(after) > MATERIAL * sum(before);
-    let least = 1e-300;
-    material
+    let left = sum(after) / sum(before).max(1e-300);
+    let in_proportion = |(b, a): (&f64, &f64)| (b.max(1e-300) / a.max(1e-300)).ln();
+    left < 1.0 - MATERIAL
         && (is_certain(pairs().map(|(b, a)| b - a).collect())
-            || is_certain(
-                pairs()
-                    .map(|(b, a)| (b.max(least) / a.max(least)).ln())
-                    .collect(),
-            ))
+            || left < HARDLY_ANY && is_certain(pairs().map(in_proportion).collect()))
 }

@@ -253,7 +253,10 @@ pub fn identify(
         };
         kinematics = Kinematics::below(recording, cutoff_hz);
         let progress = Progress::new("in a narrower band", STEPS);
-        found = within(recording, options, &kinematics, &progress)?;
+        let Ok(narrower) = within(recording, options, &kinematics, &progress) else {
+            break;
+        };
+        found = narrower;
         found.search_notes.push(format!(
             "the effort does not follow the acceleration above {:.1} Hz, as where the encoder's error is periodic or a load swings: the fit looks below; `preslide diagnose` tells which",
             found.band_hz
