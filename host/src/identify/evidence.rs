@@ -109,9 +109,6 @@ impl Evidence<'_> {
         if self.surface.folds.len() < FEWEST {
             return shown;
         }
-        let Some(plainest) = self.held_out(base, longest) else {
-            return shown;
-        };
         let mut best: Option<Vec<f64>> = None;
         let mut take = |shown: &mut Shown, (plain, end): (Plain, f64)| {
             if !self.is_possible(plain, end) {
@@ -135,11 +132,12 @@ impl Evidence<'_> {
         let end = shown.longest;
         take(&mut shown, (by_direction, end));
         let sum = |errors: &[f64]| errors.iter().sum::<f64>();
-        shown.gain = best.map_or(0.0, |best| 100.0 * (1.0 - sum(&best) / sum(&plainest)));
-        // What is in the fit earns its place.
-        if shown.gain < 0.0 && shown.plain != base {
-            (shown.plain, shown.longest, shown.gain) = (base, longest, 0.0);
-        }
+        // Beside the same friction: what yields late would stand in for what follows the position.
+        let without = self.held_out(base, shown.longest);
+        let taken_off = best
+            .zip(without)
+            .map(|(with, without)| 1.0 - sum(&with) / sum(&without));
+        shown.gain = 100.0 * taken_off.unwrap_or(0.0);
         shown
     }
 }

@@ -226,6 +226,9 @@ pub fn thinned(recording: &Recording, from: usize) -> Option<Recording> {
     (factor > 1).then(|| recording.decimated(factor))
 }
 
+/// Share of the error held out that may be left in a narrower band, where that is what the fit lacked: a load behind a spring or a gap leaves half.
+const HARDLY_ANY: f64 = 0.2;
+
 /// Times that the band of a fit is narrowed at most: what a fit beside false accelerations leaves tells the rest.
 const NARROWER: usize = 3;
 
@@ -253,10 +256,16 @@ pub fn identify(
         };
         kinematics = Kinematics::below(recording, cutoff_hz);
         let progress = Progress::new("in a narrower band", STEPS);
-        let Ok(narrower) = within(recording, options, &kinematics, &progress) else {
+        let narrower = within(recording, options, &kinematics, &progress).ok();
+        let better = narrower.filter(|narrower| {
+            let [own, before] = [narrower, &found].map(|fit| fit.best());
+            own.nmse_test < HARDLY_ANY * before.nmse_test
+                && own.rigid_body.iter().any(|p| p.0 == "mass")
+        });
+        let Some(better) = better else {
             break;
         };
-        found = narrower;
+        found = better;
         found.search_notes.push(format!(
             "the effort does not follow the acceleration above {:.1} Hz, as where the encoder's error is periodic or a load swings: the fit looks below; `preslide diagnose` tells which",
             found.band_hz
