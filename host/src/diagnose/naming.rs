@@ -26,6 +26,8 @@ const CHANGES: f64 = 0.25;
 const MODULATED: f64 = 3.0;
 /// Standard deviations by which a rival is clearly worse.
 const WORSE: f64 = 2.0;
+/// Times as many coefficients from which a rival that does as well is no equal.
+const MANY: usize = 2;
 
 /// An effect's, a curve's or a change's report in the final hypothesis.
 #[derive(Clone)]
@@ -147,7 +149,9 @@ impl TermReport {
             self.better = Some((rival.term.clone(), ratio));
         }
         self.rival = self.rival.max(ratio);
-        if margin(null, rest, own, rival) < WORSE {
+        // A map of many cosines has every ripple in it, and of two laws that do as well the one with fewer numbers is it.
+        let [own_numbers, numbers] = [own, rival].map(|c| c.trial.coefficients.len());
+        if numbers <= MANY * own_numbers && margin(null, rest, own, rival) < WORSE {
             self.ambiguous.push(effect);
         }
     }
