@@ -41,8 +41,8 @@ pub struct Export {
     #[arg(long, value_name = "HZ", value_parser = parse_frequency)]
     rate: Option<f64>,
 
-    /// Form of a Maxwell-slip model's law: a kernel's name, or auto for what `preslide tune` recommends; those of i16f16 take counts and no
-    /// float, and in C of effects viscous and constant force alone
+    /// Form of a Maxwell-slip model's law: a kernel's name, or auto for what `preslide tune` recommends; those of i16f16 count in encoder
+    /// counts without a float, and in C hold viscous friction and a constant force beside the law, no other effect
     #[arg(long, value_name = "NAME or auto", conflicts_with_all = ["mjcf", "urdf", "usd"])]
     kernel: Option<String>,
 
@@ -191,7 +191,11 @@ impl Export {
                 let (costs, budget) = plan(&self.cpu, None, self.rate.unwrap_or(20e3), SHARE)
                     .map_err(Failure::Input)?;
                 let tuning = of_model(model, count, &costs, budget).map_err(Failure::Input)?;
-                let choice = tuning.chosen().map_err(Failure::Data)?;
+                let choice = tuning.chosen().map_err(|reason| {
+                    Failure::Data(format!(
+                        "--kernel auto: {reason}; --budget is an option of `preslide tune`: give the kernel that it tells there by its name here"
+                    ))
+                })?;
                 let mut said = choice.said(&self.cpu);
                 if self.lang == Lang::C {
                     said += " That is the kernel in Rust.";

@@ -52,12 +52,12 @@ fn fitting(choices: &[Choice], budget: Budget) -> Result<Vec<&Choice>, String> {
     if cheapest.share > budget.share {
         let name = cheapest.kernel.name();
         return Err(format!(
-            "nothing fits: the cheapest, {name} with N = {}, takes {} of the processor, the budget is {}; lower --rate to {:.0} Hz or allow --budget {:.2}%",
+            "nothing fits: the cheapest, {name} with N = {}, takes {} of the processor, the budget is {}; lower --rate to {:.0} Hz or allow --budget {}",
             cheapest.cost.blocks,
             percent(cheapest.share),
             percent(budget.share),
-            budget.rate * budget.share / cheapest.share,
-            100.0 * cheapest.share,
+            (budget.rate * budget.share / cheapest.share).floor(),
+            enough(cheapest.share),
         ));
     }
     let fitting: Vec<&Choice> = choices.iter().filter(|c| c.fits(budget)).collect();
@@ -67,10 +67,15 @@ fn fitting(choices: &[Choice], budget: Budget) -> Result<Vec<&Choice>, String> {
         return Err(format!(
             "nothing fits: the whole control tick takes {shortest:.0} cycles at worst with the cheapest kernel, and {:.0} lie between two ticks; lower --rate to {:.0} Hz",
             budget.clock / budget.rate,
-            budget.clock / shortest,
+            (budget.clock / shortest).floor(),
         ));
     }
     Ok(fitting)
+}
+
+/// A budget that holds a share, as it is typed: no less when it is rounded.
+fn enough(share: f64) -> String {
+    format!("{:.2}%", (1e4 * share).ceil() / 100.0)
 }
 
 /// By how much the arithmetic of all that fit misses its bound, and what would keep it.
@@ -89,8 +94,8 @@ fn too_coarse(choices: &[Choice], fitting: &[&Choice]) -> String {
     let sound = choices.iter().filter(|c| c.arithmetic <= ARITHMETIC);
     let remedy = match sound.min_by(|a, b| a.share.total_cmp(&b.share)) {
         Some(c) => format!(
-            "allow --budget {:.2}% for {} with N = {}, which adds {:.3} %",
-            100.0 * c.share,
+            "allow --budget {} for {} with N = {}, which adds {:.3} %",
+            enough(c.share),
             c.kernel.name(),
             c.cost.blocks,
             c.arithmetic

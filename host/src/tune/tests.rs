@@ -60,6 +60,29 @@ fn a_budget_below_the_cheapest_kernel_says_that_nothing_fits_and_what_would() {
         "{reason}"
     );
     assert_eq!(tuning.to_json(0.0)["fits"], false);
+    // As it is typed.
+    let said = |option: &str| {
+        let told = reason.split(option).nth(1).expect(option).trim_start();
+        let end = told.find(|c: char| !(c.is_ascii_digit() || c == '.'));
+        told[..end.unwrap_or(told.len())]
+            .parse::<f64>()
+            .expect(option)
+    };
+    let (rate, share) = (said("--rate to"), 0.01 * said("--budget"));
+    for would in [
+        Budget {
+            rate,
+            ..budget(1e-4)
+        },
+        budget(share),
+    ] {
+        let tuning = of_model(&model(TWO), 25e-9, &costs, would).unwrap();
+        assert!(
+            tuning.recommended.is_ok(),
+            "{reason}: {:?}",
+            tuning.recommended
+        );
+    }
 }
 
 #[test]
