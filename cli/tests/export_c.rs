@@ -1,7 +1,8 @@
 //! `preslide export --lang c`: the C is compiled as a stranger would, with every warning an error, and run beside the library.
 
-use crate::export::{export, file, full, linear, packed_f32, packed_i16f16, plain, rotary, text};
-use preslide::fixed::types::I16F16;
+mod whole;
+
+use crate::export::{export, file, linear, packed_f32, plain, rotary, text};
 use preslide::{Friction, Motion, Units};
 use preslide_host::friction::Path as MotionPath;
 use preslide_host::model::Model;
@@ -229,15 +230,20 @@ fn blocks_in_c_have_the_librarys_bits() {
     assert_eq!(apart(&c, &wanted), [0.0; 3]);
 }
 
-/// Rows that are taken through the ends of what the kernel holds, too: displacements of every size, of both signs.
-fn any_rows() -> Vec<Row> {
+/// Marsaglia's generator of 32 bits, from a fixed seed.
+fn xorshift() -> impl FnMut() -> u32 {
     let mut random = 0x1727_2018_u32;
-    let mut next = || {
+    move || {
         random ^= random << 13;
         random ^= random >> 17;
         random ^= random << 5;
         random
-    };
+    }
+}
+
+/// Rows that are taken through the ends of what the kernel holds, too: displacements of every size, of both signs.
+fn any_rows() -> Vec<Row> {
+    let mut next = xorshift();
     let row = |_| {
         let size = 10_f32.powi((next() % 9) as i32 - 12);
         let dx = size * (next() as i32 as f32 / 2_147_483_648.0);
@@ -263,119 +269,6 @@ fn the_packed_kernel_in_c_has_the_librarys_bits() {
         let c = forces(&compiled(folder.path(), "cc", &["-O2"]), &rows);
         assert_eq!(apart(&c, &wanted), [0.0; 3]);
     }
-}
-
-/// What whole numbers stand for where a count is 25 nm and the breakaway force 0.9 N.
-const COUNT: f64 = 25e-9;
-const COUNTS: Units = Units {
-    length: COUNT,
-    force: 1e-3,
-    velocity: COUNT * 1e4,
-};
-
-/// Displacements and velocities of every size, the ends of the type and rests among them.
-fn any_counts() -> Vec<[i32; 2]> {
-    let mut random = 0x1727_2018_u32;
-    let mut next = || {
-        random ^= random << 13;
-        random ^= random >> 17;
-        random ^= random << 5;
-        random
-    };
-    let mut any = || match next() % 64 {
-        0 => i32::MAX,
-        1 => i32::MIN,
-        2..10 => 0,
-        _ => next() as i32 >> (next() % 32),
-    };
-    (0..STEPS).map(|_| [any(), any()]).collect()
-}
-
-/// Compiled by every compiler that is here, as for firmware and under the sanitizers: the library's bits.
-fn assert_whole_numbers<F: Friction<Scalar = I16F16>>(model: &str, more: &[&str], library: &F) {
-    let folder = tempfile::tempdir().expect("temporary folder");
-    let count = [&["--count", "25e-9"][..], more].concat();
-    let source = exported_by(folder.path(), &file(model), &count);
-    let code = std::fs::read_to_string(source).expect("written");
-    assert!(
-        !code.contains("float") && !code.contains("math.h"),
-        "{code}"
-    );
-    let rows = any_counts();
-    let mut state = library.at_rest();
-    let step = |&[dx, v]: &[i32; 2]| {
-        let motion = Motion {
-            displacement: I16F16::from_bits(dx),
-            velocity: I16F16::from_bits(v),
-        };
-        library.step(&mut state, motion).to_bits()
-    };
-    let wanted: Vec<i32> = rows.iter().map(step).collect();
-    let [most, least] = [800, 100].map(|units| units << 16);
-    let size = |f: &i32| f.unsigned_abs();
-    assert!(wanted.iter().any(|f| size(f) > most) && wanted.iter().any(|f| size(f) < least));
-    for compiler in compilers() {
-        // The second also as a core that multiplies by halves.
-        let sanitized = [&["-DWHOLE", "-D__ARM_ARCH_6M__"], &SANITIZED[..]].concat();
-        for flags in [&["-DWHOLE", "-O2"][..], &sanitized] {
-            let program = compiled(folder.path(), compiler, flags);
-            let c = run(
-                &program,
-                rows.iter().flatten().flat_map(|v| v.to_le_bytes()),
-            );
-            let c: Vec<i32> = c.into_iter().map(i32::from_le_bytes).collect();
-            assert!(c == wanted, "{model} {more:?} {compiler} {flags:?}");
-        }
-    }
-}
-
-#[test]
-fn kernels_in_whole_numbers_have_the_librarys_bits_in_c() {
-    use preslide::effects::{ConstantForce, Viscous, With};
-    use preslide::kernels::{Scaled, SlipReserve};
-    type OneByOne = Scaled<SlipReserve<4>, I16F16>;
-
-    let packed = packed_i16f16::model::<I16F16>(STEP, COUNTS).expect("valid");
-    let of = |kernel| ["--kernel", kernel];
-    assert_whole_numbers("packed.toml", &of("packed_i16f16"), &packed);
-    let (blocks, breakaway) = (packed_i16f16::BLOCKS, packed_i16f16::GMS_BREAKAWAY_N);
-    let one_by_one = || OneByOne::try_new(&blocks, breakaway, COUNTS).expect("valid");
-    assert_whole_numbers("packed.toml", &of("slip_reserve_i16f16"), &one_by_one());
-    // Of the full law with its viscous friction, without the effect that C has in single precision alone.
-    let sliding = preslide::Sliding {
-        coulomb: full::GMS_COULOMB_N,
-        stribeck_velocity: full::GMS_STRIBECK_VELOCITY_M_S,
-        stribeck_exponent: full::GMS_STRIBECK_EXPONENT,
-        attraction: full::GMS_ATTRACTION_N_PER_S,
-    };
-    let friction = Scaled::<preslide::kernels::CountGms<3>, I16F16>::try_new(
-        &full::BLOCKS,
-        full::GMS_BREAKAWAY_N,
-        sliding,
-        STEP,
-        COUNTS,
-    );
-    let viscous = |b, limit| Viscous::try_new(b, limit, COUNTS).expect("valid");
-    let with = With::try_new(friction.expect("valid"), viscous(12.0, 9.0)).expect("valid");
-    let more = [
-        "--kernel",
-        "count_gms_i16f16",
-        "--without",
-        "periodic_force",
-    ];
-    assert_whole_numbers("full.toml", &more, &with);
-    // Where tune chooses, beside forces of both signs.
-    let folder = tempfile::tempdir().expect("temporary folder");
-    let model = std::fs::read_to_string(file("packed.toml")).expect("kept");
-    let more = "breakaway_N = 0.9\nviscous_N_s_per_m = -7.0\n";
-    let model = model.replace("breakaway_N = 0.9\n", more)
-        + "\n[[effects]]\nid = \"constant_force\"\nforce_N = -0.2\n";
-    let written = folder.path().join("forces.toml");
-    std::fs::write(&written, model).expect("written");
-    let constant = ConstantForce::try_new(-0.2, COUNTS).expect("valid");
-    let with = With::try_new(one_by_one(), (viscous(-7.0, 3.0), constant)).expect("valid");
-    let more = ["--kernel", "auto", "--cpu", "rp2040", "--limit", "3"];
-    assert_whole_numbers(&written.display().to_string(), &more, &with);
 }
 
 /// `firmware/cycles` counts what is exported; run with `BLESS=1` to write it anew after a change.

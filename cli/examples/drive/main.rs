@@ -41,19 +41,16 @@ fn main() -> anyhow::Result<()> {
             let port = port.parse().context("the port")?;
             beside(Path::new(elf), port, |over| hammer(port, over))?;
         }
-        ["typed", elf, port, tool] => {
+        [what @ ("typed" | "pulled"), elf, port, tool] => {
             let port = port.parse().context("the port")?;
             let tool = Path::new(tool)
                 .canonicalize()
                 .with_context(|| tool.to_owned())?;
-            beside(Path::new(elf), port, |_| typed::typed(&tool, port))?;
-        }
-        ["pulled", elf, port, tool] => {
-            let port = port.parse().context("the port")?;
-            let tool = Path::new(tool)
-                .canonicalize()
-                .with_context(|| tool.to_owned())?;
-            beside(Path::new(elf), port, |_| pulled::pulled(&tool, port))?;
+            let script = match what {
+                "typed" => typed::typed,
+                _ => pulled::pulled,
+            };
+            beside(Path::new(elf), port, |_| script(&tool, port))?;
         }
         _ => bail!(
             "usage: drive serve ELF PORT, drive hammer ELF PORT, drive typed ELF PORT TOOL, or drive pulled ELF PORT TOOL"
