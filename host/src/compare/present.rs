@@ -43,9 +43,9 @@ impl Compared {
 
     fn memory_in_words(&self) -> &'static str {
         match (self.memory.is_nonlocal(), self.memory.remembers) {
-            (true, _) => "yes",
-            (false, true) => "no",
-            (false, false) => "no memory",
+            (true, _) => "non-local",
+            (false, true) => "local",
+            (false, false) => "none",
         }
     }
 }
@@ -66,8 +66,8 @@ impl Comparison {
             .map(|m| format!("{} {} %", m.name(), percent(m.candidate.nmse_test)))
             .collect();
         let loops = match best.memory_in_words() {
-            "yes" => "its inner loops close",
-            "no" => "its inner loops do not close",
+            "non-local" => "its inner loops close",
+            "local" => "its inner loops do not close",
             _ => "it has no memory",
         };
         format!(
@@ -140,7 +140,7 @@ impl Comparison {
         let unit = recording.effort_unit();
         Table {
             caption: format!(
-                "NMSE (eq. 13) in % of the variance, {} held out; cycles on a Cortex-M4F; seed of the starts {SEED}; * recommended",
+                "NMSE (eq. 13), %; held out: {}; cycles on a Cortex-M4F; seed {SEED}; * recommended",
                 self.held_out()
             ),
             head: [
@@ -150,7 +150,7 @@ impl Comparison {
                 "parameters".to_owned(),
                 format!("loop closure {unit}"),
                 "of range".to_owned(),
-                "non-local memory".to_owned(),
+                "memory".to_owned(),
                 "cycles".to_owned(),
             ]
             .to_vec(),
