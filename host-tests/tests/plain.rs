@@ -3,6 +3,7 @@
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
+use std::sync::Arc;
 
 use preslide_host::compare::compare;
 use preslide_host::diagnose::diagnose;
@@ -25,12 +26,15 @@ struct Machine {
     gravity: [f64; 2],
     /// Stiffness and centre.
     spring: [f64; 2],
+    /// Amplitude and period of what the encoder shows too much.
+    encoder: [f64; 2],
 }
 
 const BARE: Machine = Machine {
     viscous: [0.3, 0.3],
     gravity: [0.0; 2],
     spring: [0.0; 2],
+    encoder: [0.0, 1.0],
 };
 
 const INERTIA: f64 = 0.12;
@@ -66,7 +70,8 @@ fn made_of(rows: u32, machine: &Machine, seed: u64, names: &str) -> Recording {
         effort += machine.gravity[0] * (q - machine.gravity[1]).sin();
         effort += machine.spring[0] * (q - machine.spring[1]);
         effort += rng.random_range(-0.035..0.035);
-        writeln!(text, "{t:.3},{:.5},{effort:.5}", q).expect("memory");
+        let shown = q + machine.encoder[0] * (TAU * q / machine.encoder[1]).sin();
+        writeln!(text, "{t:.3},{shown:.5},{effort:.5}").expect("memory");
     }
     let loaded = recording::load_csv(text.as_bytes(), "made.csv", &LoadOptions::default());
     loaded.unwrap_or_else(|e| panic!("{e}"))
@@ -170,6 +175,49 @@ fn the_file_says_the_same(found: &Identification, recording: &Recording) {
 }
 
 /// `compare` fits every law, so that its minutes are the rows'.
+/// Half an encoder line of 1024, which at 1 rad/s is acceleration of 500 rad/s² that no torque makes.
+#[test]
+fn an_encoders_periodic_error_takes_nothing_off_the_inertia() {
+    let machine = Machine {
+        encoder: [4e-5, TAU / 360.0],
+        ..BARE
+    };
+    for seed in [11, 12] {
+        let recording = made(&machine, seed, "q_rad,torque_Nm");
+        let found = run(&recording);
+        println!("seed {seed}, below {:.1} Hz", found.band_hz);
+        let notes = found.notes(&recording).concat();
+        assert!(
+            notes.contains("does not follow the acceleration"),
+            "{notes}"
+        );
+        holds(&found, "mass", INERTIA, 0.02 * INERTIA);
+        holds(&found, "coulomb", COULOMB, 0.02 * COULOMB);
+    }
+}
+
+/// The force of a spring about a place beyond the travel is nearly constant: it is of the fit all the same.
+#[test]
+fn the_spring_of_the_fit_has_its_centre_wherever_that_is() {
+    let machine = Machine {
+        spring: [3.0, 4.0],
+        ..BARE
+    };
+    let recording = made(&machine, 13, "q_rad,torque_Nm");
+    let found = run(&recording);
+    holds(&found, "spring", 3.0, 0.02);
+    holds(&found, "spring_centre", 4.0, 0.05);
+    let fit = Some(Arc::new(Fit::of(&recording)));
+    let found = diagnose(&recording, None, fit, &Progress::new("test", 0));
+    let found = found.unwrap_or_else(|e| panic!("{e}"));
+    let missing: Vec<&str> = found.missing().map(|e| e.id()).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+    let spring = found.in_fit().find(|e| e.id() == "position_spring");
+    let centre = spring.expect("a spring").parameters[1].1.value;
+    println!("  the diagnosis' centre {centre:.3} rad");
+    assert!((centre - 4.0).abs() < 0.1, "{centre}");
+}
+
 #[test]
 fn every_command_tells_the_same_fit() {
     the_fit_is_the_same([made_of(2_500, &BARE, 5, "q_rad,torque_Nm")]);

@@ -59,11 +59,12 @@ struct Window {
 /// The events that hold most of a mismatch at the rows, `friction` at the rows beside it.
 pub fn event(rows: &Rows, friction: &[f64], mismatch: &[f64]) -> Option<Event> {
     let force = vec![1.0; mismatch.len()];
+    let alone = alone(rows);
     [(true, friction), (false, &force)]
         .into_iter()
         .flat_map(|kind| LENGTHS.map(|length| (kind, length)))
         .filter_map(|((odd, load), length)| {
-            let (stretches, z) = of_length(rows, load, mismatch, length)?;
+            let (stretches, z) = of_length(rows, [load, mismatch], length, &alone)?;
             Some(Event::of(odd, z, stretches, load, mismatch))
         })
         .filter(|e| e.z >= STANDS_OUT && e.share >= HELD)
@@ -93,11 +94,11 @@ impl Event {
 /// Stretches whose windows of one length stand out, and by how much the clearest does.
 fn of_length(
     rows: &Rows,
-    load: &[f64],
-    mismatch: &[f64],
+    of: [&[f64]; 2],
     length: f64,
+    alone: &[bool],
 ) -> Option<(Vec<Range<usize>>, f64)> {
-    let windows = windows(rows, load, mismatch, length);
+    let windows = windows(rows, of, length, alone);
     if windows.len() < FEWEST {
         return None;
     }
@@ -128,8 +129,8 @@ fn standing_out(unlike: &[f64]) -> Option<(Vec<bool>, f64)> {
     Some((told, most / usual))
 }
 
-/// Windows of a length that overlap by half, each within one stretch of contiguous rows.
-fn windows(rows: &Rows, load: &[f64], mismatch: &[f64], length: f64) -> Vec<Window> {
+/// Windows of a length that overlap by half, each within one stretch of contiguous rows, none of them `alone`.
+fn windows(rows: &Rows, [load, mismatch]: [&[f64]; 2], length: f64, alone: &[bool]) -> Vec<Window> {
     let s = &rows.s;
     let time = rows.weak.at_centres(&s.t);
     let step = rows.weak.spacing as f64 * s.dt;
@@ -140,19 +141,10 @@ fn windows(rows: &Rows, load: &[f64], mismatch: &[f64], length: f64) -> Vec<Wind
     let whole = |w: &Range<usize>| {
         w.end <= time.len() && time[w.end - 1] - time[w.start] < 1.5 * count as f64 * step
     };
-    let turns = turns(rows);
-    // Of few reversals each is an event of its own, and so is what comes after it: nothing else moved like that.
-    let after = (LENGTHS[LENGTHS.len() - 1] / step).ceil() as usize;
-    let is_compared = |w: &Range<usize>| {
-        turns.len() >= ALIKE
-            || !turns
-                .iter()
-                .any(|turn| (w.start..w.end + after).contains(&(turn + after)))
-    };
     (0..time.len())
         .step_by(hop)
         .map(|first| first..first + count)
-        .filter(|w| whole(w) && is_compared(w))
+        .filter(|w| whole(w) && !alone[w.clone()].contains(&true))
         .filter(|w| load[w.clone()].iter().map(|l| l * l).sum::<f64>() >= tells * count as f64)
         .filter_map(|w| {
             let size = coefficient(load, mismatch, &w)?;
@@ -167,16 +159,28 @@ fn windows(rows: &Rows, load: &[f64], mismatch: &[f64], length: f64) -> Vec<Wind
         .collect()
 }
 
-/// The first row after each reversal that a stroke follows; the rest is the encoder's noise at standstill.
-fn turns(rows: &Rows) -> Vec<usize> {
-    let (s, least) = (&rows.s, LATE * rows.s.travel());
+/// Rows in which the axis moves as in none that they could be compared with: where there are few reversals, from each to the end of the longest
+/// window behind it.
+fn alone(rows: &Rows) -> Vec<bool> {
+    let (s, weak) = (&rows.s, &rows.weak);
+    let least = LATE * s.travel();
+    let mut alone = vec![false; weak.centres.len()];
     let all: Vec<usize> = s.turns().collect();
     let ends = all.iter().skip(1).copied().chain([s.x.len() - 1]);
+    // Others are the encoder's noise at standstill.
     let strokes = all.iter().zip(ends);
-    let strokes = strokes.filter(|(from, to)| (s.x[*to] - s.x[**from]).abs() > least);
-    strokes
-        .map(|(from, _)| rows.weak.centres.partition_point(|centre| centre < from))
-        .collect()
+    let turns: Vec<usize> = strokes
+        .filter(|(from, to)| (s.x[*to] - s.x[**from]).abs() > least)
+        .map(|(from, _)| weak.centres.partition_point(|centre| centre < from))
+        .collect();
+    if turns.len() < ALIKE {
+        let longest = LENGTHS[LENGTHS.len() - 1] / (weak.spacing as f64 * s.dt);
+        for turn in turns {
+            let end = (turn + longest.ceil() as usize + 1).min(alone.len());
+            alone[turn.min(end)..end].fill(true);
+        }
+    }
+    alone
 }
 
 /// Coefficient of a load in a mismatch, by least squares.

@@ -226,8 +226,8 @@ fn judge(
             recording.name
         ))
     };
-    // What the user's own model lacks is not what the fit does. Nor are its blocks as fine as the fit's: a model that is extended by those tracks
-    // worse (`cargo xtask chain --count 1`: 315 nm for 203), though a clean machine is told as one more often.
+    // What the user's own model lacks is not what the fit does. Nor are its blocks as fine, for the reason that [`blocks::yields`] gives, though with
+    // those a clean machine is told as one more often.
     let begins = fit.filter(|_| model.is_none());
     let known = begins.map(|fit| fit.known(recording)).unwrap_or_default();
     let beside = [given.as_slice(), &known.terms].concat();

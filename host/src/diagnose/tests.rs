@@ -1,6 +1,7 @@
 //! The stages, on a small made machine: 2 kg on three Maxwell-slip blocks, what is added to it, and noise.
 
 mod as_it_is;
+mod events;
 mod experiments;
 
 use super::axis::Axis;
@@ -386,64 +387,6 @@ fn verdicts_say_what_the_recording_says() {
         shaken.confident().map(|e| e.id()).collect::<Vec<_>>()
     );
     assert_ne!(shaken.verdict, Verdict::Consistent);
-}
-
-#[test]
-fn what_happens_now_and_then_has_its_times_and_no_name() {
-    let times = [[6.1, 6.9], [14.2, 15.0], [23.4, 24.1]];
-    let within = |t: f64| times.iter().any(|[from, to]| (*from..*to).contains(&t));
-    // Half as much friction again while something lies in the guideway.
-    let recording = made(|t, _, v| if within(t) { 1.5 * v.signum() } else { 0.0 });
-    let found = diagnose(&recording, None, None, &Progress::new("", 0)).expect("a diagnosis");
-    assert_eq!(found.verdict, Verdict::UnknownPhysics);
-    let unknown = found.unknown().expect("an event");
-    let said = &unknown.happened.as_ref().expect("times").times;
-    println!("{said:?} {} {}", unknown.size, unknown.evidence.z);
-    assert!(unknown.odd && unknown.size > 0.8, "{}", unknown.size);
-    assert_eq!(said.len(), times.len(), "{said:?}");
-    for (said, is) in said.iter().zip(&times) {
-        let off = (said[0] - is[0]).abs().max((said[1] - is[1]).abs());
-        assert!(off < 0.2, "{said:?} {is:?}");
-    }
-}
-
-#[test]
-fn what_recurs_with_the_motion_or_is_noise_is_no_event() {
-    let found_in = |recording: &Recording| {
-        let null = null(recording);
-        let alone = null.fit(&[]).expect("a fit");
-        let rows = &null.rows;
-        let friction = rows.weak.at_centres(&null.baseline.friction);
-        event::event(rows, &friction, &alone.held_out_residual(rows)).map(|e| (e.share, e.z))
-    };
-    assert_eq!(found_in(&made(|_, _, _| 0.0)), None);
-    let spot = |x: f64| (-((x - 0.01) / 0.004).powi(2)).exp();
-    assert_eq!(found_in(&made(|_, x, v| 1.5 * v.signum() * spot(x))), None);
-    let once = made(|t, _, _| if (9.0..9.6).contains(&t) { 1.0 } else { 0.0 });
-    assert!(found_in(&once).is_some());
-}
-
-#[test]
-fn what_happens_now_and_then_does_not_pull_at_what_is_always_there() {
-    let drag = |v: f64| 20.0 * v;
-    let within = |t: f64| {
-        [6.1, 14.2, 23.4]
-            .iter()
-            .any(|from| (0.0..0.8).contains(&(t - from)))
-    };
-    let chip = move |t: f64, v: f64| if within(t) { 1.5 * v.signum() } else { 0.0 };
-    let value = |recording: &Recording| {
-        let found = diagnose(recording, None, None, &Progress::new("", 0)).expect("a diagnosis");
-        let viscous = found.confident().find(|e| e.id() == "viscous");
-        viscous.expect("viscous friction").parameters[0].1.value
-    };
-    let (alone, beside) = (
-        value(&made(|_, _, v| drag(v))),
-        value(&made(|t, _, v| drag(v) + chip(t, v))),
-    );
-    println!("{alone} {beside} N·s/m");
-    assert!((alone / 20.0 - 1.0).abs() < 0.05, "{alone}");
-    assert!((beside / alone - 1.0).abs() < 0.02, "{beside} {alone}");
 }
 
 /// The machine's blocks with their displacements times a factor, the friction the same.

@@ -21,7 +21,7 @@ const UNNAMED: f64 = 0.05;
 /// about a third of what machines' friction changes by itself. A name below it can be put into a model; what has none cannot. Set after
 /// recordings of `axes` and `drives` were seen: 0.01 calls 23 of their 150 clean ones unknown, 0.02 18, 0.05 14; none, and two, of their
 /// strangers are lost.
-pub(super) const NOTICEABLE: f64 = 0.02;
+const NOTICEABLE: f64 = 0.02;
 /// Share of the friction from which a force is more than any machine's cables, seals and motor add. Set after recordings of `axes` and
 /// `drives` were seen: it takes three of their 120 clean machines from the unknown ones, whose motors have a ripple of half as much, and
 /// none of their strangers.
@@ -95,14 +95,19 @@ impl Unknown {
     }
 }
 
-/// All that are material, largest first, beside an event and a drift; `is_doubtful` tells of an effect whether it is suspected only.
+/// All that are material, largest first, beside an event and a drift, of the share `before` (%) of the effort's variance that is left without any;
+/// `is_doubtful` tells of an effect whether it is suspected only.
 pub fn unnamed(
     found: &Found,
-    event: Option<Unknown>,
-    drift: Option<Unknown>,
+    before: f64,
+    [event, drift]: [Option<Unknown>; 2],
     reports: &[TermReport],
     is_doubtful: impl Fn(&dyn Effect) -> bool,
 ) -> Vec<Unknown> {
+    if before < NOTICEABLE {
+        // Nothing takes off more than is left without it: what looks large stands in for what fits as well. An event was taken out before.
+        return event.into_iter().collect();
+    }
     let is_unnamed = |s: &&TermReport| match s.term.subject {
         // A delay is none of the machine's physics, and a doubtful one mostly the loop's answer to friction that wanders.
         Subject::Effect(effect) => effect.id() != ALWAYS_FREE.id() && is_doubtful(effect),

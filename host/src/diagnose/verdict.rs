@@ -26,7 +26,7 @@ use super::shift::Shift;
 use super::signals::Signals;
 use super::simulation::{self, Corrected};
 use super::term::{Subject, Term};
-use super::unnamed::{NOTICEABLE, Unknown, is_likely, likely, unnamed};
+use super::unnamed::{Unknown, is_likely, likely, unnamed};
 use crate::evidence::NAMED;
 use crate::model::Model;
 use crate::recording::Recording;
@@ -227,9 +227,8 @@ pub fn conclude(
         let own = |n: &&Named| matches!(n.name, Name::Entry(e) if e.id() == effect.id());
         effects.iter().find(own).is_some_and(|n| !n.confident)
     };
-    let mut unnamed = unnamed(&found, event, drift(&found), &reports, is_doubtful);
-    // Nothing takes off more than is left without it: what looks large stands in for what fits as well.
-    unnamed.retain(|u| u.happened.is_some() || baseline.test >= NOTICEABLE);
+    let apart = [event, drift(&found)];
+    let mut unnamed = unnamed(&found, baseline.test, apart, &reports, is_doubtful);
     // Where nothing is missing, nothing is added.
     let adds = effects.iter().any(Named::is_missing);
     let after = if !adds && (null.core.corrects || reached.test > baseline.test) {

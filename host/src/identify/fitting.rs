@@ -42,6 +42,7 @@ pub(super) struct Found {
     pub(super) recommended: usize,
     pub(super) virgin: VirginCurve,
     pub(super) range: (f64, f64),
+    pub(super) half_a_stroke: f64,
     pub(super) plain: Plain,
 }
 
@@ -181,6 +182,7 @@ impl Fitting<'_> {
             recommended: 0,
             virgin: VirginCurve::default(),
             range: (FINEST * (high - low), high - low),
+            half_a_stroke: high - low,
             plain: shown.plain,
         })
     }
@@ -272,6 +274,7 @@ impl Fitting<'_> {
             recommended,
             virgin,
             range: (range.0, shown.longest),
+            half_a_stroke: range.1,
             plain: shown.plain,
         })
     }

@@ -174,6 +174,8 @@ pub struct Identification {
     pub virgin: VirginCurve,
     /// Shortest and longest yield displacement that were tried (m or rad).
     pub yield_range: (f64, f64),
+    /// Half of the longest stroke (m or rad), beyond which a block never slips; what it tells from a force of the position may end before.
+    half_a_stroke: f64,
     /// What acts beside hysteresis.
     pub plain: Plain,
     /// Breakaway and kinetic levels, where the axis sticks and slips.
@@ -227,7 +229,7 @@ pub fn thinned(recording: &Recording, from: usize) -> Option<Recording> {
 }
 
 /// Share of the error held out that may be left in a narrower band, where that is what the fit lacked: a load behind a spring or a gap leaves half.
-const HARDLY_ANY: f64 = 0.2;
+const LEAVES: f64 = 0.2;
 
 /// Times that the band of a fit is narrowed at most: what a fit beside false accelerations leaves tells the rest.
 const NARROWER: usize = 3;
@@ -259,7 +261,7 @@ pub fn identify(
         let narrower = within(recording, options, &kinematics, &progress).ok();
         let better = narrower.filter(|narrower| {
             let [own, before] = [narrower, &found].map(|fit| fit.best());
-            own.nmse_test < HARDLY_ANY * before.nmse_test
+            own.nmse_test < LEAVES * before.nmse_test
                 && own.rigid_body.iter().any(|p| p.0 == "mass")
         });
         let Some(better) = better else {
@@ -367,6 +369,7 @@ fn fitted(
         split,
         virgin: found.virgin,
         yield_range: found.range,
+        half_a_stroke: found.half_a_stroke,
         plain: found.plain,
         stick_slip,
         channel,

@@ -2,7 +2,7 @@
 
 use super::family::Family;
 use super::family::bench::Bench;
-use super::{Candidate, Identification, Method, yield_range};
+use super::{Candidate, Identification, Method};
 use crate::progress::Progress;
 use crate::recording::Recording;
 use crate::report::figures::{left, quantity};
@@ -244,10 +244,12 @@ impl Identification {
     }
 
     /// The share of the breakaway force that blocks hold which hardly ever slip, where it is most of it.
-    fn soft_share(&self, half_a_stroke: f64) -> Option<f64> {
+    fn soft_share(&self) -> Option<f64> {
         let held = |(k, d): &(Estimate, Estimate)| k.value * d.value;
         let blocks = &self.best().blocks;
-        let soft = blocks.iter().filter(|b| b.1.value > SOFT * half_a_stroke);
+        let soft = blocks
+            .iter()
+            .filter(|b| b.1.value > SOFT * self.half_a_stroke);
         let share = soft.map(held).sum::<f64>() / blocks.iter().map(held).sum::<f64>();
         (share > MOSTLY_SOFT).then_some(share)
     }
@@ -285,9 +287,7 @@ impl Identification {
         let mut notes = self.search_notes.clone();
         notes.extend(self.stick_slip.map(|found| found.words(recording)));
         let (shortest, longest) = self.yield_range;
-        let range = yield_range(recording, &self.split.train());
-        let half_a_stroke = range.map_or(longest, |range| range.1);
-        if let Some(share) = self.soft_share(half_a_stroke) {
+        if let Some(share) = self.soft_share() {
             notes.push(format!(
                 "{:.0} % of the friction yields only beyond {:.0} % of the longest stroke: what hardly ever slips is a spring, a weight or another force that follows the position as much as hysteresis; `preslide diagnose` tells which, a longer motion would",
                 100.0 * share,
@@ -316,7 +316,7 @@ impl Identification {
                     ));
                 }
                 if d.value >= 0.98 * longest {
-                    let (end, remedy) = match longest < 0.98 * half_a_stroke {
+                    let (end, remedy) = match longest < 0.98 * self.half_a_stroke {
                         true => (
                             "the longest displacement that this recording tells from a force of the position",
                             "more strokes of different length",

@@ -331,6 +331,11 @@ mod tests {
 
     /// 24 slips of 20 mm within 60 ms to and fro, each after a ramp of 1.2 s, or a pause of 1 s at zero and then the ramp; encoder of 0.1 mm.
     fn made(pause: bool, seed: u64) -> Recording {
+        made_after(0, pause, seed)
+    }
+
+    /// The same after a move of 1 m in so many samples.
+    fn made_after(samples: u32, pause: bool, seed: u64) -> Recording {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let (mut text, mut sample) = ("t_s,x_m,force_N\n".to_owned(), 0);
         let mut row = |x: f64, f: f64, noise: f64| {
@@ -346,6 +351,9 @@ mod tests {
         };
         let mut noise = ChaCha8Rng::seed_from_u64(seed + 1000);
         let mut noise = || noise.random_range(-0.01..0.01);
+        for i in 0..samples {
+            row(1.0 - f64::from(i) / f64::from(samples), -KINETIC, noise());
+        }
         for slip in 0..24 {
             let (direction, from) = if slip % 2 == 0 {
                 (1.0, 0.0)
@@ -406,6 +414,14 @@ mod tests {
         assert!(found.hunts);
         assert!((found.period_s - 1.26).abs() < 0.02, "{}", found.period_s);
         assert!(found.words(&recording).contains("hunts"));
+    }
+
+    #[test]
+    fn an_axis_hunts_however_far_it_moved_before() {
+        let found = StickSlip::of(&made_after(300, false, 6)).expect("slips");
+        let far = found.forward.expect("slips").breakaway.value;
+        println!("breakaway {far} N of {BREAKAWAY}");
+        assert!(found.hunts && (far / BREAKAWAY - 1.0).abs() < 0.04);
     }
 
     #[test]
