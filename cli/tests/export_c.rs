@@ -248,7 +248,11 @@ fn any_rows() -> Vec<Row> {
         let size = 10_f32.powi((next() % 9) as i32 - 12);
         let dx = size * (next() as i32 as f32 / 2_147_483_648.0);
         let dx = if next().is_multiple_of(5) { 0.0 } else { dx };
-        let dx = if next().is_multiple_of(1000) { 1e9 * dx } else { dx };
+        let dx = if next().is_multiple_of(1000) {
+            1e9 * dx
+        } else {
+            dx
+        };
         [dx, 0.0, 0.0, 0.0, 0.0]
     };
     (0..STEPS).map(row).collect()
