@@ -24,8 +24,8 @@ pub enum DriveError {
     Line(std::io::Error),
     /// No answer came.
     #[error(
-        "no answer to `{request}` ({bytes} bytes came meanwhile, {damaged} damaged frames): check that this is a Preslide \
-         controller's port, that nothing else has it open, and its speed"
+        "no answer to `{request}` ({bytes} bytes came meanwhile, {damaged} damaged frames): check that the line is whole, \
+         that this is a Preslide controller's port, that nothing else has it open, and its speed; a moving axis stops by itself when it hears nothing"
     )]
     Silent {
         /// What was asked for.

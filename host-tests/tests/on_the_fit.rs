@@ -6,6 +6,8 @@ use preslide_host::diagnose::fit::Fit;
 use preslide_host::diagnose::named::Named;
 use preslide_host::diagnose::verdict::Verdict;
 use preslide_host::diagnose::{Diagnosis, diagnose};
+use preslide_host::identify::{Identification, Options, identify};
+use preslide_host::model::Model;
 use preslide_host::progress::Progress;
 use preslide_host::recording::{self, LoadOptions, Recording};
 use preslide_host_tests::shared;
@@ -16,11 +18,20 @@ fn case(name: &str) -> Option<Recording> {
 }
 
 fn told(recording: &Recording) -> Diagnosis {
+    told_of(recording, None)
+}
+
+fn told_of(recording: &Recording, model: Option<&Model>) -> Diagnosis {
     let fit = Some(Arc::new(Fit::of(recording)));
-    let found = diagnose(recording, None, fit, &Progress::new("test", 0));
+    let found = diagnose(recording, model, fit, &Progress::new("test", 0));
     let found = found.unwrap_or_else(|e| panic!("{e}"));
     println!("{}: {}", recording.name, found.verdict_words(recording));
     found
+}
+
+fn fitted(recording: &Recording) -> Identification {
+    let found = identify(recording, &Options::default(), &Progress::new("test", 100));
+    found.unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// The first parameters of a name, each right within a share of the truth and inside its interval.
@@ -63,6 +74,15 @@ fn circles_lack_nothing(radii: &[u32]) {
             // Noise of the effort leaves 0.00015 %.
             assert!(found.baseline.test < 5e-4, "{}", found.baseline.test);
             holds(of_the_fit(&found, "viscous"), &[(300.0, 0.01)]);
+            // The same is told of the fit's own model.
+            let own = fitted(&recording).best().model.clone();
+            let of_own = told_of(&recording, Some(&own));
+            assert_eq!(of_own.verdict, Verdict::Consistent);
+            let [own, none] = [&of_own, &found].map(|found| found.baseline.test);
+            assert!(
+                (own / none - 1.0).abs() < 0.05,
+                "{own} with it, {none} without"
+            );
         }
     }
 }
@@ -135,12 +155,7 @@ fn a_position_that_is_held_is_taken_where_it_was_read() {
     let recording = recording.unwrap_or_else(|e| panic!("{e}"));
     let said = recording.warnings.iter().find(|w| w.code == "held");
     println!("{}", said.expect("a warning"));
-    let found = preslide_host::identify::identify(
-        &recording,
-        &preslide_host::identify::Options::default(),
-        &Progress::new("test", 100),
-    );
-    let found = found.unwrap_or_else(|e| panic!("{e}"));
+    let found = fitted(&recording);
     for (name, truth, share) in [("mass", 95.15, 0.01), ("viscous", 203.9, 0.02)] {
         let own = found.best().rigid_body.iter().find(|p| p.0 == name);
         let value = own.expect(name).1.value;

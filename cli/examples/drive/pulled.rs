@@ -4,7 +4,7 @@ use super::typed::run;
 use anyhow::{Context, bail, ensure};
 use preslide_link::{Deframer, Numbered, Report, Request, Sample};
 use std::io::{ErrorKind, Read, Write};
-use std::net::{TcpListener, TcpStream};
+use std::net::{Shutdown, TcpListener, TcpStream};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::atomic::AtomicBool;
@@ -56,6 +56,8 @@ enum What {
     Pulled,
     /// The same where only silence stops the axis.
     RunsOn,
+    /// It stays and carries nothing more: a broken wire, a converter that hangs.
+    Mute,
     /// It is plugged in again at once, with the axis still moving.
     AtOnce,
     /// The cable stays, the user presses Ctrl-C.
@@ -88,7 +90,7 @@ const fn at(
 /// In the middle of a stream of points.
 const STREAM: (usize, fn(&Request) -> bool) = (40, is_points);
 
-const PULLS: [Pull; 9] = [
+const PULLS: [Pull; 10] = [
     at(
         "enable, nudge",
         0,
@@ -99,6 +101,7 @@ const PULLS: [Pull; 9] = [
     at("home", 0, (1, is_home), What::AtOnce),
     at("play careful", 1, (20, is_points), What::Pulled),
     at("play before", 2, STREAM, What::Pulled),
+    at("play before", 1, STREAM, What::Mute),
     // The share of the feed-forward is what the stage set; it is to be what it was before the cable was pulled.
     at("play before", 1, STREAM, What::Interrupted),
     at(
@@ -143,7 +146,7 @@ pub fn pulled(tool: &Path, port: u16) -> anyhow::Result<()> {
     };
     for pull in &PULLS {
         let begun = commission(&far).spawn()?;
-        let cable = Cable::plug(&plug, port)?;
+        let mut cable = Cable::plug(&plug, port)?;
         let after = cable.carry(pull, begun.id());
         let ended = begun.wait_with_output()?;
         let said = String::from_utf8_lossy(&ended.stderr);
@@ -151,6 +154,7 @@ pub fn pulled(tool: &Path, port: u16) -> anyhow::Result<()> {
         let after = after.with_context(|| format!("{stage}: {said}"))?;
         let (code, reason) = match pull.what {
             What::Interrupted => (3, "stopped"),
+            What::Mute => (1, "no answer to"),
             _ => (1, "the line to the controller broke"),
         };
         ensure!(
@@ -168,7 +172,7 @@ pub fn pulled(tool: &Path, port: u16) -> anyhow::Result<()> {
                 ensure!(share.contains("1e0"), "interrupted {stage}: {share}");
                 println!("interrupted {stage}: disabled, its share of the feed-forward as it was");
             }
-            What::Pulled | What::RunsOn => after.judge(pull)?,
+            What::Pulled | What::RunsOn | What::Mute => after.judge(pull)?,
         }
     }
     let done = commission(&direct).output()?;
@@ -252,7 +256,7 @@ impl Cable {
     }
 
     /// Carries until the moment has come, lets go of the tool `id`, and watches the drive.
-    fn carry(mut self, pull: &Pull, id: u32) -> anyhow::Result<After> {
+    fn carry(&mut self, pull: &Pull, id: u32) -> anyhow::Result<After> {
         let (mut asked, mut told) = (Deframer::new(), Deframer::new());
         let (mut seen, mut plays, mut last) = (0, 0, None);
         let start = Instant::now();
@@ -274,6 +278,7 @@ impl Cable {
         match pull.what {
             What::AtOnce => {
                 self.wait_until_it_moves(&mut told)?;
+                self.near.shutdown(Shutdown::Both)?;
                 return Ok(After::default());
             }
             What::Interrupted => {
@@ -289,7 +294,8 @@ impl Cable {
                 }
                 return Ok(After::default());
             }
-            What::Pulled | What::RunsOn => drop(self.near),
+            What::Pulled | What::RunsOn => self.near.shutdown(Shutdown::Both)?,
+            What::Mute => {}
         }
         let pulled = last.context("no telemetry came")?.tick;
         let (mut before, mut moved, mut after) = (None, pulled, After::default());

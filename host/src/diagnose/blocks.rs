@@ -90,7 +90,7 @@ pub fn lengths(yields: &[f64]) -> Vec<f64> {
 
 /// Log-spaced yields from what a typical slow sample moves, or one near a reversal, to the share [`LATE`] of the travel, with those of a fit
 /// in the places of their neighbours: a block that lies between two of the grid leaves an error that looks like creep or delay. Without a fit
-/// the grid begins with the slow sample: blocks that are known from reversals alone, and not held by a fit, track worse (`cargo xtask chain --count 1`: 315 nm for 203).
+/// the grid begins with the slow sample: blocks that are known from reversals alone are held by nothing.
 pub fn yields(s: &Signals, fitted: Option<&[f64]>) -> Vec<f64> {
     let steps: Vec<f64> =
         s.x.windows(2)

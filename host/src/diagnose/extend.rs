@@ -45,7 +45,15 @@ impl Diagnosis {
         }
         let refitted = null.fit(&terms);
         let state = refitted.as_ref().unwrap_or(&self.states[1]);
-        let core = self.on_the_core(state, recording, user);
+        let coarser = user.filter(|_| !null.core.corrects);
+        let coarser = coarser.and_then(|_| {
+            let null = null.coarser(&terms)?;
+            Some((null.fit(&terms)?, null))
+        });
+        let core = match &coarser {
+            Some((state, null)) => self.on_the_core(null, state, recording, user),
+            None => self.on_the_core(null, state, recording, user),
+        };
         let recording = &recording.at_one_rate();
         let of_fit = self.fit.as_ref().and_then(|fit| fit.model());
         let of_fit = of_fit.as_ref();
@@ -119,11 +127,11 @@ impl Diagnosis {
     /// All effects on the refitted core.
     fn on_the_core(
         &self,
+        null: &NullModel,
         state: &Hypothesis,
         recording: &Recording,
         user: Option<&Model>,
     ) -> Extended {
-        let null = &self.null;
         let inertia = match state.normal.coefficients.first() {
             Some(_) if null.core.corrects => null.baseline.mass,
             Some(mass) if null.rows.inertial => *mass,

@@ -226,10 +226,12 @@ fn judge(
             recording.name
         ))
     };
-    // What the user's own model lacks is not what the fit does. Nor are its blocks as fine, for the reason that [`blocks::yields`] gives, though with
-    // those a clean machine is told as one more often.
+    // What the user's own model lacks is not what the fit does; how fine a hysteresis the recording tells is the same for both.
     let begins = fit.filter(|_| model.is_none());
-    let known = begins.map(|fit| fit.known(recording)).unwrap_or_default();
+    let mut known = fit.map(|fit| fit.known(recording)).unwrap_or_default();
+    if begins.is_none() {
+        known.terms.clear();
+    }
     let beside = [given.as_slice(), &known.terms].concat();
     let null_of = |recording: &Recording, outside: &[Range<usize>]| {
         let rows = Rows::new(recording, outside).map_err(Refusal::Data)?;
