@@ -1,6 +1,6 @@
 //! The mismatch budget: what each finding takes off the residual on stretches held out, so that the squares add up.
 
-use super::null_model::{Hypothesis, NullModel};
+use super::null_model::NullModel;
 use super::term::Term;
 
 /// What a finding takes off.
@@ -8,7 +8,7 @@ use super::term::Term;
 pub struct Item {
     /// Its number among the effects.
     pub effect: usize,
-    /// NMSE (% of the effort's variance) that it takes off beside those before it, or, against a simulation, its share of what all take.
+    /// NMSE (% of the effort's variance); the sum is what all take, or less.
     pub nmse: f64,
 }
 
@@ -45,39 +45,52 @@ pub(super) fn of_a_simulation(
     items.collect()
 }
 
-/// What the findings take off in their order, `from` % being left without them and `to` % with all: first what has no term, then the terms on
-/// top of `kept`.
+/// What the findings take off, `from` % being left without them and `to` % with all: first what has no term, then the terms, each by the mean of what
+/// it takes off first, on top of what the diagnosis begins with, and last, beside all others: one after the other, the first would take what two share.
 pub(super) fn budget(
     null: &NullModel,
-    kept: &[Term],
+    begun: &[Term],
     findings: &[Finding],
     [from, to]: [f64; 2],
 ) -> Vec<Item> {
     let mut left = from;
     let mut items = Vec::new();
-    let mut take = |effect: usize, nmse: f64| {
-        let nmse = nmse.clamp(0.0, (left - to).max(0.0));
-        left -= nmse;
-        items.push(Item { effect, nmse });
-    };
     for finding in findings.iter().filter(|f| f.term.is_none()) {
-        take(finding.effect, finding.nmse[0] - finding.nmse[1]);
+        let nmse = (finding.nmse[0] - finding.nmse[1]).clamp(0.0, (left - to).max(0.0));
+        left -= nmse;
+        items.push(Item {
+            effect: finding.effect,
+            nmse,
+        });
     }
-    let mut terms = kept.to_vec();
-    let test = |h: Option<Hypothesis>| h.map(|h| h.nmse(&null.rows).test);
-    let mut before = test(null.fit(&terms));
-    let with_terms: Vec<(usize, &Term)> = findings
+    let terms: Vec<(usize, &Term)> = findings
         .iter()
         .filter_map(|f| Some((f.effect, f.term?)))
         .collect();
-    for (place, (effect, term)) in with_terms.iter().enumerate() {
-        terms.push((*term).clone());
-        let after = match place + 1 == with_terms.len() {
-            true => Some(to),
-            false => test(null.fit(&terms)),
-        };
-        take(*effect, before.zip(after).map_or(0.0, |(b, a)| b - a));
-        before = after;
-    }
+    let test = |which: &dyn Fn(usize) -> bool| {
+        let names = terms.iter().filter(|(effect, _)| which(*effect));
+        let all: Vec<Term> = begun
+            .iter()
+            .chain(names.map(|(_, t)| *t))
+            .cloned()
+            .collect();
+        Some(null.fit(&all)?.nmse(&null.rows).test)
+    };
+    let (none, all) = (test(&|_| false), test(&|_| true));
+    let value = |effect: usize| {
+        let first = none? - test(&|e| e == effect)?;
+        let last = test(&|e| e != effect)? - all?;
+        Some(0.5 * (first.max(0.0) + last.max(0.0)))
+    };
+    let values: Vec<f64> = terms
+        .iter()
+        .map(|(e, _)| value(*e).unwrap_or(0.0))
+        .collect();
+    let sum = values.iter().sum::<f64>().max(1e-300);
+    let held = ((left - to).max(0.0) / sum).min(1.0);
+    items.extend(terms.iter().zip(values).map(|((effect, _), value)| Item {
+        effect: *effect,
+        nmse: held * value,
+    }));
     items
 }

@@ -2,7 +2,7 @@
 
 use super::change::Change;
 use super::curve::Curve;
-use super::effect::{self, Line, Scale};
+use super::effect::{self, Effect, Line, Scale};
 use super::normal::Trial;
 use super::null_model::{Hypothesis, NullModel};
 use super::spectra;
@@ -22,6 +22,9 @@ const REFINED: f64 = 1.25;
 /// Share of the effort's squares that must not be friction's for a ripple of the one to be told from one of the other: on a tribometer, where less is,
 /// five of them took the place of one friction spot.
 const FRICTION_ALONE: f64 = 0.5;
+
+/// Standard deviations by which a rival is clearly worse.
+pub const WORSE: f64 = 2.0;
 
 /// A candidate, judged.
 #[derive(Clone)]
@@ -48,6 +51,37 @@ impl Candidate {
         let force = combined(&null.columns(&self.term), &self.trial.coefficients);
         let t = null.rows.weak.at_centres(&null.rows.s.t);
         spectra::keeps_step(&t, &force, &null.rows.force, self.term.shape[0])
+    }
+
+    /// Effects of its shape in its place, on top of a hypothesis, each with the shape that is best for it.
+    pub fn in_its_place(&self, null: &NullModel, without: &Hypothesis) -> Vec<Self> {
+        let effects = self.term.effect().map_or(&[][..], |e| e.in_place());
+        let judged = |effect: &&'static dyn Effect| {
+            let term = Term::new(Subject::Effect(*effect), &self.term.shape);
+            candidate_of(null, without, &[refined(null, without, &term)], self.tries)
+        };
+        effects.iter().filter_map(judged).collect()
+    }
+
+    /// Standard deviations, over blocks, by which it leaves less than a rival of `held_out` at the rows.
+    pub fn leaves_less_than(&self, rival: &Self, null: &NullModel, held_out: &[f64]) -> f64 {
+        let differences: Vec<f64> = null
+            .rows
+            .blocks
+            .iter()
+            .map(|rows| {
+                rows.clone()
+                    .map(|i| {
+                        (held_out[i] - rival.trial.force[i]).powi(2)
+                            - (held_out[i] - self.trial.force[i]).powi(2)
+                    })
+                    .sum()
+            })
+            .collect();
+        let n = differences.len() as f64;
+        let sum: f64 = differences.iter().sum();
+        let square: f64 = differences.iter().map(|d| (d - sum / n).powi(2)).sum();
+        sum / (square * n / (n - 1.0)).sqrt().max(1e-300)
     }
 
     /// The chance that any of `families` candidates does as well without any effect.

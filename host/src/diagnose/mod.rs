@@ -61,7 +61,7 @@ pub mod weak;
 pub mod words;
 
 use crate::effects::form;
-use crate::identify::FATAL;
+use crate::identify::tells_nothing;
 use crate::model::Model;
 use crate::progress::Progress;
 use crate::recording::{Recording, Simulated};
@@ -326,13 +326,8 @@ fn samples_across(recording: &Recording) -> f64 {
 
 /// Refuses what is no recording of motion and effort, or not the model's kind of axis.
 fn check(recording: &Recording, model: Option<&Model>) -> Result<(), Refusal> {
-    for (code, remedy) in FATAL {
-        if let Some(warning) = recording.warnings.iter().find(|w| w.code == code) {
-            return Err(Refusal::Data(format!(
-                "{}: {warning}; {remedy}",
-                recording.name
-            )));
-        }
+    if let Some(reason) = tells_nothing(recording) {
+        return Err(Refusal::Data(reason));
     }
     let across = samples_across(recording);
     if across < RESOLVED {

@@ -4,7 +4,7 @@
 //! Richard 1986): otherwise every second effect of a machine would be a rival of the first.
 
 use super::axis::Axis;
-use super::candidate::{Candidate, candidate_of, candidates, refined};
+use super::candidate::{Candidate, WORSE, candidate_of, candidates, refined};
 use super::curve::hats;
 use super::effect::{ALWAYS_FREE, Class, Effect};
 use super::exogenous::is_told;
@@ -24,8 +24,6 @@ const NEEDLESS: f64 = 0.3;
 const CHANGES: f64 = 0.25;
 /// Standard deviations of such a change: as many as a candidate needs to enter.
 const MODULATED: f64 = 3.0;
-/// Standard deviations by which a rival is clearly worse.
-const WORSE: f64 = 2.0;
 /// Times as many coefficients from which a rival that does as well is no equal.
 const MANY: usize = 2;
 
@@ -78,6 +76,11 @@ fn report(found: &Found, index: usize, periods: &[f64]) -> Option<TermReport> {
     let (mut list, _) = candidates(null, &rest, periods);
     list.retain(|o| !o.term.is_like(&term) && o.evidence.share > NEAR * own.evidence.share * 0.8);
     list.truncate(RIVALS);
+    for other in own.in_its_place(null, &rest) {
+        if !list.iter().any(|o| o.term.is_near(&other.term)) {
+            list.push(other);
+        }
+    }
     let left = rest.nmse(&null.rows).test;
     let mut report = TermReport {
         index,
@@ -151,7 +154,9 @@ impl TermReport {
         self.rival = self.rival.max(ratio);
         // A map of many cosines has every ripple in it, and of two laws that do as well the one with fewer numbers is it.
         let [own_numbers, numbers] = [own, rival].map(|c| c.trial.coefficients.len());
-        if numbers <= MANY * own_numbers && margin(null, rest, own, rival) < WORSE {
+        if numbers <= MANY * own_numbers
+            && own.leaves_less_than(rival, null, &rest.normal.held_out) < WORSE
+        {
             self.ambiguous.push(effect);
         }
     }
@@ -160,27 +165,6 @@ impl TermReport {
 /// The terms of a hypothesis and one more.
 fn joined(rest: &Hypothesis, term: &Term) -> Vec<Term> {
     [rest.terms.as_slice(), std::slice::from_ref(term)].concat()
-}
-
-/// Standard deviations, over blocks, by which `own` leaves less than `rival`.
-fn margin(null: &NullModel, rest: &Hypothesis, own: &Candidate, rival: &Candidate) -> f64 {
-    let e = &rest.normal.held_out;
-    let differences: Vec<f64> = null
-        .rows
-        .blocks
-        .iter()
-        .map(|rows| {
-            rows.clone()
-                .map(|i| {
-                    (e[i] - rival.trial.force[i]).powi(2) - (e[i] - own.trial.force[i]).powi(2)
-                })
-                .sum()
-        })
-        .collect();
-    let n = differences.len() as f64;
-    let sum: f64 = differences.iter().sum();
-    let square: f64 = differences.iter().map(|d| (d - sum / n).powi(2)).sum();
-    sum / (square * n / (n - 1.0)).sqrt().max(1e-300)
 }
 
 /// The coordinate over which the size of a term changes most, and what the change explains over the term's own. A viscous force that acts

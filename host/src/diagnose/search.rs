@@ -1,6 +1,6 @@
 //! Which terms a recording asks for: forward and backward, by what they explain of rows that their fit has not seen.
 
-use super::candidate::{Candidate, candidate_of, candidates, refined};
+use super::candidate::{Candidate, WORSE, candidate_of, candidates, refined};
 use super::change::Change;
 use super::effect::{self, Class, Effect};
 use super::fit::Known;
@@ -71,7 +71,7 @@ pub fn search(
     let begun = null.fit(&[first.as_slice(), &known.terms].concat())?;
     // What they do not show yet may come back beside what they lack.
     let mut hypothesis = sifted(&null, begun, first.len(), &mut Vec::new())?;
-    let visible = SEEN.min(MATERIAL * hypothesis.nmse(&null.rows).test);
+    let visible = visible(hypothesis.nmse(&null.rows).test);
     let mut barred: Vec<Term> = Vec::new();
     loop {
         let (mut list, families) = candidates(&null, &hypothesis, periods);
@@ -86,7 +86,7 @@ pub fn search(
         let least = MATERIAL.max(visible / left);
         let Some(next) = pick(&null, &list, families, least)
             .filter(|_| !full)
-            .cloned()
+            .map(|next| in_its_place(&null, &hypothesis, next))
         else {
             if let Some((one, two)) = merged(&null, &hypothesis, first.len(), periods) {
                 barred.extend(two);
@@ -110,6 +110,21 @@ pub fn search(
         hypothesis = null.fit(&terms)?;
         hypothesis = sifted(&null, hypothesis, first.len(), &mut barred)?;
     }
+}
+
+/// NMSE (%) that a term must take off where a recording begins with so much.
+pub fn visible(begun: f64) -> f64 {
+    SEEN.min(MATERIAL * begun)
+}
+
+/// A candidate, or what leaves clearly less in its place.
+fn in_its_place(null: &NullModel, without: &Hypothesis, next: &Candidate) -> Candidate {
+    let others = next.in_its_place(null, without).into_iter();
+    let by = |o: &Candidate| o.leaves_less_than(next, null, &without.normal.held_out);
+    others
+        .filter(|o| by(o) >= WORSE)
+        .max_by(|a, b| by(a).total_cmp(&by(b)))
+        .unwrap_or_else(|| next.clone())
 }
 
 /// The terms and one more, in place of those found before that it contains: its shapes were refined beside them, and are without.

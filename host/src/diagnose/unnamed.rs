@@ -7,6 +7,7 @@ use super::effect::{self, ALWAYS_FREE, Effect};
 use super::event::{self, event};
 use super::naming::TermReport;
 use super::noise::rms;
+use super::null_model::{Hypothesis, NullModel};
 use super::place::Place;
 use super::search::Found;
 use super::signals::mean;
@@ -95,19 +96,25 @@ impl Unknown {
     }
 }
 
-/// All that are material, largest first, beside an event and a drift, of the share `before` (%) of the effort's variance that is left without any;
-/// `is_doubtful` tells of an effect whether it is suspected only.
+/// All that are material, largest first, beside an event and a drift, where `extended`, with the names, leaves `left` (%) of the effort's variance, so
+/// much of it of noise; `is_doubtful` tells of an effect whether it is suspected only.
 pub fn unnamed(
     found: &Found,
-    before: f64,
+    (null, extended): (&NullModel, &Hypothesis),
+    [left, noise]: [f64; 2],
     [event, drift]: [Option<Unknown>; 2],
     reports: &[TermReport],
     is_doubtful: impl Fn(&dyn Effect) -> bool,
 ) -> Vec<Unknown> {
-    if before < NOTICEABLE {
+    if left - noise < NOTICEABLE {
         // Nothing takes off more than is left without it: what looks large stands in for what fits as well. An event was taken out before.
         return event.into_iter().collect();
     }
+    let takes = |s: &TermReport| {
+        let all = [extended.terms.as_slice(), std::slice::from_ref(&s.term)].concat();
+        let with = null.fit(&all).map_or(left, |h| h.nmse(&null.rows).test);
+        (left - with).max(s.evidence.share * left)
+    };
     let is_unnamed = |s: &&TermReport| match s.term.subject {
         // A delay is none of the machine's physics, and a doubtful one mostly the loop's answer to friction that wanders.
         Subject::Effect(effect) => effect.id() != ALWAYS_FREE.id() && is_doubtful(effect),
@@ -118,9 +125,13 @@ pub fn unnamed(
     let material = reports
         .iter()
         .filter(is_unnamed)
-        .filter(|s| s.size() >= UNNAMED && s.size() * s.left >= NOTICEABLE)
-        .filter(|s| rms(&found.hypothesis.force_of(s.index)) >= SLIGHT * usual);
-    let mut all: Vec<Unknown> = material.map(|s| unknown(found, s, usual)).collect();
+        .filter(|s| s.size() >= UNNAMED)
+        .filter(|s| rms(&found.hypothesis.force_of(s.index)) >= SLIGHT * usual)
+        .map(|s| (s, takes(s)))
+        .filter(|(_, takes)| *takes >= NOTICEABLE);
+    let mut all: Vec<Unknown> = material
+        .map(|(s, takes)| unknown(found, s, usual, [takes, left]))
+        .collect();
     if drift.is_some() {
         // Once, by what it does.
         all.retain(|u| !(u.odd && u.axis.is_akin(Axis::Time)));
@@ -194,8 +205,8 @@ fn alone_over(axis: Axis) -> Option<&'static dyn Effect> {
     own.next().is_none().then_some(one)
 }
 
-/// `usual` is the root mean square of the friction.
-fn unknown(found: &Found, report: &TermReport, usual: f64) -> Unknown {
+/// `usual` is the root mean square of the friction; it takes so much off what is left (%).
+fn unknown(found: &Found, report: &TermReport, usual: f64, [takes, left]: [f64; 2]) -> Unknown {
     let rows = &found.null.rows;
     let force = found.hypothesis.force_of(report.index);
     let level = mean(&force);
@@ -222,12 +233,12 @@ fn unknown(found: &Found, report: &TermReport, usual: f64) -> Unknown {
         like: (report.term.effect()).or_else(|| alone_over(axis).filter(|_| odd)),
         confidence: presence(report),
         evidence: report.evidence,
-        size: report.size(),
+        size: takes / left,
         features: Some(features_of_presence(report)),
         happened: None,
         rises_by: None,
         place: Place::of(rows, axis, &varying),
-        rms: rows.rms_of(report.size() * report.left),
+        rms: rows.rms_of(takes),
         wanders: odd
             && matches!(axis, Axis::Time | Axis::Path | Axis::Position)
             && own <= WANDERS * usual,

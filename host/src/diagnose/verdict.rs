@@ -228,7 +228,6 @@ pub fn conclude(
         effects.iter().find(own).is_some_and(|n| !n.confident)
     };
     let apart = [event, drift(&found)];
-    let mut unnamed = unnamed(&found, baseline.test, apart, &reports, is_doubtful);
     // Where nothing is missing, nothing is added.
     let adds = effects.iter().any(Named::is_missing);
     let after = if !adds && (null.core.corrects || reached.test > baseline.test) {
@@ -237,6 +236,14 @@ pub fn conclude(
         reached
     };
     let noise_floor = null.noise_floor(&extended).min(after.test);
+    let mut unnamed = unnamed(
+        &found,
+        (&null, &extended),
+        [after.test, noise_floor],
+        apart,
+        &reports,
+        is_doubtful,
+    );
     let between_repeats = unrepeated(&null.rows, &extended.residual(&null.rows));
     let unrepeated = between_repeats.map(|square| {
         let rows = &null.rows;
@@ -278,14 +285,6 @@ pub fn conclude(
         list.retain(|o| matches!(o.term.subject, Subject::Curve(_)) && o.evidence.share > 0.0);
         list
     };
-    let is_missing = |term: &Term| {
-        let mut own = effects.iter().filter(|e| e.is_missing());
-        own.any(|e| e.term.as_ref().is_some_and(|t| t.is_near(term)))
-    };
-    let stays: Vec<Term> = (extended.terms.iter())
-        .filter(|t| !is_missing(t))
-        .cloned()
-        .collect();
     let missing = effects.iter().enumerate().filter(|(_, e)| e.is_missing());
     let findings: Vec<Finding> = missing
         .map(|(effect, e)| Finding {
@@ -298,7 +297,7 @@ pub fn conclude(
     let whole = [baseline.test, after.test];
     let budget = match null.core.corrects {
         true => budget::of_a_simulation(&null, &extended.residual(&null.rows), &findings, whole),
-        false => budget::budget(&null, &stays, &findings, whole),
+        false => budget::budget(&null, &first.terms, &findings, whole),
     };
     Some(Diagnosis {
         verdict,

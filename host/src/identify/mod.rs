@@ -187,7 +187,7 @@ pub struct Identification {
 }
 
 /// Warnings of the loader that leave nothing to identify or diagnose, with what would.
-pub(crate) const FATAL: [(&str, &str); 3] = [
+const FATAL: [(&str, &str); 3] = [
     ("no-motion", "record a motion"),
     ("too-short", "record for longer"),
     (
@@ -396,15 +396,20 @@ impl Identification {
     }
 }
 
+/// Why nothing can be identified or diagnosed, if so; of many files each tells what it can.
+pub(crate) fn tells_nothing(recording: &Recording) -> Option<String> {
+    let last = recording.joined.len().saturating_sub(1);
+    FATAL.iter().find_map(|(code, remedy)| {
+        let mut of_files = recording.warnings.iter().filter(|w| w.code == *code);
+        let warning = of_files.nth(last)?;
+        Some(format!("{}: {warning}; {remedy}", recording.name))
+    })
+}
+
 /// The samples to fit and to hold out, of a recording that can be fitted.
 fn split(recording: &Recording, options: &Options) -> Result<Split, String> {
-    for (code, remedy) in FATAL {
-        // Of many files each tells what it can.
-        let mut of_files = recording.warnings.iter().filter(|w| w.code == code);
-        let last = recording.joined.len().saturating_sub(1);
-        if let Some(warning) = of_files.nth(last) {
-            return Err(format!("{}: {warning}; {remedy}", recording.name));
-        }
+    if let Some(reason) = tells_nothing(recording) {
+        return Err(reason);
     }
     check_windows(recording, options.train, options.test)?;
     Ok(Split::new(recording, options.train, options.test))

@@ -5,7 +5,9 @@ use super::{EffortRole, Warning, balance};
 use crate::report::figures::quantity;
 
 /// A handful of strokes at a dozen samples each: below this, fits with ten parameters are guesses.
-const FEW_SAMPLES: usize = 200;
+pub(super) const FEW_SAMPLES: usize = 200;
+/// Code of the warning of fewer.
+pub(super) const TOO_SHORT: &str = "too-short";
 /// Reversals below which memory of the motion cannot show.
 const FEW_REVERSALS: usize = 2;
 /// A range of this many equal extreme samples in a row is a limit, not a peak …
@@ -24,7 +26,7 @@ const CLOSED: f64 = 0.05;
 pub(super) fn motion(strokes: &[Strokes], samples: usize, unit: &str, warnings: &mut Vec<Warning>) {
     if samples < FEW_SAMPLES {
         warnings.push(Warning::new(
-            "too-short",
+            TOO_SHORT,
             format!("{samples} samples; under {FEW_SAMPLES} few fits are certain"),
         ));
     }

@@ -41,6 +41,11 @@ impl Recording {
     /// Which two recordings do not belong together, and why.
     pub fn join(mut recordings: Vec<Recording>) -> Result<Recording, String> {
         let turned = flip_alike(&mut recordings);
+        // One machine holds its load in each of them, or in none.
+        if let Some(times) = recordings.iter().find_map(|r| r.load_held) {
+            let others = recordings.iter_mut().filter(|r| r.load_held.is_none());
+            others.for_each(|r| r.take_off(times));
+        }
         let mut rest = recordings.into_iter();
         let mut whole = rest.next().ok_or("no recording given")?;
         whole.warnings.extend(turned);
@@ -115,6 +120,10 @@ impl Recording {
             whole.warnings.extend(next.warnings);
         }
         whole.sample_time_s = timing::sample_time(&whole.t_s, &whole.pieces);
+        // What each is too short for, all together may tell.
+        if whole.len() >= checks::FEW_SAMPLES {
+            whole.warnings.retain(|w| w.code != checks::TOO_SHORT);
+        }
         Ok(whole.without_copies())
     }
 }

@@ -27,6 +27,7 @@ mod known;
 mod labelled;
 mod labels;
 mod layout;
+mod load;
 mod lost;
 mod mat;
 mod names;
@@ -197,7 +198,7 @@ pub struct Recording {
     pub role: EffortRole,
     /// Temperature (°C), where recorded.
     pub temperature_c: Option<Vec<f64>>,
-    /// Normal load (N), where recorded.
+    /// Load (N or N·m), where recorded: a normal force, or one along the axis.
     pub load_n: Option<Vec<f64>>,
     /// Pressure (Pa), where recorded.
     pub pressure_pa: Option<Vec<f64>>,
@@ -224,6 +225,8 @@ pub struct Recording {
     pub warnings: Vec<Warning>,
     /// Further columns that stay at one value, by name: in a joined recording they may be part of one that varies.
     constant_extra: Vec<(String, f64)>,
+    /// How many times the load was taken off the effort, where the drive holds it.
+    load_held: Option<f64>,
     sample_time_s: f64,
     /// What the position goes in steps of (m or rad), where it does.
     count: Option<f64>,
@@ -464,6 +467,7 @@ fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recor
         role,
         temperature_c: frame.take(Slot::Temperature),
         load_n: frame.take(Slot::Load),
+        load_held: None,
         pressure_pa: frame.take(Slot::Pressure),
         segment,
         repeat,
@@ -481,6 +485,7 @@ fn assemble(mut table: Table, path: &str, options: &LoadOptions) -> Result<Recor
     };
     let asked = recording.implausible(&table.plan);
     recording.warnings.extend(asked);
+    recording.take_load_off();
     Ok(recording)
 }
 

@@ -104,6 +104,7 @@ impl Recording {
             pressure_pa: some(&self.pressure_pa),
             extra: extra.collect(),
             constant_extra: self.constant_extra.clone(),
+            load_held: self.load_held,
             segment: labels(&self.segment),
             repeat: labels(&self.repeat),
             pieces,

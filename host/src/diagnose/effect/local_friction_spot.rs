@@ -17,6 +17,9 @@ const WIDTH: usize = 1;
 /// looking at axes of seeds 1, 2 and 3 (spots 0.09 to 0.13, maps that were taken for spots 0.25 to 0.43).
 const WIDEST: f64 = 1.0 / 6.0;
 
+/// Times its level that friction is more at a spot, at most: a drive is seldom good for as much.
+const BINDS: f64 = 5.0;
+
 /// `local_friction_spot`.
 pub struct LocalFrictionSpot;
 
@@ -98,8 +101,8 @@ impl Effect for LocalFrictionSpot {
     }
 
     fn admits(&self, _: &[f64], coefficients: &[f64]) -> bool {
-        // Friction does not push.
-        matches!(coefficients, [c] if *c > -1.0)
+        // Friction does not push, and where it is many times its level the axis would bind: there it is something else.
+        matches!(coefficients, [c] if *c > -1.0 && *c < BINDS)
     }
 
     fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {

@@ -240,6 +240,11 @@ pub trait Effect: Sync {
         &[]
     }
 
+    /// Effects of the same shape that are tried in its place: next to it they are no simpler, and where they predict better it is they.
+    fn in_place(&self) -> &'static [&'static dyn Effect] {
+        &[]
+    }
+
     /// Whether it acts for a while after a stop or a reversal only.
     fn is_transient(&self) -> bool {
         false

@@ -2,6 +2,7 @@
 
 use super::lack::both_directions;
 use super::readout::enter;
+use super::torque_ripple::TorqueRipple;
 use super::wave::{amplitude_phase_and_shape, wave};
 use super::{Class, Effect, Fitted, Line, Scale, Scene};
 use crate::diagnose::axis::Axis;
@@ -41,6 +42,10 @@ impl Effect for PeriodicFriction {
 
     fn recurs(&self) -> bool {
         true
+    }
+
+    fn in_place(&self) -> &'static [&'static dyn Effect] {
+        &[&TorqueRipple]
     }
 
     fn lacks(&self, s: &Signals) -> Option<&'static str> {

@@ -5,7 +5,6 @@ use super::readout::enter;
 use super::wave::{amplitude_phase_and_shape, wave};
 use super::{Class, Effect, Fitted, Line, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
-use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
 use crate::effects::form;
 use crate::model::Model;
@@ -44,7 +43,7 @@ impl Effect for TorqueRipple {
     }
 
     /// A ripple of all that resists the motion, viscous friction too, differs from it by inertia and weight alone.
-    fn equivalents(&self, _: &Signals) -> &'static [&'static dyn Effect] {
+    fn in_place(&self) -> &'static [&'static dyn Effect] {
         &[&PeriodicFriction]
     }
 
