@@ -3,6 +3,7 @@
 mod as_it_is;
 mod events;
 mod experiments;
+mod ripples;
 
 use super::axis::Axis;
 use super::candidate::{candidate_of, candidates, refined};
@@ -526,32 +527,4 @@ fn a_ripple_takes_the_place_of_two_spots_and_nothing_that_of_two_true_ones() {
     let bump = |x: f64, at: f64| 0.3 * (-((x - at) / 0.01).powi(2)).exp();
     let spots = |x: f64| bump(x, -0.02) + bump(x, 0.011);
     assert!(one_for_two(&spots, [-0.02, 0.011]).is_none());
-}
-
-/// Cogging is a force; torque ripple is a share of whatever the motor gives: here of a spring's force, of friction and of inertia.
-#[test]
-fn a_ripple_in_proportion_to_the_effort_is_no_cogging() {
-    let spring = |x: f64| 300.0 * x;
-    let ripple = |x: f64| 0.1 * (std::f64::consts::TAU * x / 0.004 + 0.5).cos();
-    let mut recording = made(|_, x, _| spring(x));
-    let commands = recording.effort.iter().zip(&recording.position);
-    recording.effort = commands.map(|(f, x)| f / (1.0 + ripple(*x))).collect();
-    let cogging = made(|_, x, _| spring(x) + 5.0 * ripple(x));
-    let told = |recording: &Recording| {
-        let found = diagnose(recording, None, None, &Progress::new("", 0)).expect("a diagnosis");
-        println!("{}", found.verdict_words(recording));
-        let line = found.confident().find(|e| e.is_narrow()).expect("a line");
-        (line.id(), line.parameters.clone())
-    };
-    let (id, parameters) = told(&recording);
-    println!("{parameters:?}");
-    assert_eq!(id, "torque_ripple");
-    for ((key, found), (expected, within)) in
-        parameters
-            .iter()
-            .zip([(0.1, 0.01), (0.5, 0.1), (0.004, 4e-6)])
-    {
-        assert!((found.value - expected).abs() < within, "{key} {found:?}");
-    }
-    assert_eq!(told(&cogging).0, "periodic_force");
 }
