@@ -196,6 +196,21 @@ fn an_encoders_periodic_error_takes_nothing_off_the_inertia() {
     }
 }
 
+/// What a filter carries in from before the first sample is nobody's.
+#[test]
+fn what_was_cut_from_a_motion_is_not_fitted_at_its_ends() {
+    for seed in [14, 15] {
+        println!("seed {seed}");
+        let mut recording = made_of(10_000, &BARE, seed, "q_rad,torque_Nm");
+        let first = recording.effort.iter_mut().take(10).enumerate();
+        first.for_each(|(i, f)| *f += 12.0 * (-(i as f64) / 3.0).exp());
+        let found = run(&recording);
+        holds(&found, "viscous", 0.3, 5e-3);
+        holds(&found, "coulomb", COULOMB, 5e-3);
+        holds(&found, "mass", INERTIA, 1e-3);
+    }
+}
+
 /// The force of a spring about a place beyond the travel is nearly constant: it is of the fit all the same.
 #[test]
 fn the_spring_of_the_fit_has_its_centre_wherever_that_is() {

@@ -375,10 +375,18 @@ impl Diagnosis {
     /// The user's model as it stands and refitted, in a sentence without its full stop.
     pub fn given_words(&self) -> Option<String> {
         self.given_model.as_ref().map(|given| {
+            let refitted = match given.refitted.test < given.stands {
+                true => format!(
+                    "with its parameters refitted {} on stretches held out",
+                    left(given.refitted.test)
+                ),
+                false => {
+                    "a refit of its parameters leaves no less on stretches held out".to_owned()
+                }
+            };
             format!(
-                "your model as it stands leaves {} of the variance; with its parameters refitted {} on stretches held out",
-                left(given.stands),
-                left(given.refitted.test)
+                "your model as it stands leaves {} of the variance; {refitted}",
+                left(given.stands)
             )
         })
     }
