@@ -218,11 +218,21 @@ impl Core {
             for column in term.columns(&scene) {
                 let c = coefficients[next];
                 next += 1;
-                if !term.acts_on_effort() && !column.value.is_empty() {
-                    fitted
-                        .iter_mut()
-                        .zip(&column.value)
-                        .for_each(|(f, v)| *f += c * v);
+                if term.acts_on_effort() {
+                    continue;
+                }
+                let slope = |values: &[f64]| match values {
+                    [] => Vec::new(),
+                    values => s.smooth_slope(values),
+                };
+                let parts = [
+                    column.value,
+                    slope(&column.sloped),
+                    slope(&slope(&column.curved)),
+                ];
+                for part in &parts {
+                    let own = fitted.iter_mut().zip(part);
+                    own.for_each(|(f, v)| *f += c * v);
                 }
             }
         }
