@@ -1,4 +1,4 @@
-//! `cargo xtask`: builds, checks and measures Preslide; installs what that needs. Standard library only.
+//! `cargo xtask`: builds, checks and measures Preslide; installs what that needs.
 
 mod book;
 mod browser;

@@ -2,8 +2,10 @@
 
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitStatus, Stdio};
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
+
+use wait4::{ResUse, Wait4};
 
 /// The folder of the root `Cargo.toml`.
 pub fn root() -> &'static Path {
@@ -80,25 +82,21 @@ pub fn run(command: &mut Command) -> Result<(), String> {
     let line = shown(command);
     println!("$ {line}");
     let start = Instant::now();
-    let status = command
-        .stdin(Stdio::null())
-        .status()
-        .map_err(|error| format!("`{line}` did not start: {error}"))?;
-    tell_time(start);
-    succeeded(&line, status)
+    let child = command.stdin(Stdio::null()).spawn();
+    let ended = child.and_then(Wait4::wait4);
+    succeeded(&line, start, ended)
 }
 
-/// How long a command took: a step's minutes are those of its commands.
-fn tell_time(start: Instant) {
-    println!("  ({:.1} s)", start.elapsed().as_secs_f64());
-}
-
-/// The command's end as a result.
-fn succeeded(line: &str, status: ExitStatus) -> Result<(), String> {
-    if status.success() {
+/// The command's end as a result; tells how long it took, and how long it kept a core busy: a step's minutes are those of its commands.
+fn succeeded(line: &str, start: Instant, ended: std::io::Result<ResUse>) -> Result<(), String> {
+    let ended = ended.map_err(|error| format!("`{line}` did not run: {error}"))?;
+    let busy = ended.rusage.utime + ended.rusage.stime;
+    let [time, busy] = [start.elapsed(), busy].map(|time| time.as_secs_f64());
+    println!("  ({time:.1} s, {busy:.1} s of a core)");
+    if ended.status.success() {
         Ok(())
     } else {
-        Err(format!("`{line}` failed ({status})"))
+        Err(format!("`{line}` failed ({})", ended.status))
     }
 }
 
@@ -116,9 +114,7 @@ pub fn run_counting(command: &mut Command, word: &str) -> Result<usize, String> 
             eprintln!("{said}");
         }
     }
-    let status = child.wait().map_err(|error| format!("`{line}`: {error}"))?;
-    tell_time(start);
-    succeeded(&line, status)?;
+    succeeded(&line, start, child.wait4())?;
     Ok(count)
 }
 
@@ -131,14 +127,8 @@ pub fn run_for(command: &mut Command, limit: Duration) -> Result<(), String> {
         .map_err(|error| format!("`{line}` did not start: {error}"))?;
     let start = Instant::now();
     loop {
-        let ended = child
-            .try_wait()
-            .map_err(|error| format!("`{line}` cannot be waited for: {error}"))?;
-        match ended {
-            Some(status) => {
-                tell_time(start);
-                return succeeded(&line, status);
-            }
+        match child.try_wait4().transpose() {
+            Some(ended) => return succeeded(&line, start, ended),
             None if start.elapsed() < limit => std::thread::sleep(Duration::from_millis(20)),
             None => {
                 // It may have ended in this moment; either way it is gone after the wait.

@@ -1,8 +1,9 @@
 //! `cargo xtask test`: the checks of CI in two lanes, each check with its reason, and a summary.
 
-use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
+
+use wait4::Wait4 as _;
 
 use crate::changed;
 use crate::process::root;
@@ -42,11 +43,11 @@ pub fn run_steps(arguments: &[String]) -> Result<(), String> {
     for need in chosen.iter().flat_map(|step| step.needs) {
         let _ = need.ensure();
     }
-    summarise(&if serial {
-        chosen.iter().map(|step| shown(step, tier)).collect()
-    } else {
-        in_lanes(&chosen, tier)
-    })
+    match chosen.as_slice() {
+        [step] => here(step, tier),
+        steps if serial => summarise(&one_by_one(steps, tier)),
+        steps => summarise(&in_lanes(steps, tier)),
+    }
 }
 
 /// The steps that the changes since `base` touch, said with the files.
@@ -80,107 +81,117 @@ fn named(names: &[String], tier: Tier) -> Result<Vec<&'static Step>, String> {
     Ok(STEPS.iter().filter(is_meant).collect())
 }
 
-/// A step's name, how long it took, and how it ended.
-type Ended = (&'static str, Duration, Result<(), String>);
+/// Runs a step in this process.
+fn here(step: &Step, tier: Tier) -> Result<(), String> {
+    println!("\n== {}: {}", step.name, step.reason);
+    step.needs.iter().try_for_each(|need| need.ensure())?;
+    (step.run)(tier)
+}
+
+/// A step that ran as a program of its own.
+struct Ended {
+    name: &'static str,
+    time: Duration,
+    /// How long it kept a core busy.
+    busy: Duration,
+    is_well: bool,
+}
+
+/// All with their output as it comes.
+fn one_by_one(steps: &[&'static Step], tier: Tier) -> Vec<Ended> {
+    let run = |step: &&'static Step| ended(step, own_program(step, tier));
+    steps.iter().map(run).collect()
+}
 
 /// Both lanes at a time, each in its order.
-fn in_lanes(chosen: &[&'static Step], tier: Tier) -> Vec<Ended> {
+fn in_lanes(steps: &[&'static Step], tier: Tier) -> Vec<Ended> {
     let (host, others): (Vec<&Step>, Vec<&Step>) =
-        chosen.iter().partition(|step| step.lane == Lane::Host);
-    if host.is_empty() || others.is_empty() {
-        return chosen.iter().map(|step| shown(step, tier)).collect();
+        steps.iter().partition(|step| step.lane == Lane::Host);
+    if host.is_empty() {
+        return one_by_one(steps, tier);
     }
     std::thread::scope(|scope| {
-        let beside = scope.spawn(|| {
-            others
-                .iter()
-                .map(|step| logged(step, tier))
-                .collect::<Vec<_>>()
-        });
-        let mut ended: Vec<Ended> = host.iter().map(|step| shown(step, tier)).collect();
-        ended.extend(
-            beside
-                .join()
-                .unwrap_or_else(|panic| std::panic::resume_unwind(panic)),
-        );
+        let beside = scope.spawn(|| others.iter().map(|step| logged(step, tier)).collect());
+        let mut ended = one_by_one(&host, tier);
+        let beside: Vec<Ended> = beside
+            .join()
+            .unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        ended.extend(beside);
         ended
     })
 }
 
-/// Runs a step with its output as it comes.
-fn shown(step: &Step, tier: Tier) -> Ended {
-    println!("\n== {}: {}", step.name, step.reason);
-    let start = Instant::now();
-    let needs = step.needs.iter().try_for_each(|need| need.ensure());
-    let result = needs.and_then(|()| (step.run)(tier));
-    if let Err(reason) = &result {
-        println!("FAILED: {reason}");
-    }
-    (step.name, start.elapsed(), result)
-}
-
-/// Runs a step as a program of its own, whose output goes to a file; all of it is shown where it failed, and else what was skipped.
-fn logged(step: &Step, tier: Tier) -> Ended {
-    let log = root().join(format!("target/test/{}.log", step.name));
+/// Runs a step with its output in a file; all of it is shown where it failed, and else what was skipped.
+fn logged(step: &'static Step, tier: Tier) -> Ended {
     println!("\n== beside: {}: {}", step.name, step.reason);
-    let start = Instant::now();
-    let result = into_log(step, tier, &log);
-    let time = start.elapsed();
+    let folder = root().join("target/test");
+    let log = folder.join(format!("{}.log", step.name));
+    let command = std::fs::create_dir_all(folder).and_then(|()| {
+        let file = std::fs::File::create(&log)?;
+        let mut command = own_program(step, tier)?;
+        command.stdout(file.try_clone()?).stderr(file);
+        Ok(command)
+    });
+    let ended = ended(step, command);
     let text = std::fs::read_to_string(&log).unwrap_or_default();
-    let seconds = time.as_secs();
-    match &result {
-        Ok(()) => {
-            println!(
-                "\n== {} ended well after {seconds} s; {}",
-                step.name,
-                log.display()
-            );
-            for line in text.lines().filter(|line| line.starts_with("SKIPPED")) {
-                println!("{line}");
-            }
+    let (name, seconds) = (ended.name, ended.time.as_secs());
+    if ended.is_well {
+        println!(
+            "\n== {name} ended well after {seconds} s; {}",
+            log.display()
+        );
+        for line in text.lines().filter(|line| line.starts_with("SKIPPED")) {
+            println!("{line}");
         }
-        Err(_) => println!(
-            "\n== {} FAILED after {seconds} s:\n{text}\n== end of {}",
-            step.name, step.name
-        ),
+    } else {
+        println!("\n== {name} FAILED after {seconds} s:\n{text}\n== end of {name}");
     }
-    (step.name, time, result)
+    ended
 }
 
-fn into_log(step: &Step, tier: Tier, log: &Path) -> Result<(), String> {
-    let told = |error: std::io::Error| format!("{}: {error}", log.display());
-    std::fs::create_dir_all(root().join("target/test")).map_err(told)?;
-    let file = std::fs::File::create(log).map_err(told)?;
-    let this = std::env::current_exe().map_err(told)?;
-    let mut command = Command::new(this);
-    command.args(["test", "--serial", step.name]);
+/// This program with that step alone: how long a core was busy is known of whole programs.
+fn own_program(step: &Step, tier: Tier) -> std::io::Result<Command> {
+    let mut command = Command::new(std::env::current_exe()?);
+    command.args(["test", step.name]).stdin(Stdio::null());
     if tier == Tier::All {
         command.arg("--all");
     }
-    command.stdin(Stdio::null());
-    let status = command
-        .stdout(file.try_clone().map_err(told)?)
-        .stderr(file)
-        .status();
-    match status.map_err(told)?.success() {
-        true => Ok(()),
-        false => Err(format!("see {}", log.display())),
+    Ok(command)
+}
+
+/// Runs the program of a step to its end.
+fn ended(step: &'static Step, command: std::io::Result<Command>) -> Ended {
+    let start = Instant::now();
+    let used = command.and_then(|mut command| command.spawn()?.wait4());
+    let (busy, is_well) = match used {
+        Ok(used) => (used.rusage.utime + used.rusage.stime, used.status.success()),
+        Err(error) => {
+            println!("`{}` did not start: {error}", step.name);
+            (Duration::ZERO, false)
+        }
+    };
+    Ended {
+        name: step.name,
+        time: start.elapsed(),
+        busy,
+        is_well,
     }
 }
 
 /// A later step runs even if an earlier one failed: one run shows everything that is wrong.
-fn summarise(results: &[Ended]) -> Result<(), String> {
-    println!("\n{:<10} {:>8}  result", "step", "minutes");
-    for (name, time, result) in results {
-        let word = if result.is_ok() { "ok" } else { "FAILED" };
-        println!("{name:<10} {:>8.1}  {word}", time.as_secs_f64() / 60.0);
+fn summarise(steps: &[Ended]) -> Result<(), String> {
+    println!(
+        "\n{:<10} {:>8} {:>10}  result",
+        "step", "minutes", "of a core"
+    );
+    for step in steps {
+        let [time, busy] = [step.time, step.busy].map(|time| time.as_secs_f64() / 60.0);
+        let word = if step.is_well { "ok" } else { "FAILED" };
+        println!("{:<10} {time:>8.1} {busy:>10.1}  {word}", step.name);
     }
     say_if_recordings_are_absent();
-    let failed: Vec<&str> = results
-        .iter()
-        .filter(|(_, _, result)| result.is_err())
-        .map(|(name, _, _)| *name)
-        .collect();
+    let failed = steps.iter().filter(|step| !step.is_well);
+    let failed: Vec<&str> = failed.map(|step| step.name).collect();
     if failed.is_empty() {
         Ok(())
     } else {
