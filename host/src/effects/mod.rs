@@ -105,6 +105,11 @@ impl Effect {
             .map_or(0.0, |(_, value)| *value)
     }
 
+    /// The values of the first keys of its form, 0 where it has none.
+    fn numbers<const N: usize>(&self) -> [f64; N] {
+        std::array::from_fn(|i| self.form.keys.get(i).map_or(0.0, |(key, _)| self.get(key)))
+    }
+
     /// Whether it has the key.
     pub fn has(&self, key: &str) -> bool {
         self.values.iter().any(|(own, _)| own == key)

@@ -1,5 +1,6 @@
 //! The library's terms at work, chosen at run time.
 
+use preslide::ParamError;
 use preslide::effects::{self, Situation};
 
 /// An effect at work: change of the friction level (-) and force (N or N·m) of a tick.
@@ -19,13 +20,14 @@ impl<T: FnMut(&Situation<f64>) -> (f64, f64) + Clone + Send + 'static> Tick for 
 /// Forces that grow without bound in the library need one; on the host it is out of the way.
 pub(crate) const FAR: f64 = 1e12;
 
-/// The library's effect as a term.
-pub(super) fn term<E>(effect: E) -> Option<Term>
+/// The library's effect as a term, where it takes the parameters.
+pub(super) fn term<E>(effect: Result<E, ParamError>) -> Result<Option<Term>, ParamError>
 where
     E: effects::Effect<f64, State: Send + 'static> + Clone + Send + 'static,
 {
+    let effect = effect?;
     let mut state = effect.at_rest();
-    Some(Box::new(move |at: &Situation<f64>| {
+    Ok(Some(Box::new(move |at: &Situation<f64>| {
         (effect.level(&mut state, at), effect.force(&mut state, at))
-    }))
+    })))
 }

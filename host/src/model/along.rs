@@ -16,7 +16,7 @@
 use super::Model;
 use super::running::Running;
 use crate::effects::Effect;
-use crate::effects::form::{self, Column, Form, encoder_error};
+use crate::effects::form::{self, Column, Form, drive};
 use crate::friction::{Path, Transmission};
 use preslide::effects::{Effect as _, EncoderError, Situation};
 use std::f64::consts::TAU;
@@ -266,8 +266,8 @@ impl Encoder {
     /// Those of a model.
     pub(super) fn of(model: &Model) -> Result<Vec<Self>, String> {
         let encoder = |effect: &Effect| {
-            let own = encoder_error::correction(effect)
-                .map_err(|e| format!("effect {}: {e}", effect.id()))?;
+            let own =
+                drive::correction(effect).map_err(|e| format!("effect {}: {e}", effect.id()))?;
             let wave = [
                 TAU / effect.get("period_m"),
                 effect.get("error_m"),

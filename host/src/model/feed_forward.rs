@@ -3,7 +3,7 @@
 
 use super::running::Running;
 use super::{Model, refused};
-use crate::effects::form::{self, encoder_error};
+use crate::effects::form::{self, drive};
 use crate::effects::term::{FAR, Term};
 use crate::friction::Visitor;
 use crate::kernel::Kernel;
@@ -35,7 +35,7 @@ impl Clone for Term {
 impl Chosen {
     fn try_new(model: &Model, sample_time: f64) -> Result<Self, String> {
         let encoders = model.of(&form::ENCODER_ERROR).map(|effect| {
-            encoder_error::correction(effect).map_err(|e| format!("effect {}: {e}", effect.id()))
+            drive::correction(effect).map_err(|e| format!("effect {}: {e}", effect.id()))
         });
         Ok(Self {
             running: Running::of(model, sample_time)?,

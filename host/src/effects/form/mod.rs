@@ -1,67 +1,25 @@
-//! What an effect is beside the diagnosis, one file each: its keys in a model file, its term in the library, its constructor in exported source
-//! or why no controller can use it, and its row among the measured costs. To add one, add a file and name it in [`ALL`].
+//! What an effect is beside the diagnosis: its keys in a model file, its term in the library, its constructor in exported source
+//! or why no controller can use it, and its row among the measured costs. To add one, name it in [`ALL`].
 
-mod actuator_dead_zone;
-mod actuator_saturation;
-mod backlash;
 mod c_term;
-mod channel_delay;
-mod constant_force;
-mod coulomb_asymmetry;
-mod creep;
-mod drive_compliance;
-mod dwell_aging;
-pub(crate) mod encoder_error;
-mod external_vibration;
-mod frictional_lag;
-mod gravity;
-mod load_dependent_friction;
-mod local_friction_spot;
-mod periodic_force;
-mod periodic_friction;
-mod position_force;
-mod position_friction;
-mod position_spring;
-mod quadratic_drag;
-mod run_in;
-mod stribeck;
-mod thermal_drift;
-mod torque_ripple;
-mod transmitted_friction;
-mod viscous;
-mod viscous_asymmetry;
-mod warm_up;
+pub(crate) mod drive;
+mod force;
+mod level;
 
-pub(crate) use actuator_dead_zone::ACTUATOR_DEAD_ZONE;
-pub(crate) use actuator_saturation::ACTUATOR_SATURATION;
-pub(crate) use backlash::BACKLASH;
 pub(crate) use c_term::{CTerm, Memory, Sum};
-pub(crate) use channel_delay::CHANNEL_DELAY;
-pub(crate) use constant_force::CONSTANT_FORCE;
-pub(crate) use coulomb_asymmetry::COULOMB_ASYMMETRY;
-pub(crate) use creep::CREEP;
-pub(crate) use drive_compliance::DRIVE_COMPLIANCE;
-pub(crate) use dwell_aging::DWELL_AGING;
-pub(crate) use encoder_error::ENCODER_ERROR;
-pub(crate) use external_vibration::EXTERNAL_VIBRATION;
-pub(crate) use frictional_lag::FRICTIONAL_LAG;
-pub(crate) use gravity::GRAVITY;
-pub(crate) use load_dependent_friction::LOAD_DEPENDENT_FRICTION;
-pub(crate) use local_friction_spot::LOCAL_FRICTION_SPOT;
-pub(crate) use periodic_force::PERIODIC_FORCE;
-pub(crate) use periodic_friction::PERIODIC_FRICTION;
-pub(crate) use position_force::POSITION_FORCE;
-pub(crate) use position_friction::POSITION_FRICTION;
-pub(crate) use position_spring::POSITION_SPRING;
-pub(crate) use quadratic_drag::QUADRATIC_DRAG;
-pub(crate) use run_in::RUN_IN;
-pub(crate) use stribeck::STRIBECK;
-pub(crate) use thermal_drift::THERMAL_DRIFT;
-pub(crate) use torque_ripple::TORQUE_RIPPLE;
-pub(crate) use transmitted_friction::TRANSMITTED_FRICTION;
-pub(crate) use viscous::VISCOUS;
-pub(crate) use viscous_asymmetry::VISCOUS_ASYMMETRY;
-pub(crate) use warm_up::WARM_UP;
+pub(crate) use drive::{
+    ACTUATOR_DEAD_ZONE, ACTUATOR_SATURATION, BACKLASH, CHANNEL_DELAY, CREEP, DRIVE_COMPLIANCE,
+    ENCODER_ERROR, TORQUE_RIPPLE,
+};
+pub(crate) use force::{
+    CONSTANT_FORCE, EXTERNAL_VIBRATION, GRAVITY, PERIODIC_FORCE, POSITION_FORCE, POSITION_SPRING,
+    QUADRATIC_DRAG, VISCOUS, VISCOUS_ASYMMETRY,
+};
+pub(crate) use level::{
+    COULOMB_ASYMMETRY, DWELL_AGING, FRICTIONAL_LAG, LOAD_DEPENDENT_FRICTION, LOCAL_FRICTION_SPOT,
+    PERIODIC_FRICTION, POSITION_FRICTION, RUN_IN, STRIBECK, THERMAL_DRIFT, TRANSMITTED_FRICTION,
+    WARM_UP,
+};
 
 use super::Effect;
 use super::term::{FAR, Term, term};
