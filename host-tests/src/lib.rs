@@ -7,6 +7,7 @@ pub mod deviation;
 pub mod dice;
 pub mod judge;
 pub mod law;
+mod least_squares;
 pub mod path;
 pub mod reference;
 pub mod table;

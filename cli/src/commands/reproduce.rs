@@ -31,7 +31,6 @@ impl Reproduce {
             found.size_table(),
             found.recovery_table(),
             found.column_table(),
-            found.closure_table(),
             literal::table(&found.literal),
             found.figure_6.table(),
             found.experiment.table(),

@@ -3,10 +3,9 @@
 //! Rigid body, stops, direction and smooth trends over time and position are fitted by least squares with and without the column, on
 //! nine tenths of the recording, and the loss on the last tenth is compared. Nothing of it is shared with the tool.
 
-use nalgebra::{DMatrix, DVector};
-
 use super::motion::{Extent, Motion};
 use super::table::Table;
+use crate::least_squares::least_squares;
 
 /// Rows are averaged over this time (s).
 const BIN_S: f64 = 10e-3;
@@ -68,7 +67,7 @@ impl Base {
     /// Coefficients of all columns by least squares, none where they cannot be told.
     fn coefficients(&self) -> Vec<f64> {
         let all: Vec<usize> = (0..self.rows.len()).collect();
-        fit(&self.rows, &self.effort, &all).map_or(Vec::new(), |c| c.iter().copied().collect())
+        least_squares(&self.rows, &self.effort, &all).unwrap_or_default()
     }
 
     /// Mass or inertia and its share of the effort's deviation; the acceleration is the first column.
@@ -157,36 +156,14 @@ fn base(part: &Table, motion: &Motion, extent: &Extent, id: &str) -> Vec<Vec<f64
     columns
 }
 
-/// Least squares over some rows, with a ridge of 1e-9 of the diagonal against columns that move alike.
-fn fit(rows: &[Vec<f64>], effort: &[f64], which: &[usize]) -> Option<DVector<f64>> {
-    let n = rows.first()?.len();
-    let (mut normal, mut right) = (DMatrix::zeros(n, n), DVector::zeros(n));
-    for &i in which {
-        let row = DVector::from_column_slice(&rows[i]);
-        normal.ger(1.0, &row, &row, 1.0);
-        right.axpy(effort[i], &row, 1.0);
-    }
-    for j in 0..n {
-        normal[(j, j)] = normal[(j, j)] * (1.0 + 1e-9) + f64::MIN_POSITIVE;
-    }
-    normal.cholesky().map(|c| c.solve(&right))
-}
-
 fn residuals(
     rows: &[Vec<f64>],
     effort: &[f64],
     kept: &[usize],
     held: &[usize],
 ) -> Option<Vec<f64>> {
-    let c = fit(rows, effort, kept)?;
-    let left = |&i: &usize| {
-        effort[i]
-            - rows[i]
-                .iter()
-                .zip(c.iter())
-                .map(|(a, b)| a * b)
-                .sum::<f64>()
-    };
+    let c = least_squares(rows, effort, kept)?;
+    let left = |&i: &usize| effort[i] - rows[i].iter().zip(&c).map(|(a, b)| a * b).sum::<f64>();
     Some(held.iter().map(left).collect())
 }
 

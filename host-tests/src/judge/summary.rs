@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use statrs::distribution::{Beta, ContinuousCDF as _};
+
 use super::case::{Case, Sort};
 
 /// A count of a whole, with the exact 95 % interval of the share it estimates.
@@ -31,44 +33,14 @@ impl Share {
 
     /// The exact binomial interval (Clopper and Pearson 1934), 2.5 % to either side.
     pub fn interval(self) -> [f64; 2] {
-        let (k, n) = (self.part, self.whole);
-        let solve = |below: &dyn Fn(f64) -> bool| {
-            let (mut low, mut high) = (0.0, 1.0);
-            for _ in 0..60 {
-                let middle = 0.5 * (low + high);
-                if below(middle) {
-                    low = middle
-                } else {
-                    high = middle
-                }
-            }
-            0.5 * (low + high)
-        };
-        let low = if k == 0 {
-            0.0
-        } else {
-            solve(&|p| 1.0 - at_most(k - 1, n, p) < 0.025)
-        };
-        let high = if k == n {
-            1.0
-        } else {
-            solve(&|p| at_most(k, n, p) > 0.025)
-        };
-        [low, high]
+        let (k, n) = (self.part as f64, self.whole as f64);
+        // The bounds 0 and 1 belong to nothing and to everything, for which there is no distribution.
+        let at = |share, a, b| Beta::new(a, b).map(|beta| beta.inverse_cdf(share)).ok();
+        [
+            at(0.025, k, n - k + 1.0).unwrap_or(0.0),
+            at(0.975, k + 1.0, n - k).unwrap_or(1.0),
+        ]
     }
-}
-
-/// Probability of at most `k` of `n` at probability `p` each.
-fn at_most(k: usize, n: usize, p: f64) -> f64 {
-    if p <= 0.0 {
-        return 1.0;
-    }
-    let (mut logarithm, mut sum) = (n as f64 * (1.0 - p).ln(), 0.0);
-    for i in 0..=k {
-        sum += logarithm.exp();
-        logarithm += ((n - i) as f64 / (i + 1) as f64).ln() + (p / (1.0 - p)).ln();
-    }
-    sum.min(1.0)
 }
 
 impl std::fmt::Display for Share {

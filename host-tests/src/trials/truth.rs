@@ -6,6 +6,7 @@ use super::effect::{Effect, Id};
 use super::law::Hysteresis;
 use super::plant::{Tick, encoder_error};
 use super::scenario::Scenario;
+use crate::least_squares::least_squares;
 
 /// What can be achieved on a trial, from the truth.
 #[derive(Clone, Debug)]
@@ -28,8 +29,6 @@ pub struct Achievable {
 /// Number of stops of the refitted baseline, and their yields (m).
 const STOPS: usize = 16;
 const YIELDS: (f64, f64) = (0.4e-6, 400e-6);
-/// Regressors: acceleration, then the stops.
-const COLUMNS: usize = STOPS + 1;
 
 impl Achievable {
     /// From a scenario, what happened, and the recorded force (N) at every `scenario.ticks_per_sample`.
@@ -149,62 +148,23 @@ fn refit(scenario: &Scenario, ticks: &[Tick], recorded: &[f64]) -> f64 {
         })
         .collect();
     let mut before = 0.0;
-    let mut rows: Vec<[f64; COLUMNS]> = Vec::with_capacity(recorded.len());
+    let mut rows: Vec<Vec<f64>> = Vec::with_capacity(recorded.len());
     for (i, tick) in ticks.iter().enumerate() {
         let [x, v, a] = as_measured(scenario, tick.motor);
-        let mut row = [a; COLUMNS];
-        for (value, stop) in row.iter_mut().skip(1).zip(&mut stops) {
-            *value = stop.step(x - before, v, 1.0, 1.0);
-        }
+        let moved = stops
+            .iter_mut()
+            .map(|stop| stop.step(x - before, v, 1.0, 1.0));
+        let row: Vec<f64> = std::iter::once(a).chain(moved).collect();
         before = x;
         if i % scenario.ticks_per_sample == 0 {
             rows.push(row);
         }
     }
-    let mut normal = [[0.0; COLUMNS]; COLUMNS];
-    let mut right = [0.0; COLUMNS];
-    for (row, force) in rows.iter().zip(recorded) {
-        for (i, value) in row.iter().enumerate() {
-            right[i] += value * force;
-            for (j, other) in row.iter().enumerate() {
-                normal[i][j] += value * other;
-            }
-        }
-    }
-    let weights = solve(normal, right);
+    let all: Vec<usize> = (0..rows.len()).collect();
+    let weights = least_squares(&rows, recorded, &all);
+    let weights = weights.expect("a ridge keeps the stops apart");
     rms(rows
         .iter()
         .zip(recorded)
-        .map(|(row, force)| force - row.iter().zip(weights).map(|(a, b)| a * b).sum::<f64>()))
-}
-
-/// Solves normal equations by Cholesky's method, with a ridge of 1e-9 of the diagonal against stops that
-/// move alike.
-fn solve(mut a: [[f64; COLUMNS]; COLUMNS], mut b: [f64; COLUMNS]) -> [f64; COLUMNS] {
-    for j in 0..COLUMNS {
-        a[j][j] *= 1.0 + 1e-9;
-        for k in 0..j {
-            a[j][j] -= a[j][k] * a[j][k];
-        }
-        a[j][j] = a[j][j].max(f64::MIN_POSITIVE).sqrt();
-        for i in j + 1..COLUMNS {
-            for k in 0..j {
-                a[i][j] -= a[i][k] * a[j][k];
-            }
-            a[i][j] /= a[j][j];
-        }
-    }
-    for i in 0..COLUMNS {
-        for k in 0..i {
-            b[i] -= a[i][k] * b[k];
-        }
-        b[i] /= a[i][i];
-    }
-    for i in (0..COLUMNS).rev() {
-        for k in i + 1..COLUMNS {
-            b[i] -= a[k][i] * b[k];
-        }
-        b[i] /= a[i][i];
-    }
-    b
+        .map(|(row, force)| force - row.iter().zip(&weights).map(|(a, b)| a * b).sum::<f64>()))
 }

@@ -6,7 +6,6 @@
 mod c;
 mod constants;
 pub mod joint;
-mod sha256;
 mod source;
 
 use crate::friction::Visitor;
@@ -15,8 +14,13 @@ use crate::model::Model;
 pub use crate::model::{reduced, refused};
 pub use c::{C, c_source};
 pub use constants::carried;
-pub use sha256::sha256;
+use sha2::Digest as _;
 pub use source::rust_source;
+
+/// SHA-256 in hexadecimal, to name a recording by its bytes: the same figure as `sha256sum`.
+pub fn sha256(bytes: &[u8]) -> String {
+    format!("{:x}", sha2::Sha256::digest(bytes))
+}
 
 /// What to write beside the parameters.
 #[derive(Clone, Debug, Default)]

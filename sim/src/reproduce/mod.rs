@@ -15,7 +15,7 @@ mod tests;
 use experiment::Experiment;
 use figure_6::Figure6;
 use literal::Literal;
-use preslide_host::compare::memory::{LoopClosure, Scale, loop_closure};
+use preslide_host::compare::memory::Scale;
 use preslide_host::friction::{FrictionModel, Path};
 use preslide_host::identify::regression::MaxwellSlipFit;
 use preslide_host::identify::virgin::VirginCurve;
@@ -158,8 +158,6 @@ pub struct Reproduction {
     pub recovered: Vec<Recovery>,
     /// What the printed errors can mean.
     pub bounds: Vec<Bound>,
-    /// Loop closure of the paper's models, by name.
-    pub closures: Vec<(&'static str, LoopClosure)>,
     /// Equations (10)–(12) as printed.
     pub literal: Vec<Literal>,
     /// Figure 6 and Table 2, with all models.
@@ -215,7 +213,6 @@ fn of_repeats(seed: u64, repeats: usize, progress: &Progress) -> Result<Reproduc
     Ok(Reproduction {
         recommendation: recommendation(&sizes),
         bounds: printed::bounds(&curve)?,
-        closures: closures()?,
         literal: literal::literal()?,
         figure_6: {
             let found = Figure6::of_the_paper()?;
@@ -235,29 +232,6 @@ const REVERSALS: Scale = Scale {
     amplitude: paper::RANGE,
     speed: 20e-6,
 };
-
-/// Loop closure with the parameters of Tables 2 and 3.
-fn closures() -> Result<Vec<(&'static str, LoopClosure)>, String> {
-    [
-        (
-            "Coulomb",
-            FrictionModel::Coulomb {
-                coulomb: paper::BREAKAWAY,
-            },
-        ),
-        ("Dahl", paper::dahl()),
-        ("LuGre", paper::lugre()),
-        ("Hsieh", paper::hsieh()),
-        ("GMS, 10 blocks", paper::REFERENCE.model()),
-        ("GMS, 4 blocks", column(4)?.model()),
-    ]
-    .into_iter()
-    .map(|(name, model)| {
-        let closure = loop_closure(&model, REVERSALS).map_err(|e| format!("{name}: {e}"))?;
-        Ok((name, closure))
-    })
-    .collect()
-}
 
 fn column(n: usize) -> Result<&'static TableColumn, String> {
     paper::TABLE_3

@@ -1,6 +1,6 @@
 //! A reproduction for people and for machines.
 
-use super::study::{cycles, cycles_text};
+use super::study::{cycles, cycles_text, head};
 use super::{CRITERION, Curve, Reproduction, significant};
 use preslide_host::paper;
 use preslide_host::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
@@ -8,10 +8,6 @@ use serde_json::{Value, json};
 
 /// Sizes in the figure that answers to the paper's Figure 7.
 const SHOWN: [usize; 4] = [2, 3, 4, 6];
-
-fn head(cells: &[&str]) -> Vec<String> {
-    cells.iter().map(|cell| (*cell).to_owned()).collect()
-}
 
 impl Reproduction {
     /// `preslide.reproduction/1`; `seconds` is the time it took.
@@ -57,18 +53,6 @@ impl Reproduction {
             .iter()
             .map(|b| json!({ "n": b.n, "nmse_printed": b.printed, "nmse_highest": b.highest }))
             .collect();
-        let closures: Vec<Value> = self
-            .closures
-            .iter()
-            .map(|(name, closure)| {
-                json!({
-                    "model": name,
-                    "loop_closure_N": closure.largest,
-                    "force_range_N": closure.range,
-                    "nonlocal_memory": closure.is_nonlocal(),
-                })
-            })
-            .collect();
         let [models, experiment] = self.study_json();
         json!({
             "schema": "preslide.reproduction/1",
@@ -76,7 +60,6 @@ impl Reproduction {
             "blocks": blocks,
             "table3": recovered,
             "printed_bounds": bounds,
-            "loop_closure": closures,
             "equations_as_printed": super::literal::to_json(&self.literal),
             "models": models,
             "experiment": experiment,
@@ -193,36 +176,6 @@ impl Reproduction {
         }
     }
 
-    /// Loop closure of the paper's models.
-    pub fn closure_table(&self) -> Table {
-        Table {
-            caption: "Inner loops: force at the return to a reversal less the force when it was left, largest of all nested loops".to_owned(),
-            head: head(&[
-                "model (Tables 2, 3)",
-                "loop closure error [N]",
-                "of the force range [%]",
-                "non-local memory",
-            ]),
-            rows: self
-                .closures
-                .iter()
-                .map(|(name, closure)| {
-                    vec![
-                        (*name).to_owned(),
-                        format!("{:.1e}", closure.largest),
-                        format!("{:.1e}", 100.0 * closure.largest / closure.range),
-                        match (closure.is_nonlocal(), closure.remembers) {
-                            (true, _) => "kept",
-                            (false, true) => "lost",
-                            (false, false) => "nothing to remember",
-                        }
-                        .to_owned(),
-                    ]
-                })
-                .collect(),
-        }
-    }
-
     /// What is known of the differences from the paper, a sentence each.
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks = vec![
@@ -286,9 +239,10 @@ impl Reproduction {
             100.0 * cut.fold(0.0, f64::max)
         ));
         if self
-            .closures
+            .figure_6
+            .rows
             .iter()
-            .any(|(name, c)| *name == "Hsieh" && !c.is_nonlocal())
+            .any(|row| row.name == "Hsieh" && !row.closure.is_nonlocal())
         {
             remarks.push("Hsieh's spring remembers every reversal, but its plastic module (5)–(6) moves under load and is not undone, so with Table 2 its loops do not close".to_owned());
         }
@@ -328,10 +282,7 @@ impl Reproduction {
                 Section {
                     heading: "Non-local memory".to_owned(),
                     paragraphs: vec!["The models run from rest through an outer loop of ±40 µm and nested reversals, each half the one before, and back through the same reversals. A model with non-local memory returns to the force that it left.".to_owned()],
-                    tables: vec![
-                        self.closure_table(),
-                        super::literal::table(&self.literal),
-                    ],
+                    tables: vec![super::literal::table(&self.literal)],
                     figures: vec![self.loop_figure()],
                 }],
             ]
@@ -446,11 +397,11 @@ impl Reproduction {
             Axis::new("displacement", "m"),
             Axis::new("friction", "N"),
         );
-        for (name, closure) in &self.closures {
+        for row in &self.figure_6.rows {
             figure = figure.with(Series::line(
-                *name,
-                closure.position.clone(),
-                closure.force.clone(),
+                row.name.clone(),
+                row.closure.position.clone(),
+                row.closure.force.clone(),
             ));
         }
         figure.note("Click a name in the legend to hide or show a model.")

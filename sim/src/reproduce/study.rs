@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 /// Ramps drawn; more would hide the average.
 const DRAWN: usize = 12;
 
-fn head(cells: &[&str]) -> Vec<String> {
+pub(super) fn head(cells: &[&str]) -> Vec<String> {
     cells.iter().map(|cell| (*cell).to_owned()).collect()
 }
 

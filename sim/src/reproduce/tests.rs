@@ -184,9 +184,10 @@ fn the_json_has_the_keys_that_others_rely_on() {
 /// Figure 4 of the issue.
 #[test]
 fn gms_closes_every_loop_and_dahl_and_lugre_do_not() {
-    for (name, closure) in &reproduction().closures {
+    for row in &reproduction().figure_6.rows {
+        let (name, closure) = (row.name.as_str(), &row.closure);
         let share = closure.largest / closure.range;
-        match *name {
+        match name {
             "Dahl" | "LuGre" => {
                 assert!(share > 0.01 && !closure.is_nonlocal(), "{name}: {share:e}")
             }
