@@ -50,7 +50,7 @@ const COMMANDS: &[Command] = &[
     },
     Command {
         name: "qemu",
-        help: "the firmware in QEMU against the simulated stage: agreement, faults, sizes; --long with all of the commissioning chapter's motion; --bless takes new outputs",
+        help: "the firmware in QEMU against the simulated stage: agreement, faults, sizes; --long with all of the commissioning chapter's motion and ten times the requests; --bless takes new outputs",
         run: qemu::run_command,
     },
     Command {
@@ -66,32 +66,32 @@ const COMMANDS: &[Command] = &[
     Command {
         name: "properties",
         help: "recordings changed in ways that change nothing about the machine: does the diagnosis say the same?",
-        run: judge::properties,
+        run: |arguments| judge::judge("properties", arguments),
     },
     Command {
         name: "inject",
         help: "known effects added to real recordings: are they named where an oracle sees them? --help lists the options",
-        run: judge::inject,
+        run: |arguments| judge::judge("inject", arguments),
     },
     Command {
         name: "experiments",
         help: "does it help to ask? a motion and experiments against a recording as long: trials that hide what one recording hardly shows; --help lists the options",
-        run: judge::experiments,
+        run: |arguments| judge::judge("experiments", arguments),
     },
     Command {
         name: "sources",
         help: "the diagnosis on every source of recordings with a known truth: one table; --help lists the options",
-        run: judge::sources,
+        run: |arguments| judge::judge("sources", arguments),
     },
     Command {
         name: "calibrate",
         help: "the confidence of names, fitted to judged ones (JSON of `sources` and `inject`); each source left out in turn; --bless",
-        run: judge::calibrate,
+        run: |arguments| judge::judge("calibrate", arguments),
     },
     Command {
         name: "real",
         help: "what the diagnosis says of each real recording: a table; a NAME chooses",
-        run: judge::real,
+        run: |arguments| judge::judge("real", arguments),
     },
 ];
 

@@ -1,7 +1,7 @@
 //! `cargo xtask qemu`: the firmware in an emulator against the simulated stage.
 //!
 //! Builds the QEMU board in both arithmetics, and with the packed kernel in both, shows that its control code has no panic path, prints flash, RAM and
-//! stack, runs the same motion twice in QEMU and once on the host, sends ten thousand requests under full telemetry, injects the
+//! stack, runs the same motion twice in QEMU and once on the host, sends a thousand requests (ten thousand with `--long`) under full telemetry, injects the
 //! faults, lets the stage wear under a firmware that watches it, and identifies the stage's friction from captured telemetry.
 //! `cargo xtask stage` only serves the emulated drive.
 
@@ -47,7 +47,7 @@ const LIMIT: Duration = Duration::from_secs(600);
 
 pub fn run_command(arguments: &[String]) -> Result<(), String> {
     let flag = crate::given("qemu", &["--bless", "--long"], arguments)?;
-    let bless = flag == Some("--bless");
+    let (bless, long) = (flag == Some("--bless"), flag == Some("--long"));
     Need::Qemu.ensure()?;
     Need::ArmGcc.ensure()?;
     let rig = build_rig()?;
@@ -74,10 +74,11 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
         }
         println!("{kind}: the second run printed the same bytes");
     }
-    hammered(&fixed)?;
+    hammered(&fixed, long)?;
     at_the_tool("typed", &fixed)?;
-    at_the_tool("pulled", &fixed)?;
-    crate::commission::run(&fixed, flag == Some("--long"))?;
+    let pulled = if long { "pulled-everywhere" } else { "pulled" };
+    at_the_tool(pulled, &fixed)?;
+    crate::commission::run(&fixed, long)?;
     // It cannot be run here, but it must build, fit and not panic.
     build("preslide-stm32g474", "stm32g474", &["--features", "log"])?;
     let board = build("preslide-stm32g474", "stm32g474", &[])?;
@@ -117,15 +118,17 @@ fn guided(rig: &Path) -> Result<(), String> {
     run_for(guided.arg("guided").arg(&koopman), LIMIT)
 }
 
-/// Ten thousand requests, as many at once as the link allows, under telemetry of every tick: all answered, once each.
-fn hammered(elf: &Path) -> Result<(), String> {
+/// A thousand requests, or ten thousand in the long tier, as many at once as the link allows, under telemetry of every tick: all answered, once
+/// each.
+fn hammered(elf: &Path, long: bool) -> Result<(), String> {
     let mut hammer = Command::new(released("examples/drive"));
     hammer.arg("hammer").arg(elf).arg(free_port()?);
+    hammer.arg(if long { "10000" } else { "1000" });
     run_for(&mut hammer, LIMIT)
 }
 
 /// Beside an emulated drive, a script that types at `preslide drive`, over a pseudo terminal for the line and in its own terminal; or one that
-/// pulls the cable of `preslide commission` in every stage.
+/// pulls the cable of `preslide commission` in every way, or in every stage.
 fn at_the_tool(what: &str, elf: &Path) -> Result<(), String> {
     let mut script = Command::new(released("examples/drive"));
     script.arg(what).arg(elf).arg(free_port()?);

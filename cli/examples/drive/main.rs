@@ -1,7 +1,7 @@
 //! An emulated drive: the firmware in QEMU on the simulated stage, its command link on a TCP port.
 //!
 //! `drive serve ELF PORT` serves it to one client after the other, at the speed of a real one where the machine keeps up.
-//! `drive hammer ELF PORT` sends ten thousand requests, as many at once as the link allows, under telemetry of every tick, and counts
+//! `drive hammer ELF PORT COUNT` sends so many requests, as many at once as the link allows, under telemetry of every tick, and counts
 //! the answers. `drive typed ELF PORT TOOL` types at the tool, `drive pulled ELF PORT TOOL` pulls its cable. `cargo xtask stage` and `cargo xtask qemu` call it.
 
 mod pulled;
@@ -37,23 +37,28 @@ fn main() -> anyhow::Result<()> {
             println!("an emulated drive listens: preslide drive tcp:127.0.0.1:{port}");
             serve(Path::new(elf), port, &AtomicBool::new(false))?;
         }
-        ["hammer", elf, port] => {
+        ["hammer", elf, port, count] => {
             let port = port.parse().context("the port")?;
-            beside(Path::new(elf), port, |over| hammer(port, over))?;
+            let count = count.parse().context("the number of requests")?;
+            beside(Path::new(elf), port, |over| hammer(port, count, over))?;
         }
-        [what @ ("typed" | "pulled"), elf, port, tool] => {
+        [
+            what @ ("typed" | "pulled" | "pulled-everywhere"),
+            elf,
+            port,
+            tool,
+        ] => {
             let port = port.parse().context("the port")?;
             let tool = Path::new(tool)
                 .canonicalize()
                 .with_context(|| tool.to_owned())?;
-            let script = match what {
-                "typed" => typed::typed,
-                _ => pulled::pulled,
-            };
-            beside(Path::new(elf), port, |_| script(&tool, port))?;
+            beside(Path::new(elf), port, |_| match what {
+                "typed" => typed::typed(&tool, port),
+                what => pulled::pulled(&tool, port, what == "pulled-everywhere"),
+            })?;
         }
         _ => bail!(
-            "usage: drive serve ELF PORT, drive hammer ELF PORT, drive typed ELF PORT TOOL, or drive pulled ELF PORT TOOL"
+            "usage: drive serve ELF PORT, drive hammer ELF PORT COUNT, drive typed ELF PORT TOOL, or drive pulled|pulled-everywhere ELF PORT TOOL"
         ),
     }
     Ok(())
@@ -124,11 +129,8 @@ fn passed(from: i32, to: i32) -> Option<u32> {
     (from.min(to) < at).then_some(at as u32)
 }
 
-/// Requests in all, and of each kind.
-const REQUESTS: u16 = 10_000;
-
-/// Sends all requests, at most [`WINDOW`] of them unanswered, and none twice.
-fn hammer(port: u16, over: &AtomicBool) -> anyhow::Result<()> {
+/// Sends so many requests, at most [`WINDOW`] of them unanswered, and none twice.
+fn hammer(port: u16, requests: u16, over: &AtomicBool) -> anyhow::Result<()> {
     let mut line = connect(port, over)?;
     line.set_nodelay(true)?;
     line.set_read_timeout(Some(Duration::from_secs(20)))?;
@@ -138,8 +140,8 @@ fn hammer(port: u16, over: &AtomicBool) -> anyhow::Result<()> {
     let mut deframer = Deframer::new();
     let mut buffer = [0; 65_536];
     let start = Instant::now();
-    while answers.len() < usize::from(REQUESTS) {
-        while sent < REQUESTS && usize::from(sent) - answers.len() < WINDOW {
+    while answers.len() < usize::from(requests) {
+        while sent < requests && usize::from(sent) - answers.len() < WINDOW {
             let mut frame = [0; LARGEST_FRAME];
             let numbered = Numbered {
                 id: sent,
@@ -174,7 +176,7 @@ fn hammer(port: u16, over: &AtomicBool) -> anyhow::Result<()> {
             }
         }
     }
-    let wrong = (0..REQUESTS)
+    let wrong = (0..requests)
         .filter(|id| !is_right(*id, answers.get(id)))
         .count();
     println!(
@@ -192,7 +194,7 @@ fn hammer(port: u16, over: &AtomicBool) -> anyhow::Result<()> {
         "samples were lost that the controller did not count"
     );
     ensure!(
-        samples > u64::from(REQUESTS),
+        samples > u64::from(requests),
         "too little telemetry came to show anything"
     );
     Ok(())
