@@ -97,14 +97,19 @@ impl Need {
 /// The release of mdBook that makes the book.
 const MDBOOK: &str = "0.5.4";
 
-/// mdBook, built from the registry into `target/tools` once. Without its server and search it takes a minute.
+/// mdBook, built from the registry into a folder of cargo's home, once for all clones: without its server and search it takes a minute.
 pub fn mdbook() -> Result<PathBuf, String> {
-    let folder = root().join("target/tools");
+    let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
+    let home = home.or_else(|| Some(std::env::home_dir()?.join(".cargo")));
+    let folder = home.ok_or("no home folder")?.join("preslide");
     let program = folder.join("bin/mdbook");
     let is_there =
         || output(Command::new(&program).arg("--version")).is_ok_and(|said| said.contains(MDBOOK));
     if !is_there() {
-        println!("installing mdbook {MDBOOK} into target/tools: it turns docs/ into pages");
+        println!(
+            "installing mdbook {MDBOOK} into {}: it turns docs/ into pages",
+            folder.display()
+        );
         run_for(
             cargo(&[
                 "install",
@@ -117,7 +122,7 @@ pub fn mdbook() -> Result<PathBuf, String> {
             .args(["--no-default-features", "--force", "--root"])
             .arg(&folder)
             .arg("--target-dir")
-            .arg(folder.join("build")),
+            .arg(root().join("target/tools")),
             INSTALL_LIMIT,
         )?;
     }
