@@ -186,27 +186,14 @@ impl Kernel {
     /// The kernel of that name.
     ///
     /// # Errors
-    /// Which there are, and what stands for one that is gone.
+    /// Which there are.
     pub fn named(name: &str) -> Result<Self, String> {
         if let Some(kernel) = Self::ALL.into_iter().find(|kernel| kernel.name() == name) {
             return Ok(kernel);
         }
         let known: Vec<&str> = Self::ALL.iter().map(|kernel| kernel.name()).collect();
-        let instead = match name {
-            "packed" => {
-                "it is packed_f32 now, or packed_i16f16: the name says the controller's numbers; "
-            }
-            "constant_time" => {
-                "it is gone, packed_f32 takes fewer cycles at its worst than it took always; "
-            }
-            "slip_reserve_i32" => {
-                "it is slip_reserve_i16f16 now: the name says the controller's numbers; "
-            }
-            "gms_i32" => "it is count_gms_i16f16 now: the name says the controller's numbers; ",
-            _ => "",
-        };
         Err(format!(
-            "no kernel {name}: {instead}known are {}, and auto for what `preslide tune` recommends",
+            "no kernel {name}: known are {}, and auto for what `preslide tune` recommends",
             known.join(", ")
         ))
     }
