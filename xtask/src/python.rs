@@ -51,7 +51,8 @@ fn environment(folder: &Path) -> Result<PathBuf, String> {
 
 fn pip_install(python: &Path) -> Command {
     let mut install = Command::new(python);
-    install.args(["-m", "pip", "install", "--quiet"]);
+    // What is imported is compiled then.
+    install.args(["-m", "pip", "install", "--quiet", "--no-compile"]);
     install.arg("--disable-pip-version-check");
     install
 }

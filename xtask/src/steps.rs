@@ -31,7 +31,8 @@ pub enum Tier {
 pub enum Lane {
     /// What the workspace's crates are checked by; its output is shown as it comes.
     Host,
-    /// What is built for microcontrollers and runs in an emulator, and then the Python package, so that both lanes end at about the same time;
+    /// What is built for microcontrollers and runs in an emulator, and then the Python package and the trials, so that both lanes end at about the
+    /// same time;
     /// its output goes to a file and is shown where it failed.
     Beside,
 }
@@ -154,7 +155,7 @@ pub const STEPS: &[Step] = &[
         needs: &[],
         paths: LIBRARY,
         lane: Lane::Beside,
-        run: |_| thumb_build(),
+        run: thumb_build,
     },
     Step {
         name: "example",
@@ -236,20 +237,6 @@ pub const STEPS: &[Step] = &[
         run: |_| miri(),
     },
     Step {
-        name: "trials",
-        reason: "the diagnosis on a fixed set of every source: each answer is the committed one",
-        needs: &[],
-        paths: JUDGED,
-        lane: Lane::Host,
-        run: |tier| {
-            let set = match tier {
-                Tier::Gate => "gate",
-                Tier::All => "whole",
-            };
-            crate::judge::judge("sources", &["--ci".to_owned(), set.to_owned()])
-        },
-    },
-    Step {
         name: "package",
         reason: "the published crate holds the library and nothing else, and a project with the oldest compiler that it promises builds it",
         needs: &[],
@@ -266,6 +253,20 @@ pub const STEPS: &[Step] = &[
         ],
         lane: Lane::Beside,
         run: |tier| crate::python::check(tier == Tier::All),
+    },
+    Step {
+        name: "trials",
+        reason: "the diagnosis on a fixed set of every source: each answer is the committed one",
+        needs: &[],
+        paths: JUDGED,
+        lane: Lane::Beside,
+        run: |tier| {
+            let set = match tier {
+                Tier::Gate => "gate",
+                Tier::All => "whole",
+            };
+            crate::judge::judge("sources", &["--ci".to_owned(), set.to_owned()])
+        },
     },
     Step {
         name: "demo",
@@ -365,22 +366,21 @@ fn miri() -> Result<(), String> {
 }
 
 /// Beside the firmware's builds: cargo lets one command at a time into a folder, and the host's are at work in the other.
-fn thumb_build() -> Result<(), String> {
+fn thumb_build(tier: Tier) -> Result<(), String> {
     let folder = target_of(&root().join("firmware"));
-    let arguments = [
-        "build",
-        "--release",
-        "--package",
-        "preslide",
-        "--all-features",
-    ];
-    // Cores that the kernels multiply otherwise on, and two of another kind.
-    for target in [
-        TARGET,
-        "thumbv6m-none-eabi",
-        "thumbv8m.main-none-eabihf",
-        "riscv32imac-unknown-none-elf",
+    let checked = match tier {
+        Tier::Gate => "check",
+        Tier::All => "build",
+    };
+    for (target, what) in [
+        // Cores that the kernels multiply otherwise on, in assembly.
+        (TARGET, "build"),
+        ("thumbv8m.main-none-eabihf", "build"),
+        // And two of another kind.
+        ("thumbv6m-none-eabi", checked),
+        ("riscv32imac-unknown-none-elf", checked),
     ] {
+        let arguments = [what, "--release", "--package", "preslide", "--all-features"];
         if let Some(toolchain) = who_builds("the library", target)? {
             let mut build = toolchain.cargo_for(target, root(), &arguments);
             run(build.arg("--target-dir").arg(&folder))?;
