@@ -23,7 +23,6 @@ pub struct Drive {
     samples: std::collections::VecDeque<Sample>,
     bytes: u64,
     damaged: u64,
-    repeated: u64,
     identity: Identity,
 }
 
@@ -50,7 +49,6 @@ impl Drive {
             samples: std::collections::VecDeque::new(),
             bytes: 0,
             damaged: 0,
-            repeated: 0,
             identity,
         };
         // Ends whatever the last one left half said.
@@ -67,11 +65,6 @@ impl Drive {
     /// Who is there.
     pub fn identity(&self) -> &Identity {
         &self.identity
-    }
-
-    /// Frames that could not be read, and requests that were sent again.
-    pub fn trouble(&self) -> (u64, u64) {
-        (self.damaged, self.repeated)
     }
 
     /// The telemetry that came since the last call.
@@ -98,7 +91,6 @@ impl Drive {
                     None => {}
                 }
             }
-            self.repeated += 1;
             self.send_as(id, request)?;
         }
         Err(DriveError::Silent {

@@ -272,11 +272,6 @@ impl Id {
         self.names().0
     }
 
-    /// Whether the catalogue has it.
-    pub fn in_catalogue(self) -> bool {
-        !OUTSIDE.contains(&self)
-    }
-
     /// Whether the motor's mass and the load's move apart.
     pub fn needs_two_masses(self) -> bool {
         matches!(self, Id::Backlash | Id::DriveCompliance)

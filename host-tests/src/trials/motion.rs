@@ -4,9 +4,6 @@ use std::f64::consts::{PI, TAU};
 
 use super::draw::Draw;
 
-/// What a segment is made of, in the order of their numbers in the `segment` column.
-pub const SEGMENTS: [&str; 5] = ["triangles", "slides", "rests", "strokes", "sines"];
-
 /// Where the stage should be at one tick of the controller.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reference {
