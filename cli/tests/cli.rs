@@ -1,6 +1,6 @@
 //! The `preslide` binary from outside: outputs, models, help.
 
-use super::binary::{Folder, HEADER, preslide, recording};
+use super::binary::{Folder, HEADER, MODEL, preslide, recording};
 use preslide_host::model::Model;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -179,49 +179,6 @@ fn help_names_units_and_an_example() {
     preslide(&[]).fails(2, &["Usage"]);
     preslide(&["identfy"]).fails(2, &["identify"]);
     preslide(&["identify"]).fails(2, &["<REC>"]);
-}
-
-const MODEL: &str = "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[friction]\nkind = \"gms\"\nbreakaway_N = 0.9\nblocks = [\n{ stiffness_N_per_m = 270313.0, weight = 0.25 },\n{ stiffness_N_per_m = 20000.0, weight = 0.75 },\n]\n";
-
-#[test]
-fn simulate_refuses_bad_model_files_by_key() {
-    let folder = Folder::new();
-    let motion = folder.file("motion.csv", recording(HEADER));
-    let good = folder.file("good.toml", MODEL);
-    preslide(&["simulate", &good, "--motion", &motion]).succeeds();
-    for (name, text, parts) in [
-        (
-            "unknown.toml",
-            MODEL.replace("breakaway_N", "colour = 3\nbreakaway_N"),
-            &["colour", "line 5"][..],
-        ),
-        (
-            "negative.toml",
-            MODEL.replace("= 20000.0", "= -20000.0"),
-            &["stiffness", "-20000"],
-        ),
-        (
-            "weights.toml",
-            MODEL.replace("0.75", "0.5"),
-            &["weight", "0.75"],
-        ),
-        ("nan.toml", MODEL.replace("0.75", "nan"), &["weight"]),
-        (
-            "schema.toml",
-            MODEL.replace("model/1", "model/9"),
-            &["schema", "preslide.model/1"],
-        ),
-        ("broken.toml", MODEL.replace("]\n", ""), &["line"]),
-        ("empty.toml", String::new(), &["motion"]),
-    ] {
-        let path = folder.file(name, text);
-        let run = preslide(&["simulate", &path, "--motion", &motion]);
-        run.fails(2, &[&[name][..], parts].concat());
-        // `stderr` holds nothing but that.
-        assert!(!run.err.contains("Usage"), "{}", run.err);
-    }
-    preslide(&["simulate", &folder.path("absent.toml"), "--motion", &motion])
-        .fails(2, &["absent.toml"]);
 }
 
 #[test]

@@ -1,8 +1,6 @@
 //! The same fault has the same exit code in every command that can meet it.
 
-use super::binary::{Folder, HEADER, preslide, recording};
-
-const MODEL: &str = "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[friction]\nkind = \"gms\"\nbreakaway_N = 0.9\nblocks = [\n{ stiffness_N_per_m = 270313.0, weight = 0.25 },\n{ stiffness_N_per_m = 20000.0, weight = 0.75 },\n]\n";
+use super::binary::{Folder, HEADER, MODEL, preslide, recording};
 
 /// Commands that read a recording `REC`, those that fit it first; `MODEL` is a model file.
 const FITTING: [&str; 5] = [
@@ -116,17 +114,26 @@ fn a_model_that_is_wrong_or_of_another_axis_is_2_everywhere() {
     let path = folder.file("good.csv", recording(HEADER));
     let rotary = folder.file("rotary.csv", recording("t_s,q_rad,torque_Nm"));
     let good = folder.file("good.toml", MODEL);
+    let edited = |name, from, to, part| (name, MODEL.replace(from, to), part);
     let models = [
-        (
+        edited(
             "key.toml",
-            MODEL.replace("breakaway_N", "colour = 3\nbreakaway_N"),
+            "breakaway_N",
+            "colour = 3\nbreakaway_N",
             "colour",
         ),
-        (
-            "value.toml",
-            MODEL.replace("= 20000.0", "= -20000.0"),
-            "stiffness",
+        edited(
+            "line.toml",
+            "breakaway_N",
+            "colour = 3\nbreakaway_N",
+            "line 5",
         ),
+        edited("value.toml", "= 20000.0", "= -20000.0", "stiffness"),
+        edited("number.toml", "= 20000.0", "= -20000.0", "-20000"),
+        edited("weights.toml", "0.75", "0.5", "weight"),
+        edited("nan.toml", "0.75", "nan", "weight"),
+        edited("schema.toml", "model/1", "model/9", "preslide.model/1"),
+        edited("broken.toml", "]\n", "", "line"),
         ("empty.toml", String::new(), "motion"),
     ];
     for command in WITH_MODEL {

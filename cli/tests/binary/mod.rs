@@ -38,6 +38,9 @@ impl Run {
     }
 }
 
+/// A model file.
+pub const MODEL: &str = "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[friction]\nkind = \"gms\"\nbreakaway_N = 0.9\nblocks = [\n{ stiffness_N_per_m = 270313.0, weight = 0.25 },\n{ stiffness_N_per_m = 20000.0, weight = 0.75 },\n]\n";
+
 /// Runs the binary.
 pub fn preslide(arguments: &[&str]) -> Run {
     Command::new(env!("CARGO_BIN_EXE_preslide"))
