@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::process::{free_port, released, root, run_for};
+use crate::process::{free_port, released, root, run_for, words};
 
 /// The chapter, and the port that it names.
 const CHAPTER: &str = "docs/src/commissioning.md";
@@ -76,18 +76,8 @@ pub fn run(elf: &Path, whole: bool) -> Result<(), String> {
 }
 
 /// The motion of `preslide commission` here, over the short travel.
-const WISH: [&str; 10] = [
-    "--travel",
-    "0.05mm",
-    "--speed",
-    "4mm/s",
-    "--acceleration",
-    "0.5m/s2",
-    "--smallest",
-    "2um",
-    "--repeats",
-    "2",
-];
+const WISH: &str =
+    "--travel 0.05mm --speed 4mm/s --acceleration 0.5m/s2 --smallest 2um --repeats 2";
 
 /// Commissions in one command: interrupted while it records, it leaves the axis disabled and says how to go on; asked again, it goes on and shows
 /// that the model halves the error, at least, of a motion that no fit saw.
@@ -98,7 +88,7 @@ fn in_one_command(port: &str, folder: &Path, whole: bool) -> Result<(), String> 
         command
             .args(["commission", port, "--save", "-o", "commission"])
             .args(["--experiments", experiments])
-            .args(WISH)
+            .args(words(WISH))
             .current_dir(folder)
             .stdin(Stdio::null());
         command

@@ -3,7 +3,7 @@
 use std::process::Command;
 use std::time::Duration;
 
-use crate::process::{cargo, find, output, root, run, run_for, target_of};
+use crate::process::{cargo, find, output, root, run, run_for, target_of, words};
 
 /// rustup's download hangs on some networks instead of failing.
 const RUSTUP_LIMIT: Duration = Duration::from_secs(120);
@@ -12,27 +12,15 @@ const RUSTUP_LIMIT: Duration = Duration::from_secs(120);
 pub fn check() -> Result<(), String> {
     list()?;
     // A developer's tree is usually dirty; what is packed is the same.
-    let what = [
-        "publish",
-        "--dry-run",
-        "--allow-dirty",
-        "--package",
-        "preslide",
-    ];
-    run(&mut cargo(&what))?;
+    let line = "publish --dry-run --allow-dirty --package preslide";
+    run(&mut cargo(&words(line)))?;
     oldest()
 }
 
 /// The package holds the library and nothing else.
 fn list() -> Result<(), String> {
-    let what = [
-        "package",
-        "--list",
-        "--allow-dirty",
-        "--package",
-        "preslide",
-    ];
-    let list = output(&mut cargo(&what))?;
+    let line = "package --list --allow-dirty --package preslide";
+    let list = output(&mut cargo(&words(line)))?;
     let made_by_cargo = [
         "Cargo.toml",
         "Cargo.toml.orig",
@@ -86,16 +74,9 @@ fn oldest() -> Result<(), String> {
         .lines()
         .find_map(named)
         .ok_or("the package names no rust-version")?;
-    let install = [
-        "toolchain",
-        "install",
-        &oldest,
-        "--profile",
-        "minimal",
-        "--no-self-update",
-    ];
+    let install = format!("toolchain install {oldest} --profile minimal --no-self-update");
     let installed = match find("rustup") {
-        Some(rustup) => run_for(Command::new(rustup).args(install), RUSTUP_LIMIT),
+        Some(rustup) => run_for(Command::new(rustup).args(words(&install)), RUSTUP_LIMIT),
         None => Err("there is no rustup".to_owned()),
     };
     if let Err(reason) = installed {

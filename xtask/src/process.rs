@@ -35,6 +35,11 @@ pub fn cargo(arguments: &[&str]) -> Command {
     command
 }
 
+/// The words of a command line that quotes none.
+pub fn words(line: &str) -> Vec<&str> {
+    line.split(' ').collect()
+}
+
 /// What builds for a microcontroller whatever its user's environment says: in increments code is cut otherwise, costs other cycles, and calls what
 /// an interrupt must not reach.
 pub const IN_ONE_PIECE: (&str, &str) = ("CARGO_INCREMENTAL", "0");

@@ -3,7 +3,7 @@
 use std::process::Command;
 
 use crate::cycles;
-use crate::process::{cargo, output, root, run, run_counting, run_for, target_of};
+use crate::process::{cargo, output, root, run, run_counting, run_for, target_of, words};
 use crate::thumb::{TARGET, Toolchain};
 use crate::tools::Need;
 
@@ -108,15 +108,8 @@ pub const STEPS: &[Step] = &[
         paths: WORKSPACE,
         lane: Lane::Host,
         run: |_| {
-            run(&mut cargo(&[
-                "clippy",
-                "--release",
-                "--workspace",
-                "--all-targets",
-                "--",
-                "-D",
-                "warnings",
-            ]))
+            let line = "clippy --release --workspace --all-targets -- -D warnings";
+            run(&mut cargo(&words(line)))
         },
     },
     Step {
@@ -353,16 +346,8 @@ fn miri() -> Result<(), String> {
             return Ok(());
         }
     }
-    let tests = [
-        "+nightly",
-        "miri",
-        "test",
-        "--package",
-        "preslide",
-        "--lib",
-        "--",
-    ];
-    run(nightly(&tests).args(["--skip", "fixed_point_gives", "--skip", "halves_give"]))
+    let tests = "+nightly miri test --package preslide --lib -- --skip fixed_point_gives --skip halves_give";
+    run(&mut nightly(&words(tests)))
 }
 
 /// Beside the firmware's builds: cargo lets one command at a time into a folder, and the host's are at work in the other.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use crate::process::{cargo, find, output, output_of, root, run_for};
+use crate::process::{cargo, find, output, output_of, root, run_for, words};
 
 /// Long enough for a slow mirror, short enough that a hanging one ends in a message.
 const INSTALL_LIMIT: Duration = Duration::from_secs(15 * 60);
@@ -111,18 +111,13 @@ pub fn mdbook() -> Result<PathBuf, String> {
             folder.display()
         );
         run_for(
-            cargo(&[
-                "install",
-                "mdbook",
-                "--version",
-                MDBOOK,
-                "--locked",
-                "--debug",
-            ])
-            .args(["--no-default-features", "--force", "--root"])
-            .arg(&folder)
-            .arg("--target-dir")
-            .arg(root().join("target/tools")),
+            cargo(&["install", "mdbook", "--version", MDBOOK])
+                .args(words(
+                    "--locked --debug --no-default-features --force --root",
+                ))
+                .arg(&folder)
+                .arg("--target-dir")
+                .arg(root().join("target/tools")),
             INSTALL_LIMIT,
         )?;
     }

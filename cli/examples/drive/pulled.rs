@@ -25,18 +25,8 @@ const MOVES_COUNTS: i64 = 1000;
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A short motion.
-const WISH: [&str; 10] = [
-    "--travel",
-    "0.02mm",
-    "--speed",
-    "4mm/s",
-    "--acceleration",
-    "0.5m/s2",
-    "--smallest",
-    "1um",
-    "--repeats",
-    "1",
-];
+const WISH: &str =
+    "--travel 0.02mm --speed 4mm/s --acceleration 0.5m/s2 --smallest 1um --repeats 1";
 
 /// What happens to a commissioning, and when.
 struct Pull {
@@ -131,16 +121,9 @@ pub fn pulled(tool: &Path, port: u16, everywhere: bool) -> anyhow::Result<()> {
     let commission = |port: &str| {
         let mut command = Command::new(tool);
         command
-            .args([
-                "commission",
-                port,
-                "--save",
-                "-o",
-                "out",
-                "--experiments",
-                "0",
-            ])
-            .args(WISH)
+            .args(["commission", port, "--save", "-o", "out"])
+            .args(["--experiments", "0"])
+            .args(WISH.split(' '))
             .current_dir(folder.path())
             .stdin(Stdio::null())
             .stdout(Stdio::piped())

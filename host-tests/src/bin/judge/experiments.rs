@@ -190,27 +190,11 @@ fn planned(
     folder: &Path,
 ) -> Result<Vec<(f64, u32)>, String> {
     let path = folder.join("plan.csv");
-    let travel = format!("{travel:e}");
-    let repeats = repeats.to_string();
+    let line = format!(
+        "plan --travel {travel:e} --speed {SPEED} --acceleration {ACCELERATION} --repeats {repeats} --rate 1kHz --smallest 4um -o"
+    );
     let status = Command::new(&tool.command[0])
-        .args([
-            "plan",
-            "--travel",
-            &travel,
-            "--speed",
-            SPEED,
-            "--acceleration",
-            ACCELERATION,
-        ])
-        .args([
-            "--repeats",
-            &repeats,
-            "--rate",
-            "1kHz",
-            "--smallest",
-            "4um",
-            "-o",
-        ])
+        .args(line.split(' '))
         .arg(&path)
         .output()
         .map_err(|e| e.to_string())?;

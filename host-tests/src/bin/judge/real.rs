@@ -21,17 +21,14 @@ pub struct Options {
 /// Files below `../shared` whose path contains `part`: how they are read, and what is known of them. The first that fits counts.
 struct Source {
     part: &'static str,
-    arguments: &'static [&'static str],
+    /// Separated by blanks.
+    arguments: &'static str,
     /// All of them together are one recording.
     joined: bool,
     known: &'static str,
 }
 
-const fn each(
-    part: &'static str,
-    arguments: &'static [&'static str],
-    known: &'static str,
-) -> Source {
+const fn each(part: &'static str, arguments: &'static str, known: &'static str) -> Source {
     Source {
         part,
         arguments,
@@ -43,72 +40,44 @@ const fn each(
 const EMPS: &str = "offset −3.16 N, 203.5 N·s/m, 20.4 N, 95.1 kg (published)";
 const SCREWS: &str = "nothing published but mean torques by speed";
 /// The damper's own load cells are parts of its force.
-const BANDS: &[&str] = &["--ignore", "band_force1_N", "--ignore", "band_force2_N"];
+const BANDS: &str = "--ignore band_force1_N --ignore band_force2_N";
 
 /// Amperes under a name that does not say so alone.
-const AMPERES: &[&str] = &["--map", "current_A=current_iq_A"];
+const AMPERES: &str = "--map current_A=current_iq_A";
 /// The same beside the position in counts.
-const COUNTS: &[&str] = &["--map", "current_A=current_iq_A", "--ignore", "pos_counts"];
+const COUNTS: &str = "--map current_A=current_iq_A --ignore pos_counts";
 
 /// A joint of the robot, without its motor's own angle.
-const JOINT: &[&str] = &[
-    "--map",
-    "q_rad=joint_q_rad",
-    "--map",
-    "effort_raw=motor_torque_raw",
-    "--ignore",
-    "motor_q_rad",
-];
+const JOINT: &str =
+    "--map q_rad=joint_q_rad --map effort_raw=motor_torque_raw --ignore motor_q_rad";
 /// The pendulum's bare names.
-const PENDULUM: &[&str] = &[
-    "--map",
-    "t_s=time",
-    "--map",
-    "q_rad=position",
-    "--map",
-    "torque_Nm=torque",
-    "--map",
-    "qd_rad_s=velocity",
-];
+const PENDULUM: &str =
+    "--map t_s=time --map q_rad=position --map torque_Nm=torque --map qd_rad_s=velocity";
 
 /// Torque per current of the gimbal motor, the outrunner and the robot is not published: results are per ampere, or per unit.
 static SOURCES: [Source; 20] = [
     each(
         ".mat",
-        &[
-            "--map",
-            "t_s=t",
-            "--map",
-            "x_m=qm",
-            "--map",
-            "force_N=gtau*vir",
-        ],
+        "--map t_s=t --map x_m=qm --map force_N=gtau*vir",
         EMPS,
     ),
     // The force is a constant times this voltage.
-    each("recordings/emps/", &["--ignore", "voltage_cmd_V"], EMPS),
+    each("recordings/emps/", "--ignore voltage_cmd_V", EMPS),
     // The friction is negative while x increases.
     each(
         "tribometer",
-        &["--sign", "-1"],
+        "--sign -1",
         "strokes of 230 µm between the same ends: place and displacement are one",
     ),
     each("laas_cogging/hold_map", AMPERES, "settled holds, no motion"),
     each("laas_cogging", AMPERES, "cogging of 72 periods a turn"),
-    each("pneumatic_seal", &[], "constant force: pressure times area"),
+    each("pneumatic_seal", "", "constant force: pressure times area"),
     // The clock starts again at each run.
-    each("steady_state", &["--map", "segment=run"], SCREWS),
-    each("screw_drives", &[], SCREWS),
+    each("steady_state", "--map segment=run", SCREWS),
+    each("screw_drives", "", SCREWS),
     each(
         "staubli_tx40/all_joints",
-        &[
-            "--map",
-            "t_s=t_s",
-            "--map",
-            "q_rad=0.03125*qm6_motor_rad",
-            "--map",
-            "effort_raw=torque_or_current6",
-        ],
+        "--map t_s=t_s --map q_rad=0.03125*qm6_motor_rad --map effort_raw=torque_or_current6",
         "joint 6: coupled to joint 5",
     ),
     each(
@@ -130,7 +99,7 @@ static SOURCES: [Source; 20] = [
         joined: true,
         ..each(
             "bam_xl330",
-            &["--ignore", "duty", "--ignore", "torque_enabled"],
+            "--ignore duty --ignore torque_enabled",
             "gravity, viscous, friction that follows the load",
         )
     },
@@ -150,7 +119,7 @@ static SOURCES: [Source; 20] = [
     },
     each(
         "odrive_cogging/static_hold",
-        &[],
+        "",
         "holding currents by position, no clock",
     ),
     each(
@@ -160,12 +129,12 @@ static SOURCES: [Source; 20] = [
     ),
     each(
         "silverbox",
-        &[],
+        "",
         "an electronic oscillator, no friction; the file has no clock",
     ),
     each(
         "cascaded_tanks",
-        &[],
+        "",
         "two tanks, no motion; the file has no clock",
     ),
 ];
@@ -300,12 +269,8 @@ pub fn run(o: &Options) -> Result<(), String> {
         }
         std::fs::create_dir_all(&folder).map_err(|e| e.to_string())?;
         let begun = std::time::Instant::now();
-        let arguments: Vec<String> = case
-            .source
-            .arguments
-            .iter()
-            .map(|a| (*a).to_owned())
-            .collect();
+        let arguments = case.source.arguments.split_whitespace();
+        let arguments: Vec<String> = arguments.map(str::to_owned).collect();
         let answer = tool.ask(&folder, &case.files, None, &arguments);
         println!("{}", row(&case, &answer, begun.elapsed().as_secs_f64()));
         // The next answer must not be this one.
