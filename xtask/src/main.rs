@@ -50,7 +50,7 @@ const COMMANDS: &[Command] = &[
     },
     Command {
         name: "qemu",
-        help: "the firmware in QEMU against the simulated stage: agreement, faults, sizes; --long with all of the commissioning chapter's motion and ten times the requests; --bless takes new outputs",
+        help: "the firmware in QEMU against the simulated stage: agreement, faults, sizes; --long with all pairs of law and arithmetic, all of the commissioning chapter's motion, the cable pulled in every stage, ten times the requests, and a capture identified; --bless takes new outputs",
         run: qemu::run_command,
     },
     Command {

@@ -2,7 +2,7 @@
 //!
 //! Builds the QEMU board in both arithmetics, in one with the packed kernel (in both with `--long`), shows that its control code has no panic path, prints flash, RAM and
 //! stack, runs the same motion twice in QEMU and once on the host, sends a thousand requests (ten thousand with `--long`) under full telemetry, injects the
-//! faults, lets the stage wear under a firmware that watches it, and identifies the stage's friction from captured telemetry.
+//! faults, lets the stage wear under a firmware that watches it, and with `--long` identifies the stage's friction from captured telemetry.
 //! `cargo xtask stage` only serves the emulated drive.
 
 use std::path::{Path, PathBuf};
@@ -109,7 +109,12 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     let mut wear = Command::new(&rig);
     run_for(wear.arg("wear").arg(&learning), LIMIT)?;
     guided(&rig)?;
-    identified(&rig, &fixed)
+    // A capture is identified in the chain, too.
+    if long {
+        identified(&rig, &fixed)
+    } else {
+        Ok(())
+    }
 }
 
 /// The firmware with the predictive controller as an outer task: as on the host, and where it is late.

@@ -105,9 +105,9 @@ const PULLS: [Pull; 10] = [
 ];
 
 /// Those of [`PULLS`] that show each way once.
-const SHORT: [usize; 4] = [1, 2, 4, 5];
+const SHORT: [usize; 5] = [1, 2, 4, 5, 6];
 
-/// Commissions the drive at the port, the cable pulled and plugged in again, until it is done.
+/// Commissions the drive at the port, the cable pulled and plugged in again; `everywhere` until it is done.
 pub fn pulled(tool: &Path, port: u16, everywhere: bool) -> anyhow::Result<()> {
     let folder = tempfile::tempdir()?;
     let direct = format!("tcp:127.0.0.1:{port}");
@@ -164,28 +164,27 @@ pub fn pulled(tool: &Path, port: u16, everywhere: bool) -> anyhow::Result<()> {
             What::Pulled | What::RunsOn | What::Mute => after.judge(pull)?,
         }
     }
-    let done = commission(&direct).output()?;
-    let said = String::from_utf8_lossy(&done.stdout);
-    let recorded: &[&str] = match everywhere {
-        true => &["careful", "before", "unseen-without"],
-        false => &["careful"],
-    };
-    for name in recorded {
+    // Interrupted and then commissioned to its end it is by `cargo xtask qemu`, too.
+    if everywhere {
+        let done = commission(&direct).output()?;
+        let said = String::from_utf8_lossy(&done.stdout);
+        for name in ["careful", "before", "unseen-without"] {
+            ensure!(
+                said.contains(&format!("{name}: recorded before")),
+                "what was recorded was not kept: {said}"
+            );
+        }
+        let page = folder.path().join("out/report.html").exists();
         ensure!(
-            said.contains(&format!("{name}: recorded before")),
-            "what was recorded was not kept: {said}"
+            done.status.success() && page,
+            "plugged in for good, it ended with {}: {}",
+            done.status,
+            String::from_utf8_lossy(&done.stderr)
         );
+        println!("then commissioned to its end");
     }
-    let page = folder.path().join("out/report.html").exists();
-    ensure!(
-        done.status.success() && page,
-        "plugged in for good, it ended with {}: {}",
-        done.status,
-        String::from_utf8_lossy(&done.stderr)
-    );
     let said = run(tool, &direct, &["state"])?;
     ensure!(said.contains("disabled"), "it is left enabled: {said}");
-    println!("then commissioned to its end");
     Ok(())
 }
 
