@@ -53,9 +53,13 @@ fn main() -> anyhow::Result<()> {
         }
         ["track", seed, index, none, folder] => {
             let (trial, folder) = (trial(seed, index)?, Path::new(folder));
-            let error = |name: &str| track(&trial, &folder.join(name));
+            let of = |elf: &Path| match elf.exists() {
+                true => track(&trial, elf),
+                false => Ok(None),
+            };
+            let error = |name: &str| of(&folder.join(name));
             let errors = Errors {
-                none: track(&trial, Path::new(none))?,
+                none: of(Path::new(none))?,
                 before: error("before.elf")?,
                 refit: error("refit.elf")?,
                 after: error("after.elf")?,

@@ -32,12 +32,17 @@ const LOCATED_CALIBRATED: &str = "0.124";
 const WORKERS: usize = 2;
 
 pub fn run_command(arguments: &[String]) -> Result<(), String> {
-    let (mut seed, mut count, mut electrical) = (1_u64, 6_usize, false);
+    let (mut seed, mut count, mut electrical, mut brief) = (1_u64, 6_usize, false, false);
     let mut kernel = None;
     let mut words = arguments.iter();
     while let Some(word) = words.next() {
-        if word == "--electrical" {
-            electrical = true;
+        let flag = match word.as_str() {
+            "--electrical" => Some(&mut electrical),
+            "--brief" => Some(&mut brief),
+            _ => None,
+        };
+        if let Some(flag) = flag {
+            *flag = true;
             continue;
         }
         let value = words.next().map(String::as_str).unwrap_or_default();
@@ -52,15 +57,20 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
         };
         if !known {
             return Err(format!(
-                "`chain` takes --seed N, --count K, --kernel NAME and --electrical, got `{}`",
+                "`chain` takes --seed N, --count K, --kernel NAME, --electrical and --brief, got `{}`",
                 arguments.join(" ")
             ));
         }
     }
-    chain(seed, count, kernel, electrical)
+    chain((seed, count), kernel, electrical, brief)
 }
 
-fn chain(seed: u64, count: usize, kernel: Option<String>, electrical: bool) -> Result<(), String> {
+fn chain(
+    (seed, count): (u64, usize),
+    kernel: Option<String>,
+    electrical: bool,
+    brief: bool,
+) -> Result<(), String> {
     Need::Qemu.ensure()?;
     build_as_tests(&["--bin", "preslide", "--example", "chain"])?;
     let shipped = build("preslide-qemu", "qemu-fixed", &[])?;
@@ -69,6 +79,7 @@ fn chain(seed: u64, count: usize, kernel: Option<String>, electrical: bool) -> R
         seed: seed.to_string(),
         kernel,
         electrical,
+        brief,
         shipped,
         folder,
         building: Mutex::new(()),
@@ -97,6 +108,8 @@ struct Chain {
     kernel: Option<String>,
     /// On the electrical stage.
     electrical: bool,
+    /// What decides alone is tracked: the model after the diagnosis and the stage's own.
+    brief: bool,
     /// The firmware as it comes, which is recorded.
     shipped: PathBuf,
     folder: PathBuf,
@@ -110,7 +123,10 @@ impl Chain {
         make(&self.folder)?;
         let model = self.folder.join("none.toml");
         std::fs::write(&model, NONE).map_err(|e| format!("{}: {e}", model.display()))?;
-        let none = self.image(&self.folder, "none", &[])?;
+        if !self.brief {
+            self.image(&self.folder, "none", &[])?;
+        }
+        let none = self.folder.join("none.elf");
         let folders: Vec<PathBuf> = (0..count)
             .map(|index| self.folder.join(index.to_string()))
             .collect();
@@ -171,9 +187,15 @@ impl Chain {
         quiet(diagnose.arg("--json").arg(file("diagnosis.json")))?;
         quiet(self.steps(&["known"]).arg(&index).arg(file("known.toml")))?;
 
-        for name in ["before", "after", "known"] {
+        for name in ["after", "known"] {
             self.image(folder, name, &[])?;
         }
+        let mut track = self.steps(&["track"]);
+        track.arg(&index).arg(none).arg(folder).args(self.stage());
+        if self.brief {
+            return quiet(&mut track);
+        }
+        self.image(folder, "before", &[])?;
         // What the refitted blocks do by themselves.
         let after = std::fs::read_to_string(file("after.toml")).map_err(|e| e.to_string())?;
         let ids = after.lines().filter_map(|line| line.strip_prefix("id = "));
@@ -183,8 +205,7 @@ impl Chain {
         let refit = file("refit.toml");
         std::fs::write(&refit, &after).map_err(|e| format!("{}: {e}", refit.display()))?;
         self.image(folder, "refit", &ids)?;
-        let mut track = self.steps(&["track"]);
-        quiet(track.arg(&index).arg(none).arg(folder).args(self.stage()))
+        quiet(&mut track)
     }
 
     /// When the firmware has been told where it stands (s).

@@ -60,7 +60,7 @@ const COMMANDS: &[Command] = &[
     },
     Command {
         name: "chain",
-        help: "concealed effects recorded, diagnosed, compiled into the firmware and tracked again; --seed N, --count K",
+        help: "concealed effects recorded, diagnosed, compiled into the firmware and tracked again; --seed N, --count K, --brief with what decides alone",
         run: chain::run_command,
     },
     Command {

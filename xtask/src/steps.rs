@@ -214,7 +214,7 @@ pub const STEPS: &[Step] = &[
         lane: Lane::Beside,
         run: |tier| {
             // One effect, named and tracked close to what is possible, by the kernel that is recommended for the board's core.
-            let short = ["--count", "1", "--kernel", "packed_f32"].map(str::to_owned);
+            let short = ["--count", "1", "--kernel", "packed_f32", "--brief"].map(str::to_owned);
             crate::chain::run_command(match tier {
                 Tier::Gate => &short,
                 Tier::All => &[],

@@ -26,7 +26,7 @@ struct Named {
     confidence: f64,
 }
 
-/// RMS tracking errors (m) with the same gains; `None` where the firmware gave up.
+/// RMS tracking errors (m) with the same gains; `None` where the firmware gave up, or was not run.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Errors {
     /// Without any friction model.
@@ -103,8 +103,7 @@ pub fn table(rows: &[Row]) -> (String, bool) {
         let confidence = names
             .first()
             .map_or("–".to_owned(), |name| format!("{:.2}", name.confidence));
-        let nm =
-            |error: Option<f64>| error.map_or("fault".to_owned(), |e| format!("{:.0}", e * 1e9));
+        let nm = |error: Option<f64>| error.map_or("–".to_owned(), |e| format!("{:.0}", e * 1e9));
         let Errors {
             none,
             before,
