@@ -1,5 +1,6 @@
 """Exported joints in MuJoCo move as the model's own simulation does."""
 
+import os
 import pathlib
 import re
 
@@ -15,6 +16,8 @@ BENCH = pathlib.Path(__file__).resolve().parents[3] / "shared" / "benches" / "ba
 DUTY = {"torque_Nm": "duty"}
 #: Steps of MuJoCo in a sample.
 STEPS = 20
+#: Half a minute together.
+LONG = pytest.mark.skipif(os.environ.get("PRESLIDE_LONG") != "1", reason="long: `cargo xtask test --all python`")
 #: RMS of the difference over the motion's deviation. Both solve the same equation; the steps and MuJoCo's soft friction are what differs.
 AS_GOOD = 0.01
 
@@ -81,6 +84,7 @@ def test_the_servos_joint_moves_as_its_model(servo, motion):
     assert apart(out, position, f"kp200_{motion}") < AS_GOOD
 
 
+@LONG
 def test_what_the_joint_cannot_hold_is_said(servo):
     """Fitted to its motion, the servo's friction is that of what its gear transmits, and a joint has none of it."""
     model = preslide.identify(*servo, map=DUTY, criterion="motion").model
@@ -160,6 +164,7 @@ def test_a_mujoco_model_is_a_simulation_that_is_corrected():
     assert again.baseline.nmse_test < 0.1 * found.baseline.nmse_test
 
 
+@LONG
 def test_a_mujoco_model_that_moves_under_the_recorded_force_is_corrected():
     """Force to motion, by `mj_step`: the machine is the same model with a cogging besides, moved by a controller."""
     step = 2e-3
