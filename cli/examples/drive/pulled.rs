@@ -138,6 +138,8 @@ pub fn pulled(tool: &Path, port: u16, everywhere: bool) -> anyhow::Result<()> {
         let mut cable = Cable::plug(&plug, port)?;
         let after = cable.carry(pull, begun.id());
         let ended = begun.wait_with_output()?;
+        // The emulator hears one client at a time.
+        drop(cable);
         let said = String::from_utf8_lossy(&ended.stderr);
         let stage = format!("in stage `{}`", pull.stage);
         let after = after.with_context(|| format!("{stage}: {said}"))?;
