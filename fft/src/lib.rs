@@ -29,9 +29,3 @@ impl Planner {
         self.0.plan_fft_inverse(length)
     }
 }
-
-/// The spectrum of complex samples, in their place.
-pub fn in_place(samples: &mut [Complex64]) {
-    let mut planner = rustfft::FftPlanner::new();
-    planner.plan_fft_forward(samples.len()).process(samples);
-}
