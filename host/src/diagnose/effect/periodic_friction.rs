@@ -44,6 +44,7 @@ impl Effect for PeriodicFriction {
         true
     }
 
+    /// A ripple of all that resists the motion, viscous friction too, differs from it by inertia and weight alone.
     fn in_place(&self) -> &'static [&'static dyn Effect] {
         &[&TorqueRipple]
     }

@@ -1,6 +1,5 @@
 //! `F = command·(1 + a·cos(2πx/p + φ))`: the motor's constant over its angle.
 
-use super::periodic_friction::PeriodicFriction;
 use super::readout::enter;
 use super::wave::{amplitude_phase_and_shape, wave};
 use super::{Class, Effect, Fitted, Line, Part, Scale, Scene};
@@ -40,11 +39,6 @@ impl Effect for TorqueRipple {
 
     fn shown_by(&self) -> &'static [Part] {
         &[Part::Passes, Part::Fast]
-    }
-
-    /// A ripple of all that resists the motion, viscous friction too, differs from it by inertia and weight alone.
-    fn in_place(&self) -> &'static [&'static dyn Effect] {
-        &[&PeriodicFriction]
     }
 
     fn shape(&self) -> &'static [(&'static str, Scale)] {
