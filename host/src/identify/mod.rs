@@ -336,19 +336,10 @@ fn fitted(
         keep_from_gaps(&mut split, recording, reach);
     }
     let mut unknown = channel.unknown(reach);
-    // A first file that begins at rest begins as the models do; what another began with nobody saw.
+    // The first file begins from rest, as the models do; what another began with nobody saw.
     let later = recording.joined.iter().skip(1);
     unknown.extend(later.map(|file| not_yet_known(recording, file)));
-    if inertial {
-        unknown.extend(cut_from_a_motion(recording, reach));
-    }
-    let mut is_known = vec![true; recording.len()];
-    for range in unknown {
-        is_known[range].fill(false);
-    }
-    for fold in &mut split.folds {
-        fold.retain(|i| is_known[*i]);
-    }
+    leave_out(&mut split, recording, unknown);
     let effort = if inertial {
         kinematics.filter.smooth(&recording.effort)
     } else {
@@ -357,17 +348,30 @@ fn fitted(
     let mut notes: Vec<String> = recording.per_unit().into_iter().collect();
     notes.extend(overlap(options));
     notes.extend(channel.words(recording.effort_unit()));
-    let fitting = Fitting {
-        recording,
-        kinematics,
-        effort: &effort,
-        split: &split,
-        train: &split.train(),
-        inertial,
+    let own_notes = notes.len();
+    let of_train = |train: &[usize], split: &Split, notes: &mut Vec<String>| {
+        let fitting = Fitting {
+            recording,
+            kinematics,
+            effort: &effort,
+            split,
+            train,
+            inertial,
+        };
+        let found = fitting.fit(progress, notes)?;
+        let hysteresis = &found.candidates[found.recommended].model.friction;
+        let between = between(&fitting, found.plain, hysteresis);
+        Ok::<_, String>((found, between))
     };
-    let found = fitting.fit(progress, &mut notes)?;
-    let hysteresis = &found.candidates[found.recommended].model.friction;
-    let between = between(&fitting, found.plain, hysteresis);
+    let mut told = of_train(&split.train(), &split, &mut notes)?;
+    let cut = cut_from_a_motion(recording, reach);
+    let fitted = &told.0.candidates[told.0.recommended].fitted;
+    if inertial && stands_out(&cut, &split.train(), &effort, fitted) {
+        leave_out(&mut split, recording, cut);
+        notes.truncate(own_notes);
+        told = of_train(&split.train(), &split, &mut notes)?;
+    }
+    let (found, between) = told;
     notes.extend(between.iter().map(|change| change.words(recording)));
     let mut identification = Identification {
         band_hz: kinematics.filter.cutoff_hz(),
@@ -428,7 +432,7 @@ fn split(recording: &Recording, options: &Options) -> Result<Split, String> {
 }
 
 /// Samples at the ends of files that were cut from a motion: a filter that reaches so far has nobody's samples there, and friction a state that nobody
-/// saw. A chirp that began at 25 mm/s made viscous friction 9.01 of 8 by its first fifth of a second.
+/// saw.
 fn cut_from_a_motion(recording: &Recording, reach: usize) -> Vec<Range<usize>> {
     /// Samples in which an axis that stood has hardly moved.
     const FEW: usize = 3;
@@ -449,6 +453,31 @@ fn cut_from_a_motion(recording: &Recording, reach: usize) -> Vec<Range<usize>> {
     in_motion
         .map(|(_, range)| range.start..range.end.min(recording.len()))
         .collect()
+}
+
+/// Whether a fit leaves far more there than elsewhere: a chirp that began at 25 mm/s made viscous friction 9.01 of 8 by its first fifth of a second.
+fn stands_out(there: &[Range<usize>], train: &[usize], effort: &[f64], fitted: &[f64]) -> bool {
+    /// Times as much, in root mean squares.
+    const FAR_MORE: f64 = 5.0;
+    let (mut own, mut others) = ((0.0, 0.0), (0.0, 0.0));
+    for &i in train {
+        let is_there = there.iter().any(|range| range.contains(&i));
+        let sum = if is_there { &mut own } else { &mut others };
+        sum.0 += (effort[i] - fitted[i]).powi(2);
+        sum.1 += 1.0;
+    }
+    own.1 > 0.0 && others.1 > 0.0 && own.0 / own.1 > FAR_MORE * FAR_MORE * others.0 / others.1
+}
+
+/// Leaves samples out of the fit.
+fn leave_out(split: &mut Split, recording: &Recording, ranges: Vec<Range<usize>>) {
+    let mut is_known = vec![true; recording.len()];
+    for range in ranges {
+        is_known[range].fill(false);
+    }
+    for fold in &mut split.folds {
+        fold.retain(|i| is_known[*i]);
+    }
 }
 
 /// Leaves out of the fit what stands beside a gap within a recording; a fold of which that is most stays whole.
