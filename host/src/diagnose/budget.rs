@@ -68,18 +68,22 @@ pub(super) fn budget(
         .filter_map(|f| Some((f.effect, f.term?)))
         .collect();
     let test = |which: &dyn Fn(usize) -> bool| {
-        let names = terms.iter().filter(|(effect, _)| which(*effect));
-        let all: Vec<Term> = begun
-            .iter()
-            .chain(names.map(|(_, t)| *t))
-            .cloned()
+        let names: Vec<&Term> = (terms.iter())
+            .filter(|(effect, _)| which(*effect))
+            .map(|(_, term)| *term)
             .collect();
-        Some(null.fit(&all)?.nmse(&null.rows).test)
+        match names.len() {
+            0 => Some(left),
+            n if n == terms.len() => Some(to),
+            _ => {
+                let all: Vec<Term> = begun.iter().chain(names).cloned().collect();
+                Some(null.fit(&all)?.nmse(&null.rows).test)
+            }
+        }
     };
-    let (none, all) = (test(&|_| false), test(&|_| true));
     let value = |effect: usize| {
-        let first = none? - test(&|e| e == effect)?;
-        let last = test(&|e| e != effect)? - all?;
+        let first = left - test(&|e| e == effect)?;
+        let last = test(&|e| e != effect)? - to;
         Some(0.5 * (first.max(0.0) + last.max(0.0)))
     };
     let values: Vec<f64> = terms
