@@ -47,6 +47,10 @@ impl Recording {
     /// What share of the load the effort holds, where that is all of it.
     fn held_share(&self) -> Option<f64> {
         let load = self.load_n.as_ref()?;
+        // Of a file that is read for its motion alone, or its effort.
+        if self.effort.len() != load.len() || self.position.len() != load.len() {
+            return None;
+        }
         let half = ((HALF_WIDTH_S / self.sample_time_s).round() as usize).max(1);
         let width = half as f64 * self.sample_time_s;
         let inner = self.pieces.iter().flat_map(|p| {
