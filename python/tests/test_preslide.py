@@ -112,7 +112,7 @@ def test_errors_are_the_tools_words(tool, axis, tmp_path):
 def test_progress_is_heard_and_what_it_raises_arrives(axis):
     heard = []
     preslide.identify(axis / "recording.csv", progress=lambda *step: heard.append(step))
-    assert heard and all(what == "identify" and 0 < done <= of for what, done, of in heard)
+    assert heard[0][0] == "identify" and all(what and 0 < done <= of for what, done, of in heard)
 
     def tired(*_):
         raise KeyboardInterrupt
