@@ -9,7 +9,7 @@
 
 use anyhow::{Context, bail};
 use preslide_axis::AxisFile;
-use preslide_sim::chain::{Errors, Row, Trial, known, rehearse, serve, table, track};
+use preslide_sim::chain::{Errors, Row, Tracked, Trial, known, rehearse, serve, table, track};
 use rayon::prelude::*;
 use serde::de::DeserializeOwned;
 use std::path::Path;
@@ -54,8 +54,8 @@ fn main() -> anyhow::Result<()> {
         ["track", seed, index, none, folder] => {
             let (trial, folder) = (trial(seed, index)?, Path::new(folder));
             let of = |elf: &Path| match elf.exists() {
-                true => track(&trial, elf),
-                false => Ok(None),
+                true => track(&trial, elf).map(Tracked::from),
+                false => Ok(Tracked::NotRun),
             };
             let error = |name: &str| of(&folder.join(name));
             let errors = Errors {

@@ -144,11 +144,11 @@ pub fn rehearse(trial: &Trial) -> anyhow::Result<Row> {
         told: serde_json::from_value(diagnosis.to_json(&recording, 0.0))
             .context("the diagnosis in JSON")?,
         errors: Errors {
-            none: error(None)?,
-            before: error(Some(before))?,
-            refit: error(Some(&refit))?,
-            after: error(Some(&after))?,
-            known: error(Some(&known))?,
+            none: error(None)?.into(),
+            before: error(Some(before))?.into(),
+            refit: error(Some(&refit))?.into(),
+            after: error(Some(&after))?.into(),
+            known: error(Some(&known))?.into(),
         },
     })
 }

@@ -26,19 +26,49 @@ struct Named {
     confidence: f64,
 }
 
-/// RMS tracking errors (m) with the same gains; `None` where the firmware gave up, or was not run.
+/// How well a motion was tracked.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub enum Tracked {
+    /// Nobody asked.
+    #[default]
+    NotRun,
+    /// The firmware gave up.
+    Fault,
+    /// RMS error (m).
+    Within(f64),
+}
+
+impl From<Option<f64>> for Tracked {
+    /// Of an RMS error (m) where the firmware did not give up.
+    fn from(error: Option<f64>) -> Self {
+        error.map_or(Self::Fault, Self::Within)
+    }
+}
+
+impl Tracked {
+    /// In nm.
+    fn words(self) -> String {
+        match self {
+            Self::NotRun => "–".to_owned(),
+            Self::Fault => "fault".to_owned(),
+            Self::Within(error) => format!("{:.0}", error * 1e9),
+        }
+    }
+}
+
+/// How well the same gains tracked.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Errors {
     /// Without any friction model.
-    pub none: Option<f64>,
+    pub none: Tracked,
     /// With what `identify` found.
-    pub before: Option<f64>,
+    pub before: Tracked,
     /// With the blocks that `diagnose` refitted, but without the effects that it added.
-    pub refit: Option<f64>,
+    pub refit: Tracked,
     /// With both.
-    pub after: Option<f64>,
+    pub after: Tracked,
     /// With the stage's own parameters.
-    pub known: Option<f64>,
+    pub known: Tracked,
 }
 
 /// One trial.
@@ -67,7 +97,10 @@ impl Row {
 
     /// Error after the chain over that with the truth known (-).
     fn ratio(&self) -> Option<f64> {
-        Some(self.errors.after? / self.errors.known?)
+        match (self.errors.after, self.errors.known) {
+            (Tracked::Within(after), Tracked::Within(known)) => Some(after / known),
+            _ => None,
+        }
     }
 
     /// The chain ended within 1.3 times what knowing the truth gives.
@@ -103,7 +136,6 @@ pub fn table(rows: &[Row]) -> (String, bool) {
         let confidence = names
             .first()
             .map_or("–".to_owned(), |name| format!("{:.2}", name.confidence));
-        let nm = |error: Option<f64>| error.map_or("–".to_owned(), |e| format!("{:.0}", e * 1e9));
         let Errors {
             none,
             before,
@@ -123,11 +155,11 @@ pub fn table(rows: &[Row]) -> (String, bool) {
             confidence,
             row.told.baseline.nmse_test,
             row.told.extended.nmse_test,
-            nm(none),
-            nm(before),
-            nm(refit),
-            nm(after),
-            nm(known),
+            none.words(),
+            before.words(),
+            refit.words(),
+            after.words(),
+            known.words(),
             row.ratio()
                 .map_or("–".to_owned(), |ratio| format!("{ratio:.2}")),
         );
