@@ -42,10 +42,7 @@ impl Recording {
     pub fn join(mut recordings: Vec<Recording>) -> Result<Recording, String> {
         let turned = flip_alike(&mut recordings);
         // One machine holds its load in each of them, or in none.
-        if let Some(times) = recordings.iter().find_map(|r| r.load_held) {
-            let others = recordings.iter_mut().filter(|r| r.load_held.is_none());
-            others.for_each(|r| r.take_off(times));
-        }
+        Self::take_off_alike(&mut recordings);
         let mut rest = recordings.into_iter();
         let mut whole = rest.next().ok_or("no recording given")?;
         whole.warnings.extend(turned);

@@ -5,7 +5,7 @@ use crate::report::figures::three;
 use crate::statistics::LeastSquares;
 
 /// Code of the warning that says so.
-pub const LOAD_HELD: &str = "load-held";
+const LOAD_HELD: &str = "load-held";
 
 /// By how much less or more than the load the effort may hold and hold it whole: gear and sensor are calibrated to within it.
 const WHOLE: f64 = 0.1;
@@ -34,8 +34,27 @@ impl Recording {
         }
     }
 
+    /// Takes a load off the efforts of those that do not tell by themselves, where the drive of another of the machine holds it, and says so.
+    pub(super) fn take_off_alike(recordings: &mut [Self]) {
+        let teller = recordings
+            .iter()
+            .find_map(|r| Some((r.load_held?, r.name.clone())));
+        let Some((times, teller)) = teller else {
+            return;
+        };
+        let does_not_tell = |r: &&mut Self| r.load_held.is_none() && r.load_n.is_some();
+        for other in recordings.iter_mut().filter(does_not_tell) {
+            other.take_off(times);
+            let told = format!(
+                "the load is taken off the effort of {} like that of {teller}: its own motion does not tell",
+                other.name
+            );
+            other.warnings.push(Warning::new(LOAD_HELD, told));
+        }
+    }
+
     /// Takes the load, so many times, off the effort.
-    pub(super) fn take_off(&mut self, times: f64) {
+    fn take_off(&mut self, times: f64) {
         let load = self.load_n.iter().flatten();
         self.effort
             .iter_mut()
@@ -98,13 +117,15 @@ impl Recording {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{LoadOptions, load_csv};
+    use super::super::{LoadOptions, Recording, load_csv};
+    use super::LOAD_HELD;
 
-    /// An axis with friction, a spring and a load that is anybody's, of which the effort holds a share and friction follows another.
-    fn effort_and_load(held: f64, followed: f64) -> (Vec<f64>, Vec<f64>, Vec<&'static str>) {
+    /// So many samples of an axis with friction, a spring and a load that is anybody's, of which the effort holds a share and friction follows another;
+    /// and its effort without what is held.
+    fn made(samples: u32, held: f64, followed: f64) -> (Recording, Vec<f64>) {
         let mut text = String::from("t_s,x_m,force_N,load_N\n");
         let mut without = Vec::new();
-        for i in 0..8000 {
+        for i in 0..samples {
             let t = f64::from(i) * 1e-3;
             let (x, v) = (0.02 * (1.9 * t).sin(), 0.038 * (1.9 * t).cos());
             let load = 12.0 * (0.7 * t).sin() + 5.0 * (2.3 * t + 0.4).cos();
@@ -113,26 +134,39 @@ mod tests {
             text += &format!("{t:.3},{x:e},{:e},{load:e}\n", own + held * load);
         }
         let read = load_csv(text.as_bytes(), "load.csv", &LoadOptions::default());
-        let read = read.unwrap_or_else(|e| panic!("{e}"));
-        let codes = read.warnings.iter().map(|w| w.code).collect();
-        (read.effort, without, codes)
+        (read.unwrap_or_else(|e| panic!("{e}")), without)
+    }
+
+    fn times_told(recording: &Recording) -> usize {
+        let mut codes = recording.warnings.iter().map(|w| w.code);
+        codes.by_ref().filter(|code| *code == LOAD_HELD).count()
+    }
+
+    fn is_off(effort: &[f64], without: &[f64]) {
+        let apart = effort.iter().zip(without).map(|(f, o)| (f - o).abs());
+        let most = apart.fold(0.0, f64::max);
+        assert!(effort.len() == without.len() && most < 1e-9, "{most}");
     }
 
     #[test]
     fn what_the_drive_holds_is_taken_off_and_what_friction_follows_is_not() {
         for (held, followed) in [(1.0, 0.0), (-1.0, 0.0), (1.0, 0.15)] {
-            let (effort, without, codes) = effort_and_load(held, followed);
-            assert!(codes.contains(&super::LOAD_HELD), "{codes:?}");
-            let apart = effort.iter().zip(&without).map(|(f, o)| (f - o).abs());
-            let most = apart.fold(0.0, f64::max);
-            assert!(most < 1e-9, "{held} {followed}: {most}");
+            let (recording, without) = made(8000, held, followed);
+            assert_eq!(times_told(&recording), 1, "{:?}", recording.warnings);
+            is_off(&recording.effort, &without);
         }
         for (held, followed) in [(0.0, 0.15), (0.0, 0.0), (0.5, 0.0)] {
-            let (_, _, codes) = effort_and_load(held, followed);
-            assert!(
-                !codes.contains(&super::LOAD_HELD),
-                "{held} {followed}: {codes:?}"
-            );
+            let (recording, _) = made(8000, held, followed);
+            assert_eq!(times_told(&recording), 0, "{held} {followed}");
         }
+    }
+
+    #[test]
+    fn a_file_that_does_not_tell_is_as_another_of_the_machine_and_says_so() {
+        let [(long, of_long), (short, of_short)] = [8000, 80].map(|n| made(n, 1.0, 0.0));
+        assert_eq!(times_told(&short), 0, "{:?}", short.warnings);
+        let whole = Recording::join(vec![long, short]).expect("one machine");
+        assert_eq!(times_told(&whole), 2, "{:?}", whole.warnings);
+        is_off(&whole.effort, &[of_long, of_short].concat());
     }
 }
