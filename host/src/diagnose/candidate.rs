@@ -19,8 +19,8 @@ const PERIODS: f64 = 1.5;
 /// The same of a line whose period was refined, which may lie a little beyond: a longer one is a slope and no ripple.
 const REFINED: f64 = 1.25;
 
-/// Share of the effort's squares that must not be friction's for a ripple of the one to be told from one of the other: on a tribometer, where less is,
-/// five of them took the place of one friction spot.
+/// Share of the effort's squares that must not be friction's for its ripples to be looked for by themselves: on a tribometer, where less is, five of
+/// them took the place of one friction spot. There one is tried in the place of a friction ripple alone.
 const FRICTION_ALONE: f64 = 0.5;
 
 /// Standard deviations by which a rival is clearly worse.

@@ -45,15 +45,13 @@ impl Diagnosis {
         }
         let refitted = null.fit(&terms);
         let state = refitted.as_ref().unwrap_or(&self.states[1]);
-        let coarser = user.filter(|_| !null.core.corrects);
-        let coarser = coarser.and_then(|_| {
+        let coarse = (user.is_some() && !null.core.corrects).then(|| {
             let null = null.coarser(&terms)?;
             Some((null.fit(&terms)?, null))
         });
-        let core = match &coarser {
-            Some((state, null)) => self.on_the_core(null, state, recording, user),
-            None => self.on_the_core(null, state, recording, user),
-        };
+        let coarse = coarse.flatten();
+        let (on, of) = coarse.as_ref().map_or((state, null), |(s, n)| (s, n));
+        let core = self.on_the_core(of, on, recording, user);
         let recording = &recording.at_one_rate();
         let of_fit = self.fit.as_ref().and_then(|fit| fit.model());
         let of_fit = of_fit.as_ref();

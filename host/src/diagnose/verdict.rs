@@ -13,7 +13,7 @@ use super::fit::Fit;
 use super::given::Given;
 use super::hysteresis::{self, Shape};
 use super::lack::{Lack, lacks};
-use super::measured::measured;
+use super::measured::{Begun, measured};
 use super::named::{CERTAIN, EVEN, Name, Named};
 use super::naming::TermReport;
 use super::null_model::{Hypothesis, Nmse, NullModel};
@@ -169,11 +169,27 @@ pub fn conclude(
         .filter_map(|s| named(&found, s, mechanics))
         .collect();
     let kept: Vec<Term> = found.hypothesis.terms[..given].to_vec();
-    let (mut null, mut extended) = measured(&found, &kept, &mut effects)?;
+    // The fit's physics, on the core that names are judged on or on its own law, which predicts better where the core fits what happens once.
+    let law = of_fit.filter(|_| user.is_none());
+    let begins = |null: &NullModel| {
+        let first = null.fit_as_given(&[kept.as_slice(), &found.known.terms].concat())?;
+        let on_the_core = first.nmse(&null.rows);
+        let own = law.and_then(|m| Given::of(null, &first, recording, m));
+        let own = own.map(|own| own.refitted);
+        let left = own.filter(|own| own.test < on_the_core.test);
+        Some(Begun {
+            left: left.unwrap_or(on_the_core),
+            first,
+        })
+    };
+    let (mut null, mut begun, mut extended) = measured(&found, &kept, begins, &mut effects)?;
     if of_the_simulation(&null, &extended, &mut effects) {
-        (null, extended) = measured(&found, &kept, &mut effects)?;
+        (null, begun, extended) = measured(&found, &kept, begins, &mut effects)?;
     }
-    let first = null.fit_as_given(&[kept.as_slice(), &found.known.terms].concat())?;
+    let Begun {
+        first,
+        left: mut baseline,
+    } = begun;
     let given_model = user.and_then(|m| Given::of(&null, &extended, recording, m));
     // Where all names together leave much of the effort, none of them is sure but a line that stands out of chance by itself.
     let reached = extended.nmse(&null.rows);
@@ -181,14 +197,6 @@ pub fn conclude(
         let is_doubtful = |e: &&mut Named| !(e.is_narrow() && e.confidence >= CERTAIN);
         let doubtful = effects.iter_mut().filter(is_doubtful);
         doubtful.for_each(|e| e.confident = false);
-    }
-    let mut baseline = first.nmse(&null.rows);
-    // The fit's physics, on the core that names are judged on or on its own law, which predicts better where the core fits what happens once.
-    let law = of_fit.filter(|_| user.is_none());
-    if let Some(own) = law.and_then(|m| Given::of(&null, &first, recording, m))
-        && own.refitted.test < baseline.test
-    {
-        baseline = own.refitted;
     }
     if null.core.corrects {
         // Nothing of a simulation as it is was fitted.

@@ -1,7 +1,7 @@
 //! A diagnosis in sentences, in the machine's own units.
 
 use super::axis::Axis;
-use super::effect::{Effect, actuator_saturation::READING};
+use super::effect::{Effect, Line, actuator_saturation::READING};
 use super::given::{Given, Refitted};
 use super::hysteresis;
 use super::named::{Name, Named};
@@ -185,9 +185,18 @@ pub(super) fn place_words(place: &Place, recording: &Recording) -> String {
     )
 }
 
-/// How large an effect's force is: of the friction level where it goes with the direction, else in its unit.
+/// How large an effect's force is: of the effort where it is a share of that, of the friction level where it goes with the direction, else in its unit.
 fn size(found: &Diagnosis, effect: &Named, recording: &Recording) -> String {
     let force = &effect.force;
+    if let Name::Entry(entry) = effect.name
+        && entry.line() == Some(Line::Effort)
+        && let Some((_, share)) = effect.parameters.first()
+    {
+        return format!(
+            "the motor gives up to {} more or less for its current",
+            percent(share.value)
+        );
+    }
     let large = quantile_between_ranks(&force.iter().map(|f| f.abs()).collect::<Vec<_>>(), 0.98);
     let level = found.null.baseline.level;
     let of_level = percent(large / level.max(1e-300));

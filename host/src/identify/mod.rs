@@ -351,29 +351,32 @@ fn fitted(
     notes.extend(overlap(options));
     notes.extend(channel.words(recording.effort_unit()));
     let own_notes = notes.len();
-    let of_train =
-        |train: &[usize], split: &Split, notes: &mut Vec<String>, progress: &Progress| {
-            let fitting = Fitting {
-                recording,
-                kinematics,
-                effort: &effort,
-                split,
-                train,
-                inertial,
-            };
-            let found = fitting.fit(progress, notes)?;
-            let hysteresis = &found.candidates[found.recommended].model.friction;
-            let between = between(&fitting, found.plain, hysteresis);
-            Ok::<_, String>((found, between))
-        };
-    let mut told = of_train(&split.train(), &split, &mut notes, progress)?;
-    let cut = cut_from_a_motion(recording, reach);
-    let fitted = &told.0.candidates[told.0.recommended].fitted;
-    if inertial && stands_out(&cut, &split.train(), &effort, fitted) {
-        leave_out(&mut split, recording, cut);
+    let mut train = split.train();
+    let mut of_train = |split: &Split, train: &[usize], progress: &Progress| {
         notes.truncate(own_notes);
-        let progress = Progress::new("without its ends", STEPS);
-        told = of_train(&split.train(), &split, &mut notes, &progress)?;
+        let fitting = Fitting {
+            recording,
+            kinematics,
+            effort: &effort,
+            split,
+            train,
+            inertial,
+        };
+        let found = fitting.fit(progress, &mut notes)?;
+        let hysteresis = &found.candidates[found.recommended].model.friction;
+        let between = between(&fitting, found.plain, hysteresis);
+        Ok::<_, String>((found, between))
+    };
+    let mut told = of_train(&split, &train, progress)?;
+    if inertial {
+        let cut = cut_from_a_motion(recording, reach);
+        let fitted = &told.0.candidates[told.0.recommended].fitted;
+        if stands_out(&cut, &train, &effort, fitted) {
+            leave_out(&mut split, recording, cut);
+            train = split.train();
+            let progress = Progress::new("without its ends", STEPS);
+            told = of_train(&split, &train, &progress)?;
+        }
     }
     let (found, between) = told;
     notes.extend(between.iter().map(|change| change.words(recording)));

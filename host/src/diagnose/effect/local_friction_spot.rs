@@ -17,7 +17,7 @@ const WIDTH: usize = 1;
 /// looking at axes of seeds 1, 2 and 3 (spots 0.09 to 0.13, maps that were taken for spots 0.25 to 0.43).
 const WIDEST: f64 = 1.0 / 6.0;
 
-/// Times its level that friction is more at a spot, at most: a drive is seldom good for as much.
+/// Times its level that friction is more at a spot, at most: a drive is seldom good for as much. Set by hand, after a gap had made spots of 24.
 const BINDS: f64 = 5.0;
 
 /// `local_friction_spot`.
