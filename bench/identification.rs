@@ -5,10 +5,10 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use preslide::{Block, Friction, Gms, Motion, QuasiStaticGms, Sliding, Units};
-use preslide_host::identify::{Options, identify};
+use preslide_fit::identify::{Options, identify};
+use preslide_fit::progress::Progress;
+use preslide_fit::recording::{LoadOptions, load};
 use preslide_host::paper::TABLE_3;
-use preslide_host::progress::Progress;
-use preslide_host::recording::{LoadOptions, load};
 use std::hint::black_box;
 use std::path::Path;
 

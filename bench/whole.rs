@@ -3,13 +3,13 @@
 //! `cargo bench -p preslide-bench --bench whole` prints seconds of this machine and ratios of one run; nothing is asserted.
 
 use nalgebra::{DMatrix, DVector};
+use preslide_fit::identify::{MANY, Options, identify, thinned};
+use preslide_fit::progress::Progress;
+use preslide_fit::recording::{LoadOptions, Recording, load_csv};
+use preslide_fit::signal::Deflection;
 use preslide_host::compare::compare;
 use preslide_host::diagnose::diagnose;
 use preslide_host::diagnose::fit::Fit;
-use preslide_host::identify::{MANY, Options, identify, thinned};
-use preslide_host::progress::Progress;
-use preslide_host::recording::{LoadOptions, Recording, load_csv};
-use preslide_host::signal::Deflection;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;

@@ -3,8 +3,8 @@
 //! `cargo run --release --example model_speed -- MODEL.toml SAMPLES` prints nanoseconds a sample, of a whole path and one tick after the other, the
 //! best of five runs.
 
-use preslide_host::friction::Path;
-use preslide_host::model::{Measured, Model, Now, Stepper};
+use preslide_fit::friction::Path;
+use preslide_fit::model::{Measured, Model, Now, Stepper};
 use std::time::Instant;
 
 /// Time between samples (s).

@@ -10,9 +10,9 @@ use fixed::types::I16F16;
 use preslide::control::learning::{Adaptation, MismatchWatch};
 use preslide::control::{Learning, LearningSettings};
 use preslide::{Block, QuasiStaticGms, Units};
-use preslide_host::identify::{Options, STEPS, identify};
-use preslide_host::progress::Progress;
-use preslide_host::recording::{self, LoadOptions};
+use preslide_fit::identify::{Options, STEPS, identify};
+use preslide_fit::progress::Progress;
+use preslide_fit::recording::{self, LoadOptions};
 use preslide_link::{RangeCode, Request};
 use preslide_sim::rig::{
     Guidance, Listener, Notice, Script, TrueCurve, Wear, agreement, guidance, injections, motion,

@@ -2,8 +2,8 @@
 
 use super::Arguments;
 use clap::Parser;
-pub use preslide_host::progress::Listener;
-use preslide_host::progress::heard;
+pub use preslide_fit::progress::Listener;
+use preslide_fit::progress::heard;
 use std::cell::RefCell;
 use std::sync::atomic::{AtomicBool, Ordering};
 

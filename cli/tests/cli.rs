@@ -1,7 +1,7 @@
 //! The `preslide` binary from outside: outputs, models, help.
 
 use super::binary::{Folder, HEADER, MODEL, preslide, recording};
-use preslide_host::model::Model;
+use preslide_fit::model::Model;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -170,6 +170,8 @@ fn help_names_units_and_an_example() {
         let text = &help.succeeds().out;
         assert!(text.contains(&format!("preslide {command}")), "{text}");
         assert!(text.contains("Example: preslide"), "{command}: {text}");
+        // A link of the code's documentation leads nowhere here.
+        assert!(!text.contains("[`"), "{command}: {text}");
         let units = ["_s", "_N", "_m", "in N", "[N", "[s", "Hz", "seconds"];
         assert!(
             units.iter().any(|unit| text.contains(unit)),

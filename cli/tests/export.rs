@@ -3,8 +3,8 @@
 //! `exported/*.rs` are written by `preslide export`; run with `BLESS=1` to write them anew after a change.
 
 use preslide::{Friction, Motion, Scalar, Units};
-use preslide_host::friction::Path as MotionPath;
-use preslide_host::model::{Measured, Model};
+use preslide_fit::friction::Path as MotionPath;
+use preslide_fit::model::{Measured, Model};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 

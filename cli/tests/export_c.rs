@@ -4,8 +4,8 @@ mod whole;
 
 use crate::export::{export, file, linear, packed_f32, plain, rotary, text};
 use preslide::{Friction, Motion, Units};
-use preslide_host::friction::Path as MotionPath;
-use preslide_host::model::Model;
+use preslide_fit::friction::Path as MotionPath;
+use preslide_fit::model::Model;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};

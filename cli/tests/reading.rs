@@ -1,7 +1,7 @@
 //! The `preslide` binary and recordings that it cannot read, or that cannot answer: what it refuses, warns of and asks about.
 
 use super::binary::{Folder, HEADER, Run, preslide, recording};
-use preslide_host::model::Model;
+use preslide_fit::model::Model;
 use preslide_host_tests::recordings;
 use std::fmt::Write as _;
 use std::process::Command;

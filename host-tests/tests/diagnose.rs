@@ -1,7 +1,7 @@
 //! The diagnosis on trials whose truth it does not see: a few of each kind, with names, figures and intervals asserted. How good it
 //! is on many is printed by `cargo xtask sources`. The tool is known here by its command line and its JSON only.
 
-use preslide_host::model::Model;
+use preslide_fit::model::Model;
 use preslide_host_tests::answer::Diagnosis;
 use preslide_host_tests::judge::tool::Tool;
 use preslide_host_tests::trials::effect::{Id, Strength};

@@ -3,11 +3,11 @@
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-use preslide_host::identify::{Identification, Options, STEPS, identify};
-use preslide_host::model::Model;
-use preslide_host::progress::Progress;
-use preslide_host::recording::{self, LoadOptions, Recording};
-use preslide_host::simulate;
+use preslide_fit::identify::{Identification, Options, STEPS, identify};
+use preslide_fit::model::Model;
+use preslide_fit::progress::Progress;
+use preslide_fit::recording::{self, LoadOptions, Recording};
+use preslide_fit::simulate;
 use preslide_host_tests::recordings;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

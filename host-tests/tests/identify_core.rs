@@ -4,13 +4,13 @@
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-use preslide_host::identify::refine::refine;
-use preslide_host::identify::regression::{Exact, Gram, Regression, Regressor, solve_normal};
-use preslide_host::identify::search::best_choices;
-use preslide_host::identify::weights::Weights;
-use preslide_host::recording::{LoadOptions, Recording, load_csv};
-use preslide_host::signal::Deflection;
-use preslide_host::signal::ZeroPhase;
+use preslide_fit::identify::refine::refine;
+use preslide_fit::identify::regression::{Exact, Gram, Regression, Regressor, solve_normal};
+use preslide_fit::identify::search::best_choices;
+use preslide_fit::identify::weights::Weights;
+use preslide_fit::recording::{LoadOptions, Recording, load_csv};
+use preslide_fit::signal::Deflection;
+use preslide_fit::signal::ZeroPhase;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -124,7 +124,7 @@ fn the_search_finds_what_exhaustive_enumeration_finds() {
         let again = best_choices(&Gram::sum(&reversed).expect("samples"), 1, 4);
         for (a, b) in found.iter().zip(&again) {
             let first =
-                |c: &[preslide_host::identify::search::Choice]| c.first().map(|c| c.yields.clone());
+                |c: &[preslide_fit::identify::search::Choice]| c.first().map(|c| c.yields.clone());
             assert_eq!(first(a), first(b));
         }
     }

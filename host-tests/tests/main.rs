@@ -24,6 +24,7 @@ mod plain;
 mod properties;
 mod real;
 mod reference;
+mod simulate;
 mod simulated;
 mod swap;
 mod swing;

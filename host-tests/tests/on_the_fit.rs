@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
+use preslide_fit::identify::{Identification, Options, identify};
+use preslide_fit::model::Model;
+use preslide_fit::progress::Progress;
+use preslide_fit::recording::{self, LoadOptions, Recording};
 use preslide_host::diagnose::fit::Fit;
 use preslide_host::diagnose::named::Named;
 use preslide_host::diagnose::verdict::Verdict;
 use preslide_host::diagnose::{Diagnosis, diagnose};
-use preslide_host::identify::{Identification, Options, identify};
-use preslide_host::model::Model;
-use preslide_host::progress::Progress;
-use preslide_host::recording::{self, LoadOptions, Recording};
 use preslide_host_tests::shared;
 
 fn case(name: &str) -> Option<Recording> {

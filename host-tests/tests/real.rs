@@ -1,9 +1,9 @@
 //! `diagnose` on a real machine: the EMPS bench (ball screw, 1 kHz), with a term taken out of the model and with a force added.
 //! The tool is known here by its command line and its JSON only.
 
-use preslide_host::model::Model;
-use preslide_host::recording::{LoadOptions, load};
-use preslide_host::simulate::motion_with_inertia;
+use preslide_fit::model::Model;
+use preslide_fit::recording::{LoadOptions, load};
+use preslide_fit::simulate::motion_with_inertia;
 use preslide_host_tests::answer::Diagnosis;
 use preslide_host_tests::judge::real::{machine, shared};
 use preslide_host_tests::judge::table::Recording;

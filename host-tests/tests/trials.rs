@@ -3,8 +3,8 @@
 
 use std::collections::BTreeSet;
 
-use preslide_host::model::Model;
-use preslide_host::recording::{LoadOptions, load_csv};
+use preslide_fit::model::Model;
+use preslide_fit::recording::{LoadOptions, load_csv};
 use preslide_host_tests::answer::Diagnosis;
 use preslide_host_tests::judge::source::trials::case;
 use preslide_host_tests::trials::effect::{CATALOGUE, Id, OUTSIDE, Strength};

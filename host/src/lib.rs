@@ -1,25 +1,13 @@
-//! From a recording to the parameters of a real-time friction model, and to its simulation.
+//! What the tool's commands do with a fit: what is left out of it, what another law or a budget makes of it, source for a controller.
 
 pub mod capture;
 pub mod compare;
 pub mod cost;
 pub mod diagnose;
 pub mod drive;
-pub mod effects;
-pub mod evidence;
 pub mod export;
 pub mod fleet;
-pub mod friction;
-pub mod identify;
-pub mod kernel;
-pub mod model;
 pub mod paper;
 pub mod plan;
 pub mod predict;
-pub mod progress;
-pub mod recording;
-pub mod report;
-pub mod signal;
-pub mod simulate;
-pub mod statistics;
 pub mod tune;

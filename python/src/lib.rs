@@ -2,9 +2,9 @@
 
 use numpy::{PyArray1, PyReadonlyArray1};
 use preslide_cli::call;
-use preslide_host::friction::Path;
-use preslide_host::model::{Measured, Model, Now, Stepper};
-use preslide_host::recording::MotionKind;
+use preslide_fit::friction::Path;
+use preslide_fit::model::{Measured, Model, Now, Stepper};
+use preslide_fit::recording::MotionKind;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};

@@ -1,14 +1,14 @@
 //! The page of `preslide demo`: what was recorded, how many blocks and why, what was missing, how much better it tracks.
 
 use crate::chain::{Followed, Trial};
+use preslide_fit::identify::Identification;
+use preslide_fit::model::Model;
+use preslide_fit::recording::Recording;
+use preslide_fit::report::figures::quantity;
+use preslide_fit::report::units::name_and_unit;
+use preslide_fit::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Table};
 use preslide_host::cost::DEFAULT;
 use preslide_host::diagnose::Diagnosis;
-use preslide_host::identify::Identification;
-use preslide_host::model::Model;
-use preslide_host::recording::Recording;
-use preslide_host::report::figures::quantity;
-use preslide_host::report::units::name_and_unit;
-use preslide_host::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Table};
 use preslide_host::tune::Choice;
 
 /// Everything that the story is about.

@@ -49,7 +49,7 @@
 //! | `dwell_aging` | [`DwellAging`] | level | per decade × decades |
 //! | `encoder_error` | [`EncoderError`] | position | its magnitude |
 //!
-//! **On the host only** (`preslide_host::effects`), because a controller cannot use them as a feed-forward of the present motion:
+//! **On the host only** (`preslide_fit::effects`), because a controller cannot use them as a feed-forward of the present motion:
 //! `channel_delay`, `drive_compliance` (both need the force's future or its second derivative), `backlash`, `creep`,
 //! `torque_ripple`, `actuator_dead_zone`, `actuator_saturation` (a property of the drive, not a force to add). `lead_error` and
 //! `presliding_shape` have no term: the one is a calibration of the encoder, the other more blocks.

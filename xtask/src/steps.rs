@@ -48,6 +48,7 @@ const WORKSPACE: &[&str] = &[
     "link/",
     "store/",
     "drive/",
+    "fit/",
     "host/",
     "host-tests/",
     "sim/",
@@ -56,7 +57,9 @@ const WORKSPACE: &[&str] = &[
     "firmware/",
 ];
 /// The program, and what it is made of.
-const PROGRAM: &[&str] = &["src/", "axis", "link/", "drive/", "host/", "sim/", "cli/"];
+const PROGRAM: &[&str] = &[
+    "src/", "axis", "link/", "drive/", "fit/", "host/", "sim/", "cli/",
+];
 /// What runs the firmware beside the host.
 const RIG: &[&str] = &[
     "src/",
@@ -65,11 +68,12 @@ const RIG: &[&str] = &[
     "link/",
     "store/",
     "firmware/",
+    "fit/",
     "host/",
     "sim/",
     "cli/",
 ];
-const JUDGED: &[&str] = &["src/", "host/", "sim/", "cli/", "host-tests/"];
+const JUDGED: &[&str] = &["src/", "fit/", "host/", "sim/", "cli/", "host-tests/"];
 
 /// In each lane cheap checks first: a formatting slip shows before a minute of compiling.
 pub const STEPS: &[Step] = &[
@@ -87,6 +91,7 @@ pub const STEPS: &[Step] = &[
         needs: &[],
         paths: &[
             "src/",
+            "fit/",
             "host/",
             "sim/",
             "drive/",
@@ -135,11 +140,11 @@ pub const STEPS: &[Step] = &[
         name: "formats",
         reason: "the optional readers (HDF5, Parquet, MCAP, …) read files that other tools wrote",
         needs: &[],
-        paths: &["host/src/recording/", "host/tests/", "host/Cargo.toml"],
+        paths: &["fit/src/recording/", "fit/tests/", "fit/Cargo.toml"],
         lane: Lane::Host,
         run: |_| {
             let readers = ["--features", "formats", "--test", "formats"];
-            run(cargo(&["test", "--release", "-p", "preslide-host"]).args(readers))
+            run(cargo(&["test", "--release", "-p", "preslide-fit"]).args(readers))
         },
     },
     Step {
@@ -242,7 +247,7 @@ pub const STEPS: &[Step] = &[
         reason: "the Python package installs as its README says, and its functions answer as the tool does",
         needs: &[Need::Python],
         paths: &[
-            "python/", "src/", "axis", "link/", "drive/", "host/", "sim/", "cli/",
+            "python/", "src/", "axis", "link/", "drive/", "fit/", "host/", "sim/", "cli/",
         ],
         lane: Lane::Beside,
         run: |tier| crate::python::check(tier == Tier::All),
@@ -280,6 +285,7 @@ pub const STEPS: &[Step] = &[
             "axis",
             "link/",
             "drive/",
+            "fit/",
             "host/",
             "sim/",
             "cli/",

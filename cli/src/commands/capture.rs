@@ -2,10 +2,10 @@
 
 use super::{AxisArgs, Failure, outputs, parse_frequency, write_text};
 use clap::Args;
+use preslide_fit::progress::Progress;
+use preslide_fit::recording::MotionKind;
+use preslide_fit::report::figures::quantity;
 use preslide_host::capture::{CaptureError, End, Scale, Summary, capture, open};
-use preslide_host::progress::Progress;
-use preslide_host::recording::MotionKind;
-use preslide_host::report::figures::quantity;
 use preslide_link::RangeCode;
 use serde_json::json;
 use std::fs::{File, OpenOptions};

@@ -2,9 +2,9 @@
 
 use super::{Failure, OutputArgs, RecordingArgs, SplitArgs, command_line, thin};
 use clap::Args;
+use preslide_fit::identify::MANY;
+use preslide_fit::progress::Progress;
 use preslide_host::compare::{compare, steps};
-use preslide_host::identify::MANY;
-use preslide_host::progress::Progress;
 use std::time::Instant;
 
 /// Every friction model on the same recording: error in and out of sample, memory, cost

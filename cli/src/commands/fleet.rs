@@ -3,13 +3,13 @@
 use super::tune::parse_percent;
 use super::{Failure, OutputArgs, ReadingArgs, command_line, outputs};
 use clap::Args;
+use preslide_fit::progress::Progress;
 use preslide_host::fleet::history::{Change, FEWEST, changes};
 use preslide_host::fleet::page::{page, ranking, table, to_json};
 use preslide_host::fleet::table::{columns, write_csv, write_parquet};
 use preslide_host::fleet::{
     Asked, Journal, Member, Part, Row, is_begun, is_journal, members, rows,
 };
-use preslide_host::progress::Progress;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::time::Instant;

@@ -2,14 +2,12 @@
 
 use super::{Failure, OutputArgs, RecordingArgs, SplitArgs, command_line, thin, write_text};
 use clap::Args;
-use preslide_host::identify::family::Family;
-use preslide_host::identify::{
-    Identification, MANY, Options, STEPS, identify, motion, speed_table,
-};
+use preslide_fit::identify::family::Family;
+use preslide_fit::identify::{Identification, MANY, Options, STEPS, identify, motion, speed_table};
+use preslide_fit::progress::Progress;
+use preslide_fit::recording::{Recording, Speeds};
+use preslide_fit::simulate::closed::Controller;
 use preslide_host::predict::{self, predict};
-use preslide_host::progress::Progress;
-use preslide_host::recording::{Recording, Speeds};
-use preslide_host::simulate::closed::Controller;
 use std::path::PathBuf;
 use std::time::Instant;
 

@@ -19,12 +19,12 @@ use crate::heard::arguments;
 use clap::Args;
 pub use outputs::write_text;
 use preslide_axis::AxisFile;
+use preslide_fit::identify::Options;
+use preslide_fit::model::ModelError;
+use preslide_fit::recording::{self, LoadOptions, Needs, Recording, RecordingError, Speeds};
+use preslide_fit::report::Page;
+use preslide_fit::signal::{Window, check_windows, parse_window};
 use preslide_host::diagnose::Refusal;
-use preslide_host::identify::Options;
-use preslide_host::model::ModelError;
-use preslide_host::recording::{self, LoadOptions, Needs, Recording, RecordingError, Speeds};
-use preslide_host::report::Page;
-use preslide_host::signal::{Window, check_windows, parse_window};
 use std::path::{Path, PathBuf};
 
 /// Why a command ended without its answer; decides the exit code.
@@ -279,7 +279,7 @@ impl ReadingArgs {
 
 /// The recording, from so many samples on, with as many as its band needs, and a line that says so.
 pub fn thin(recording: Recording, from: usize) -> Recording {
-    let Some(thinned) = preslide_host::identify::thinned(&recording, from) else {
+    let Some(thinned) = preslide_fit::identify::thinned(&recording, from) else {
         return recording;
     };
     if let Some(warning) = thinned.warnings.last() {

@@ -3,8 +3,8 @@
 use super::{AxisArgs, Failure, outputs, parse_frequency, write_text};
 use clap::{Args, ValueEnum};
 use preslide_drive::quantity;
+use preslide_fit::report::figures::range;
 use preslide_host::plan::{Show, Wish, plan};
-use preslide_host::report::figures::range;
 use std::path::PathBuf;
 
 /// A motion that shows friction, for a controller to follow: nested reversals begun at different places, passes at several speeds

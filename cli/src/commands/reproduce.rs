@@ -2,7 +2,7 @@
 
 use super::{Failure, OutputArgs, command_line};
 use clap::Args;
-use preslide_host::progress::Progress;
+use preslide_fit::progress::Progress;
 use preslide_sim::reproduce::experiment::SEED;
 use preslide_sim::reproduce::{STEPS, literal, reproduce};
 use std::time::Instant;

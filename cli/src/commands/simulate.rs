@@ -2,11 +2,11 @@
 
 use super::{Failure, OutputArgs, ReadingArgs, command_line, outputs, parse_frequency, write_text};
 use clap::{ArgGroup, Args};
-use preslide_host::model::Model;
-use preslide_host::recording::Needs;
-use preslide_host::simulate::closed::{Controller, motion_in_loop};
-use preslide_host::simulate::ramp::{Ramp, parse_ramp};
-use preslide_host::simulate::{Simulation, force_of_motion, motion_of_force, motion_with_inertia};
+use preslide_fit::model::Model;
+use preslide_fit::recording::Needs;
+use preslide_fit::simulate::closed::{Controller, motion_in_loop};
+use preslide_fit::simulate::ramp::{Ramp, parse_ramp};
+use preslide_fit::simulate::{Simulation, force_of_motion, motion_of_force, motion_with_inertia};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 

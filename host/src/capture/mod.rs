@@ -6,8 +6,8 @@ mod tests;
 
 pub use source::open;
 
-use crate::recording::MotionKind;
 use preslide::control::Settings;
+use preslide_fit::recording::MotionKind;
 use preslide_link::{Deframer, FaultCode, RangeCode, Report, Sample};
 use std::io::{BufWriter, ErrorKind, Read, Write};
 

@@ -1,6 +1,6 @@
 use super::{CaptureError, End, Scale, capture, open};
-use crate::recording::MotionKind;
 use preslide::control::Settings;
+use preslide_fit::recording::MotionKind;
 use preslide_link::{FaultCode, LARGEST_FRAME, RangeCode, Report, Sample, encode};
 use std::time::Duration;
 

@@ -1,8 +1,8 @@
 //! What one update of a model costs on a Cortex-M4F in `f32`.
 
 use crate::cost::{Cost, CostTable};
-use crate::friction::FrictionModel;
 use preslide::LeuvenForm;
+use preslide_fit::friction::FrictionModel;
 use std::sync::LazyLock;
 
 /// Kernel and number of blocks under which the table lists a model in `f32`.

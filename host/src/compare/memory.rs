@@ -1,7 +1,7 @@
 //! Non-local memory, measured: does a model come back to the force it left when an inner loop closes?
 
-use crate::friction::{FrictionModel, Path};
 use preslide::ParamError;
+use preslide_fit::friction::{FrictionModel, Path};
 
 /// Inner loops, each half as wide as the one around it.
 const LOOPS: usize = 9;

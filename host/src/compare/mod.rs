@@ -7,13 +7,13 @@ mod present;
 mod tests;
 
 use crate::cost::Cost;
-use crate::identify::family::Family;
-use crate::identify::family::bench::Bench;
-use crate::identify::{Candidate, Identification, Method, Options, STEPS, identify};
-use crate::progress::Progress;
-use crate::recording::Recording;
-use crate::signal::Kinematics;
 use memory::{LoopClosure, Scale, loop_closure};
+use preslide_fit::identify::family::Family;
+use preslide_fit::identify::family::bench::Bench;
+use preslide_fit::identify::{Candidate, Identification, Method, Options, STEPS, identify};
+use preslide_fit::progress::Progress;
+use preslide_fit::recording::Recording;
+use preslide_fit::signal::Kinematics;
 
 /// Numbers of Maxwell-slip blocks that are always shown, besides the knee and the best.
 const SIZES: [usize; 3] = [1, 4, 6];

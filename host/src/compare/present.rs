@@ -1,11 +1,11 @@
 //! A comparison for people and for machines.
 
 use super::{Compared, Comparison, NEAR, TICK};
-use crate::friction::FrictionModel;
-use crate::identify::family::bench::SEED;
-use crate::recording::{MotionKind, Recording};
-use crate::report::figures::digits;
-use crate::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
+use preslide_fit::friction::FrictionModel;
+use preslide_fit::identify::family::bench::SEED;
+use preslide_fit::recording::{MotionKind, Recording};
+use preslide_fit::report::figures::digits;
+use preslide_fit::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
 use serde_json::{Value, json};
 
 /// Strokes drawn in the loop figure; more would hide each other.

@@ -111,7 +111,7 @@ impl Core {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::Kernel;
+    use preslide_fit::kernel::Kernel;
 
     #[test]
     fn every_core_has_every_kernel_and_effects() {

@@ -1,7 +1,7 @@
 //! What effects add to a control tick: rows named `with_ID_ARITHMETIC`, each a `Gms<4>` with that effect alone.
 
 use super::{Cost, CostTable};
-use crate::effects::Effect;
+use preslide_fit::effects::Effect;
 
 /// Blocks of the friction model that the effects were measured beside.
 const BESIDE: usize = 4;
@@ -121,23 +121,32 @@ impl EffectsCost {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::{form, tests};
+    use preslide_fit::effects::form;
 
     fn effect(id: &str, values: &[(&str, f64)]) -> Effect {
         Effect::new(id, values).unwrap()
+    }
+
+    fn map(id: &str, cosines: usize) -> Effect {
+        let unit = if id == "position_force" { "_N" } else { "" };
+        let keys: Vec<String> = (1..=cosines).map(|i| format!("cosine{i}{unit}")).collect();
+        let mut values = vec![("from_m", 0.0), ("to_m", 1e-3)];
+        values.extend(keys.iter().map(|key| (key.as_str(), 0.01)));
+        effect(id, &values)
     }
 
     /// Every effect that a controller can use was measured, in the arithmetic that can hold it.
     #[test]
     fn every_effect_of_a_controller_has_its_cycles() {
         let table = CostTable::of_cpu("cortex-m4").unwrap();
-        let mut effects = tests::every();
-        effects.retain(|effect| effect.form.controller.is_ok());
-        effects.extend([
-            Effect::of(&form::CONSTANT_FORCE, &[0.1]),
-            Effect::of(&form::VISCOUS, &[1.0]),
-            tests::gravity(),
-        ]);
+        let all = form::ALL.into_iter().chain([&form::VISCOUS]);
+        let of_controllers = all.filter(|form| form.controller.is_ok());
+        let effects: Vec<Effect> = of_controllers
+            .map(|form| match form.is_map() {
+                true => map(form.id, 3),
+                false => Effect::of(form, &[0.1; 5]),
+            })
+            .collect();
         for arithmetic in ["f32", "i16f16"] {
             let all = table.effects(&effects, arithmetic);
             assert_eq!(all.missing, Vec::<&str>::new());
@@ -159,11 +168,8 @@ mod tests {
     fn a_map_costs_by_its_cosines_and_no_effects_cost_nothing() {
         let table = CostTable::of_cpu("cortex-m4").unwrap();
         let map = |cosines: usize| {
-            let keys: Vec<String> = (1..=cosines).map(|i| format!("cosine{i}")).collect();
-            let mut values = vec![("from_m", 0.0), ("to_m", 1e-3)];
-            values.extend(keys.iter().map(|key| (key.as_str(), 0.01)));
-            let cost = table.effects(&[effect("position_friction", &values)], "f32");
-            cost.cycles_mean
+            let map = map("position_friction", cosines);
+            table.effects(&[map], "f32").cycles_mean
         };
         let row = |name| table.cost(name, 4).unwrap().cycles_mean;
         let eight = row("with_position_friction_8_f32") - row("gms_f32");

@@ -209,7 +209,7 @@ mod tests {
     #[test]
     fn the_committed_table_has_every_kernel_and_interpolates_between_its_rows() {
         let table = CostTable::of_cpu("cortex-m4").unwrap();
-        for kernel in crate::kernel::Kernel::ALL {
+        for kernel in preslide_fit::kernel::Kernel::ALL {
             let cycles = |n| table.cost(kernel.name(), n).unwrap().cycles_worst;
             assert!(
                 (cycles(5) - (cycles(4) + cycles(6)) / 2.0).abs() < 1e-9,

@@ -3,12 +3,12 @@
 use super::named::{CERTAIN, Name, Named};
 use super::verdict::Diagnosis;
 use super::words::place_words;
-use crate::model::key_of;
-use crate::recording::Recording;
-use crate::report::Table;
-use crate::report::figures::{estimate, left, probability, quantity};
-use crate::report::units::name_and_unit;
-use crate::statistics::Estimate;
+use preslide_fit::model::key_of;
+use preslide_fit::recording::Recording;
+use preslide_fit::report::Table;
+use preslide_fit::report::figures::{estimate, left, probability, quantity};
+use preslide_fit::report::units::name_and_unit;
+use preslide_fit::statistics::Estimate;
 use serde_json::{Value, json};
 
 /// Share of the mismatch below which nobody misses a row.

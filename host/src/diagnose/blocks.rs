@@ -5,8 +5,8 @@
 
 use super::effect::grid::spread;
 use super::signals::Signals;
-use crate::signal::{Deflection, LATE, step_at_reversals};
-use crate::statistics::quantile_between_ranks;
+use preslide_fit::signal::{Deflection, LATE, step_at_reversals};
+use preslide_fit::statistics::quantile_between_ranks;
 use std::ops::{Range, RangeInclusive};
 
 /// Blocks of the over-resolved core: error of the hysteresis core is the main impostor of other physics, and an earlier engine named

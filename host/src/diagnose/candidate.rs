@@ -7,7 +7,7 @@ use super::normal::Trial;
 use super::null_model::{Hypothesis, NullModel};
 use super::spectra;
 use super::term::{Subject, Term};
-use crate::evidence::{Evidence, chance, evidence};
+use preslide_fit::evidence::{Evidence, chance, evidence};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -6,7 +6,7 @@ use super::effect::Scene;
 use super::normal::Bound;
 use super::signals::Signals;
 use super::weak::Column;
-use crate::signal::{Deflection, LATE};
+use preslide_fit::signal::{Deflection, LATE};
 
 /// Late blocks.
 const LATE_BLOCKS: usize = 8;

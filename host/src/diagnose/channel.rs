@@ -6,9 +6,9 @@ use super::effect::{ALWAYS_FREE, Effect};
 use super::null_model::NullModel;
 use super::shift::Shift;
 use super::weak::Column;
-use crate::evidence::{Evidence, NAMED, evidence};
-use crate::signal::{Channel, End, Saturation};
-use crate::statistics::Estimate;
+use preslide_fit::evidence::{Evidence, NAMED, evidence};
+use preslide_fit::signal::{Channel, End, Saturation};
+use preslide_fit::statistics::Estimate;
 use std::ops::Range;
 
 /// Standard errors that an end must be beyond nothing.

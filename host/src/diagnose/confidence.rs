@@ -1,7 +1,7 @@
 //! How sure a name is: one logistic of features of its evidence, calibrated on judged names of every source that there is.
 
 use super::naming::TermReport;
-use crate::evidence::{Evidence, NAMED};
+use preslide_fit::evidence::{Evidence, NAMED};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::sync::LazyLock;

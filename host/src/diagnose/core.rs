@@ -7,7 +7,7 @@ use super::rows::Rows;
 use super::signals::Signals;
 use super::term::Term;
 use super::weak::Column;
-use crate::statistics::quantile_between_ranks;
+use preslide_fit::statistics::quantile_between_ranks;
 use rayon::prelude::*;
 use std::sync::Arc;
 

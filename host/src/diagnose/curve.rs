@@ -5,7 +5,7 @@ use super::effect::Scene;
 use super::normal::dot;
 use super::signals::{Signals, mean};
 use super::weak::Column;
-use crate::statistics::quantile_between_ranks;
+use preslide_fit::statistics::quantile_between_ranks;
 
 /// Knots of the smooth curve over a coordinate.
 const KNOTS: usize = 8;

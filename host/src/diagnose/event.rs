@@ -4,8 +4,8 @@
 //! that of the windows in which the axis moved most alike: what depends on the motion is there in both, what happened is not.
 
 use super::rows::Rows;
-use crate::signal::LATE;
-use crate::statistics::quantile_between_ranks;
+use preslide_fit::signal::LATE;
+use preslide_fit::statistics::quantile_between_ranks;
 use std::ops::Range;
 
 /// Lengths of the windows (s), from a knock to a stroke.

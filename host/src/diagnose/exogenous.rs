@@ -8,8 +8,8 @@ use super::effect::channel_delay::late;
 use super::normal::{Bound, Normal, dot};
 use super::null_model::{Hypothesis, NullModel};
 use super::term::{Subject, Term};
-use crate::signal::Deflection;
-use crate::statistics::jackknife;
+use preslide_fit::signal::Deflection;
+use preslide_fit::statistics::jackknife;
 
 /// Share of a lead's explanation from which the lead of friction alone is another explanation: as of any rival of a name. That it does was seen on
 /// `axes` 31.

@@ -5,7 +5,7 @@ use super::effect::{self, Part};
 use super::hysteresis;
 use super::signals::bounds;
 use super::verdict::Diagnosis;
-use crate::statistics::quantile_between_ranks;
+use preslide_fit::statistics::quantile_between_ranks;
 use std::fmt::Write as _;
 
 /// Sample time of the profile (s).

@@ -8,9 +8,9 @@ use super::parameters::parameters;
 use super::term::Term;
 use super::verdict::Diagnosis;
 use super::weak::Column;
-use crate::friction::{FrictionModel, MOST_BLOCKS};
-use crate::model::Model;
-use crate::recording::Recording;
+use preslide_fit::friction::{FrictionModel, MOST_BLOCKS};
+use preslide_fit::model::Model;
+use preslide_fit::recording::Recording;
 
 /// NMSE on rows held out, over that of the refitted core, up to which the user's own friction law stays: more is a hysteresis that it does not
 /// have.

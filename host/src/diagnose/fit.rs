@@ -9,13 +9,13 @@ use super::effect::{
     viscous_asymmetry::ViscousAsymmetry,
 };
 use super::term::{Subject, Term};
-use crate::effects::form;
-use crate::identify::plain::Place;
-use crate::identify::{Candidate, Identification, MANY, Options, STEPS, identify, thinned};
-use crate::model::Model;
-use crate::progress::Progress;
-use crate::recording::Recording;
-use crate::signal::Delay;
+use preslide_fit::effects::form;
+use preslide_fit::identify::plain::Place;
+use preslide_fit::identify::{Candidate, Identification, MANY, Options, STEPS, identify, thinned};
+use preslide_fit::model::Model;
+use preslide_fit::progress::Progress;
+use preslide_fit::recording::Recording;
+use preslide_fit::signal::Delay;
 use serde_json::Value;
 
 /// Times the distance of a spring's centre that the diagnosis finds it within.

@@ -8,11 +8,11 @@ use super::normal::{Bound, Normal};
 use super::null_model::{Hypothesis, Nmse, NullModel};
 use super::term::{Subject, Term};
 use super::weak::Column;
-use crate::effects::form;
-use crate::friction::FrictionModel;
-use crate::model::Model;
-use crate::recording::Recording;
-use crate::statistics::{Estimate, jackknife};
+use preslide_fit::effects::form;
+use preslide_fit::friction::FrictionModel;
+use preslide_fit::model::Model;
+use preslide_fit::recording::Recording;
+use preslide_fit::statistics::{Estimate, jackknife};
 
 /// Keys of an effect's size, to which its force is in proportion.
 const SIZES: [&str; 8] = [
@@ -169,7 +169,7 @@ fn shares(null: &NullModel, recording: &Recording, model: &Model) -> Option<Vec<
     let n = recording.len();
     let mut shares = Vec::new();
     let mut add = |part: Part, key: &str, given: f64, force: Vec<f64>| {
-        let key = crate::model::key_of(recording.kind, key);
+        let key = preslide_fit::model::key_of(recording.kind, key);
         shares.push(Share {
             part,
             key,

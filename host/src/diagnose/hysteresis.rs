@@ -8,8 +8,8 @@ use super::normal::{Bound, Normal};
 use super::null_model::{Hypothesis, NullModel};
 use super::signals::Signals;
 use super::weak::Column;
-use crate::evidence::{Evidence, evidence};
-use crate::friction::{FrictionModel, Path};
+use preslide_fit::evidence::{Evidence, evidence};
+use preslide_fit::friction::{FrictionModel, Path};
 
 /// NMSE (%) by which the user's friction, refitted by a common factor, may be worse than the core before its shape is said to be
 /// wrong with confidence: half of what the paper's own three blocks leave of its recording (5.97 %, `preslide reproduce`).

@@ -2,8 +2,8 @@
 
 use super::blocks::yields;
 use super::signals::Signals;
-use crate::signal::Deflection;
-use crate::statistics::{self, LeastSquares};
+use preslide_fit::signal::Deflection;
+use preslide_fit::statistics::{self, LeastSquares};
 
 /// Longest shift that is looked for (s).
 const LATEST_S: f64 = 0.5;

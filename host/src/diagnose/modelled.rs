@@ -1,9 +1,9 @@
 //! The effort of a model along a recording, as a column.
 
 use super::weak::Column;
-use crate::model::{Measured, Model};
-use crate::recording::Recording;
-use crate::signal::Kinematics;
+use preslide_fit::model::{Measured, Model};
+use preslide_fit::recording::Recording;
+use preslide_fit::signal::Kinematics;
 
 /// The effort of a model along a recording, its inertia exact within the rows' kernel: a filtered acceleration is not.
 ///

@@ -6,8 +6,8 @@ use super::naming::TermReport;
 use super::place::Place;
 use super::simulation::Correction;
 use super::term::Term;
-use crate::evidence::Evidence;
-use crate::statistics::Estimate;
+use preslide_fit::evidence::Evidence;
+use preslide_fit::statistics::Estimate;
 use std::collections::BTreeMap;
 
 /// Even odds: the most that is stated of a name whose sign its own interval does not tell.

@@ -12,7 +12,7 @@ use super::null_model::{Hypothesis, NullModel};
 use super::placebo::over_state;
 use super::search::{Found, MATERIAL, beside, simplicity};
 use super::term::{Subject, Term};
-use crate::evidence::{Evidence, at_its_largest, evidence};
+use preslide_fit::evidence::{Evidence, at_its_largest, evidence};
 
 /// Share of a term's explanation that a rival must reach by itself to be looked at.
 const NEAR: f64 = 0.6;

@@ -9,10 +9,10 @@ use super::signals::bounds;
 use super::term::Subject;
 use super::unnamed::Happened;
 use super::verdict::Diagnosis;
-use crate::recording::Recording;
-use crate::report::figures::{between, capital, quantity};
-use crate::report::{self, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
-use crate::statistics::quantile_between_ranks;
+use preslide_fit::recording::Recording;
+use preslide_fit::report::figures::{between, capital, quantity};
+use preslide_fit::report::{self, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
+use preslide_fit::statistics::quantile_between_ranks;
 
 /// Points of a figure's cloud.
 const POINTS: usize = 6000;

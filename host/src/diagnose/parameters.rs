@@ -5,7 +5,7 @@ use super::effect::Fitted;
 use super::null_model::{Hypothesis, NullModel};
 use super::polish::slopes;
 use super::term::Term;
-use crate::statistics::{Estimate, jackknife};
+use preslide_fit::statistics::{Estimate, jackknife};
 
 /// Parameters of term `index` with 95 % intervals, all other coefficients and shapes free. The interval is the widest that
 /// blocks of the recording, its folds, or its kinds of strokes give: where a form is wrong, other motions give other values,

@@ -3,7 +3,7 @@
 
 use super::null_model::{Hypothesis, NullModel};
 use super::term::Term;
-use crate::statistics::quantile_between_ranks;
+use preslide_fit::statistics::quantile_between_ranks;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 

@@ -8,11 +8,11 @@ use super::second_position::SecondPosition;
 use super::unnamed::Unknown;
 use super::verdict::Diagnosis;
 use super::words::ids;
-use crate::effects::form;
-use crate::model::key_of;
-use crate::recording::Recording;
-use crate::report::Table;
-use crate::report::figures::{digits, probability};
+use preslide_fit::effects::form;
+use preslide_fit::model::key_of;
+use preslide_fit::recording::Recording;
+use preslide_fit::report::Table;
+use preslide_fit::report::figures::{digits, probability};
 use serde_json::{Map, Value, json};
 
 impl SecondPosition {
@@ -159,7 +159,7 @@ impl Diagnosis {
     /// Effects, for the terminal and the page.
     pub fn table(&self, recording: &Recording) -> Table {
         let row = |e: &Named| {
-            let value = |(name, p): &(String, crate::statistics::Estimate)| {
+            let value = |(name, p): &(String, preslide_fit::statistics::Estimate)| {
                 let reach = p
                     .reach()
                     .map_or(String::new(), |r| format!(" ± {}", digits(r)));

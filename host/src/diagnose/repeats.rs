@@ -105,7 +105,7 @@ fn between(rows: &Rows, left: &[f64], motion: &[Pass]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording::{LoadOptions, load_csv};
+    use preslide_fit::recording::{LoadOptions, load_csv};
     use std::f64::consts::TAU;
     use std::fmt::Write as _;
 

@@ -7,8 +7,8 @@ use super::rows::Rows;
 use super::term::{Subject, Term};
 use super::weak::Column;
 use super::{Refusal, judge};
-use crate::progress::Progress;
-use crate::recording::Recording;
+use preslide_fit::progress::Progress;
+use preslide_fit::recording::Recording;
 
 /// Share of the mismatch that the reproduction may miss of the simulation: half, or less of it might be the machine's than the reproduction's.
 /// (A quarter refused EMPS's simulation without its offset, which is truly missing.)

@@ -2,9 +2,9 @@
 
 use super::signals::Signals;
 use super::weak::{Column, Weak};
-use crate::recording::Recording;
-use crate::signal::LATE;
-use crate::statistics::quantile_between_ranks;
+use preslide_fit::recording::Recording;
+use preslide_fit::signal::LATE;
+use preslide_fit::statistics::quantile_between_ranks;
 use std::collections::BTreeSet;
 use std::ops::Range;
 

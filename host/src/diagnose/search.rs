@@ -8,7 +8,7 @@ use super::merge::merged;
 use super::null_model::{Hypothesis, NullModel};
 use super::polish::polished;
 use super::term::{Subject, Term};
-use crate::progress::Progress;
+use preslide_fit::progress::Progress;
 
 /// Chance of entering anything into the hypothesis of a recording that lacks nothing.
 pub const ALPHA: f64 = 0.05;

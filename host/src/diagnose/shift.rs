@@ -5,7 +5,7 @@ use super::normal::{Bound, Normal};
 use super::null_model::NullModel;
 use super::term::{Subject, Term};
 use super::weak::Column;
-use crate::evidence::{Evidence, evidence};
+use preslide_fit::evidence::{Evidence, evidence};
 
 /// What a delay is worth.
 pub struct Shift {

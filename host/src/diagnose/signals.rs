@@ -1,10 +1,10 @@
 //! The coordinates that can organise a mismatch, at every sample.
 
 use super::column::{Kind, Own};
-use crate::recording::{MotionKind, Recording};
-use crate::signal::Kinematics;
-use crate::signal::ZeroPhase;
-use crate::statistics::quantile_between_ranks;
+use preslide_fit::recording::{MotionKind, Recording};
+use preslide_fit::signal::Kinematics;
+use preslide_fit::signal::ZeroPhase;
+use preslide_fit::statistics::quantile_between_ranks;
 use std::ops::Range;
 
 /// A reversal counts once the motion came back by this share of the travel, or by six times the encoder's noise.

@@ -6,8 +6,8 @@ use super::normal::{Bound, Normal};
 use super::null_model::{Hypothesis, NullModel};
 use super::search::ALPHA;
 use super::term::{Subject, Term};
-use crate::evidence::{Evidence, NAMED, chance, evidence};
-use crate::statistics::{Estimate, jackknife};
+use preslide_fit::evidence::{Evidence, NAMED, chance, evidence};
+use preslide_fit::statistics::{Estimate, jackknife};
 use std::ops::Range;
 
 /// Standard deviations from which the simulation has a term itself.

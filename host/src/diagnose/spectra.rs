@@ -2,8 +2,8 @@
 
 use super::rows::Rows;
 use super::signals::bounds;
-use crate::statistics::quantile_between_ranks;
 use preslide_fft::Planner;
+use preslide_fit::statistics::quantile_between_ranks;
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 

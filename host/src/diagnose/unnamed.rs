@@ -12,7 +12,7 @@ use super::place::Place;
 use super::search::Found;
 use super::signals::mean;
 use super::term::Subject;
-use crate::evidence::Evidence;
+use preslide_fit::evidence::Evidence;
 use std::collections::BTreeMap;
 use std::ops::Range;
 

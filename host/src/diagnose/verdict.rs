@@ -27,11 +27,11 @@ use super::signals::Signals;
 use super::simulation::{self, Corrected};
 use super::term::{Subject, Term};
 use super::unnamed::{Unknown, is_likely, likely, unnamed};
-use crate::evidence::NAMED;
-use crate::model::Model;
-use crate::recording::Recording;
-use crate::signal::Channel;
-use crate::statistics::Estimate;
+use preslide_fit::evidence::NAMED;
+use preslide_fit::model::Model;
+use preslide_fit::recording::Recording;
+use preslide_fit::signal::Channel;
+use preslide_fit::statistics::Estimate;
 use std::sync::Arc;
 
 /// The same where it is beyond doubt that something is there.

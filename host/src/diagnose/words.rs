@@ -9,11 +9,11 @@ use super::place::{Place, means_over};
 use super::simulation::Correction;
 use super::unnamed::Unknown;
 use super::verdict::{Diagnosis, Verdict};
-use crate::recording::Recording;
-use crate::report::figures::{
+use preslide_fit::recording::Recording;
+use preslide_fit::report::figures::{
     between, capital, duration, left, percent, probability, quantity, three,
 };
-use crate::statistics::quantile_between_ranks;
+use preslide_fit::statistics::quantile_between_ranks;
 
 /// A force is called a change of the friction level where this share of its squares goes with, or against, the direction.
 const WITH_DIRECTION: f64 = 0.8;

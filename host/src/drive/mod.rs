@@ -3,9 +3,9 @@
 #[cfg(test)]
 mod tests;
 
-use crate::friction::FrictionModel;
-use crate::model::Model;
 use preslide::Block;
+use preslide_fit::friction::FrictionModel;
+use preslide_fit::model::Model;
 use preslide_link::{MOST_BLOCKS, ModelSettings};
 
 /// What the link takes of a model, and what it leaves out.

@@ -1,5 +1,5 @@
 use super::loadable;
-use crate::model::Model;
+use preslide_fit::model::Model;
 
 fn model(blocks: &str) -> Model {
     let text = format!(

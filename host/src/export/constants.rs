@@ -1,9 +1,9 @@
 //! The parameters of a model as named constants, alike in every language.
 
 use super::Options;
-use crate::effects::Effect;
-use crate::effects::form::{self, Argument};
-use crate::model::Model;
+use preslide_fit::effects::Effect;
+use preslide_fit::effects::form::{self, Argument};
+use preslide_fit::model::Model;
 
 /// Most by which a measured temperature or load may change the friction level of an exported model (-).
 const LEVEL_LIMIT: f64 = 0.5;
@@ -59,7 +59,7 @@ pub(super) fn inertia(model: &Model) -> Option<Constant> {
     })
 }
 
-/// The scalars of the friction model, in the order of [`crate::friction::FrictionModel::scalars`].
+/// The scalars of the friction model, in the order of [`preslide_fit::friction::FrictionModel::scalars`].
 pub(super) fn of_friction(model: &Model) -> Vec<Constant> {
     let kind = model.friction.kind();
     let scalars = model.friction.scalars().into_iter();

@@ -4,11 +4,11 @@
 //! `damping·v + friction·sgn v`; OpenUSD with PhysX's schema, as Isaac Sim has it, `armature·a + viscousFrictionCoefficient·v +
 //! dynamicFrictionEffort·sgn v`, another level at rest, and a drive that is a spring or bounded.
 
-use crate::effects::Effect;
-use crate::effects::form::{self, Form};
-use crate::friction::FrictionModel;
-use crate::model::Model;
-use crate::recording::MotionKind;
+use preslide_fit::effects::Effect;
+use preslide_fit::effects::form::{self, Form};
+use preslide_fit::friction::FrictionModel;
+use preslide_fit::model::Model;
+use preslide_fit::recording::MotionKind;
 use std::fmt::Write as _;
 
 /// Whose joint.

@@ -8,12 +8,12 @@ mod constants;
 pub mod joint;
 mod source;
 
-use crate::friction::Visitor;
-use crate::kernel::Kernel;
-use crate::model::Model;
-pub use crate::model::{reduced, refused};
 pub use c::{C, c_source};
 pub use constants::carried;
+use preslide_fit::friction::Visitor;
+use preslide_fit::kernel::Kernel;
+use preslide_fit::model::Model;
+pub use preslide_fit::model::{reduced, refused};
 use sha2::Digest as _;
 pub use source::rust_source;
 
@@ -96,10 +96,10 @@ fn no_refused(model: &Model) -> Result<(), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::friction::FrictionModel;
-    use crate::model::Model;
-    use crate::recording::MotionKind;
     use preslide::{Block, HsiehParams, Sliding};
+    use preslide_fit::friction::FrictionModel;
+    use preslide_fit::model::Model;
+    use preslide_fit::recording::MotionKind;
 
     fn model(friction: FrictionModel) -> Model {
         Model::of_friction(MotionKind::Linear, friction)

@@ -2,8 +2,8 @@
 
 use super::Row;
 use super::history::Change;
-use crate::report::units::name_and_unit;
-use crate::report::{Axis, Figure, Page, Section, Series, Table};
+use preslide_fit::report::units::name_and_unit;
+use preslide_fit::report::{Axis, Figure, Page, Section, Series, Table};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 

@@ -2,9 +2,9 @@
 
 use super::Member;
 use crate::diagnose::{Refusal, diagnose, fit::Fit};
-use crate::identify::thinned;
-use crate::progress::{Progress, heard};
-use crate::recording::Recording;
+use preslide_fit::identify::thinned;
+use preslide_fit::progress::{Progress, heard};
+use preslide_fit::recording::Recording;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -5,8 +5,8 @@
 
 mod table_3;
 
-use crate::friction::FrictionModel;
 use preslide::{Block, HsiehParams, Sliding};
+use preslide_fit::friction::FrictionModel;
 
 /// Breakaway force `F_s` \[N\]: Table 2, LuGre column; the text says "up to ~0.9 N". Table 3 is normalised by it.
 pub const BREAKAWAY: f64 = 0.9;

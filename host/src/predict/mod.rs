@@ -10,16 +10,16 @@ mod present;
 #[cfg(test)]
 mod tests;
 
-use crate::friction::FrictionModel;
-use crate::identify::family::Family;
-use crate::identify::{Candidate, Method, Options, identify};
-use crate::model::Model;
-use crate::progress::Progress;
-use crate::recording::Recording;
-use crate::signal::Kinematics;
-use crate::simulate::motion_from_each;
 use lift::{Dictionary, Lift, Series};
 use nalgebra::DMatrix;
+use preslide_fit::friction::FrictionModel;
+use preslide_fit::identify::family::Family;
+use preslide_fit::identify::{Candidate, Method, Options, identify};
+use preslide_fit::model::Model;
+use preslide_fit::progress::Progress;
+use preslide_fit::recording::Recording;
+use preslide_fit::signal::Kinematics;
+use preslide_fit::simulate::motion_from_each;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -78,7 +78,7 @@ pub struct Prediction {
 }
 
 /// Steps of the progress of [`predict`].
-pub const STEPS: u64 = crate::identify::STEPS + 2;
+pub const STEPS: u64 = preslide_fit::identify::STEPS + 2;
 
 /// Fits, chooses and judges.
 ///

@@ -2,8 +2,8 @@
 
 use super::lift::SEED;
 use super::{AHEAD, Prediction, Predictor};
-use crate::recording::Recording;
-use crate::report::{Page, Section, Table};
+use preslide_fit::recording::Recording;
+use preslide_fit::report::{Page, Section, Table};
 use serde_json::{Value, json};
 
 /// From m to µm, from rad to µrad, from N to mN: what the table is in.

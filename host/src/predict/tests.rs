@@ -1,10 +1,10 @@
 use super::edmd::Moments;
 use super::{AHEAD, Predictor, predict};
-use crate::model::Model;
-use crate::progress::Progress;
-use crate::recording::{LoadOptions, Needs, load_csv};
-use crate::simulate::motion_with_inertia;
 use nalgebra::DMatrix;
+use preslide_fit::model::Model;
+use preslide_fit::progress::Progress;
+use preslide_fit::recording::{LoadOptions, Needs, load_csv};
+use preslide_fit::simulate::motion_with_inertia;
 use preslide_host_tests::deviation::Deviation;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

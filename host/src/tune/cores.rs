@@ -2,7 +2,7 @@
 
 use super::{Budget, Choice, Tuning};
 use crate::cost::Core;
-use crate::report::{Axis, Colour, Figure, Page, Section, Series, Table};
+use preslide_fit::report::{Axis, Colour, Figure, Page, Section, Series, Table};
 use serde_json::{Value, json};
 
 /// The tuning for one core.

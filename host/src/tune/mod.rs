@@ -8,14 +8,14 @@ mod recommend;
 mod tests;
 
 use crate::cost::{Cost, CostTable, WholeTick};
-use crate::effects::Effect;
 use crate::export::{carried, refused};
-use crate::friction::{FrictionModel, Path};
-use crate::identify::{Identification, Method};
-use crate::kernel::{Arithmetic, Counts, Kernel};
-use crate::model::Model;
-use crate::recording::Recording;
 use preslide::ParamError;
+use preslide_fit::effects::Effect;
+use preslide_fit::friction::{FrictionModel, Path};
+use preslide_fit::identify::{Identification, Method};
+use preslide_fit::kernel::{Arithmetic, Counts, Kernel};
+use preslide_fit::model::Model;
+use preslide_fit::recording::Recording;
 use recommend::recommend;
 use std::ops::Range;
 

@@ -1,8 +1,8 @@
 //! A tuning for people and for machines.
 
 use super::{Choice, Tuning};
-use crate::kernel::Kernel;
-use crate::report::{Axis, Emphasis, Figure, Page, Section, Series, Style, Table};
+use preslide_fit::kernel::Kernel;
+use preslide_fit::report::{Axis, Emphasis, Figure, Page, Section, Series, Style, Table};
 use serde_json::{Value, json};
 
 impl Tuning {

@@ -1,8 +1,8 @@
 use super::cores::{Comparison, OnCore, budget_on};
 use super::{Budget, of_model};
 use crate::cost::{CORES, CostTable};
-use crate::kernel::Kernel;
-use crate::model::Model;
+use preslide_fit::kernel::Kernel;
+use preslide_fit::model::Model;
 
 fn model(blocks: &str) -> Model {
     let text = format!(

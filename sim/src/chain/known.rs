@@ -3,11 +3,11 @@
 use super::Trial;
 use crate::stage::concealed::{Concealed, HALF_TRAVEL_M};
 use preslide::Block;
-use preslide_host::effects::Effect;
-use preslide_host::friction::FrictionModel;
-use preslide_host::model::Model;
+use preslide_fit::effects::Effect;
+use preslide_fit::friction::FrictionModel;
+use preslide_fit::model::Model;
+use preslide_fit::recording::MotionKind;
 use preslide_host::paper;
-use preslide_host::recording::MotionKind;
 use std::f64::consts::PI;
 
 /// Cosines of a map.
@@ -155,7 +155,7 @@ fn map(shape: [f64; TERMS], unit: &str) -> Vec<(String, f64)> {
 mod tests {
     use super::*;
     use crate::stage::concealed::KINDS;
-    use preslide_host::friction::Path;
+    use preslide_fit::friction::Path;
 
     /// The catalogue's terms, with the values of the truth, give the resistance of the stage's own laws where it slides.
     #[test]

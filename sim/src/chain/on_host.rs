@@ -7,14 +7,14 @@ use crate::tracking::{Axis, Step, Tracking, TrackingError};
 use anyhow::Context;
 use preslide::control::{Move, NoFriction, Settings};
 use preslide::{Friction, Units};
+use preslide_fit::friction::Visitor;
+use preslide_fit::identify::{Options, STEPS, identify};
+use preslide_fit::kernel::Kernel;
+use preslide_fit::model::Model;
+use preslide_fit::progress::Progress;
+use preslide_fit::recording::{LoadOptions, load_csv};
 use preslide_host::capture::{Scale, capture};
 use preslide_host::diagnose::diagnose;
-use preslide_host::friction::Visitor;
-use preslide_host::identify::{Options, STEPS, identify};
-use preslide_host::kernel::Kernel;
-use preslide_host::model::Model;
-use preslide_host::progress::Progress;
-use preslide_host::recording::{LoadOptions, load_csv};
 
 /// Ticks from one sample of telemetry to the next, as a serial line carries them.
 const EVERY: u32 = 20;

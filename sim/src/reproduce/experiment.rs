@@ -4,12 +4,12 @@
 use super::SIZES;
 use super::search::Search;
 use crate::normal::normal;
-use preslide_host::friction::{FrictionModel, Path};
-use preslide_host::identify::regression::MaxwellSlipFit;
+use preslide_fit::friction::{FrictionModel, Path};
+use preslide_fit::identify::regression::MaxwellSlipFit;
+use preslide_fit::progress::Progress;
+use preslide_fit::simulate::inverse::inverse;
+use preslide_fit::statistics::nmse;
 use preslide_host::paper;
-use preslide_host::progress::Progress;
-use preslide_host::simulate::inverse::inverse;
-use preslide_host::statistics::nmse;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;

@@ -3,14 +3,14 @@
 use super::stick_slip::Drawn;
 use super::{REVERSALS, column, significant};
 use preslide::{LeuvenForm, Sliding};
+use preslide_fit::friction::{FrictionModel, Path};
+use preslide_fit::identify::family::{Family, Span};
+use preslide_fit::simulate::inverse::inverse;
+use preslide_fit::statistics::nmse;
 use preslide_host::compare::cost::cost;
 use preslide_host::compare::memory::{LoopClosure, loop_closure};
 use preslide_host::cost::Cost;
-use preslide_host::friction::{FrictionModel, Path};
-use preslide_host::identify::family::{Family, Span};
 use preslide_host::paper::{self, BREAKAWAY};
-use preslide_host::simulate::inverse::inverse;
-use preslide_host::statistics::nmse;
 use rayon::prelude::*;
 use std::ops::Range;
 

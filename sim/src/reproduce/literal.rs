@@ -1,8 +1,8 @@
 //! Equations (10)–(12) exactly as printed, driven there and back: why the library does not compute them so.
 
 use super::{column, significant};
+use preslide_fit::report::Table;
 use preslide_host::paper;
-use preslide_host::report::Table;
 use serde_json::{Value, json};
 
 /// Attraction parameter `C` \[N/s\]; the paper says that it hardly matters.

@@ -2,8 +2,8 @@
 
 use super::study::{cycles, cycles_text, head};
 use super::{CRITERION, Curve, Reproduction, significant};
+use preslide_fit::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
 use preslide_host::paper;
-use preslide_host::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
 use serde_json::{Value, json};
 
 /// Sizes in the figure that answers to the paper's Figure 7.

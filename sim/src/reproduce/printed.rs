@@ -1,8 +1,8 @@
 //! Why the paper's absolute errors differ: what its printed figures can and cannot mean.
 
 use super::Curve;
+use preslide_fit::statistics::nmse;
 use preslide_host::paper;
-use preslide_host::statistics::nmse;
 
 /// A printed NMSE beside the largest one that Table 3 admits.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! Table 3 recovered from the ten-block curve by the paper's procedure (7)–(9).
 
-use preslide_host::identify::virgin::VirginCurve;
+use preslide_fit::identify::virgin::VirginCurve;
 use preslide_host::paper::{BREAKAWAY, REFERENCE, TableColumn};
 
 /// Half a unit of the last digit of the table's weights.

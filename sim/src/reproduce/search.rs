@@ -1,10 +1,10 @@
 //! The best blocks for a curve: a grid of yields first, the best of its subsets refined.
 
 use super::SIZES;
-use preslide_host::identify::refine;
-use preslide_host::identify::regression::{Exact, MaxwellSlipFit, Regression};
-use preslide_host::identify::search::{Choice, best_choices};
-use preslide_host::identify::weights::Weights;
+use preslide_fit::identify::refine;
+use preslide_fit::identify::regression::{Exact, MaxwellSlipFit, Regression};
+use preslide_fit::identify::search::{Choice, best_choices};
+use preslide_fit::identify::weights::Weights;
 use preslide_host::paper;
 use std::ops::Range;
 

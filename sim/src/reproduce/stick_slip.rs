@@ -1,7 +1,7 @@
 //! Does a model stick and slip? A mass drawn over the friction by a spring whose far end moves steadily.
 
 use preslide::{Friction, Motion};
-use preslide_host::friction::Visitor;
+use preslide_fit::friction::Visitor;
 
 /// Mass \[kg\]: the paper's axis carries 30 N.
 const MASS: f64 = 3.0;

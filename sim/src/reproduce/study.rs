@@ -3,9 +3,9 @@
 use super::experiment::{Experiment, Interval, REPEATS, VARIABILITY};
 use super::figure_6::{Figure6, Origin};
 use super::{Reproduction, significant};
+use preslide_fit::friction::FrictionModel;
+use preslide_fit::report::{Axis, Colour, Emphasis, Figure, Section, Series, Style, Table};
 use preslide_host::compare::cost::cost;
-use preslide_host::friction::FrictionModel;
-use preslide_host::report::{Axis, Colour, Emphasis, Figure, Section, Series, Style, Table};
 use serde_json::{Value, json};
 
 /// Ramps drawn; more would hide the average.

@@ -6,10 +6,10 @@ use crate::tracking::{Axis, Step, TrackingError, electrical};
 use anyhow::Context;
 use preslide::control::{NoFriction, Settings};
 use preslide::{Friction, Units};
+use preslide_fit::identify::{Options, STEPS, identify};
+use preslide_fit::progress::Progress;
+use preslide_fit::recording::{LoadOptions, load_csv};
 use preslide_host::capture::{Scale, capture};
-use preslide_host::identify::{Options, STEPS, identify};
-use preslide_host::progress::Progress;
-use preslide_host::recording::{LoadOptions, load_csv};
 use preslide_link::{Report, Sample};
 use rayon::prelude::*;
 

@@ -2,8 +2,8 @@
 
 use crate::stage::Stage;
 use crate::tracking::Step;
-use preslide_host::identify::Candidate;
-use preslide_host::statistics::Estimate;
+use preslide_fit::identify::Candidate;
+use preslide_fit::statistics::Estimate;
 use serde::{Deserialize, Serialize};
 
 /// Strokes of a repeat, peak to peak (m), and their speed (m/s). The largest exceeds twice the longest yield displacement

@@ -1,7 +1,7 @@
 //! Effects that the stage can hide from its controller and from the diagnosis: the truth of `cargo xtask chain`.
 //!
 //! The laws stand here in the stage's own words and share no code with the terms that compensate them
-//! ([`preslide::effects`]) or the host's ([`preslide_host::effects`]). With friction `F` and motion in +x resisted by positive forces
+//! ([`preslide::effects`]) or the host's ([`preslide_fit::effects`]). With friction `F` and motion in +x resisted by positive forces
 //!
 //! ```text
 //! resistance = m(x)·F + f(x)

@@ -5,7 +5,7 @@ use crate::stage::{EncoderConfig, FrictionConfig, StageConfig, VariabilityConfig
 use preslide::control::learning::Adaptation;
 use preslide::control::{Fault, Learning, LearningSettings, Settings};
 use preslide::{Friction, QuasiStaticGms, Units};
-use preslide_host::statistics::mean_and_half_width;
+use preslide_fit::statistics::mean_and_half_width;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 

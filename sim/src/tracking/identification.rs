@@ -5,10 +5,10 @@ use super::{Axis, Step, TrackingError, motions};
 use crate::stage::StageConfig;
 use preslide::control::{NoFriction, Settings};
 use preslide::{Block, Dahl, Friction, LuGre, Motion, ParamError, Scalar, Sliding, Units};
-use preslide_host::identify::refine::refine;
-use preslide_host::identify::regression::{Exact, Gram, Regression};
-use preslide_host::identify::search::best_choices;
-use preslide_host::identify::weights::Weights;
+use preslide_fit::identify::refine::refine;
+use preslide_fit::identify::regression::{Exact, Gram, Regression};
+use preslide_fit::identify::search::best_choices;
+use preslide_fit::identify::weights::Weights;
 use rayon::prelude::*;
 
 /// Ticks averaged into one sample: 1 ms at 20 kHz.

@@ -5,8 +5,8 @@ use crate::stage::{Stage, StageConfig};
 use preslide::control::learning::{BlockMeans, Learn, MismatchSettings, MismatchWatch};
 use preslide::control::{Condition, Learning, LearningSettings, NormalRange, Settings};
 use preslide::{Block, ParamError, QuasiStaticGms, Units};
+use preslide_fit::statistics::mean_and_half_width;
 use preslide_host::paper;
-use preslide_host::statistics::mean_and_half_width;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -4,9 +4,10 @@ use super::page::Page;
 use crate::process::root;
 
 /// Folders whose files the text names in backticks.
-const FOLDERS: [&str; 9] = [
+const FOLDERS: [&str; 10] = [
     "src/",
     "cli/",
+    "fit/",
     "host/",
     "host-tests/",
     "link/",

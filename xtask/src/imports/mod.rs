@@ -18,8 +18,9 @@ use std::path::Path;
 use tree::{Edge, Tree};
 
 /// Folders of sources that are one crate each.
-const CRATES: [&str; 11] = [
+const CRATES: [&str; 12] = [
     "src",
+    "fit/src",
     "host/src",
     "sim/src",
     "cli/src",

@@ -3,9 +3,9 @@
 use super::super::Failure;
 use super::journal::{Journal, Played};
 use super::told::Told;
+use preslide_fit::recording::{self, LoadOptions, Needs};
+use preslide_fit::report::{Axis, Emphasis, Figure, Page, Section, Series, Table};
 use preslide_host::diagnose::effect;
-use preslide_host::recording::{self, LoadOptions, Needs};
-use preslide_host::report::{Axis, Emphasis, Figure, Page, Section, Series, Table};
 
 /// Samples of a curve.
 const CURVE: usize = 4_000;

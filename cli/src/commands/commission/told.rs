@@ -1,13 +1,13 @@
 //! What the recordings so far tell.
 
 use super::super::{Failure, thin};
+use preslide_fit::identify::{Options, STEPS, identify};
+use preslide_fit::model::Model;
+use preslide_fit::progress::Progress;
+use preslide_fit::recording::{self, LoadOptions, MotionKind, Recording};
+use preslide_fit::report::figures::estimate;
 use preslide_host::diagnose::fit::Fit;
 use preslide_host::diagnose::{Diagnosis, diagnose, effect};
-use preslide_host::identify::{Options, STEPS, identify};
-use preslide_host::model::Model;
-use preslide_host::progress::Progress;
-use preslide_host::recording::{self, LoadOptions, MotionKind, Recording};
-use preslide_host::report::figures::estimate;
 use preslide_link::MOST_BLOCKS;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

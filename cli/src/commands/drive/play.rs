@@ -3,9 +3,9 @@
 use super::asked::PlayArgs;
 use super::{Commanded, Failure, SAMPLES_PER_ROW};
 use preslide_drive::{Motion, Play, Played};
+use preslide_fit::progress::Progress;
+use preslide_fit::recording::{self, LoadOptions, MotionKind, Needs};
 use preslide_host::capture::{Recorder, Scale, Summary};
-use preslide_host::progress::Progress;
-use preslide_host::recording::{self, LoadOptions, MotionKind, Needs};
 use preslide_link::{Identity, Sample};
 use std::fs::File;
 use std::path::{Path, PathBuf};

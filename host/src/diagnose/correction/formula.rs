@@ -6,7 +6,7 @@ use super::expr::Input::{
     self, Direction, Load, Path, Position, Slipping, Temperature, Time, Velocity,
 };
 use crate::diagnose::effect::coulomb_asymmetry::SMALL;
-use crate::statistics::Estimate;
+use preslide_fit::statistics::Estimate;
 use std::f64::consts::{PI, TAU};
 
 /// The force (N or N·m) of the effect `id` with these parameters (in the keys of a linear axis), `level` being that of the recording's

@@ -13,12 +13,12 @@ use super::signals::Signals;
 use super::simulation::{Correction as Core, Few, few_blocks};
 use super::term::Term;
 use super::weak::Column;
-use crate::recording::Recording;
-use crate::signal::Deflection;
-use crate::statistics::{Estimate, nmse};
 pub use code::Language;
 use expr::{Expr, Function, Input};
 use formula::formula;
+use preslide_fit::recording::Recording;
+use preslide_fit::signal::Deflection;
+use preslide_fit::statistics::{Estimate, nmse};
 
 /// Parallel springs that slip: stiffness (N/m or N·m/rad, or that over a level) and yield displacement (m or rad).
 type Blocks = Vec<(f64, f64)>;
@@ -331,7 +331,7 @@ mod tests {
     use super::*;
     use crate::diagnose::effect::tests::{Stage, shapes};
     use crate::diagnose::effect::{ALL, Fitted};
-    use crate::recording::MotionKind;
+    use preslide_fit::recording::MotionKind;
     use std::collections::BTreeSet;
 
     /// Every formula is the force that its effect was fitted with, whatever its shape and coefficients.

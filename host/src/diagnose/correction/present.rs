@@ -2,9 +2,9 @@
 
 use super::{Added, Correction};
 use crate::diagnose::rows::Rows;
-use crate::model::key_of;
-use crate::recording::{MotionKind, Recording};
-use crate::report::figures::{left, quantity};
+use preslide_fit::model::key_of;
+use preslide_fit::recording::{MotionKind, Recording};
+use preslide_fit::report::figures::{left, quantity};
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 

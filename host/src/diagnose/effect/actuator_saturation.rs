@@ -5,9 +5,9 @@ use super::readout::enter;
 use super::{Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
-use crate::effects::form;
-use crate::model::Model;
-use crate::statistics::{Estimate, quantile_between_ranks};
+use preslide_fit::effects::form;
+use preslide_fit::model::Model;
+use preslide_fit::statistics::{Estimate, quantile_between_ranks};
 
 /// Share of the samples that stay below the limit at least: the column is made of the measured effort, and with a limit below most of
 /// it the effort would explain itself.

@@ -3,7 +3,7 @@
 
 use super::{Effect, Fitted, Scene};
 use crate::diagnose::weak::Column;
-use crate::statistics::Estimate;
+use preslide_fit::statistics::Estimate;
 use std::f64::consts::TAU;
 use std::ops::Range;
 

@@ -5,9 +5,9 @@ use super::{Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::{bounds, mean};
 use crate::diagnose::weak::Column;
-use crate::model::Model;
-use crate::recording::Extra;
-use crate::statistics::Estimate;
+use preslide_fit::model::Model;
+use preslide_fit::recording::Extra;
+use preslide_fit::statistics::Estimate;
 
 /// Forms, by their number, in front of the column's name.
 const FORMS: [&str; 4] = ["", "velocity_of_", "direction_of_", "acceleration_of_"];

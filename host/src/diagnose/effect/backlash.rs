@@ -10,9 +10,9 @@ use super::{Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
-use crate::effects::{Effect as Entry, form};
-use crate::model::Model;
-use crate::statistics::Estimate;
+use preslide_fit::effects::{Effect as Entry, form};
+use preslide_fit::model::Model;
+use preslide_fit::statistics::Estimate;
 
 /// Key of the coefficient: how much of the difference that the gap makes is there.
 const SHARE: &str = "share";

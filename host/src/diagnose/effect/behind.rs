@@ -109,7 +109,7 @@ fn transmitted(half: f64, w: f64, scene: &Scene) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::diagnose::effect::tests::Stage;
-    use crate::recording::MotionKind;
+    use preslide_fit::recording::MotionKind;
 
     /// What crosses the gap passes nothing, and on the whole the contact passes what holds the load. That the gap is told right is shown on a
     /// machine of another's making (`python/tests/test_preslide.py`).

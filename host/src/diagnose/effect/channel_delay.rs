@@ -4,9 +4,9 @@ use super::readout::enter;
 use super::{Class, Effect, Fitted, Part, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
-use crate::effects::form;
-use crate::model::Model;
-use crate::statistics::Estimate;
+use preslide_fit::effects::form;
+use preslide_fit::model::Model;
+use preslide_fit::statistics::Estimate;
 
 /// `channel_delay`.
 pub struct ChannelDelay;

@@ -7,9 +7,9 @@ use super::{Class, Effect, Fitted, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
-use crate::effects::form;
-use crate::model::Model;
-use crate::statistics::Estimate;
+use preslide_fit::effects::form;
+use preslide_fit::model::Model;
+use preslide_fit::statistics::Estimate;
 
 /// Key of its force.
 const FORCE: &str = "force_N";

@@ -6,9 +6,9 @@ use super::readout::enter;
 use super::{Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
-use crate::effects::form;
-use crate::model::Model;
-use crate::statistics::Estimate;
+use preslide_fit::effects::form;
+use preslide_fit::model::Model;
+use preslide_fit::statistics::Estimate;
 
 /// From a rate that rises e-fold with a twentieth of the breakaway force to one that is all but proportional to the force.
 const SHARES: [f64; 2] = [0.05, 0.5];

@@ -7,9 +7,9 @@ use super::readout::enter;
 use super::{Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
-use crate::effects::{Effect as Entry, form};
-use crate::model::Model;
-use crate::statistics::Estimate;
+use preslide_fit::effects::{Effect as Entry, form};
+use preslide_fit::model::Model;
+use preslide_fit::statistics::Estimate;
 use std::f64::consts::TAU;
 
 /// Share of the inertia on the motor's side of an elastic drive or a gap, which one recording does not tell.

@@ -6,9 +6,9 @@ use super::{Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::{Signals, bounds};
 use crate::diagnose::weak::Column;
-use crate::effects::form;
-use crate::model::Model;
-use crate::statistics::{Estimate, quantile_between_ranks};
+use preslide_fit::effects::form;
+use preslide_fit::model::Model;
+use preslide_fit::statistics::{Estimate, quantile_between_ranks};
 
 /// Ages from which the level grows that are tried (s): rests that a recording has last as long.
 const TIME_CONSTANTS_S: [f64; 2] = [0.1, 0.5];

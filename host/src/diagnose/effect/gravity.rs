@@ -7,10 +7,10 @@ use super::{Class, Effect, Fitted, Part, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
-use crate::effects::form;
-use crate::model::Model;
-use crate::signal::ONE_SLOPE_RAD;
-use crate::statistics::Estimate;
+use preslide_fit::effects::form;
+use preslide_fit::model::Model;
+use preslide_fit::signal::ONE_SLOPE_RAD;
+use preslide_fit::statistics::Estimate;
 
 /// Key of the amplitude, `torque_Nm` on the rotary axes that it is for.
 const AMPLITUDE: &str = "force_N";

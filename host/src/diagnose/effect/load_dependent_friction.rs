@@ -6,9 +6,9 @@ use super::{Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::{Signals, bounds, mean};
 use crate::diagnose::weak::Column;
-use crate::effects::{Effect as Entry, form};
-use crate::model::Model;
-use crate::statistics::{Estimate, quantile_between_ranks};
+use preslide_fit::effects::{Effect as Entry, form};
+use preslide_fit::model::Model;
+use preslide_fit::statistics::{Estimate, quantile_between_ranks};
 
 /// Key of the friction that a unit of transmitted effort brings (-), as in a gear.
 const SHARE: &str = "share_of_transmitted";

@@ -44,9 +44,9 @@ use super::axis::Axis;
 use super::normal::Bound;
 use super::signals::Signals;
 use super::weak::Column;
-use crate::effects::Effect as Entry;
-use crate::model::Model;
-use crate::statistics::Estimate;
+use preslide_fit::effects::Effect as Entry;
+use preslide_fit::model::Model;
+use preslide_fit::statistics::Estimate;
 
 /// Every effect, in the order in which ties are decided: the simpler one first.
 pub static ALL: [&dyn Effect; 28] = [

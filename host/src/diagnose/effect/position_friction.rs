@@ -7,9 +7,9 @@ use super::{Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
-use crate::effects::{Effect as Entry, form};
-use crate::model::Model;
-use crate::statistics::Estimate;
+use preslide_fit::effects::{Effect as Entry, form};
+use preslide_fit::model::Model;
+use preslide_fit::statistics::Estimate;
 use std::f64::consts::PI;
 
 /// Places at which the level is looked at.

@@ -7,9 +7,9 @@ use super::{Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::{Signals, bounds};
 use crate::diagnose::weak::Column;
-use crate::effects::{Effect as Entry, form};
-use crate::model::Model;
-use crate::statistics::Estimate;
+use preslide_fit::effects::{Effect as Entry, form};
+use preslide_fit::model::Model;
+use preslide_fit::statistics::Estimate;
 
 /// Share of the travel by which a spring's centre may lie aside of the middle, a little beyond either end: farther out the constant is a matter
 /// of its own.

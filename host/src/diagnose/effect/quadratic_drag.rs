@@ -7,9 +7,9 @@ use crate::diagnose::axis::Axis;
 use crate::diagnose::normal::Bound;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
-use crate::effects::form;
-use crate::model::Model;
-use crate::statistics::Estimate;
+use preslide_fit::effects::form;
+use preslide_fit::model::Model;
+use preslide_fit::statistics::Estimate;
 
 /// `quadratic_drag`.
 pub struct QuadraticDrag;

@@ -1,9 +1,9 @@
 //! Parameters of a fit, and their entry in a model file.
 
 use super::{Effect, Fitted, Scale};
-use crate::effects::Effect as Entry;
-use crate::model::Model;
-use crate::statistics::Estimate;
+use preslide_fit::effects::Effect as Entry;
+use preslide_fit::model::Model;
+use preslide_fit::statistics::Estimate;
 
 /// Parameters by key.
 pub(super) type Values = Vec<(String, Estimate)>;

@@ -7,10 +7,10 @@ use super::{Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
-use crate::effects::form;
-use crate::friction::FrictionModel;
-use crate::model::Model;
-use crate::statistics::Estimate;
+use preslide_fit::effects::form;
+use preslide_fit::friction::FrictionModel;
+use preslide_fit::model::Model;
+use preslide_fit::statistics::Estimate;
 
 /// Place of the exponent in the shape.
 pub(super) const EXPONENT: usize = 1;

@@ -2,10 +2,10 @@
 
 use super::*;
 use crate::diagnose::term::{Subject, Term};
-use crate::friction::FrictionModel;
-use crate::recording::{LoadOptions, MotionKind, Recording, load_csv};
-use crate::signal::Deflection;
-use crate::statistics::quantile_between_ranks;
+use preslide_fit::friction::FrictionModel;
+use preslide_fit::recording::{LoadOptions, MotionKind, Recording, load_csv};
+use preslide_fit::signal::Deflection;
+use preslide_fit::statistics::quantile_between_ranks;
 use std::collections::HashSet;
 use std::fmt::Write as _;
 

@@ -5,9 +5,9 @@ use super::wave::{amplitude_phase_and_shape, wave};
 use super::{Class, Effect, Fitted, Line, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
-use crate::effects::form;
-use crate::model::Model;
-use crate::statistics::Estimate;
+use preslide_fit::effects::form;
+use preslide_fit::model::Model;
+use preslide_fit::statistics::Estimate;
 
 /// `torque_ripple`.
 pub struct TorqueRipple;

@@ -2,8 +2,8 @@
 
 use super::samples::{COLUMNS, CONSTANT, Samples};
 use super::{CERTAIN, MATERIAL};
-use crate::statistics::{Estimate, jackknife};
 use nalgebra::{DMatrix, DVector, DVectorView};
+use preslide_fit::statistics::{Estimate, jackknife};
 
 /// Sums of one group of samples.
 #[derive(Clone)]

@@ -3,7 +3,7 @@
 use super::held_out::HeldOut;
 use super::legendre::{DEGREE, legendre};
 use super::samples::{BESIDE, Samples};
-use crate::statistics::Estimate;
+use preslide_fit::statistics::Estimate;
 
 /// Points of the curve that is told.
 const POINTS: usize = 41;

@@ -15,9 +15,9 @@ mod tests;
 mod words;
 
 use super::signals::Signals;
-use crate::recording::{Extra, Recording};
-use crate::statistics::Estimate;
 use held_out::{HeldOut, Sums};
+use preslide_fit::recording::{Extra, Recording};
+use preslide_fit::statistics::Estimate;
 use samples::{BESIDE, COLUMNS, DIRECTION, EFFORT, HIDING, Samples};
 
 pub use held_out::Taken;

@@ -9,8 +9,8 @@ use super::super::spectra;
 use super::FEWEST;
 use super::held_out::{Sums, Taken};
 use super::samples::{BESIDE, COLUMNS, Samples};
-use crate::statistics::{Estimate, jackknife};
 use nalgebra::DVector;
+use preslide_fit::statistics::{Estimate, jackknife};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 

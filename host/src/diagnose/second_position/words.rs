@@ -1,9 +1,9 @@
 //! A second position in a sentence.
 
 use super::{Periodic, SecondPosition};
-use crate::recording::Recording;
-use crate::report::figures::{quantity, within};
-use crate::statistics::Estimate;
+use preslide_fit::recording::Recording;
+use preslide_fit::report::figures::{quantity, within};
+use preslide_fit::statistics::Estimate;
 
 impl Periodic {
     /// In words, without a full stop.

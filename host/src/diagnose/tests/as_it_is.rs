@@ -1,8 +1,8 @@
 //! What is told of the user's model, of the recording's columns and of its clock, before any name.
 
 use super::*;
-use crate::recording::Extra;
 use column::Kind;
+use preslide_fit::recording::Extra;
 
 /// The made machine's own model, its friction level and inertia times factors, with viscous friction (N·s/m).
 fn model(level: f64, inertia: f64, viscous: f64) -> Model {

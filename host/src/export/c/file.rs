@@ -3,10 +3,10 @@
 use super::law::Law;
 use super::term::Term;
 use super::{SAMPLE_TIME, define, literal};
-use crate::effects::form::Sum;
 use crate::export::constants::{Constant, inertia};
-use crate::model::Model;
-use crate::recording::MotionKind;
+use preslide_fit::effects::form::Sum;
+use preslide_fit::model::Model;
+use preslide_fit::recording::MotionKind;
 use std::fmt::Write as _;
 
 /// What both files are made of.

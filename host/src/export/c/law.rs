@@ -2,10 +2,10 @@
 
 use super::{define, filled, literal};
 use crate::export::constants::of_friction;
-use crate::friction::FrictionModel;
-use crate::kernel::{Kernel, WholeNumbers};
-use crate::model::Model;
 use preslide::Units;
+use preslide_fit::friction::FrictionModel;
+use preslide_fit::kernel::{Kernel, WholeNumbers};
+use preslide_fit::model::Model;
 use std::fmt::Write as _;
 
 /// A friction model.

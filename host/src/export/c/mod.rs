@@ -1,7 +1,7 @@
 //! A model as a pair of C99 files, in single precision and SI units or in whole numbers: no heap, no library but `math.h`.
 //!
 //! The laws are those of the Rust library, written once more as templates: `law/*.c`, and an expression beside each effect's
-//! [form](crate::effects::form). What holds the two together are the program's tests, which compile the C and run both along a million steps.
+//! [form](preslide_fit::effects::form). What holds the two together are the program's tests, which compile the C and run both along a million steps.
 
 mod file;
 mod law;
@@ -11,10 +11,10 @@ mod whole;
 
 use super::constants::{Constant, bounds, carried, numbered, of_friction};
 use super::{Options, fitting, no_refused};
-use crate::kernel::{Arithmetic, Kernel};
-use crate::model::Model;
 use file::File;
 use law::Law;
+use preslide_fit::kernel::{Arithmetic, Kernel};
+use preslide_fit::model::Model;
 use term::Term;
 
 /// Functions that a term may call, each used or left out, those that call others behind them.

@@ -1,9 +1,9 @@
 //! The function that runs a tick.
 
 use super::term::Term;
-use crate::effects::form::Sum;
-use crate::model::Model;
-use crate::recording::MotionKind;
+use preslide_fit::effects::form::Sum;
+use preslide_fit::model::Model;
+use preslide_fit::recording::MotionKind;
 use std::fmt::Write as _;
 
 /// What is said of a force that is.

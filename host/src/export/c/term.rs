@@ -1,10 +1,10 @@
 //! An effect in C.
 
 use super::{SAMPLE_TIME, filled};
-use crate::effects::Effect;
-use crate::effects::form::CTerm;
 use crate::export::constants::{Constant, named, of_effect};
-use crate::model::Model;
+use preslide_fit::effects::Effect;
+use preslide_fit::effects::form::CTerm;
+use preslide_fit::model::Model;
 
 /// An effect with the names of its constants filled in.
 pub(super) struct Term {

@@ -3,13 +3,13 @@
 use super::file::File;
 use super::law::{BLOCKS, Law, SHIFTS, of_each_block, whole_numbers};
 use super::{C, Options, define, filled, given_rate, literal, of_rate};
-use crate::effects::Effect;
-use crate::effects::form::{CONSTANT_FORCE, VISCOUS};
 use crate::export::constants::{FORCE_BOUND, bounds};
-use crate::kernel::{Curves, Kernel, WholeNumbers};
-use crate::model::Model;
 use preslide::fixed::types::I16F16;
 use preslide::{Scalar, Units, to_scalar};
+use preslide_fit::effects::Effect;
+use preslide_fit::effects::form::{CONSTANT_FORCE, VISCOUS};
+use preslide_fit::kernel::{Curves, Kernel, WholeNumbers};
+use preslide_fit::model::Model;
 
 /// Binary places by which an input is made finer: so many and one more would leave a single bit of it.
 const MOST_PLACES: u32 = 30;

@@ -1,11 +1,11 @@
 //! The effects in the source: their parameters and bounds as constants, and the calls that build them.
 
 use super::{Options, Source, Term, literal};
-use crate::effects::Effect;
-use crate::effects::form::{Argument, Constructor};
 use crate::export::constants::{
     FORCE_BOUND, LEVEL_BOUND, bounds, carried, named, numbered, of_effect,
 };
+use preslide_fit::effects::Effect;
+use preslide_fit::effects::form::{Argument, Constructor};
 use std::fmt::Write as _;
 
 impl Source<'_> {

@@ -2,9 +2,9 @@
 
 use super::{Source, literal};
 use crate::export::constants::of_friction;
-use crate::friction::FrictionModel;
-use crate::kernel::Kernel;
 use preslide::Block;
+use preslide_fit::friction::FrictionModel;
+use preslide_fit::kernel::Kernel;
 use std::fmt::Write as _;
 
 impl Source<'_> {

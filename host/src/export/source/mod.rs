@@ -5,8 +5,8 @@ mod friction;
 
 use super::constants::{Constant, inertia};
 use super::{Options, fitting, no_refused};
-use crate::kernel::{Arithmetic, Kernel};
-use crate::model::Model;
+use preslide_fit::kernel::{Arithmetic, Kernel};
+use preslide_fit::model::Model;
 use std::fmt::Write as _;
 
 /// Effects that one tuple holds.

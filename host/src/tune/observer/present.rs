@@ -1,7 +1,7 @@
 //! A proposal for people and for machines.
 
 use super::{ASKED, Proposal};
-use crate::report::{Section, Table};
+use preslide_fit::report::{Section, Table};
 use serde_json::{Value, json};
 
 impl Proposal {

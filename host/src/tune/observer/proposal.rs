@@ -1,9 +1,9 @@
 //! Which gains to take: as fast as the margins let the filter be.
 
 use super::{Belief, Feedback, Gains, Machine, Margins};
-use crate::friction::FrictionModel;
 use preslide::ParamError;
 use preslide::control::{Axis, ObserverSettings, PidGains};
+use preslide_fit::friction::FrictionModel;
 
 /// What is told beside the axis (SI).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 mod periodic;
 
 use super::*;
-use crate::recording::{LoadOptions, load_csv};
+use preslide_fit::recording::{LoadOptions, load_csv};
 
 const SLOPE: f64 = 60e-6;
 

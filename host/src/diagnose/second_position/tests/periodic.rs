@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::diagnose::second_position::periodic::Periodic;
-use crate::recording::load;
+use preslide_fit::recording::load;
 use preslide_host_tests::recordings;
 use std::f64::consts::TAU;
 

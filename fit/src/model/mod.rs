@@ -1,0 +1,298 @@
+//! Model files: what `identify` writes and every other command reads.
+
+mod along;
+mod check;
+mod feed_forward;
+mod friction;
+mod refuse;
+mod running;
+mod stepper;
+mod write;
+
+use crate::effects::{Effect, form};
+use crate::friction::FrictionModel;
+use crate::recording::MotionKind;
+use friction::FrictionToml;
+use serde::Deserialize;
+use std::path::Path as FilePath;
+use thiserror::Error;
+
+pub use along::Measured;
+pub use feed_forward::Chosen;
+pub use refuse::{reduced, refused};
+pub use stepper::{Now, Stepper};
+
+/// The only schema there is.
+pub const SCHEMA: &str = "preslide.model/1";
+
+/// A machine's rigid body and friction, in SI.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// Linear or rotary.
+    pub motion: MotionKind,
+    /// Mass (kg) or inertia (kg·m²); 0 where it is not known.
+    pub inertia: f64,
+    /// Viscous coefficient (N·s/m or N·m·s/rad).
+    pub viscous: f64,
+    /// The friction model.
+    pub friction: FrictionModel,
+    /// Effect `constant_force` (N or N·m): gravity, tilt, current offset.
+    pub constant_force: f64,
+    /// The other effects.
+    pub effects: Vec<Effect>,
+    /// Known lengths and periods of the drive, by key.
+    pub mechanics: Vec<(String, f64)>,
+}
+
+/// Why a model file cannot be used.
+#[derive(Debug, Error)]
+pub enum ModelError {
+    /// The file cannot be read.
+    #[error("{file}: {source}")]
+    Unreadable {
+        /// File name as given.
+        file: String,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// TOML or one of its keys is wrong.
+    #[error("{file}: {reason}")]
+    Invalid {
+        /// File name as given.
+        file: String,
+        /// Key, reason and remedy.
+        reason: String,
+    },
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ModelToml {
+    schema: String,
+    motion: String,
+    inertia: Option<InertiaToml>,
+    friction: FrictionToml,
+    #[serde(default)]
+    mechanics: MechanicsToml,
+    #[serde(default)]
+    effects: Vec<toml::Table>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct InertiaToml {
+    mass_kg: f64,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MechanicsToml {
+    screw_lead_m: Option<f64>,
+    motor_period_m: Option<f64>,
+    encoder_period_m: Option<f64>,
+    encoder_count_m: Option<f64>,
+}
+
+impl MechanicsToml {
+    fn given(self) -> Vec<(String, f64)> {
+        [
+            ("screw_lead_m", self.screw_lead_m),
+            ("motor_period_m", self.motor_period_m),
+            ("encoder_period_m", self.encoder_period_m),
+            ("encoder_count_m", self.encoder_count_m),
+        ]
+        .into_iter()
+        .filter_map(|(key, value)| Some((key.to_owned(), value?)))
+        .collect()
+    }
+}
+
+/// The constant force (N or N·m), all of them added up, and the other effects; `say` puts a key in the file's words.
+fn effects_of(
+    entries: &[toml::Table],
+    say: &dyn Fn(&str) -> String,
+) -> Result<(f64, Vec<Effect>), String> {
+    let (mut constant_force, mut effects) = (0.0, Vec::new());
+    for (i, entry) in entries.iter().enumerate() {
+        let effect = Effect::read(entry, say).map_err(|e| format!("effects[{}].{e}", i + 1))?;
+        if effect.is(&form::CONSTANT_FORCE) {
+            constant_force += effect.get("force_N");
+        } else {
+            effects.push(effect);
+        }
+    }
+    Ok((constant_force, effects))
+}
+
+/// Key endings of rotary files and what they are called on a linear axis, longest first.
+const ROTARY: [(&str, &str); 9] = [
+    ("inertia_kg_m2", "mass_kg"),
+    ("_Nm_s2_per_rad2", "_N_s2_per_m2"),
+    ("_Nm_s_per_rad", "_N_s_per_m"),
+    ("_Nm_per_rad", "_N_per_m"),
+    ("_Nm_per_s", "_N_per_s"),
+    ("_per_rad", "_per_m"),
+    ("_rad_s", "_m_s"),
+    ("_Nm", "_N"),
+    ("_rad", "_m"),
+];
+
+/// Keys that any axis has: a phase is an angle (so is that of gravity, which only a rotary axis has), the normal load a force.
+const COMMON: [&str; 4] = ["phase_rad", "angle_rad", "load_N", "level_per_N"];
+
+/// A key of the file in the words of the other kind of axis, or `None` where it belongs to that other kind.
+/// A key of a linear axis in the words of an axis that moves so.
+pub fn key_of(motion: MotionKind, key: &str) -> String {
+    match motion {
+        MotionKind::Linear => key.to_owned(),
+        MotionKind::Rotary => translate(key, false).unwrap_or_else(|| key.to_owned()),
+    }
+}
+
+fn translate(key: &str, to_linear: bool) -> Option<String> {
+    if COMMON.contains(&key) {
+        return Some(key.to_owned());
+    }
+    let ending = |linear: bool| {
+        ROTARY.iter().find_map(|&(rotary, straight)| {
+            let (own, other) = if linear {
+                (straight, rotary)
+            } else {
+                (rotary, straight)
+            };
+            key.strip_suffix(own).map(|stem| format!("{stem}{other}"))
+        })
+    };
+    match (ending(!to_linear), ending(to_linear)) {
+        (Some(translated), _) => Some(translated),
+        (None, None) => Some(key.to_owned()),
+        (None, Some(_)) => None,
+    }
+}
+
+/// Renames the keys of a rotary file to those of a linear one, all the way down; linear keys are refused.
+fn to_linear_keys(value: &mut toml::Value, path: &str) -> Result<(), String> {
+    match value {
+        toml::Value::Table(table) => {
+            for (key, mut inner) in std::mem::take(table) {
+                let here = format!("{path}{key}");
+                let key = translate(&key, true).ok_or_else(|| {
+                    format!("{here}: this is a key of a linear axis, but the file says motion = \"rotary\"; use the rotary unit (Nm, rad)")
+                })?;
+                to_linear_keys(&mut inner, &format!("{here}."))?;
+                table.insert(key, inner);
+            }
+            Ok(())
+        }
+        toml::Value::Array(items) => items
+            .iter_mut()
+            .enumerate()
+            .try_for_each(|(i, item)| to_linear_keys(item, &format!("{path}{}.", i + 1))),
+        _ => Ok(()),
+    }
+}
+
+/// Largest model file (bytes); those of this tool have some thousands.
+const MOST_BYTES: u64 = 1 << 20;
+
+/// The text of a model file, which has an end.
+///
+/// # Errors
+/// What the system says, text that is not UTF-8, and more than a megabyte.
+pub fn read(path: &FilePath) -> std::io::Result<String> {
+    use std::io::Read;
+    let mut text = String::new();
+    let file = std::fs::File::open(path)?;
+    let bytes = file.take(MOST_BYTES + 1).read_to_string(&mut text)? as u64;
+    if bytes > MOST_BYTES {
+        return Err(std::io::Error::other(format!(
+            "more than {MOST_BYTES} bytes, which no model file has"
+        )));
+    }
+    Ok(text)
+}
+
+impl Model {
+    /// Friction and nothing else.
+    pub fn of_friction(motion: MotionKind, friction: FrictionModel) -> Self {
+        Self {
+            motion,
+            inertia: 0.0,
+            viscous: 0.0,
+            friction,
+            constant_force: 0.0,
+            effects: Vec::new(),
+            mechanics: Vec::new(),
+        }
+    }
+
+    /// Reads a model file.
+    ///
+    /// # Errors
+    /// [`ModelError`] names the file, the key, the reason and the remedy.
+    pub fn load(path: &FilePath) -> Result<Self, ModelError> {
+        let file = path.display().to_string();
+        let text = read(path).map_err(|source| ModelError::Unreadable {
+            file: file.clone(),
+            source,
+        })?;
+        Self::parse(&text).map_err(|reason| ModelError::Invalid { file, reason })
+    }
+
+    /// Reads the text of a model file; the error names the key, the reason and the remedy.
+    ///
+    /// # Errors
+    /// The reason, for a person to read.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let table: toml::Table = toml::from_str(text).map_err(|e| e.to_string())?;
+        let motion = match table.get("motion").and_then(toml::Value::as_str) {
+            Some("linear") => MotionKind::Linear,
+            Some("rotary") => MotionKind::Rotary,
+            _ => return Err("motion: must be \"linear\" or \"rotary\"".to_owned()),
+        };
+        // Straight from the text where keys need no translation: the error then shows line and column.
+        let file: ModelToml = match motion {
+            MotionKind::Linear => toml::from_str(text).map_err(|e| e.to_string())?,
+            MotionKind::Rotary => {
+                let mut value = toml::Value::Table(table);
+                to_linear_keys(&mut value, "")?;
+                value
+                    .try_into()
+                    .map_err(|e: toml::de::Error| format!("{e} (in the words of a linear axis)"))?
+            }
+        };
+        if file.schema != SCHEMA {
+            return Err(format!(
+                "schema: \"{}\" is not known; this program reads \"{SCHEMA}\"",
+                file.schema
+            ));
+        }
+        debug_assert!(file.motion == motion.name());
+        let say = |key: &str| match motion {
+            MotionKind::Linear => key.to_owned(),
+            MotionKind::Rotary => translate(key, false).unwrap_or_else(|| key.to_owned()),
+        };
+        let (constant_force, effects) = effects_of(&file.effects, &say)?;
+        let model = Self {
+            motion,
+            inertia: file.inertia.map_or(0.0, |inertia| inertia.mass_kg),
+            viscous: file.friction.viscous_N_s_per_m.unwrap_or(0.0),
+            friction: file
+                .friction
+                .model()
+                .map_err(|(key, reason)| format!("friction.{}: {reason}", say(key)))?,
+            constant_force,
+            effects,
+            mechanics: file.mechanics.given(),
+        };
+        model
+            .check()
+            .map_err(|(key, reason)| format!("{}: {reason}", say(&key)))?;
+        Ok(model)
+    }
+
+    /// A key of a linear axis in the words of this model's files.
+    pub fn key(&self, key: &str) -> String {
+        key_of(self.motion, key)
+    }
+}
