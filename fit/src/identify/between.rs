@@ -62,7 +62,8 @@ pub(super) fn between(fitting: &Fitting, plain: Plain, hysteresis: &FrictionMode
             own.collect::<Vec<usize>>()
         });
         let own: Vec<Vec<usize>> = own.filter(|fold| !fold.is_empty()).collect();
-        if own.len() < FEWEST {
+        // Where friction and offset are one sum, it changes with the direction and not with the machine.
+        if own.len() < FEWEST || fitting.goes_one_way(&own.concat()) {
             return None;
         }
         let fit = rigid_body::fit(

@@ -141,9 +141,9 @@ impl Fitting<'_> {
         })
     }
 
-    fn goes_one_way(&self) -> bool {
+    pub(super) fn goes_one_way(&self, rows: &[usize]) -> bool {
         let of = |sign: f64| {
-            let direction = self.train.iter().map(|&i| self.kinematics.direction[i]);
+            let direction = rows.iter().map(|&i| self.kinematics.direction[i]);
             direction.filter(|d| *d == sign).count() as f64
         };
         let (forward, backward) = (of(1.0), of(-1.0));
@@ -195,7 +195,7 @@ impl Fitting<'_> {
     ) -> Result<Found, String> {
         let recording = self.recording;
         let mut weights = Weights::by_time(recording);
-        if self.goes_one_way() {
+        if self.goes_one_way(self.train) {
             return self.fit_one_way(&weights, notes);
         }
         let range = yield_range(recording, self.train)?;
@@ -210,7 +210,8 @@ impl Fitting<'_> {
         let again = |what| Progress::new(what, STEPS);
         if weights.differ() {
             let knee = &found.selection.optimal[found.selection.knee];
-            weights = Weights::by_residual(recording, &found.regression.residual(&knee.fit));
+            let residual = found.regression.residual(&knee.fit);
+            weights = Weights::by_residual(recording, &residual, self.train);
             found = self.search(base, &weights, range, &again("weighted"))?;
             notes.extend(weights.in_words(recording));
         }

@@ -25,11 +25,13 @@ impl Weights {
         Self::of_runs(recording, &steps)
     }
 
-    /// By time and by what a model leaves: `residual` at every sample (N or N·m).
-    pub fn by_residual(recording: &Recording, residual: &[f64]) -> Self {
+    /// By time and by what a model leaves of the rows that it was fitted to: `residual` at every sample (N or N·m), `rows` in order.
+    pub fn by_residual(recording: &Recording, residual: &[f64], rows: &[usize]) -> Self {
         let variance = |run: &Range<usize>| {
-            let of_run = &residual[run.clone()];
-            of_run.iter().map(|r| r * r).sum::<f64>() / of_run.len() as f64
+            let place = |at: usize| rows.partition_point(|row| *row < at);
+            let fitted = &rows[place(run.start)..place(run.end)];
+            let squares: f64 = fitted.iter().map(|i| residual[*i].powi(2)).sum();
+            squares / fitted.len().max(1) as f64
         };
         let variances: Vec<f64> = runs(recording).map(variance).collect();
         let floor = variances.iter().copied().fold(0.0, f64::max) / MOST_APART.powi(2);

@@ -33,6 +33,14 @@ pub fn not_yet_known(recording: &Recording, stretch: &Range<usize>) -> Range<usi
     stretch.start..end
 }
 
+/// Starts of files in which friction still holds what nobody recorded. A file alone begins from rest, as the models do; of several none is the first,
+/// in whatever order they are given.
+pub fn unknown_starts(recording: &Recording) -> Vec<Range<usize>> {
+    let several = recording.joined.len() > 1;
+    let files = recording.joined.iter().filter(|_| several);
+    files.map(|file| not_yet_known(recording, file)).collect()
+}
+
 impl Deflection {
     /// Runs the operator along `x` over the contiguous `pieces`.
     pub fn along(x: &[f64], pieces: &[Range<usize>], yield_displacement: f64) -> Self {

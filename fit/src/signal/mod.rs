@@ -13,7 +13,7 @@ mod stick_slip;
 mod zero_phase;
 
 pub use channel::Channel;
-pub use deflection::{Deflection, not_yet_known};
+pub use deflection::{Deflection, not_yet_known, unknown_starts};
 pub use delay::{Delay, TAKES};
 pub use kinematics::Kinematics;
 pub use resolution::step_at_reversals;

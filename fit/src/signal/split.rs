@@ -141,8 +141,9 @@ impl Split {
         };
         let repeats = joined(group(&recording.repeat));
         let segments = joined(group(&recording.segment));
-        // Three repeats and more, each with all of the motion, scatter as another recording would; their strokes scatter less.
-        let (folds, unit) = if repeats.len() > 2 {
+        // Three repeats and more, each with all of the motion, scatter as another recording would; their strokes scatter less. A repeat of one stroke
+        // has not all of it: what goes one way is not told by what goes the other.
+        let (folds, unit) = if repeats.len() > 2 && segments.len() > repeats.len() {
             (repeats, "repeat")
         } else if segments.len() >= FEWEST {
             (segments, "segment")
