@@ -7,8 +7,9 @@ use crate::signal::{Kinematics, ZeroPhase};
 
 /// Share of the acceleration's power that must be in an octave to count: less takes less than that off the inertia.
 const COUNTS: f64 = 0.01;
-/// The inertia that an octave shows, over that of the bands below, under which it shows none. A load behind a spring may leave a third.
-const NONE: f64 = 0.25;
+/// The inertia that an octave shows, over what most of them show, under which it is not all of the machine's: a load that swings at the top of the
+/// band leaves the motor's, a periodic error of the encoder next to none. Octaves of clean machines differ by a tenth.
+const NOT_ALL: f64 = 0.8;
 /// Least squared correlation of effort and acceleration in a band that shows an inertia.
 const SHOWS: f64 = 0.25;
 /// Octaves that are looked at.
@@ -43,8 +44,8 @@ impl Products {
 }
 
 impl Identification {
-    /// The cut-off (Hz) up to which the effort beside friction and plain physics follows the acceleration, where that is below the band's. The
-    /// inertia is that of the band in which the two are most alike.
+    /// The cut-off (Hz) up to which the effort beside friction and plain physics follows the acceleration with the machine's inertia, where that is
+    /// below the band's: the inertia that the octaves show in the middle.
     pub(super) fn followed_up_to(
         &self,
         recording: &Recording,
@@ -76,16 +77,20 @@ impl Identification {
             })
             .collect();
         let counts = |octave: &Products| octave.aa >= COUNTS * whole.aa;
-        let below = bands[1..].iter().map(|band| Products::of(band, &rows));
-        let clearest = below
-            .chain(octaves.iter().copied())
-            .filter(counts)
-            .max_by(|a, b| a.shown().total_cmp(&b.shown()))
-            .filter(|band| band.shown() >= SHOWS)?;
+        let mut shown: Vec<f64> = octaves
+            .iter()
+            .filter(|octave| counts(octave) && octave.shown() >= SHOWS)
+            .map(Products::inertia)
+            .collect();
+        let middle = shown.len() / 2;
+        let most = match shown.is_empty() {
+            true => return None,
+            false => *shown.select_nth_unstable_by(middle, f64::total_cmp).1,
+        };
         let told: Vec<usize> = (0..octaves.len())
             .filter(|o| counts(&octaves[*o]))
             .collect();
-        let is_followed = |o: &usize| octaves[*o].inertia() >= NONE * clearest.inertia();
+        let is_followed = |o: &usize| octaves[*o].inertia() >= NOT_ALL * most;
         let first = *told.iter().find(|o| is_followed(o))?;
         (told[0] != first).then(|| cutoff(first as u32))
     }
