@@ -117,7 +117,12 @@ impl Evidence<'_> {
             let Some(errors) = self.held_out(plain, end) else {
                 return;
             };
-            if best.as_ref().is_none_or(|best| is_better(best, &errors)) {
+            let places = [shown.plain.place, plain.place];
+            let rivals = places[0] != places[1] && !places.contains(&Place::Nowhere);
+            if best
+                .as_ref()
+                .is_none_or(|best| is_better(best, &errors, rivals))
+            {
                 (shown.plain, shown.longest) = (plain, end);
                 best = Some(errors);
             }
@@ -145,8 +150,8 @@ impl Evidence<'_> {
 }
 
 /// Whether errors held out are less, by a share that counts and for certain: by as much everywhere, or, where hardly any is left, everywhere in
-/// proportion: a few long strokes have most of an error that every stroke has.
-fn is_better(before: &[f64], after: &[f64]) -> bool {
+/// proportion: a few long strokes have most of an error that every stroke has. Of two `rivals`, one of which there is, the proportion is enough.
+fn is_better(before: &[f64], after: &[f64], rivals: bool) -> bool {
     let n = before.len() as f64;
     let sum = |errors: &[f64]| errors.iter().sum::<f64>();
     let pairs = || before.iter().zip(after);
@@ -159,7 +164,7 @@ fn is_better(before: &[f64], after: &[f64]) -> bool {
     let in_proportion = |(b, a): (&f64, &f64)| (b.max(1e-300) / a.max(1e-300)).ln();
     left < 1.0 - MATERIAL
         && (is_certain(pairs().map(|(b, a)| b - a).collect())
-            || left < HARDLY_ANY && is_certain(pairs().map(in_proportion).collect()))
+            || (rivals || left < HARDLY_ANY) && is_certain(pairs().map(in_proportion).collect()))
 }
 
 #[cfg(test)]
@@ -173,12 +178,16 @@ mod tests {
         let of_each = |left: f64, of_the_last: f64| {
             let mut after = before.map(|b| left * b);
             after[5] = of_the_last;
-            is_better(&before, &after)
+            is_better(&before, &after, false)
         };
         assert!(of_each(0.01, 0.02));
         // Half of each, as a wrong spring takes; nearly all of five and nothing of one; no more than chance.
         assert!(!of_each(0.5, 0.4));
         assert!(!of_each(0.01, 300.0));
         assert!(!of_each(0.99, 0.79));
+        // Of a spring and a weight that take all but a fifth, the one that takes most of every stroke.
+        let spring = [12.0, 0.24, 1.3, 1.7, 3.4, 7.9];
+        let weight = [1.7, 0.25, 0.23, 0.1, 0.85, 0.7];
+        assert!(is_better(&spring, &weight, true) && !is_better(&weight, &spring, true));
     }
 }
