@@ -6,6 +6,7 @@ use preslide_fit::identify::family::Family;
 use preslide_fit::identify::{Identification, MANY, Options, STEPS, identify, motion, speed_table};
 use preslide_fit::progress::Progress;
 use preslide_fit::recording::{Recording, Speeds};
+use preslide_fit::report::figures::left;
 use preslide_fit::simulate::closed::Controller;
 use preslide_host::predict::{self, predict};
 use std::path::PathBuf;
@@ -107,6 +108,11 @@ impl Identify {
         progress.finish();
 
         print(&found, &recording);
+        say!(
+            "Next: preslide diagnose {} tells what the {} are: noise, or physics that this fit has not",
+            self.recordings.in_words(),
+            left(found.best().nmse_test)
+        );
 
         let refused = found.refused();
         if let Some(path) = self.output.as_ref().filter(|_| refused.is_none()) {

@@ -126,6 +126,22 @@ impl RecordingArgs {
         self.reading.taken = columns.to_vec();
     }
 
+    /// The files and how they are read, as another command takes them.
+    pub fn in_words(&self) -> String {
+        let files = self
+            .recordings
+            .iter()
+            .map(|file| file.display().to_string());
+        let maps = self.reading.map.iter();
+        let maps = maps.flat_map(|(to, from)| ["--map".to_owned(), format!("{to}={from}")]);
+        let sign = self.reading.sign.iter();
+        let sign = sign.flat_map(|sign| ["--sign".to_owned(), sign.to_string()]);
+        let ignored = self.reading.ignore.iter();
+        let ignored = ignored.flat_map(|column| ["--ignore".to_owned(), column.clone()]);
+        let all = files.chain(maps).chain(sign).chain(ignored).map(quoted);
+        all.collect::<Vec<_>>().join(" ")
+    }
+
     /// Sees to it that the outputs can be written and are none of the recordings, nor the model.
     pub fn check_outputs(
         &self,

@@ -28,8 +28,8 @@ use crate::progress::Progress;
 use crate::recording::Recording;
 use crate::report::figures::quantity;
 use crate::signal::{
-    Channel, End, Kinematics, Split, StickSlip, TAKES, Window, check_windows, not_yet_known,
-    step_at_reversals,
+    Channel, End, Kinematics, Split, StickSlip, TAKES, Window, check_windows, step_at_reversals,
+    unknown_starts,
 };
 use crate::statistics::Estimate;
 use between::between;
@@ -280,7 +280,7 @@ pub fn identify(
         };
         found = better;
         found.search_notes.push(format!(
-            "the effort does not follow the acceleration above {:.1} Hz, as where the encoder's error is periodic or a load swings: the fit looks below; `preslide diagnose` tells which",
+            "above {:.1} Hz the effort shows less inertia than below, or none, as where a load swings or the encoder's error is periodic: the fit looks below; `preslide diagnose` tells which",
             found.band_hz
         ));
     }
@@ -338,9 +338,7 @@ fn fitted(
         keep_from_gaps(&mut split, recording, reach);
     }
     let mut unknown = channel.unknown(reach);
-    // The first file begins from rest, as the models do; what another began with nobody saw.
-    let later = recording.joined.iter().skip(1);
-    unknown.extend(later.map(|file| not_yet_known(recording, file)));
+    unknown.extend(unknown_starts(recording));
     leave_out(&mut split, recording, unknown);
     let effort = if inertial {
         kinematics.filter.smooth(&recording.effort)
@@ -419,14 +417,42 @@ impl Identification {
     }
 }
 
+/// Fewest samples on the way across the travel that show a motion: of a stroke of five, as a servo at 10 Hz has, velocity and acceleration are
+/// anybody's guess.
+const RESOLVED: f64 = 12.0;
+
+/// Samples on the way across the travel, by the step of a typical part of the path.
+fn samples_across(recording: &Recording) -> f64 {
+    let (low, high) = recording.ends();
+    let steps = recording.pieces.iter().flat_map(|piece| {
+        let own = recording.position[piece.clone()].windows(2);
+        own.map(|pair| (pair[1] - pair[0]).abs())
+    });
+    let (path, squares) = steps.fold((0.0, 0.0), |(p, s), step| (p + step, s + step * step));
+    (high - low) * path / squares.max(1e-300)
+}
+
+/// Why nobody saw how the axis moved, if so.
+fn unseen(recording: &Recording) -> Option<String> {
+    let across = samples_across(recording);
+    (across < RESOLVED).then(|| {
+        format!(
+            "{}: the axis crosses its travel within {across:.0} samples, so that nobody saw how it moved; sample {:.0} times as fast, or move slower",
+            recording.name,
+            (RESOLVED / across).ceil()
+        )
+    })
+}
+
 /// Why nothing can be identified or diagnosed, if so; of many files each tells what it can.
 pub fn tells_nothing(recording: &Recording) -> Option<String> {
     let last = recording.joined.len().saturating_sub(1);
-    FATAL.iter().find_map(|(code, remedy)| {
+    let fatal = FATAL.iter().find_map(|(code, remedy)| {
         let mut of_files = recording.warnings.iter().filter(|w| w.code == *code);
         let warning = of_files.nth(last)?;
         Some(format!("{}: {warning}; {remedy}", recording.name))
-    })
+    });
+    fatal.or_else(|| unseen(recording))
 }
 
 /// The samples to fit and to hold out, of a recording that can be fitted.

@@ -233,7 +233,7 @@ impl Identification {
             )
         } else if blocks == 0 {
             format!(
-                "Use Coulomb + viscous friction ({baseline} of the variance left on held-out data): GMS reaches {lowest}, so this recording does not show pre-sliding; to see it, reverse slowly enough for tens of samples before the friction force is back at its level."
+                "Use Coulomb + viscous friction ({baseline} of the variance left on held-out data): blocks leave {lowest}, so this recording does not show pre-sliding; to see it, reverse slowly enough for tens of samples before the friction force is back at its level."
             )
         } else {
             format!(

@@ -82,7 +82,7 @@ impl Diagnosis {
     fn whose(&self) -> String {
         let whose = match (self.null.core.corrects, self.given_model.is_some()) {
             (true, _) => "Your simulation",
-            (_, true) => "Your model with its parameters refitted",
+            (_, true) => "Your model with its parameters refitted and a finer hysteresis",
             _ if self.fit.as_ref().is_some_and(|fit| fit.is_found()) => {
                 "The fit with a finer hysteresis"
             }
@@ -181,7 +181,7 @@ impl Diagnosis {
     /// What may be there besides, each with what it would take off; nothing where nothing may.
     pub fn possible_words(&self, recording: &Recording) -> Option<String> {
         let force = |nmse: f64| quantity(self.null.rows.rms_of(nmse), recording.effort_unit());
-        let possible = self.effects.iter().filter(|e| !e.confident && !e.in_fit);
+        let possible = self.suspected().filter(|e| !e.confident);
         let each: Vec<String> = possible
             .filter(|e| !matches!(e.name, Name::Correction(_)))
             .map(|e| {

@@ -69,7 +69,7 @@ use preslide_fit::identify::tells_nothing;
 use preslide_fit::model::Model;
 use preslide_fit::progress::Progress;
 use preslide_fit::recording::{Recording, Simulated};
-use preslide_fit::signal::{Channel, Kinematics, Saturation, StickSlip, not_yet_known};
+use preslide_fit::signal::{Channel, Kinematics, Saturation, StickSlip, unknown_starts};
 use preslide_fit::statistics::earlier;
 use reproduced::Reproduced;
 use rows::Rows;
@@ -241,8 +241,7 @@ fn judge(
     let channel = channel_of(recording, model, fit, simulated.is_some());
     let on_time = channel.taken_off(recording);
     let mut unknown = channel.unknown(0);
-    let later = recording.joined.iter().skip(1);
-    unknown.extend(later.map(|file| not_yet_known(recording, file)));
+    unknown.extend(unknown_starts(recording));
     let (recorded, recording) = (recording, on_time.as_ref().unwrap_or(recording));
     let null = null_of(recording, &unknown)?;
     let shift = match channel.delay {
@@ -309,33 +308,10 @@ fn channel_of(
     found
 }
 
-/// Fewest samples on the way across the travel that show a motion: of a stroke of five, as a servo at 10 Hz has, velocity and acceleration are
-/// anybody's guess.
-const RESOLVED: f64 = 12.0;
-
-/// Samples on the way across the travel, by the step of a typical part of the path.
-fn samples_across(recording: &Recording) -> f64 {
-    let (low, high) = recording.ends();
-    let steps = recording.pieces.iter().flat_map(|piece| {
-        let own = recording.position[piece.clone()].windows(2);
-        own.map(|pair| (pair[1] - pair[0]).abs())
-    });
-    let (path, squares) = steps.fold((0.0, 0.0), |(p, s), step| (p + step, s + step * step));
-    (high - low) * path / squares.max(1e-300)
-}
-
 /// Refuses what is no recording of motion and effort, or not the model's kind of axis.
 fn check(recording: &Recording, model: Option<&Model>) -> Result<(), Refusal> {
     if let Some(reason) = tells_nothing(recording) {
         return Err(Refusal::Data(reason));
-    }
-    let across = samples_across(recording);
-    if across < RESOLVED {
-        return Err(Refusal::Data(format!(
-            "{}: the axis crosses its travel within {across:.0} samples, so that nobody saw how it moved; sample {:.0} times as fast, or move slower",
-            recording.name,
-            (RESOLVED / across).ceil()
-        )));
     }
     if let Some(model) = model
         && model.motion != recording.kind

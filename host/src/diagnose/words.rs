@@ -520,8 +520,7 @@ impl Diagnosis {
             )
         };
         let by_confidence = |a: &&Named, b: &&Named| a.confidence.total_cmp(&b.confidence);
-        let suspected = self.effects.iter().filter(|e| !e.in_fit);
-        let Some(likeliest) = suspected.max_by(by_confidence) else {
+        let Some(likeliest) = self.suspected().max_by(by_confidence) else {
             return keep;
         };
         format!(
@@ -531,6 +530,15 @@ impl Diagnosis {
             likeliest.name.words(),
             likeliest.name.experiment()
         )
+    }
+
+    /// What is not of the fit, what the recording can show, and what is so likely as to be worth a word.
+    pub(super) fn suspected(&self) -> impl Iterator<Item = &Named> {
+        /// One in ten: of ten such suspicions nine are nothing.
+        const WORTH_A_WORD: f64 = 0.1;
+        let hidden = |id: &str| self.lacks.iter().any(|lack| lack.hides.contains(&id));
+        let effects = self.effects.iter();
+        effects.filter(move |e| !e.in_fit && e.confidence >= WORTH_A_WORD && !hidden(e.id()))
     }
 
     fn model_word(&self) -> &'static str {
