@@ -13,7 +13,7 @@ use preslide_host_tests::judge::calibrate::{
 /// The names come from files that `cargo xtask sources --json FILE` and `cargo xtask inject --json FILE` write.
 #[derive(Args)]
 pub struct Options {
-    /// Judged cases
+    /// Judged cases; the widths of intervals stay as they are where no case has a true value
     #[arg(required = true, value_name = "FILE.json")]
     cases: Vec<PathBuf>,
     /// Judged strangers and clean recordings, for what has no name; `sources --sorts stranger,clean` asks them. Without, that stays as it is
@@ -42,14 +42,15 @@ pub fn run(o: &Options) -> Result<(), String> {
     let [weights, widths, counts] = if o.hints_only {
         [kept("weights")?, kept("widths")?, kept("names")?]
     } else {
-        let widths = widths(names.distances.iter()).into_iter();
         let line = |(effect, width)| format!("{effect} = {width:.2}\n");
+        let widths = match names.distances.is_empty() {
+            true => kept("widths")?,
+            false => (widths(names.distances.iter()).into_iter())
+                .map(line)
+                .collect(),
+        };
         let counts = counted(&names.names);
-        [
-            listed(&names.names, &weights),
-            widths.map(line).collect(),
-            counts,
-        ]
+        [listed(&names.names, &weights), widths, counts]
     };
     let [presence, unnamed] = if o.unnamed.is_empty() {
         [kept("presence")?, kept("unnamed")?]
