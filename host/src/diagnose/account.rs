@@ -1,5 +1,6 @@
 //! The budget in figures and words: root mean squares of what is taken off, never more than is left.
 
+use super::given::Given;
 use super::named::{CERTAIN, Name, Named};
 use super::verdict::Diagnosis;
 use super::words::place_words;
@@ -58,16 +59,42 @@ impl Diagnosis {
         (self.baseline.test - items - self.extended.test).max(0.0)
     }
 
+    /// What the user's own model has beyond the baseline: by its parameters, and by a hysteresis that is coarser (% of the effort's variance);
+    /// nothing where there is none, or it is no worse.
+    fn before_the_baseline(&self) -> [f64; 2] {
+        let given = self
+            .given_model
+            .as_ref()
+            .filter(|_| !self.null.core.corrects);
+        given.map_or([0.0; 2], |given| {
+            let refitted = given.refitted.test.max(self.baseline.test);
+            let parameters = (given.stands - refitted).max(0.0);
+            [
+                parameters,
+                (given.stands.min(refitted) - self.baseline.test).max(0.0),
+            ]
+        })
+    }
+
+    /// What the budget is of (% of the effort's variance).
+    fn whole(&self) -> f64 {
+        let before: f64 = self.before_the_baseline().iter().sum();
+        (self.baseline.test + before).max(1e-300)
+    }
+
     /// The budget for machines: what is taken off, of the residual without all of it.
     pub(super) fn budget_json(&self) -> Value {
-        let share = |nmse: f64| nmse / self.baseline.test.max(1e-300);
+        let share = |nmse: f64| nmse / self.whole();
         let rms = |nmse: f64| self.null.rows.rms_of(nmse);
         let items = self.budget.iter().map(|item| {
             let effect = &self.effects[item.effect];
             json!({ "what": effect.id(), "certainty": effect.certainty(), "probability": effect.confidence,
                     "share": share(item.nmse), "rms": rms(item.nmse) })
         });
+        let [parameters, coarser] = self.before_the_baseline();
         let rest = [
+            ("parameters", parameters),
+            ("coarser_hysteresis", coarser),
             ("refitted_hysteresis", self.refitted()),
             ("noise", self.noise_floor),
             ("unrepeated", self.unrepeated.unwrap_or(0.0)),
@@ -75,13 +102,14 @@ impl Diagnosis {
         ];
         let rest = rest
             .map(|(what, nmse)| json!({ "what": what, "share": share(nmse), "rms": rms(nmse) }));
-        json!({ "rms": rms(self.baseline.test), "items": items.chain(rest).collect::<Vec<_>>() })
+        json!({ "rms": rms(self.whole()), "items": items.chain(rest).collect::<Vec<_>>() })
     }
 
     /// Who leaves the mismatch.
     fn whose(&self) -> String {
         let whose = match (self.null.core.corrects, self.given_model.is_some()) {
             (true, _) => "Your simulation",
+            (_, true) if self.whole() > self.baseline.test => "Your model",
             (_, true) => "Your model with its parameters refitted and a finer hysteresis",
             _ if self.fit.as_ref().is_some_and(|fit| fit.is_found()) => {
                 "The fit with a finer hysteresis"
@@ -114,7 +142,7 @@ impl Diagnosis {
 
     /// The budget for a page.
     pub fn budget_table(&self, recording: &Recording) -> Table {
-        let whole = self.baseline.test.max(1e-300);
+        let whole = self.whole();
         let force = |nmse: f64| quantity(self.null.rows.rms_of(nmse), recording.effort_unit());
         let row = |what: String, nmse: f64, sure: &str, size: String| {
             let share = (nmse / whole).clamp(0.0, 1.0);
@@ -128,19 +156,25 @@ impl Diagnosis {
                 size,
             ]
         };
-        let mut rows: Vec<Vec<String>> = self
-            .budget
-            .iter()
-            .map(|item| {
-                let e = &self.effects[item.effect];
-                row(
-                    e.name.name().to_owned(),
-                    item.nmse,
-                    e.certainty(),
-                    e.size(recording),
-                )
-            })
-            .collect();
+        let [parameters, coarser] = self.before_the_baseline();
+        let mut rows = Vec::new();
+        if parameters >= SEEN * whole {
+            let what = "parameters refitted".to_owned();
+            rows.push(row(what, parameters, "", self.wrong_parameters(recording)));
+        }
+        if coarser >= SEEN * whole {
+            rows.push(row(
+                "finer hysteresis".to_owned(),
+                coarser,
+                "",
+                String::new(),
+            ));
+        }
+        rows.extend(self.budget.iter().map(|item| {
+            let e = &self.effects[item.effect];
+            let what = e.name.name().to_owned();
+            row(what, item.nmse, e.certainty(), e.size(recording))
+        }));
         if self.refitted() >= SEEN * whole {
             let what = "hysteresis fitted anew".to_owned();
             rows.push(row(what, self.refitted(), "", String::new()));
@@ -171,11 +205,25 @@ impl Diagnosis {
             caption: format!(
                 "{} leaves {} RMS on stretches held out. What explains it:",
                 self.whose(),
-                force(self.baseline.test)
+                force(whole)
             ),
             head: Vec::new(),
             rows,
         }
+    }
+
+    /// The parameters of the user's model that are wrong, given and refitted.
+    fn wrong_parameters(&self, recording: &Recording) -> String {
+        let wrong = self.given_model.iter().flat_map(Given::wrong);
+        let told = wrong.take(TOLD).map(|p| {
+            let (name, unit) = name_and_unit(&p.key, recording.effort_unit());
+            let [given, found] = [
+                estimate(p.given, None, &unit),
+                estimate(p.found.value, p.found.ci95, &unit),
+            ];
+            format!("{name} {given} → {found}")
+        });
+        told.collect::<Vec<_>>().join(", ")
     }
 
     /// What may be there besides, each with what it would take off; nothing where nothing may.

@@ -344,6 +344,11 @@ impl Diagnosis {
                 self.extended.test
             ),
         };
+        let wrong = self.given_model.iter().flat_map(Given::wrong);
+        let wrong: Vec<&str> = wrong.map(|p| p.key.as_str()).collect();
+        if !wrong.is_empty() && self.verdict != Verdict::ParametersDiffer {
+            text += &format!("; wrong in the model: {}", wrong.join(", "));
+        }
         let in_fit: Vec<&str> = self.in_fit().map(Named::id).collect();
         if !in_fit.is_empty() {
             text += &format!("; in the fit: {}", in_fit.join(", "));
