@@ -28,6 +28,8 @@ struct Machine {
     spring: [f64; 2],
     /// Amplitude and period of what the encoder shows too much.
     encoder: [f64; 2],
+    /// Share of friction that it is more at rest, and the speed within which it falls.
+    stribeck: [f64; 2],
 }
 
 const BARE: Machine = Machine {
@@ -35,6 +37,7 @@ const BARE: Machine = Machine {
     gravity: [0.0; 2],
     spring: [0.0; 2],
     encoder: [0.0, 1.0],
+    stribeck: [0.0, 1.0],
 };
 
 const INERTIA: f64 = 0.12;
@@ -64,7 +67,7 @@ fn made_of(rows: u32, machine: &Machine, seed: u64, names: &str) -> Recording {
         for (z, (k, d)) in z.iter_mut().zip(BLOCKS) {
             let moved = if last.is_nan() { 0.0 } else { q - last };
             *z = (*z + moved).clamp(-d, d);
-            effort += k * *z;
+            effort += k * *z * (1.0 + machine.stribeck[0] * (-v.abs() / machine.stribeck[1]).exp());
         }
         last = q;
         effort += machine.gravity[0] * (q - machine.gravity[1]).sin();
@@ -190,6 +193,25 @@ fn an_encoders_periodic_error_takes_nothing_off_the_inertia() {
         assert!(notes.contains("shows less inertia than below"), "{notes}");
         holds(&found, "mass", INERTIA, 0.02 * INERTIA);
         holds(&found, "coulomb", COULOMB, 0.02 * COULOMB);
+    }
+}
+
+/// Then neither Coulomb nor viscous friction is what it would be by itself.
+#[test]
+fn friction_that_falls_with_the_speed_is_told() {
+    for (more, told) in [(0.0, false), (0.3, true)] {
+        let machine = Machine {
+            stribeck: [more, 0.3],
+            ..BARE
+        };
+        let recording = made(&machine, 17, "q_rad,torque_Nm");
+        let found = run(&recording);
+        let (viscous, interval) = of(&found, "viscous");
+        println!("{more}: viscous {viscous:.4} {interval:.4?}, true 0.3");
+        let notes = found.notes(&recording).concat();
+        assert_eq!(notes.contains("at the slowest speeds"), told, "{notes}");
+        let holds = (interval[0]..=interval[1]).contains(&0.3);
+        assert_eq!(holds, !told, "{interval:?}");
     }
 }
 

@@ -17,6 +17,7 @@ pub mod refine;
 pub mod regression;
 pub mod rigid_body;
 pub mod search;
+mod speed;
 pub mod speed_table;
 pub mod virgin;
 pub mod weights;

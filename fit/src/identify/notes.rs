@@ -306,6 +306,7 @@ impl Identification {
                 if viscous.1.ci95.is_some_and(|ci| ci[1] > 0.0) { ", and may be zero" } else { "" }
             ));
         }
+        notes.extend(self.falls_with_speed(recording));
         notes.extend(best.caveats());
         if best.size() > 0 {
             for (_, d) in &best.blocks {
