@@ -77,6 +77,7 @@ pub(super) fn measured(
             let with = weigh(&null, kept, &extended, effect)?;
             measure(&null, &with, effect);
             let doubtful = is_signless(effect, &with)
+                || is_anything(effect)
                 || !is_possible(&null, &with)
                 || is_cancelled(effect, &null, left);
             if effect.confident && doubtful {
@@ -167,6 +168,15 @@ fn is_signless(effect: &Named, with: &Hypothesis) -> bool {
     let holds_zero = |[low, high]: [f64; 2]| low <= 0.0 && 0.0 <= high;
     let size = effect.parameters.first().and_then(|p| p.1.ci95);
     of_size && size.is_some_and(holds_zero)
+}
+
+/// Whether a parameter may be anything: of a time of 0.5 to 190 ms nobody knows what it is the time of.
+fn is_anything(effect: &Named) -> bool {
+    /// The ends of an interval, over each other.
+    const DECADES: f64 = 100.0;
+    let intervals = effect.parameters.iter().filter_map(|(_, e)| e.ci95);
+    let mut intervals = intervals.filter(|[low, _]| *low > 0.0);
+    intervals.any(|[low, high]| high > DECADES * low)
 }
 
 /// Whether the force of a line or of a narrow place is more than all that there was to explain, `begun` (NMSE, %).
