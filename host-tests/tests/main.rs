@@ -26,6 +26,7 @@ mod real;
 mod reference;
 mod simulate;
 mod simulated;
+mod soak;
 mod swap;
 mod swing;
 mod tracking;
