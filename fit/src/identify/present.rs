@@ -67,7 +67,10 @@ impl Identification {
             rows: self
                 .parameters()
                 .map(|(name, e)| {
-                    let shown_unit = display_unit(&unit(recording, name), e.value);
+                    let shown_unit = display_unit(
+                        &unit(recording, name),
+                        e.value.abs().max(e.reach().unwrap_or(0.0)),
+                    );
                     let [value, from, to] = cells(e.value, e.ci95, shown_unit.factor);
                     let name_shown = match name {
                         "coulomb" if self.best().size() > 0 => "coulomb (ΣW)",

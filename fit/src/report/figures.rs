@@ -8,9 +8,9 @@ pub fn quantity(value: f64, unit: &str) -> String {
     format!("{} {}", three(value * shown.factor), shown.unit)
 }
 
-/// A value and how far it may be off, to two figures of that, in the prefix that suits the value: `5.0002 ± 0.0011 mm`.
+/// A value and how far it may be off, to two figures of that, in the prefix that suits the larger: `5.0002 ± 0.0011 mm`.
 pub fn within(value: f64, reach: f64, unit: &str) -> String {
-    let shown = display_unit(unit, value);
+    let shown = display_unit(unit, value.abs().max(reach));
     let reach = reach * shown.factor;
     let decimals = decimals(reach);
     let value = format!("{:.decimals$}", value * shown.factor).replace('-', "−");
@@ -27,7 +27,7 @@ pub fn estimate(value: f64, interval: Option<[f64; 2]>, unit: &str) -> String {
     if above.max(below) <= UNEVEN * above.min(below).max(0.0) {
         return within(value, 0.5 * (high - low), unit);
     }
-    let shown = display_unit(unit, value);
+    let shown = display_unit(unit, low.abs().max(high.abs()));
     let [value, low, high] = [value, low, high].map(|v| three(v * shown.factor));
     format!("{value} ({low} to {high}) {}", shown.unit)
 }
