@@ -439,7 +439,12 @@ impl Diagnosis {
             (Verdict::UnknownPhysics, None) => "look at the maps of what is left, on the page that --report writes; nothing of the catalogue explains it.".to_owned(),
             _ => self.keep(),
         };
-        format!("Recommendation: {advice}")
+        let wrong = self.given_model.iter().flat_map(Given::wrong).count();
+        match self.verdict {
+            Verdict::ParametersDiffer | Verdict::Consistent => format!("Recommendation: {advice}"),
+            _ if wrong == 0 => format!("Recommendation: {advice}"),
+            _ => format!("Recommendation: {} Also: {advice}", self.correct()),
+        }
     }
 
     /// What a confident effect asks for.
