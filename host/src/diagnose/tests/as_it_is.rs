@@ -80,6 +80,38 @@ fn missing_physics_is_no_wrong_parameter() {
 }
 
 #[test]
+fn the_budget_begins_with_the_model_as_it_stands() {
+    let recording = made(|_, x, v| 8.0 * v + 0.5 * (x / 8e-4).sin());
+    let found = told(&recording, Some(&model(1.0, 0.6, 8.0)));
+    assert_eq!(ids(&found), ["periodic_force"]);
+    assert!(
+        found
+            .verdict_words(&recording)
+            .contains("wrong in the model: mass_kg")
+    );
+    assert!(found.recommendation().contains("correct mass_kg"));
+    let budget = found.budget_json();
+    let items = budget["items"].as_array().expect("items");
+    let share = |what: &str| {
+        let item = items.iter().find(|item| item["what"] == what);
+        item.and_then(|item| item["share"].as_f64()).expect(what)
+    };
+    let [parameters, ripple] = ["parameters", "periodic_force"].map(share);
+    println!("{budget:#}");
+    // The ripple has 0.125 N²; the mass that lacks, the rest.
+    let stands = found.given_model.as_ref().expect("a model").stands;
+    let of_ripple = 0.125 / found.null.rows.rms_of(stands).powi(2);
+    assert!(
+        (ripple - of_ripple).abs() < 0.03,
+        "{ripple}, true {of_ripple}"
+    );
+    assert!(
+        (parameters + ripple - 1.0).abs() < 0.05,
+        "{parameters} {ripple}"
+    );
+}
+
+#[test]
 fn a_long_delay_is_a_shift() {
     for delay in [0.016, -0.024] {
         let mut recording = made(|_, _, v| 8.0 * v);
