@@ -32,6 +32,9 @@ struct Candidate {
     left: f64,
 }
 
+/// Share of the friction level that the weakest blocks have together: no identification repeats to within as much.
+const WEAKEST: f64 = 0.005;
+
 impl Diagnosis {
     /// The extended model, of the user's or of the fit's: never one that leaves more on rows held out than that. Against a simulation the effects are
     /// what it lacks, and inertia and friction are the recording's own, which their levels refer to.
@@ -140,9 +143,17 @@ impl Diagnosis {
         } else {
             null.blocks(state)
         };
-        // The library takes so many blocks: the weakest give way.
+        // The library takes so many blocks, and each costs cycles: the weakest give way.
         blocks.sort_by(|a, b| (b.0 * b.1).total_cmp(&(a.0 * a.1)));
-        blocks.truncate(MOST_BLOCKS);
+        let level: f64 = blocks.iter().map(|(k, d)| k * d).sum();
+        let mut held = 0.0;
+        let strong = blocks.iter().take_while(|(k, d)| {
+            let lacks = held < (1.0 - WEAKEST) * level;
+            held += k * d;
+            lacks
+        });
+        let strong = strong.count();
+        blocks.truncate(strong.min(MOST_BLOCKS));
         blocks.sort_by(|a, b| a.1.total_cmp(&b.1));
         let (stiffness, yields): (Vec<f64>, Vec<f64>) = blocks.into_iter().unzip();
         let mut model = Model {
