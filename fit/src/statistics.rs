@@ -201,15 +201,16 @@ pub fn quantile_between_ranks(values: &[f64], q: f64) -> f64 {
     }
 }
 
-/// The mean, and half its 95 % interval's width by the normal law; 0 of a single value.
-pub fn mean_and_half_width(values: &[f64]) -> [f64; 2] {
+/// The mean and its standard error; NaN where fewer than two values tell none.
+pub fn mean_and_error(values: &[f64]) -> [f64; 2] {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-    let half = if n > 1.0 {
-        1.96 * (squares / (n * (n - 1.0))).sqrt()
-    } else {
-        0.0
-    };
-    [mean, half]
+    [mean, (squares / (n * (n - 1.0))).sqrt()]
+}
+
+/// The mean, and half its 95 % interval's width by the normal law; 0 of a single value.
+pub fn mean_and_half_width(values: &[f64]) -> [f64; 2] {
+    let [mean, error] = mean_and_error(values);
+    [mean, if values.len() > 1 { 1.96 * error } else { 0.0 }]
 }

@@ -108,11 +108,6 @@ impl Identify {
         progress.finish();
 
         print(&found, &recording);
-        say!(
-            "Next: preslide diagnose {} tells what the {} are: noise, or physics that this fit has not",
-            self.recordings.in_words(),
-            left(found.best().nmse_test)
-        );
 
         let refused = found.refused();
         if let Some(path) = self.output.as_ref().filter(|_| refused.is_none()) {
@@ -123,6 +118,11 @@ impl Identify {
             .write(&found.to_json(&recording, seconds), || {
                 found.page(&recording, command_line())
             })?;
+        say!(
+            "Next: {}   # what the {} that are left are: noise, or physics that this fit has not",
+            self.recordings.command("diagnose"),
+            left(found.best().nmse_test)
+        );
         if let Some(reason) = refused {
             return Err(Failure::Data(format!(
                 "{}: {reason}, so no model is written",

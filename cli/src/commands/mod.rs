@@ -126,8 +126,9 @@ impl RecordingArgs {
         self.reading.taken = columns.to_vec();
     }
 
-    /// The files and how they are read, as another command takes them.
-    pub fn in_words(&self) -> String {
+    /// Another command on the same files, read alike, as a shell wants it.
+    pub fn command(&self, name: &str) -> String {
+        let command = ["preslide", name].map(str::to_owned).into_iter();
         let files = self
             .recordings
             .iter()
@@ -138,8 +139,7 @@ impl RecordingArgs {
         let sign = sign.flat_map(|sign| ["--sign".to_owned(), sign.to_string()]);
         let ignored = self.reading.ignore.iter();
         let ignored = ignored.flat_map(|column| ["--ignore".to_owned(), column.clone()]);
-        let all = files.chain(maps).chain(sign).chain(ignored).map(quoted);
-        all.collect::<Vec<_>>().join(" ")
+        in_words(command.chain(files).chain(maps).chain(sign).chain(ignored))
     }
 
     /// Sees to it that the outputs can be written and are none of the recordings, nor the model.

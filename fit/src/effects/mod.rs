@@ -43,7 +43,7 @@ pub mod form;
 mod read;
 pub mod term;
 #[cfg(test)]
-pub mod tests;
+mod tests;
 
 use form::Form;
 use preslide::ParamError;
@@ -93,7 +93,7 @@ impl Effect {
     ///
     /// # Errors
     /// Which parameter the library refuses.
-    pub fn term(&self, sample_time: f64) -> Result<Option<Term>, ParamError> {
+    pub(crate) fn term(&self, sample_time: f64) -> Result<Option<Term>, ParamError> {
         (self.form.library)(self, sample_time)
     }
 
@@ -134,7 +134,7 @@ impl Effect {
     }
 
     /// Reads an entry of `[[effects]]` whose keys are those of a linear axis; `said` gives the file's word for one.
-    pub fn read(table: &toml::Table, said: &dyn Fn(&str) -> String) -> Result<Self, String> {
+    pub(crate) fn read(table: &toml::Table, said: &dyn Fn(&str) -> String) -> Result<Self, String> {
         read::read(table, said)
     }
 }

@@ -19,7 +19,7 @@ impl<T: FnMut(&Situation<f64>) -> (f64, f64) + Clone + Send + 'static> Tick for 
 }
 
 /// Forces that grow without bound in the library need one; on the host it is out of the way.
-pub const FAR: f64 = 1e12;
+pub(crate) const FAR: f64 = 1e12;
 
 /// The library's effect as a term, where it takes the parameters.
 pub(super) fn term<E>(effect: Result<E, ParamError>) -> Result<Option<Term>, ParamError>

@@ -4,6 +4,7 @@
 use super::Identification;
 use crate::recording::Recording;
 use crate::signal::{Kinematics, ZeroPhase};
+use crate::statistics::quantile;
 
 /// Share of the acceleration's power that must be in an octave to count: less takes less than that off the inertia.
 const COUNTS: f64 = 0.01;
@@ -82,11 +83,7 @@ impl Identification {
             .filter(|octave| counts(octave) && octave.shown() >= SHOWS)
             .map(Products::inertia)
             .collect();
-        let middle = shown.len() / 2;
-        let most = match shown.is_empty() {
-            true => return None,
-            false => *shown.select_nth_unstable_by(middle, f64::total_cmp).1,
-        };
+        let most = quantile(&mut shown, 0.5)?;
         let told: Vec<usize> = (0..octaves.len())
             .filter(|o| counts(&octaves[*o]))
             .collect();

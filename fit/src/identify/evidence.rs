@@ -5,6 +5,7 @@ use super::regression::{Gram, Regressor, Surface};
 use super::search::non_negative;
 use crate::recording::{MotionKind, Recording};
 use crate::signal::{FEWEST, GROUPS, LATE, ONE_SLOPE_RAD};
+use crate::statistics::mean_and_error;
 use nalgebra::DVector;
 
 /// Standard errors of the paired difference over the folds by which an addition must predict better: some ten are tried on every recording.
@@ -152,13 +153,11 @@ impl Evidence<'_> {
 /// Whether errors held out are less, by a share that counts and for certain: by as much everywhere, or, where hardly any is left, everywhere in
 /// proportion: a few long strokes have most of an error that every stroke has. Of two `rivals`, one of which there is, the proportion is enough.
 fn is_better(before: &[f64], after: &[f64], rivals: bool) -> bool {
-    let n = before.len() as f64;
     let sum = |errors: &[f64]| errors.iter().sum::<f64>();
     let pairs = || before.iter().zip(after);
     let is_certain = |gains: Vec<f64>| {
-        let mean = sum(&gains) / n;
-        let spread = gains.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (n - 1.0);
-        mean > CERTAIN * (spread / n).sqrt()
+        let [mean, error] = mean_and_error(&gains);
+        mean > CERTAIN * error
     };
     let left = sum(after) / sum(before).max(1e-300);
     let in_proportion = |(b, a): (&f64, &f64)| (b.max(1e-300) / a.max(1e-300)).ln();

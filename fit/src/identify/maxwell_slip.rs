@@ -8,6 +8,7 @@ use super::search::{Choice, best_choices};
 use super::virgin::VirginCurve;
 use crate::progress::Progress;
 use crate::signal::GROUPS;
+use crate::statistics::mean_and_error;
 use rayon::prelude::*;
 
 /// Most blocks that are tried.
@@ -223,11 +224,8 @@ fn knee(models: &[Sized]) -> usize {
                 .zip(&models[best].held_out)
                 .map(|(a, b)| a - b)
                 .collect();
-            let n = difference.len() as f64;
-            let mean = difference.iter().sum::<f64>() / n;
-            let spread = difference.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (n - 1.0);
-            mean <= (spread / n).sqrt()
-                || models[size].nmse_cross <= (1.0 + WORTH) * models[best].nmse_cross
+            let [mean, error] = mean_and_error(&difference);
+            mean <= error || models[size].nmse_cross <= (1.0 + WORTH) * models[best].nmse_cross
         })
         .unwrap_or(best)
 }

@@ -3,7 +3,7 @@
 use super::Identification;
 use crate::recording::Recording;
 use crate::report::figures::quantity;
-use crate::statistics::{LeastSquares, quantile_between_ranks};
+use crate::statistics::{LeastSquares, mean_and_error, quantile_between_ranks};
 
 /// Speeds within which it falls that are tried, as quantiles of the speed while moving.
 const WITHIN: [f64; 4] = [0.03, 0.1, 0.25, 0.5];
@@ -41,10 +41,8 @@ impl Identification {
         let (within, more, _) = found
             .into_iter()
             .map(|(within, more)| {
-                let n = more.len() as f64;
-                let mean = more.iter().sum::<f64>() / n;
-                let square = more.iter().map(|m| (m - mean).powi(2)).sum::<f64>();
-                (within, mean, mean / (square / (n * (n - 1.0))).sqrt())
+                let [mean, error] = mean_and_error(&more);
+                (within, mean, mean / error)
             })
             .filter(|(_, more, clear)| *clear > CLEAR && *more > COUNTS * coulomb)
             .max_by(|a, b| a.2.total_cmp(&b.2))?;

@@ -200,7 +200,7 @@ impl Model {
     }
 
     /// What the drive gives of its command at a position (m or rad).
-    pub fn given_of_command(&self, position: f64) -> f64 {
+    pub(crate) fn given_of_command(&self, position: f64) -> f64 {
         let ripples = self.of(&form::TORQUE_RIPPLE).map(|effect| {
             let phase = TAU * position / effect.get("period_m") + effect.get("phase_rad");
             1.0 + effect.get("share") * phase.cos()

@@ -42,7 +42,7 @@ table { border-collapse: collapse; margin: 1rem 0; font-variant-numeric: tabular
 caption { padding-bottom: .3rem; white-space: nowrap; }
 th, td { padding: .2rem .8rem; text-align: left; border-bottom: 1px solid #ddd; }
 th { border-bottom: 2px solid #888; vertical-align: bottom; }
-.number { text-align: right; }
+.number { text-align: right; white-space: nowrap; }
 footer { margin-top: 2.5rem; border-top: 1px solid #ccc; padding-top: .5rem; font-size: .85rem; color: #444; }
 code { font-family: ui-monospace, 'Cascadia Mono', Menlo, Consolas, monospace; overflow-wrap: anywhere; }
 @media print {

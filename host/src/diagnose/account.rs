@@ -1,6 +1,5 @@
 //! The budget in figures and words: root mean squares of what is taken off, never more than is left.
 
-use super::given::Given;
 use super::named::{CERTAIN, Name, Named};
 use super::verdict::Diagnosis;
 use super::words::place_words;
@@ -91,10 +90,10 @@ impl Diagnosis {
             json!({ "what": effect.id(), "certainty": effect.certainty(), "probability": effect.confidence,
                     "share": share(item.nmse), "rms": rms(item.nmse) })
         });
-        let [parameters, coarser] = self.before_the_baseline();
+        let [parameters, hysteresis] = self.before_the_baseline();
         let rest = [
             ("parameters", parameters),
-            ("coarser_hysteresis", coarser),
+            ("finer_hysteresis", hysteresis),
             ("refitted_hysteresis", self.refitted()),
             ("noise", self.noise_floor),
             ("unrepeated", self.unrepeated.unwrap_or(0.0)),
@@ -156,19 +155,15 @@ impl Diagnosis {
                 size,
             ]
         };
-        let [parameters, coarser] = self.before_the_baseline();
+        let [parameters, hysteresis] = self.before_the_baseline();
         let mut rows = Vec::new();
         if parameters >= SEEN * whole {
             let what = "parameters refitted".to_owned();
             rows.push(row(what, parameters, "", self.wrong_parameters(recording)));
         }
-        if coarser >= SEEN * whole {
-            rows.push(row(
-                "finer hysteresis".to_owned(),
-                coarser,
-                "",
-                String::new(),
-            ));
+        if hysteresis >= SEEN * whole {
+            let what = "finer hysteresis".to_owned();
+            rows.push(row(what, hysteresis, "", String::new()));
         }
         rows.extend(self.budget.iter().map(|item| {
             let e = &self.effects[item.effect];
@@ -214,7 +209,7 @@ impl Diagnosis {
 
     /// The parameters of the user's model that are wrong, given and refitted.
     fn wrong_parameters(&self, recording: &Recording) -> String {
-        let wrong = self.given_model.iter().flat_map(Given::wrong);
+        let wrong = self.wrong();
         let told = wrong.take(TOLD).map(|p| {
             let (name, unit) = name_and_unit(&p.key, recording.effort_unit());
             let [given, found] = [

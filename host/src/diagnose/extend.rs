@@ -146,14 +146,13 @@ impl Diagnosis {
         // The library takes so many blocks, and each costs cycles: the weakest give way.
         blocks.sort_by(|a, b| (b.0 * b.1).total_cmp(&(a.0 * a.1)));
         let level: f64 = blocks.iter().map(|(k, d)| k * d).sum();
-        let mut held = 0.0;
-        let strong = blocks.iter().take_while(|(k, d)| {
-            let lacks = held < (1.0 - WEAKEST) * level;
-            held += k * d;
-            lacks
+        let mut lacks = level;
+        blocks.retain(|(k, d)| {
+            let is_needed = lacks > WEAKEST * level;
+            lacks -= k * d;
+            is_needed
         });
-        let strong = strong.count();
-        blocks.truncate(strong.min(MOST_BLOCKS));
+        blocks.truncate(MOST_BLOCKS);
         blocks.sort_by(|a, b| a.1.total_cmp(&b.1));
         let (stiffness, yields): (Vec<f64>, Vec<f64>) = blocks.into_iter().unzip();
         let mut model = Model {

@@ -316,7 +316,7 @@ impl Diagnosis {
                 )
             }
             Verdict::ParametersDiffer => {
-                let wrong = self.given_model.iter().flat_map(Given::wrong);
+                let wrong = self.wrong();
                 let keys: Vec<&str> = wrong.map(|p| p.key.as_str()).collect();
                 format!(
                     "parameters-differ: no physics is named, but {} ({figures})",
@@ -344,7 +344,7 @@ impl Diagnosis {
                 self.extended.test
             ),
         };
-        let wrong = self.given_model.iter().flat_map(Given::wrong);
+        let wrong = self.wrong();
         let wrong: Vec<&str> = wrong.map(|p| p.key.as_str()).collect();
         if !wrong.is_empty() && self.verdict != Verdict::ParametersDiffer {
             text += &format!("; wrong in the model: {}", wrong.join(", "));
@@ -439,11 +439,13 @@ impl Diagnosis {
             (Verdict::UnknownPhysics, None) => "look at the maps of what is left, on the page that --report writes; nothing of the catalogue explains it.".to_owned(),
             _ => self.keep(),
         };
-        let wrong = self.given_model.iter().flat_map(Given::wrong).count();
-        match self.verdict {
-            Verdict::ParametersDiffer | Verdict::Consistent => format!("Recommendation: {advice}"),
-            _ if wrong == 0 => format!("Recommendation: {advice}"),
-            _ => format!("Recommendation: {} Also: {advice}", self.correct()),
+        let said = matches!(
+            self.verdict,
+            Verdict::ParametersDiffer | Verdict::Consistent
+        );
+        match self.wrong().next() {
+            Some(_) if !said => format!("Recommendation: {} Also: {advice}", self.correct()),
+            _ => format!("Recommendation: {advice}"),
         }
     }
 
@@ -501,7 +503,7 @@ impl Diagnosis {
 
     /// Where numbers of the model are wrong.
     fn correct(&self) -> String {
-        let wrong = self.given_model.iter().flat_map(Given::wrong);
+        let wrong = self.wrong();
         let each: Vec<String> = wrong.map(Refitted::words).collect();
         format!(
             "correct {} (`-o FILE` writes the model with its parameters refitted).",
@@ -540,6 +542,11 @@ impl Diagnosis {
             likeliest.name.words(),
             likeliest.name.experiment()
         )
+    }
+
+    /// The parameters of the user's model that are wrong.
+    pub(super) fn wrong(&self) -> impl Iterator<Item = &Refitted> {
+        self.given_model.iter().flat_map(Given::wrong)
     }
 
     /// What is not of the fit, what the recording can show, and what is so likely as to be worth a word.

@@ -1,6 +1,6 @@
 //! The chain without an emulator: the same control code on the host.
 
-use super::{Errors, JUDGED, RECORDED, Row, Trial, judged, known, recorded};
+use super::{Errors, JUDGED, RECORDED, Row, Tracked, Trial, judged, known, recorded};
 use crate::rig::telemetry;
 use crate::stage::Stage;
 use crate::tracking::{Axis, Step, Tracking, TrackingError};
@@ -138,17 +138,17 @@ pub fn rehearse(trial: &Trial) -> anyhow::Result<Row> {
     let mut refit = after.clone();
     refit.effects.clear();
     let known = known(trial).map_err(anyhow::Error::msg)?;
-    let error = |model| anyhow::Ok(follow(trial, model)?.error.rms_m());
+    let error = |model| anyhow::Ok(Tracked::from(follow(trial, model)?.error.rms_m()));
     Ok(Row {
         concealed: trial.effect.id(),
         told: serde_json::from_value(diagnosis.to_json(&recording, 0.0))
             .context("the diagnosis in JSON")?,
         errors: Errors {
-            none: error(None)?.into(),
-            before: error(Some(before))?.into(),
-            refit: error(Some(&refit))?.into(),
-            after: error(Some(&after))?.into(),
-            known: error(Some(&known))?.into(),
+            none: error(None)?,
+            before: error(Some(before))?,
+            refit: error(Some(&refit))?,
+            after: error(Some(&after))?,
+            known: error(Some(&known))?,
         },
     })
 }

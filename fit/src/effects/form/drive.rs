@@ -26,7 +26,7 @@ pub static ENCODER_ERROR: Form = Form {
 ///
 /// # Errors
 /// Which parameter the library refuses.
-pub fn correction(effect: &Effect) -> Result<EncoderError<f64>, ParamError> {
+pub(crate) fn correction(effect: &Effect) -> Result<EncoderError<f64>, ParamError> {
     let get = |key| effect.get(key);
     EncoderError::try_new(get("error_m"), get("period_m"), get("phase_rad"), Units::SI)
 }

@@ -2,7 +2,7 @@
 //! or why no controller can use it, and its row among the measured costs. To add one, name it in [`ALL`].
 
 mod c_term;
-pub mod drive;
+pub(crate) mod drive;
 mod force;
 mod level;
 
@@ -96,7 +96,7 @@ pub static ALL: [&Form; 28] = [
 ];
 
 /// What acts by speed alone: on the motor's side of a gear, and not at rest.
-pub static OF_SPEED: [&Form; 2] = [&QUADRATIC_DRAG, &VISCOUS_ASYMMETRY];
+pub(crate) static OF_SPEED: [&Form; 2] = [&QUADRATIC_DRAG, &VISCOUS_ASYMMETRY];
 
 /// Keys with what they may be; `cosine*` stands for `cosine1`, `cosine2`, … with what follows it.
 pub(super) type Keys = &'static [(&'static str, Range)];

@@ -11,7 +11,7 @@ use crate::recording::MotionKind;
 use std::f64::consts::TAU;
 
 /// Every effect of the catalogue, `constant_force` aside, which a model keeps on its own.
-pub fn every() -> Vec<Effect> {
+pub(super) fn every() -> Vec<Effect> {
     [
         ("coulomb_asymmetry", &[("asymmetry", 0.1)][..]),
         ("quadratic_drag", &[("drag_N_s2_per_m2", 40.0)]),
@@ -110,7 +110,7 @@ pub fn every() -> Vec<Effect> {
 }
 
 /// The effect that only a rotary axis has.
-pub fn gravity() -> Effect {
+pub(super) fn gravity() -> Effect {
     Effect::new("gravity", &[("force_N", 3.31), ("angle_rad", 0.2)]).expect("gravity")
 }
 

@@ -71,7 +71,7 @@ pub fn run(o: &Options) -> Result<(), String> {
         ),
         (
             "widths",
-            "Times that an interval of an effect is widened.",
+            "Times that an interval of an effect is widened, by the last files with true values.",
             widths,
         ),
         ("names", "Names that it was fitted to: right, all.", counts),
