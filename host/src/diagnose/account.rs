@@ -60,7 +60,7 @@ impl Diagnosis {
 
     /// What the user's own model has beyond the baseline: by its parameters, and by a hysteresis that is coarser (% of the effort's variance);
     /// nothing where there is none, or it is no worse.
-    fn before_the_baseline(&self) -> [f64; 2] {
+    pub(super) fn before_the_baseline(&self) -> [f64; 2] {
         let given = self
             .given_model
             .as_ref()

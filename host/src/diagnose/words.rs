@@ -443,10 +443,17 @@ impl Diagnosis {
             self.verdict,
             Verdict::ParametersDiffer | Verdict::Consistent
         );
-        match self.wrong().next() {
-            Some(_) if !said => format!("Recommendation: {} Also: {advice}", self.correct()),
-            _ => format!("Recommendation: {advice}"),
+        if said || self.wrong().next().is_none() {
+            return format!("Recommendation: {advice}");
         }
+        // What is worth more comes first.
+        let names: f64 = self.budget.iter().map(|item| item.nmse).sum();
+        let [parameters, _] = self.before_the_baseline();
+        let (first, then) = match parameters > names {
+            true => (self.correct(), advice),
+            false => (advice, self.correct()),
+        };
+        format!("Recommendation: {first} Also: {then}")
     }
 
     /// What a confident effect asks for.
