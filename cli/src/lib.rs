@@ -9,7 +9,7 @@ use commands::Failure;
 pub use heard::{Answer, Listener, call};
 use std::process::ExitCode;
 
-/// Friction in the last micrometre: from a recording to the parameters of a real-time model.
+/// Measures the friction of a positioning axis from a drive recording, for a model in the motor-control interrupt.
 ///
 /// Exit codes: 0 done; 1 the tool failed; 2 bad usage or input; 3 the data cannot answer the question.
 #[derive(Parser)]

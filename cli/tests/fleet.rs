@@ -112,7 +112,7 @@ fn a_fleet_is_a_row_a_recording_and_goes_on_where_it_was_stopped() {
         "{said}"
     );
     assert!(
-        said.contains("raises an alarm of 1 of them: axis1"),
+        said.contains("raises an alarm on 1 of them: axis1"),
         "{said}"
     );
     assert!(said.contains("axis2/2026-11-03.csv"), "{said}");

@@ -12,12 +12,12 @@ use std::fs::{File, OpenOptions};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Telemetry of a running controller, by TCP or serial line, into a recording
+/// Record the telemetry of a running controller, by TCP or serial line
 ///
-/// It ends with --seconds, with the line, or after 10 s of silence on TCP; then the rows so far are kept.
+/// It ends after --seconds, when the line closes, or after 10 s of silence on TCP, and keeps the rows so far.
 #[derive(Args)]
 #[command(
-    after_help = "Example: preslide capture tcp:127.0.0.1:7700 -o axis.csv --seconds 20\n\nScales are those of the axis; give the --axis that the firmware was built with. A serial device's speed is set with stty before."
+    after_help = "Example: preslide capture tcp:127.0.0.1:7700 -o axis.csv --seconds 20\n\nScales come from the axis: give the --axis that the firmware was built with. Set a serial device's speed with stty first."
 )]
 pub struct Capture {
     /// tcp:HOST:PORT, or the path of a serial device, pipe or file
@@ -36,7 +36,7 @@ pub struct Capture {
     #[arg(long, value_name = "S", value_parser = parse_positive)]
     seconds: Option<f64>,
 
-    /// Leave out what comes before this time of the controller's, such as its homing: positions count from another place then
+    /// Leave out what comes before this time of the controller's, such as homing, where positions have another origin
     #[arg(long, value_name = "S", default_value_t = 0.0)]
     after: f64,
 
@@ -67,7 +67,7 @@ pub struct Capture {
     #[arg(long)]
     rotary: bool,
 
-    /// Write what was captured and what is missing, for machines
+    /// Write what was captured and what is missing as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 }

@@ -7,7 +7,7 @@ use preslide_fit::progress::Progress;
 use preslide_host::compare::{compare, steps};
 use std::time::Instant;
 
-/// Every friction model on the same recording: error in and out of sample, memory, cost
+/// Fit every friction model to one recording: error fitted and held out, memory, cost
 #[derive(Args)]
 #[command(
     after_help = "Example: preslide compare axis.csv --train 100..145 --test 145..190 --report comparison.html"

@@ -17,17 +17,17 @@ use preslide_sim::demo::Story;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// The whole story on data the tool makes itself, offline, in under a minute
+/// Record, identify, diagnose and track a simulated stage that hides something; under a minute
 #[derive(Args)]
 #[command(
-    after_help = "Example: preslide demo --out preslide-report\n\nPositions are in m, forces in N, times in s. Other seeds hide other effects."
+    after_help = "Example: preslide demo --out preslide-report\n\nPositions are in m, forces in N, times in s."
 )]
 pub struct Demo {
     /// Folder for the recording, the models, the source for the firmware and the report
     #[arg(long, value_name = "FOLDER", default_value = "preslide-report")]
     out: PathBuf,
 
-    /// Seed of the effect that the simulated stage hides, and of its friction
+    /// Seed of the stage's friction and of the effect that it hides
     #[arg(long, default_value_t = 1)]
     seed: u64,
 }
@@ -41,7 +41,7 @@ impl Demo {
         let trial = Trial::draw(self.seed, 1);
         let trial = trial.first().ok_or_else(|| anyhow!("there is one trial"))?;
         say!(
-            "A simulated stage that hides something is recorded, identified, diagnosed and compensated: some twenty seconds.\n"
+            "A simulated stage that hides something is recorded, identified, diagnosed and compensated. Some twenty seconds.\n"
         );
         let recording = self.record(trial)?;
         let found = self.identify(&recording)?;

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Where recording and model differ, what physics is missing, and the proof
+/// Name and size the physics that a model lacks, with proof on held-out data
 #[derive(Args)]
 #[command(after_help = not_tested())]
 pub struct Diagnose {
@@ -27,9 +27,9 @@ pub struct Diagnose {
     #[arg(long, value_name = "MODEL.toml")]
     model: Option<PathBuf>,
 
-    /// Judge a simulation of your own: the column with the force or torque that it needs for the recorded motion; or with the
-    /// position that it comes to under the recorded force or torque, or under its own, which is then a second column. Or a file of its own
-    /// (simulation.csv, simulation.csv:force_N), of any rate and start
+    /// Judge your own simulation: the column with the force or torque that it needs for the recorded motion; or the position that it
+    /// reaches under the recorded force or torque, or under its own, which is then a second column. Or its own file
+    /// (simulation.csv, simulation.csv:force_N), at any rate and start
     #[arg(
         long,
         value_name = "COLUMN[,COLUMN]|FILE[:COLUMN]",
@@ -38,12 +38,12 @@ pub struct Diagnose {
     )]
     simulated: Vec<String>,
 
-    /// Write a motion that would show what this recording cannot (a reference position, CSV)
+    /// Write a motion (reference position, CSV) that would show what this recording cannot
     #[arg(long, value_name = "MOTION.csv")]
     experiment: Option<PathBuf>,
 
-    /// With --experiment: only what would decide the dearest doubt, besides these effects, for which an experiment was played; --asked none at
-    /// first. No file is written where nothing is in doubt
+    /// With --experiment: only what would decide the most costly doubt. Name the effects whose experiments were already played, or none.
+    /// No file is written when nothing is in doubt
     #[arg(
         long,
         value_name = "ID",
@@ -52,12 +52,12 @@ pub struct Diagnose {
     )]
     asked: Option<Vec<String>>,
 
-    /// Write the model, or the fit, extended by what was found with confidence; with --simulated what the simulation lacks: a table of forces,
-    /// term by term (.csv), or the code to add (.py, .c, .m), each kind once
+    /// Write the model, or the fit, with the confident effects added; with --simulated what the simulation lacks: a table of forces, term
+    /// by term (.csv), or the code to add (.py, .c, .m), each kind once
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
 
-    /// Print every candidate that was judged with its share of the mismatch, its standard errors and its parameters
+    /// Print every candidate with its share of the mismatch, standard errors and parameters
     #[arg(long)]
     table: bool,
 
@@ -68,7 +68,7 @@ pub struct Diagnose {
 fn not_tested() -> String {
     let tested: Vec<&str> = effect::ALL.iter().map(|e| e.id()).collect();
     format!(
-        "Example: preslide diagnose recording.csv --model model.toml -o extended.toml --report diagnosis.html\n         preslide diagnose recording.csv --simulated force_sim_N\n         preslide diagnose recording.csv --simulated x_sim_m\n\nTested: {}, presliding_shape.\n\nlead_error, periodic_lead_error: told where a further column measures the position, too.",
+        "Example: preslide diagnose recording.csv --model model.toml -o extended.toml --report diagnosis.html\n         preslide diagnose recording.csv --simulated force_sim_N\n         preslide diagnose recording.csv --simulated x_sim_m\n\nTested: {}, presliding_shape.\n\nlead_error, periodic_lead_error: where a further column measures the position too.",
         tested.join(", ")
     )
 }

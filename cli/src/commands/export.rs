@@ -15,7 +15,7 @@ use preslide_host::export::{Options, c_source, reduced, rust_source, sha256};
 use preslide_host::tune::of_model;
 use std::path::{Path, PathBuf};
 
-/// A model as source for the firmware, in Rust (constants, the composed type, the function that builds it) or C; or as a simulator's joint
+/// Write a model as source for the firmware, in Rust or C, or as a simulator's joint (MuJoCo, URDF, OpenUSD)
 #[derive(Args)]
 #[command(
     after_help = "Example: preslide export model.toml --recording axis.csv -o src/stage_model.rs\n         preslide export model.toml --lang c --rate 20kHz -o stage_model.c\n         preslide export model.toml --lang c --kernel slip_reserve_i16f16 --count 25e-9 -o stage_model.c\n         preslide export model.toml --mjcf -o joint.xml\n         preslide export model.toml --usd -o joint.usda"
@@ -25,7 +25,7 @@ pub struct Export {
     #[arg(value_name = "MODEL.toml")]
     model: PathBuf,
 
-    /// Leave out an effect that no controller can use, or that this one should not: its id; may be repeated
+    /// Leave out the effect of this id; may be repeated
     #[arg(long, value_name = "ID")]
     without: Vec<String>,
 
@@ -33,16 +33,16 @@ pub struct Export {
     #[arg(long, value_name = "FORCE")]
     limit: Option<f64>,
 
-    /// Language of the source; C99 is a pair of files, -o NAME.c and NAME.h beside it, in single precision or, by --kernel, in whole numbers
+    /// Language of the source; C99 is NAME.c with NAME.h beside it, in single precision or, by --kernel, in whole numbers
     #[arg(long, value_enum, default_value_t = Lang::Rust, conflicts_with_all = ["mjcf", "urdf", "usd"])]
     lang: Lang,
 
-    /// Ticks per second (Hz): of C code, where time plays a part in the model, and for --kernel auto (20 kHz without it)
+    /// Ticks per second (Hz), for C code of models in which time plays a part and for --kernel auto [default there: 20 kHz]
     #[arg(long, value_name = "HZ", value_parser = parse_frequency)]
     rate: Option<f64>,
 
-    /// Form of a Maxwell-slip model's law: a kernel's name, or auto for what `preslide tune` recommends; those of i16f16 count in encoder
-    /// counts without a float, and in C hold viscous friction and a constant force beside the law, no other effect
+    /// Form of a Maxwell-slip model's law: a kernel's name, or auto for the one that `preslide tune` recommends; in C those of i16f16
+    /// compute in encoder counts, without floats, and take no effect but viscous friction and a constant force
     #[arg(long, value_name = "NAME or auto", conflicts_with_all = ["mjcf", "urdf", "usd"])]
     kernel: Option<String>,
 
@@ -54,7 +54,7 @@ pub struct Export {
     #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_rate)]
     count: Option<f64>,
 
-    /// A joint of MuJoCo instead: frictionloss, damping, armature; what it cannot hold is said, and stands in comments
+    /// A joint of MuJoCo instead: frictionloss, damping, armature; comments list what it cannot hold
     #[arg(long, conflicts_with_all = ["limit", "urdf", "usd"])]
     mjcf: bool,
 
@@ -73,7 +73,7 @@ pub struct Export {
     #[command(flatten)]
     reading: ReadingArgs,
 
-    /// Write the source; without it, it goes to the terminal
+    /// Write the source here instead of to the terminal
     #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,
 }

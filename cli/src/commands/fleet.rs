@@ -17,10 +17,10 @@ use std::time::Instant;
 /// Axes that the terminal lists.
 const SHOWN: usize = 12;
 
-/// Many axes, a recording a day each: a table with a row a recording, and which axis changed against its own history
+/// Watch many axes: a table with a row for each recording, and which axis changed against its own history
 #[derive(Args)]
 #[command(
-    after_help = "Example: preslide fleet recordings/ -o fleet.parquet --report fleet.html\n         preslide fleet 'line3/*/2026-11-*.csv' -o line3.csv --fit-only\n\nAn axis is the folder that holds its recordings, or, of files that lie together, what of their names stands before the first number; its recordings are in the order of their names. Beside the table FILE.rows.jsonl keeps each row as it is made: the same command goes on where it was stopped, and reads only what is new or changed."
+    after_help = "Example: preslide fleet recordings/ -o fleet.parquet --report fleet.html\n         preslide fleet 'line3/*/2026-11-*.csv' -o line3.csv --fit-only\n\nAn axis is a folder of recordings, or, among files in one folder, the name up to its first number; recordings are in the order of their names. FILE.rows.jsonl keeps each row as it is made: the same command resumes, and reads only what is new or changed."
 )]
 pub struct Fleet {
     /// Folders, files or patterns in quotes: recordings/, 'line3/*/*.csv'
@@ -31,7 +31,7 @@ pub struct Fleet {
     #[arg(short, long, value_name = "FILE", required = true)]
     output: Vec<PathBuf>,
 
-    /// Share of recordings of which nothing changed that may raise an alarm
+    /// Share of unchanged recordings that may raise an alarm
     #[arg(long, value_name = "SHARE", default_value = "1%", value_parser = parse_percent)]
     false_alarms: f64,
 
@@ -39,12 +39,12 @@ pub struct Fleet {
     #[arg(long)]
     fit_only: bool,
 
-    /// Make every Nth row from the Kth on and no table, for clusters that share a file system: each part has a journal of its own, and the same
-    /// command without it makes the table of them all
+    /// Make every Nth row from the Kth on and no table, for clusters that share a file system; then the same command without --part
+    /// makes the table
     #[arg(long, value_name = "K/N", conflicts_with_all = ["report", "json"])]
     part: Option<Part>,
 
-    /// Cores to work on, a recording on each [default: those of this machine]
+    /// Cores to use, one recording on each [default: all]
     #[arg(long, value_name = "N")]
     jobs: Option<NonZero<usize>>,
 
@@ -181,18 +181,18 @@ impl Fleet {
         let alarms = ranked.iter().filter(|(_, change)| change.alarm);
         let alarms: Vec<&str> = alarms.map(|(row, _)| row.axis.as_str()).collect();
         let told = match alarms.as_slice() {
-            [] if ranked.is_empty() => format!(
-                "No axis has the {FEWEST} earlier recordings that a change is told against."
-            ),
-            [] => "The newest recording of no axis raises an alarm.".to_owned(),
+            [] if ranked.is_empty() => {
+                format!("No axis has {FEWEST} earlier recordings yet, the fewest to compare with.")
+            }
+            [] => "No axis's newest recording raises an alarm.".to_owned(),
             many => format!(
-                "The newest recording raises an alarm of {} of them: {}.",
+                "The newest recording raises an alarm on {} of them: {}.",
                 many.len(),
                 many.join(", ")
             ),
         };
         format!(
-            "{} of {}, {failed} without an answer. {told} Of recordings of which nothing changed {} % raise one at most.",
+            "{} of {}, {failed} without an answer. {told} At most {} % of unchanged recordings raise an alarm.",
             many(rows.len(), "recording", "recordings"),
             many(axes, "axis", "axes"),
             100.0 * self.false_alarms

@@ -12,7 +12,7 @@ use preslide_host::predict::{self, predict};
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Rigid body and friction model from recordings
+/// Fit a rigid body and a friction model to recordings
 #[derive(Args)]
 #[command(
     after_help = "Example: preslide identify axis.csv --map force_N=35.15*voltage_V -o model.toml --report report.html"
@@ -32,8 +32,8 @@ pub struct Identify {
     #[arg(long, value_name = "KIND", conflicts_with = "blocks")]
     friction: Option<Family>,
 
-    /// What is made small: the force's error, or that of the motion that a simulation makes of the force (or, with --controller, of
-    /// the reference). `motion` has Coulomb friction and the physics that moves the simulation closer in windows that were left out
+    /// Minimise the error of the force, or of the motion that a simulation makes of the force (with --controller, of the reference).
+    /// `motion` has Coulomb friction and whatever physics helps in windows that were left out
     #[arg(long, value_enum, default_value_t = Criterion::Force, conflicts_with_all = ["blocks", "friction", "test"])]
     criterion: Criterion,
 
@@ -41,8 +41,8 @@ pub struct Identify {
     #[arg(long, value_name = "GAINS.toml")]
     controller: Option<PathBuf>,
 
-    /// Tell how far a linear predictor on lifted states (EDMD with control) sees beside GMS and LuGre, in place of fitting a model:
-    /// fitted to the first 60 %, chosen on the next 20 %, told on the last 20 %
+    /// Instead of fitting a model, report how far a linear predictor on lifted states (EDMD with control) sees beside GMS and LuGre:
+    /// fitted to the first 60 %, chosen on the next 20 %, judged on the last 20 %
     #[arg(long, value_enum, conflicts_with_all = ["blocks", "friction", "criterion", "controller", "train", "test", "output"])]
     predictor: Option<Lifted>,
 
@@ -84,7 +84,7 @@ impl Identify {
         }
         if self.controller.is_some() && self.criterion == Criterion::Force {
             return Err(Failure::Input(
-                "--controller is for the motion: add --criterion motion, or leave it away"
+                "--controller is for the motion: add --criterion motion, or leave it out"
                     .to_owned(),
             ));
         }
@@ -119,7 +119,7 @@ impl Identify {
                 found.page(&recording, command_line())
             })?;
         say!(
-            "Next: {}   # what the {} that are left are: noise, or physics that this fit has not",
+            "Next: {}   # is the {} that is left noise, or missing physics?",
             self.recordings.command("diagnose"),
             left(found.best().nmse_test)
         );

@@ -111,8 +111,8 @@ impl AxisArgs {
 /// Recordings and how to read them.
 #[derive(Args, Clone, Debug)]
 pub struct RecordingArgs {
-    /// Recordings: CSV, MATLAB .mat, NumPy .npz, and what this build reads besides (Parquet, HDF5, MCAP, .db3); columns t_s, x_m or
-    /// q_rad, and an effort such as force_N
+    /// Recordings: CSV, MATLAB .mat, NumPy .npz, and if built in Parquet, HDF5, MCAP, .db3; columns t_s, x_m or q_rad, and an effort
+    /// such as force_N
     #[arg(required = true, value_name = "REC")]
     recordings: Vec<PathBuf>,
 
@@ -181,15 +181,15 @@ impl RecordingArgs {
 /// How to read recordings.
 #[derive(Args, Clone, Debug)]
 pub struct ReadingArgs {
-    /// Read a column under the tool's name, or a sum of products of numbers and columns: force_N=35.15*vir, 'force_N=100*pA-80*pB'
+    /// Read a column, or a sum of products of numbers and columns, under the tool's name: force_N=35.15*vir, 'force_N=100*pA-80*pB'
     #[arg(long, value_name = "NAME=COLUMN", value_parser = recording::parse_map)]
     map: Vec<(String, String)>,
 
-    /// Sign of the effort: 1 or -1; without it an opposed sign is found and flipped with a warning
+    /// Sign of the effort, 1 or -1 [default: found; an opposed one is flipped with a warning]
     #[arg(long, value_name = "SIGN", allow_negative_numbers = true)]
     sign: Option<f64>,
 
-    /// Take a column as if it were not there; may be given several times
+    /// Ignore this column; may be repeated
     #[arg(long, value_name = "COLUMN")]
     ignore: Vec<String>,
 

@@ -7,9 +7,9 @@ use preslide_fit::report::figures::range;
 use preslide_host::plan::{Show, Wish, plan};
 use std::path::PathBuf;
 
-/// A motion that shows friction, for a controller to follow: nested reversals begun at different places, passes at several speeds
+/// Write a motion that shows friction: nested reversals from different places, passes at several speeds
 ///
-/// It begins and ends at 0 and stays within ± half of the travel. What is not said is taken from the axis's limits.
+/// It begins and ends at 0 and stays within ± half of the travel. Defaults come from the axis's limits.
 #[derive(Args)]
 #[command(
     after_help = "Example: preslide plan --travel 4mm --speed 2mm/s --acceleration 0.1m/s2 -o motion.csv\n\
@@ -26,7 +26,7 @@ pub struct Plan {
     #[command(flatten)]
     wish: WishArgs,
 
-    /// What it should show
+    /// What to show
     #[arg(long, value_name = "WHAT", default_value = "all")]
     show: What,
 
@@ -42,7 +42,7 @@ pub struct Plan {
 /// How far, how fast and how often.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct WishArgs {
-    /// How far it may go in all: 4mm, or 90deg with --rotary [default: four fifths of the axis's travel]
+    /// Whole travel: 4mm, or 90deg with --rotary [default: four fifths of the axis's travel]
     #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_rate)]
     travel: Option<f64>,
 
@@ -58,7 +58,7 @@ pub struct WishArgs {
     #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_rate)]
     smallest: Option<f64>,
 
-    /// How often, so that identify can hold one repeat out after the other
+    /// Repeats, which identify holds out in turn
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
     repeats: u32,
 }
@@ -90,7 +90,7 @@ impl WishArgs {
         let mut wrong: Vec<String> = beyond.collect();
         let travel = self.travel.or(length.map(|length| 0.8 * length));
         if travel.is_none() {
-            wrong.push("the axis has no ends of travel that are known; give --travel".to_owned());
+            wrong.push("the ends of the axis's travel are not known; give --travel".to_owned());
         }
         let (Some(travel), []) = (travel, wrong.as_slice()) else {
             return Err(Failure::Input(wrong.join("\n")));

@@ -7,7 +7,7 @@ use preslide_sim::reproduce::experiment::SEED;
 use preslide_sim::reproduce::{STEPS, literal, reproduce};
 use std::time::Instant;
 
-/// The paper's Tables 2–3, Figures 6–8 and experiment from its own parameters, beside what optimal breakpoints reach
+/// Reproduce the paper's Tables 2–3, Figures 6–8 and experiment, beside what optimal breakpoints reach
 #[derive(Args)]
 #[command(
     after_help = "Example: preslide reproduce --report reproduction.html\n\nDisplacements are in m, forces in N, NMSE in %."

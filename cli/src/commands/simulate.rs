@@ -10,7 +10,7 @@ use preslide_fit::simulate::{Simulation, force_of_motion, motion_of_force, motio
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// The force that a motion takes, or the motion that a force or a controller causes
+/// Compute the force that a motion takes, or the motion under a force or a controller
 #[derive(Args)]
 #[command(
     after_help = "Example: preslide simulate model.toml --motion axis.csv --report simulation.html\n         preslide simulate model.toml --reference plan.csv --controller gains.toml"
@@ -21,21 +21,21 @@ pub struct Simulate {
     #[arg(value_name = "MODEL.toml")]
     model: PathBuf,
 
-    /// Motion → force: t_s and x_m or q_rad; an effort, where there is one, is compared
+    /// Motion → force: t_s and x_m or q_rad; an effort, if any, is compared
     #[arg(long, value_name = "REC")]
     motion: Option<PathBuf>,
 
-    /// Force → motion: t_s and force_N or torque_Nm; with inertia, friction and every effect, or quasi-static where the model
-    /// has no inertia. A position, where there is one, starts the motion and is compared
+    /// Force → motion: t_s and force_N or torque_Nm; with inertia, friction and every effect, or quasi-static if the model has no
+    /// inertia. A position, if any, starts the motion and is compared
     #[arg(long, value_name = "REC")]
     force: Option<PathBuf>,
 
-    /// Samples of the measured position that --force is given to start from
+    /// Measured positions that --force starts from
     #[arg(long, value_name = "SAMPLES", default_value_t = 20, requires = "force")]
     given: usize,
 
-    /// Reference → motion in closed loop, with --controller: t_s and x_ref_m or q_ref_rad beside a measured position, which is
-    /// compared; without them x_m or q_rad is the reference
+    /// Reference → motion in closed loop, with --controller: t_s and x_ref_m or q_ref_rad, compared with x_m or q_rad; without a
+    /// reference column these are the reference
     #[arg(long, value_name = "REC", requires = "controller")]
     reference: Option<PathBuf>,
 
@@ -44,7 +44,7 @@ pub struct Simulate {
     #[arg(long, value_name = "GAINS.toml", requires = "reference")]
     controller: Option<PathBuf>,
 
-    /// Quasi-static for forces (N or N·m) gone to at a constant rate (per second): "0,0.9,0,0.6,-0.9@0.01"
+    /// Quasi-static, through these forces (N or N·m) at a constant rate (per second): "0,0.9,0,0.6,-0.9@0.01"
     #[arg(long, value_name = "FORCES@RATE", value_parser = parse_ramp, allow_hyphen_values = true)]
     ramp: Option<Ramp>,
 

@@ -19,17 +19,17 @@ use preslide_host::tune::{Budget, Tuning, of_model, of_recording};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// How many blocks in which arithmetic fit a cycle budget, and which to take
+/// Choose number of blocks and arithmetic for a cycle budget
 #[derive(Args)]
 #[command(
     after_help = "Example: preslide tune model.toml --recording axis.csv --count 25e-9 --clock 170MHz --rate 20kHz --budget 5%"
 )]
 pub struct Tune {
-    /// Model to run: its number of blocks, unless a recording is given
+    /// Model to run, with its number of blocks unless a recording is given
     #[arg(value_name = "MODEL.toml")]
     model: PathBuf,
 
-    /// Identify a model of every number of blocks on this recording and tune those
+    /// Identify every number of blocks on this recording and tune those
     #[arg(long, value_name = "REC")]
     recording: Vec<PathBuf>,
 
@@ -49,7 +49,7 @@ pub struct Tune {
     )]
     cpu: String,
 
-    /// Core clock; without it the core's rated one, and 170 MHz for a table of your own
+    /// Core clock [default: the core's rated one; 170 MHz for your own table]
     #[arg(long, value_parser = parse_frequency)]
     clock: Option<f64>,
 
@@ -65,7 +65,7 @@ pub struct Tune {
     #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_rate)]
     count: Option<f64>,
 
-    /// Propose an observer's gains too, for a drive whose first mode (rotor against load) is here; needs a Maxwell-slip model
+    /// First mode of the drive (rotor against load): propose an observer's gains too; needs a Maxwell-slip model
     #[arg(long, value_name = "FREQUENCY", value_parser = parse_frequency)]
     resonance: Option<f64>,
 
@@ -96,7 +96,7 @@ pub(super) fn count_of(told: Option<f64>, model: &Model, file: &Path) -> Result<
     let known = known.find(|(key, _)| key == "encoder_count_m");
     let count = told.or(known.map(|(_, length)| *length)).ok_or_else(|| {
         Failure::Input(format!(
-            "{}: how long is an encoder count? Give --count (m or rad) or encoder_count_m under [mechanics]",
+            "{}: how long is an encoder count? Give --count, such as 25nm, or encoder_count_m under [mechanics] of the model",
             file.display()
         ))
     })?;

@@ -22,16 +22,16 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 use told::Told;
 
-/// From a controller that was just switched on to one that compensates its friction
+/// Commission an axis: from just switched on to friction compensated
 ///
-/// It finds direction and moving weight with care, plays a motion, identifies and diagnoses it, plays experiments while something is in
-/// doubt, loads what it found, and shows on a motion that no fit saw what that is worth. The space bar stops the axis, and so does
-/// Ctrl-C; the same command goes on from there. Nothing is kept over a reset without a yes.
+/// It finds direction and moving weight with small moves, plays a motion, identifies and diagnoses it, plays experiments while
+/// something is in doubt, loads the model, and shows the gain on a motion that no fit saw. The space bar or Ctrl-C stops the axis; the
+/// same command resumes. Nothing is kept over a reset unless you say yes.
 #[derive(Args)]
 #[command(
     after_help = "Example: preslide commission /dev/ttyACM0 --travel 4mm\n         preslide commission tcp:127.0.0.1:7700 --travel 1mm --dry\n\n\
-                  What is not said is taken from the controller's limits. Effects of a diagnosis are not sent over the link: the page names the command \
-                  that compiles them in."
+                  Defaults come from the controller's limits. The link carries no effects of a diagnosis: the page names the command that \
+                  compiles them in."
 )]
 pub struct Commission {
     #[command(flatten)]
@@ -48,7 +48,7 @@ pub struct Commission {
     #[command(flatten)]
     wish: WishArgs,
 
-    /// Experiments that may be played while something is in doubt
+    /// At most so many experiments while something is in doubt
     #[arg(long, value_name = "N", default_value_t = 3)]
     experiments: usize,
 
@@ -56,7 +56,7 @@ pub struct Commission {
     #[arg(long)]
     save: bool,
 
-    /// Tell what would be done, and move nothing
+    /// Print the plan and move nothing
     #[arg(long)]
     dry: bool,
 }
@@ -68,7 +68,7 @@ enum Origin {
     Index,
     /// A mechanical stop, reached slowly
     Stop,
-    /// Nothing: the motion lies about where the axis stands, and --travel is needed
+    /// Nothing: the motion is centred on where the axis stands; needs --travel
     None,
 }
 

@@ -45,7 +45,7 @@ pub struct Home {
     #[arg(long, value_name = "SPEED", value_parser = quantity::rate, allow_hyphen_values = true)]
     pub speed: Option<f64>,
 
-    /// What the position there is called
+    /// Position of the mark
     #[arg(long, value_name = "LENGTH", default_value = "0", value_parser = quantity::length, allow_hyphen_values = true)]
     pub position: f64,
 
@@ -76,7 +76,7 @@ pub struct PlayArgs {
     #[arg(long)]
     pub overwrite: bool,
 
-    /// Positions count from the axis's origin; without it from where the axis stands
+    /// Positions count from the axis's origin, not from where the axis stands
     #[arg(long)]
     pub absolute: bool,
 

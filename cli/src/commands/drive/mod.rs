@@ -17,12 +17,12 @@ use std::time::{Duration, Instant};
 
 /// Command a running controller: enable, move, stop, home, play a motion while recording, load a model, save
 ///
-/// Without a command it opens a terminal that shows the axis; there the space bar stops it, and so does Ctrl-C everywhere. The axis
-/// is disabled after every reset. A controller that hears nothing for the time in its parameter `silence` stops a moving axis.
+/// Without a command it opens a terminal that shows the axis; the space bar stops it there, Ctrl-C everywhere. The axis is disabled
+/// after every reset. A controller that hears nothing for its parameter `silence` stops a moving axis.
 #[derive(Args)]
 #[command(
     after_help = "Example: preslide drive /dev/ttyACM0\n  preslide drive /dev/ttyACM0 enable\n  preslide drive /dev/ttyACM0 move --by 1.5mm --speed 5mm/s\n  \
-                  preslide drive tcp:127.0.0.1:7700 play motion.csv -o axis.csv\n\nLengths are m, or end in mm, um, nm; of an axis that turns rad, mrad, deg."
+                  preslide drive tcp:127.0.0.1:7700 play motion.csv -o axis.csv\n\nLengths are m, or end in mm, um, nm; on a rotary axis rad, mrad, deg."
 )]
 pub struct Drive {
     #[command(flatten)]
@@ -54,9 +54,9 @@ pub struct ControllerArgs {
 
 #[derive(Subcommand)]
 enum What {
-    /// How the controller is, and what it was reset by
+    /// Show the controller's state and the cause of its reset
     State,
-    /// Hold the position from here on
+    /// Close the loop and hold the position
     Enable,
     /// Stop, then open the bridge
     Disable,
@@ -66,19 +66,19 @@ enum What {
     Acknowledge,
     /// Move, and wait until the axis stands
     Move(Move),
-    /// Go on at a speed for a time, then stop
+    /// Move at a speed for a time, then stop
     Jog(Jog),
     /// Find the origin
     Home(Home),
-    /// Say where the axis is, without moving it
+    /// Set the position where the axis stands, without moving it
     Zero {
-        /// Its position
+        /// The position to set
         #[arg(value_name = "POSITION", default_value = "0", value_parser = quantity::length, allow_hyphen_values = true)]
         position: f64,
     },
     /// Show parameters
     Get {
-        /// Which; all without one
+        /// Names; all if none is given
         #[arg(value_name = "NAME")]
         names: Vec<String>,
     },
@@ -112,7 +112,7 @@ enum What {
     Play(PlayArgs),
     /// Keep parameters and friction model over a reset; the axis must be disabled
     Save,
-    /// Forget what was saved; from the next reset on what was compiled in rules
+    /// Forget what was saved: from the next reset the compiled-in values apply
     Forget,
 }
 
