@@ -113,7 +113,7 @@ impl Story<'_> {
             }));
         }
         Table {
-            caption: "Beside the truth, which nothing had told".to_owned(),
+            caption: "Found and true".to_owned(),
             head: ["", "found", "true"].map(String::from).to_vec(),
             rows,
         }
@@ -230,7 +230,7 @@ impl Story<'_> {
                     .to_owned(),
                 self.exported.said(DEFAULT),
                 format!(
-                    "What the stage hid, which nothing had told the diagnosis: {}.",
+                    "What the stage hid from the diagnosis: {}.",
                     self.trial.effect.words()
                 ),
             ],

@@ -132,7 +132,7 @@ impl Diagnose {
         }
         if let Some(late) = found.simulated_late {
             say!(
-                "Note: the simulation is {:.3} ms later than the recording, which is taken off.\n",
+                "Note: the simulation is {:.3} ms later than the recording; that is taken off.\n",
                 1e3 * late
             );
         }
@@ -241,7 +241,7 @@ impl Diagnose {
         let Some(correction) = &found.correction else {
             if !self.output.is_empty() {
                 say!(
-                    "Nothing is stated with which the simulation would leave less at the samples: no correction is written."
+                    "Nothing found makes the simulation better at the samples: no correction is written."
                 );
             }
             return Ok(());

@@ -176,7 +176,7 @@ impl Export {
             .as_deref()
             .map_or("a file of the firmware".into(), |p| p.display().to_string());
         tell!(
-            "Declare {place} as a module and call model(sample_time, units): its type, Model, computes in {}, and is what the controller takes. This project's firmware is built with it where PRESLIDE_MODEL holds its full path.",
+            "Declare {place} as a module and call model(sample_time, units): its type, Model, computes in {} and goes to the controller. PRESLIDE_MODEL=/full/path compiles it into this project's firmware.",
             kernel.map_or("f32", |kernel| kernel.arithmetic().name())
         );
         Ok(())
@@ -193,7 +193,7 @@ impl Export {
                 let tuning = of_model(model, count, &costs, budget).map_err(Failure::Input)?;
                 let choice = tuning.chosen().map_err(|reason| {
                     Failure::Data(format!(
-                        "--kernel auto: {reason}; --budget is an option of `preslide tune`: give the kernel that it tells there by its name here"
+                        "--kernel auto: {reason}; --budget is an option of `preslide tune`: give the kernel that it names"
                     ))
                 })?;
                 let mut said = choice.said(&self.cpu);

@@ -164,7 +164,7 @@ impl Fitting<'_> {
         let (low, high) = recording.ends();
         let shown = evidence.shown(recording, Plain::of(self.inertial), high - low);
         notes.extend(said(shown));
-        notes.push("the motion goes one way, so that Coulomb friction and a constant load are told as their sum, and pre-sliding not at all; record reversals to tell them apart".to_owned());
+        notes.push("the motion goes one way: Coulomb friction and a constant load come out as their sum, and pre-sliding does not show; record reversals".to_owned());
         let rigid = self.rigid_body(weights, shown.plain)?;
         let judge = Judge {
             recording,
@@ -204,7 +204,7 @@ impl Fitting<'_> {
             && rigid_body::inertia_told(recording, self.kinematics, &self.split.folds) < TOLD;
         if alike {
             base.mass = false;
-            notes.push("the acceleration follows the direction of motion, so that inertia and Coulomb friction are told as one force: the friction given holds the inertia's; record moves of several accelerations to tell them apart".to_owned());
+            notes.push("the acceleration follows the direction of motion, so that inertia and Coulomb friction are one force, given as friction; record moves at several accelerations to separate them".to_owned());
         }
         let mut found = self.search(base, &weights, range, progress)?;
         let again = |what| Progress::new(what, STEPS);
@@ -295,7 +295,7 @@ fn said(shown: Shown) -> Option<String> {
     let parts: Vec<&str> = place.into_iter().chain(asymmetry).collect();
     (!parts.is_empty()).then(|| {
         format!(
-            "{} {} part of the fit: {:.0} % of what is left of held-out stretches without",
+            "{} {} part of the fit, for {:.0} % less error on held-out stretches",
             parts.join(" and "),
             if parts.len() == 1 { "is" } else { "are" },
             shown.gain

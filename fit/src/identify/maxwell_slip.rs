@@ -107,7 +107,7 @@ pub fn select(
         improves
     });
     if optimal.is_empty() {
-        return Err("no Maxwell-slip block with a positive stiffness fits: after reversals nothing resists the motion more and more; sample faster to see it, or check the effort's sign (--sign) and column (--map)".to_owned());
+        return Err("no Maxwell-slip block with a positive stiffness fits: the effort does not rise after reversals; sample faster, or check its sign (--sign) and column (--map)".to_owned());
     }
     let knee = knee(&optimal);
     // Of what is recommended the samples have the last word; that costs passes along all of the motion.

@@ -281,7 +281,7 @@ pub fn identify(
         };
         found = better;
         found.search_notes.push(format!(
-            "above {:.1} Hz the effort shows less inertia than below, or none, as where a load swings or the encoder's error is periodic: the fit looks below; `preslide diagnose` tells which",
+            "above {:.1} Hz the effort shows less inertia than below, or none: a load swings, or the encoder's error is periodic. The fit uses what is below; `preslide diagnose` finds the cause",
             found.band_hz
         ));
     }
@@ -438,7 +438,7 @@ fn unseen(recording: &Recording) -> Option<String> {
     let across = samples_across(recording);
     (across < RESOLVED).then(|| {
         format!(
-            "{}: the axis crosses its travel within {across:.0} samples, so that nobody saw how it moved; sample {:.0} times as fast, or move slower",
+            "{}: the axis crosses its travel within {across:.0} samples, too few to see the motion; sample {:.0} times as fast, or move slower",
             recording.name,
             (RESOLVED / across).ceil()
         )

@@ -56,11 +56,11 @@ impl Candidate {
         let mut caveats = Vec::new();
         let name = self.model.friction.name();
         if self.method == Method::Descent(Family::Hsieh) {
-            caveats.push(format!("{name}: its error has several minima, so that another seed may find other parameters and a different error; take this as what was reached, not as the best there is"));
+            caveats.push(format!("{name}: its error has several minima; another seed may find other parameters and a smaller error"));
         }
         if !self.at_edge.is_empty() {
             caveats.push(format!(
-                "{name}: {} ended at the bound of its search range: the recording asks for a limiting case of the model, and the value itself means little",
+                "{name}: {} ended at the bound of its search range, a limiting case of the model: the value means little",
                 self.at_edge.join(", ")
             ));
         }
@@ -112,7 +112,7 @@ impl Identification {
         let candidate = Bench::new(recording, &kinematics, self).candidate(family, progress)?;
         let candidate = candidate.ok_or_else(|| {
             format!(
-                "{}: {} cannot be fitted: from no start did its force resist the motion; see what `preslide compare` says of the others",
+                "{}: {} cannot be fitted: its force resists the motion from no start; `preslide compare` tries the others",
                 recording.name,
                 family.name()
             )
@@ -229,7 +229,7 @@ impl Identification {
             )
         } else if self.optimal().next().is_none() {
             format!(
-                "Use what one direction tells ({baseline} of the variance left on held-out data), in this direction only; record reversals for a friction model."
+                "Use this fit ({baseline} of the variance left on held-out data) in this direction only; record reversals for a friction model."
             )
         } else if blocks == 0 {
             format!(
@@ -275,7 +275,7 @@ impl Identification {
             return Some("the best model explains nothing of what is held out; record more strokes, or widen --train".to_owned());
         }
         (test > UNEXPLAINED && test > BY_HEART * train).then(|| {
-            format!("the best model knows its own samples only ({told}); record more of the same motion, or widen --train")
+            format!("the best model fits its own samples only ({told}); record more of the same motion, or widen --train")
         })
     }
 
@@ -289,7 +289,7 @@ impl Identification {
         let (shortest, longest) = self.yield_range;
         if let Some(share) = self.soft_share() {
             notes.push(format!(
-                "{:.0} % of the friction yields only beyond {:.0} % of the longest stroke: what hardly ever slips is a spring, a weight or another force that follows the position as much as hysteresis; `preslide diagnose` tells which, a longer motion would",
+                "{:.0} % of the friction yields only beyond {:.0} % of the longest stroke: what hardly ever slips may as well be a spring, a weight or another force of the position; `preslide diagnose` says which, a longer motion would",
                 100.0 * share,
                 50.0 * SOFT
             ));
@@ -319,7 +319,7 @@ impl Identification {
                 if d.value >= 0.98 * longest {
                     let (end, remedy) = match longest < 0.98 * self.half_a_stroke {
                         true => (
-                            "the longest displacement that this recording tells from a force of the position",
+                            "the longest displacement that this recording separates from a force of the position",
                             "more strokes of different length",
                         ),
                         false => ("half of the longest stroke", "longer strokes"),
@@ -340,7 +340,7 @@ impl Identification {
         }
         if self.one_speed() {
             notes.push(
-                "nearly all of the motion is at one speed: viscous friction and friction level cannot be told apart; move at several speeds".to_owned(),
+                "nearly all of the motion is at one speed, so viscous friction and friction level look alike; move at several speeds".to_owned(),
             );
         }
         notes.extend(self.explain_test(recording));

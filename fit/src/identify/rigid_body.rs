@@ -79,7 +79,7 @@ pub fn fit(
     let (matrix, right) = total.normal(&chosen);
     let coefficients = solve_normal(&matrix, &right).ok_or_else(|| {
         format!(
-            "{}: the motion does not tell inertia, viscous friction, Coulomb friction and offset apart; record both directions at several speeds",
+            "{}: the motion cannot separate inertia, viscous friction, Coulomb friction and offset; record both directions at several speeds",
             recording.name
         )
     })?;

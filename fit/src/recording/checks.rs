@@ -55,7 +55,7 @@ pub(super) fn motion(strokes: &[Strokes], samples: usize, unit: &str, warnings: 
     } else if reversals < FEW_REVERSALS {
         warnings.push(Warning::new(
             "few-reversals",
-            format!("{reversals} reversals; pre-sliding memory shows only where the motion turns at least twice"),
+            format!("{reversals} reversals; pre-sliding memory shows from two on"),
         ));
     }
 }

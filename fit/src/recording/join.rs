@@ -143,7 +143,7 @@ fn flip_alike(recordings: &mut [Recording]) -> Option<Warning> {
         Warning::new(
             FLIPPED_ALIKE,
             format!(
-                "the effort of {} was multiplied by -1 like that of {opposed}: its own motion is too short to tell; --sign -1 says so of all and silences this",
+                "the effort of {} was multiplied by -1 like that of {opposed}: its own motion is too short to show the sign; --sign -1 says so of all and silences this",
                 names.join(", ")
             ),
         )

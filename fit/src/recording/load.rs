@@ -27,7 +27,7 @@ impl Recording {
             self.warnings.push(Warning::new(
                 LOAD_HELD,
                 format!(
-                    "the drive holds the load, {} times what its column says: it is taken off the effort, and all that is told is of the axis without it. A model holds no such load: add the measured one to its effort",
+                    "the drive holds the load, {} times what its column says: it is taken off the effort, and all results are for the axis without it. Add the measured load to a model's effort",
                     three(share)
                 ),
             ));
@@ -46,7 +46,7 @@ impl Recording {
         for other in recordings.iter_mut().filter(does_not_tell) {
             other.take_off(times);
             let told = format!(
-                "the load is taken off the effort of {} like that of {teller}: its own motion does not tell",
+                "the load is taken off the effort of {} as in {teller}: its own motion does not show it",
                 other.name
             );
             other.warnings.push(Warning::new(LOAD_HELD, told));

@@ -77,7 +77,7 @@ fn dropouts_said(
     let what = if left_out {
         "these samples are left out"
     } else {
-        "too much to leave out, so it is kept; do not trust what comes of it"
+        "too much to leave out, so it is kept; do not trust the result"
     };
     warnings.push(Warning::new(
         "dropout",
@@ -108,7 +108,7 @@ fn drive_off_said(
     warnings.push(Warning::new(
         "drive-off",
         format!(
-            "`{}` tells that the drive is off for {count} samples in {} places, first from {} to {}: {what}",
+            "by `{}` the drive is off for {count} samples in {} places, first from {} to {}: {what}",
             off.column,
             off.ranges.len(),
             table.place.of(off.ranges[0].start),

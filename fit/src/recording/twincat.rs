@@ -219,7 +219,7 @@ fn merged(groups: Vec<Group>) -> Result<(Vec<Variable>, String), Problem> {
         words += &format!(", between their own samples {}", between.join(", "));
     }
     if !left.is_empty() {
-        words += &format!("; not to be had there: {}", left.join(", "));
+        words += &format!("; without values there: {}", left.join(", "));
     }
     Ok((found, words))
 }

@@ -89,7 +89,7 @@ impl Delay {
             format!(" ± {:.2}", ms(0.5 * (high - low)))
         });
         format!(
-            "the effort is recorded {:.2}{reach} ms {} than the position that it goes with, and the fit takes it as that",
+            "the effort is recorded {:.2}{reach} ms {} than its position; the fit allows for it",
             ms(value.abs()),
             if value > 0.0 { "later" } else { "earlier" }
         )

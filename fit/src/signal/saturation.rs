@@ -101,7 +101,7 @@ impl Saturation {
         let (limit, percent) = (self.limit.value, 100.0 * self.share);
         match self.of {
             End::Command => format!(
-                "the command exceeds what the drive gives: no more than ±{limit:.4} {unit} arrives ({percent:.1} % of the samples ask for more), and the fit takes the effort as that"
+                "the command exceeds what the drive gives: no more than ±{limit:.4} {unit} arrives ({percent:.1} % of the samples ask for more); the fit limits the effort alike"
             ),
             End::Reading => format!(
                 "the reading ends at ±{limit:.4} {unit} while the motion takes more ({percent:.1} % of the samples stand there): these samples are left out of the fit"

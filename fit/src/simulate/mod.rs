@@ -97,7 +97,7 @@ pub fn same_axis(model: &Model, kind: MotionKind, name: &str) -> Result<(), Stri
         Ok(())
     } else {
         Err(format!(
-            "{name}: the motion is {}, the model is {}; use a model of the same axis, or bring the columns over with --map and the ratio of the drive",
+            "{name}: the motion is {}, the model is {}; use a model of the same axis, or convert the columns with --map and the ratio of the drive",
             kind.name(),
             model.motion.name()
         ))
@@ -232,7 +232,7 @@ pub fn motion_of_force(
         .collect();
     if !effects.is_empty() {
         return Err(format!(
-            "force → motion knows no effects, and the model has {}; simulate the force of a motion (--motion), or remove them from the model",
+            "force → motion takes no effects, and the model has {}; simulate the force of a motion (--motion), or remove them from the model",
             effects.join(", ")
         ));
     }

@@ -84,7 +84,7 @@ pub fn compare(
     let mut identification = identify(recording, options, progress)?;
     if identification.optimal().next().is_none() {
         return Err(format!(
-            "{}: the motion goes one way, and models of friction differ at reversals only; record reversals, or take what `preslide identify` tells",
+            "{}: the motion goes one way, and friction models differ at reversals only; record reversals, or use `preslide identify`",
             recording.name
         ));
     }
@@ -118,7 +118,7 @@ pub fn compare(
                 models.push(judged(candidate, scale)?);
             }
             None => notes.push(format!(
-                "{} was left out: from no start did its force resist the motion",
+                "{} was left out: its force resists the motion from no start",
                 family.name()
             )),
         }

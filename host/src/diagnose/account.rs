@@ -246,7 +246,7 @@ impl Diagnosis {
         let words = fit.words(recording);
         Some(match fit.is_found() {
             true => format!(
-                "{words}; the diagnosis begins with {}, of the stretches in motion alone and with as many blocks as they can tell",
+                "{words}; the diagnosis begins with {}: stretches in motion only, with as many blocks as they support",
                 left(self.baseline.test)
             ),
             false => words,

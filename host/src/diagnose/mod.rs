@@ -109,7 +109,7 @@ pub fn diagnose(
     let recording = recording.at_one_rate();
     let mut found = judge(&recording, model, fit.as_deref(), None, progress)?;
     if StickSlip::of(&recording).is_some() {
-        found.names_nothing("the axis sticks and slips, and what it does in between is friction's own: breakaway and kinetic level, which the fit tells, are all that such a motion shows");
+        found.names_nothing("the axis sticks and slips: such a motion shows breakaway and kinetic level, which the fit has, and nothing else");
     }
     let doubt = fit
         .as_ref()

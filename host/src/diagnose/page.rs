@@ -177,8 +177,7 @@ impl Diagnosis {
         let nameless = self.nameless().map(|u| u.words(self, recording));
         paragraphs.extend(nameless.map(|words| format!("Without a name: {words}.")));
         if paragraphs.is_empty() {
-            paragraphs
-                .push("No stretch of any coordinate stands out of what noise leaves.".to_owned());
+            paragraphs.push("No stretch of any coordinate stands out of the noise.".to_owned());
         }
         let event = self.unnamed.iter().find_map(|u| u.happened.as_ref());
         let alone = event.is_some()
@@ -225,9 +224,7 @@ impl Diagnosis {
                 .style(Style::Dashed)
                 .colour(Colour::Black),
         );
-        figure.note =
-            "What lies between dashed lines is left out of all else that is said and drawn."
-                .to_owned();
+        figure.note = "What lies between dashed lines is left out everywhere else.".to_owned();
         figure
     }
 

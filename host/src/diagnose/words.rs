@@ -89,10 +89,10 @@ impl Unknown {
     fn advice(&self, found: &Diagnosis) -> String {
         let axis = self.axis.name(&found.null.rows.s);
         if self.rises_by.is_some() {
-            return "record the temperature beside the motion (`temperature_C`), and the same strokes again after a rest: warmth goes back, run-in does not.".to_owned();
+            return "record the temperature (`temperature_C`), and repeat the strokes after a rest: warmth goes back, run-in does not.".to_owned();
         }
         if self.happened.is_some() {
-            return "look at what happened then: a knock, something in the guideway, a cable that caught. All else is said without these stretches.".to_owned();
+            return "look at what happened then: a knock, something in the guideway, a cable that caught. Everything else leaves these stretches out.".to_owned();
         }
         match self.like {
             Some(effect) => format!(
@@ -102,7 +102,7 @@ impl Unknown {
                 effect.experiment()
             ),
             None => format!(
-                "something that follows {axis} acts that no catalogue entry describes; look at the maps of what is left, on the page that --report writes."
+                "something acts that follows {axis} and is in no catalogue; look at the maps of what is left on the page of --report."
             ),
         }
     }
@@ -331,7 +331,7 @@ impl Diagnosis {
                 format!("missing-physics: {} ({figures})", names.join(", "))
             }
             Verdict::UnknownPhysics if self.unknown().is_none() => format!(
-                "unknown-physics: {} of the variance are neither noise nor anything of the catalogue ({figures})",
+                "unknown-physics: {} of the variance is neither noise nor in the catalogue ({figures})",
                 left(self.not_explained())
             ),
             Verdict::UnknownPhysics => format!("unknown-physics ({figures})"),
@@ -340,7 +340,7 @@ impl Diagnosis {
                 self.doubt.as_deref().unwrap_or_default()
             ),
             Verdict::InsufficientData => format!(
-                "insufficient-data: the best model leaves {:.0} % of the variance on stretches held out, and nothing of the catalogue explains it; this recording does not say ({figures})",
+                "insufficient-data: the best model leaves {:.0} % of the variance on stretches held out, and nothing in the catalogue explains it ({figures})",
                 self.extended.test
             ),
         };
@@ -378,12 +378,7 @@ impl Diagnosis {
     /// Further columns that are left out, each in a sentence without its full stop.
     pub fn left_out_words(&self) -> impl Iterator<Item = String> {
         let left_out = self.null.rows.s.left_out.iter();
-        left_out.map(|(name, kind)| {
-            format!(
-                "`{name}` {}: it is left out, and no other axis",
-                kind.words()
-            )
-        })
+        left_out.map(|(name, kind)| format!("`{name}` {}: it is left out", kind.words()))
     }
 
     /// The user's model as it stands and refitted, in a sentence without its full stop.
@@ -436,7 +431,7 @@ impl Diagnosis {
                 "identify the model's hysteresis again (`preslide identify`); its kind can stay.".to_owned()
             }
             (Verdict::UnknownPhysics, Some(unknown)) => unknown.advice(self),
-            (Verdict::UnknownPhysics, None) => "look at the maps of what is left, on the page that --report writes; nothing of the catalogue explains it.".to_owned(),
+            (Verdict::UnknownPhysics, None) => "look at the maps of what is left on the page of --report; nothing in the catalogue explains it.".to_owned(),
             _ => self.keep(),
         };
         let said = matches!(
@@ -470,7 +465,7 @@ impl Diagnosis {
             _ if effect.in_simulation => format!("correct the {} of the simulation ({words}).", effect.name.name()),
             (_, None) => format!("add {id} to the {}: {words}.", self.model_word()),
             (_, Some(rival)) => format!(
-                "{id} or {}, this recording cannot tell. To tell them apart: {}.",
+                "{id} or {}: this recording cannot tell. To decide: {}.",
                 rival.id(),
                 effect.name.experiment()
             ),
@@ -527,12 +522,12 @@ impl Diagnosis {
             format!("keep the {}; what is left is noise.", self.model_word())
         } else if self.extended.test <= NOISE * (self.noise_floor + unrepeated) {
             format!(
-                "keep the {}; what is left varies from one repeat of the motion to the next: time, path or warmth may take it, or nothing, but no law of the motion.",
+                "keep the {}; what is left varies from repeat to repeat: time, path or warmth may explain it, but no law of the motion.",
                 self.model_word()
             )
         } else {
             format!(
-                "keep the {}; of the {} that are left {} are noise or vary between repeats, and nothing of the catalogue explains the rest.",
+                "keep the {}; of the {} left, {} is noise or varies between repeats, and nothing in the catalogue explains the rest.",
                 self.model_word(),
                 left(self.extended.test),
                 left(self.noise_floor + unrepeated)

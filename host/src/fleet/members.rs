@@ -36,7 +36,7 @@ pub fn members(given: &[String]) -> Result<Vec<Member>, String> {
     for text in given {
         match found(text) {
             Ok((_, own)) if own.is_empty() => wrong.push(format!(
-                "{text}: no recording there; in a folder files are looked for that end in {}",
+                "{text}: no recording there; in a folder it looks for files that end in {}",
                 ENDINGS.join(", ")
             )),
             Ok((from, own)) => {

@@ -117,7 +117,7 @@ pub fn page(rows: &[Row], ranked: &[(&Row, &Change)], lead: String, command: Str
             Section {
                 heading: "What drifted".to_owned(),
                 paragraphs: vec![
-                    "A change is the newest value less the mean of the axis's earlier recordings, with the 95 % interval that their scatter gives; by chance is how often a change as large comes where nothing changed.".to_owned(),
+                    "A change is the newest value less the mean of the axis's earlier recordings, with the 95 % interval that their scatter gives; by chance is how often one as large comes without a change.".to_owned(),
                 ],
                 tables: vec![table(ranked, LISTED)],
                 figures: figures.collect(),

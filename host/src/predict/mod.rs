@@ -104,7 +104,7 @@ pub fn predict(recording: &Recording, progress: &Progress) -> Result<Prediction,
     let mut predictors = lifts(&series, &parts);
     let best = (0..predictors.len())
         .min_by(|a, b| predictors[*a].score().total_cmp(&predictors[*b].score()))
-        .ok_or("no linear predictor can be fitted: the motion does not tell its states apart")?;
+        .ok_or("no linear predictor can be fitted: the motion does not separate its states")?;
     let mut models: Vec<Candidate> = gms.into_iter().collect();
     match found.choose_family(&first, Family::LuGre, progress) {
         Ok(()) => models.push(found.best().clone()),
@@ -151,7 +151,7 @@ impl Parts {
         let least = AHEAD[AHEAD.len() - 1] + STARTS + DELAYS[DELAYS.len() - 1];
         if n - second < least {
             return Err(format!(
-                "{}: predictions of {} samples are told on the last fifth of the longest stretch without a gap, which has {} samples; record at least {}",
+                "{}: predictions of {} samples are judged on the last fifth of the longest stretch without a gap, which has {} samples; record at least {}",
                 recording.name,
                 AHEAD[AHEAD.len() - 1],
                 n - second,

@@ -113,11 +113,11 @@ fn why_so_many(chosen: &Choice, best: f64) -> String {
     match chosen.nmse_test {
         Some(nmse) if blocks == 1 => {
             format!(
-                "N = 1 is enough here: it leaves {nmse:.2} % NMSE on motion that was not fitted, and no larger model that fits leaves less than {best:.2} %"
+                "N = 1 is enough here: it leaves {nmse:.2} % NMSE on motion held out, and no larger model within the budget less than {best:.2} %"
             )
         }
         Some(nmse) => format!(
-            "N = {blocks} leaves {nmse:.2} % NMSE on motion that was not fitted; more blocks that fit the budget reach {best:.2} % at best, fewer leave more than a tenth more"
+            "N = {blocks} leaves {nmse:.2} % NMSE on motion held out; more blocks within the budget reach {best:.2} % at best, fewer leave over a tenth more"
         ),
         None => format!("the model has N = {blocks}; give --recording to have N chosen as well"),
     }

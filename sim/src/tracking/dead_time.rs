@@ -139,8 +139,8 @@ pub fn print(rows: &[Row]) -> String {
         let name = match row.bridge {
             Bridge::Ideal => "ideal",
             Bridge::Switching => "switching, no dead time",
-            Bridge::Dead => "dead time, not told",
-            Bridge::MadeUp => "dead time, made up for",
+            Bridge::Dead => "dead time, not compensated",
+            Bridge::MadeUp => "dead time, compensated",
         };
         let [float, fixed] = row.errors;
         text += &format!(

@@ -75,7 +75,7 @@ impl Journal {
         };
         if begun.of != of {
             return Err(Failure::Input(format!(
-                "-o {}: a commissioning was begun there with {}, and this is {of}; name another folder, or ask for the same",
+                "-o {}: a commissioning was begun there with {}, and this one has {of}; name another folder, or repeat those settings",
                 folder.display(),
                 begun.of
             )));

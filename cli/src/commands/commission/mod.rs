@@ -397,7 +397,7 @@ impl Run {
         match weight {
             Ok(weight) => say!("direction: as it should be; it moves {weight}"),
             Err(reason) => {
-                say!("direction: as it should be; the weight is not told yet ({reason})")
+                say!("direction: as it should be; the weight is not known yet ({reason})")
             }
         }
         Ok(())

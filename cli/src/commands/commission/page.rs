@@ -23,7 +23,7 @@ pub fn result(journal: &Journal, unit: &str) -> Vec<String> {
     };
     vec![
         format!(
-            "A motion that no fit saw: following error {:.0} n{unit} RMS with the feedback alone, {:.0} n{unit} with the model (largest {:.0} and {:.0}).",
+            "On a motion that no fit saw: following error {:.0} n{unit} RMS with the feedback alone, {:.0} n{unit} with the model (largest {:.0} and {:.0}).",
             without.rms, with.rms, without.largest, with.largest
         ),
         format!("The page: {}", journal.file("report.html").display()),

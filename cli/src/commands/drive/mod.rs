@@ -297,7 +297,7 @@ impl Commanded {
     /// A parameter that every controller tells.
     pub fn limit(&mut self, name: &str) -> Result<f64, Failure> {
         let value = self.drive.get(name)?;
-        value.ok_or_else(|| Failure::Tool(format!("the controller does not tell {name}")))
+        value.ok_or_else(|| Failure::Tool(format!("the controller does not report {name}")))
     }
 
     /// Moves, and waits until the axis stands.
@@ -409,7 +409,7 @@ impl Commanded {
             || identity.rate_hz != described.hardware.rate_hz
         {
             return Err(Failure::Data(format!(
-                "the controller has {:e} {} a count and {} Hz, the file {:e} and {} Hz: these are compiled in; build the firmware with it",
+                "the controller has {:e} {} a count and {} Hz, the file {:e} and {} Hz: these are compiled in: build the firmware with that file",
                 identity.count,
                 self.unit,
                 identity.rate_hz,

@@ -114,7 +114,7 @@ pub fn fit(
             MotionKind::Rotary => "q_ref_rad",
         };
         return Err(format!(
-            "{name}: --controller follows a reference, and there is none; bring it in with --map {column}=COLUMN, or leave --controller away for the open loop"
+            "{name}: --controller follows a reference, and there is none; bring it in with --map {column}=COLUMN, or leave out --controller for the open loop"
         ));
     }
     let end = force.channel.saturation.as_ref();

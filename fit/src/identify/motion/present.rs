@@ -121,7 +121,7 @@ impl MotionFit {
         ));
         for (one, other, of) in &self.together {
             notes.push(format!(
-                "{one} and {other} are told together only (correlation {of:.3}): their intervals are those of a valley along which both change"
+                "{one} and {other} are known together only (correlation {of:.3}): along their intervals both change"
             ));
         }
         let list = |taken: bool| {
@@ -136,7 +136,7 @@ impl MotionFit {
             ));
         }
         notes.push(
-            "Friction is Coulomb's: a motion of this size tells nothing of pre-sliding; without --criterion motion the blocks are fitted to the force"
+            "Friction is Coulomb's: a motion of this size shows no pre-sliding; without --criterion motion blocks are fitted to the force"
                 .to_owned(),
         );
         notes.extend(recording.per_unit());

@@ -128,7 +128,7 @@ pub fn fit(mut speeds: Speeds, may_turn: bool) -> Result<SpeedTable, String> {
     };
     if different.len() < 3 || speeds.velocity.len() < 3 + SPARE {
         return Err(format!(
-            "{name}: {} rows of {} speeds: Coulomb and viscous friction are told apart by three speeds or more, in {} rows or more",
+            "{name}: {} rows of {} speeds: Coulomb and viscous friction need three speeds or more, in {} rows or more",
             speeds.velocity.len(),
             different.len(),
             3 + SPARE
@@ -143,11 +143,8 @@ pub fn fit(mut speeds: Speeds, may_turn: bool) -> Result<SpeedTable, String> {
         one_way,
         ..Law::default()
     };
-    let failed = || {
-        format!(
-            "{name}: no least squares for these rows; look for values that repeat or are of another unit"
-        )
-    };
+    let failed =
+        || format!("{name}: these rows have no fit; look for repeated values or another unit");
     let mut best = solve(&speeds, law).ok_or_else(failed)?;
     if best.coefficients[0] < 0.0 && best.coefficients[1] < 0.0 && may_turn {
         speeds.effort.iter_mut().for_each(|f| *f = -*f);
@@ -298,7 +295,7 @@ impl SpeedTable {
         let coulomb = get("coulomb") + get("coulomb_and_offset");
         if coulomb <= 0.0 || forward + backward < 0.0 {
             return Err(format!(
-                "{}: a Coulomb friction of {} and viscous friction of {} are no model's; check the sign of the effort",
+                "{}: Coulomb friction of {} with viscous friction of {} is impossible; check the sign of the effort",
                 self.speeds.name,
                 digits(coulomb),
                 digits(0.5 * (forward + backward))

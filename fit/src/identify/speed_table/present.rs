@@ -53,7 +53,7 @@ impl SpeedTable {
     pub fn notes(&self) -> Vec<String> {
         let mut notes = self.notes.clone();
         if self.get("coulomb_and_offset").is_some() {
-            notes.push("all speeds are of one direction: Coulomb friction and a constant force are told as their sum; measure both directions to tell them apart".to_owned());
+            notes.push("all speeds are in one direction: Coulomb friction and a constant force come out as their sum; measure both directions".to_owned());
         }
         let unsure = |p: &&(&str, Estimate)| {
             p.1.ci95.is_some_and(|[low, high]| low < 0.0 && high > 0.0) && p.0 != "offset"
@@ -67,7 +67,7 @@ impl SpeedTable {
     /// One sentence: what the table tells, and what it cannot.
     pub fn recommendation(&self) -> String {
         format!(
-            "Use {} friction ({:.3} % of the variance left on rows held out). A table without time tells no inertia and no pre-sliding; record a motion with reversals for those.",
+            "Use {} friction ({:.3} % of the variance left on rows held out). A table without time shows no inertia and no pre-sliding; record a motion with reversals for those.",
             self.law(),
             self.nmse_held_out
         )

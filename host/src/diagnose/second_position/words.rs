@@ -33,7 +33,7 @@ impl SecondPosition {
         };
         let mut said = match &self.lead {
             None => vec![format!(
-                "`{column}` measures the position, too; no {}lead_error: over {} passes their difference has no smooth course over the travel",
+                "`{column}` measures the position too; no {}lead_error: over {} passes their difference has no smooth course over the travel",
                 if self.periodic.is_empty() {
                     ""
                 } else {
@@ -51,9 +51,9 @@ impl SecondPosition {
                             1e6 * reach
                         )
                     }
-                    (None, Some(ratio)) => format!(
-                        "(taken at its own {ratio:.6} times the position, so that no slope can be told) "
-                    ),
+                    (None, Some(ratio)) => {
+                        format!("(at its own {ratio:.6} times the position, so without a slope) ")
+                    }
                     (None, None) => String::new(),
                 };
                 vec![format!(
