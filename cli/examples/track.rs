@@ -1,9 +1,9 @@
 //! `cargo run --release --example track` prints the tracking table; behind `--`: `adaptation`, tracking with and without adaptation of
 //! the friction level; `observer`, the observer's rows
-//! with friction and mass that it was not told; `koopman`, every controller tuned alike, Koopman MPC among them, on stages that are not as told (`koopman-electrical` on the electrical one); `koopman-firmware`, what a board's outer task is told (PRESLIDE_KOOPMAN); `watch`, the watch's false alarms, asked for and measured, and its delays; `dead-time`, what the bridge's dead
+//! with friction and mass off from its model; `koopman`, every controller tuned alike, Koopman MPC among them, on stages that differ from the model (`koopman-electrical` on the electrical one); `koopman-firmware`, the file for a board's outer task (PRESLIDE_KOOPMAN); `watch`, the watch's false alarms, asked for and measured, and its delays; `dead-time`, what the bridge's dead
 //! time costs and what making up for it wins back; `identify`, what a capture says of friction by how the current is sampled.
 //!
-//! `--electrical` puts the table on the electrical stage, its dead time told to the controller; `--electrical=untold` does not tell;
+//! `--electrical` puts the table on the electrical stage, its dead time known to the controller; not with `--electrical=untold`;
 //! `centre`, `unsynchronised` and `oversampled` in place of `untold` sample the current otherwise than the firmware does. Behind `only`: parts of the names of the rows wanted, as in `only none tanh GMS`.
 
 use anyhow::bail;

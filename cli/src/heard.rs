@@ -1,4 +1,4 @@
-//! What a command says: to the terminal, or to whoever called it in this process.
+//! What a command says: to the terminal, or to its caller in this process.
 
 use super::Arguments;
 use clap::Parser;
@@ -31,7 +31,7 @@ macro_rules! tell {
 pub struct Answer {
     /// What it printed.
     pub said: String,
-    /// What it told beside that, such as warnings.
+    /// What it said beside that, such as warnings.
     pub told: Vec<String>,
     /// Why it ended without its answer, and the exit code; `None` where it did what it was asked.
     pub failure: Option<(String, u8)>,
@@ -67,7 +67,7 @@ pub(super) fn arguments() -> Vec<String> {
     called.unwrap_or_else(|| std::env::args().collect())
 }
 
-/// Gives a line to whoever called the command; `false` where it is the program's own.
+/// Gives a line to the command's caller; `false` where it is the program's own.
 fn give(line: &impl Fn(&mut Answer)) -> bool {
     CALLED.with_borrow_mut(|called| called.as_mut().map(line).is_some())
 }

@@ -95,7 +95,7 @@ fn the_source_that_is_compiled_here_is_what_export_writes() {
     }
 }
 
-/// What a joint cannot hold is told on the terminal and stands in the file; a recording judges what is left.
+/// The terminal and the file list what a joint cannot hold; a recording judges what is left.
 #[test]
 fn a_simulators_joint_says_what_it_cannot_hold() {
     let folder = tempfile::tempdir().expect("temporary folder");

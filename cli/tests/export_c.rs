@@ -1,4 +1,4 @@
-//! `preslide export --lang c`: the C is compiled as a stranger would, with every warning an error, and run beside the library.
+//! `preslide export --lang c`: the C is compiled as a user would, with every warning an error, and run beside the library.
 
 mod whole;
 

@@ -138,7 +138,7 @@ pub fn lateness(
     if best == 0 || best + 1 == all.len() {
         return None;
     }
-    // Where a force jumps the least is a kink, which no parabola tells.
+    // Where a force jumps the least is a kink, which no parabola fits.
     let middle = best as f64 - most as f64;
     let (mut low, mut high) = (middle - 1.0, middle + 1.0);
     for _ in 0..THIRDS {
@@ -201,7 +201,7 @@ pub fn quantile_between_ranks(values: &[f64], q: f64) -> f64 {
     }
 }
 
-/// The mean and its standard error; NaN where fewer than two values tell none.
+/// The mean and its standard error; NaN for fewer than two values.
 pub fn mean_and_error(values: &[f64]) -> [f64; 2] {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;

@@ -14,7 +14,7 @@ pub struct Named {
     pub confident: bool,
     /// Stated probability that it is there.
     pub confidence: f64,
-    /// Rivals that cannot be told from it.
+    /// Rivals that are as likely.
     pub ambiguous_with: Vec<String>,
     /// Where it acts: axis, from, to.
     pub places: Vec<(String, f64, f64)>,

@@ -44,7 +44,7 @@ impl Place {
     }
 }
 
-/// A parameter that tells this effect from another of the same name in the machine.
+/// A parameter that separates this effect from another of the same name in the machine.
 #[derive(Clone, Debug)]
 pub struct Check {
     starts_with: &'static str,
@@ -109,7 +109,7 @@ impl Truth {
             || named.id != self.id && same && self.declared_by(named)
     }
 
-    /// Whether a name says that it cannot be told from this one.
+    /// Whether a name says that it cannot be separated from this one.
     pub fn declared_by(&self, named: &Named) -> bool {
         named.ambiguous_with.contains(&self.id)
     }
@@ -202,7 +202,7 @@ impl Case {
         self.confident().any(|n| truth.is(n))
     }
 
-    /// Whether a confident name is this effect, or is declared not to be told from it.
+    /// Whether a confident name is this effect, or is declared inseparable from it.
     pub fn finds_or_declares(&self, truth: &Truth) -> bool {
         self.confident()
             .any(|n| truth.is(n) || truth.declared_by(n))

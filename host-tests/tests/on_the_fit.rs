@@ -74,7 +74,7 @@ fn circles_lack_nothing(radii: &[u32]) {
             // Noise of the effort leaves 0.00015 %.
             assert!(found.baseline.test < 5e-4, "{}", found.baseline.test);
             holds(of_the_fit(&found, "viscous"), &[(300.0, 0.01)]);
-            // The same is told of the fit's own model.
+            // The same holds for the fit's own model.
             let own = fitted(&recording).best().model.clone();
             let of_own = told_of(&recording, Some(&own));
             assert_eq!(of_own.verdict, Verdict::Consistent);

@@ -1,4 +1,4 @@
-//! Plain physics in `identify`: gravity, a spring, viscous friction of each direction, what few reversals tell. Made machines, whose
+//! Plain physics in `identify`: gravity, a spring, viscous friction of each direction, what few reversals show. Made machines, whose
 //! parameters are known, and the files of `../shared/cases`.
 
 use std::f64::consts::TAU;
@@ -397,7 +397,7 @@ fn one_way_files_tell_together_what_they_do_in_any_order() {
             assert!(apart < 0.05, "{name}: {apart} of the interval");
         }
     }
-    // Held out alone, none of these three would be told by the others.
+    // Held out alone, the others would show none of these three.
     together(&["slow-forward", "fast-forward", "fast-backward"]);
 }
 

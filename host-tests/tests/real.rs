@@ -102,7 +102,7 @@ fn viscous_friction_of_a_joint_is_named_though_another_term_can_cancel_it() {
     );
 }
 
-/// EMPS moved by its published model with 15 kg less, under the recorded force: what that simulation lacks is told from its motion alone.
+/// EMPS moved by its published model with 15 kg less, under the recorded force: what that simulation lacks shows from its motion alone.
 #[test]
 fn the_mass_that_a_simulation_lacks_is_measured_from_its_own_motion() {
     const LACKING_KG: f64 = 15.0;

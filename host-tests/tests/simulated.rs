@@ -385,7 +385,7 @@ fn an_effect_that_a_simulation_lacks_is_named_and_the_improvement_shown() {
     assert!(after < 0.25 * before, "{before} {after}");
 }
 
-/// Most simulators' friction reverses with the velocity, a machine's along the path: that is told as what it is, and not as a delay, a spring or a gap.
+/// Most simulators' friction reverses with the velocity, a machine's along the path: that is reported as what it is, not as a delay, a spring or a gap.
 #[test]
 fn friction_that_reverses_with_the_velocity_is_told_as_another_law() {
     let (found, correction) = between(machine(COGGED), SMOOTH);
@@ -422,7 +422,7 @@ fn wrong_inertia_and_friction_of_a_simulation_are_told_with_their_errors() {
     assert!((friction / -0.4 - 1.0).abs() < 0.05, "{friction}");
 }
 
-/// Logged 12 ms late, the same simulation is told the same: a first-order delay made a mass of the shift.
+/// Logged 12 ms late, the same simulation gets the same answer: a first-order delay made a mass of the shift.
 #[test]
 fn what_was_logged_late_is_taken_off_before_anything_is_told() {
     let off = Physics {
@@ -486,7 +486,7 @@ fn a_simulation_that_follows_by_its_own_controller_is_told_the_same() {
     assert!(correction.is_some());
 }
 
-/// Simulators have friction that reverses smoothly with velocity; what it lacks of the machine is told nevertheless.
+/// Simulators have friction that reverses smoothly with velocity; what it lacks of the machine is found nevertheless.
 #[test]
 #[ignore = "long study: cargo xtask test --all"]
 fn a_simulation_with_the_friction_of_a_simulator_is_told_what_it_lacks() {

@@ -91,7 +91,7 @@ fn same<F: Friction>(name: &str, model: impl Fn() -> F, units: Units, at: u32, s
     });
     let mut nearly = axis;
     nearly.gains.derivative *= 1.0 + 1e-5;
-    // What is spent tells nothing of a model that changes, so one that learns would go another way.
+    // What is spent shows nothing of a model that changes, so one that learns would go another way.
     if model().condition(&model().at_rest()).level.is_none() {
         nearly.feed_forward.share = 1.0 - 2e-5;
     }

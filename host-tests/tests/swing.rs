@@ -201,7 +201,7 @@ fn smooth_motion(draw: &mut Draw) -> Vec<f64> {
     moved.collect()
 }
 
-/// A simulation that has the spring, softer or stiffer than it is, is told both. The motor moves alike in both, without jumps of its acceleration: where
+/// A simulation that has the spring, softer or stiffer than it is, gets both reported. The motor moves alike in both, without jumps of its acceleration: where
 /// those ring on for long, as in the recordings above, the two are not told apart.
 #[test]
 fn the_spring_of_a_simulation_is_told_beside_the_machines() {
@@ -237,7 +237,7 @@ fn the_spring_of_a_simulation_is_told_beside_the_machines() {
     }
 }
 
-/// The one of 45 Hz is told as an end of the command, which is false, and the stiffness of the softest a little low. These seeds were first asked once
+/// The one of 45 Hz is taken for an end of the command, which is false, and the stiffness of the softest a little low. These seeds were first asked once
 /// the engine stood; it knew none of the five before.
 #[test]
 #[ignore = "long study: cargo xtask test --all"]

@@ -59,7 +59,7 @@ fn four_blocks_cut_the_error_of_nested_reversals_five_times() {
 
 /// Four moves of 5 mm at the speed and acceleration limits, in both arithmetics, with the mass that the stage has, and with 0.3 kg more
 /// and less: the true one is the best. A velocity measured half a millisecond ago, met with a reference of now, is `K_d`·0.5 ms = 0.3 kg of
-/// mass beside it; with these the error is that of the control before it was told.
+/// mass beside it; with these the error is that of the control before it was given.
 #[test]
 #[ignore = "long study: cargo xtask test --all"]
 fn the_mass_that_tracks_fast_moves_best_is_the_true_one() {

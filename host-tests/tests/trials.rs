@@ -228,7 +228,7 @@ fn clean_laws_close_their_loops() {
 }
 
 /// On clean trials of each law the true model leaves noise and variability only, and a refitted baseline
-/// of many blocks leaves hardly more: whoever alarms there does so without cause.
+/// of many blocks leaves hardly more: an alarm there is without cause.
 #[test]
 fn clean_trials_leave_nothing_to_find() {
     for seed in 5..10 {

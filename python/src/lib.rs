@@ -9,10 +9,10 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// What a command said, what it told beside that, and why it failed with which exit code.
+/// What a command said, what it warned of, and why it failed with which exit code.
 type Answer = (String, Vec<String>, Option<(String, u8)>);
 
-/// Runs `preslide ARGUMENTS…`: what it said, what it told beside that, and why it failed with which exit code. Without the interpreter's lock;
+/// Runs `preslide ARGUMENTS…`: what it said, what it warned of, and why it failed with which exit code. Without the interpreter's lock;
 /// `progress` is called with what is being done, the steps done, and how many there are (0 where nobody knows).
 #[pyfunction]
 #[pyo3(signature = (arguments, progress=None))]

@@ -22,7 +22,7 @@ const NONE: &str = "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[frictio
 /// Ticks of a row of the recording: 2 ms, two samples of the telemetry.
 const ROW: &str = "40";
 
-/// Before that (s) the firmware has not been told where it was switched on (`FIRST` in sim/src/chain/on_emulator.rs): positions jump then,
+/// Before that (s) the firmware does not know where it was switched on (`FIRST` in sim/src/chain/on_emulator.rs): positions jump then,
 /// and to an identification a jump is a motion.
 const LOCATED: &str = "0.020";
 /// The same where it first finds the zero of its current sense (`CALIBRATED` in sim/src/rig).
@@ -208,7 +208,7 @@ impl Chain {
         quiet(&mut track)
     }
 
-    /// When the firmware has been told where it stands (s).
+    /// When the firmware knows where it stands (s).
     fn located(&self) -> &'static str {
         if self.electrical {
             LOCATED_CALIBRATED
@@ -246,7 +246,7 @@ impl Chain {
         Ok(copy)
     }
 
-    /// What a step is told of the stage, behind everything else.
+    /// What a step knows of the stage, behind everything else.
     fn stage(&self) -> Option<&'static str> {
         self.electrical.then_some("--electrical")
     }
@@ -266,7 +266,7 @@ fn tool(command: &str) -> Command {
     tool
 }
 
-/// Runs it; what it printed is told where it failed.
+/// Runs it; its output is shown where it failed.
 fn quiet(command: &mut Command) -> Result<(), String> {
     output(command).map(|_| ())
 }

@@ -1,4 +1,4 @@
-//! The example that a stranger copies first, in QEMU: what it computes, and how it sets the clock that QEMU has not.
+//! The example to copy first, in QEMU: what it computes, and how it sets the clock that QEMU has not.
 
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -14,7 +14,7 @@ const PRINTED: [&str; 3] = [
     "tick 8000: friction -880 mN",
 ];
 
-/// Timers' clocks per tick, which the first of these lines tells, and what they are to be with the clock set.
+/// Timers' clocks per tick, which the first of these lines gives, and what they are to be with the clock set.
 const CLOCKS: u32 = 4200;
 const RATE: u32 = 20_000;
 
@@ -54,7 +54,7 @@ pub fn run_in_qemu() -> Result<(), String> {
 /// The examples that no emulator of Debian's runs, and what each is built for.
 const OTHERS: [(&str, &str); 2] = [("embassy-g4", TARGET), ("rp2040", "thumbv6m-none-eabi")];
 
-/// Builds them as a stranger would.
+/// Builds them as a user would.
 pub fn link_others() -> Result<(), String> {
     OTHERS.iter().try_for_each(|(name, target)| {
         let arguments = ["build", "--release", "--locked", "--package", name];

@@ -82,7 +82,7 @@ fn shown(command: &Command) -> String {
     words.join(" ")
 }
 
-/// Shows the command, runs it with this process's output, tells how long it took, and reports failure with the command in it.
+/// Shows the command, runs it with this process's output, prints how long it took, and reports failure with the command in it.
 pub fn run(command: &mut Command) -> Result<(), String> {
     let line = shown(command);
     println!("$ {line}");
@@ -92,7 +92,7 @@ pub fn run(command: &mut Command) -> Result<(), String> {
     succeeded(&line, start, ended)
 }
 
-/// The command's end as a result; tells how long it took, and how long it kept a core busy: a step's minutes are those of its commands.
+/// The command's end as a result; prints how long it took, and how long it kept a core busy: a step's minutes are those of its commands.
 fn succeeded(line: &str, start: Instant, ended: std::io::Result<ResUse>) -> Result<(), String> {
     let ended = ended.map_err(|error| format!("`{line}` did not run: {error}"))?;
     let busy = ended.rusage.utime + ended.rusage.stime;

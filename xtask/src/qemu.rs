@@ -225,7 +225,7 @@ pub fn build(package: &str, name: &str, more: &[&str]) -> Result<PathBuf, String
     build_with(None, package, name, more)
 }
 
-/// The same with a file compiled in, by the variable that names it: a model that `preslide export` wrote, what an outer task was told.
+/// The same with a file compiled in, by the variable that names it: a model that `preslide export` wrote, an outer task's input.
 pub fn build_with(
     file: Option<(&str, &str)>,
     package: &str,

@@ -64,7 +64,7 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Does something while the drive serves; it is told when the drive has ended.
+/// Does something while the drive serves; it hears when the drive has ended.
 fn beside(
     elf: &Path,
     port: u16,
@@ -86,7 +86,7 @@ fn beside(
     })
 }
 
-/// Steps firmware and stage until told that it is over, or the firmware ends.
+/// Steps firmware and stage until stopped, or the firmware ends.
 fn serve(elf: &Path, port: u16, over: &AtomicBool) -> anyhow::Result<()> {
     // What the firmware was built for, if it was built under the same name.
     let axis = AxisFile::chosen(None)?.axis();

@@ -112,7 +112,7 @@ pub fn pulled(tool: &Path, port: u16, everywhere: bool) -> anyhow::Result<()> {
     let folder = tempfile::tempdir()?;
     let direct = format!("tcp:127.0.0.1:{port}");
     run(tool, &direct, &["set", SILENCE])?;
-    // Far from the index, so that the way to it is longer than the drive's patience.
+    // Far from the index, so that the way to it takes longer than the drive's timeout.
     run(tool, &direct, &["enable"])?;
     run(tool, &direct, &["move", "--by", "1.8mm"])?;
     run(tool, &direct, &["disable"])?;

@@ -182,7 +182,7 @@ impl Identify {
             .write(&found.to_json(&recording, seconds), page)
     }
 
-    /// What a table of speed and effort without time tells.
+    /// The answer from a table of speed and effort without time.
     fn of_speeds(self, table: Speeds, start: Instant) -> Result<(), Failure> {
         if self.predictor.is_some()
             || self.split.is_given()

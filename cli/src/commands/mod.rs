@@ -48,7 +48,7 @@ impl Failure {
         }
     }
 
-    /// What to tell the user.
+    /// The message for the user.
     pub fn message(&self) -> &str {
         match self {
             Failure::Tool(message) | Failure::Input(message) | Failure::Data(message) => message,
@@ -236,12 +236,12 @@ impl ReadingArgs {
         self.load_one(path, Needs::Both, &mut Vec::new())
     }
 
-    /// How recordings are read, for whoever has read some before.
+    /// How recordings are read, to compare with an earlier run.
     pub fn in_words(&self) -> String {
         format!("{:?} {:?} {:?}", self.map, self.sign, self.ignore)
     }
 
-    /// Loads recordings and joins them into one, telling the user what the loader noticed.
+    /// Loads recordings and joins them into one, and prints what the loader noticed.
     pub fn load(&self, paths: &[PathBuf], needs: Needs) -> Result<Recording, Failure> {
         let (mut recordings, mut wrong) = (Vec::new(), Vec::new());
         let mut nowhere = self.ignore.clone();

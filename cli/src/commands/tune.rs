@@ -87,10 +87,10 @@ pub struct Tune {
 /// Every core beside each other, in the place of a core's name.
 const ALL: &str = "all";
 
-/// Share of the processor that friction may take, where none is told.
+/// Share of the processor that friction may take, where none is given.
 pub(super) const SHARE: f64 = 0.05;
 
-/// Length of an encoder count (m or rad): what is told, or else what the model in `file` says.
+/// Length of an encoder count (m or rad): as given, or else from the model in `file`.
 pub(super) fn count_of(told: Option<f64>, model: &Model, file: &Path) -> Result<f64, Failure> {
     let mut known = model.mechanics.iter();
     let known = known.find(|(key, _)| key == "encoder_count_m");
@@ -173,7 +173,7 @@ impl Tune {
         }
     }
 
-    /// The observer's gains, where a resonance is told.
+    /// The observer's gains, where a resonance is given.
     fn observer(&self, model: &Model, count: f64) -> Result<Option<Proposal>, Failure> {
         let Some(mode_hz) = self.resonance else {
             return Ok(None);

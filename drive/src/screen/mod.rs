@@ -119,7 +119,7 @@ impl Screen {
         Ok(())
     }
 
-    /// Takes state and telemetry, and tells what changed.
+    /// Takes state and telemetry, and reports what changed.
     fn look(&mut self) -> Result<(), DriveError> {
         let before = std::mem::replace(&mut self.state, self.drive.state()?);
         let now = self.state;
@@ -255,7 +255,7 @@ impl Screen {
         ((GENTLY * self.speed) as f32, ramp as f32)
     }
 
-    /// Asks for it; a refusal is told, and ends nothing.
+    /// Requests it; a refusal is shown, and ends nothing.
     fn order(&mut self, what: &str, request: Request) -> Result<(), DriveError> {
         match self.drive.ask(request) {
             Ok(_) => self.tell(format!("{what}: done")),

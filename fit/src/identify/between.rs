@@ -9,7 +9,7 @@ use crate::recording::Recording;
 use crate::signal::Kinematics;
 use serde::Serialize;
 
-/// A change is told beyond so many times the 95 % reach of a difference: three standard errors, of some ten parameters and files.
+/// A change is reported beyond so many times the 95 % reach of a difference: three standard errors, of some ten parameters and files.
 const SURE: f64 = 1.5;
 /// Folds of a file from which its intervals say something.
 const FEWEST: usize = 4;

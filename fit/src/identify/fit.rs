@@ -1,4 +1,4 @@
-//! The fit that every command tells: its parameters, its law, what it leaves.
+//! The fit that every command reports: its parameters, its law, what it leaves.
 
 use super::Identification;
 use crate::recording::{MotionKind, Recording};
@@ -57,7 +57,7 @@ pub(super) fn shown<'a>(recording: &Recording, name: &'a str) -> &'a str {
 }
 
 impl Identification {
-    /// What every command tells of a fit: the error that the recommended law leaves of what was held out (%), its parameters with their
+    /// What every command reports of a fit: the error that the recommended law leaves of what was held out (%), its parameters with their
     /// intervals, the law by its kind and number of blocks, and the rows that were fitted.
     pub fn fit_json(&self, recording: &Recording) -> Value {
         let best = self.best();

@@ -16,7 +16,7 @@ use crate::signal::{Kinematics, Split};
 /// Share of the moving samples in the rarer direction below which a recording goes one way.
 const ONE_WAY: f64 = 0.01;
 
-/// Share of the acceleration's squares that direction, velocity and a constant must leave for an inertia to be told: the band lets in noise of a
+/// Share of the acceleration's squares that direction, velocity and a constant must leave for an inertia to be reported: the band lets in noise of a
 /// tenth of that, which takes as much off the inertia.
 const TOLD: f64 = 0.01;
 

@@ -209,7 +209,7 @@ pub const MANY: usize = 60_000;
 /// Sample rate that is kept, in cut-offs of the filter that the effort goes through anyway.
 const KEPT_RATE: f64 = 10.0;
 
-/// Most samples that are kept, whatever the band: more tell these models nothing more.
+/// Most samples that are kept, whatever the band: more add nothing to these models.
 const MOST_KEPT: usize = 100_000;
 
 /// The recording with as many samples as its band needs, where it has many more; `None` where it is best left as it is.
@@ -221,7 +221,7 @@ pub fn thinned(recording: &Recording, from: usize) -> Option<Recording> {
     if recording.len() < from {
         return None;
     }
-    // Slips are shorter than the band of the motion tells.
+    // Slips are shorter than the band of the motion resolves.
     let by_band = if recording.role.contains_inertia() && StickSlip::of(recording).is_none() {
         let cutoff = crate::signal::ZeroPhase::highest_cutoff(recording);
         (1.0 / (KEPT_RATE * cutoff * recording.sample_time_s())).floor() as usize
@@ -235,7 +235,7 @@ pub fn thinned(recording: &Recording, from: usize) -> Option<Recording> {
 /// Share of the error held out that may be left in a narrower band, where that is what the fit lacked: a load behind a spring or a gap leaves half.
 const LEAVES: f64 = 0.2;
 
-/// Times that the band of a fit is narrowed at most: what a fit beside false accelerations leaves tells the rest.
+/// Times that the band of a fit is narrowed at most: the residual of a fit with false accelerations shows the rest.
 const NARROWER: usize = 3;
 
 /// Steps of the progress of [`identify`]: the search, its repetitions on held-out data, each number of blocks.
@@ -445,7 +445,7 @@ fn unseen(recording: &Recording) -> Option<String> {
     })
 }
 
-/// Why nothing can be identified or diagnosed, if so; of many files each tells what it can.
+/// Why nothing can be identified or diagnosed, if so; each of many files gives what it can.
 pub fn tells_nothing(recording: &Recording) -> Option<String> {
     let last = recording.joined.len().saturating_sub(1);
     let fatal = FATAL.iter().find_map(|(code, remedy)| {

@@ -35,7 +35,7 @@ impl RigidBody {
 /// where the effort contains inertia, so that the filter biases nothing.
 ///
 /// # Errors
-/// That the motion does not tell them apart.
+/// That the motion does not separate them.
 pub fn fit(
     recording: &Recording,
     kinematics: &Kinematics,
@@ -96,7 +96,7 @@ pub fn fit(
         let coulomb = Estimate::new(coefficients[p - 1], error, folds.len());
         parameters.push(("coulomb", coulomb));
     } else {
-        // What friction and a constant load have in common is told as that.
+        // What friction and a constant load share is reported as one.
         let offset = parameters.iter_mut().filter(|p| p.0 == "offset");
         offset.for_each(|p| p.0 = "coulomb_and_offset");
     }

@@ -8,7 +8,7 @@
 //! - `creep`: while the blocks are loaded they give way, `dx ← dx − rate·T_s·sinh(F/(share·F_limit))`; needs a bounded friction model.
 //! - `drive_compliance`: the load hangs on a spring behind the motor, which has the encoder: `x_load = x − F_t/k`, and
 //!   `−F_t''/ω²` is added, with `F_t` the force transmitted to a rigid load and `k = ω²·M/2`: half of the inertia is taken to
-//!   be the load's, which one recording does not tell. `F_t''` is the second difference over a quarter of the
+//!   be the load's, which one recording does not show. `F_t''` is the second difference over a quarter of the
 //!   resonance's period, so what changes faster than the resonance is left out.
 //! - `torque_ripple`, `actuator_saturation`, `actuator_dead_zone`: from the force back to the command, as far as it can be known.
 //! - `channel_delay`: the force `τ` earlier, interpolated; each piece begins and ends with its own first and last value.
@@ -293,7 +293,7 @@ impl Encoder {
 fn missing_ticks(t_s: Option<&[f64]>, i: usize, sample_time: f64) -> u64 {
     let Some(t_s) = t_s else { return 0 };
     let gap = (t_s[i] - t_s[i - 1]) / sample_time;
-    // A clock that starts again tells nothing.
+    // A clock that starts again shows nothing.
     if gap > 1.0 {
         (gap.min(LONGEST_GAP).round() as u64).saturating_sub(1)
     } else {

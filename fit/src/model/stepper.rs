@@ -76,7 +76,7 @@ impl Stepper {
     /// The force (N or N·m) that the tick takes.
     ///
     /// # Errors
-    /// An effect that needs a temperature or a load which is not told.
+    /// An effect that needs a temperature or a load that is not given.
     #[inline]
     pub fn step(&mut self, now: &Now) -> Result<f64, String> {
         self.model.has_columns(&Measured {
@@ -90,7 +90,7 @@ impl Stepper {
         for encoder in &self.encoders {
             encoder.correct(now.position, &mut at);
         }
-        // What the encoder's error adds to an acceleration belongs to one that was told.
+        // What the encoder's error adds to an acceleration belongs to one that was given.
         let acceleration = now.acceleration.map_or(0.0, |_| at[2]);
         let at = Situation {
             position: at[0],

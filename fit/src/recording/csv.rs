@@ -75,7 +75,7 @@ struct Rows {
     broken: (Option<Problem>, Vec<Broken>),
     /// For stamps that are dates or times of day.
     clock: Clock,
-    /// What the first stamp tells of those since 1970.
+    /// What the first stamp shows of those since 1970.
     since_1970: Option<Option<f64>>,
 }
 

@@ -1,4 +1,4 @@
-//! Stretches in which a column of two values, such as `torque_enabled`, tells that the drive was off: the effort is zero there and no
+//! Stretches in which a column of two values, such as `torque_enabled`, shows that the drive was off: the effort is zero there and no
 //! channel was lost.
 
 use std::ops::Range;
@@ -6,18 +6,18 @@ use std::ops::Range;
 use super::frame::Frame;
 use super::known::Slot;
 
-/// Beside the drive's being on, an effort is zero at fewer than this share of samples: more, and the column tells something else.
+/// Beside the drive's being on, an effort is zero at fewer than this share of samples: more, and the column means something else.
 const ZERO_WHEN_ON: f64 = 0.5;
 /// The fewest samples that the drive is off in all.
 const FEWEST: usize = 8;
 
-/// The column that tells it, and where the drive is off, within the `pieces`.
+/// The column that shows it, and where the drive is off, within the `pieces`.
 pub(super) struct DriveOff {
     pub(super) column: String,
     pub(super) ranges: Vec<Range<usize>>,
 }
 
-/// Where a further column tells that the drive is off.
+/// Where a further column shows that the drive is off.
 pub(super) fn drive_off(frame: &Frame, pieces: &[Range<usize>]) -> Option<DriveOff> {
     let effort = &frame.numbers.iter().find(|c| c.0 == Slot::Effort)?.1;
     frame.extra.iter().find_map(|extra| {

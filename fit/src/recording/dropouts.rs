@@ -14,7 +14,7 @@ const POSITION: usize = 20;
 const POSITION_USUAL: f64 = 5.0;
 /// A position that comes back from a dropout steps by this many times what all but 1 % of its steps are …
 const JUMP_HELD: f64 = 5.0;
-/// … and was moving: the step before exceeds this share of that. An axis that comes to rest and is then told where it is jumps, too.
+/// … and was moving: the step before exceeds this share of that. An axis that comes to rest and then gets its position set jumps, too.
 const MOVING: f64 = 0.1;
 /// The same for an effort. What the motion takes tells it from one that is truly constant ([`Takes`]), so that fewer samples suffice:
 /// 0.05 s at 200 Hz are ten.

@@ -9,7 +9,7 @@ use crate::statistics::quantile_between_ranks;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Fewest readings that tell.
+/// Fewest readings that suffice.
 const FEWEST: usize = 40;
 /// Share of the readings that come in step, the rest being late ones.
 const IN_STEP: f64 = 0.95;

@@ -117,7 +117,7 @@ impl Recording {
             whole.warnings.extend(next.warnings);
         }
         whole.sample_time_s = timing::sample_time(&whole.t_s, &whole.pieces);
-        // What each is too short for, all together may tell.
+        // What each is too short for, all together may show.
         if whole.len() >= checks::FEW_SAMPLES {
             whole.warnings.retain(|w| w.code != checks::TOO_SHORT);
         }
@@ -125,7 +125,7 @@ impl Recording {
     }
 }
 
-/// Where the sign of one recording's effort was found to oppose the model's, those that are too short to tell have it, too.
+/// Where the sign of one recording's effort was found to oppose the model's, those that are too short to show it have it, too.
 fn flip_alike(recordings: &mut [Recording]) -> Option<Warning> {
     let is_flipped = |r: &Recording| r.warnings.iter().any(|w| w.code == FLIPPED);
     let opposed = recordings.iter().find(|r| is_flipped(r))?.name.clone();

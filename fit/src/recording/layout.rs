@@ -9,10 +9,10 @@ use super::{stated, units};
 /// No sensible row is longer; a file without line ends would otherwise be held as one row.
 const MAX_LINE_BYTES: usize = 64 * 1024;
 
-/// Bytes that the layout is told from: more than the longest line.
+/// Bytes that decide the layout: more than the longest line.
 const HEAD_BYTES: usize = 2 * MAX_LINE_BYTES;
 
-/// Lines that the layout is told from.
+/// Lines that decide the layout.
 const HEAD_LINES: usize = 400;
 
 /// Lines between the last sample line's header and the samples.
@@ -144,7 +144,7 @@ pub(super) struct Layout {
     /// Before each number stands its column's name.
     pub(super) labelled: bool,
     pub(super) commas: Commas,
-    /// The sample time (s) that the lines above the samples tell.
+    /// The sample time (s) in the lines above the samples.
     pub(super) sample_time: Option<f64>,
 }
 
@@ -179,7 +179,7 @@ pub(super) fn io_problem(error: io::Error, line: u64) -> Problem {
     }
 }
 
-/// The lines of the head, as many as the layout is told from.
+/// The lines of the head, as many as decide the layout.
 pub(super) fn lines(head: &[u8]) -> Vec<Line> {
     let mut start = 0;
     let mut found = Vec::new();
@@ -237,7 +237,7 @@ pub(super) fn parse(cell: &str, comma: bool) -> Option<f64> {
         .flatten()
 }
 
-/// The number of `1,234.5` or `1.234,5`; where `doubtful`, a single mark without decimals tells too little.
+/// The number of `1,234.5` or `1.234,5`; where `doubtful`, a single mark without decimals is too little.
 fn thousands(cell: &str, mark: char, point: char, doubtful: bool) -> Option<f64> {
     let (whole, part) = cell.split_once(point).unwrap_or((cell, ""));
     let digits = |text: &str| text.bytes().all(|b| b.is_ascii_digit());

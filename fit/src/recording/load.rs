@@ -16,7 +16,7 @@ const MOST: f64 = 0.5;
 const HALF_WIDTH_S: f64 = 0.01;
 /// Share of the top speed from which the axis slides.
 const SLIDES: f64 = 0.05;
-/// Fewest samples in sliding that tell eight coefficients.
+/// Fewest samples in sliding for eight coefficients.
 const FEW: usize = 100;
 
 impl Recording {
@@ -34,7 +34,7 @@ impl Recording {
         }
     }
 
-    /// Takes a load off the efforts of those that do not tell by themselves, where the drive of another of the machine holds it, and says so.
+    /// Takes a load off the efforts of those that do not show it themselves, where the drive of another of the machine holds it, and says so.
     pub(super) fn take_off_alike(recordings: &mut [Self]) {
         let teller = recordings
             .iter()

@@ -38,7 +38,7 @@ impl Source {
         self.terms.iter().flat_map(|t| t.columns.iter().copied())
     }
 
-    /// A time whose unit nothing tells.
+    /// A time whose unit nothing gives.
     pub(super) fn is_bare_time(&self) -> bool {
         self.known.slot == Slot::Time && self.is_one_column()
     }
@@ -82,7 +82,7 @@ pub(super) fn plausible(value: f64) -> Result<f64, String> {
     }
 }
 
-/// A file's columns, and what its reader was told of them.
+/// A file's columns, and what its reader was given of them.
 pub(super) struct Names<'a> {
     pub(super) columns: &'a [String],
     /// What a row of units says, empty where there is none.
@@ -92,7 +92,7 @@ pub(super) struct Names<'a> {
     pub(super) map: &'a [(String, String)],
     pub(super) ignore: &'a [String],
     pub(super) needs: Needs,
-    /// The sample time (s) that the file tells beside its columns.
+    /// The sample time (s) that the file states beside its columns.
     pub(super) sample_time: Option<f64>,
 }
 

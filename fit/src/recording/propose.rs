@@ -127,7 +127,7 @@ pub(super) fn propose(names: &Names, sources: &[Source], open: &[usize]) -> Vec<
     maps
 }
 
-/// The sample time that the file tells, or the word for it.
+/// The sample time that the file states, or the word for it.
 pub(super) fn sample_time(told: Option<f64>) -> String {
     told.map_or_else(|| SAMPLE_TIME.to_owned(), |step| step.to_string())
 }

@@ -1,4 +1,4 @@
-//! From a file or a stream to a table, by what the first bytes tell.
+//! From a file or a stream to a table, by its first bytes.
 
 use std::fs::File;
 use std::io::{Read, Seek};
@@ -48,7 +48,7 @@ pub(super) fn file(path: &Path, options: &LoadOptions) -> Result<Table, Problem>
     }
 }
 
-/// The table of a text file, by what its beginning tells.
+/// The table of a text file, by its beginning.
 pub(super) fn text(mut input: impl Read, options: &LoadOptions) -> Result<Table, Problem> {
     let mut start = Vec::new();
     input

@@ -19,7 +19,7 @@ const SPIKE_USUAL: f64 = 8.0;
 /// A jump of the position is this many times longer than all but 5 % of the steps …
 const JUMP_USUAL: f64 = 20.0;
 /// … and either a tenth of the whole range, or this many times longer than the median of the steps around it: a motion speeds up before it is
-/// fast, a count that is told where it stands does not.
+/// fast, a count whose position is set does not.
 const JUMP_ALONE: f64 = 10.0;
 /// Steps to each side that are around it.
 const AROUND: usize = 3;

@@ -1,4 +1,4 @@
-//! The sample time that a line above the samples tells: `Sample rate: 500 Hz`, `# dt = 2 ms`, `SampleTime[ms];2`.
+//! The sample time in a line above the samples: `Sample rate: 500 Hz`, `# dt = 2 ms`, `SampleTime[ms];2`.
 
 use super::units::{self, Dimension};
 

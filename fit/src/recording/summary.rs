@@ -28,9 +28,9 @@ const ROTARY: Most = Most {
 /// Least travel: below it no encoder of 2026 counts (m or rad).
 const LEAST_TRAVEL: f64 = 1e-10;
 /// Most effort by unit: a press's 10 MN, a slewing ring's 1 MN·m, an inverter's 2 kV; of currents those of 100 A, which few positioning axes
-/// have, where a drive that tells mA shows hundreds.
+/// have, where a drive that logs mA shows hundreds.
 const MOST_EFFORT: [(&str, f64); 4] = [("N", 1e7), ("Nm", 1e6), ("A", 100.0), ("V", 2e3)];
-/// Sample times that a recording of friction has (s): the slowest servos tell ten a second.
+/// Sample times that a recording of friction has (s): the slowest servos log ten a second.
 const LEAST_SAMPLE_TIME: f64 = 1e-7;
 const LONGEST_SAMPLE_TIME: f64 = 0.5;
 /// The longest one of a scan.
@@ -83,7 +83,7 @@ pub(super) fn count(values: &[f64]) -> Option<f64> {
     const FEWEST: usize = 20;
     const NEAR: f64 = 0.1;
     const ALMOST_ALL: f64 = 0.99;
-    /// Longer steps tell by how much the count is off rather than whether there is one.
+    /// Longer steps show how far the count is off, not whether there is one.
     const LONGEST: f64 = 20.0;
     let steps = values.windows(2).map(|p| (p[1] - p[0]).abs());
     let steps: Vec<f64> = steps.filter(|s| *s > 0.0).collect();

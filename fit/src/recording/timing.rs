@@ -77,7 +77,7 @@ pub(super) fn unwrap(t: &mut [f64], table: &Table, warnings: &mut Vec<Warning>) 
     let counters = counters.into_iter().filter(|_| t.iter().all(counts));
     let day = [86_400.0];
     let fits = |range: &f64| {
-        // A counter of so few steps that a wrap is as near as none tells nothing.
+        // A counter of so few steps that a wrap is as near as none shows nothing.
         let near = (NEAR * step).min(0.5 * range);
         let at = |&i: &usize| {
             let over = t[i] + range - t[i - 1];

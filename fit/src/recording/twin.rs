@@ -137,7 +137,7 @@ impl Recording {
         }))
     }
 
-    /// A simulated effort with the sign of the measured one, in its unit as far as its size tells.
+    /// A simulated effort with the sign of the measured one, in its unit as far as its size shows.
     pub(super) fn checked(&mut self, name: &str, mut effort: Vec<f64>) -> Result<Vec<f64>, String> {
         let size = |values: &[f64]| {
             let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;

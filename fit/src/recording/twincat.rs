@@ -11,7 +11,7 @@ use super::table::Table;
 use super::units;
 use super::variables::{self, Variable};
 
-/// The row that tells such a file …
+/// The row that marks such a file …
 const MARK: &str = "Starttime of export";
 /// … or, where only the channels were kept, this one below their names.
 const SAMPLE_TIME: &str = "SampleTime[ms]";

@@ -78,7 +78,7 @@ impl Page {
     }
 }
 
-/// What to tell the user when `path` cannot be written; the reason follows as the error's source.
+/// The message when `path` cannot be written; the reason follows as the error's source.
 fn unwritable(path: &Path) -> String {
     format!(
         "cannot write {}: name a file in a folder that exists and is writable",

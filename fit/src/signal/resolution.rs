@@ -3,7 +3,7 @@
 use crate::statistics::quantile;
 use std::ops::Range;
 
-/// Samples on either side of a reversal whose steps tell.
+/// Samples on either side of a reversal whose steps count.
 const NEAR: usize = 8;
 
 /// The median displacement (m or rad) from sample to sample near the first samples of strokes, `turns`, that are steps at all; `None` without

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 /// Samples that are fitted at most.
 const MOST: usize = 30_000;
-/// Blocks of contiguous samples by which intervals are told.
+/// Blocks of contiguous samples by which intervals are found.
 pub(super) const BLOCKS: usize = 24;
 
 /// So many samples in these.

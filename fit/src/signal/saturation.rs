@@ -57,7 +57,7 @@ pub struct Saturation {
     /// Samples at or beyond the end.
     #[serde(skip)]
     pub beyond: Vec<bool>,
-    /// What a fit leaves at every sample, without the end and with it, where that can be told.
+    /// What a fit leaves at every sample, without the end and with it, where that is known.
     #[serde(skip)]
     pub residuals: [Vec<f64>; 2],
 }

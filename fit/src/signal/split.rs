@@ -24,11 +24,11 @@ pub fn parse_window(text: &str) -> Result<Window, String> {
     }
 }
 
-/// A fold shorter than the usual one by this factor, such as a window's or a recording's end cuts it, tells too
+/// A fold shorter than the usual one by this factor, such as a window's or a recording's end cuts it, shows too
 /// little to stand alone.
 const SHORT: usize = 4;
 
-/// Folds beyond this number tell nothing more about confidence; neighbours join.
+/// Folds beyond this number add nothing to confidence; neighbours join.
 const MOST_FOLDS: usize = 200;
 
 /// Folds below which finer ones are taken: of five signs one in 32 is alike by chance.
@@ -142,7 +142,7 @@ impl Split {
         let repeats = joined(group(&recording.repeat));
         let segments = joined(group(&recording.segment));
         // Three repeats and more, each with all of the motion, scatter as another recording would; their strokes scatter less. A repeat of one stroke
-        // has not all of it: what goes one way is not told by what goes the other.
+        // has not all of it: one direction says nothing of the other.
         let (folds, unit) = if repeats.len() > 2 && segments.len() > repeats.len() {
             (repeats, "repeat")
         } else if segments.len() >= FEWEST {

@@ -19,7 +19,7 @@ const RARE: f64 = 0.02;
 /// Quantile of the steps that is a count of the encoder, and counts that are no motion.
 const COUNT: f64 = 0.02;
 const COUNTS: f64 = 1.5;
-/// Fewest slips that tell a level, and their share of all slips: with fewer it is a start like any other.
+/// Fewest slips for a level, and their share of all slips: with fewer it is a start like any other.
 const FEWEST: usize = 5;
 const MOST_OF_ALL: f64 = 0.5;
 /// Share of hunting's slips that go against the one before, and that nobody paused before.
@@ -43,7 +43,7 @@ pub struct Levels {
     pub count: usize,
 }
 
-/// What the slips of a recording tell.
+/// What the slips of a recording show.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct StickSlip {
     /// In +x; `None` below two slips.
@@ -115,7 +115,7 @@ impl StickSlip {
         told.flatten().collect()
     }
 
-    /// Why a recording of this tells nothing else.
+    /// Why a recording of this shows nothing else.
     pub fn refusal(&self, recording: &Recording) -> String {
         format!(
             "{}: {}; record a commanded motion for anything else",

@@ -238,7 +238,7 @@ impl ZeroPhase {
     fn cutoff_of(recording: &Recording, longest: &Range<usize>) -> f64 {
         let sample_time = recording.sample_time_s();
         let highest = 0.2 / sample_time;
-        // A million samples tell the band; the middle of the motion, not its rest before and after.
+        // A million samples suffice for the band; the middle of the motion, not its rest before and after.
         let spare = longest.len().saturating_sub(MOST_SAMPLES) / 2;
         let longest = &(longest.start + spare..longest.end - spare);
         let lowest = (10.0 / (longest.len() as f64 * sample_time)).min(highest);

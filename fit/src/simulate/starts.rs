@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::recording::Recording;
 use preslide::{Friction, Motion};
 
-/// Measured samples that tell the velocity at a start.
+/// Measured samples for the velocity at a start.
 const HEAD: usize = 8;
 
 /// Positions (m or rad) 1, 2, … `steps` samples after each of `starts` in the first piece of the recording. Until a start the friction

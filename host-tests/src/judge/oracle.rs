@@ -48,7 +48,7 @@ fn binned(column: &[f64], motion: &Motion, step: f64) -> Vec<f64> {
 }
 
 impl Base {
-    /// Of all parts of a recording, without the columns that are the effect `id` itself or cannot be told from it.
+    /// Of all parts of a recording, without the columns that are the effect `id` itself or inseparable from it.
     pub fn new(parts: &[Table], motions: &[Motion], id: &str) -> Self {
         let extent = Extent::of(motions);
         let (mut rows, mut effort) = (Vec::new(), Vec::new());
@@ -64,7 +64,7 @@ impl Base {
         Self { rows, effort }
     }
 
-    /// Coefficients of all columns by least squares, none where they cannot be told.
+    /// Coefficients of all columns by least squares, none where they cannot be found.
     fn coefficients(&self) -> Vec<f64> {
         let all: Vec<usize> = (0..self.rows.len()).collect();
         least_squares(&self.rows, &self.effort, &all).unwrap_or_default()

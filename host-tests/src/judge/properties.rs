@@ -290,7 +290,7 @@ impl Outcome {
     }
 }
 
-/// Whether `d` names `id` confidently, or says of a confident name that it cannot be told from it.
+/// Whether `d` names `id` confidently, or a confident name declares it as likely.
 fn says(d: &Diagnosis, id: &str) -> bool {
     d.confident()
         .any(|e| e.id == id || e.ambiguous_with.iter().any(|other| other == id))

@@ -166,7 +166,7 @@ fn ticks_after_a_push_are_ordinary_again() {
     assert!(ordinary * 10 >= even * 9, "{ordinary} of {even}");
 }
 
-/// An offset of four times the limit is found by whoever enables, however soon after power; half of the limit is none at any time.
+/// An offset of four times the limit is found at enabling, however soon after power; half of the limit is none at any time.
 #[test]
 fn an_offset_of_the_current_is_known_before_the_bridge_is_driven() {
     let axis = Axis::PAPER_AXIS;

@@ -47,7 +47,7 @@ struct Injection {
     rides_out: bool,
 }
 
-/// A friction model that can be told to answer NaN.
+/// A friction model that can answer NaN on command.
 #[derive(Clone, Debug, PartialEq)]
 struct Model {
     gms: QuasiStaticGms<3>,
@@ -154,7 +154,7 @@ fn run(injection: &Injection, undisturbed: Option<&Outcome>) -> Outcome {
             read(tick, &mut measured);
         }
         let command = controller.tick(measured);
-        // A bridge that is told to open does, whatever its PWM says.
+        // A bridge opens on command, whatever its PWM says.
         let code = match &injection.bridge {
             Some(bridge) if command.enabled => bridge(tick, command.code),
             _ => command.code,

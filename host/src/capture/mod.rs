@@ -134,7 +134,7 @@ pub enum CaptureError {
 }
 
 /// Reads telemetry until the source ends, falls silent or restarts, or `rows` are written, into a recording (CSV).
-/// `progress` is told of every row.
+/// `progress` hears of every row.
 ///
 /// # Errors
 /// [`CaptureError::Read`], [`CaptureError::Write`] or [`CaptureError::NoTelemetry`].

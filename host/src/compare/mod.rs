@@ -43,7 +43,7 @@ pub struct Comparison {
     pub models: Vec<Compared>,
     /// Index into `models`.
     pub recommended: usize,
-    /// What `identify` finds on all of the recording, as its JSON tells it.
+    /// What `identify` finds on all of the recording, as in its JSON.
     pub fit: serde_json::Value,
     /// What `identify` found on the rows that are compared: split, effort, band.
     pub identification: Identification,

@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 const SEEN: f64 = 0.005;
 /// Cells of a bar.
 const BAR: f64 = 10.0;
-/// Parameters told of one finding: a map has as many as cosines.
+/// Parameters listed of one finding: a map has as many as cosines.
 const TOLD: usize = 3;
 
 impl Named {
@@ -240,7 +240,7 @@ impl Diagnosis {
         (!each.is_empty()).then(|| format!("Possible: {}", each.join("; ")))
     }
 
-    /// The fit that every command tells, and why what the diagnosis begins with is another figure.
+    /// The fit that every command reports, and why what the diagnosis begins with is another figure.
     pub fn fit_words(&self, recording: &Recording) -> Option<String> {
         let fit = self.fit.as_ref()?;
         let words = fit.words(recording);

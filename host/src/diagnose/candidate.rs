@@ -42,7 +42,7 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// Whether it is a vibration at a frequency of the motion itself, where no recording tells what shakes the axis from what the motion makes.
+    /// Whether it is a vibration at a frequency of the motion itself, where no recording separates what shakes the axis from what the motion makes.
     pub fn keeps_step(&self, null: &NullModel) -> bool {
         let effect = self.term.effect();
         if effect.and_then(|e| e.line()) != Some(Line::Time) {

@@ -26,7 +26,7 @@ pub enum Kind {
     Effort,
 }
 
-/// What a column is told against.
+/// What a column is compared with.
 pub struct Own<'a> {
     /// Position, velocity and acceleration of the axis.
     pub motion: [&'a [f64]; 3],

@@ -15,7 +15,7 @@ const EDGE: f64 = 3.0;
 /// Standard deviations beyond which nothing is surer to be there, and those of chance after the search has picked it.
 const SURE: f64 = 8.0;
 const SURE_EDGE: f64 = 4.0;
-/// The least share of the weighted mismatch, or of the effort, that is told from none.
+/// The least share of the weighted mismatch, or of the effort, that counts as some.
 const LEAST: f64 = 1e-4;
 
 #[derive(Deserialize)]
@@ -33,8 +33,8 @@ pub(super) struct Calibration {
 pub(super) static FITTED: LazyLock<Calibration> =
     LazyLock::new(|| toml::from_str(CALIBRATION).expect("the committed calibration is TOML"));
 
-/// What tells a right name from a false one, by name; about zero for a name at the edge. Ten more were tried (standard deviations, agreement of blocks,
-/// changes of the hysteresis, order and number of terms, class): with them names of a source that was left out are told less well.
+/// What separates a right name from a false one, by name; about zero for a name at the edge. Ten more were tried (standard deviations, agreement of blocks,
+/// changes of the hysteresis, order and number of terms, class): with them names of a source that was left out are judged less well.
 pub fn features(report: &TermReport) -> BTreeMap<&'static str, f64> {
     BTreeMap::from([
         ("size", size(report)),
@@ -51,7 +51,7 @@ fn size(report: &TermReport) -> f64 {
     (report.size().max(LEAST) / NAMED).ln()
 }
 
-/// What tells that something is there, whatever it is called, from chance; about zero at the edge.
+/// What separates something, whatever it is called, from chance; about zero at the edge.
 pub fn features_of_presence(report: &TermReport) -> BTreeMap<&'static str, f64> {
     BTreeMap::from([
         ("size", size(report)),
@@ -86,7 +86,7 @@ fn logistic(x: f64) -> f64 {
     1.0 / (1.0 + (-x).exp())
 }
 
-/// What tells a right suspicion of what did not enter from a false one; about zero at the edge, where the user's hysteresis is taken to be:
+/// What separates a right suspicion of what did not enter from a false one; about zero at the edge, where the user's hysteresis is taken to be:
 /// another statistic suspects it.
 pub fn features_of_a_hint(evidence: Option<&Evidence>) -> BTreeMap<&'static str, f64> {
     BTreeMap::from([("evidence", evidence.map_or(0.0, log_odds))])

@@ -36,7 +36,7 @@ pub struct Core {
 }
 
 impl Core {
-    /// Blocks and bristles whose lengths a recording can tell, blocks of the yields `fitted` (m or rad) among them.
+    /// Blocks and bristles whose lengths a recording can resolve, blocks of the yields `fitted` (m or rad) among them.
     pub fn new(rows: &Rows, fitted: Option<&[f64]>) -> Self {
         let yields = yields(&rows.s, fitted);
         let bristles = lengths(&yields);

@@ -17,10 +17,10 @@ use super::unnamed::Unknown;
 const SHOWN: f64 = 0.15;
 /// Standard errors from which it is no chance.
 const SURE: f64 = 3.0;
-/// First and last part of the rows, whose levels are compared: as short as a level can be told in, since what warms changes most at the beginning.
+/// First and last part of the rows, whose levels are compared: as short as a level can be found in, since what warms changes most at the beginning.
 const PART: f64 = 0.03;
 
-/// What changes the friction level in the course of a recording, unless a temperature tells or the search has found it.
+/// What changes the friction level in the course of a recording, unless a temperature shows it or the search has found it.
 pub fn drift(found: &Found) -> Option<Unknown> {
     let (null, rows) = (&found.null, &found.null.rows);
     let is_drift = |t: &Term| t.effect().is_some_and(|e| e.class() == Class::Drift);

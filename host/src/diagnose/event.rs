@@ -14,11 +14,11 @@ const LENGTHS: [f64; 4] = [0.2, 0.4, 0.8, 1.6];
 const ALIKE: usize = 7;
 /// Most windows of one length: every pair of them is compared.
 const MOST: usize = 3000;
-/// Fewest windows that tell what is usual.
+/// Fewest windows for what is usual.
 const FEWEST: usize = 40;
 /// Rows of a window, at least.
 const ROWS: usize = 4;
-/// Share of the usual friction below which a window does not tell of a friction level.
+/// Share of the usual friction below which a window shows no friction level.
 const TELLS: f64 = 0.5;
 /// What nine of ten of the windows that are of no event keep below, in standard deviations of a normal variable.
 const USUAL: (f64, f64) = (0.9, 1.645);

@@ -14,10 +14,10 @@ use preslide_fit::statistics::jackknife;
 /// Share of a lead's explanation from which the lead of friction alone is another explanation: as of any rival of a name. That it does was seen on
 /// `axes` 31.
 const NEAR: f64 = 0.6;
-/// Standard errors by which the commanded motion must tell a delay, and tell it of the same sign.
+/// Standard errors by which the commanded motion must show a delay, of the same sign.
 const SURE: f64 = 2.0;
 
-/// Whether a delay is told, from the candidate on top of what stands `beside` it.
+/// Whether a delay is reported, from the candidate on top of what stands `beside` it.
 pub fn is_told(null: &NullModel, beside: &Hypothesis, own: &Candidate) -> bool {
     let Some(&delay) = own.trial.coefficients.first() else {
         return true;
@@ -32,7 +32,7 @@ fn is_damping(null: &NullModel, beside: &Hypothesis, own: &Candidate) -> bool {
     alone >= NEAR * own.evidence.share
 }
 
-/// Whether the commanded motion tells the delay; `None` where no command was recorded.
+/// Whether the commanded motion shows the delay; `None` where no command was recorded.
 fn commanded(null: &NullModel, beside: &Hypothesis, own: &Candidate, delay: f64) -> Option<bool> {
     let rows = &null.rows;
     let s = &rows.s;

@@ -1,4 +1,4 @@
-//! The motion that would show what this recording cannot, or tell apart what it leaves open.
+//! The motion that would show what this recording cannot, or decide what it leaves open.
 
 use super::effect::grid::spread;
 use super::effect::{self, Part};
@@ -185,7 +185,7 @@ impl Experiment {
         Self::about(open.chain(hidden).collect(), found, ALONE)
     }
 
-    /// What would decide the dearest doubt of those that were not asked: of a name that is suspected, by what it would take off and how likely it is;
+    /// What would decide the most costly open doubt: of a name that is suspected, by what it would take off and how likely it is;
     /// then of what the recording hides; then, where nothing was found, of what only a kind of motion shows well that was not played. Whatever the same motion shows is
     /// asked along.
     pub fn next(found: &Diagnosis, asked: &[String]) -> Option<Self> {

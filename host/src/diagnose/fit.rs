@@ -1,4 +1,4 @@
-//! The fit that every command tells, beside a diagnosis: what `identify` prints of the same recording.
+//! The fit that every command reports, beside a diagnosis: what `identify` prints of the same recording.
 
 use super::effect::{
     Effect,

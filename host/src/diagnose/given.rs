@@ -162,7 +162,7 @@ fn left(measured: &[f64], modelled: &[f64]) -> Vec<f64> {
     measured.iter().zip(modelled).map(|(m, f)| m - f).collect()
 }
 
-/// The parameters of a model that a fit can tell, each with its force.
+/// The parameters of a model that a fit can find, each with its force.
 fn shares(null: &NullModel, recording: &Recording, model: &Model) -> Option<Vec<Share>> {
     let rows = &null.rows;
     let at_rows = |column: Column| rows.weak.rows(&column);

@@ -30,13 +30,13 @@ pub const ID: &str = "presliding_shape";
 pub const NAME: &str = "shape of the hysteresis";
 /// What it is.
 pub const WORDS: &str = "a hysteresis that the model's friction law does not have";
-/// The experiment that tells it from its rivals.
+/// The experiment that decides between it and its rivals.
 pub const EXPERIMENT: &str = "reversals of 5, 20 and 100 µm at one slow speed";
 
 /// A gap or a spring in the drive stretches the first path after a reversal, as a softer hysteresis does.
 static RIVALS: [&dyn Effect; 2] = [&Backlash, &DriveCompliance];
 
-/// Effects that a recording does not tell from a wrong hysteresis.
+/// Effects that a recording does not separate from a wrong hysteresis.
 pub fn rivals(s: &Signals) -> Vec<&'static dyn Effect> {
     let can_be = |e: &&dyn Effect| e.lacks(s).is_none();
     RIVALS.into_iter().filter(can_be).collect()

@@ -26,7 +26,7 @@ pub(super) struct Begun {
     pub(super) left: Nmse,
 }
 
-/// The given terms, what widens the core, what of the fit holds, and the effects that are missing. What of the fit is too doubtful to be told
+/// The given terms, what widens the core, what of the fit holds, and the effects that are missing. What of the fit is too doubtful to report
 /// stays where the prediction is worse without.
 fn extend(found: &Found, kept: &[Term], effects: &[Named]) -> Option<Hypothesis> {
     let told = |term: &Term| {

@@ -1,6 +1,6 @@
 //! What a model left out of a recording: located, named, modelled and shown on stretches that no fit saw.
 //!
-//! The stages, each immutable once made: [`rows`] (which instants can tell) → [`mod@core`] and noise in [`null_model`] (what every
+//! The stages, each immutable once made: [`rows`] (which instants count) → [`mod@core`] and noise in [`null_model`] (what every
 //! hypothesis stands on) → [`candidate`] (every candidate on top of one) → [`search`] (which of them the recording asks for) →
 //! [`naming`] and [`confidence`] (what each may be called) → [`verdict`], and `unnamed` (what has no name). The catalogue is [`effect`], one file each.
 
@@ -89,7 +89,7 @@ pub enum Refusal {
     /// The input is wrong.
     #[error("{0}")]
     Input(String),
-    /// The data cannot tell.
+    /// The data cannot answer.
     #[error("{0}")]
     Data(String),
 }
@@ -226,7 +226,7 @@ fn judge(
             recording.name
         ))
     };
-    // What the user's own model lacks is not what the fit does; how fine a hysteresis the recording tells is the same for both.
+    // What the user's own model lacks is not what the fit does; how fine a hysteresis the recording resolves is the same for both.
     let begins = fit.filter(|_| model.is_none());
     let mut known = fit.map(|fit| fit.known(recording)).unwrap_or_default();
     if begins.is_none() {

@@ -10,7 +10,7 @@ use preslide_fit::evidence::Evidence;
 use preslide_fit::statistics::Estimate;
 use std::collections::BTreeMap;
 
-/// Even odds: the most that is stated of a name whose sign its own interval does not tell.
+/// Even odds: the most that is stated of a name whose sign its own interval leaves open.
 pub(super) const EVEN: f64 = 0.5;
 /// Confidence from which a name is certain.
 pub(super) const CERTAIN: f64 = 0.9;

@@ -127,7 +127,7 @@ impl TermReport {
         may && simplicity(rival) < simplicity(own)
     }
 
-    /// Compares with one rival in the same place. What has no name is only told: a curve that contains the effect's own does as well.
+    /// Compares with one rival in the same place. What has no name is only reported: a curve that contains the effect's own does as well.
     fn meet(&mut self, null: &NullModel, rest: &Hypothesis, own: &Candidate, rival: &Candidate) {
         let ratio = rival.evidence.share / own.evidence.share.max(1e-300);
         self.tried

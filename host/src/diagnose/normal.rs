@@ -17,7 +17,7 @@ pub enum Bound {
 
 /// Added to every scaled column's square, against columns that are alike.
 const RIDGE: f64 = 1e-9;
-/// A candidate of which less than this share is new to the model cannot be told from it.
+/// A candidate of which less than this share is new to the model is inseparable from it.
 const NEW: f64 = 1e-6;
 
 /// A model, fitted with and without each fold.

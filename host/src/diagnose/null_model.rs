@@ -81,7 +81,7 @@ pub struct Nmse {
 
 impl NullModel {
     /// Finds friction and noise of a recording, beside the terms of a model that is given and blocks of the yields `fitted` among others (m
-    /// or rad); `None` where the motion does not tell them.
+    /// or rad); `None` where the motion does not show them.
     pub fn new(rows: Rows, given: &[Term], fitted: Option<&[f64]>) -> Option<Self> {
         let core = Core::new(&rows, fitted);
         let course_less = Baseline::default();
@@ -120,7 +120,7 @@ impl NullModel {
 
     /// The same recording with friction and noise found beside `terms` and plain effects, in what least squares leave of all rows alike:
     /// what weights leave is more where they are small, and the noise that is found in it makes them smaller still. The friction is found without
-    /// free curves over speed, which nothing tells from it in sliding: beside two of them its level would be anything.
+    /// free curves over speed, which nothing separates from it in sliding: beside two of them its level would be anything.
     pub fn referred_to(&self, terms: &[Term]) -> Option<Self> {
         let warming = warming(&self.rows.s).filter(|w| !terms.iter().any(|t| t.is_like(w)));
         let beside = plain().chain(warming);

@@ -120,7 +120,7 @@ impl Diagnosis {
         }
     }
 
-    /// The fit that every command tells.
+    /// The fit that every command reports.
     fn fit_section(&self, recording: &Recording) -> Option<Section> {
         let fit = self.fit_words(recording)?;
         Some(Section {

@@ -1,5 +1,5 @@
 //! What of a line or a narrow place chance takes as well: waves of the state that the machine does not have. Ripples at other periods are no such
-//! measure: harmonics of the motion stand out as well as a true line does; nor are its own columns at other times, which tell no more than these.
+//! measure: harmonics of the motion stand out as well as a true line does; nor are its own columns at other times, which show no more than these.
 
 use super::null_model::{Hypothesis, NullModel};
 use super::term::Term;
@@ -13,7 +13,7 @@ const WAVES: usize = 48;
 const CYCLES: [f64; 2] = [0.5, 30.0];
 /// The quantile that stands for what chance takes.
 const CHANCE: f64 = 0.9;
-/// The least and the most that is told of it, as a logarithm: beyond e⁴ more says nothing more.
+/// The least and the most that is stated of it, as a logarithm: beyond e⁴ more says nothing more.
 const TOLD: f64 = 4.0;
 
 /// How a term that is a line or a narrow place stands out of chance, on top of the others: the logarithm of what it takes, a column, over what waves

@@ -28,7 +28,7 @@ impl Reproduced {
     /// Diagnoses the simulation as if it were a machine: `own` is its motion under its effort.
     ///
     /// # Errors
-    /// [`Refusal`], where its motion does not tell.
+    /// [`Refusal`], where its motion does not show it.
     pub fn of(own: &Recording, progress: &Progress) -> Result<Self, Refusal> {
         let found = judge(own, None, None, None, progress)?;
         let named = found.confident().map(|e| e.id()).collect();
@@ -56,7 +56,7 @@ impl Reproduced {
     /// The effort that the simulation needs for the recorded motion.
     ///
     /// # Errors
-    /// [`Refusal`], where the recording has no motion to tell it.
+    /// [`Refusal`], where the recording has no motion to show it.
     pub fn effort(&self, recording: &Recording) -> Result<Column, Refusal> {
         let (null, state) = (&self.null, &self.state);
         let rows = Rows::new(recording, &[]).map_err(Refusal::Data)?;

@@ -194,7 +194,7 @@ fn pick<'a>(
         .filter(|o| o.evidence.share >= least && o.relative >= WORTH && o.chance(families) < ALPHA)
         .collect();
     let best = *fit.first()?;
-    // What the recording cannot tell has no better right than what has no name.
+    // What the recording cannot decide has no better right than what has no name.
     let can = |o: &Candidate| {
         let effect = o.term.effect();
         effect.is_some_and(|e| e.lacks(&null.rows.s).is_none())

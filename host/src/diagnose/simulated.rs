@@ -1,4 +1,4 @@
-//! What the effort of a simulation tells of its own laws: friction that reverses with the velocity, as most simulators have it, and the spring of
+//! What the effort of a simulation shows of its own laws: friction that reverses with the velocity, as most simulators have it, and the spring of
 //! its drive.
 
 use super::core::Core;

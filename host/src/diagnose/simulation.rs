@@ -70,7 +70,7 @@ impl Correction {
         }
     }
 
-    /// The experiment that tells it from its rivals.
+    /// The experiment that decides between it and its rivals.
     pub fn experiment(self) -> &'static str {
         match self {
             Self::Inertia => {

@@ -97,7 +97,7 @@ impl Term {
         }
     }
 
-    /// Whether it is a free curve over velocity or speed: while the machine slides nothing tells it from friction itself.
+    /// Whether it is a free curve over velocity or speed: while the machine slides nothing separates it from friction itself.
     pub fn is_free_over_speed(&self) -> bool {
         matches!(self.subject, Subject::Curve(c) if matches!(c.axis, Axis::Velocity | Axis::Speed))
     }
@@ -138,7 +138,7 @@ impl Subject {
         }
     }
 
-    /// What tells one subject from another.
+    /// What separates one subject from another.
     pub fn key(&self) -> String {
         match self {
             Self::Effect(effect) => effect.id().to_owned(),

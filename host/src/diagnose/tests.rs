@@ -139,7 +139,7 @@ fn a_free_curve_leaves_friction_to_the_core() {
     }
 }
 
-/// Nothing tells viscous friction, a free curve over velocity and a level over speed apart while the machine slides: effects act through the
+/// Nothing separates viscous friction, a free curve over velocity and a level over speed while the machine slides: effects act through the
 /// friction that is found without the two curves.
 #[test]
 fn curves_over_speed_beside_viscous_friction_leave_its_level_to_the_core() {

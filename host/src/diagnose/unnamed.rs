@@ -68,7 +68,7 @@ pub struct Unknown {
     pub wanders: bool,
 }
 
-/// When an event was, and the mismatch that tells it.
+/// When an event was, and the mismatch that shows it.
 #[derive(Clone)]
 pub struct Happened {
     /// Stretches of time (s).
@@ -97,7 +97,7 @@ impl Unknown {
 }
 
 /// All that are material, largest first, beside an event and a drift, where `extended`, with the names, leaves `left` (%) of the effort's variance, so
-/// much of it of noise; `is_doubtful` tells of an effect whether it is suspected only.
+/// much of it of noise; `is_doubtful` says whether an effect is suspected only.
 pub fn unnamed(
     found: &Found,
     (null, extended): (&NullModel, &Hypothesis),

@@ -1,4 +1,4 @@
-//! From the hypothesis to what is said: names with their confidence, what has no name, and what the recording cannot tell.
+//! From the hypothesis to what is said: names with their confidence, what has no name, and what the recording cannot show.
 
 use super::axis::Axis;
 use super::budget::{self, Finding, Item};
@@ -130,7 +130,7 @@ pub struct Diagnosis {
     pub reproduced: Option<Reproduced>,
     /// What further columns say that measure the position, too.
     pub second_positions: Vec<SecondPosition>,
-    /// The fit that every command tells.
+    /// The fit that every command reports.
     pub fit: Option<Arc<Fit>>,
     /// Why the fit lets nothing be called consistent.
     pub(super) doubt: Option<String>,
@@ -393,7 +393,7 @@ fn named(found: &Found, report: &TermReport, mechanics: &[(String, f64)]) -> Opt
     })
 }
 
-/// Whether a recording can tell an effect: what it lacks hides it, but slow change shows before its cause does.
+/// Whether a recording can show an effect: what it lacks hides it, but slow change shows before its cause does.
 fn is_told(effect: &dyn Effect, s: &Signals) -> bool {
     effect.class() == Class::Drift || effect.lacks(s).is_none()
 }

@@ -7,7 +7,7 @@
 use super::signals::Signals;
 use std::ops::Range;
 
-/// Most rows kept: more would cost time and tell nothing new.
+/// Most rows kept: more would cost time and show nothing new.
 const ROWS: usize = 20_000;
 
 /// The kernel and where its rows are.
@@ -26,7 +26,7 @@ pub struct Weak {
 
 impl Weak {
     /// Chooses the kernel: about 25 ms wide, wider where the encoder's noise asks for it (−6 dB at the band of the
-    /// kinematics), never below four samples. `inertial` tells whether an acceleration is needed at all, `usable` which samples
+    /// kinematics), never below four samples. `inertial` says whether an acceleration is needed at all, `usable` which samples
     /// a row may be centred at.
     pub fn new(s: &Signals, inertial: bool, usable: &[bool]) -> Self {
         let by_band = if inertial { 0.62 / s.band_hz } else { 0.0 };

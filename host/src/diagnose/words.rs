@@ -46,7 +46,7 @@ impl Name {
         }
     }
 
-    /// The experiment that tells it from its rivals.
+    /// The experiment that decides between it and its rivals.
     pub fn experiment(self) -> &'static str {
         match self {
             Name::Entry(effect) => effect.experiment(),
@@ -151,7 +151,7 @@ impl Unknown {
 
     /// An event in a clause.
     fn event_words(&self, times: &[[f64; 2]], recording: &Recording) -> String {
-        /// Stretches that are told one by one.
+        /// Stretches that are listed one by one.
         const TOLD: usize = 4;
         let told: Vec<String> = times
             .iter()

@@ -1,7 +1,7 @@
 //! Many axes, a recording a day each: a row a recording, and what changed against the axis's own history.
 //!
 //! [`members`] finds the recordings and whose they are → [`Row::of`] makes a row of each, in any order, on as many cores as there are →
-//! [`Journal`] keeps them, so that nothing is computed twice → [`history`] holds each against those before it → [`table`] and [`page`] tell.
+//! [`Journal`] keeps them, so that nothing is computed twice → [`history`] holds each against those before it → [`table`] and [`page`] show it.
 
 pub mod history;
 mod journal;

@@ -2,7 +2,7 @@
 //! friction models.
 //!
 //! The recording is cut in time. On its first part everything is fitted, on the second the predictors' delays and ridge are chosen by the
-//! errors of predictions over many samples, and what is told is of the third, which nothing has seen.
+//! errors of predictions over many samples, and what is reported is of the third, which nothing has seen.
 
 pub mod edmd;
 pub mod lift;
@@ -23,7 +23,7 @@ use preslide_fit::simulate::motion_from_each;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Samples ahead that errors are told of.
+/// Samples ahead of which errors are reported.
 pub const AHEAD: [usize; 4] = [1, 10, 100, 1000];
 
 /// What of the recording is fitted, and what is fitted or chosen from (-).

@@ -36,7 +36,7 @@ pub struct Trial {
     pub effect: Concealed,
     /// The machine.
     pub config: StageConfig,
-    /// What its controller is told.
+    /// What its controller knows.
     pub axis: Settings,
 }
 
@@ -62,7 +62,7 @@ impl Trial {
         }
     }
 
-    /// The same on the electrical stage, its dead time told to the controller.
+    /// The same on the electrical stage, its dead time known to the controller.
     #[must_use]
     pub fn electrical(mut self) -> Self {
         self.config = electrical(&mut self.axis, self.config);

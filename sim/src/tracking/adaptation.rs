@@ -98,7 +98,7 @@ pub struct Row {
 }
 
 /// Runs every scenario on `stages` stages. The model, GMS with four blocks in `f32`, comes from an experiment on a stage whose friction
-/// does not vary. `progress` is told (pairs done, pairs in all).
+/// does not vary. `progress` gets (pairs done, pairs in all).
 ///
 /// # Errors
 /// [`TrackingError`] where a controller cannot be built or the identification fails.

@@ -95,7 +95,7 @@ pub struct Axis<F: Friction> {
     origin_m: f64,
 }
 
-/// The stage with the default electrical model, its current sampled where the firmware does; `settings` are told its dead time.
+/// The stage with the default electrical model, its current sampled where the firmware does; `settings` get its dead time.
 pub fn electrical(settings: &mut Settings, stage: StageConfig) -> StageConfig {
     let electrical = ElectricalConfig {
         sense: SenseConfig {
@@ -140,7 +140,7 @@ impl<F: Friction> Axis<F> {
         let coefficients = Coefficients::try_new(settings, friction, units)?;
         let first = stage.reading().count;
         let mut controller = Controller::new(coefficients, first.cast_unsigned());
-        // Homed: it is told where the stage stands, to the nearest count.
+        // Homed: it knows where the stage stands, to the nearest count.
         let here = (stage.truth().position_m / settings.encoder.count).round() as i32;
         controller.set_position(0, here.into());
         let origin = first.wrapping_sub(stage.config().encoder.origin_count);

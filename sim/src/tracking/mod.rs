@@ -49,7 +49,7 @@ pub const TRACKING_SEEDS: [u64; 3] = [101, 102, 103];
 type Run<'a> = Box<dyn Fn(&str) -> Result<Row, TrackingError> + Send + Sync + 'a>;
 type Task<'a> = (String, Run<'a>);
 
-/// Runs every compensator, or those whose names contain one of `only`, over every motion. `progress` is told (rows done, rows in all).
+/// Runs every compensator, or those whose names contain one of `only`, over every motion. `progress` gets (rows done, rows in all).
 ///
 /// # Errors
 /// [`TrackingError`] where a controller cannot be built or the identification fails. A run that ends in a fault is
@@ -189,7 +189,7 @@ impl Benchmark<'_> {
         self.row_with(compensator, arithmetic, units, |_| Ok(friction.clone()))
     }
 
-    /// One that is told each motion beforehand.
+    /// One that knows each motion beforehand.
     fn row_with<F: Friction>(
         &self,
         compensator: &str,

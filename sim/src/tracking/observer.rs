@@ -1,4 +1,4 @@
-//! What the observer is worth beside a friction model and without one, where the friction and the mass are not the told ones.
+//! What the observer is worth beside a friction model and without one, where friction and mass are not as given.
 
 use super::{
     Benchmark, Experiment, FIXED_UNITS, IDENTIFICATION_SEED, Row, Run, Task, TrackingError,
@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-/// The gains that `preslide tune` proposes for the axis, which is told the drive's first mode as it is: who has the stage hits it
+/// The gains that `preslide tune` proposes for the axis, which gets the drive's true first mode: who has the stage hits it
 /// and counts.
 ///
 /// # Errors
@@ -135,7 +135,7 @@ impl Observing {
     }
 }
 
-/// What the stage is where the controller is told nothing of it: a name, friction (-), and more mass (kg).
+/// What the stage is where the controller knows nothing of it: a name, friction (-), and more mass (kg).
 const UNTOLD: [(&str, f64, f64); 4] = [
     ("as told", 1.0, 0.0),
     ("friction +15 %", 1.0 + UNCERTAINTY, 0.0),
@@ -152,7 +152,7 @@ pub struct Condition {
     pub rows: Vec<Row>,
 }
 
-/// PID, PID + GMS, observer, observer + GMS, and that with adaptation, on the ideal and on the electrical stage, in each condition. `progress` is told (rows
+/// PID, PID + GMS, observer, observer + GMS, and that with adaptation, on the ideal and on the electrical stage, in each condition. `progress` gets (rows
 /// done, rows in all).
 ///
 /// # Errors

@@ -137,7 +137,7 @@ impl Learn<f32> for Recorder {
 }
 
 /// Runs normal stages, and stages that change, under the production controller: strokes of 1 mm at 4 mm/s, GMS with the paper's
-/// Table 3, four blocks, in `f32`. `progress` is told (runs done, runs in all).
+/// Table 3, four blocks, in `f32`. `progress` gets (runs done, runs in all).
 ///
 /// # Errors
 /// [`TrackingError`] where a controller cannot be built.
@@ -267,7 +267,7 @@ fn noticed(
     Ok(first.map(|window| window.checked_sub(before).filter(|late| *late > 0)))
 }
 
-/// The blocks of a run over the path of `windows` windows. `change` is told the path (m), as the watch counts it, and may
+/// The blocks of a run over the path of `windows` windows. `change` gets the path (m), as the watch counts it, and may
 /// change the stage before every tick.
 fn run(
     settings: &Settings,

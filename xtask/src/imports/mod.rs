@@ -33,7 +33,7 @@ const CRATES: [&str; 12] = [
     "xtask/src",
 ];
 
-/// Siblings that may name each other: effects that one recording cannot tell apart. Each lists the other by its type; nothing is
+/// Siblings that may name each other: effects that one recording cannot separate. Each lists the other by its type; nothing is
 /// computed in a circle.
 const ALIKE: [(&str, &str, &str); 4] = [
     ("diagnose::effect", "constant_force", "coulomb_asymmetry"),

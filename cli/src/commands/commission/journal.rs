@@ -107,7 +107,7 @@ impl Journal {
         self.write(FILE, &(text + "\n")).map(|_| ())
     }
 
-    /// Recordings that tell of the machine, the feedback alone with it.
+    /// Recordings of the machine under feedback alone.
     pub fn recordings(&self) -> Vec<PathBuf> {
         let asked = self.asked.iter().map(|asked| asked.name.as_str());
         let names = std::iter::once("before").chain(asked);

@@ -403,7 +403,7 @@ impl Run {
         Ok(())
     }
 
-    /// Plays what would decide the dearest doubt, until nothing is in doubt or as many were played as may be.
+    /// Plays what would decide the most costly doubt, until nothing is in doubt or as many were played as may be.
     fn experiments(&mut self, most: usize) -> Result<Told, Failure> {
         self.stage = "identify, diagnose".to_owned();
         let mut told = Told::of(&self.journal.recordings())?;

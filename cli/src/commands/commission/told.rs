@@ -1,4 +1,4 @@
-//! What the recordings so far tell.
+//! What the recordings show so far.
 
 use super::super::{Failure, thin};
 use preslide_fit::identify::{Options, STEPS, identify};
@@ -19,7 +19,7 @@ pub struct Told {
     fit: Arc<Fit>,
 }
 
-/// Whether the effort drives the axis backward, and what moves, or why that is not told.
+/// Whether the effort drives the axis backward, and what moves, or why that is unknown.
 pub fn careful(path: &Path) -> Result<(bool, Result<String, String>), Failure> {
     let recording = recording::load(path, &LoadOptions::default())?;
     let turned = recording

@@ -175,7 +175,7 @@ impl ControllerArgs {
 pub struct Commanded {
     /// The conversation.
     pub drive: Session,
-    /// Set by Ctrl-C, and by whoever wants it to stop.
+    /// Set by Ctrl-C, and by anyone who wants it to stop.
     pub stop: Arc<AtomicBool>,
     /// Of positions.
     pub unit: &'static str,
@@ -294,7 +294,7 @@ impl Commanded {
         Ok(())
     }
 
-    /// A parameter that every controller tells.
+    /// A parameter that every controller reports.
     pub fn limit(&mut self, name: &str) -> Result<f64, Failure> {
         let value = self.drive.get(name)?;
         value.ok_or_else(|| Failure::Tool(format!("the controller does not report {name}")))

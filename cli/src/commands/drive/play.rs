@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 impl Commanded {
-    /// Plays, and tells how closely the axis followed: RMS and largest error (10⁻⁹ m or rad).
+    /// Plays, and prints how closely the axis followed: RMS and largest error (10⁻⁹ m or rad).
     pub fn play(&mut self, play: &PlayArgs) -> Result<(f64, f64), Failure> {
         let identity = *self.drive.identity();
         let options = LoadOptions {

@@ -29,7 +29,7 @@ struct Effort {
     gain: f64,
     trials: usize,
 }
-/// To tell which start leads furthest.
+/// To find which start leads furthest.
 const QUICK: Effort = Effort {
     gain: 1e-4,
     trials: 15,
@@ -166,7 +166,7 @@ impl Data<'_> {
         problem.minimised(problem.angles(&best), FULL)
     }
 
-    /// The samples of one piece in so many, where there are enough: they tell which start leads furthest.
+    /// The samples of one piece in so many, where there are enough: they show which start leads furthest.
     fn screened(&self, rows: &[usize]) -> Vec<usize> {
         let every = (self.path.pieces.len() / PIECES).max(1);
         let pieces: Vec<&Range<usize>> = self.path.pieces.iter().step_by(every).collect();
@@ -179,7 +179,7 @@ impl Data<'_> {
     }
 
     /// The fits to all groups of samples but one each, in their order: a step of Gauss and Newton from the fit to all, which lies so near that
-    /// another search would tell the same at a hundred times the price; where the step leaves more, the parameters stay. The
+    /// another search would find the same at a hundred times the price; where the step leaves more, the parameters stay. The
     /// linear ones are solved for anew.
     pub fn without_each(
         &self,

@@ -59,7 +59,7 @@ pub struct Bounded {
     pub to: f64,
 }
 
-/// The exponent of LuGre's Stribeck curve; one recording seldom tells it from the Stribeck velocity.
+/// The exponent of LuGre's Stribeck curve; one recording seldom separates it from the Stribeck velocity.
 const STRIBECK_EXPONENT: f64 = 2.0;
 
 impl Family {

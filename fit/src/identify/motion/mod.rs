@@ -84,7 +84,7 @@ pub struct MotionFit {
     pub tried: Vec<Tried>,
     /// RMS (m or rad) by which 1 % more drive gain and 1 % more friction move the simulation.
     pub moves: [f64; 2],
-    /// Pairs of parameters of which the motion tells a combination only, with their correlation.
+    /// Pairs of parameters of which the motion determines only a combination, with their correlation.
     pub together: Vec<(&'static str, &'static str, f64)>,
     /// The simulation behind a controller.
     pub closed_loop: bool,

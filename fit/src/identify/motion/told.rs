@@ -1,4 +1,4 @@
-//! What a search tells: values with intervals, what the motion cannot tell apart, and how much a change of the machine moves it.
+//! The result of a search: values with intervals, what the motion cannot separate, and how much a change of the machine moves it.
 
 use super::body::Body;
 use super::descent::{self, normal, slopes};
@@ -9,13 +9,13 @@ use super::{Apart, MotionFit, Tried};
 use crate::statistics::Estimate;
 use nalgebra::DMatrix;
 
-/// Correlation of two parameters beyond which a motion tells only a combination.
+/// Correlation of two parameters beyond which a motion determines only a combination.
 const TOGETHER: f64 = 0.95;
 /// By so much drive gain and friction are changed to see what that moves.
 pub(super) const NUDGE: f64 = 0.01;
 
 impl Search<'_> {
-    /// Values with intervals, and what the motion cannot tell apart.
+    /// Values with intervals, and what the motion cannot separate.
     pub(super) fn told(
         &self,
         first: &Point,

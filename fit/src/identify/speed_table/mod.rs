@@ -100,7 +100,7 @@ fn is_there(before: f64, after: f64, more: f64, spare: f64) -> bool {
 /// Fits the table.
 ///
 /// # Errors
-/// Why it tells nothing, and what would.
+/// Why it shows nothing, and what would.
 pub fn fit(mut speeds: Speeds, may_turn: bool) -> Result<SpeedTable, String> {
     let mut notes = Vec::new();
     let name = speeds.name.clone();

@@ -64,7 +64,7 @@ impl SpeedTable {
         notes
     }
 
-    /// One sentence: what the table tells, and what it cannot.
+    /// One sentence: what the table shows, and what it cannot.
     pub fn recommendation(&self) -> String {
         format!(
             "Use {} friction ({:.3} % of the variance left on rows held out). A table without time shows no inertia and no pre-sliding; record a motion with reversals for those.",

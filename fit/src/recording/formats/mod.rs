@@ -59,7 +59,7 @@ const FORMATS: [Row; 11] = [
     (b"#ROSBAG V2.0", Format::Rosbag1, "a bag of ROS 1", None, "rosbags-convert makes an MCAP of it"),
 ];
 
-/// Bytes that tell a format.
+/// Bytes that mark a format.
 pub(super) const MAGIC_BYTES: u64 = 16;
 
 /// The format of a file that starts so; `None` for text and what is not known.

@@ -28,7 +28,7 @@ struct JointState {
 }
 
 impl JointState {
-    /// From CDR with its four bytes of encapsulation, the second of which tells the byte order.
+    /// From CDR with its four bytes of encapsulation, the second of which gives the byte order.
     fn read(message: &[u8]) -> Result<Self, String> {
         let (head, body) = message.split_at_checked(4).ok_or("an empty message")?;
         let read = match head[1] {

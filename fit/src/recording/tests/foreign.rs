@@ -267,7 +267,7 @@ fn json_is_read_by_lines_rows_and_arrays() {
         );
         is_joint(name, &r, 1.0);
     }
-    // A line cut short and a number that is none are lost samples, told by their lines.
+    // A line cut short and a number that is none are lost samples, reported by their lines.
     let mut broken: Vec<&str> = lines.lines().collect();
     let nan = broken[100].replace("\"pos\": ", "\"pos\": NaN, \"was\": ");
     (broken[100], broken[200]) = (&nan, &broken[200][..30]);
@@ -341,7 +341,7 @@ fn a_current_of_hundreds_is_asked_about_by_its_column_and_travel_is_counted() {
     let map = asked.maps[0].split_once('=').expect("a map");
     let r = text(&csv, &[map]).expect("as told");
     assert!(!warns(&r, "implausible") && r.in_one_line().contains("current ±"));
-    // A time in another unit is told by how long its steps are.
+    // A time in another unit shows by how long its steps are.
     for (per_second, factor) in [(1e3, "0.001"), (1e6, "0.000001"), (1e9, "0.000000001")] {
         let csv = joint_rows("t,q_rad,torque_Nm\n", |_, (t, q, _, f)| {
             format!("{:.0},{q:.9},{f:.9}", per_second * t)
@@ -380,7 +380,7 @@ fn every_shared_format_is_read_or_says_how() {
             "{name}"
         );
         assert!((r.sample_time_s() - 0.002).abs() < 1e-6, "{name}");
-        // The monitor tells volts, 20 of which are a newton metre there.
+        // The monitor logs volts, 20 of which are a newton metre there.
         let unit = if name.starts_with("simplefoc") {
             20.0
         } else {

@@ -76,7 +76,7 @@ fn no_sample_time_is_invented() {
     let counted = joint_rows("", |i, (_, q, _, f)| format!("{i} {q:.9} {f:.9}"));
     let e = text(&counted, &[]).expect_err("rows counted").to_string();
     assert!(e.contains("dt_s=SAMPLE_TIME_IN_S"), "{e}");
-    // What the file tells beside its columns is no invention.
+    // What the file states beside its columns is no invention.
     for (header, maps) in [
         (
             "Scope 4\nSampling rate: 500 Hz\n\nq_rad,torque_Nm\n",

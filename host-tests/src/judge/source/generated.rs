@@ -300,7 +300,7 @@ mod tests {
         assert!(right(None, "viscous", 1.0) && !right(Some(""), "viscous", 1.0));
         assert!(right(None, "periodic_force", 0.00252) && !right(None, "periodic_force", 0.003));
         assert!(right(None, "periodic_friction", 0.1) && !right(None, "periodic_friction", 0.06));
-        // Two waves that the travel does not tell apart.
+        // Two waves that the travel does not separate.
         assert!(right(None, "periodic_friction", 0.2));
         assert!(right(None, "position_friction", 1.0) && !right(None, "run_in", 1.0));
         assert!(native(&json!({"params": {"viscous": 0.0}}), None).is_empty());

@@ -132,7 +132,7 @@ impl Correction {
 }
 
 /// Takes out, the worst first, what the samples are worse with than the simulation by itself: what the fit sees through its kernel may swing otherwise
-/// there. What simulation and corrected simulation leave (%) is told, and what went.
+/// there. What simulation and corrected simulation leave (%) is printed, and what went.
 fn leave_out(
     terms: &mut Vec<Added>,
     simulated: &[f64],

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 /// Key of the motor's share of the inertia.
 pub(super) const SHARE: &str = "motor_share";
-/// Damping ratio of a contact of steel parts, which a recording hardly tells.
+/// Damping ratio of a contact of steel parts, which a recording hardly shows.
 pub(super) const DAMPING: f64 = 0.05;
 /// Most radians of the contact's own swing in one step of the simulation.
 const STEP: f64 = 0.3;
@@ -25,7 +25,7 @@ const SHARES: [f64; 2] = [0.2, 0.5];
 /// Between which shares it lies: a motor has some of the inertia, and not all.
 const MOTOR: Range<f64> = 0.05..0.95;
 /// Half of a 95 % interval of a gap or a frequency, at least, relative: how far the motor's own friction and inertia and the contact's
-/// damping, which are assumed, shift them. Gaps of made recordings were told as 0.84 to 1.57 times their width.
+/// damping, which are assumed, shift them. Gaps of made recordings came out as 0.84 to 1.57 times their width.
 pub(super) const LEAST_ERROR: f64 = 0.4;
 /// Why a model file cannot hold what was found beside an encoder on the load.
 pub(super) const ENCODER_ON_LOAD: &str =
@@ -39,7 +39,7 @@ pub(super) fn contacts(scene: &Scene) -> impl Iterator<Item = [f64; 2]> {
         .flat_map(|hz| SHARES.map(|share| [hz, share]))
 }
 
-/// A contact frequency (Hz) brought within what a recording can tell.
+/// A contact frequency (Hz) brought within what a recording can resolve.
 pub(super) fn within(hz: f64, scene: &Scene) -> f64 {
     hz.clamp(SLOWEST_HZ, (SEEN / scene.s.dt).max(SLOWEST_HZ))
 }

@@ -138,7 +138,7 @@ impl Effect for Backlash {
     }
 
     fn in_simulation(&self, shape: &[f64]) -> Option<bool> {
-        // Its own effort does not tell: a spring swings alike, and a motor ahead of the load is driven by the measured effort.
+        // Its own effort does not show it: a spring swings alike, and a motor ahead of the load is driven by the measured effort.
         (shape.len() > 1).then_some(false)
     }
 

@@ -10,7 +10,7 @@ use std::ops::Range;
 
 /// Most radians of the load's own swing in one step of the simulation.
 const STEP: f64 = 0.15;
-/// Slowest swing (Hz), and how many are tried up to what the samples tell, from where on they are refined.
+/// Slowest swing (Hz), and how many are tried up to what the samples resolve, from where on they are refined.
 const SLOWEST_HZ: f64 = 15.0;
 const FASTEST_HZ: f64 = 150.0;
 const SWINGS: usize = 18;
@@ -111,7 +111,7 @@ mod tests {
     use crate::diagnose::effect::tests::Stage;
     use preslide_fit::recording::MotionKind;
 
-    /// What crosses the gap passes nothing, and on the whole the contact passes what holds the load. That the gap is told right is shown on a
+    /// What crosses the gap passes nothing, and on the whole the contact passes what holds the load. That the gap comes out right is shown on a
     /// machine of another's making (`python/tests/test_preslide.py`).
     #[test]
     fn a_gap_passes_nothing_and_its_flanks_what_holds_the_load() {

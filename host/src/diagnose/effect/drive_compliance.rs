@@ -12,7 +12,7 @@ use preslide_fit::model::Model;
 use preslide_fit::statistics::Estimate;
 use std::f64::consts::TAU;
 
-/// Share of the inertia on the motor's side of an elastic drive or a gap, which one recording does not tell.
+/// Share of the inertia on the motor's side of an elastic drive or a gap, which one recording does not show.
 pub(super) const MOTOR_SHARE: f64 = 0.5;
 /// Between which values it lies: drives are chosen so that neither side has much more than twice the other's inertia. The intervals hold
 /// what follows from both.
@@ -22,7 +22,7 @@ const NONE: f64 = 0.0;
 /// The least that a motor has.
 const LEAST_MOTOR: f64 = 0.05;
 /// Half of a 95 % interval of a swing, at least, relative: how far the contact's damping, which is assumed, and friction on the motor's side shift it.
-/// Swings of three made machines that it was chosen on were told 1 to 5 % low, of four others up to 6 % (`host-tests/tests/swing.rs`).
+/// Swings of three made machines that it was chosen on came out 1 to 5 % low, of four others up to 6 % (`host-tests/tests/swing.rs`).
 const LEAST_ERROR: f64 = 0.08;
 /// Key of the resonance; of a load that swings behind a motor that stands, the shape is that swing.
 const FREQUENCY: &str = "frequency_Hz";
@@ -225,7 +225,7 @@ fn swinging(fitted: &Fitted, effect: &dyn Effect) -> Vec<(String, Estimate)> {
         Some(Estimate { value, ci95: ends })
     };
     let simulated = at(SIMULATED, &stiffness);
-    // What two springs differ in hardly tells the share by itself.
+    // What two springs differ in hardly shows the share by itself.
     let is_told = simulated.is_none();
     let motor = || fitted.estimate(1.0 - possible(c), fitted.error(0));
     let values = [

@@ -226,7 +226,7 @@ pub trait Effect: Sync {
     /// The coordinate over which it acts.
     fn axis(&self) -> Axis;
 
-    /// The experiment that tells it from its rivals.
+    /// The experiment that decides between it and its rivals.
     fn experiment(&self) -> &'static str;
 
     /// The parts of a motion that show it.
@@ -234,7 +234,7 @@ pub trait Effect: Sync {
         &[Part::Passes, Part::Speeds]
     }
 
-    /// Effects that no fit to this recording tells from it.
+    /// Effects that no fit to this recording separates from it.
     fn equivalents(&self, s: &Signals) -> &'static [&'static dyn Effect] {
         let _ = s;
         &[]
@@ -274,7 +274,7 @@ pub trait Effect: Sync {
         None
     }
 
-    /// What the recording lacks to tell it well from hysteresis, though it can be named where the data do.
+    /// What the recording lacks to separate it well from hysteresis, though it can be named where the data do.
     fn blurred(&self, s: &Signals) -> Option<&'static str> {
         let _ = s;
         None
@@ -312,7 +312,7 @@ pub trait Effect: Sync {
         self.line().is_some()
     }
 
-    /// A shape parameter brought within what a recording can tell.
+    /// A shape parameter brought within what a recording can resolve.
     fn within(&self, scene: &Scene, shape: &[f64], index: usize) -> f64 {
         let _ = scene;
         shape[index]
@@ -337,7 +337,7 @@ pub trait Effect: Sync {
         false
     }
 
-    /// Whether a simulation has the effect, too, of another size; `None` where its own effort must tell.
+    /// Whether a simulation has the effect, too, of another size; `None` where its own effort must show it.
     fn in_simulation(&self, shape: &[f64]) -> Option<bool> {
         let _ = shape;
         None

@@ -14,7 +14,7 @@ use preslide_fit::statistics::Estimate;
 /// `run_in`.
 pub struct RunIn;
 
-/// Longest way of a decay, in recorded ones: over a longer one a falling level cannot be told from another level.
+/// Longest way of a decay, in recorded ones: over a longer one a falling level looks like another level.
 const LONGEST: f64 = 2.0;
 
 impl Effect for RunIn {

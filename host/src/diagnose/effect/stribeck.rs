@@ -135,7 +135,7 @@ pub(super) fn falls(v: f64, velocity: f64, exponent: f64) -> f64 {
     (-(v.abs() / velocity).powf(exponent)).exp()
 }
 
-/// An exponent that a recording can tell from others.
+/// An exponent that a recording can separate from others.
 pub(super) fn exponent(value: f64) -> f64 {
     value.clamp(0.5, 3.0)
 }

@@ -95,7 +95,7 @@ impl Taken {
         }
     }
 
-    /// Whether that is certain, and enough to be told.
+    /// Whether that is certain, and enough to report.
     pub fn is_stated(self) -> bool {
         self.z > CERTAIN && self.share > MATERIAL
     }

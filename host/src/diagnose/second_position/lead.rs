@@ -5,12 +5,12 @@ use super::legendre::{DEGREE, legendre};
 use super::samples::{BESIDE, Samples};
 use preslide_fit::statistics::Estimate;
 
-/// Points of the curve that is told.
+/// Points of the reported curve.
 const POINTS: usize = 41;
 
 /// A difference that is smooth over the travel.
 pub struct Lead {
-    /// Its slope (m/m), where it can be told.
+    /// Its slope (m/m), where there is one.
     pub slope: Option<Estimate>,
     /// What is left of it without the slope, from its lowest to its highest (m or rad) …
     pub bow: f64,
@@ -27,7 +27,7 @@ pub struct Lead {
 }
 
 impl Lead {
-    /// The curve of a fit to these samples; it has a slope where that is told.
+    /// The curve of a fit to these samples; it has a slope where that is known.
     pub fn of(fit: &HeldOut, samples: &Samples, sloped: bool) -> Self {
         let scale = samples.travel;
         let of_degree = |d: usize| fit.coefficients[BESIDE + d - 1];

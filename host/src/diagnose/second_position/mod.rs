@@ -41,7 +41,7 @@ const MATERIAL: f64 = 0.05;
 pub struct SecondPosition {
     /// Its column.
     pub column: String,
-    /// The second position over the first, where a transmission or an unknown unit lies between them and the slope cannot be told.
+    /// The second position over the first, where a transmission or an unknown unit lies between them and there is no slope.
     pub ratio: Option<f64>,
     /// Passes between reversals that were compared.
     pub passes: usize,
@@ -122,7 +122,7 @@ fn compared(
     let finest = smallest_step(&s.x).max(smallest_step(second));
     let periodic = periodic::take_out(&mut samples, groups, finest);
     let sums = Sums::of_passes(&samples, groups);
-    // A ratio that was fitted leaves no slope to tell.
+    // A fitted ratio leaves no slope.
     let plain: Vec<usize> = (0..BESIDE + usize::from(ratio.is_some())).collect();
     let every: Vec<usize> = (0..COLUMNS).collect();
     let (without, with) = (HeldOut::of(&sums, &plain)?, HeldOut::of(&sums, &every)?);

@@ -32,9 +32,9 @@ const ALIAS: f64 = 0.5;
 /// Steps to the frequency of least squares from that of the spectrum, which is a tenth of its resolution away; the error of each is
 /// the square of the one before.
 const STEPS: usize = 2;
-/// Sines that are told: a turn, a part of it, and a passage of balls or teeth.
+/// Sines that are reported: a turn, a part of it, and a passage of balls or teeth.
 const SINES: usize = 3;
-/// Places within a period at which its mean is told.
+/// Places within a period at which its mean is taken.
 const PLACES: usize = 24;
 
 /// A difference that is periodic over the travel.

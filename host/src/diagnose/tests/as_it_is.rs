@@ -1,4 +1,4 @@
-//! What is told of the user's model, of the recording's columns and of its clock, before any name.
+//! What is reported of the user's model, the recording's columns and its clock, before any name.
 
 use super::*;
 use column::Kind;
@@ -251,7 +251,7 @@ fn friction_does_not_push() {
     assert!(!asymmetry.admits(&[1.74]) && !asymmetry.admits(&[-1.1]));
 }
 
-/// Friction that falls with time is told without a temperature column, with run-in as likely.
+/// Friction that falls with time is reported without a temperature column, with run-in as likely.
 #[test]
 fn warming_shows_without_a_thermometer() {
     let recording = made(|t, _, v| 1.5 * v.signum() * ((-t / 12.0).exp() - 0.5));

@@ -143,7 +143,7 @@ impl File<'_> {
         fields
     }
 
-    /// The functions that tell the model what it is not told by a step.
+    /// The functions that give the model what a step does not.
     fn setters(&self) -> Vec<Setter> {
         let x = self.model.key("position_m");
         let of_place = self.is_placed().then(|| Setter {

@@ -5,7 +5,7 @@ use preslide::ParamError;
 use preslide::control::{Axis, ObserverSettings, PidGains};
 use preslide_fit::friction::FrictionModel;
 
-/// What is told beside the axis (SI).
+/// What is given beside the axis (SI).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Told {
     /// Noise of a reading beside its resolution, RMS (m).
@@ -29,7 +29,7 @@ pub const UNCERTAINTY: f64 = 0.15;
 /// The time (s) in which it does so at the soonest: a reversal as quick as the position loop, of some 150 rad/s, can follow.
 const CHANGES_IN: f64 = 0.007;
 
-/// A payload that nobody told of (kg).
+/// An unknown payload (kg).
 pub const UNTOLD_KG: f64 = 1.0;
 
 /// From one disturbance's walk to the next that is tried (-): the gains change by a thirtieth.
@@ -77,7 +77,7 @@ pub struct Case {
     pub machine: Machine,
 }
 
-/// Sliding and sticking, as told and 15 % stiffer and softer; each as it is, with a kilogram more, and with a tick of delay, and both.
+/// Sliding and sticking, as given and 15 % stiffer and softer; each as it is, with a kilogram more, and with a tick of delay, and both.
 pub fn cases(axis: &Axis, told: &Told) -> Vec<Case> {
     let contacts = [
         ("slides", 0.0),

@@ -13,7 +13,7 @@ fn told() -> Told {
     }
 }
 
-/// Every case is borne: sliding and sticking contacts, as told and 15 % off, each with 1 kg more, with a tick of delay, with both.
+/// Every case is borne: sliding and sticking contacts, as given and 15 % off, each with 1 kg more, with a tick of delay, with both.
 #[test]
 fn the_paper_axis_has_its_proposal_and_margins() {
     let proposal = propose(&Axis::PAPER_AXIS, &told(), &ASKED).expect("it has one");

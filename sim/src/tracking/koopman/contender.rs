@@ -117,7 +117,7 @@ impl Contender {
     }
 }
 
-/// What experiments on the identification stage told.
+/// What experiments on the identification stage showed.
 #[derive(Clone)]
 pub struct Known {
     settings: Settings,
@@ -364,7 +364,7 @@ impl Known {
         GAINS.into_iter().take_while(borne).last()
     }
 
-    /// The worse of two RMS errors (m) over the identification's motion: on its stage, and with a payload that nobody told of. Where half
+    /// The worse of two RMS errors (m) over the identification's motion: on its stage, and with an unknown payload. Where half
     /// as much gain again rings it is more than a micrometre.
     pub(super) fn cost(&self, contender: Contender, p: &[f64; 3]) -> f64 {
         if let Some(ringing) = self.rings(contender, p, GAIN) {

@@ -1,4 +1,4 @@
-//! What a board's outer task is told: learnt on the stage, written as source.
+//! The input of a board's outer task: learnt on the stage, written as source.
 
 use super::learnt::learn;
 use super::predictive::Weights;

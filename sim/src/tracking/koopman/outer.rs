@@ -4,7 +4,7 @@ use preslide::control::Condition;
 use preslide::control::koopman::{Guided, GuidedState};
 use preslide::{Friction, Motion, ParamError, Units};
 
-/// What an outer task is told of a sample.
+/// What an outer task gets of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sample {
     /// Ticks since the motion began.

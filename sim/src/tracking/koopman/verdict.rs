@@ -1,4 +1,4 @@
-//! Who should use which: on stages that are, and that are not, what the controllers were told.
+//! Who should use which: on stages that are, and are not, as the controllers' models say.
 
 use super::contender::{Contender, Known, Ride};
 use crate::stage::concealed::Concealed;
@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// An error that counts as settled (m).
 const SETTLED_M: f64 = 100e-9;
 
-/// What the controllers are not told of a stage.
+/// What the controllers do not know of a stage.
 #[derive(Clone, Copy, Debug)]
 struct Untold {
     name: &'static str,
@@ -134,8 +134,8 @@ fn settling() -> Vec<Step> {
     (0..6).flat_map(go).collect()
 }
 
-/// Tunes every controller and runs it in every condition, on the ideal or on the `electrical` stage, of which its dead time is told.
-/// `progress` is told (runs done, runs in all).
+/// Tunes every controller and runs it in every condition, on the ideal or on the `electrical` stage, whose dead time is known.
+/// `progress` gets (runs done, runs in all).
 ///
 /// # Errors
 /// [`TrackingError`] where an identification or a tuning fails.

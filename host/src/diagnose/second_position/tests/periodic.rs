@@ -113,7 +113,7 @@ fn period_and_amplitude_are_told_within_their_intervals_beside_all_else() {
         2 * SEEDS.count()
     );
     assert!(covered >= 17);
-    // A line is a cycle over 60 periods wide, and noise lets a hundredth of that be told: largest, RMS, mean.
+    // A line is a cycle over 60 periods wide, and noise lets a hundredth of that show: largest, RMS, mean.
     let bounds = [[5e-4, 2e-4, 1e-4], [0.04, 0.02, 0.01], [0.05, 0.02, 0.01]];
     for (deviation, bound) in all.iter().zip(bounds) {
         let within = deviation.iter().zip(bound).all(|(d, b)| d.abs() < b);
