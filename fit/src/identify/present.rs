@@ -142,12 +142,12 @@ impl Identification {
                 }),
         );
         Table {
-            caption: "NMSE (eq. 13) in % of the effort's variance; * recommended".to_owned(),
+            caption: "Error (NMSE) in % of the effort's variance; * recommended".to_owned(),
             head: [
                 "model".to_owned(),
-                "optimal: train".to_owned(),
+                "best blocks: train".to_owned(),
                 held_out.clone(),
-                "by (7)–(9): train".to_owned(),
+                "paper's method: train".to_owned(),
                 held_out,
             ]
             .to_vec(),

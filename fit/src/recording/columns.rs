@@ -322,7 +322,7 @@ fn other_axis(
         warnings.push(Warning::new(
             "other-axis",
             format!(
-                "{} not taken as the motion, which is {}; give `--map` with a ratio to use it so",
+                "{} not taken as the motion, which is {}; to use it, give `--map` with a ratio",
                 other.join(", "),
                 kind.name()
             ),

@@ -243,7 +243,7 @@ fn by_place(columns: usize, maps: &[String]) -> String {
     let like = match maps {
         [] => "NAME=column1".to_owned(),
         maps => format!(
-            "what their numbers look like, if the units are right, {}{}",
+            "by their numbers, if the units are right, {}{}",
             maps.join(" "),
             places::said(maps)
         ),
@@ -258,7 +258,7 @@ fn proposal(maps: &[String]) -> String {
     match maps {
         [] => String::new(),
         maps => format!(
-            ". Rename the columns with their SI units, or bring them in, if this is what they are, with {}{}",
+            ". Rename the columns with their SI units, or, if the guess is right, give {}{}",
             maps.join(" "),
             places::said(maps)
         ),

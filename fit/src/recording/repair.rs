@@ -239,7 +239,7 @@ fn unwrap(
         warnings.push(Warning::new(
             "position-jump",
             format!(
-                "the position jumps {} times, first by {:.4e} at {}: nothing is filtered across, and what lies beyond may be displaced",
+                "jumps of the position: {}, first by {:.4e} at {}; nothing is filtered across, and what follows may be displaced",
                 jumps.len(),
                 x[first] - x[first - 1],
                 table.place.of(first)
@@ -262,7 +262,7 @@ fn unwrap(
     warnings.push(Warning::new(
         "wrapped",
         format!(
-            "the position wraps around at {wrap:.6e} {} times, first at {}: unwrapped",
+            "the position wraps around at {wrap:.6e} ({} in all, first at {}): unwrapped",
             jumps.len(),
             table.place.of(first)
         ),

@@ -113,7 +113,7 @@ fn no_column(recording: &Recording, name: &str) -> String {
         format!("has {}", names.join(", "))
     };
     format!(
-        "--simulated {name}: there is no file of that name, and no such column of numbers that vary in {}, which {there}; log the force or torque that the simulation needs for the recorded motion as one more column, or the position that it comes to under the recorded effort",
+        "--simulated {name}: there is no file of that name, and no such column of numbers that vary in {}, which {there}; log the force or torque that the simulation needs for the recorded motion as one more column, or the position that it reaches under the recorded effort",
         recording.name
     )
 }
@@ -122,7 +122,7 @@ fn other_quantity(recording: &Recording, name: &str) -> String {
     let (effort, unit) = (recording.role.name(), recording.effort_unit());
     let position = recording.position_unit();
     format!(
-        "--simulated {name}: its unit is neither that of a {effort}, which the recording is in ({unit}), nor that of its position ({position}); log the simulation in these, or bring the recording to its units with --map"
+        "--simulated {name}: its unit is neither that of a {effort}, which the recording is in ({unit}), nor that of its position ({position}); log the simulation in these, or convert the recording with --map"
     )
 }
 

@@ -91,7 +91,7 @@ pub(super) fn unwrap(t: &mut [f64], table: &Table, warnings: &mut Vec<Warning>) 
     warnings.push(Warning::new(
         "time-wrapped",
         format!(
-            "the clock wraps around at {range} s {} times, first at {}: unwrapped",
+            "the clock wraps around at {range} s ({} in all, first at {}): unwrapped",
             falls.len(),
             table.place.of(falls[0])
         ),
@@ -129,7 +129,7 @@ pub(super) fn check(
         warnings.push(Warning::new(
             "time-restarts",
             format!(
-                "the clock starts again {} times; each run is kept apart",
+                "restarts of the clock: {}; each run is kept apart",
                 runs.len() - 1
             ),
         ));

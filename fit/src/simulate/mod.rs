@@ -129,7 +129,7 @@ pub fn force_of_motion(model: &Model, recording: &Recording) -> Result<Simulatio
     )];
     if !recording.effort.is_empty() {
         notes.extend(recording.per_unit().map(|per| {
-            format!("Compared as it is, which takes a model identified from the same column: {per}")
+            format!("Compared as it is, for a model identified from the same column: {per}")
         }));
     }
     let agreement = (!recording.effort.is_empty())

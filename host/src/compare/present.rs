@@ -140,7 +140,7 @@ impl Comparison {
         let unit = recording.effort_unit();
         Table {
             caption: format!(
-                "NMSE (eq. 13), %; held out: {}; cycles on a Cortex-M4F; seed {SEED}; * recommended",
+                "Error (NMSE), %; held out: {}; cycles on a Cortex-M4F; seed {SEED}; * recommended",
                 self.held_out()
             ),
             head: [

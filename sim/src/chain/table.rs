@@ -169,7 +169,7 @@ pub fn table(rows: &[Row]) -> (String, bool) {
     let enough = 6 * close >= 5 * rows.len();
     let _ = writeln!(
         text,
-        "{named} of {} named first; {close} of {} tracked within {AIM} × what knowing the truth gives: the aim, five of six, is {}.",
+        "{named} of {} named first; {close} of {} tracked within {AIM} × the error with the truth known: the aim, five of six, is {}.",
         rows.len(),
         rows.len(),
         if enough { "met" } else { "missed" }
