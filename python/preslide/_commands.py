@@ -115,7 +115,7 @@ def _without_own(options):
 
 
 def identify(*recordings, progress=None, **options):
-    """Rigid body and friction model from recordings. `result.model` is the recommended one."""
+    """Fit a rigid body and a friction model to recordings. `result.model` is the recommended one."""
     _without_own(options)
     with _folder() as name:
         folder = pathlib.Path(name)
@@ -123,7 +123,7 @@ def identify(*recordings, progress=None, **options):
 
 
 def compare(*recordings, progress=None, **options):
-    """Every friction model on the same recording: error in and out of sample, memory, cost."""
+    """Fit every friction model to one recording: error fitted and held out, memory, cost."""
     _without_own(options)
     with _folder() as name:
         folder = pathlib.Path(name)
@@ -131,17 +131,16 @@ def compare(*recordings, progress=None, **options):
 
 
 def diagnose(*recordings, model=None, simulate=None, simulate_motion=None, simulated=None, progress=None, **options):
-    """Where recording and model, or recording and simulation, differ, what physics is missing, and the proof.
+    """Name and size the physics that a model or a simulation lacks, with proof on held-out data.
 
-    `simulate` is a simulation of your own: a function of a dictionary of arrays (`t`, `x`, `v`, `a` in SI) to the force that it needs for that
+    `simulate` is your own simulation: a function of a dictionary of arrays (`t`, `x`, `v`, `a` in SI) to the force that it needs for that
     motion. `result.data` is then the correction, term by term, `result.correction.nmse_corrected` what is left with it (% of the variance), and
-    `result.corrector()` adds it to any motion. `simulate_motion` is one that only moves forward: of the same dictionary with the recorded `force` to
-    the position that it comes to under it; or to position and force, where a controller of its own moves it. `simulated` names a column or a file
-    instead.
+    `result.corrector()` adds it to any motion. `simulate_motion` is a forward one: of the same dictionary with the recorded `force` to the position
+    that it reaches; or to position and force, where its own controller moves it. `simulated` names a column or a file instead.
     """
     _without_own(options)
     if sum(given is not None for given in (model, simulate, simulate_motion, simulated)) > 1:
-        raise Error("give one of model, simulate, simulate_motion and simulated: each is what the recording is held against")
+        raise Error("give one of model, simulate, simulate_motion and simulated: each is what the recording is compared with")
     with _folder() as name:
         folder = pathlib.Path(name)
         if simulate is not None or simulate_motion is not None:
@@ -156,7 +155,7 @@ def diagnose(*recordings, model=None, simulate=None, simulate_motion=None, simul
         return _run("diagnose", _files(recordings, folder) + arguments, folder, progress, makes)
 
 
-#: Columns of a recording that tell its motion and its effort, and what those of a simulation are called.
+#: Columns of a recording for motion and effort, and their names in a simulation.
 _POSITION = {"x_m": "x_sim_m", "q_rad": "q_sim_rad"}
 _EFFORT = {"force_N": "force_sim_N", "friction_N": "friction_sim_N", "torque_Nm": "torque_sim_Nm"}
 
@@ -190,7 +189,7 @@ def _with_simulation(recordings, simulate, simulate_motion, folder, progress, op
 
 
 def _motion(t, x, position, folder, progress):
-    """Time, position, velocity and acceleration by the tool's own filter: the force of a mass of 1, with friction of nothing."""
+    """Time, position, velocity and acceleration by the tool's own filter: the force of a mass of 1 without friction."""
     kind, inertia, coulomb = ("rotary", "inertia_kg_m2", "coulomb_Nm") if position == "q_rad" else ("linear", "mass_kg", "coulomb_N")
     unit = folder / "unit.toml"
     unit.write_text(
@@ -204,7 +203,7 @@ def _motion(t, x, position, folder, progress):
 
 
 def simulate(model, *, motion=None, force=None, reference=None, controller=None, progress=None, **options):
-    """The force that a motion takes, or the motion that a force or a controller causes; `result.data` has the arrays."""
+    """The force that a motion takes, or the motion under a force or a controller; `result.data` has the arrays."""
     _without_own(options)
     with _folder() as name:
         folder = pathlib.Path(name)
@@ -218,7 +217,7 @@ def simulate(model, *, motion=None, force=None, reference=None, controller=None,
 
 
 def tune(model, *, recording=None, progress=None, **options):
-    """How many blocks in which arithmetic fit a cycle budget, and which to take."""
+    """Choose number of blocks and arithmetic for a cycle budget."""
     _without_own(options)
     with _folder() as name:
         folder = pathlib.Path(name)
@@ -229,7 +228,7 @@ def tune(model, *, recording=None, progress=None, **options):
 
 
 def fleet(*recordings, output=None, progress=None, **options):
-    """Many axes, a recording a day each: columns of the table, a row a recording, by name (texts, and numbers with NaN for none).
+    """Watch many axes: columns of the table by name, a row for each recording (texts, and numbers with NaN for none).
 
     `recordings` are folders, files or patterns; `output` keeps the table (`.parquet` or `.csv`) and, beside it, the rows as they are made, so that the
     next call reads only what is new. With `part="1/8"` one of eight workers makes its rows and there is no table.
