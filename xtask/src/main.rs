@@ -30,7 +30,7 @@ struct Command {
 const COMMANDS: &[Command] = &[
     Command {
         name: "test",
-        help: "everything CI runs; --all with the long studies, before a release; or the steps named, or with --changed [BASE] those that the changes since BASE (default: the last commit) touch; the emulator's beside the others unless --serial is given; installs what is missing",
+        help: "everything CI runs, or the steps named, or with --changed [BASE] those that the changes since BASE (default: the last commit) touch; --all adds the long studies before a release; --serial runs one step at a time; installs what is missing",
         run: test::run_steps,
     },
     Command {
@@ -40,57 +40,57 @@ const COMMANDS: &[Command] = &[
     },
     Command {
         name: "imports",
-        help: "who imports whom: no circles, and the order that ARCHITECTURE.md gives the rooms",
+        help: "checks who imports whom: no circles, and the order in ARCHITECTURE.md",
         run: imports::run_command,
     },
     Command {
         name: "cycles",
-        help: "what an update of each kernel costs on a Cortex-M4F; --check compares with the committed tables where their sources changed, --recount always, --tick lists where a control tick spends its own, --m0plus and --hazard3 measure on the cores of the RP2040 and, simulated and exact, of the RP2350's RISC-V side",
+        help: "counts the cycles of each kernel's update on a Cortex-M4F; --check compares with the committed tables if their sources changed, --recount always; --tick splits a control tick; --m0plus and --hazard3 count on the RP2040 and, exactly, on the RP2350's RISC-V core",
         run: cycles::run_command,
     },
     Command {
         name: "qemu",
-        help: "the firmware in QEMU against the simulated stage: agreement, faults, sizes; --long with all pairs of law and arithmetic, all of the commissioning chapter's motion, the cable pulled in every stage, ten times the requests, and a capture identified; --bless takes new outputs",
+        help: "runs the firmware in QEMU against the simulated stage: agreement, faults, sizes; --long adds all pairs of law and arithmetic, the whole motion of the commissioning chapter, the cable pulled in every stage, ten times the requests, and a capture identified; --bless takes new outputs",
         run: qemu::run_command,
     },
     Command {
         name: "stage",
-        help: "an emulated drive, the firmware in QEMU on the simulated stage, on tcp:127.0.0.1:7700 or the PORT named",
+        help: "serves an emulated drive, the firmware in QEMU on the simulated stage, on tcp:127.0.0.1:7700 or the PORT named",
         run: qemu::serve_command,
     },
     Command {
         name: "chain",
-        help: "concealed effects recorded, diagnosed, compiled into the firmware and tracked again; --seed N, --count K, --brief with what decides alone",
+        help: "records hidden effects, diagnoses them, compiles them into the firmware and tracks again; --seed N, --count K, --brief for what decides alone",
         run: chain::run_command,
     },
     Command {
         name: "properties",
-        help: "recordings changed in ways that change nothing about the machine: does the diagnosis say the same?",
+        help: "does the diagnosis say the same of a recording that is cut, mirrored, thinned, …?",
         run: |arguments| judge::judge("properties", arguments),
     },
     Command {
         name: "inject",
-        help: "known effects added to real recordings: are they named where an oracle sees them? --help lists the options",
+        help: "are known effects, added to real recordings, named where an oracle sees them? --help lists the options",
         run: |arguments| judge::judge("inject", arguments),
     },
     Command {
         name: "experiments",
-        help: "does it help to ask? a motion and experiments against a recording as long: trials that hide what one recording hardly shows; --help lists the options",
+        help: "do experiments help, against one recording as long, where it hardly shows the effect? --help lists the options",
         run: |arguments| judge::judge("experiments", arguments),
     },
     Command {
         name: "sources",
-        help: "the diagnosis on every source of recordings with a known truth: one table; --help lists the options",
+        help: "how often is the diagnosis right, on every source of recordings with a known truth? one table; --help lists the options",
         run: |arguments| judge::judge("sources", arguments),
     },
     Command {
         name: "calibrate",
-        help: "the confidence of names, fitted to judged ones (JSON of `sources` and `inject`); each source left out in turn; --bless",
+        help: "fits the confidence of names to judged ones (JSON of `sources` and `inject`), each source left out in turn; --bless writes it",
         run: |arguments| judge::judge("calibrate", arguments),
     },
     Command {
         name: "real",
-        help: "what the diagnosis says of each real recording: a table; a NAME chooses",
+        help: "prints what the diagnosis says of each real recording, or of the NAME given",
         run: |arguments| judge::judge("real", arguments),
     },
 ];

@@ -108,7 +108,7 @@ pub const STEPS: &[Step] = &[
     },
     Step {
         name: "clippy",
-        reason: "the compiler's and clippy's warnings are errors, in tests, examples and benches, too",
+        reason: "warnings of the compiler and of clippy are errors, in tests, examples and benches too",
         needs: &[Need::Clippy],
         paths: WORKSPACE,
         lane: Lane::Host,
@@ -157,7 +157,7 @@ pub const STEPS: &[Step] = &[
     },
     Step {
         name: "example",
-        reason: "the example to be copied first sets its clock, refuses another, and computes in QEMU what its model gives; before a release the others link",
+        reason: "the example to copy first sets its clock, refuses another, and computes its model's force in QEMU; before a release the others link",
         needs: &[Need::Qemu],
         paths: &[
             "src/",
@@ -177,7 +177,7 @@ pub const STEPS: &[Step] = &[
     },
     Step {
         name: "firmware",
-        reason: "the firmware builds and links for every board, before a release for that with a chip of another maker, too, warnings denied; no control task can panic, and what boards are put together by does as told",
+        reason: "the firmware builds and links for every board without a warning (the Pico 2 before a release); no control task can panic, and the boards' common parts pass their tests",
         needs: &[Need::Clippy, Need::ArmGcc],
         paths: FIRMWARE_PATHS,
         lane: Lane::Beside,
@@ -213,7 +213,7 @@ pub const STEPS: &[Step] = &[
     },
     Step {
         name: "chain",
-        reason: "effects that only the stage knows of are named, compiled into the firmware and compensated",
+        reason: "effects that only the stage knows are named, compiled into the firmware and compensated",
         needs: &[Need::Qemu],
         paths: RIG,
         lane: Lane::Beside,
@@ -228,7 +228,7 @@ pub const STEPS: &[Step] = &[
     },
     Step {
         name: "miri",
-        reason: "an interpreter finds nothing undefined in what the library's tests of numbers and kernels do",
+        reason: "an interpreter finds nothing undefined in the library's tests of numbers and kernels",
         needs: &[],
         paths: &["src/scalar/", "src/kernels/"],
         lane: Lane::Beside,
@@ -236,7 +236,7 @@ pub const STEPS: &[Step] = &[
     },
     Step {
         name: "package",
-        reason: "the published crate holds the library and nothing else, and a project with the oldest compiler that it promises builds it",
+        reason: "the published crate holds the library alone, and builds with the oldest compiler that it promises",
         needs: &[],
         paths: &["src/", "build.rs", "Cargo.toml", "LICENSE"],
         lane: Lane::Host,

@@ -208,7 +208,7 @@ pub fn run(o: &Options) -> Result<(), String> {
     println!("\n{held} of {asked} hold; {:?}", tally.words);
     match o.at_least {
         Some(least) if held < least => Err(format!(
-            "{held} answers hold where {least} did; the lines above tell which do not"
+            "{held} answers hold where {least} did; the lines above show which do not"
         )),
         _ => Ok(()),
     }
