@@ -218,7 +218,7 @@ impl Capture {
         match summary.end {
             End::Silent => say!("Note: the line fell silent for 10 s."),
             End::Restarted => {
-                say!("Note: the controller restarted; what came after is another recording.")
+                say!("Note: the controller restarted; what follows is another recording.")
             }
             End::Complete | End::Closed => {}
         }

@@ -224,7 +224,7 @@ impl Identification {
         let plural = if blocks == 1 { "" } else { "s" };
         if best.nmse_test.is_nan() || best.nmse_test > UNEXPLAINED {
             format!(
-                "Use none of these models: the best leaves {} of the variance on held-out data. Friction is not what moves this effort; look at the residual against time and position, at the effort's column (--map) and sign (--sign), and record faster or longer strokes.",
+                "Use none of these models: the best leaves {} of the variance on held-out data. This effort is not friction: look at the residual against time and position, check the effort's column (--map) and sign (--sign), and record faster or longer strokes.",
                 left(best.nmse_test)
             )
         } else if self.optimal().next().is_none() {
@@ -233,7 +233,7 @@ impl Identification {
             )
         } else if blocks == 0 {
             format!(
-                "Use Coulomb + viscous friction ({baseline} of the variance left on held-out data): blocks leave {lowest}, so this recording does not show pre-sliding; to see it, reverse slowly enough for tens of samples before the friction force is back at its level."
+                "Use Coulomb + viscous friction ({baseline} of the variance left on held-out data): blocks leave {lowest}, so this recording does not show pre-sliding. To see it, reverse so slowly that the friction force takes tens of samples to return."
             )
         } else {
             format!(

@@ -92,7 +92,7 @@ impl Weights {
         };
         let shares: Vec<String> = runs(recording).map(share).collect();
         Some(format!(
-            "the recordings count by their seconds and by how closely the model meets them: {} of what is fitted, in the order given; the NMSE is weighted alike",
+            "recordings count by their seconds and by how closely the model meets them: {} of the fit, in the order given; so does the NMSE",
             shares.join(", ")
         ))
     }

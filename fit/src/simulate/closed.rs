@@ -179,7 +179,8 @@ fn notes(model: &Model, recording: &Recording, steps: u32, change: f64) -> Vec<S
         format!(
             "In closed loop with {steps} steps a tick; half as many move the position by {change:.1e} of the largest following error"
         ),
-        "The controller sees position and velocity as they are: no encoder, no delay, no feed-forward".to_owned(),
+        "The controller sees the true position and velocity: no encoder, no delay, no feed-forward"
+            .to_owned(),
     ];
     if recording.pieces.len() > 1 {
         notes.push("Only the samples before the first gap are simulated".to_owned());

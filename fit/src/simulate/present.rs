@@ -123,7 +123,7 @@ impl Simulation {
                 quantity(a.rms, f)
             ),
             (None, Some(b)) => format!(
-                "breakaway: at {:.4} s and {} friction can no longer hold the force and the body slides away; keep the force below that, or give the model an inertia, with which --force simulates the slide too",
+                "breakaway: at {:.4} s and {} friction no longer holds the force and the body slides away; keep the force below that, or give the model an inertia to simulate the slide too",
                 b.time_s,
                 quantity(b.force, f)
             ),

@@ -258,7 +258,7 @@ impl Comparison {
                     "Non-local memory",
                     vec![self.memory_table(recording)],
                     vec![nested],
-                    vec!["A model has non-local memory when every inner loop closes to rounding (1e-9 of the force's range). Coulomb friction has nothing to remember; its zeros say no more than that.".to_owned()],
+                    vec!["A model has non-local memory when every inner loop closes to rounding (1e-9 of the force's range). Coulomb friction has nothing to remember, hence its zeros.".to_owned()],
                 ),
                 section("What the models leave", Vec::new(), vec![residuals], Vec::new()),
                 section(

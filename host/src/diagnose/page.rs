@@ -325,7 +325,7 @@ impl Diagnosis {
                 .map(|(key, ratio)| format!("{key} {:.0} %", 100.0 * ratio))
                 .collect();
             format!(
-                "{} ({}): {}. It explains {:.1} % of what is left without it, on stretches that its fit has not seen, at {:.1} standard errors over {:.0} stretches. In its place others explain, of what it does: {}. To tell it apart: {}.",
+                "{} ({}): {}. It explains {:.1} % of what is left without it, on stretches that its fit has not seen, at {:.1} standard errors over {:.0} stretches. Of its share others in its place explain: {}. To decide: {}.",
                 e.id(), e.level(), e.name.words(), 100.0 * e.evidence.share, e.evidence.z, e.evidence.blocks,
                 if tried.is_empty() { "nothing comparable".to_owned() } else { tried.join(", ") },
                 e.name.experiment()

@@ -83,7 +83,7 @@ impl Rows {
         }
         if blocks.len() < FEWEST || weak.folds.len() < 3 {
             return Err(format!(
-                "{}: the axis moves for {:.1} s over {} stretches after its friction is known: too few to hold any out; record at least {FEWEST} strokes, or one several times as long",
+                "{}: the axis moves for {:.1} s over {} stretches once its friction is known, too few to hold any out; record at least {FEWEST} strokes, or one several times as long",
                 recording.name,
                 usable.iter().filter(|u| **u).count() as f64 * s.dt,
                 blocks.len()

@@ -115,7 +115,7 @@ impl Unknown {
         }
         if let Some(rise) = self.rises_by {
             return format!(
-                "friction {} by {} within {}; time, path or warmth, this recording cannot say which: {} RMS, {} of what is left, there with a probability of {}",
+                "friction {} by {} within {}; by time, path or warmth, this recording cannot say which: {} RMS, {} of what is left, probability {}",
                 if rise > 0.0 { "rises" } else { "falls" },
                 percent(rise.abs()),
                 duration(s.duration()),
@@ -131,13 +131,13 @@ impl Unknown {
         let what = match (self.change, self.like) {
             (Some(change), _) => change.name().to_owned(),
             (_, Some(effect)) => format!(
-                "something that follows {axis} and is most like {}, which is too doubtful to be named",
+                "something that follows {axis}, most like {}, which is too doubtful to name",
                 effect.id()
             ),
             _ => format!("something that follows {axis}"),
         };
         format!(
-            "{what}, {}{place}: {} RMS, {} of what is left, there with a probability of {}",
+            "{what}, {}{place}: {} RMS, {} of what is left, probability {}",
             if self.odd {
                 "flipping with the direction"
             } else {
@@ -163,7 +163,7 @@ impl Unknown {
             more => format!(" and {more} more times"),
         };
         format!(
-            "something that happened {}{more} and not in like motion at other times, {}: {} RMS, {} of what is left, there with a probability of {}",
+            "something that happened {}{more} and not in like motion at other times, {}: {} RMS, {} of what is left, probability {}",
             told.join(", "),
             if self.odd {
                 "of the friction level"
@@ -276,12 +276,12 @@ impl Diagnosis {
         let force = |nmse| quantity(self.null.rows.rms_of(nmse), recording.effort_unit());
         match without > with {
             true => format!(
-                "; compensated, {} RMS of the {} that are left on stretches held out are gone",
+                "; compensated, it takes {} RMS off the {} left on stretches held out",
                 force(without - with),
                 force(without)
             ),
             false => format!(
-                "; compensated, none of the {} RMS that are left on stretches held out are gone",
+                "; compensated, it takes nothing off the {} RMS left on stretches held out",
                 force(without)
             ),
         }
@@ -360,7 +360,7 @@ impl Diagnosis {
             text += &format!("; {words}");
         }
         if self.null.core.follows_velocity() {
-            text += "; friction reverses smoothly over the slowest speeds here, as tanh(v/v0) does, and not along the path: hysteresis alone, GMS's too, would leave most of the mismatch";
+            text += "; friction reverses smoothly over the slowest speeds, as tanh(v/v0), not along the path: hysteresis alone, GMS's too, would leave most of the mismatch";
         }
         for unknown in self.nameless() {
             text += &format!("; without a name: {}", unknown.words(self, recording));
@@ -428,7 +428,7 @@ impl Diagnosis {
             (Verdict::ParametersDiffer, _) => self.correct(),
             (Verdict::InsufficientData, _) => "record strokes over the whole travel at several speeds, in both directions, with the effort of the motor (`preslide diagnose … --experiment motion.csv` writes such a motion).".to_owned(),
             _ if self.displacement_factor().is_some() => {
-                "identify the model's hysteresis again (`preslide identify`); its kind can stay.".to_owned()
+                "identify the model's hysteresis again (`preslide identify`); its law can stay.".to_owned()
             }
             (Verdict::UnknownPhysics, Some(unknown)) => unknown.advice(self),
             (Verdict::UnknownPhysics, None) => "look at the maps of what is left on the page of --report; nothing in the catalogue explains it.".to_owned(),
@@ -460,7 +460,7 @@ impl Diagnosis {
                 format!("correct the {name} of the simulation ({words}).")
             }
             _ if effect.parameters.iter().any(|(key, _)| key == READING) => {
-                "record with a wider range, or the command in its place: the reading ends where the force goes on, and what it cut is left out.".to_owned()
+                "record with a wider range, or record the command: the reading ends where the force goes on, and those samples are left out.".to_owned()
             }
             _ if effect.in_simulation => format!("correct the {} of the simulation ({words}).", effect.name.name()),
             (_, None) => format!("add {id} to the {}: {words}.", self.model_word()),

@@ -173,7 +173,7 @@ impl Comparison {
             false => Axis::new("error of the arithmetic", "%").log(),
         };
         let mut figure = Figure::new(
-            "Error against time on each core: every choice, and the line of those that no other beats",
+            "Error against time on each core: every choice, and the line of the unbeaten ones",
             Axis::new("time a tick at worst", "µs").log(),
             y,
         );
@@ -196,7 +196,7 @@ impl Comparison {
                 figure = figure.with(line.colour(colour));
             }
         }
-        figure.note("No line where one choice beats all others. The clock is each core's own, unless --clock was given.")
+        figure.note("No line where one choice beats all others. Each core has its own clock unless --clock was given.")
     }
 }
 

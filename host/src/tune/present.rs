@@ -147,7 +147,7 @@ impl Tuning {
             false => Axis::new("error of the arithmetic", "%").log(),
         };
         let mut figure = Figure::new(
-            "Error against cycles, a mark for each number of blocks",
+            "Error against cycles, one mark for each number of blocks",
             Axis::new("cycles a tick at worst", "cycles"),
             y,
         );

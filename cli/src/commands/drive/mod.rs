@@ -368,7 +368,7 @@ impl Commanded {
             Ok(())
         } else {
             Err(Failure::Data(
-                "the origin was not found; check the index's wiring, or home to a --mark stop (where travel has one on that side)"
+                "the origin was not found; check the index's wiring, or home with --mark stop if the travel has a stop on that side"
                     .to_owned(),
             ))
         }
