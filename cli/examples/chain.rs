@@ -3,7 +3,7 @@
 //!
 //! `chain list SEED COUNT` prints the effects; `chain serve SEED INDEX ELF PORT` records: the telemetry goes to `preslide
 //! capture tcp:127.0.0.1:PORT`; `chain known SEED INDEX MODEL.toml` writes the truth as a model file; `chain track SEED INDEX
-//! NONE.elf FOLDER` follows the judged motion with it and with the other images in the folder; `chain table SEED FOLDER…` prints what came of it, from `diagnosis.json` and `errors.json` in each folder, and fails where the aim is missed. `chain
+//! NONE.elf FOLDER` follows the judged motion with it and with the other images in the folder; `chain table SEED FOLDER…` prints the result, from `diagnosis.json` and `errors.json` in each folder, and fails where the aim is missed. `chain
 //! rehearse SEED COUNT` does it all in one process, with the same control code on the host instead of the firmware. `--electrical` at the
 //! end puts all of it on the electrical stage.
 

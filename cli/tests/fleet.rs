@@ -230,7 +230,7 @@ fn files_of_the_same_name_in_two_folders_are_two_axes() {
     }
 }
 
-/// A table may lie among its recordings, and never in the place of one.
+/// A table may lie among its recordings, and never in place of one.
 #[test]
 fn a_recording_is_not_overwritten_by_the_table() {
     let folder = tempfile::tempdir().expect("temporary folder");

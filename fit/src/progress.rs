@@ -20,7 +20,7 @@ thread_local! {
     static LISTENER: RefCell<Option<Listener>> = const { RefCell::new(None) };
 }
 
-/// Has a listener hear of all work that this thread begins within `work`, in the place of stderr.
+/// Has a listener hear of all work that this thread begins within `work`, in place of stderr.
 pub fn heard<R>(listener: Listener, work: impl FnOnce() -> R) -> R {
     let before = LISTENER.replace(Some(listener));
     let done = work();

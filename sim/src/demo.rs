@@ -119,7 +119,7 @@ impl Story<'_> {
         }
     }
 
-    /// What came of it, in a sentence or two.
+    /// The result in a sentence or two.
     pub fn outcome(&self) -> String {
         let nm = |i: usize| {
             let followed: Option<&Followed> = self.followed.get(i);

@@ -174,7 +174,7 @@ impl Fleet {
         })
     }
 
-    /// What came of it, in words.
+    /// The result in words.
     fn words(&self, rows: &[Row], ranked: &[(&Row, &Change)], failed: usize) -> String {
         let axes = rows.chunk_by(|a, b| a.axis == b.axis).count();
         // The surest change of an axis is an alarm where any is.

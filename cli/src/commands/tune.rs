@@ -84,7 +84,7 @@ pub struct Tune {
     outputs: OutputArgs,
 }
 
-/// Every core beside each other, in the place of a core's name.
+/// Every core beside each other, in place of a core's name.
 const ALL: &str = "all";
 
 /// Share of the processor that friction may take, where none is given.

@@ -127,7 +127,7 @@ pub struct Transmission {
 
 /// Something to do with any of the library's models, in the number type `S`.
 pub trait Visitor<S = f64> {
-    /// What comes of it.
+    /// The result.
     type Outcome;
 
     /// Does it.

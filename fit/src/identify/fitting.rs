@@ -36,7 +36,7 @@ pub(super) struct Fitting<'a> {
     pub(super) inertial: bool,
 }
 
-/// What came of it.
+/// The result.
 pub(super) struct Found {
     pub(super) candidates: Vec<Candidate>,
     pub(super) recommended: usize,

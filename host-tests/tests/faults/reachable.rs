@@ -132,7 +132,7 @@ fn holds<S: Scalar>(axis: &Axis, units: Units) -> Result<bool, TestCaseError> {
 
     if ticks(axis.watch.frozen_time) < f64::from(PATIENCE) {
         let mut frozen = enabled::<S>(axis, units, 1e30, 0);
-        // So slow that no error comes of it; at rest a push might be a load's.
+        // So slow that no error results; at rest a push might be a load's.
         let creep = 1e-7 * axis.encoder.count / axis.sample_time();
         let jog = Planner::try_new(axis).and_then(|planner| planner.jog(creep));
         prop_assert_eq!(frozen.jog(jog.expect("within the limits")), Ok(()));

@@ -73,7 +73,7 @@ fn quasi_static<const N: usize>() -> impl FnMut(f64, f64) -> f64 {
 }
 
 /// Half a unit of 3.7 nm (50 µm are 2¹⁴ of fewer) is 0.2 % of the shortest D, 1 µm, which bears up to 0.4 of `F_s`: 0.08 %, and twice that
-/// behind a reversal; as much again comes of the path, and of the stiffnesses, the softest of which are 80 to 160 units.
+/// behind a reversal; as much again comes from the path, and of the stiffnesses, the softest of which are 80 to 160 units.
 const QUASI_STATIC: [f64; 3] = [0.5, 0.1, 0.02];
 
 fn laws_along_a_smooth_reference<const N: usize, const PAIRS: usize>() {

@@ -20,7 +20,7 @@ const PERIODS: f64 = 1.5;
 const REFINED: f64 = 1.25;
 
 /// Share of the effort's squares that must not be friction's for its ripples to be looked for by themselves: on a tribometer, where less is, five of
-/// them took the place of one friction spot. There one is tried in the place of a friction ripple alone.
+/// them took the place of one friction spot. There one is tried in place of a friction ripple alone.
 const FRICTION_ALONE: f64 = 0.5;
 
 /// Standard deviations by which a rival is clearly worse.

@@ -9,7 +9,7 @@ use super::term::Term;
 /// Share of what two terms explain that one must explain in their place.
 const AS_MUCH: f64 = 0.9;
 
-/// The hypothesis with one term in the place of two that vary the friction level over the position, where it has fewer parameters and explains
+/// The hypothesis with one term in place of two that vary the friction level over the position, where it has fewer parameters and explains
 /// nearly as much; and the two.
 pub(super) fn merged(
     null: &NullModel,
@@ -38,7 +38,7 @@ pub(super) fn merged(
     best.map(|(one, pair)| (one, pair.map(|i| hypothesis.terms[i].clone())))
 }
 
-/// The best hypothesis with one term in the place of two.
+/// The best hypothesis with one term in place of two.
 fn one_for(
     null: &NullModel,
     hypothesis: &Hypothesis,

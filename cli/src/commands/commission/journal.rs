@@ -41,7 +41,7 @@ pub struct Asked {
     pub name: String,
     /// Effects that it was for, by id.
     pub about: Vec<String>,
-    /// What came of it, in words.
+    /// The result in words.
     pub answer: Option<String>,
 }
 

@@ -122,7 +122,7 @@ fn asked(journal: &Journal) -> Option<Table> {
         ]
     };
     (!journal.asked.is_empty()).then(|| Table {
-        caption: "Experiments, what each was for and what came of it".to_owned(),
+        caption: "Experiments: purpose and result of each".to_owned(),
         head: ["experiment", "for", "answer"].map(str::to_owned).to_vec(),
         rows: journal.asked.iter().map(row).collect(),
     })

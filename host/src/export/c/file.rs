@@ -180,7 +180,7 @@ impl File<'_> {
         lines.chain(["\n".to_owned()]).collect()
     }
 
-    /// The text with the model's name in the place of `@`, in capitals for `@@`, behind the remarks.
+    /// The text with the model's name in place of `@`, in capitals for `@@`, behind the remarks.
     fn named(&self, text: &str) -> String {
         let text = text.replace("@@", &format!("{}_", self.name.to_uppercase()));
         self.head() + &text.replace('@', &format!("{}_", self.name))
