@@ -1,4 +1,4 @@
-//! The example to copy first, in QEMU: what it computes, and how it sets the clock that QEMU has not.
+//! The example to copy first, in QEMU: what it computes, and how it sets the clock, which QEMU lacks.
 
 use std::process::{Command, Stdio};
 use std::time::Duration;

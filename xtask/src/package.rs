@@ -1,4 +1,4 @@
-//! The library as a user gets it: the package, published but for the upload, and built by a project of another's.
+//! The library as a user gets it: the package, published but for the upload, and built by another project.
 
 use std::process::Command;
 use std::time::Duration;

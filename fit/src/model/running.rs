@@ -1,4 +1,4 @@
-//! A model's effects at work, tick after tick: what they make of the friction level, and the forces beside friction.
+//! A model's effects at work, tick after tick: how they change the friction level, and the forces beside friction.
 
 use super::Model;
 use crate::effects::Effect;

@@ -1,4 +1,4 @@
-//! A model tick after tick: what [`Model::force_along`] gives of a whole path, for programs that have but the present.
+//! A model tick after tick: what [`Model::force_along`] gives of a whole path, for programs that know only the present.
 
 use super::along::Encoder;
 use super::running::Running;

@@ -1,6 +1,6 @@
 //! The text of a model file.
 //!
-//! Written by hand and not with `serde`: its head are comments, an axis' kind decides the keys, a block is a line of its own, and
+//! Written by hand and not with `serde`: its head is comments, the axis's kind decides the keys, each block has a line, and
 //! numbers stand as Rust writes them (`1e-7`), shorter than TOML's libraries do.
 
 use super::{Model, SCHEMA};

@@ -1,4 +1,4 @@
-//! Samples that a file has no numbers for: left out and said where they are few, and no recording where they are many.
+//! Samples without numbers: left out with a warning where they are few, an error where they are many.
 
 use super::Warning;
 

@@ -1,5 +1,5 @@
 //! An effort that is recorded later, or earlier, than the position that it goes with: a shift of the signal. The first term of its series, the
-//! slope of the effort, does not do where the delay is as long as what the motion changes in.
+//! slope of the effort, is not enough where the motion changes within the delay.
 
 use super::rigid::{BLOCKS, Rigid, blocks};
 use super::{Kinematics, LATE, step_at_reversals};

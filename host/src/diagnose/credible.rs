@@ -1,4 +1,4 @@
-//! The hypothesis without the names that nobody should believe: a simpler one takes the place of what it makes needless, and beside two
+//! The hypothesis without names that nobody should believe: a simpler one takes the place of what it makes needless, and beside two
 //! terms that cancel each other, neither has its own size.
 
 use super::confidence::confidence;

@@ -1,6 +1,6 @@
 //! What happened at some time and not otherwise: a knock, a chip in the guideway, a cable that catches.
 //!
-//! No fit that is held out can say it, since other stretches do not have it. The mismatch of every window of time is compared with
+//! No held-out fit can find it, since other stretches lack it. The mismatch of every window of time is compared with
 //! that of the windows in which the axis moved most alike: what depends on the motion is there in both, what happened is not.
 
 use super::rows::Rows;

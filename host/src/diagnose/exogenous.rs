@@ -1,5 +1,5 @@
 //! Whether a delay is one. Two things look like it: friction that is damped where it sticks leads, and no inertia with it; and in a closed loop
-//! friction that wanders moves the axis, whose motion follows it by a phase. What was commanded no friction moves: it is the instrument
+//! friction that wanders moves the axis, whose motion follows it by a phase. No friction moves what was commanded: it is the instrument
 //! of the second (Söderström and Stoica, *Instrumental Variable Methods for System Identification*, 1983).
 
 use super::candidate::{Candidate, candidate_of};

@@ -1,4 +1,4 @@
-//! Whether the user's own hysteresis is what is wrong: `presliding_shape`, which has no term of its own.
+//! Whether the user's own hysteresis is wrong: `presliding_shape`, which has no term of its own.
 
 use super::blocks::{FINER, between_samples};
 use super::effect::Effect;

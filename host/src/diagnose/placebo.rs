@@ -1,4 +1,4 @@
-//! What of a line or a narrow place chance takes as well: waves of the state that the machine does not have. Ripples at other periods are no such
+//! How much of a line or a narrow place chance would take as well: waves of the state that the machine does not have. Ripples at other periods are no such
 //! measure: harmonics of the motion stand out as well as a true line does; nor are its own columns at other times, which show no more than these.
 
 use super::null_model::{Hypothesis, NullModel};

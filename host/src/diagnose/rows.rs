@@ -1,4 +1,4 @@
-//! The rows that are fitted: which instants of a recording count, in blocks that every decision is a paired statistic of.
+//! The rows that are fitted: which instants of a recording count, in blocks, over which every decision is a paired statistic.
 
 use super::signals::Signals;
 use super::weak::{Column, Weak};

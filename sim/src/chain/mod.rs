@@ -1,7 +1,7 @@
 //! The whole chain, once around: a stage that hides an effect, what is recorded of it, and how well it is followed.
 //!
-//! `cargo xtask chain` runs it with the firmware in QEMU, `preslide demo` with the same control code on the host. Whoever
-//! diagnoses gets the recording and the model that was identified from it; what is concealed stays in this module.
+//! `cargo xtask chain` runs it with the firmware in QEMU, `preslide demo` with the same control code on the host. The
+//! diagnosis gets the recording and the model identified from it; what is concealed stays in this module.
 
 mod known;
 mod motions;

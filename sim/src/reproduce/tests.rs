@@ -1,4 +1,4 @@
-//! The figures that issue and README promise, from the paper's tables alone.
+//! The figures that the README promises, from the paper's tables alone.
 
 use super::*;
 use std::sync::OnceLock;

@@ -1,6 +1,6 @@
 //! `cargo xtask book`: builds the book, runs the commands in it and in the README, and compares what they print.
 //!
-//! What a fenced block is, its info string says, after commas or blanks (GitHub knows `sh root`, not `sh,root`):
+//! A fenced block's info string says what it is, after commas or blanks (GitHub knows `sh root`, not `sh,root`):
 //!
 //! | block | meaning |
 //! |---|---|
