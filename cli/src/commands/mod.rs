@@ -266,7 +266,7 @@ impl ReadingArgs {
             for warning in &recording.warnings {
                 tell!("{}: warning: {warning}", recording.name);
                 if !warning.maps.is_empty() {
-                    tell!("Such as: {}", command_line_with(&warning.maps));
+                    tell!("Try: {}", command_line_with(&warning.maps));
                 }
             }
         }
@@ -311,7 +311,7 @@ fn all_wrong(errors: &[RecordingError]) -> String {
     let maps = maps
         .map(|maps| maps.join(" "))
         .find(|maps| !maps.is_empty());
-    lines.extend(maps.map(|maps| format!("Such as: {} {maps}", command_line())));
+    lines.extend(maps.map(|maps| format!("Try: {} {maps}", command_line())));
     lines.join("\n")
 }
 
