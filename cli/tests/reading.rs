@@ -134,10 +134,7 @@ fn a_current_in_milliamperes_is_asked_about_with_the_command_that_reads_it() {
     let told = told.unwrap_or_else(|| panic!("{}", run.err));
     assert!(run.err.contains("`iq` is in mA"), "{}", run.err);
     let map = "current_A=0.4*iq";
-    assert_eq!(
-        told,
-        format!("Try: preslide identify {path} --map '{map}'")
-    );
+    assert_eq!(told, format!("Try: preslide identify {path} --map '{map}'"));
     let run = preslide(&["identify", &path, "--map", map]);
     assert!(!run.succeeds().err.contains("implausible"), "{}", run.err);
 }

@@ -42,16 +42,16 @@ impl Comparison {
         let head = [
             "core",
             "figures",
-            "clock [MHz]",
+            "MHz",
             "N",
             "kernel",
-            "arithmetic",
-            "error [% of F_s]",
-            "NMSE held out [%]",
+            "numbers",
+            "rounding %",
+            "NMSE %",
             "cycles",
             "worst",
-            "worst [µs]",
-            "share at worst",
+            "µs",
+            "share",
         ];
         let row = |on: &OnCore| {
             let mut cells = vec![
@@ -82,7 +82,7 @@ impl Comparison {
         let rate = self.cores.first().map_or(0.0, |on| on.tuning.budget.rate);
         Table {
             caption: format!(
-                "What each core should run at {rate:.0} Hz, inlined into a control tick"
+                "What each core should run at {rate:.0} Hz, inlined into a control tick; rounding in % of the breakaway force, NMSE held out, µs and share at worst"
             ),
             head: head.map(str::to_owned).to_vec(),
             rows: self.cores.iter().map(row).collect(),

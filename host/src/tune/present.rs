@@ -26,15 +26,15 @@ impl Tuning {
         let head = [
             "N",
             "kernel",
-            "NMSE held out [%]",
-            "arithmetic [% of F_s]",
+            "NMSE %",
+            "rounding %",
             "cycles",
             "worst",
-            "share at worst",
-            "whole tick, worst",
-            "its share",
-            "flash [B]",
-            "RAM [B]",
+            "share",
+            "tick",
+            "share",
+            "flash B",
+            "RAM B",
             "",
         ];
         let row = |(index, c): (usize, &Choice)| {
@@ -64,7 +64,7 @@ impl Tuning {
         };
         Table {
             caption: format!(
-                "Cost of one friction update {} at {:.0} Hz and {:.0} MHz ({})",
+                "Cost of a friction update {} at {:.0} Hz and {:.0} MHz ({}); NMSE held out, rounding in % of the breakaway force, the whole tick and shares of the processor at worst",
                 if self.choices.iter().all(|c| c.cost.inlined) {
                     "inlined into a control tick"
                 } else {

@@ -103,7 +103,7 @@ fn too_coarse(choices: &[Choice], fitting: &[&Choice]) -> String {
         None => "check --count against the encoder, and the model's yield displacements against the motion".to_owned(),
     };
     format!(
-        "no arithmetic that fits the budget adds at most {ARITHMETIC} % of F_s to the model's error{least}; {remedy}"
+        "no arithmetic within the budget adds at most {ARITHMETIC} % of the breakaway force to the model's error{least}; {remedy}"
     )
 }
 
@@ -133,7 +133,7 @@ fn what_it_takes(chosen: &Choice, budget: Budget) -> String {
         )
     });
     format!(
-        "{} ({}) is the cheapest arithmetic that adds at most {ARITHMETIC} % of F_s (it adds {:.3} %) and takes {} of the processor at worst, {:.0} cycles a tick, of {} allowed{whole}",
+        "{} ({}) is the cheapest arithmetic that adds at most {ARITHMETIC} % of the breakaway force (it adds {:.3} %) and takes {} of the processor at worst, {:.0} cycles a tick, of {} allowed{whole}",
         chosen.kernel.name(),
         chosen.kernel.description(),
         chosen.arithmetic,
