@@ -198,7 +198,7 @@ impl Diagnosis {
         ));
         Table {
             caption: format!(
-                "{} leaves {} RMS on stretches held out. What explains it:",
+                "{} leaves {} RMS on stretches held out. What explains it, RMS and share of the square:",
                 self.whose(),
                 force(whole)
             ),
