@@ -153,7 +153,7 @@ impl Story<'_> {
         sections.extend(diagnosed.sections.into_iter().take(2));
         sections.push(self.tracked());
         Page {
-            title: "Preslide, once around: recorded, identified, diagnosed, compensated".to_owned(),
+            title: "Preslide demo: recorded, identified, diagnosed, compensated".to_owned(),
             lead: self.outcome(),
             command,
             sections,

@@ -1,4 +1,4 @@
-//! `cargo xtask chain`: the whole chain, once around, for effects that only the stage knows of.
+//! `cargo xtask chain`: the whole chain for effects that only the stage knows of.
 //!
 //! Each trial: the firmware in QEMU on a stage that conceals an effect, its telemetry captured; rigid body and friction
 //! identified; `preslide diagnose`, which is given that recording and that model and nothing else; the model before and

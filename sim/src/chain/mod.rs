@@ -1,4 +1,4 @@
-//! The whole chain, once around: a stage that hides an effect, what is recorded of it, and how well it is followed.
+//! The whole chain: a stage that hides an effect, what is recorded of it, and how well it is followed.
 //!
 //! `cargo xtask chain` runs it with the firmware in QEMU, `preslide demo` with the same control code on the host. The
 //! diagnosis gets the recording and the model identified from it; what is concealed stays in this module.
