@@ -12,9 +12,12 @@ use serde::Serialize;
 use std::ops::Range;
 
 /// Share of the samples beyond the limit of a command at most: more would be explained by the limit alone.
+const MOST_BEYOND: f64 = 0.6;
+/// The same where the limit need not explain nearly all, and of what the recorded effort leaves it then leaves this at most.
 const RARE: f64 = 0.2;
+const NEARLY_ALL: f64 = 0.05;
 /// Limits that are tried before the search between two of them, and its steps.
-const PLACES: usize = 32;
+const PLACES: usize = 48;
 const STEPS: usize = 12;
 /// Of the squares that the fit of the recorded effort leaves, the fit with an end must not leave more; an interior least, so that it is no
 /// limit that explains itself, must leave no more of what the lowest one tried does.
@@ -133,7 +136,7 @@ impl Rigid<'_> {
     /// The limit of a drive that is asked for more.
     fn command(&self) -> Option<Saturation> {
         let size: Vec<f64> = self.recording.effort.iter().map(|f| f.abs()).collect();
-        let lowest = quantile_between_ranks(&size, 1.0 - RARE);
+        let lowest = quantile_between_ranks(&size, 1.0 - MOST_BEYOND);
         let highest = size.iter().fold(0.0, |most: f64, f| most.max(*f));
         if lowest <= 0.0 || highest <= lowest {
             return None;
@@ -142,18 +145,23 @@ impl Rigid<'_> {
         let columns = self.at(&self.rows);
         let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
         let fit = LeastSquares::of(&columns)?;
+        // What is left, of what there is: a lower limit leaves less of anything.
         let loss = |limit: f64| {
             let cut = self.cut(limit);
             let target: Vec<f64> = self.rows.iter().map(|&i| cut[i]).collect();
-            fit.squares_left(&target) / target.len() as f64
+            fit.squares_left(&target) / target.iter().map(|f| f * f).sum::<f64>()
         };
         let ratio = (highest / lowest).powf(1.0 / PLACES as f64);
         let places = (0..PLACES).map(|k| lowest * ratio.powi(k as i32));
         let (mut best, mut least) = places
             .map(|limit| (limit, loss(limit)))
             .min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let whole = self.squares(&without, |_| true);
-        if least > LEAVES * whole || least > INTERIOR * loss(lowest) {
+        let beyond = |limit: f64| size.iter().filter(|f| **f > limit).count() as f64;
+        let leaves = match beyond(best) > RARE * size.len() as f64 {
+            true => NEARLY_ALL,
+            false => LEAVES,
+        };
+        if least > leaves * loss(highest) || least > INTERIOR * loss(lowest) {
             return None;
         }
         let mut step = ratio;
