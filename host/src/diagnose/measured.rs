@@ -116,7 +116,11 @@ fn shown(found: &Found, kept: &[Term], least: f64, effects: &mut [Named]) -> Opt
         for effect in effects.iter_mut() {
             weigh(&found.null, kept, &extended, effect)?;
         }
-        let loss = |e: &Named| e.nmse_test[1] - e.nmse_test[0];
+        let loss = |e: &Named| {
+            let beside_names = e.nmse_test[1] - e.nmse_test[0];
+            let found = e.report.as_ref().filter(|_| e.is_narrow());
+            found.map_or(beside_names, |r| beside_names.min(-r.gain * r.left))
+        };
         let worst = effects
             .iter_mut()
             .filter(|e| e.confident && loss(e) >= -least)
