@@ -89,9 +89,15 @@ impl Demo {
             file("recording.csv"),
             file("model.toml")
         );
-        say!("{}\n", story.diagnosis.verdict_words(story.recording));
+        say!(
+            "{}\n",
+            story
+                .diagnosis
+                .verdict_clauses(story.recording)
+                .join(";\n  ")
+        );
         say!("{}", story.diagnosis.budget_text(story.recording));
-        say!("{}", story.diagnosis.recommendation());
+        say!("{}", story.diagnosis.recommendation(story.recording));
         say!(
             "\n4. preslide export {} --kernel auto --count {:e}\n",
             file("extended.toml"),

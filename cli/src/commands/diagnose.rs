@@ -117,7 +117,7 @@ impl Diagnose {
             Err(refusal) => return Err(refusal.into()),
         };
         progress.finish();
-        say!("{}\n", found.verdict_words(&recording));
+        say!("{}\n", found.verdict_clauses(&recording).join(";\n  "));
         if let Some(fit) = found.fit_words(&recording) {
             say!("Note: {fit}.\n");
         }
@@ -157,9 +157,9 @@ impl Diagnose {
             say!("Second position: {}.", second.words(&recording));
         }
         for lack in &found.lacks {
-            say!("Cannot show {}: {}.", lack.hides.join(", "), lack.missing);
+            say!("{}", lack.words());
         }
-        say!("{}", found.recommendation());
+        say!("{}", found.recommendation(&recording));
         if self.simulated.is_empty() {
             for path in &self.output {
                 write_extended(path, &found, &recording, model.as_ref())?;

@@ -167,7 +167,7 @@ impl Diagnosis {
         }
         rows.extend(self.budget.iter().map(|item| {
             let e = &self.effects[item.effect];
-            let what = e.name.name().to_owned();
+            let what = e.called(recording);
             row(what, item.nmse, e.certainty(), e.size(recording))
         }));
         if self.refitted() >= SEEN * whole {
@@ -231,7 +231,7 @@ impl Diagnosis {
                 let worth = e.evidence.share.clamp(0.0, 1.0) * self.extended.test;
                 format!(
                     "{} ({}, would take {})",
-                    e.name.name(),
+                    e.called(recording),
                     probability(e.confidence),
                     force(worth)
                 )

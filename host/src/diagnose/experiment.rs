@@ -181,7 +181,10 @@ impl Experiment {
             .iter()
             .filter(|e| !e.confident || !e.ambiguous.is_empty())
             .flat_map(|e| std::iter::once(e.id()).chain(e.ambiguous.iter().map(|e| e.id())));
-        let hidden = found.lacks.iter().flat_map(|l| l.hides.iter().copied());
+        let hidden = found
+            .lacks
+            .iter()
+            .flat_map(|l| l.hides.iter().map(|e| e.id()));
         Self::about(open.chain(hidden).collect(), found, ALONE)
     }
 
@@ -201,7 +204,7 @@ impl Experiment {
             .collect();
         suspected.sort_by(|a, b| b.0.total_cmp(&a.0));
         let hidden = found.lacks.iter();
-        let hidden = hidden.flat_map(|lack| lack.hides.iter().copied());
+        let hidden = hidden.flat_map(|lack| lack.hides.iter().map(|e| e.id()));
         let played: Vec<Part> = asked.iter().flat_map(|id| parts_of(id)).copied().collect();
         let of_another_kind = |id: &&'static str| {
             let own = parts_of(id);

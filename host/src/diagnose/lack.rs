@@ -1,14 +1,22 @@
 //! What a recording lacks.
 
-use super::effect;
+use super::effect::{self, Effect};
 use super::signals::Signals;
 
 /// What the recording lacks, and what it therefore cannot show.
 pub struct Lack {
     /// What is missing.
     pub missing: String,
-    /// Ids of the effects that it hides.
-    pub hides: Vec<&'static str>,
+    /// The effects that it hides.
+    pub hides: Vec<&'static dyn Effect>,
+}
+
+impl Lack {
+    /// In a sentence.
+    pub fn words(&self) -> String {
+        let hidden: Vec<&str> = self.hides.iter().map(|e| e.name()).collect();
+        format!("Cannot show {}: {}.", hidden.join(", "), self.missing)
+    }
 }
 
 /// What the recording lacks, and the effects that each lack hides, but for what it shows nevertheless.
@@ -19,10 +27,10 @@ pub(super) fn lacks(s: &Signals, is_stated: impl Fn(&str) -> bool) -> Vec<Lack> 
             continue;
         };
         match lacks.iter_mut().find(|l| l.missing == missing) {
-            Some(lack) => lack.hides.push(effect.id()),
+            Some(lack) => lack.hides.push(effect),
             None => lacks.push(Lack {
                 missing: missing.to_owned(),
-                hides: vec![effect.id()],
+                hides: vec![effect],
             }),
         }
     }

@@ -2,6 +2,7 @@
 
 use super::axis::Axis;
 use super::curve::Curve;
+use super::lack::Lack;
 use super::named::Name;
 use super::place::{Place, means_over};
 use super::second_position::{Lead, Periodic, SecondPosition};
@@ -71,7 +72,7 @@ impl Diagnosis {
             lead: format!(
                 "{}. {}",
                 self.verdict_words(recording),
-                self.recommendation()
+                self.recommendation(recording)
             ),
             command,
             sections: [
@@ -87,11 +88,7 @@ impl Diagnosis {
                 self.maps(recording),
                 Section {
                     heading: "What this recording cannot show".to_owned(),
-                    paragraphs: self
-                        .lacks
-                        .iter()
-                        .map(|l| format!("{}: hides {}.", l.missing, l.hides.join(", ")))
-                        .collect(),
+                    paragraphs: self.lacks.iter().map(Lack::words).collect(),
                     ..Section::default()
                 },
             ])

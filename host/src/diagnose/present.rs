@@ -62,7 +62,7 @@ impl Diagnosis {
             "organised_by": self.organised.iter().take(6).map(|o| self.candidate_json(o)).collect::<Vec<_>>(),
             "not_named": self.rest.iter().take(8).map(|o| self.candidate_json(o)).collect::<Vec<_>>(),
             "noise": { "friction_variability": self.null.noise.variability(), "disturbance": self.null.noise.disturbance() },
-            "excitation": self.lacks.iter().map(|l| json!({"missing": l.missing, "hides": l.hides})).collect::<Vec<_>>(),
+            "excitation": self.lacks.iter().map(|l| json!({"missing": l.missing, "hides": l.hides.iter().map(|e| e.id()).collect::<Vec<_>>()})).collect::<Vec<_>>(),
             "blocks": self.null.rows.blocks.len(),
             "correction": self.correction.as_ref().map(|c| c.to_json(recording)),
             "simulated_late_s": self.simulated_late,

@@ -15,6 +15,8 @@ use preslide_fit::report::figures::{
 };
 use preslide_fit::statistics::quantile_between_ranks;
 
+/// NMSE (%) from which what is left without a name is no trifle: a twentieth of the effort's deviation.
+const MATERIAL: f64 = 0.25;
 /// A force is called a change of the friction level where this share of its squares goes with, or against, the direction.
 const WITH_DIRECTION: f64 = 0.8;
 
@@ -62,6 +64,22 @@ impl Named {
         self.name.id()
     }
 
+    /// Its name for a person, with the period, frequency or place that tells it from others of its kind.
+    pub(super) fn called(&self, recording: &Recording) -> String {
+        let name = self.name.name();
+        let effect = self.term.as_ref().and_then(|t| Some((t.effect()?, t)));
+        let Some((effect, first)) = effect.and_then(|(e, t)| Some((e, *t.shape.first()?))) else {
+            return name.to_owned();
+        };
+        let in_position = || quantity(first, recording.position_unit());
+        match effect.line() {
+            Some(Line::Time) => format!("{name} at {}", quantity(first, "Hz")),
+            Some(_) => format!("{name} every {}", in_position()),
+            None if effect.is_narrow() => format!("{name} at {}", in_position()),
+            None => name.to_owned(),
+        }
+    }
+
     /// `confident` or `suspected`.
     pub fn level(&self) -> &'static str {
         if self.confident {
@@ -97,7 +115,7 @@ impl Unknown {
         match self.like {
             Some(effect) => format!(
                 "something that follows {axis} acts and may be {} ({}). To be sure: {}.",
-                effect.id(),
+                effect.name(),
                 effect.words(),
                 effect.experiment()
             ),
@@ -132,7 +150,7 @@ impl Unknown {
             (Some(change), _) => change.name().to_owned(),
             (_, Some(effect)) => format!(
                 "something that follows {axis}, most like {}, which is too doubtful to name",
-                effect.id()
+                effect.name()
             ),
             _ => format!("something that follows {axis}"),
         };
@@ -289,6 +307,11 @@ impl Diagnosis {
 
     /// Verdict in one sentence.
     pub fn verdict_words(&self, recording: &Recording) -> String {
+        self.verdict_clauses(recording).join("; ")
+    }
+
+    /// Its clauses: the verdict itself, and what is to be said beside it.
+    pub fn verdict_clauses(&self, recording: &Recording) -> Vec<String> {
         let between = self.unrepeated.filter(|u| *u > 0.0);
         let between = between.map_or(String::new(), |u| {
             format!(", {} varying between repeats", left(u))
@@ -299,10 +322,14 @@ impl Diagnosis {
             left(self.extended.test),
             left(self.noise_floor)
         );
-        let mut text = match self.verdict {
+        let verdict = match self.verdict {
             Verdict::Consistent if self.null.core.corrects => format!(
                 "consistent: no difference larger than {} of the variance ({figures})",
                 left(self.baseline.test.max(self.null.rows.missed))
+            ),
+            Verdict::Consistent if self.not_explained() > MATERIAL => format!(
+                "consistent: nothing of the catalogue is missing, but {} of the variance are neither noise nor explained ({figures})",
+                left(self.not_explained())
             ),
             Verdict::Consistent => format!("consistent: nothing material is missing ({figures})"),
             Verdict::ParametersDiffer if self.null.core.corrects => {
@@ -327,7 +354,7 @@ impl Diagnosis {
                 )
             }
             Verdict::MissingPhysics => {
-                let names: Vec<&str> = self.missing().map(Named::id).collect();
+                let names: Vec<String> = self.missing().map(|e| e.called(recording)).collect();
                 format!("missing-physics: {} ({figures})", names.join(", "))
             }
             Verdict::UnknownPhysics if self.unknown().is_none() => format!(
@@ -344,35 +371,35 @@ impl Diagnosis {
                 self.extended.test
             ),
         };
+        let mut clauses = vec![verdict];
         let wrong = self.wrong();
         let wrong: Vec<&str> = wrong.map(|p| p.key.as_str()).collect();
         if !wrong.is_empty() && self.verdict != Verdict::ParametersDiffer {
-            text += &format!("; wrong in the model: {}", wrong.join(", "));
+            clauses.push(format!("wrong in the model: {}", wrong.join(", ")));
         }
-        let in_fit: Vec<&str> = self.in_fit().map(Named::id).collect();
+        let in_fit: Vec<&str> = self.in_fit().map(|e| e.name.name()).collect();
         if !in_fit.is_empty() {
-            text += &format!("; in the fit: {}", in_fit.join(", "));
+            clauses.push(format!("in the fit: {}", in_fit.join(", ")));
         }
-        if let Some(words) = self.other_law(recording) {
-            text += &format!("; {words}");
-        }
-        if let Some(words) = self.too_soft() {
-            text += &format!("; {words}");
-        }
+        clauses.extend(self.other_law(recording));
+        clauses.extend(self.too_soft());
         if self.null.core.follows_velocity() {
-            text += "; friction reverses smoothly over the slowest speeds, as tanh(v/v0), not along the path: hysteresis alone, GMS's too, would leave most of the mismatch";
+            clauses.push("friction reverses smoothly over the slowest speeds, as tanh(v/v0), not along the path: hysteresis alone, GMS's too, would leave most of the mismatch".to_owned());
         }
         for unknown in self.nameless() {
-            text += &format!("; without a name: {}", unknown.words(self, recording));
+            clauses.push(format!(
+                "without a name: {}",
+                unknown.words(self, recording)
+            ));
         }
         if let Some(wanders) = self.unnamed.iter().find(|u| u.wanders && u.is_sure()) {
-            text += &format!(
-                "; friction wanders over {} by {} RMS, as every machine's does",
+            clauses.push(format!(
+                "friction wanders over {} by {} RMS, as every machine's does",
                 wanders.axis.name(&self.null.rows.s),
                 quantity(wanders.rms, recording.effort_unit())
-            );
+            ));
         }
-        text
+        clauses
     }
 
     /// Further columns that are left out, each in a sentence without its full stop.
@@ -416,12 +443,12 @@ impl Diagnosis {
     }
 
     /// What to do.
-    pub fn recommendation(&self) -> String {
+    pub fn recommendation(&self, recording: &Recording) -> String {
         let advice = match (self.verdict, self.unknown()) {
             (Verdict::MissingPhysics | Verdict::ParametersDiffer, _)
                 if self.missing().next().is_some() =>
             {
-                let mut each: Vec<String> = self.missing().map(|e| self.advice(e)).collect();
+                let mut each: Vec<String> = self.missing().map(|e| self.advice(e, recording)).collect();
                 each.dedup();
                 each.join(" Also: ")
             }
@@ -452,8 +479,9 @@ impl Diagnosis {
     }
 
     /// What a confident effect asks for.
-    fn advice(&self, effect: &Named) -> String {
-        let (id, words) = (effect.id(), effect.name.words());
+    fn advice(&self, effect: &Named, recording: &Recording) -> String {
+        let words = effect.name.words();
+        let called = || effect.called(recording);
         match (effect.name, effect.ambiguous.first()) {
             (Name::Correction(_), _) => {
                 let name = effect.name.name();
@@ -463,10 +491,11 @@ impl Diagnosis {
                 "record with a wider range, or record the command: the reading ends where the force goes on, and those samples are left out.".to_owned()
             }
             _ if effect.in_simulation => format!("correct the {} of the simulation ({words}).", effect.name.name()),
-            (_, None) => format!("add {id} to the {}: {words}.", self.model_word()),
+            (_, None) => format!("add to the {}: {} ({words}).", self.model_word(), called()),
             (_, Some(rival)) => format!(
-                "{id} or {}: this recording cannot tell. To decide: {}.",
-                rival.id(),
+                "{} or {}: this recording cannot tell. To decide: {}.",
+                called(),
+                rival.name(),
                 effect.name.experiment()
             ),
         }
@@ -539,7 +568,7 @@ impl Diagnosis {
         };
         format!(
             "{keep} {} is suspected, with a probability of {} ({}). To be sure: {}.",
-            likeliest.id(),
+            capital(likeliest.name.name()),
             probability(likeliest.confidence),
             likeliest.name.words(),
             likeliest.name.experiment()
@@ -555,7 +584,11 @@ impl Diagnosis {
     pub(super) fn suspected(&self) -> impl Iterator<Item = &Named> {
         /// One in ten: of ten such suspicions nine are nothing.
         const WORTH_A_WORD: f64 = 0.1;
-        let hidden = |id: &str| self.lacks.iter().any(|lack| lack.hides.contains(&id));
+        let hidden = |id: &str| {
+            self.lacks
+                .iter()
+                .any(|lack| lack.hides.iter().any(|e| e.id() == id))
+        };
         let effects = self.effects.iter();
         effects.filter(move |e| !e.in_fit && e.confidence >= WORTH_A_WORD && !hidden(e.id()))
     }

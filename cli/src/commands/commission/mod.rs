@@ -533,7 +533,7 @@ impl Run {
         for line in page::result(&self.journal, self.axis.unit) {
             say!("{line}");
         }
-        say!("{}", told.diagnosis.recommendation());
+        say!("{}", told.diagnosis.recommendation(&told.recording));
         Ok(())
     }
 }

@@ -35,7 +35,7 @@ pub fn page(journal: &Journal, told: &Told, unit: &str, command: String) -> Resu
     let found = &told.diagnosis;
     let mut lead = result(journal, unit);
     lead.truncate(1);
-    lead.push(found.recommendation());
+    lead.push(found.recommendation(&told.recording));
     let useless = preslide_host::export::refused(&told.extended());
     let mut next = format!(
         "The controller has hysteresis and moving weight. Effects are compiled in: preslide export {} -o stage_model.rs{}, then build the firmware with PRESLIDE_MODEL. \
@@ -82,7 +82,7 @@ pub fn page(journal: &Journal, told: &Told, unit: &str, command: String) -> Resu
                 paragraphs: found
                     .lacks
                     .iter()
-                    .map(|lack| format!("Cannot show {}: {}.", lack.hides.join(", "), lack.missing))
+                    .map(|lack| lack.words())
                     .chain([next])
                     .collect(),
                 ..Section::default()

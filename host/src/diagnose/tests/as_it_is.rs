@@ -58,7 +58,7 @@ fn wrong_parameters_are_told_and_right_ones_are_not() {
         let refitted = &wrong[0].found;
         println!("{key} {refitted:?}");
         assert!((refitted.value / value - 1.0).abs() < 0.02, "{refitted:?}");
-        assert!(found.recommendation().contains(key));
+        assert!(found.recommendation(&recording).contains(key));
         // What is written is never worse than what was given, and says what it replaces.
         let extended = found.extended_model(&recording, Some(&given));
         let again = told(&recording, Some(&extended.model));
@@ -89,7 +89,7 @@ fn the_budget_begins_with_the_model_as_it_stands() {
             .verdict_words(&recording)
             .contains("wrong in the model: mass_kg")
     );
-    assert!(found.recommendation().contains("correct mass_kg"));
+    assert!(found.recommendation(&recording).contains("correct mass_kg"));
     let budget = found.budget_json();
     let items = budget["items"].as_array().expect("items");
     let share = |what: &str| {
@@ -222,9 +222,14 @@ fn expected_noise_is_never_more_than_what_is_left() {
         clean.noise_floor,
         clean.extended.test
     );
-    let slow = told(&made(|t, _, _| shaken(t)), None);
+    let recording = made(|t, _, _| shaken(t));
+    let slow = told(&recording, None);
     assert!(slow.noise_floor < 0.1 * slow.extended.test);
-    assert!(!slow.recommendation().contains("what is left is noise"));
+    assert!(
+        !slow
+            .recommendation(&recording)
+            .contains("what is left is noise")
+    );
 }
 
 /// Cogging stands out of waves of the state; a line where there is none does not.
@@ -263,5 +268,10 @@ fn warming_shows_without_a_thermometer() {
     let rivals: Vec<&str> = drift.ambiguous.iter().map(|e| e.id()).collect();
     println!("{} {rivals:?}", drift.id());
     assert!(rivals.contains(&"thermal_drift") || rivals.contains(&"run_in"));
-    assert!(!found.lacks.iter().any(|l| l.hides.contains(&drift.id())));
+    assert!(
+        !found
+            .lacks
+            .iter()
+            .any(|l| l.hides.iter().any(|e| e.id() == drift.id()))
+    );
 }
