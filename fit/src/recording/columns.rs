@@ -4,7 +4,7 @@ use super::error::Problem;
 use super::expression::Term;
 use super::known::{KNOWN, Known, Slot};
 use super::names::{Names, Source};
-use super::propose::{propose, without_unit};
+use super::propose::{propose, quoted, without_unit};
 use super::units::{SECOND, Unit};
 use super::words::{quantity, split, stamp_in_parts};
 use super::{EffortRole, MotionKind, Needs, Warning};
@@ -284,15 +284,21 @@ fn axis_and_role(
         && needs != Needs::Effort
         && e.known.axis.is_some_and(|axis| axis != kind)
     {
-        let target = match kind {
-            MotionKind::Linear => "force_N",
-            MotionKind::Rotary => "torque_Nm",
+        let named = |source: &Source| {
+            let column = source.columns().next();
+            column.map_or(source.known.name, |i| names.columns[i].as_str())
         };
+        let (target, factor) = match kind {
+            MotionKind::Linear => ("force_N", "2π over the screw's lead (m)"),
+            MotionKind::Rotary => ("torque_Nm", "the lever arm (m)"),
+        };
+        let effort = named(e);
         complaints.push(format!(
-            "`{}` does not belong to the {} position `{}`; convert it, such as `--map {target}=FACTOR*{0}`",
-            e.known.name,
-            kind.name(),
-            m.known.name
+            "no effort of the {kind} position `{motion}`: take `{effort}` as it is with --map {raw}, or convert it with --map {converted}, where FACTOR is {factor}",
+            kind = kind.name(),
+            motion = named(m),
+            raw = quoted(&format!("effort_raw={effort}")),
+            converted = quoted(&format!("{target}=FACTOR*{effort}")),
         ));
     }
     let role = effort.and_then(|s| s.known.role).unwrap_or(match kind {
@@ -514,7 +520,9 @@ mod tests {
     fn axes_do_not_mix() {
         let error = plan_of("t_s,x_m,torque_Nm", &[]).expect_err("torque on a slide");
         assert!(
-            error.to_string().contains("--map force_N=FACTOR*torque_Nm"),
+            error
+                .to_string()
+                .contains("--map 'force_N=FACTOR*torque_Nm'"),
             "{error}"
         );
         let plan = plan_of("t_s,x_m,qd_rad_s,force_N", &[]).expect("position decides");

@@ -92,6 +92,7 @@ pub(super) fn propose(names: &Names, sources: &[Source], open: &[usize]) -> Vec<
     };
     let rotary = is_rotary(names, sources);
     let mut maps = Vec::new();
+    let mut chosen: Vec<&Known> = Vec::new();
     for &slot in wanted(names.needs) {
         let has = |slot: Slot| sources.iter().any(|s| s.known.slot == slot);
         let instead = match slot {
@@ -116,7 +117,15 @@ pub(super) fn propose(names: &Names, sources: &[Source], open: &[usize]) -> Vec<
             maps.push(format!("--map {}", quoted(&sum)));
             continue;
         }
-        let target = target(names, slot, found, rotary);
+        let mut target = target(names, slot, found, rotary);
+        // A motor's torque behind a screw is taken as it is: what a newton metre is in newtons no file says.
+        if slot == Slot::Effort
+            && moves_along(&chosen, sources)
+            && target.axis == Some(MotionKind::Rotary)
+        {
+            target = raw();
+        }
+        chosen.push(target);
         let scale = found.map_or("", |i| scale(names, target, i));
         let column = found.map_or("COLUMN", |i| names.columns[i].as_str());
         maps.push(format!(
@@ -125,6 +134,21 @@ pub(super) fn propose(names: &Names, sources: &[Source], open: &[usize]) -> Vec<
         ));
     }
     maps
+}
+
+/// Whether the position, chosen or known, is one along an axis.
+fn moves_along(chosen: &[&Known], sources: &[Source]) -> bool {
+    let mut known = chosen
+        .iter()
+        .copied()
+        .chain(sources.iter().map(|s| s.known));
+    known.any(|k| k.slot == Slot::Position && k.axis == Some(MotionKind::Linear))
+}
+
+/// The effort in a unit of its own.
+fn raw() -> &'static Known {
+    let is_raw = |k: &&Known| k.role == Some(EffortRole::Raw);
+    KNOWN.iter().find(is_raw).unwrap_or(&KNOWN[0])
 }
 
 /// The sample time that the file states, or the word for it.
