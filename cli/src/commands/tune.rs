@@ -90,19 +90,20 @@ const ALL: &str = "all";
 /// Share of the processor that friction may take, where none is given.
 pub(super) const SHARE: f64 = 0.05;
 
+/// No encoder has so long a count (m or rad): a unit was left out.
+const LONGEST: f64 = 0.1;
+
 /// Length of an encoder count (m or rad): as given, or else from the model in `file`.
 pub(super) fn count_of(told: Option<f64>, model: &Model, file: &Path) -> Result<f64, Failure> {
-    let mut known = model.mechanics.iter();
-    let known = known.find(|(key, _)| key == "encoder_count_m");
-    let count = told.or(known.map(|(_, length)| *length)).ok_or_else(|| {
+    let count = told.or(model.count()).ok_or_else(|| {
         Failure::Input(format!(
             "{}: how long is an encoder count? Give --count, such as 25nm, or encoder_count_m under [mechanics] of the model",
             file.display()
         ))
     })?;
-    if !(count.is_finite() && count > 0.0) {
+    if !(count > 0.0 && count < LONGEST) {
         return Err(Failure::Input(format!(
-            "--count {count}: must be finite and above zero"
+            "--count {count}: an encoder's count is above 0 and below {LONGEST} m or rad; give its unit, such as 25nm"
         )));
     }
     Ok(count)
@@ -206,7 +207,7 @@ impl Tune {
             page
         })?;
         if let Some(proposal) = observer {
-            say!("{}.", proposal.recommendation());
+            explain!("{}.", proposal.recommendation());
         }
         Ok(())
     }
@@ -231,14 +232,14 @@ impl Tune {
     ) -> Result<(), Failure> {
         say!("{}", tuning.table().to_text());
         for note in &tuning.notes {
-            say!("Note: {note}.");
+            explain!("Note: {note}.");
         }
         let seconds = start.elapsed().as_secs_f64();
         let page = || tuning.page(command_line());
         self.write(tuning.to_json(seconds), page, observer)?;
         match &tuning.recommended {
             Ok(_) => {
-                say!("{}", tuning.recommendation());
+                explain!("{}", tuning.recommendation());
                 Ok(())
             }
             Err(reason) => Err(Failure::Data(reason.clone())),
@@ -257,7 +258,7 @@ impl Tune {
         };
         say!("{}", comparison.table().to_text());
         for note in comparison.notes() {
-            say!("Note: {note}.");
+            explain!("Note: {note}.");
         }
         let seconds = start.elapsed().as_secs_f64();
         let page = || comparison.page(command_line());

@@ -93,13 +93,16 @@ struct MechanicsToml {
     encoder_count_m: Option<f64>,
 }
 
+/// Key of the length of an encoder count.
+const ENCODER_COUNT: &str = "encoder_count_m";
+
 impl MechanicsToml {
     fn given(self) -> Vec<(String, f64)> {
         [
             ("screw_lead_m", self.screw_lead_m),
             ("motor_period_m", self.motor_period_m),
             ("encoder_period_m", self.encoder_period_m),
-            ("encoder_count_m", self.encoder_count_m),
+            (ENCODER_COUNT, self.encoder_count_m),
         ]
         .into_iter()
         .filter_map(|(key, value)| Some((key.to_owned(), value?)))
@@ -224,6 +227,25 @@ impl Model {
             effects: Vec::new(),
             mechanics: Vec::new(),
         }
+    }
+
+    /// The same with the length of an encoder count (m or rad), which `tune` asks for.
+    #[must_use]
+    pub fn with_count(mut self, count: f64) -> Self {
+        self.mechanics.retain(|(key, _)| key != ENCODER_COUNT);
+        self.mechanics.push((ENCODER_COUNT.to_owned(), count));
+        self
+    }
+
+    /// Length of an encoder count (m or rad), where it is known.
+    pub fn count(&self) -> Option<f64> {
+        let mut known = self.mechanics.iter();
+        known.find(|m| m.0 == ENCODER_COUNT).map(|m| m.1)
+    }
+
+    /// Periods (m or rad) of the mechanics, by key; a count is none.
+    pub fn periods(&self) -> impl Iterator<Item = &(String, f64)> {
+        self.mechanics.iter().filter(|m| m.0 != ENCODER_COUNT)
     }
 
     /// Reads a model file.

@@ -229,7 +229,7 @@ pub struct Recording {
     load_held: Option<f64>,
     sample_time_s: f64,
     /// What the position goes in steps of (m or rad), where it does.
-    count: Option<f64>,
+    pub count: Option<f64>,
 }
 
 impl Recording {

@@ -214,11 +214,7 @@ fn judge(
         return Err(Refusal::Data(found.refusal(recording)));
     }
     let given = model.map(terms_of).unwrap_or_default();
-    let mechanics = model.map(|m| m.mechanics.clone()).unwrap_or_default();
-    let periods: Vec<(String, f64)> = mechanics
-        .into_iter()
-        .filter(|(key, _)| key != "encoder_count_m" && key != "encoder_count_rad")
-        .collect();
+    let periods: Vec<(String, f64)> = model.iter().flat_map(|m| m.periods()).cloned().collect();
     let lengths: Vec<f64> = periods.iter().map(|p| p.1).collect();
     let unable = || {
         Refusal::Data(format!(

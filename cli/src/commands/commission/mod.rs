@@ -496,14 +496,9 @@ impl Run {
     fn load(&mut self, told: &Told) -> Result<(), Failure> {
         self.stage = "load".to_owned();
         let remarks = [told.diagnosis.verdict_words(&told.recording)];
-        let key = if self.axis.rotary {
-            "encoder_count_rad"
-        } else {
-            "encoder_count_m"
-        };
         let count = self.axis.drive.identity().count;
-        let write = |name: &str, mut model: Model| {
-            model.mechanics.push((key.to_owned(), count));
+        let write = |name: &str, model: Model| {
+            let model = model.with_count(count);
             self.journal.write(name, &model.to_toml(&remarks))
         };
         write("extended.toml", told.extended())?;
@@ -533,7 +528,7 @@ impl Run {
         for line in page::result(&self.journal, self.axis.unit) {
             say!("{line}");
         }
-        say!("{}", told.diagnosis.recommendation(&told.recording));
+        explain!("{}", told.diagnosis.recommendation(&told.recording));
         Ok(())
     }
 }
