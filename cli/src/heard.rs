@@ -21,6 +21,11 @@ macro_rules! say {
     ($($line:tt)*) => { $crate::heard::say_line(format_args!($($line)*)) };
 }
 
+/// Prints sentences for the user, in lines of a terminal.
+macro_rules! explain {
+    ($($line:tt)*) => { say!("{}", $crate::heard::folded(&format!($($line)*))) };
+}
+
 /// Tells the user something beside the answer, on stderr.
 macro_rules! tell {
     ($($line:tt)*) => { $crate::heard::tell_line(format_args!($($line)*)) };
@@ -72,6 +77,47 @@ fn give(line: &impl Fn(&mut Answer)) -> bool {
     CALLED.with_borrow_mut(|called| called.as_mut().map(line).is_some())
 }
 
+/// Columns at which sentences are broken.
+const WIDTH: usize = 100;
+/// How lines begin that are to be copied as they stand.
+const WHOLE: [&str; 3] = ["Next: ", "Try: ", "preslide "];
+
+/// Sentences in lines of [`WIDTH`]; tables and commands stay as they are.
+pub(super) fn folded(text: &str) -> String {
+    let fold = |line: &str| {
+        let words = line.trim_start();
+        let is_table = words.contains("  ") || words.contains(['│', '─']);
+        if is_table || WHOLE.iter().any(|begins| words.starts_with(begins)) {
+            return line.to_owned();
+        }
+        let margin = " ".repeat(line.len() - words.len());
+        let options = textwrap::Options::new(WIDTH)
+            .initial_indent(&margin)
+            .subsequent_indent(&margin)
+            .break_words(false)
+            .word_splitter(textwrap::WordSplitter::NoHyphenation);
+        textwrap::fill(&tied(words), options).replace(TIE, " ")
+    };
+    let lines: Vec<String> = text.split('\n').map(fold).collect();
+    lines.join("\n")
+}
+
+/// A space at which no line is broken.
+const TIE: char = '\u{a0}';
+
+/// The same with each number tied to its unit.
+fn tied(words: &str) -> String {
+    let is_unit = |next: &str| next.starts_with(|c: char| c.is_alphabetic() || "%±°".contains(c));
+    let mut tied = String::new();
+    for (at, c) in words.char_indices() {
+        let in_front = tied.ends_with(|c: char| c.is_ascii_digit() || c == '±');
+        let after = &words[at + c.len_utf8()..];
+        let unit = is_unit(after) || tied.ends_with('±');
+        tied.push(if c == ' ' && in_front && unit { TIE } else { c });
+    }
+    tied
+}
+
 /// The work of `say!`.
 pub(super) fn say_line(line: std::fmt::Arguments) {
     use std::io::Write;
@@ -95,5 +141,31 @@ pub(super) fn say_line(line: std::fmt::Arguments) {
 pub(super) fn tell_line(line: std::fmt::Arguments) {
     if !give(&|called| called.told.push(line.to_string())) {
         eprintln!("{line}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sentences_are_broken_between_words_and_nothing_else_is() {
+        let words = "the friction of this axis is 12.3 mN ± 0.4 mN and falls with the speed";
+        let long = [words; 4].join(", ");
+        let broken = folded(&long);
+        assert!(broken.lines().count() > 2 && broken.lines().all(|l| l.chars().count() <= WIDTH));
+        assert_eq!(broken.replace('\n', " "), long);
+        assert!(
+            broken
+                .lines()
+                .all(|l| !l.ends_with(|c: char| c.is_ascii_digit()))
+        );
+        let command = format!("  preslide diagnose {}", "file.csv ".repeat(20));
+        let row = "─".repeat(2 * WIDTH);
+        for whole in [command.as_str(), row.as_str()] {
+            assert_eq!(folded(whole), whole);
+        }
+        let indented = folded(&format!("  {long}"));
+        assert!(indented.lines().all(|l| l.starts_with("  ")));
     }
 }

@@ -216,9 +216,9 @@ impl Capture {
             );
         }
         match summary.end {
-            End::Silent => say!("Note: the line fell silent for 10 s."),
+            End::Silent => explain!("Note: the line fell silent for 10 s."),
             End::Restarted => {
-                say!("Note: the controller restarted; what follows is another recording.")
+                explain!("Note: the controller restarted; what follows is another recording.")
             }
             End::Complete | End::Closed => {}
         }

@@ -45,9 +45,9 @@ impl Compare {
             say!("The others' parameters are in --report and --json.\n");
         }
         for note in &found.notes {
-            say!("Note: {note}.");
+            explain!("Note: {note}.");
         }
-        say!("{}", found.recommendation());
+        explain!("{}", found.recommendation());
         let seconds = start.elapsed().as_secs_f64();
         self.outputs.write(&found.to_json(&recording, seconds), || {
             found.page(&recording, command_line())

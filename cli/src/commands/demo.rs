@@ -71,7 +71,7 @@ impl Demo {
 
     /// The result first, then how it came about.
     fn tell(&self, story: &Story) {
-        say!("{}\n", story.outcome());
+        explain!("{}\n", story.outcome());
         say!("{}", story.table().to_text());
         say!("{}", story.truth_table().to_text());
         say!(
@@ -97,7 +97,7 @@ impl Demo {
                 .join(";\n  ")
         );
         say!("{}", story.diagnosis.budget_text(story.recording));
-        say!("{}", story.diagnosis.recommendation(story.recording));
+        explain!("{}", story.diagnosis.recommendation(story.recording));
         say!(
             "\n4. preslide export {} --kernel auto --count {:e}\n",
             file("extended.toml"),

@@ -110,22 +110,22 @@ impl Diagnose {
                 self.outputs.write_json(&answer)?;
                 // Why there is none is said once.
                 if let Some(fit) = fit.filter(|fit| fit.is_found()) {
-                    say!("Note: {}.", fit.words(&recording));
+                    explain!("Note: {}.", fit.words(&recording));
                 }
                 return Err(Failure::Data(format!("insufficient-data: {message}")));
             }
             Err(refusal) => return Err(refusal.into()),
         };
         progress.finish();
-        say!("{}\n", found.verdict_clauses(&recording).join(";\n  "));
+        explain!("{}\n", found.verdict_clauses(&recording).join(";\n  "));
         if let Some(fit) = found.fit_words(&recording) {
-            say!("Note: {fit}.\n");
+            explain!("Note: {fit}.\n");
         }
         for left_out in found.left_out_words() {
-            say!("Note: {left_out}.\n");
+            explain!("Note: {left_out}.\n");
         }
         if let Some(given) = found.given_words() {
-            say!("Note: {given}.\n");
+            explain!("Note: {given}.\n");
         }
         if let Some(table) = found.given_table() {
             say!("{}", table.to_text());
@@ -137,10 +137,10 @@ impl Diagnose {
             );
         }
         if let Some(reproduced) = &found.reproduced {
-            say!("Note: {}.\n", reproduced.words(&recording));
+            explain!("Note: {}.\n", reproduced.words(&recording));
         }
         if let Some(per) = recording.per_unit() {
-            say!("Note: {per}.\n");
+            explain!("Note: {per}.\n");
         }
         say!("{}", found.budget_text(&recording));
         let besides = [
@@ -148,7 +148,7 @@ impl Diagnose {
             found.possible_words(&recording),
         ];
         for words in besides.into_iter().flatten() {
-            say!("{words}.\n");
+            explain!("{words}.\n");
         }
         if self.table && !found.effects.is_empty() {
             say!("{}", found.table(&recording).to_text());
@@ -157,9 +157,9 @@ impl Diagnose {
             say!("Second position: {}.", second.words(&recording));
         }
         for lack in &found.lacks {
-            say!("{}", lack.words());
+            explain!("{}", lack.words());
         }
-        say!("{}", found.recommendation(&recording));
+        explain!("{}", found.recommendation(&recording));
         if self.simulated.is_empty() {
             for path in &self.output {
                 write_extended(path, &found, &recording, model.as_ref())?;
@@ -247,7 +247,7 @@ impl Diagnose {
             return Ok(());
         };
         let words = capital(&correction.words(&found.null.rows, recording));
-        say!("{words}.");
+        explain!("{words}.");
         let remarks = [
             format!(
                 "What {} lacks of {}. {words}.",

@@ -118,10 +118,11 @@ impl Identify {
             .write(&found.to_json(&recording, seconds), || {
                 found.page(&recording, command_line())
             })?;
+        let model = self.output.as_deref().filter(|_| refused.is_none());
         say!(
-            "Next: {}   # is the {} that is left noise, or missing physics?",
-            self.recordings.command("diagnose"),
-            left(found.best().nmse_test)
+            "Next, to see whether the {} left is noise or missing physics:\n  {}",
+            left(found.best().nmse_test),
+            self.recordings.command("diagnose", model)
         );
         if let Some(reason) = refused {
             return Err(Failure::Data(format!(
@@ -150,9 +151,9 @@ impl Identify {
         say!("{}", found.error_table(&recording).to_text());
         say!("{}", found.table(&recording).to_text());
         for note in found.notes(&recording) {
-            say!("Note: {note}.");
+            explain!("Note: {note}.");
         }
-        say!("{}", found.conclusion(&recording));
+        explain!("{}", found.conclusion(&recording));
         if let Some(path) = &self.output {
             let mut remarks = vec![format!("identified from the motion of {}", recording.name)];
             remarks.push(found.conclusion(&recording));
@@ -173,9 +174,9 @@ impl Identify {
         progress.finish();
         say!("{}", found.table(&recording).to_text());
         for note in &found.notes {
-            say!("Note: {note}.");
+            explain!("Note: {note}.");
         }
-        say!("{}", found.recommendation());
+        explain!("{}", found.recommendation());
         let seconds = start.elapsed().as_secs_f64();
         let page = || found.page(&recording, command_line());
         self.outputs
@@ -201,9 +202,9 @@ impl Identify {
         }
         say!("{}", found.table().to_text());
         for note in found.notes() {
-            say!("Note: {note}.");
+            explain!("Note: {note}.");
         }
-        say!("{}", found.recommendation());
+        explain!("{}", found.recommendation());
         if let Some(path) = &self.output {
             let model = found.model().map_err(Failure::Data)?;
             write_text(path, &model.to_toml(&found.remarks()))?;
@@ -223,9 +224,9 @@ pub fn print(found: &Identification, recording: &Recording) {
         say!("{}", table.to_text());
     }
     for note in found.notes(recording) {
-        say!("Note: {note}.");
+        explain!("Note: {note}.");
     }
-    say!("{}", found.recommendation);
+    explain!("{}", found.recommendation);
 }
 
 /// The recommended model's file, with where it comes from at its head.
@@ -239,5 +240,12 @@ pub fn model_text(found: &Identification, recording: &Recording) -> String {
         ),
     ];
     remarks.extend(recording.per_unit());
-    best.model.to_toml(&remarks)
+    let Some(count) = recording.count else {
+        return best.model.to_toml(&remarks);
+    };
+    remarks.push(
+        "the encoder's count is the step of the recorded position: correct it if the file was rounded"
+            .to_owned(),
+    );
+    best.model.clone().with_count(count).to_toml(&remarks)
 }

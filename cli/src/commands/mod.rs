@@ -126,8 +126,8 @@ impl RecordingArgs {
         self.reading.taken = columns.to_vec();
     }
 
-    /// Another command on the same files, read alike, as a shell wants it.
-    pub fn command(&self, name: &str) -> String {
+    /// Another command on the same files, read alike, and on a model, as a shell wants it.
+    pub fn command(&self, name: &str, model: Option<&Path>) -> String {
         let command = ["preslide", name].map(str::to_owned).into_iter();
         let files = self
             .recordings
@@ -139,7 +139,10 @@ impl RecordingArgs {
         let sign = sign.flat_map(|sign| ["--sign".to_owned(), sign.to_string()]);
         let ignored = self.reading.ignore.iter();
         let ignored = ignored.flat_map(|column| ["--ignore".to_owned(), column.clone()]);
-        in_words(command.chain(files).chain(maps).chain(sign).chain(ignored))
+        let model = model.iter();
+        let model = model.flat_map(|path| ["--model".to_owned(), path.display().to_string()]);
+        let read = maps.chain(sign).chain(ignored);
+        in_words(command.chain(files).chain(read).chain(model))
     }
 
     /// Sees to it that the outputs can be written and are none of the recordings, nor the model.

@@ -38,14 +38,14 @@ impl Reproduce {
             say!("{}", table.to_text());
         }
         for remark in found.remarks() {
-            say!("Note: {remark}.");
+            explain!("Note: {remark}.");
         }
-        say!("Note: {}.", literal::remark(&found.literal));
+        explain!("Note: {}.", literal::remark(&found.literal));
         for remark in found.figure_6.remarks() {
-            say!("Note: {remark}.");
+            explain!("Note: {remark}.");
         }
-        say!("{}.", found.experiment.answer());
-        say!("{}", found.recommendation);
+        explain!("{}.", found.experiment.answer());
+        explain!("{}", found.recommendation);
         let seconds = start.elapsed().as_secs_f64();
         self.outputs
             .write(&found.to_json(seconds), || found.page(command_line()))

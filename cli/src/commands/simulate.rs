@@ -85,7 +85,7 @@ impl Simulate {
 
         say!("{}", found.table().to_text());
         for note in &found.notes {
-            say!("Note: {note}.");
+            explain!("Note: {note}.");
         }
         if let Some(path) = &self.output {
             write_text(path, &found.to_csv())?;
@@ -97,7 +97,7 @@ impl Simulate {
         if found.breakaway.is_some() {
             return Err(Failure::Data(format!("{name}: {}", found.conclusion())));
         }
-        say!("{}", found.conclusion());
+        explain!("{}", found.conclusion());
         Ok(())
     }
 

@@ -244,7 +244,10 @@ impl Diagnosis {
     pub fn fit_words(&self, recording: &Recording) -> Option<String> {
         let fit = self.fit.as_ref()?;
         let words = fit.words(recording);
+        // Why there is none the verdict says.
+        let said = self.doubt.is_some();
         Some(match fit.is_found() {
+            false if said => return None,
             true => format!(
                 "{words}; the diagnosis begins with {}: stretches in motion only, with as many blocks as they support",
                 left(self.baseline.test)

@@ -11,6 +11,7 @@ use super::weak::Column;
 use preslide_fit::friction::{FrictionModel, MOST_BLOCKS};
 use preslide_fit::model::Model;
 use preslide_fit::recording::Recording;
+use preslide_fit::report::figures::three;
 
 /// NMSE on rows held out, over that of the refitted core, up to which the user's own friction law stays: more is a hysteresis that it does not
 /// have.
@@ -224,6 +225,6 @@ fn changes(user: &Model, model: &Model) -> Vec<String> {
     ];
     let changed = pairs.into_iter().filter(|(_, from, to)| from != to);
     changed
-        .map(|(what, from, to)| format!("{what} {from:.4} by {to:.4}"))
+        .map(|(what, from, to)| format!("{what} {} by {}", three(from), three(to)))
         .collect()
 }
