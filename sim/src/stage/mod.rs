@@ -38,7 +38,6 @@ mod motor;
 mod range;
 #[cfg(test)]
 mod tests;
-pub mod trajectory;
 mod variability;
 
 use std::f64::consts::TAU;
