@@ -4,7 +4,6 @@ mod book;
 mod browser;
 mod call_graph;
 mod chain;
-mod changed;
 mod commission;
 mod cycles;
 mod example;
@@ -30,7 +29,7 @@ struct Command {
 const COMMANDS: &[Command] = &[
     Command {
         name: "test",
-        help: "everything CI runs; --all with the long studies, before a release; or the steps named, or with --changed [BASE] those that the changes since BASE (default: the last commit) touch; the emulator's beside the others unless --serial is given; installs what is missing",
+        help: "everything CI runs; --all with the long studies, before a release; or the steps named; the emulator's beside the others unless --serial is given; installs what is missing",
         run: test::run_steps,
     },
     Command {
