@@ -94,8 +94,6 @@ pub struct Truth {
     pub rotor_position_m: f64,
     /// Friction, viscous part included; positive when it opposes motion in +x \[N\].
     pub friction_n: f64,
-    /// Force of the motor, at the stage \[N\].
-    pub motor_n: f64,
     /// External force and disturbances, in +x \[N\].
     pub external_n: f64,
 }
@@ -266,7 +264,6 @@ impl Stage {
             velocity_m_s: v,
             rotor_position_m: self.position_m + self.state.lead_m,
             friction_n: self.friction_n(v) + self.config.friction.viscous_n_s_per_m * v,
-            motor_n: self.coefficients.force_constant * self.state.current_a,
             external_n: self.acting_n(v, t),
         }
     }
