@@ -4,9 +4,7 @@
 pub mod answer;
 pub mod case;
 pub mod deviation;
-pub mod dice;
 pub mod judge;
-pub mod law;
 mod least_squares;
 pub mod path;
 pub mod reference;

@@ -3,10 +3,9 @@
 //! was, or by itself under the recorded force.
 
 use preslide_host_tests::answer::Diagnosis;
-use preslide_host_tests::dice::Dice;
 use preslide_host_tests::judge::table::{Recording, Table};
 use preslide_host_tests::judge::tool::Tool;
-use preslide_host_tests::law::{Friction, Law};
+use preslide_host_tests::trials::draw::Draw;
 use std::f64::consts::TAU;
 use std::io::Write as _;
 use std::path::Path;
@@ -69,24 +68,29 @@ fn motion(t: f64) -> [f64; 3] {
     [0, 1, 2].map(|j| parts.iter().map(|p| p[j]).sum())
 }
 
+/// LuGre's bristle (Canudas de Wit et al. 1995) without a Stribeck curve, in friction levels, moved by `ds` presliding lengths: exact at a
+/// constant rate.
+pub(crate) fn dragged(z: f64, ds: f64) -> f64 {
+    ds.signum() + (z - ds.signum()) * (-ds.abs()).exp()
+}
+
 impl Physics {
     /// The force that the motion takes, at the samples.
-    fn force(&self, dice: &mut Dice) -> Vec<f64> {
-        let mut bristle = Law::LuGre.start();
-        let (mut level, mut last) = (1.0, motion(0.0)[0]);
+    fn force(&self, draw: &mut Draw) -> Vec<f64> {
+        let (mut bristle, mut level, mut last) = (0.0, 1.0, motion(0.0)[0]);
         let sample = |i: usize| {
             // Friction forgets its level within a tenth of a second.
-            level += (1.0 - level) * 0.01 + self.wander * (2.0 * 0.01_f64).sqrt() * dice.normal();
-            let mut held = 0.0;
+            level += (1.0 - level) * 0.01 + self.wander * (2.0 * 0.01_f64).sqrt() * draw.normal();
             for k in 0..FINER {
                 let x = motion((i * FINER + k) as f64 * STEP_S)[0];
-                held = bristle.step((x - last) / PRESLIDING_M, level);
+                bristle = dragged(bristle, (x - last) / PRESLIDING_M);
                 last = x;
             }
             let [x, v, a] = motion(time(i));
-            if self.smooth_m_s > 0.0 {
-                held = (v / self.smooth_m_s).tanh();
-            }
+            let held = match self.smooth_m_s > 0.0 {
+                true => (v / self.smooth_m_s).tanh(),
+                false => level * bristle,
+            };
             self.mass_kg * a + self.friction_n * held + self.beside_friction(x, v)
         };
         (0..SAMPLES).map(sample).collect()
@@ -94,7 +98,7 @@ impl Physics {
 
     /// The motion that a force causes, from where the machine was; the force runs straight from sample to sample.
     fn moved_by(&self, force: &[f64]) -> Vec<f64> {
-        let mut bristle = Law::LuGre.start();
+        let mut bristle = 0.0;
         let [mut x, mut v, _] = motion(time(0));
         let mut position = vec![x];
         for pair in force.windows(2) {
@@ -112,7 +116,7 @@ impl Physics {
 
     /// Position and force where a controller of its own makes it follow the recorded motion.
     fn followed(&self) -> (Vec<f64>, Vec<f64>) {
-        let mut bristle = Law::LuGre.start();
+        let mut bristle = 0.0;
         let [mut x, mut v, _] = motion(time(0));
         let (mut position, mut force) = (Vec::new(), Vec::new());
         for i in 0..SAMPLES {
@@ -133,10 +137,11 @@ impl Physics {
     }
 
     /// Friction of a step of its own motion, over its level.
-    fn held(&self, bristle: &mut Friction, v: f64) -> f64 {
+    fn held(&self, bristle: &mut f64, v: f64) -> f64 {
+        *bristle = dragged(*bristle, v * STEP_S / PRESLIDING_M);
         match self.smooth_m_s > 0.0 {
             true => (v / self.smooth_m_s).tanh(),
-            false => bristle.step(v * STEP_S / PRESLIDING_M, 1.0),
+            false => *bristle,
         }
     }
 
@@ -276,13 +281,13 @@ fn between(machine: Physics, simulation: Physics) -> (Diagnosis, Option<Correcti
 }
 
 fn between_run(machine: Physics, simulation: Physics, run: Run) -> (Diagnosis, Option<Correction>) {
-    let mut dice = Dice::new(SEED);
-    let mut force = machine.force(&mut dice);
-    force.iter_mut().for_each(|f| *f += 0.01 * dice.normal());
+    let mut draw = Draw::new(SEED, 0);
+    let mut force = machine.force(&mut draw);
+    force.iter_mut().for_each(|f| *f += 0.01 * draw.normal());
     let simulated = match run {
-        Run::Inverse => vec![("force_sim_mN", simulation.force(&mut dice))],
+        Run::Inverse => vec![("force_sim_mN", simulation.force(&mut draw))],
         Run::Late(samples) => {
-            let on_time = simulation.force(&mut dice);
+            let on_time = simulation.force(&mut draw);
             let late = (0..SAMPLES).map(|i| on_time[i.saturating_sub(samples)]);
             vec![("force_sim_mN", late.collect())]
         }
