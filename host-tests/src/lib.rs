@@ -6,6 +6,7 @@ pub mod case;
 pub mod deviation;
 pub mod judge;
 mod least_squares;
+pub mod made;
 pub mod path;
 pub mod reference;
 pub mod table;

@@ -5,6 +5,7 @@ use crate::simulated::dragged;
 use preslide_host_tests::answer::Diagnosis;
 use preslide_host_tests::judge::table::{Recording, Table};
 use preslide_host_tests::judge::tool::Tool;
+use preslide_host_tests::made::sines;
 use preslide_host_tests::trials::draw::Draw;
 use preslide_host_tests::trials::law::Hysteresis;
 use std::f64::consts::TAU;
@@ -34,9 +35,8 @@ struct Joint {
 
 /// Position and velocity that the controller asks for.
 fn reference(t: f64) -> [f64; 2] {
-    let waves = [(1e-3, 2.6), (4e-4, 19.7), (1e-4, 48.4)];
-    let parts = waves.map(|(a, w): (f64, f64)| [a * (w * t).sin(), a * w * (w * t).cos()]);
-    [0, 1].map(|j| parts.iter().map(|p| p[j]).sum())
+    let [x, v, _] = sines(&[[1e-3, 2.6, 0.0], [4e-4, 19.7, 0.0], [1e-4, 48.4, 0.0]], t);
+    [x, v]
 }
 
 /// Friction (N) after a displacement (m).

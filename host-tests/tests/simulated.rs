@@ -5,6 +5,7 @@
 use preslide_host_tests::answer::Diagnosis;
 use preslide_host_tests::judge::table::{Recording, Table};
 use preslide_host_tests::judge::tool::Tool;
+use preslide_host_tests::made::sines;
 use preslide_host_tests::trials::draw::Draw;
 use std::f64::consts::TAU;
 use std::io::Write as _;
@@ -59,13 +60,10 @@ const SMOOTH: Physics = Physics {
 
 /// Position, velocity and acceleration.
 fn motion(t: f64) -> [f64; 3] {
-    let waves = [(0.02, 2.1), (0.007, 7.3), (0.0025, 17.9)];
-    let part = |(a, w): (f64, f64)| {
-        let (sin, cos) = (w * t).sin_cos();
-        [a * sin, a * w * cos, -a * w * w * sin]
-    };
-    let parts = waves.map(part);
-    [0, 1, 2].map(|j| parts.iter().map(|p| p[j]).sum())
+    sines(
+        &[[0.02, 2.1, 0.0], [0.007, 7.3, 0.0], [0.0025, 17.9, 0.0]],
+        t,
+    )
 }
 
 /// LuGre's bristle (Canudas de Wit et al. 1995) without a Stribeck curve, in friction levels, moved by `ds` presliding lengths: exact at a
