@@ -275,14 +275,7 @@ fn bad_input_is_refused_or_harmless() {
     empty.friction.virgin_curve.clear();
     assert!(Stage::try_new(empty).is_err_and(|e| e.to_string().contains("virgin_curve")));
 
-    struct Broken;
-    impl Disturbance for Broken {
-        fn force_n(&self, _: f64, _: f64, _: f64) -> f64 {
-            f64::NAN
-        }
-    }
     let mut stage = stage(|_| {});
-    stage.add_disturbance(Box::new(Broken));
     assert!(stage.set_external_force_n(f64::INFINITY).is_err());
     assert!(stage.set_supply_v(-1.0).is_err());
     for duty in [f64::NAN, f64::INFINITY, -1e300] {
@@ -291,35 +284,6 @@ fn bad_input_is_refused_or_harmless() {
             assert!(reading.current_a.is_finite() && stage.truth().position_m.is_finite());
         }
     }
-}
-
-#[test]
-fn a_disturbance_acts_and_remembers() {
-    /// A cable spring that counts its steps.
-    struct Spring(std::sync::mpsc::Sender<f64>);
-    impl Disturbance for Spring {
-        fn force_n(&self, x_m: f64, _: f64, _: f64) -> f64 {
-            0.3 - 10.0 * x_m
-        }
-        fn advance(&mut self, _: f64, _: f64, t_s: f64, _: f64) {
-            let _ = self.0.send(t_s);
-        }
-    }
-    let (sender, receiver) = std::sync::mpsc::channel();
-    let mut stage = stage(|_| {});
-    stage.add_disturbance(Box::new(Spring(sender)));
-    for _ in 0..2000 {
-        stage.tick(0.0);
-    }
-    let truth = stage.truth();
-    assert!(truth.position_m > 0.5e-6, "{truth:?}");
-    assert!(
-        (truth.friction_n / truth.external_n - 1.0).abs() < 0.05,
-        "{truth:?}"
-    );
-    let times: Vec<f64> = receiver.try_iter().collect();
-    assert_eq!(times.len(), 2000 * 8);
-    assert!(times.windows(2).all(|w| w[1] > w[0]));
 }
 
 #[test]
