@@ -123,11 +123,8 @@ impl Joint {
             names: ["t_s", "x_m", "force_N"].map(String::from).to_vec(),
             columns: vec![time, position, force],
         };
-        let tool = Tool::of_workspace().unwrap_or_else(|e| panic!("{e}"));
-        let found = tool.diagnose(&Recording::new("two-bodies", table, None)).0;
-        let found = found.unwrap_or_else(|e| panic!("seed {SEED}: {e}"));
-        println!("seed {SEED}: {found:?}");
-        found
+        println!("seed {SEED}");
+        Tool::told(&Recording::new("two-bodies", table, None))
     }
 }
 
@@ -139,9 +136,8 @@ fn a_gap_ahead_of_the_encoder_is_named_with_its_width() {
     };
     let found = joint.diagnosed(jenkins());
     assert_eq!(found.confident_ids(), ["backlash"]);
-    let gap = found.effects[0].parameters.iter().find(|p| p.0 == "gap_m");
-    let (_, value, interval) = gap.expect("its width");
-    let (low, high) = interval.expect("an interval");
+    let value = found.value("backlash", "gap_m");
+    let (low, high) = found.interval("backlash", "gap_m");
     assert!(low <= joint.gap_m && joint.gap_m <= high, "{low}…{high}");
     assert!((value / joint.gap_m).ln().abs() < 0.5, "{value}");
 }
