@@ -9,6 +9,7 @@ mod least_squares;
 pub mod made;
 pub mod path;
 pub mod reference;
+pub mod refusal;
 pub mod table;
 pub mod table3;
 pub mod trials;

@@ -3,13 +3,15 @@
 //!
 //! `cargo test -p preslide-host-tests --test all -- family:: --nocapture` prints the figures.
 
+use preslide::Bound::{AtLeast, AtMost};
 use preslide::{
-    BoucWen, Bound, Dahl, ElastoPlastic, Friction, Leuven, LeuvenForm, Motion, ParamError, Scalar,
-    Sliding, TwoState, Units,
+    BoucWen, Dahl, ElastoPlastic, Friction, Leuven, LeuvenForm, Motion, Scalar, Sliding, TwoState,
+    Units,
 };
 use preslide_host_tests::deviation::Deviation;
 use preslide_host_tests::path::{COUNT, SAMPLE_TIME, random_reversals};
 use preslide_host_tests::reference::{self, Stribeck};
+use preslide_host_tests::refusal::{not_negative, positive, refused};
 use preslide_host_tests::table3::{BREAKAWAY, blocks, column};
 use proptest::prelude::*;
 
@@ -345,15 +347,6 @@ fn all_that_have_a_stribeck_curve_slide_at_the_coulomb_force_when_fast() {
 
 #[test]
 fn bad_parameters_are_refused_by_the_error_that_names_them() {
-    #[track_caller]
-    fn refused(error: Option<ParamError>, parameter: &str, bound: Bound) {
-        let error = error.expect("must be refused");
-        assert_eq!(
-            (error.parameter, error.bound),
-            (parameter, bound),
-            "{error}"
-        );
-    }
     let si = Units::SI;
     let bouc_wen = |k, f, n, shape| BoucWen::<f64>::try_new(k, f, n, shape, si).err();
     let none = Sliding::none(1.0);
@@ -367,71 +360,30 @@ fn bad_parameters_are_refused_by_the_error_that_names_them() {
     assert_eq!(elasto_plastic(1.0, 0.0, 0.0, 1.0, none), None);
     assert_eq!(leuven(1.0, 0.0), None);
     assert_eq!(two_state(1.0, 1.0, 1e-3), None);
-    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        refused(bouc_wen(bad, 1.0, 1.0, 1.0), "stiffness", Bound::Positive);
-        refused(
-            bouc_wen(1.0, bad, 1.0, 1.0),
-            "Coulomb force",
-            Bound::Positive,
-        );
-        refused(
-            elasto_plastic(bad, 0.0, 0.0, 1.0, none),
-            "stiffness",
-            Bound::Positive,
-        );
-        refused(
-            elasto_plastic(1.0, 0.0, 0.0, bad, none),
-            "breakaway force",
-            Bound::Positive,
-        );
-        refused(
-            two_state(bad, 1.0, 1e-3),
-            "pre-sliding distance",
-            Bound::Positive,
-        );
-        refused(
-            two_state(1.0, bad, 1e-3),
-            "breakaway force",
-            Bound::Positive,
-        );
-        refused(two_state(1.0, 1.0, bad), "sample time", Bound::Positive);
-    }
-    refused(two_state(1.0, 1.0, 2.0), "sample time", Bound::AtMost(1.0));
-    for bad in [-1.0, f64::NAN, f64::INFINITY] {
-        refused(
-            elasto_plastic(1.0, bad, 0.0, 1.0, none),
-            "damping",
-            Bound::NotNegative,
-        );
-        refused(leuven(1.0, bad), "damping", Bound::NotNegative);
-    }
+    positive("stiffness", |bad| bouc_wen(bad, 1.0, 1.0, 1.0));
+    positive("Coulomb force", |bad| bouc_wen(1.0, bad, 1.0, 1.0));
+    positive("stiffness", |bad| elasto_plastic(bad, 0.0, 0.0, 1.0, none));
+    positive("breakaway force", |bad| {
+        elasto_plastic(1.0, 0.0, 0.0, bad, none)
+    });
+    positive("pre-sliding distance", |bad| two_state(bad, 1.0, 1e-3));
+    positive("breakaway force", |bad| two_state(1.0, bad, 1e-3));
+    positive("sample time", |bad| two_state(1.0, 1.0, bad));
+    refused(two_state(1.0, 1.0, 2.0), "sample time", AtMost(1.0));
+    not_negative("damping", |bad| elasto_plastic(1.0, bad, 0.0, 1.0, none));
+    not_negative("damping", |bad| leuven(1.0, bad));
     let weak = Sliding {
         coulomb: 0.5,
         ..none
     };
-    refused(
-        elasto_plastic(1.0, 0.0, 0.46, 1.0, weak),
-        "elastic deflection z_ba",
-        Bound::AtMost(0.45),
-    );
+    let late = elasto_plastic(1.0, 0.0, 0.46, 1.0, weak);
+    refused(late, "elastic deflection z_ba", AtMost(0.45));
     for bad in [0.9, f64::NAN] {
-        refused(
-            bouc_wen(1.0, 1.0, bad, 1.0),
-            "exponent n",
-            Bound::AtLeast(1.0),
-        );
-        refused(leuven(bad, 0.0), "exponent n", Bound::AtLeast(1.0));
+        refused(bouc_wen(1.0, 1.0, bad, 1.0), "exponent n", AtLeast(1.0));
+        refused(leuven(bad, 0.0), "exponent n", AtLeast(1.0));
     }
-    refused(
-        bouc_wen(1.0, 1.0, 1.0, 0.4),
-        "shape sigma",
-        Bound::AtLeast(0.5),
-    );
-    refused(
-        bouc_wen(1.0, 1.0, 1.0, 2.1),
-        "shape sigma",
-        Bound::AtMost(2.0),
-    );
+    refused(bouc_wen(1.0, 1.0, 1.0, 0.4), "shape sigma", AtLeast(0.5));
+    refused(bouc_wen(1.0, 1.0, 1.0, 2.1), "shape sigma", AtMost(2.0));
 }
 
 /// Any `f64`, NaN and infinities included, often enough of the size that matters.
