@@ -10,6 +10,7 @@ use crate::friction::Visitor;
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::report::figures::quantity;
+use crate::statistics::earlier;
 use preslide::{Friction, Motion};
 
 /// Steps within a sample that are tried first, and most of them.
@@ -154,14 +155,7 @@ pub(super) fn applied(model: &Model, recorded: &[f64], sample_time: f64) -> Vec<
     let mut force = recorded.to_vec();
     for effect in model.of(&form::CHANNEL_DELAY) {
         // What is recorded now acted that much earlier.
-        let ticks = effect.get("delay_s") / sample_time;
-        let late = force.clone();
-        for (i, f) in force.iter_mut().enumerate() {
-            let at = (i as f64 + ticks).clamp(0.0, (late.len() - 1) as f64);
-            let low = at.floor() as usize;
-            let high = (low + 1).min(late.len() - 1);
-            *f = late[low] + (at - low as f64) * (late[high] - late[low]);
-        }
+        force = earlier(&force, effect.get("delay_s") / sample_time);
     }
     force.iter_mut().for_each(|f| *f = acting(model, *f));
     force
