@@ -9,6 +9,7 @@ mod cycles;
 mod example;
 mod imports;
 mod judge;
+mod objdump;
 mod package;
 mod process;
 mod python;
