@@ -4,6 +4,7 @@
 pub mod answer;
 pub mod case;
 pub mod deviation;
+pub mod dice;
 pub mod judge;
 mod least_squares;
 pub mod made;

@@ -3,10 +3,10 @@
 
 use crate::simulated::dragged;
 use preslide_host_tests::answer::Diagnosis;
+use preslide_host_tests::dice::Dice;
 use preslide_host_tests::judge::table::{Recording, Table};
 use preslide_host_tests::judge::tool::Tool;
 use preslide_host_tests::made::sines;
-use preslide_host_tests::trials::draw::Draw;
 use preslide_host_tests::trials::law::Hysteresis;
 use std::f64::consts::TAU;
 
@@ -86,7 +86,7 @@ impl Controller {
 
 impl Joint {
     /// Position of the load as its encoder reads it, and the force on the motor, at the samples.
-    fn recording(self, mut law: Law, draw: &mut Draw) -> [Vec<f64>; 2] {
+    fn recording(self, mut law: Law, dice: &mut Dice) -> [Vec<f64>; 2] {
         let reduced = MOTOR_KG * LOAD_KG / (MOTOR_KG + LOAD_KG);
         let w = TAU * self.contact_hz;
         let (stiffness, damping) = (reduced * w * w, 2.0 * DAMPING_RATIO * reduced * w);
@@ -96,11 +96,11 @@ impl Joint {
         let (mut positions, mut forces) = (Vec::new(), Vec::new());
         for i in 0..SAMPLES {
             // Friction wanders by 2 % and forgets its level within a tenth of a second.
-            level += (1.0 - level) * 0.01 + 0.02 * (2.0 * 0.01_f64).sqrt() * draw.normal();
+            level += (1.0 - level) * 0.01 + 0.02 * (2.0 * 0.01_f64).sqrt() * dice.normal();
             let read = (load / ENCODER_M).round() * ENCODER_M;
             let force = controller.force(i, read);
             positions.push(read);
-            forces.push(force + 0.01 * draw.normal());
+            forces.push(force + 0.01 * dice.normal());
             for _ in 0..FINER {
                 let apart: f64 = motor - load;
                 let pressed = apart - apart.clamp(-0.5 * self.gap_m, 0.5 * self.gap_m);
@@ -117,7 +117,7 @@ impl Joint {
     }
 
     fn diagnosed(self, law: Law) -> Diagnosis {
-        let [position, force] = self.recording(law, &mut Draw::new(SEED, 0));
+        let [position, force] = self.recording(law, &mut Dice::new(SEED));
         let time = (0..SAMPLES).map(|i| i as f64 / RATE_HZ).collect();
         let table = Table {
             names: ["t_s", "x_m", "force_N"].map(String::from).to_vec(),

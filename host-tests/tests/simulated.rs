@@ -3,10 +3,10 @@
 //! was, or by itself under the recorded force.
 
 use preslide_host_tests::answer::Diagnosis;
+use preslide_host_tests::dice::Dice;
 use preslide_host_tests::judge::table::{Recording, Table};
 use preslide_host_tests::judge::tool::Tool;
 use preslide_host_tests::made::sines;
-use preslide_host_tests::trials::draw::Draw;
 use std::f64::consts::TAU;
 use std::io::Write as _;
 use std::path::Path;
@@ -74,11 +74,11 @@ pub(crate) fn dragged(z: f64, ds: f64) -> f64 {
 
 impl Physics {
     /// The force that the motion takes, at the samples.
-    fn force(&self, draw: &mut Draw) -> Vec<f64> {
+    fn force(&self, dice: &mut Dice) -> Vec<f64> {
         let (mut bristle, mut level, mut last) = (0.0, 1.0, motion(0.0)[0]);
         let sample = |i: usize| {
             // Friction forgets its level within a tenth of a second.
-            level += (1.0 - level) * 0.01 + self.wander * (2.0 * 0.01_f64).sqrt() * draw.normal();
+            level += (1.0 - level) * 0.01 + self.wander * (2.0 * 0.01_f64).sqrt() * dice.normal();
             for k in 0..FINER {
                 let x = motion((i * FINER + k) as f64 * STEP_S)[0];
                 bristle = dragged(bristle, (x - last) / PRESLIDING_M);
@@ -279,13 +279,13 @@ fn between(machine: Physics, simulation: Physics) -> (Diagnosis, Option<Correcti
 }
 
 fn between_run(machine: Physics, simulation: Physics, run: Run) -> (Diagnosis, Option<Correction>) {
-    let mut draw = Draw::new(SEED, 0);
-    let mut force = machine.force(&mut draw);
-    force.iter_mut().for_each(|f| *f += 0.01 * draw.normal());
+    let mut dice = Dice::new(SEED);
+    let mut force = machine.force(&mut dice);
+    force.iter_mut().for_each(|f| *f += 0.01 * dice.normal());
     let simulated = match run {
-        Run::Inverse => vec![("force_sim_mN", simulation.force(&mut draw))],
+        Run::Inverse => vec![("force_sim_mN", simulation.force(&mut dice))],
         Run::Late(samples) => {
-            let on_time = simulation.force(&mut draw);
+            let on_time = simulation.force(&mut dice);
             let late = (0..SAMPLES).map(|i| on_time[i.saturating_sub(samples)]);
             vec![("force_sim_mN", late.collect())]
         }
