@@ -94,12 +94,14 @@ fn what_is_wrong_with_a_file_or_an_option_is_2_everywhere() {
         (&["--ignore", "nowhere"], "nowhere"),
     ];
     for command in FITTING.iter().chain(&RUNNING) {
-        for (name, part) in [("absent.csv", "check the path"), ("", "cannot be read")] {
-            code(command, &model, &folder.path(name), &[], 2, &[name, part]);
-        }
+        let absent = folder.path("absent.csv");
+        code(command, &model, &absent, &[], 2, &["absent.csv"]);
         for (more, part) in of_options {
             code(command, &model, &path, more, 2, &[part]);
         }
+    }
+    for (name, part) in [("absent.csv", "check the path"), ("", "cannot be read")] {
+        preslide(&["identify", &folder.path(name)]).fails(2, &[name, part]);
     }
 }
 
