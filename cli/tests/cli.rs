@@ -2,6 +2,7 @@
 
 use super::binary::{Folder, HEADER, MODEL, preslide, recording};
 use preslide_fit::model::Model;
+use preslide_host_tests::made::Blocks;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -261,14 +262,13 @@ fn a_plan_keeps_to_the_axis_that_is_named() {
 #[test]
 fn a_predictor_is_told_beside_the_friction_models() {
     let folder = Folder::new();
-    let (mut z, mut last) = (0.0_f64, 0.0);
+    let mut block = Blocks::new(&[(4000.0, 2.5e-4)]);
     let mut text = "t_s,x_m,friction_N\n".to_owned();
     for i in 0..9000 {
         let turn = std::f64::consts::TAU * f64::from(i) / 400.0;
         let x = 1e-3 * (turn.sin() + 0.4 * (3.1 * turn).sin());
-        z = (z + x - last).clamp(-2.5e-4, 2.5e-4);
-        last = x;
-        writeln!(text, "{:.2},{x:e},{:e}", f64::from(i) * 0.01, 4000.0 * z).expect("memory");
+        let (time, force) = (f64::from(i) * 0.01, block.force(x));
+        writeln!(text, "{time:.2},{x:e},{force:e}").expect("memory");
     }
     let path = folder.file("block.csv", text);
     let json = folder.path("block.json");

@@ -90,21 +90,18 @@ fn what_is_wrong_with_a_file_or_an_option_is_2_everywhere() {
     let of_options: [(&[&str], &str); 4] = [
         (&["--map", "x_m=nowhere"], "nowhere"),
         (&["--map", "nonsense"], "NAME=COLUMN"),
-        (&["--sign", "2"], "--sign 2"),
+        (&["--sign", "2"], "--sign 2 is neither 1 nor -1"),
         (&["--ignore", "nowhere"], "nowhere"),
     ];
     for command in FITTING.iter().chain(&RUNNING) {
-        code(
-            command,
-            &model,
-            &folder.path("absent.csv"),
-            &[],
-            2,
-            &["absent.csv"],
-        );
+        let absent = folder.path("absent.csv");
+        code(command, &model, &absent, &[], 2, &["absent.csv"]);
         for (more, part) in of_options {
             code(command, &model, &path, more, 2, &[part]);
         }
+    }
+    for (name, part) in [("absent.csv", "check the path"), ("", "cannot be read")] {
+        preslide(&["identify", &folder.path(name)]).fails(2, &[name, part]);
     }
 }
 
@@ -159,18 +156,37 @@ fn a_recording_that_cannot_answer_is_3_where_something_is_fitted() {
     let model = folder.file("model.toml", MODEL);
     let wave = |i: u32| 1e-3 * (f64::from(i) * 0.02).sin();
     let force = |i: u32| (f64::from(i) * 0.02).cos().signum();
-    for (name, text) in [
-        ("standstill.csv", table(|_| 0.5, |i| f64::from(i % 7), 900)),
-        ("no_effort.csv", table(wave, |_| 0.0, 3000)),
-        ("short.csv", table(wave, force, 90)),
+    let saw = |i: u32| f64::from(i % 7);
+    for (name, text, warning, remedy) in [
+        (
+            "standstill.csv",
+            table(|_| 0.5, saw, 900),
+            "no-motion",
+            "record a motion",
+        ),
+        (
+            "no_effort.csv",
+            table(wave, |_| 0.0, 3000),
+            "constant-effort",
+            "effort",
+        ),
+        (
+            "short.csv",
+            table(wave, force, 90),
+            "too-short",
+            "record for longer",
+        ),
     ] {
         let path = folder.file(name, text);
         for command in FITTING {
-            code(command, &model, &path, &[], 3, &[name]);
+            code(command, &model, &path, &[], 3, &[name, warning, remedy]);
         }
         // What is only run along a motion has nothing to tell apart.
         preslide(&["simulate", &model, "--motion", &path]).succeeds();
     }
+    let one_way = folder.file("one_way.csv", table(|i| 1e-5 * f64::from(i), saw, 900));
+    let parts = ["one_way.csv", "one-way-motion", "explains nothing"];
+    preslide(&["identify", &one_way]).fails(3, &parts);
 }
 
 #[test]

@@ -480,7 +480,7 @@ fn what_c_needs_and_lacks_is_said() {
     );
     let error = whole("plain", "slip_reserve_i16f16", &[]);
     assert!(error.contains("--count"), "{error}");
-    let error = whole("plain", "slip_reserve_i16f16", &["--count", "1e4"]);
+    let error = whole("plain", "slip_reserve_i16f16", &["--count", "50mm"]);
     assert!(error.contains("a count is far longer"), "{error}");
     let bound = [
         "--count",

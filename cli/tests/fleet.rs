@@ -1,5 +1,6 @@
 //! `preslide fleet` on made axes: a row a recording, whatever is wrong with one of them, and nothing made twice.
 
+use preslide_host_tests::made::{Blocks, sines};
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -8,22 +9,13 @@ const DAYS: usize = 7;
 
 /// A recording of six seconds: a mass on Coulomb and viscous friction with two blocks, and noise that repeats.
 fn recording(mass: f64, level: f64, noise: u64) -> String {
-    let (dt, mut z, mut random) = (5e-3, [0.0_f64; 2], noise);
+    let blocks = [(4e4, 0.6), (1.5e4, 0.4)].map(|(k, share)| (k, share * level / k));
+    let (mut blocks, mut random) = (Blocks::new(&blocks), noise);
     let mut text = "t_s,x_m,force_N\n".to_owned();
-    let at = |t: f64| 0.03 * (3.1 * t).sin() + 0.01 * (8.2 * t + 1.0).sin();
     for i in 0..1200 {
-        let t = f64::from(i) * dt;
-        let (x, before, after) = (at(t), at(t - dt), at(t + dt));
-        let (v, a) = (
-            (after - before) / (2.0 * dt),
-            (after - 2.0 * x + before) / (dt * dt),
-        );
-        let mut force = mass * a + 20.0 * v;
-        for (z, (stiffness, share)) in z.iter_mut().zip([(4e4, 0.6), (1.5e4, 0.4)]) {
-            let bound = share * level / stiffness;
-            *z = (*z + x - before).clamp(-bound, bound);
-            force += stiffness * *z;
-        }
+        let t = 5e-3 * f64::from(i);
+        let [x, v, a] = sines(&[[0.03, 3.1, 0.0], [0.01, 8.2, 1.0]], t);
+        let mut force = mass * a + 20.0 * v + blocks.force(x);
         random = random
             .wrapping_mul(6_364_136_223_846_793_005)
             .wrapping_add(1_442_695_040_888_963_407);

@@ -2,82 +2,8 @@
 
 use super::binary::{Folder, HEADER, Run, preslide, recording};
 use preslide_fit::model::Model;
-use preslide_host_tests::recordings;
-use std::fmt::Write as _;
 use std::process::Command;
 use std::time::{Duration, Instant};
-
-/// A folder of the real recordings, where it exists.
-fn real(name: &str) -> Option<String> {
-    Some(recordings()?.join(name).display().to_string())
-}
-
-/// A recording with one line (counted from 1, the header) replaced.
-fn with_line(line: usize, text: &str) -> String {
-    let mut lines: Vec<String> = recording(HEADER).lines().map(String::from).collect();
-    lines[line - 1] = text.to_owned();
-    lines.join("\n")
-}
-
-#[test]
-fn bad_headers_name_the_file_and_the_remedy() {
-    let folder = Folder::new();
-    let headless = recording(HEADER)
-        .split_once('\n')
-        .expect("lines")
-        .1
-        .to_owned();
-    for (name, text, parts) in [
-        ("headless.csv", headless, &["line 1", "t_s,x_m,force_N"][..]),
-        (
-            "unit.csv",
-            recording("t_s,x,friction_N"),
-            &["`x`", "x_m", "--map"],
-        ),
-        (
-            "furlong.csv",
-            recording("t_s,x_furlong,friction_N"),
-            &["`x_furlong`", "x_m", "--map"],
-        ),
-        (
-            "two.csv",
-            recording("t_s,x_m,friction_N")
-                .lines()
-                .enumerate()
-                .fold(String::new(), |all, (i, line)| {
-                    all + line + if i == 0 { ",force_N\n" } else { ",1\n" }
-                }),
-            &["`friction_N`", "`force_N`", "--map"],
-        ),
-        ("empty.csv", String::new(), &["is empty", "header"]),
-        ("no_samples.csv", format!("{HEADER}\n"), &["0 samples"]),
-    ] {
-        let path = folder.file(name, text);
-        preslide(&["identify", &path]).fails(2, &[&[name][..], parts].concat());
-    }
-}
-
-#[test]
-fn a_bad_cell_is_a_lost_sample_that_is_told_with_its_line() {
-    let folder = Folder::new();
-    for (name, row, parts) in [
-        ("nan.csv", "0.480,NaN,0.1", &["`x_m`", "not finite"][..]),
-        (
-            "text.csv",
-            "0.480,1e-6,high",
-            &["`friction_N`", "`high` is not a number"],
-        ),
-        ("hole.csv", "0.480,,0.1", &["`x_m`", "empty"]),
-        ("when.csv", "inf,1e-6,0.1", &["`t_s`", "not finite"]),
-        ("short.csv", "0.480,1e-6", &["2 cells"]),
-    ] {
-        let path = folder.file(name, with_line(50, row));
-        let run = preslide(&["identify", &path]);
-        for part in [&[name, "lost-samples", "line 50"], parts].concat() {
-            assert!(run.succeeds().err.contains(part), "{part}: {}", run.err);
-        }
-    }
-}
 
 #[test]
 fn a_table_of_speed_and_effort_without_time_is_identified() {
@@ -140,64 +66,6 @@ fn a_current_in_milliamperes_is_asked_about_with_the_command_that_reads_it() {
 }
 
 #[test]
-fn bad_times_name_file_line_and_remedy() {
-    let folder = Folder::new();
-    for (name, row, parts) in [
-        (
-            "back.csv",
-            "0.100,1e-6,0.1",
-            &["line 50", "runs backwards", "sort the rows"][..],
-        ),
-        (
-            "still.csv",
-            "0.470,1e-6,0.1",
-            &["line 50", "stands still", "more digits"],
-        ),
-    ] {
-        let path = folder.file(name, with_line(50, row));
-        preslide(&["identify", &path]).fails(2, &[&[name][..], parts].concat());
-    }
-}
-
-#[test]
-fn motion_that_cannot_answer_exits_with_3_and_says_what_to_record() {
-    let folder = Folder::new();
-    let table = |x: fn(i32) -> f64, f: fn(i32) -> f64, n: i32| {
-        (0..n).fold(format!("{HEADER}\n"), |mut text, i| {
-            writeln!(text, "{},{},{}", f64::from(i) * 0.01, x(i), f(i)).expect("memory");
-            text
-        })
-    };
-    let wave = |i: i32| (f64::from(i) * 0.02).sin() * 1e-3;
-    let force = |i: i32| (f64::from(i) * 0.02).cos().signum();
-    for (name, text, parts) in [
-        (
-            "one_way.csv",
-            table(|i| f64::from(i) * 1e-5, |i| f64::from(i % 7), 900),
-            &["one-way-motion", "explains nothing"][..],
-        ),
-        (
-            "short.csv",
-            table(wave, force, 90),
-            &["too-short", "longer"],
-        ),
-        (
-            "standstill.csv",
-            table(|_| 0.5, |i| f64::from(i % 7), 900),
-            &["no-motion", "record a motion"],
-        ),
-        (
-            "no_effort.csv",
-            table(wave, |_| 0.0, 3000),
-            &["constant-effort", "effort"],
-        ),
-    ] {
-        let path = folder.file(name, text);
-        preslide(&["identify", &path]).fails(3, &[&[name][..], parts].concat());
-    }
-}
-
-#[test]
 fn a_current_is_taken_as_it_is_and_what_a_constant_would_add_is_said() {
     let folder = Folder::new();
     let path = folder.file("current.csv", recording("t_s,x_m,current_A"));
@@ -212,39 +80,6 @@ fn a_current_is_taken_as_it_is_and_what_a_constant_would_add_is_said() {
         assert!(said.contains(part), "{part}: {said}");
     }
     preslide(&["identify", &path, "--map", "friction_N=2*current_A"]).succeeds();
-}
-
-#[test]
-fn the_gap_of_the_o_ring_is_a_warning_that_names_the_line() {
-    let Some(path) = real("pneumatic_seal/O-ring_3bar.csv") else {
-        return;
-    };
-    let run = preslide(&["identify", &path]);
-    run.succeeds();
-    for part in ["O-ring_3bar.csv", "gap", "2.6600 s at line 14"] {
-        assert!(run.err.contains(part), "{}", run.err);
-    }
-}
-
-#[test]
-fn a_truncated_mat_file_names_the_byte() {
-    let Some(path) = real("emps/DATA_EMPS.mat") else {
-        return;
-    };
-    let bytes = std::fs::read(path).expect("readable");
-    let folder = Folder::new();
-    let cut = folder.file("cut.mat", &bytes[..bytes.len() / 2]);
-    let map = [
-        "--map",
-        "t_s=t",
-        "--map",
-        "x_m=qm",
-        "--map",
-        "force_N=gtau*vir",
-    ];
-    preslide(&[&["identify", &cut][..], &map].concat()).fails(2, &["cut.mat", "at byte"]);
-    let head = folder.file("head.mat", &bytes[..60]);
-    preslide(&[&["identify", &head][..], &map].concat()).fails(2, &["head.mat"]);
 }
 
 /// Under a limit of address space, so that reading it would fail loudly.
@@ -274,22 +109,6 @@ fn a_gigabyte_is_refused_at_once_and_in_little_memory() {
         run.fails(2, &[name, reason]);
         assert!(start.elapsed() < Duration::from_secs(10), "{name}");
     }
-}
-
-#[test]
-fn files_that_are_not_there_and_maps_that_lead_nowhere() {
-    let folder = Folder::new();
-    let path = folder.file("good.csv", recording(HEADER));
-    preslide(&["identify", &folder.path("absent.csv")]).fails(2, &["absent.csv", "check the path"]);
-    preslide(&["identify", &folder.path("")]).fails(2, &["cannot be read"]);
-    preslide(&["identify", &path, "--map", "friction_N=load_cell"]).fails(
-        2,
-        &["good.csv", "no column `load_cell`", "t_s, x_m, friction_N"],
-    );
-    preslide(&["identify", &path, "--map", "force=friction_N"])
-        .fails(2, &["`force` is no column", "force_N"]);
-    preslide(&["identify", &path, "--map", "nonsense"]).fails(2, &["NAME=COLUMN"]);
-    preslide(&["identify", &path, "--sign", "2"]).fails(2, &["--sign 2", "1 nor -1"]);
 }
 
 #[test]

@@ -96,6 +96,29 @@ impl Diagnosis {
     pub fn confident_ids(&self) -> Vec<&str> {
         self.confident().map(|e| e.id.as_str()).collect()
     }
+
+    /// A parameter of the effect of an id.
+    ///
+    /// # Panics
+    /// Where it is not stated.
+    pub fn value(&self, id: &str, key: &str) -> f64 {
+        self.stated(id, key).1
+    }
+
+    /// Its 95 % interval.
+    ///
+    /// # Panics
+    /// Where it is not stated, or without one.
+    pub fn interval(&self, id: &str, key: &str) -> (f64, f64) {
+        let interval = self.stated(id, key).2;
+        interval.unwrap_or_else(|| panic!("{key} of {id} has no interval"))
+    }
+
+    fn stated(&self, id: &str, key: &str) -> &Stated {
+        let effect = self.effects.iter().find(|e| e.id == id);
+        let parameter = effect.and_then(|e| e.parameters.iter().find(|p| p.0 == key));
+        parameter.unwrap_or_else(|| panic!("{id} states no {key}"))
+    }
 }
 
 fn named(effect: &Value) -> Result<Named, String> {

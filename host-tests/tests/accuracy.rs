@@ -31,14 +31,14 @@ const COARSE: Units = Units {
 
 /// Bounds on largest, RMS and mean error (N) in one arithmetic.
 #[derive(Clone, Copy)]
-struct Bounds {
+pub(crate) struct Bounds {
     number: &'static str,
     max: f64,
     rms: f64,
     bias: f64,
 }
 
-const fn bounds(number: &'static str, max: f64, rms: f64, bias: f64) -> Bounds {
+pub(crate) const fn bounds(number: &'static str, max: f64, rms: f64, bias: f64) -> Bounds {
     Bounds {
         number,
         max,
@@ -85,7 +85,7 @@ fn print(what: &str, number: &str, found: &Deviation) {
     );
 }
 
-fn compare<M: Friction>(
+pub(crate) fn compare<M: Friction>(
     what: &str,
     bounds: &Bounds,
     (model, units): (&M, Units),
@@ -110,34 +110,25 @@ macro_rules! each_arithmetic {
     }};
 }
 
-/// Runs `$body` with `N` = 1…10.
-macro_rules! each_block_number {
-    ($do:ident) => {
-        $do!(1);
-        $do!(2);
-        $do!(3);
-        $do!(4);
-        $do!(5);
-        $do!(6);
-        $do!(7);
-        $do!(8);
-        $do!(9);
-        $do!(10);
-    };
-}
-
-/// Some of them, with the smallest and the largest: what a gate can afford.
-macro_rules! some_block_numbers {
-    ($do:ident) => {
-        $do!(1);
-        $do!(4);
-        $do!(10);
+/// Runs `$do!(N)` with numbers of blocks.
+macro_rules! with_blocks {
+    ($do:ident: $($n:literal)*) => { $($do!($n);)* };
+    ($do:ident, $sizes:expr) => {
+        match $sizes {
+            Sizes::Some => {
+                with_blocks!($do: 1 4 10);
+            }
+            Sizes::All => {
+                with_blocks!($do: 1 2 3 4 5 6 7 8 9 10);
+            }
+        }
     };
 }
 
 /// Which numbers of blocks run.
 #[derive(Clone, Copy, PartialEq)]
 enum Sizes {
+    /// Some, with the smallest and the largest: what a gate can afford.
     Some,
     All,
 }
@@ -188,14 +179,7 @@ fn quasi_static_gms(sizes: Sizes) {
             each_arithmetic!(check, $n, BOUNDS, &path, &reference);
         };
     }
-    match sizes {
-        Sizes::Some => {
-            some_block_numbers!(at);
-        }
-        Sizes::All => {
-            each_block_number!(at);
-        }
-    }
+    with_blocks!(at, sizes);
 }
 
 /// Share of the ticks on which the full law may differ by more than rounding, up to `F_s − F_c`.
@@ -260,14 +244,7 @@ fn gms_against_the_equations(
             each_arithmetic!(check, $n, bounds, what, sliding, path, &reference);
         };
     }
-    match sizes {
-        Sizes::Some => {
-            some_block_numbers!(at);
-        }
-        Sizes::All => {
-            each_block_number!(at);
-        }
-    }
+    with_blocks!(at, sizes);
 }
 
 #[test]

@@ -13,26 +13,9 @@ fn answer(seed: u64, kind: Kind) -> (Diagnosis, Model) {
     let file = folder.path().join("extended.toml");
     let mut recording = trial(seed, kind).given("trial");
     recording.arguments = vec!["-o".to_owned(), file.display().to_string()];
-    let tool = Tool::of_workspace().unwrap_or_else(|e| panic!("{e}"));
-    let found = tool
-        .diagnose(&recording)
-        .0
-        .unwrap_or_else(|e| panic!("{e}"));
+    let found = Tool::told(&recording);
     let read = Model::load(&file).expect("the extended model is a model file");
     (found, read)
-}
-
-/// Value and 95 % interval of a parameter of the effect that stands first.
-fn stated(found: &Diagnosis, key: &str) -> (f64, (f64, f64)) {
-    let all = &found.effects[0].parameters;
-    let (_, value, interval) = all
-        .iter()
-        .find(|p| p.0 == key)
-        .unwrap_or_else(|| panic!("{key} is not stated"));
-    (
-        *value,
-        interval.unwrap_or_else(|| panic!("{key} has no interval")),
-    )
 }
 
 /// Seeds 0 to 4 modulo 5 are the five hysteresis laws. The gate asks clean recordings by `cargo xtask sources --ci` and in `answers.rs`.
@@ -57,7 +40,8 @@ fn a_stribeck_curve_is_named_with_its_velocity_and_honest_intervals() {
     let (before, after) = found.nmse_test.expect("NMSE");
     assert!(after < 0.5 * before, "NMSE {before} before, {after} after");
     for (key, truth) in trial(seed, kind).label.effects[0].parameters() {
-        let (value, (low, high)) = stated(&found, key);
+        let (low, high) = found.interval("stribeck", key);
+        let value = found.value("stribeck", key);
         assert!(
             low <= truth && truth <= high,
             "{key} {truth} is not in {low}…{high}"
@@ -77,7 +61,7 @@ fn a_constant_force_is_named_with_its_interval_and_its_double() {
         .any(|id| id == "coulomb_asymmetry");
     assert!(double, "no fit separates them");
     let truth = trial(10, kind).label.effects[0].values[0];
-    let (_, (low, high)) = stated(&found, "force_N");
+    let (low, high) = found.interval("constant_force", "force_N");
     assert!(
         low <= truth && truth <= high,
         "{truth} N is not in {low}…{high}"

@@ -3,13 +3,16 @@
 //!
 //! `cargo test -p preslide-host-tests --test all -- family:: --nocapture` prints the figures.
 
+use crate::accuracy::{bounds, compare};
+use crate::properties::in_steps;
+use preslide::Bound::{AtLeast, AtMost};
 use preslide::{
-    BoucWen, Bound, Dahl, ElastoPlastic, Friction, Leuven, LeuvenForm, Motion, ParamError, Scalar,
-    Sliding, TwoState, Units,
+    BoucWen, Dahl, ElastoPlastic, Friction, Leuven, LeuvenForm, Motion, Scalar, Sliding, TwoState,
+    Units,
 };
-use preslide_host_tests::deviation::Deviation;
 use preslide_host_tests::path::{COUNT, SAMPLE_TIME, random_reversals};
 use preslide_host_tests::reference::{self, Stribeck};
+use preslide_host_tests::refusal::{not_negative, positive, refused};
 use preslide_host_tests::table3::{BREAKAWAY, blocks, column};
 use proptest::prelude::*;
 
@@ -18,9 +21,9 @@ const SEED: u64 = 1227;
 const STIFFNESS: f64 = 195_000.0;
 const ELASTIC: f64 = 1.5e-6;
 const DISTANCE: f64 = 35e-6;
-const FORMS: [LeuvenForm; 2] = [LeuvenForm::Original, LeuvenForm::Modified];
+pub(crate) const FORMS: [LeuvenForm; 2] = [LeuvenForm::Original, LeuvenForm::Modified];
 
-fn weakening() -> Sliding {
+pub(crate) fn weakening() -> Sliding {
     Sliding {
         coulomb: 0.8 * BREAKAWAY,
         stribeck_velocity: 1e-3,
@@ -38,21 +41,21 @@ fn stribeck() -> Stribeck {
     }
 }
 
-fn bouc_wen<S: Scalar>(exponent: f64, shape: f64) -> BoucWen<S> {
+pub(crate) fn bouc_wen<S: Scalar>(exponent: f64, shape: f64) -> BoucWen<S> {
     BoucWen::try_new(320_000.0, BREAKAWAY, exponent, shape, Units::SI).expect("valid")
 }
 
-fn elasto_plastic<S: Scalar>(damping: f64, sliding: Sliding) -> ElastoPlastic<S> {
+pub(crate) fn elasto_plastic<S: Scalar>(damping: f64, sliding: Sliding) -> ElastoPlastic<S> {
     ElastoPlastic::try_new(STIFFNESS, damping, ELASTIC, BREAKAWAY, sliding, Units::SI)
         .expect("valid")
 }
 
-fn leuven<S: Scalar>(form: LeuvenForm, damping: f64, sliding: Sliding) -> Leuven<6, S> {
+pub(crate) fn leuven<S: Scalar>(form: LeuvenForm, damping: f64, sliding: Sliding) -> Leuven<6, S> {
     let blocks = blocks::<6>();
     Leuven::try_new(form, &blocks, BREAKAWAY, 2.0, damping, sliding, Units::SI).expect("valid")
 }
 
-fn two_state<S: Scalar>(sliding: Sliding) -> TwoState<S> {
+pub(crate) fn two_state<S: Scalar>(sliding: Sliding) -> TwoState<S> {
     TwoState::try_new(DISTANCE, BREAKAWAY, sliding, SAMPLE_TIME, Units::SI).expect("valid")
 }
 
@@ -75,31 +78,23 @@ fn check<A: Friction<Scalar = f32>, B: Friction<Scalar = f64>>(
     (single, double): (&A, &B),
     path: &[(i32, f64)],
     expected: &[f64],
-    bounds: [[f64; 3]; 2],
+    within: [[f64; 3]; 2],
 ) {
-    fn run<M: Friction>(model: &M, path: &[(i32, f64)], expected: &[f64]) -> Deviation {
-        let number = |value| M::Scalar::try_from_f64(value).expect("fits a float");
-        let mut state = model.at_rest();
-        let mut found = Deviation::default();
-        for (&(counts, velocity), &expected) in path.iter().zip(expected) {
-            let motion = Motion {
-                displacement: number(f64::from(counts) * COUNT),
-                velocity: number(velocity),
-            };
-            found.add(model.step(&mut state, motion).to_f64(), expected);
-        }
-        found
-    }
-    let found = [run(single, path, expected), run(double, path, expected)];
-    for ((number, found), [max, rms, bias]) in ["f32", "f64"].iter().zip(found).zip(bounds) {
-        println!(
-            "{what:<34} {number} max {:.1e}  RMS {:.1e}  bias {:.1e}",
-            found.max,
-            found.rms(),
-            found.bias()
-        );
-        found.assert_within(&format!("{what} {number}"), max, rms, bias);
-    }
+    let of = |number, [max, rms, bias]: [f64; 3]| bounds(number, max, rms, bias);
+    compare(
+        what,
+        &of("f32", within[0]),
+        (single, Units::SI),
+        path,
+        expected,
+    );
+    compare(
+        what,
+        &of("f64", within[1]),
+        (double, Units::SI),
+        path,
+        expected,
+    );
 }
 
 #[test]
@@ -199,7 +194,11 @@ fn two_state_is_within_bounds_of_its_equation() {
 }
 
 /// Forces along displacements, at the velocity `speed` (m/s) in their direction.
-fn forces<M: Friction<Scalar = f64>>(model: &M, displacements: &[f64], speed: f64) -> Vec<f64> {
+pub(crate) fn forces<M: Friction<Scalar = f64>>(
+    model: &M,
+    displacements: &[f64],
+    speed: f64,
+) -> Vec<f64> {
     let mut state = model.at_rest();
     displacements
         .iter()
@@ -213,12 +212,6 @@ fn forces<M: Friction<Scalar = f64>>(model: &M, displacements: &[f64], speed: f6
                 },
             )
         })
-        .collect()
-}
-
-fn in_steps(legs: &[f64], steps: usize) -> Vec<f64> {
-    legs.iter()
-        .flat_map(|leg| std::iter::repeat_n(leg / steps as f64, steps))
         .collect()
 }
 
@@ -345,15 +338,6 @@ fn all_that_have_a_stribeck_curve_slide_at_the_coulomb_force_when_fast() {
 
 #[test]
 fn bad_parameters_are_refused_by_the_error_that_names_them() {
-    #[track_caller]
-    fn refused(error: Option<ParamError>, parameter: &str, bound: Bound) {
-        let error = error.expect("must be refused");
-        assert_eq!(
-            (error.parameter, error.bound),
-            (parameter, bound),
-            "{error}"
-        );
-    }
     let si = Units::SI;
     let bouc_wen = |k, f, n, shape| BoucWen::<f64>::try_new(k, f, n, shape, si).err();
     let none = Sliding::none(1.0);
@@ -367,153 +351,34 @@ fn bad_parameters_are_refused_by_the_error_that_names_them() {
     assert_eq!(elasto_plastic(1.0, 0.0, 0.0, 1.0, none), None);
     assert_eq!(leuven(1.0, 0.0), None);
     assert_eq!(two_state(1.0, 1.0, 1e-3), None);
-    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        refused(bouc_wen(bad, 1.0, 1.0, 1.0), "stiffness", Bound::Positive);
-        refused(
-            bouc_wen(1.0, bad, 1.0, 1.0),
-            "Coulomb force",
-            Bound::Positive,
-        );
-        refused(
-            elasto_plastic(bad, 0.0, 0.0, 1.0, none),
-            "stiffness",
-            Bound::Positive,
-        );
-        refused(
-            elasto_plastic(1.0, 0.0, 0.0, bad, none),
-            "breakaway force",
-            Bound::Positive,
-        );
-        refused(
-            two_state(bad, 1.0, 1e-3),
-            "pre-sliding distance",
-            Bound::Positive,
-        );
-        refused(
-            two_state(1.0, bad, 1e-3),
-            "breakaway force",
-            Bound::Positive,
-        );
-        refused(two_state(1.0, 1.0, bad), "sample time", Bound::Positive);
-    }
-    refused(two_state(1.0, 1.0, 2.0), "sample time", Bound::AtMost(1.0));
-    for bad in [-1.0, f64::NAN, f64::INFINITY] {
-        refused(
-            elasto_plastic(1.0, bad, 0.0, 1.0, none),
-            "damping",
-            Bound::NotNegative,
-        );
-        refused(leuven(1.0, bad), "damping", Bound::NotNegative);
-    }
+    positive("stiffness", |bad| bouc_wen(bad, 1.0, 1.0, 1.0));
+    positive("Coulomb force", |bad| bouc_wen(1.0, bad, 1.0, 1.0));
+    positive("stiffness", |bad| elasto_plastic(bad, 0.0, 0.0, 1.0, none));
+    positive("breakaway force", |bad| {
+        elasto_plastic(1.0, 0.0, 0.0, bad, none)
+    });
+    positive("pre-sliding distance", |bad| two_state(bad, 1.0, 1e-3));
+    positive("breakaway force", |bad| two_state(1.0, bad, 1e-3));
+    positive("sample time", |bad| two_state(1.0, 1.0, bad));
+    refused(two_state(1.0, 1.0, 2.0), "sample time", AtMost(1.0));
+    not_negative("damping", |bad| elasto_plastic(1.0, bad, 0.0, 1.0, none));
+    not_negative("damping", |bad| leuven(1.0, bad));
     let weak = Sliding {
         coulomb: 0.5,
         ..none
     };
-    refused(
-        elasto_plastic(1.0, 0.0, 0.46, 1.0, weak),
-        "elastic deflection z_ba",
-        Bound::AtMost(0.45),
-    );
+    let late = elasto_plastic(1.0, 0.0, 0.46, 1.0, weak);
+    refused(late, "elastic deflection z_ba", AtMost(0.45));
     for bad in [0.9, f64::NAN] {
-        refused(
-            bouc_wen(1.0, 1.0, bad, 1.0),
-            "exponent n",
-            Bound::AtLeast(1.0),
-        );
-        refused(leuven(bad, 0.0), "exponent n", Bound::AtLeast(1.0));
+        refused(bouc_wen(1.0, 1.0, bad, 1.0), "exponent n", AtLeast(1.0));
+        refused(leuven(bad, 0.0), "exponent n", AtLeast(1.0));
     }
-    refused(
-        bouc_wen(1.0, 1.0, 1.0, 0.4),
-        "shape sigma",
-        Bound::AtLeast(0.5),
-    );
-    refused(
-        bouc_wen(1.0, 1.0, 1.0, 2.1),
-        "shape sigma",
-        Bound::AtMost(2.0),
-    );
-}
-
-/// Any `f64`, NaN and infinities included, often enough of the size that matters.
-fn any_input() -> impl Strategy<Value = f64> {
-    prop_oneof![
-        6 => -1e-4..1e-4_f64,
-        2 => any::<f64>(),
-        1 => prop::sample::select(vec![f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, f64::MAX, f64::MIN_POSITIVE]),
-    ]
-}
-
-fn sound<M: Friction>(
-    model: &M,
-    inputs: &[(f64, f64)],
-    number: impl Fn(f64) -> M::Scalar,
-) -> Result<(), TestCaseError> {
-    let mut state = model.at_rest();
-    let limit = model.limit();
-    for &(displacement, velocity) in inputs.iter().chain(&[(1e-7, 2e-3)]) {
-        let motion = Motion {
-            displacement: number(displacement),
-            velocity: number(velocity),
-        };
-        let force = model.step(&mut state, motion);
-        if let Some(limit) = limit {
-            prop_assert!(force.magnitude() <= limit, "|{force:?}| > {limit:?}");
-        }
-    }
-    let force = model.step(
-        &mut state,
-        Motion {
-            displacement: number(1e-7),
-            velocity: number(2e-3),
-        },
-    );
-    prop_assert!(force.to_f64().is_finite(), "{force:?}");
-    Ok(())
-}
-
-fn all_sound<S: Scalar>(
-    inputs: &[(f64, f64)],
-    number: impl Fn(f64) -> S + Copy,
-) -> Result<(), TestCaseError> {
-    for (exponent, shape) in [(1.0, 0.5), (1.6, 0.75), (20.0, 2.0)] {
-        sound(&bouc_wen::<S>(exponent, shape), inputs, number)?;
-    }
-    for damping in [0.0, 100.0] {
-        sound(&elasto_plastic::<S>(damping, weakening()), inputs, number)?;
-        for form in FORMS {
-            sound(&leuven::<S>(form, damping, weakening()), inputs, number)?;
-        }
-    }
-    sound(&two_state::<S>(weakening()), inputs, number)
+    refused(bouc_wen(1.0, 1.0, 1.0, 0.4), "shape sigma", AtLeast(0.5));
+    refused(bouc_wen(1.0, 1.0, 1.0, 2.1), "shape sigma", AtMost(2.0));
 }
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 128, failure_persistence: None, ..ProptestConfig::default() })]
-
-    #[test]
-    fn force_never_exceeds_the_limit_and_no_input_poisons_a_state(
-        inputs in prop::collection::vec((any_input(), any_input()), 1..40),
-    ) {
-        all_sound(&inputs, |value| value)?;
-        all_sound(&inputs, |value| value as f32)?;
-    }
-
-    #[test]
-    fn opposite_motion_gives_the_opposite_force(path in prop::collection::vec(-2e-5..2e-5_f64, 1..60)) {
-        fn check<M: Friction<Scalar = f64>>(model: &M, path: &[f64]) -> Result<(), TestCaseError> {
-            let opposite: Vec<f64> = path.iter().map(|dx| -dx).collect();
-            for (there, back) in forces(model, path, 2e-3).into_iter().zip(forces(model, &opposite, 2e-3)) {
-                prop_assert_eq!(there, -back);
-            }
-            Ok(())
-        }
-        check(&bouc_wen(1.6, 0.75), &path)?;
-        check(&elasto_plastic(10.0, weakening()), &path)?;
-        for form in FORMS {
-            check(&leuven(form, 10.0, weakening()), &path)?;
-        }
-        check(&two_state(weakening()), &path)?;
-    }
 
     /// Without a Stribeck curve and damping the force depends on the turning points alone: one tick a leg or many.
     #[test]

@@ -8,6 +8,7 @@ use preslide_fit::model::Model;
 use preslide_fit::progress::Progress;
 use preslide_fit::recording::{self, LoadOptions, Recording};
 use preslide_fit::simulate;
+use preslide_host_tests::made::{Blocks, sines};
 use preslide_host_tests::recordings;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -126,20 +127,15 @@ fn gaussian(rng: &mut impl Rng) -> f64 {
 /// Without the drift every repeat would turn at the very same place within an encoder count. That error, of a
 /// third of a count here, is then the same in every repeat: it averages out nowhere, and no interval that comes
 /// from the scatter of the repeats can contain it.
-fn motion(t: f64, phase: f64) -> (f64, f64, f64) {
+fn motion(t: f64, phase: f64) -> [f64; 3] {
     let base = TAU / (PERIOD as f64 * SAMPLE_TIME);
-    let nested = [(60e-6, 1.0, 0.0), (30e-6, 3.0, 0.0), (12e-6, 7.0, 0.5)];
-    nested.into_iter().chain([(1e-6, 0.137, phase)]).fold(
-        (0.0, 0.0, 0.0),
-        |(x, v, a), (amplitude, n, phase)| {
-            let (w, p) = (n * base, n * base * t + phase);
-            (
-                x + amplitude * p.sin(),
-                v + amplitude * w * p.cos(),
-                a - amplitude * w * w * p.sin(),
-            )
-        },
-    )
+    let nested = [
+        [60e-6, base, 0.0],
+        [30e-6, 3.0 * base, 0.0],
+        [12e-6, 7.0 * base, 0.5],
+        [1e-6, 0.137 * base, phase],
+    ];
+    sines(&nested, t)
 }
 
 /// Ten repeats: encoder of 25 nm, 10 mN of sensor noise, friction that wanders by 1 % between repeats.
@@ -147,22 +143,17 @@ fn motion(t: f64, phase: f64) -> (f64, f64, f64) {
 fn made(machine: &Machine, seed: u64, names: &str) -> String {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut text = format!("t_s,{names},repeat\n");
-    let mut z = [0.0_f64; 3];
+    let mut blocks = Blocks::new(&machine.blocks);
     let phase = TAU * rng.random::<f64>();
-    let mut last = motion(0.0, phase).0;
     let mut level = 1.0;
     for i in 0..10 * PERIOD {
         if i % PERIOD == 0 {
             level = 1.0 + 0.01 * gaussian(&mut rng);
         }
         let t = i as f64 * SAMPLE_TIME;
-        let (x, v, a) = motion(t, phase);
-        let mut force = machine.mass * a + machine.viscous * v + machine.offset;
-        for (z, (k, d)) in z.iter_mut().zip(machine.blocks) {
-            *z = (*z + x - last).clamp(-d, d);
-            force += level * k * *z;
-        }
-        last = x;
+        let [x, v, a] = motion(t, phase);
+        let plain = machine.mass * a + machine.viscous * v + machine.offset;
+        let force = plain + level * blocks.force(x);
         let count = (x / 25e-9).round();
         let noise = 0.01 * gaussian(&mut rng);
         writeln!(
@@ -310,24 +301,18 @@ fn recordings_of_one_machine_are_one_and_of_different_machines_an_error() {
 /// Degenerate recordings: an answer or a reason, never a panic.
 /// 3 kg, 8 N·s/m and two blocks, 1 N and 2 N, along the sines `(amplitude, angular frequency)`; `wander` is the deviation (N) of a
 /// disturbance with a memory of two seconds.
-fn two_blocks(rate: f64, seconds: f64, sines: &[(f64, f64)], wander: f64, seed: u64) -> Recording {
+fn two_blocks(rate: f64, seconds: f64, waves: &[(f64, f64)], wander: f64, seed: u64) -> Recording {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut csv = "t_s,x_m,force_N\n".to_owned();
-    let (mut z, mut last, mut slow) = ([0.0_f64; 2], 0.0, 0.0);
+    let waves: Vec<[f64; 3]> = waves.iter().map(|&(a, w)| [a, w, 0.0]).collect();
+    let (mut blocks, mut slow) = (Blocks::new(&[(2e4, 5e-5), (4e3, 5e-4)]), 0.0);
     let memory = (-0.5 / rate).exp();
     for i in 0..(rate * seconds) as usize {
         let t = i as f64 / rate;
-        let sum =
-            |part: &dyn Fn(f64, f64) -> f64| sines.iter().map(|s| part(s.0, s.1)).sum::<f64>();
-        let x = sum(&|a, w| a * (w * t).sin());
-        let v = sum(&|a, w| a * w * (w * t).cos());
-        let acceleration = sum(&|a, w| -a * w * w * (w * t).sin());
-        z[0] = (z[0] + x - last).clamp(-5e-5, 5e-5);
-        z[1] = (z[1] + x - last).clamp(-5e-4, 5e-4);
-        last = x;
+        let [x, v, acceleration] = sines(&waves, t);
         slow = memory * slow + (1.0 - memory * memory).sqrt() * wander * gaussian(&mut rng);
-        let friction = 2e4 * z[0] + 4e3 * z[1];
-        let force = 3.0 * acceleration + 8.0 * v + friction + slow + 0.005 * gaussian(&mut rng);
+        let force =
+            3.0 * acceleration + 8.0 * v + blocks.force(x) + slow + 0.005 * gaussian(&mut rng);
         let _ = writeln!(csv, "{t:.4},{x:.9},{force:.6}");
     }
     parsed(&csv)
@@ -510,31 +495,14 @@ fn degenerate_recordings_never_panic() {
 fn swing(mut keep: impl FnMut() -> Option<i64>) -> String {
     const FINE: f64 = 50e-6;
     const EACH: i64 = 20;
-    let blocks = [(4e4, 2e-5), (8e3, 1e-4), (3e3, 2e-4), (1e3, 6e-4)];
-    let mut deflections = [0.0_f64; 4];
-    let motion = |t: f64| {
-        let of = |amplitude: f64, w: f64| {
-            let (sin, cos) = (w * t).sin_cos();
-            [
-                amplitude * sin,
-                amplitude * w * cos,
-                -amplitude * w * w * sin,
-            ]
-        };
-        let parts = [of(0.02, 4.0), of(0.006, 11.0), of(0.002, 29.0)];
-        [0, 1, 2].map(|i| parts.iter().map(|p| p[i]).sum::<f64>())
-    };
+    const WAVES: [[f64; 3]; 3] = [[0.02, 4.0, 0.0], [0.006, 11.0, 0.0], [0.002, 29.0, 0.0]];
+    let mut blocks = Blocks::new(&[(4e4, 2e-5), (8e3, 1e-4), (3e3, 2e-4), (1e3, 6e-4)]);
     let mut text = "t_s,x_m,force_N\n".to_owned();
-    let (mut last, mut next, mut tick) = (0.0, Some(0), 0);
+    let (mut next, mut tick) = (Some(0), 0);
     for step in 0..24_000 * EACH {
         let t = step as f64 * FINE;
-        let [x, v, a] = motion(t);
-        let mut force = 3.0 * a + 8.0 * v;
-        for (z, (stiffness, limit)) in deflections.iter_mut().zip(blocks) {
-            *z = (*z + x - last).clamp(-limit, limit);
-            force += stiffness * *z;
-        }
-        last = x;
+        let [x, v, a] = sines(&WAVES, t);
+        let force = 3.0 * a + 8.0 * v + blocks.force(x);
         if next == Some(step) {
             // A sensor of 10 nm and 2 mN.
             let (x, force) = ((x / 1e-8).round() * 1e-8, (force / 2e-3).round() * 2e-3);

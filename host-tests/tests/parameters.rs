@@ -1,13 +1,12 @@
 //! Every bad parameter is refused by the error that names it.
 
 use fixed::types::{I0F32, I1F31, I2F30, I4F28, I8F24, I16F16, I30F2};
+use preslide::Bound::{self, AtLeast, AtMost, Positive, Representable, Resolvable};
 use preslide::{
-    Block, Bound, Coulomb, Dahl, EncoderScale, Gms, Hsieh, HsiehParams, LuGre, ParamError,
-    QuasiStaticGms, Scalar, Sliding, Units,
+    Block, Coulomb, Dahl, EncoderScale, Gms, Hsieh, HsiehParams, LuGre, ParamError, QuasiStaticGms,
+    Scalar, Sliding, Units,
 };
-
-const NOT_POSITIVE: [f64; 5] = [0.0, -1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
-const NEGATIVE: [f64; 4] = [-1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+use preslide_host_tests::refusal::{NEVER, not_negative, positive, refused, refused_in};
 
 const GOOD: [Block; 2] = [
     Block {
@@ -43,16 +42,6 @@ fn quasi_static<S: Scalar>(blocks: &[Block; 2], units: Units) -> Option<ParamErr
     QuasiStaticGms::<2, S>::try_new(blocks, 1.0, units).err()
 }
 
-/// The error names this parameter, block and bound, and carries the value.
-#[track_caller]
-fn refused(error: Option<ParamError>, parameter: &str, block: Option<usize>, bound: Bound) {
-    let error = error.expect("must be refused");
-    assert_eq!(error.parameter, parameter, "{error}");
-    assert_eq!(error.block, block, "{error}");
-    assert_eq!(error.bound, bound, "{error}");
-    assert!(error.to_string().starts_with(parameter), "{error}");
-}
-
 #[test]
 fn good_parameters_are_accepted() {
     assert_eq!(gms(&GOOD, 1.0, SLIDING, 1e-3), None);
@@ -61,29 +50,19 @@ fn good_parameters_are_accepted() {
 
 #[test]
 fn a_block_that_is_not_finite_and_positive_is_refused_by_its_number() {
-    for bad in NOT_POSITIVE {
+    for bad in NEVER.into_iter().chain([0.0]) {
         let mut blocks = GOOD;
         blocks[1].stiffness = bad;
-        refused(
+        for error in [
             gms(&blocks, 1.0, SLIDING, 1e-3),
-            "stiffness",
-            Some(2),
-            Bound::Positive,
-        );
-        refused(
             quasi_static::<f32>(&blocks, Units::SI),
-            "stiffness",
-            Some(2),
-            Bound::Positive,
-        );
+        ] {
+            refused_in(Some(2), error, "stiffness", Positive);
+        }
         let mut blocks = GOOD;
         blocks[0].weight = bad;
-        refused(
-            gms(&blocks, 1.0, SLIDING, 1e-3),
-            "weight",
-            Some(1),
-            Bound::Positive,
-        );
+        let error = gms(&blocks, 1.0, SLIDING, 1e-3);
+        refused_in(Some(1), error, "weight", Positive);
     }
 }
 
@@ -101,157 +80,92 @@ fn weights_that_do_not_sum_to_one_are_refused() {
         if accepted {
             assert_eq!(error, None);
         } else {
-            refused(error, "sum of the weights", None, Bound::SumToOne);
+            refused(error, "sum of the weights", Bound::SumToOne);
         }
     }
 }
 
 #[test]
 fn forces_times_and_sliding_out_of_range_are_refused() {
-    for bad in NOT_POSITIVE {
-        refused(
-            gms(&GOOD, bad, SLIDING, 1e-3),
-            "breakaway force",
-            None,
-            Bound::Positive,
-        );
-        refused(
-            gms(&GOOD, 1.0, SLIDING, bad),
-            "sample time",
-            None,
-            Bound::Positive,
-        );
-        let sliding = Sliding {
-            coulomb: bad,
+    let sliding = |sliding| gms(&GOOD, 1.0, sliding, 1e-3);
+    positive("breakaway force", |bad| gms(&GOOD, bad, SLIDING, 1e-3));
+    positive("sample time", |bad| gms(&GOOD, 1.0, SLIDING, bad));
+    positive("Coulomb force", |coulomb| {
+        sliding(Sliding { coulomb, ..SLIDING })
+    });
+    positive("Stribeck velocity", |stribeck_velocity| {
+        sliding(Sliding {
+            stribeck_velocity,
             ..SLIDING
-        };
-        refused(
-            gms(&GOOD, 1.0, sliding, 1e-3),
-            "Coulomb force",
-            None,
-            Bound::Positive,
-        );
-        let sliding = Sliding {
-            stribeck_velocity: bad,
+        })
+    });
+    // An infinite one is a lag of none.
+    for attraction in [-1.0, f64::NAN, f64::NEG_INFINITY] {
+        let error = sliding(Sliding {
+            attraction,
             ..SLIDING
-        };
-        refused(
-            gms(&GOOD, 1.0, sliding, 1e-3),
-            "Stribeck velocity",
-            None,
-            Bound::Positive,
-        );
+        });
+        refused(error, "attraction parameter", Bound::NotNegative);
     }
-    for bad in [-1.0, f64::NAN, f64::NEG_INFINITY] {
-        let sliding = Sliding {
-            attraction: bad,
-            ..SLIDING
-        };
-        refused(
-            gms(&GOOD, 1.0, sliding, 1e-3),
-            "attraction parameter",
-            None,
-            Bound::NotNegative,
-        );
-    }
-    refused(
-        gms(&GOOD, 1.0, SLIDING, 1.5),
-        "sample time",
-        None,
-        Bound::AtMost(1.0),
-    );
-    let over = Sliding {
-        coulomb: 1.0 + 1e-12,
-        ..SLIDING
-    };
-    refused(
-        gms(&GOOD, 1.0, over, 1e-3),
-        "Coulomb force",
-        None,
-        Bound::AtMost(1.0),
-    );
-    for (exponent, bound) in [
-        (0.99, Bound::AtLeast(1.0)),
-        (4.01, Bound::AtMost(4.0)),
-        (f64::INFINITY, Bound::AtMost(4.0)),
-        (f64::NAN, Bound::AtLeast(1.0)),
+    let error = gms(&GOOD, 1.0, SLIDING, 1.5);
+    refused(error, "sample time", AtMost(1.0));
+    let coulomb = 1.0 + 1e-12;
+    let error = sliding(Sliding { coulomb, ..SLIDING });
+    refused(error, "Coulomb force", AtMost(1.0));
+    for (stribeck_exponent, bound) in [
+        (0.99, AtLeast(1.0)),
+        (4.01, AtMost(4.0)),
+        (f64::INFINITY, AtMost(4.0)),
+        (f64::NAN, AtLeast(1.0)),
     ] {
-        let sliding = Sliding {
-            stribeck_exponent: exponent,
+        let error = sliding(Sliding {
+            stribeck_exponent,
             ..SLIDING
-        };
-        refused(
-            gms(&GOOD, 1.0, sliding, 1e-3),
-            "Stribeck exponent",
-            None,
-            bound,
-        );
+        });
+        refused(error, "Stribeck exponent", bound);
     }
 }
 
 #[test]
 fn units_that_are_not_positive_are_refused() {
-    for bad in NOT_POSITIVE {
-        refused(
-            quasi_static::<f64>(&GOOD, units(bad, 1.0)),
-            "unit of length",
-            None,
-            Bound::Positive,
-        );
-        refused(
-            quasi_static::<f64>(&GOOD, units(1.0, bad)),
-            "unit of force",
-            None,
-            Bound::Positive,
-        );
-        let velocity = Units {
-            velocity: bad,
+    let of = |units| quasi_static::<f64>(&GOOD, units);
+    positive("unit of length", |bad| of(units(bad, 1.0)));
+    positive("unit of force", |bad| of(units(1.0, bad)));
+    positive("unit of velocity", |velocity| {
+        of(Units {
+            velocity,
             ..Units::SI
-        };
-        refused(
-            quasi_static::<f64>(&GOOD, velocity),
-            "unit of velocity",
-            None,
-            Bound::Positive,
-        );
-    }
+        })
+    });
 }
 
 #[test]
 fn values_too_large_for_the_number_type_are_refused() {
-    let greatest = Bound::Representable(I16F16::MAX.to_num());
+    let greatest = Representable(I16F16::MAX.to_num());
     // Yield displacements 0.25 and 0.5, in units of 10 µm: 25,000 and 50,000, doubled on a reversal.
     let error = quasi_static::<I16F16>(&GOOD, units(1e-5, 1.0));
-    refused(error, "twice the yield displacement", Some(1), greatest);
+    refused_in(Some(1), error, "twice the yield displacement", greatest);
     // Stiffness 2 and 1 in units of 1e5 and 5e4.
     let error = quasi_static::<I16F16>(&GOOD, units(1.0, 2e-5));
-    refused(error, "stiffness", Some(1), greatest);
+    refused_in(Some(1), error, "stiffness", greatest);
     // The sum of the blocks' forces, each of which fits.
     let error = quasi_static::<I8F24>(&GOOD, units(0.1, 1.0 / 128.0));
-    refused(
-        error,
-        "breakaway force",
-        None,
-        Bound::Representable(I8F24::MAX.to_num()),
-    );
+    let greatest = Representable(I8F24::MAX.to_num());
+    refused(error, "breakaway force", greatest);
     // f32 at its own end.
     let error = quasi_static::<f32>(&GOOD, units(1.0, 1e-39));
-    refused(
-        error,
-        "stiffness",
-        Some(1),
-        Bound::Representable(f64::from(f32::MAX)),
-    );
+    let greatest = Representable(f64::from(f32::MAX));
+    refused_in(Some(1), error, "stiffness", greatest);
 }
 
 #[test]
 fn values_that_round_to_zero_in_the_number_type_are_refused() {
     let error = quasi_static::<I16F16>(&GOOD, units(1e-3, 1e3));
-    refused(error, "stiffness", Some(1), Bound::Resolvable);
+    refused_in(Some(1), error, "stiffness", Resolvable);
     let error = quasi_static::<I16F16>(&GOOD, units(1e6, 1e6));
-    refused(error, "yield displacement", Some(1), Bound::Resolvable);
+    refused_in(Some(1), error, "yield displacement", Resolvable);
     let error = quasi_static::<f32>(&GOOD, units(1e-30, 1e30));
-    refused(error, "stiffness", Some(1), Bound::Resolvable);
+    refused_in(Some(1), error, "stiffness", Resolvable);
     // Already zero in f64.
     let blocks = [
         Block {
@@ -261,7 +175,7 @@ fn values_that_round_to_zero_in_the_number_type_are_refused() {
         GOOD[1],
     ];
     let error = quasi_static::<f64>(&blocks, units(1e100, 1.0));
-    refused(error, "yield displacement", Some(1), Bound::Resolvable);
+    refused_in(Some(1), error, "yield displacement", Resolvable);
 }
 
 #[test]
@@ -288,7 +202,7 @@ fn types_that_cannot_hold_a_model_are_refused() {
     assert!(QuasiStaticGms::<2, I2F30>::try_new(&GOOD, 1.0, quarter).is_ok());
     assert!(QuasiStaticGms::<2, I0F32>::try_new(&GOOD, 1.0, units(4.0, 32.0)).is_ok());
     let error = QuasiStaticGms::<2, I30F2>::try_new(&GOOD, 1.0, units(1.0, 100.0)).err();
-    refused(error, "stiffness", Some(1), Bound::Resolvable);
+    refused_in(Some(1), error, "stiffness", Resolvable);
 }
 
 #[test]
@@ -296,23 +210,16 @@ fn dahl_refuses_each_bad_parameter() {
     let new = |stiffness, coulomb, exponent| {
         Dahl::<f64>::try_new(stiffness, coulomb, exponent, Units::SI).err()
     };
-    for bad in NOT_POSITIVE {
-        refused(new(bad, 1.0, 1.0), "stiffness", None, Bound::Positive);
-        refused(new(1.0, bad, 1.0), "Coulomb force", None, Bound::Positive);
-    }
-    refused(new(1.0, 1.0, 0.05), "exponent n", None, Bound::AtLeast(0.1));
+    positive("stiffness", |bad| new(bad, 1.0, 1.0));
+    positive("Coulomb force", |bad| new(1.0, bad, 1.0));
+    refused(new(1.0, 1.0, 0.05), "exponent n", AtLeast(0.1));
+    refused(new(1.0, 1.0, f64::NAN), "exponent n", AtLeast(0.1));
+    refused(new(1.0, 1.0, 5.5), "exponent n", AtMost(5.0));
+    let steep = new(1e308, 1e-10, 1.0);
     refused(
-        new(1.0, 1.0, f64::NAN),
-        "exponent n",
-        None,
-        Bound::AtLeast(0.1),
-    );
-    refused(new(1.0, 1.0, 5.5), "exponent n", None, Bound::AtMost(5.0));
-    refused(
-        new(1e308, 1e-10, 1.0),
+        steep,
         "stiffness over Coulomb force",
-        None,
-        Bound::Representable(f64::MAX),
+        Representable(f64::MAX),
     );
 }
 
@@ -321,53 +228,25 @@ fn lugre_refuses_each_bad_parameter() {
     let new = |stiffness, damping, breakaway| {
         LuGre::<f64>::try_new(stiffness, damping, breakaway, SLIDING, Units::SI).err()
     };
-    for bad in NOT_POSITIVE {
-        refused(new(bad, 0.0, 1.0), "stiffness", None, Bound::Positive);
-        refused(new(1.0, 0.0, bad), "breakaway force", None, Bound::Positive);
-    }
-    for bad in NEGATIVE {
-        refused(new(1.0, bad, 1.0), "damping", None, Bound::NotNegative);
-    }
-    refused(
-        new(1.0, 0.0, 0.4),
-        "Coulomb force",
-        None,
-        Bound::AtMost(0.4),
-    );
+    positive("stiffness", |bad| new(bad, 0.0, 1.0));
+    positive("breakaway force", |bad| new(1.0, 0.0, bad));
+    not_negative("damping", |bad| new(1.0, bad, 1.0));
+    refused(new(1.0, 0.0, 0.4), "Coulomb force", AtMost(0.4));
     // The product fits; that of the rounded stiffness and deflection, which is what runs, does not.
     let none = Sliding::none(32_767.99);
     let error = LuGre::<I16F16>::try_new(19_999.9, 0.0, 32_767.99, none, Units::SI).err();
-    refused(
-        error,
-        "breakaway force",
-        None,
-        Bound::Representable(I16F16::MAX.to_num()),
-    );
+    let greatest = Representable(I16F16::MAX.to_num());
+    refused(error, "breakaway force", greatest);
 }
 
 #[test]
 fn coulomb_refuses_each_bad_parameter() {
-    for bad in NEGATIVE {
-        refused(
-            Coulomb::<f64>::try_new(bad, 0.0, Units::SI).err(),
-            "Coulomb force",
-            None,
-            Bound::NotNegative,
-        );
-        refused(
-            Coulomb::<f64>::try_new(1.0, bad, Units::SI).err(),
-            "viscous coefficient",
-            None,
-            Bound::NotNegative,
-        );
-    }
+    let new = |force, viscous| Coulomb::<f64>::try_new(force, viscous, Units::SI).err();
+    not_negative("Coulomb force", |bad| new(bad, 0.0));
+    not_negative("viscous coefficient", |bad| new(1.0, bad));
     let error = Coulomb::<I8F24>::try_new(200.0, 0.0, Units::SI).err();
-    refused(
-        error,
-        "Coulomb force",
-        None,
-        Bound::Representable(I8F24::MAX.to_num()),
-    );
+    let greatest = Representable(I8F24::MAX.to_num());
+    refused(error, "Coulomb force", greatest);
 }
 
 #[test]
@@ -381,86 +260,30 @@ fn hsieh_refuses_each_bad_parameter() {
         hardening: 31_200.0,
         hardening_exponent: 3.22,
     };
-    let new = |params: HsiehParams, time| Hsieh::<f64>::try_new(&params, time, Units::SI).err();
-    assert_eq!(new(good, 1e-3), None);
-    for bad in NOT_POSITIVE {
-        refused(
-            new(HsiehParams { k1: bad, ..good }, 1e-3),
-            "k1",
-            None,
-            Bound::Positive,
-        );
-        refused(
-            new(HsiehParams { beta: bad, ..good }, 1e-3),
-            "beta",
-            None,
-            Bound::Positive,
-        );
-        refused(
-            new(
-                HsiehParams {
-                    hardening: bad,
-                    ..good
-                },
-                1e-3,
-            ),
-            "hardening",
-            None,
-            Bound::Positive,
-        );
-        let exponent = HsiehParams {
-            hardening_exponent: bad,
+    let timed = |params, time| Hsieh::<f64>::try_new(&params, time, Units::SI).err();
+    let new = |params| timed(params, 1e-3);
+    assert_eq!(new(good), None);
+    positive("k1", |k1| new(HsiehParams { k1, ..good }));
+    positive("beta", |beta| new(HsiehParams { beta, ..good }));
+    positive("hardening", |hardening| {
+        new(HsiehParams { hardening, ..good })
+    });
+    let with_exponent = |hardening_exponent| {
+        new(HsiehParams {
+            hardening_exponent,
             ..good
-        };
-        refused(
-            new(exponent, 1e-3),
-            "hardening exponent",
-            None,
-            Bound::Positive,
-        );
-        refused(new(good, bad), "sample time", None, Bound::Positive);
-    }
-    for bad in NEGATIVE {
-        refused(
-            new(HsiehParams { k2: bad, ..good }, 1e-3),
-            "k2",
-            None,
-            Bound::NotNegative,
-        );
-        refused(
-            new(
-                HsiehParams {
-                    viscous: bad,
-                    ..good
-                },
-                1e-3,
-            ),
-            "viscous coefficient",
-            None,
-            Bound::NotNegative,
-        );
-        refused(
-            new(HsiehParams { creep: bad, ..good }, 1e-3),
-            "creep rate",
-            None,
-            Bound::NotNegative,
-        );
-    }
-    let error = new(
-        HsiehParams {
-            hardening_exponent: 21.0,
-            ..good
-        },
-        1e-3,
-    );
-    refused(error, "hardening exponent", None, Bound::AtMost(20.0));
+        })
+    };
+    positive("hardening exponent", with_exponent);
+    positive("sample time", |bad| timed(good, bad));
+    not_negative("k2", |k2| new(HsiehParams { k2, ..good }));
+    not_negative("viscous coefficient", |viscous| {
+        new(HsiehParams { viscous, ..good })
+    });
+    not_negative("creep rate", |creep| new(HsiehParams { creep, ..good }));
+    refused(with_exponent(21.0), "hardening exponent", AtMost(20.0));
     let error = Hsieh::<I16F16>::try_new(&good, 1e-3, Units::SI).err();
-    refused(
-        error,
-        "k1",
-        None,
-        Bound::Representable(I16F16::MAX.to_num()),
-    );
+    refused(error, "k1", Representable(I16F16::MAX.to_num()));
 }
 
 #[test]
@@ -469,50 +292,16 @@ fn encoder_refuses_each_bad_parameter() {
         EncoderScale::<f32>::try_new(count, time, window, timeout, Units::SI).err()
     };
     assert_eq!(new(25e-9, 50e-6, 1e-3, 2.0), None);
-    for bad in NOT_POSITIVE {
-        refused(
-            new(bad, 50e-6, 1e-3, 2.0),
-            "length of a count",
-            None,
-            Bound::Positive,
-        );
-        refused(
-            new(25e-9, bad, 1e-3, 2.0),
-            "sample time",
-            None,
-            Bound::Positive,
-        );
-        refused(
-            new(25e-9, 50e-6, bad, 2.0),
-            "velocity window",
-            None,
-            Bound::Positive,
-        );
-        refused(
-            new(25e-9, 50e-6, 1e-3, bad),
-            "velocity timeout",
-            None,
-            Bound::Positive,
-        );
-    }
-    refused(
-        new(25e-9, 50e-6, 1e-3, 5e-4),
-        "velocity timeout",
-        None,
-        Bound::AtLeast(1e-3),
-    );
-    refused(
-        new(1e30, 1e-30, 1e-3, 2.0),
-        "count per tick",
-        None,
-        Bound::Representable(f64::from(f32::MAX)),
-    );
-    refused(
-        new(1e-30, 1e30, 1e-3, 2.0),
-        "count per tick",
-        None,
-        Bound::Resolvable,
-    );
+    positive("length of a count", |bad| new(bad, 50e-6, 1e-3, 2.0));
+    positive("sample time", |bad| new(25e-9, bad, 1e-3, 2.0));
+    positive("velocity window", |bad| new(25e-9, 50e-6, bad, 2.0));
+    positive("velocity timeout", |bad| new(25e-9, 50e-6, 1e-3, bad));
+    let short = new(25e-9, 50e-6, 1e-3, 5e-4);
+    refused(short, "velocity timeout", AtLeast(1e-3));
+    let long = new(1e30, 1e-30, 1e-3, 2.0);
+    refused(long, "count per tick", Representable(f64::from(f32::MAX)));
+    let fine = new(1e-30, 1e30, 1e-3, 2.0);
+    refused(fine, "count per tick", Resolvable);
     let error = EncoderScale::<I16F16>::try_new(25e-9, 50e-6, 1e-3, 2.0, Units::SI).err();
-    refused(error, "length of a count", None, Bound::Resolvable);
+    refused(error, "length of a count", Resolvable);
 }

@@ -14,6 +14,7 @@ use preslide_fit::simulate;
 use preslide_host::compare::compare;
 use preslide_host::diagnose::diagnose;
 use preslide_host::diagnose::fit::Fit;
+use preslide_host_tests::made::{Blocks, sines};
 use preslide_host_tests::shared;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -51,25 +52,15 @@ fn made(machine: &Machine, seed: u64, names: &str) -> Recording {
 
 fn made_of(rows: u32, machine: &Machine, seed: u64, names: &str) -> Recording {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let phases: Vec<f64> = (0..3).map(|_| TAU * rng.random::<f64>()).collect();
-    let sines = [(1.1, 0.9), (0.35, 3.7), (0.1, 9.1)];
-    let (mut text, mut z, mut last) = (format!("t_s,{names}\n"), [0.0_f64; 2], f64::NAN);
+    let waves = [(1.1, 0.9), (0.35, 3.7), (0.1, 9.1)];
+    let waves = waves.map(|(a, w)| [a, w, TAU * rng.random::<f64>()]);
+    let (mut text, mut blocks) = (format!("t_s,{names}\n"), Blocks::new(&BLOCKS));
     for i in 0..rows {
         let t = f64::from(i) * 2e-3;
-        let part = |of: &dyn Fn(f64, f64, f64) -> f64| -> f64 {
-            let sines = sines.iter().zip(&phases);
-            sines.map(|((a, w), p)| of(*a, *w, w * t + p)).sum()
-        };
-        let q = part(&|a, _, p| a * p.sin());
-        let v = part(&|a, w, p| a * w * p.cos());
-        let acceleration = part(&|a, w, p| -a * w * w * p.sin());
+        let [q, v, acceleration] = sines(&waves, t);
         let mut effort = INERTIA * acceleration + machine.viscous[usize::from(v < 0.0)] * v;
-        for (z, (k, d)) in z.iter_mut().zip(BLOCKS) {
-            let moved = if last.is_nan() { 0.0 } else { q - last };
-            *z = (*z + moved).clamp(-d, d);
-            effort += k * *z * (1.0 + machine.stribeck[0] * (-v.abs() / machine.stribeck[1]).exp());
-        }
-        last = q;
+        let level = 1.0 + machine.stribeck[0] * (-v.abs() / machine.stribeck[1]).exp();
+        effort += level * blocks.force(q);
         effort += machine.gravity[0] * (q - machine.gravity[1]).sin();
         effort += machine.spring[0] * (q - machine.spring[1]);
         effort += rng.random_range(-0.035..0.035);

@@ -1,5 +1,6 @@
 //! What must hold whatever the parameters and the motion.
 
+use crate::family::{self, FORMS, bouc_wen, elasto_plastic, leuven, two_state};
 use fixed::types::{I0F32, I1F31, I2F30, I4F28, I8F24, I16F16, I16F48, I24F8, I30F2, I32F32};
 use preslide::{
     Block, Coulomb, Dahl, Friction, Gms, Hsieh, HsiehParams, LuGre, Motion, QuasiStaticGms, Scalar,
@@ -64,15 +65,11 @@ fn hsieh_params() -> HsiehParams {
 
 /// Forces along displacements, without velocity.
 fn forces<M: Friction<Scalar = f64>>(model: &M, displacements: &[f64]) -> Vec<f64> {
-    let mut state = model.at_rest();
-    displacements
-        .iter()
-        .map(|&dx| model.step(&mut state, Motion::quasi_static(dx)))
-        .collect()
+    family::forces(model, displacements, 0.0)
 }
 
 /// Travels from the end of one leg to the end of the next in `steps` equal steps.
-fn in_steps(legs: &[f64], steps: usize) -> Vec<f64> {
+pub(crate) fn in_steps(legs: &[f64], steps: usize) -> Vec<f64> {
     legs.iter()
         .flat_map(|leg| std::iter::repeat_n(leg / steps as f64, steps))
         .collect()
@@ -307,7 +304,17 @@ fn every_model_stays_sound<S: Scalar>(
         let hsieh = Hsieh::<S>::try_new(&creeping, SAMPLE_TIME, si);
         stays_sound(&hsieh.expect("valid"), inputs, number)?;
     }
-    Ok(())
+    let weakening = family::weakening();
+    for (exponent, shape) in [(1.0, 0.5), (1.6, 0.75), (20.0, 2.0)] {
+        stays_sound(&bouc_wen::<S>(exponent, shape), inputs, number)?;
+    }
+    for damping in [0.0, 100.0] {
+        stays_sound(&elasto_plastic::<S>(damping, weakening), inputs, number)?;
+        for form in FORMS {
+            stays_sound(&leuven::<S>(form, damping, weakening), inputs, number)?;
+        }
+    }
+    stays_sound(&two_state::<S>(weakening), inputs, number)
 }
 
 proptest! {
@@ -341,6 +348,13 @@ proptest! {
         check(&lugre(), &path)?;
         let creeping = HsiehParams { creep: 500.0, viscous: 100.0, ..hsieh_params() };
         check(&Hsieh::<f64>::try_new(&creeping, SAMPLE_TIME, Units::SI).expect("valid"), &path)?;
+        let weakening = family::weakening();
+        check(&bouc_wen(1.6, 0.75), &path)?;
+        check(&elasto_plastic(10.0, weakening), &path)?;
+        for form in FORMS {
+            check(&leuven(form, 10.0, weakening), &path)?;
+        }
+        check(&two_state(weakening), &path)?;
     }
 
     #[test]

@@ -20,18 +20,10 @@ fn emps() -> Option<Recording> {
     Some(machine.recording().unwrap_or_else(|e| panic!("{e}")))
 }
 
-fn answer(recording: &Recording) -> Diagnosis {
-    let tool = Tool::of_workspace().unwrap_or_else(|e| panic!("{e}"));
-    tool.diagnose(recording).0.unwrap_or_else(|e| panic!("{e}"))
-}
-
 /// Value and 95 % interval of a parameter of the effect that stands first, which must be `id`.
 fn first(found: &Diagnosis, id: &str, key: &str) -> (f64, (f64, f64)) {
-    let effect = found.effects.first().expect("an effect");
-    println!("{id}: {}", effect.confidence);
-    assert_eq!(effect.id, id);
-    let (_, value, interval) = effect.parameters.iter().find(|p| p.0 == key).expect(key);
-    (*value, interval.expect("an interval"))
+    assert_eq!(found.effects[0].id, id);
+    (found.value(id, key), found.interval(id, key))
 }
 
 /// Half of what viscous friction forwards has more than backwards, by least squares of all rows (`preslide identify`, N·s/m). The published
@@ -41,7 +33,7 @@ const HALF_DIFFERENCE: f64 = -36.6;
 #[test]
 fn viscous_friction_that_differs_by_direction_is_named_and_measured() {
     let Some(recording) = emps() else { return };
-    let found = answer(&recording);
+    let found = Tool::told(&recording);
     assert!(found.effects.first().is_some_and(|e| e.confident));
     let key = "half_difference_N_s_per_m";
     let (value, (from, to)) = first(&found, "viscous_asymmetry", key);
@@ -70,7 +62,7 @@ fn cogging_of_five_percent_is_found_in_a_measured_force() {
     for (f, x) in force.iter_mut().zip(&x) {
         *f += amplitude * (TAU * x / period + 1.0).cos() - OFFSET;
     }
-    let found = answer(&recording);
+    let found = Tool::told(&recording);
     assert!(found.effects[0].confident, "only suspected");
     let (value, _) = first(&found, "periodic_force", "period_m");
     assert!(
@@ -91,7 +83,7 @@ fn viscous_friction_of_a_joint_is_named_though_another_term_can_cancel_it() {
         return;
     }
     let recording = machine("joint1").expect("known").recording();
-    let found = answer(&recording.unwrap_or_else(|e| panic!("{e}")));
+    let found = Tool::told(&recording.unwrap_or_else(|e| panic!("{e}")));
     let viscous = found.effects.iter().find(|e| e.id == "viscous");
     assert!(viscous.is_some_and(|e| e.confident), "{found:?}");
     // The fit has it, and leaves what it leaves with it.
@@ -125,7 +117,7 @@ fn the_mass_that_a_simulation_lacks_is_measured_from_its_own_motion() {
     table.columns.push(simulated.position);
     recording.model = None;
     recording.arguments = ["--simulated", "x_sim_m"].map(String::from).to_vec();
-    let found = answer(&recording);
+    let found = Tool::told(&recording);
     let (mass, _) = first(&found, "inertia", "mass_kg");
     assert!((mass / LACKING_KG - 1.0).abs() < 0.1, "{mass} kg");
 }

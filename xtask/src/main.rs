@@ -4,12 +4,12 @@ mod book;
 mod browser;
 mod call_graph;
 mod chain;
-mod changed;
 mod commission;
 mod cycles;
 mod example;
 mod imports;
 mod judge;
+mod objdump;
 mod package;
 mod process;
 mod python;
@@ -30,7 +30,7 @@ struct Command {
 const COMMANDS: &[Command] = &[
     Command {
         name: "test",
-        help: "everything CI runs, or the steps named, or with --changed [BASE] those that the changes since BASE (default: the last commit) touch; --all adds the long studies before a release; --serial runs one step at a time; installs what is missing",
+        help: "everything CI runs, or the steps named; --all adds the long studies before a release; --serial runs one step at a time; installs what is missing",
         run: test::run_steps,
     },
     Command {

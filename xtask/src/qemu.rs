@@ -262,16 +262,13 @@ const LEAST_STACK: u32 = 8670;
 
 /// Whether the control task, all that it calls and the stack are in CCM SRAM. A panic, which ends the task, may be in flash.
 fn check_ccm(elf: &Path) -> Result<(), String> {
-    let disassembly = disassembly(elf)?;
-    let places = call_graph::addresses(&disassembly);
-    let reached = call_graph::reached(&disassembly, ADC1_2, &[])?;
+    let reached = call_graph::reached(&disassembly(elf)?, ADC1_2, &[])?;
     // The linker reaches flash from there through veneers only, which it names.
     let left: Vec<&String> = reached
         .iter()
+        .filter(|(at, name)| name.contains("Thunk") || !CCM.contains(at))
+        .map(|(_, name)| name)
         .filter(|name| !name.contains("panic"))
-        .filter(|name| {
-            name.contains("Thunk") || !places.get(name.as_str()).is_some_and(|a| CCM.contains(a))
-        })
         .collect();
     if !left.is_empty() {
         return Err(format!(
@@ -309,7 +306,7 @@ fn check_ccm(elf: &Path) -> Result<(), String> {
 fn disassembly(elf: &Path) -> Result<String, String> {
     output(
         Command::new("arm-none-eabi-objdump")
-            .args(["--disassemble", "--demangle", "--no-show-raw-insn"])
+            .args(["--disassemble", "--demangle"])
             .arg(elf),
     )
 }
@@ -335,10 +332,8 @@ pub fn check_image(kind: &str, elf: &Path, task: &str, beyond: &[&str]) -> Resul
         data + bss
     );
     let reached = call_graph::reached(&disassembly(elf)?, task, beyond)?;
-    let panics: Vec<&String> = reached
-        .iter()
-        .filter(|name| name.contains("panic"))
-        .collect();
+    let panics = reached.values().filter(|name| name.contains("panic"));
+    let panics: Vec<&String> = panics.collect();
     if !panics.is_empty() {
         return Err(format!("{kind}: the interrupt {task} can reach {panics:?}"));
     }

@@ -11,8 +11,6 @@ pub struct Step {
     pub name: &'static str,
     pub reason: &'static str,
     pub needs: &'static [Need],
-    /// What it checks: beginnings of paths, for `--changed`.
-    pub paths: &'static [&'static str],
     pub lane: Lane,
     pub run: fn(Tier) -> Result<(), String>,
 }
@@ -37,51 +35,12 @@ pub enum Lane {
     Beside,
 }
 
-/// The library and what the firmware builds it from.
-const LIBRARY: &[&str] = &["src/", "build.rs"];
-const FIRMWARE_PATHS: &[&str] = &["src/", "build.rs", "axis", "link/", "store/", "firmware/"];
-/// The crates of the workspace.
-const WORKSPACE: &[&str] = &[
-    "src/",
-    "build.rs",
-    "axis",
-    "link/",
-    "store/",
-    "drive/",
-    "fit/",
-    "host/",
-    "host-tests/",
-    "sim/",
-    "cli/",
-    "examples/",
-    "firmware/",
-];
-/// The program, and what it is made of.
-const PROGRAM: &[&str] = &[
-    "src/", "axis", "link/", "drive/", "fit/", "host/", "sim/", "cli/",
-];
-/// What runs the firmware beside the host.
-const RIG: &[&str] = &[
-    "src/",
-    "build.rs",
-    "axis",
-    "link/",
-    "store/",
-    "firmware/",
-    "fit/",
-    "host/",
-    "sim/",
-    "cli/",
-];
-const JUDGED: &[&str] = &["src/", "fit/", "host/", "sim/", "cli/", "host-tests/"];
-
 /// In each lane cheap checks first: a formatting slip shows before a minute of compiling.
 pub const STEPS: &[Step] = &[
     Step {
         name: "format",
         reason: "one style, so that diffs show only what changed",
         needs: &[Need::Rustfmt],
-        paths: WORKSPACE,
         lane: Lane::Host,
         run: |_| format(),
     },
@@ -89,20 +48,6 @@ pub const STEPS: &[Step] = &[
         name: "imports",
         reason: "no circle of imports, and each room imports only what ARCHITECTURE.md places above it",
         needs: &[],
-        paths: &[
-            "src/",
-            "fit/",
-            "host/",
-            "sim/",
-            "drive/",
-            "cli/",
-            "link/",
-            "store/",
-            "axis/",
-            "host-tests/",
-            "firmware/",
-            "ARCHITECTURE.md",
-        ],
         lane: Lane::Host,
         run: |_| crate::imports::run_command(&[]),
     },
@@ -110,7 +55,6 @@ pub const STEPS: &[Step] = &[
         name: "clippy",
         reason: "warnings of the compiler and of clippy are errors, in tests, examples and benches too",
         needs: &[Need::Clippy],
-        paths: WORKSPACE,
         lane: Lane::Host,
         run: |_| {
             let line = "clippy --release --workspace --all-targets -- -D warnings";
@@ -121,7 +65,6 @@ pub const STEPS: &[Step] = &[
         name: "docs",
         reason: "every public item is documented and no link is broken",
         needs: &[],
-        paths: WORKSPACE,
         lane: Lane::Host,
         run: |_| {
             run(cargo(&["doc", "--release", "--workspace", "--no-deps"])
@@ -132,7 +75,6 @@ pub const STEPS: &[Step] = &[
         name: "tests",
         reason: "the models against the reference, the host tool on recordings and bad input",
         needs: &[],
-        paths: WORKSPACE,
         lane: Lane::Host,
         run: host_tests,
     },
@@ -140,7 +82,6 @@ pub const STEPS: &[Step] = &[
         name: "formats",
         reason: "the optional readers (HDF5, Parquet, MCAP, …) read files that other tools wrote",
         needs: &[],
-        paths: &["fit/src/recording/", "fit/tests/", "fit/Cargo.toml"],
         lane: Lane::Host,
         run: |_| {
             let readers = ["--features", "formats", "--test", "formats"];
@@ -151,7 +92,6 @@ pub const STEPS: &[Step] = &[
         name: "thumb",
         reason: "the library builds without std for four kinds of microcontrollers",
         needs: &[],
-        paths: LIBRARY,
         lane: Lane::Beside,
         run: thumb_build,
     },
@@ -159,13 +99,6 @@ pub const STEPS: &[Step] = &[
         name: "example",
         reason: "the example to copy first sets its clock, refuses another, and computes its model's force in QEMU; before a release the others link",
         needs: &[Need::Qemu],
-        paths: &[
-            "src/",
-            "build.rs",
-            "examples/",
-            "Cargo.toml",
-            "xtask/src/example.rs",
-        ],
         lane: Lane::Beside,
         run: |tier| {
             crate::example::run_in_qemu()?;
@@ -179,7 +112,6 @@ pub const STEPS: &[Step] = &[
         name: "firmware",
         reason: "the firmware builds and links for every board without a warning (the Pico 2 before a release); no control task can panic, and the boards' common parts pass their tests",
         needs: &[Need::Clippy, Need::ArmGcc],
-        paths: FIRMWARE_PATHS,
         lane: Lane::Beside,
         run: firmware,
     },
@@ -187,7 +119,6 @@ pub const STEPS: &[Step] = &[
         name: "cycles",
         reason: "no kernel executes more instructions than the committed table says",
         needs: &[Need::Qemu, Need::ArmGcc],
-        paths: &["src/", "build.rs", "firmware/"],
         lane: Lane::Beside,
         run: |tier| {
             let how = match tier {
@@ -201,7 +132,6 @@ pub const STEPS: &[Step] = &[
         name: "qemu",
         reason: "the firmware in QEMU gives the host's commands, and every fault ends in the safe state",
         needs: &[Need::Qemu, Need::ArmGcc],
-        paths: RIG,
         lane: Lane::Beside,
         run: |tier| {
             let long = ["--long".to_owned()];
@@ -215,7 +145,6 @@ pub const STEPS: &[Step] = &[
         name: "chain",
         reason: "effects that only the stage knows are named, compiled into the firmware and compensated",
         needs: &[Need::Qemu],
-        paths: RIG,
         lane: Lane::Beside,
         run: |tier| {
             // One effect, named and tracked close to what is possible, by the kernel that is recommended for the board's core.
@@ -230,7 +159,6 @@ pub const STEPS: &[Step] = &[
         name: "miri",
         reason: "an interpreter finds nothing undefined in the library's tests of numbers and kernels",
         needs: &[],
-        paths: &["src/scalar/", "src/kernels/"],
         lane: Lane::Beside,
         run: |_| miri(),
     },
@@ -238,7 +166,6 @@ pub const STEPS: &[Step] = &[
         name: "package",
         reason: "the published crate holds the library alone, and builds with the oldest compiler that it promises",
         needs: &[],
-        paths: &["src/", "build.rs", "Cargo.toml", "LICENSE"],
         lane: Lane::Host,
         run: |_| crate::package::check(),
     },
@@ -246,9 +173,6 @@ pub const STEPS: &[Step] = &[
         name: "python",
         reason: "the Python package installs as its README says, and its functions answer as the tool does",
         needs: &[Need::Python],
-        paths: &[
-            "python/", "src/", "axis", "link/", "drive/", "fit/", "host/", "sim/", "cli/",
-        ],
         lane: Lane::Beside,
         run: |tier| crate::python::check(tier == Tier::All),
     },
@@ -256,7 +180,6 @@ pub const STEPS: &[Step] = &[
         name: "trials",
         reason: "the diagnosis on a fixed set of every source: each answer is the committed one",
         needs: &[],
-        paths: JUDGED,
         lane: Lane::Beside,
         run: |tier| {
             let set = match tier {
@@ -270,7 +193,6 @@ pub const STEPS: &[Step] = &[
         name: "demo",
         reason: "the first command of the README works, and a browser draws its report",
         needs: &[Need::Chromium],
-        paths: PROGRAM,
         lane: Lane::Host,
         run: |_| demo(),
     },
@@ -278,25 +200,12 @@ pub const STEPS: &[Step] = &[
         name: "book",
         reason: "the book builds without a warning, its commands work and print what it says",
         needs: &[],
-        paths: &[
-            "docs/",
-            "README.md",
-            "src/",
-            "axis",
-            "link/",
-            "drive/",
-            "fit/",
-            "host/",
-            "sim/",
-            "cli/",
-            "firmware/",
-        ],
         lane: Lane::Host,
         run: |_| crate::book::run_command(&[], has_step),
     },
 ];
 
-/// Steps that run where they are named or touched, and not with the whole: the optional readers take ten minutes of one core to compile, and the
+/// Steps that run where they are named, and not with the whole: the optional readers take ten minutes of one core to compile, and the
 /// interpreter is a nightly compiler's.
 pub const APART: &[&str] = &["formats", "miri"];
 

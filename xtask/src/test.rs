@@ -5,12 +5,10 @@ use std::time::{Duration, Instant};
 
 use wait4::Wait4 as _;
 
-use crate::changed;
 use crate::process::root;
 use crate::steps::{APART, Lane, STEPS, Step, Tier, has_step};
 
-/// Runs every step but those of [`APART`], those named, or those that `--changed [BASE]` touches; with `--all` the long studies, too; with
-/// `--serial` one after the other.
+/// Runs every step but those of [`APART`], or those named; with `--all` the long studies, too; with `--serial` one after the other.
 pub fn run_steps(arguments: &[String]) -> Result<(), String> {
     let given = |flag: &str| arguments.iter().any(|argument| argument == flag);
     let serial = given("--serial");
@@ -19,25 +17,8 @@ pub fn run_steps(arguments: &[String]) -> Result<(), String> {
     } else {
         Tier::Gate
     };
-    let rest = arguments
-        .iter()
-        .filter(|a| !["--serial", "--all"].contains(&a.as_str()));
-    let arguments: Vec<String> = rest.cloned().collect();
-    let names = match arguments.as_slice() {
-        [flag, base @ ..] if flag == "--changed" => {
-            let base = match base {
-                [] => "HEAD",
-                [base] => base,
-                _ => return Err("--changed takes one commit or branch".to_owned()),
-            };
-            touched_since(base)?
-        }
-        names => names.to_vec(),
-    };
-    if names.is_empty() && !arguments.is_empty() {
-        println!("nothing that a step checks has changed");
-        return Ok(());
-    }
+    let is_name = |argument: &&String| !["--serial", "--all"].contains(&argument.as_str());
+    let names: Vec<&String> = arguments.iter().filter(is_name).collect();
     let chosen = named(&names, tier)?;
     // Packages are installed before anything runs beside something else; what cannot be had fails its step.
     for need in chosen.iter().flat_map(|step| step.needs) {
@@ -50,23 +31,8 @@ pub fn run_steps(arguments: &[String]) -> Result<(), String> {
     }
 }
 
-/// The steps that the changes since `base` touch, said with the files.
-fn touched_since(base: &str) -> Result<Vec<String>, String> {
-    let files = changed::files(base)?;
-    let (chosen, left): (Vec<&Step>, Vec<&Step>) = STEPS
-        .iter()
-        .partition(|step| changed::touches(&files, step.paths));
-    let names = |steps: &[&Step]| steps.iter().map(|s| s.name.to_owned()).collect::<Vec<_>>();
-    println!(
-        "{} files differ from {base}; left out: {}",
-        files.len(),
-        names(&left).join(", ")
-    );
-    Ok(names(&chosen))
-}
-
 /// Those named; where none is, all, but those of [`APART`] in the long tier only.
-fn named(names: &[String], tier: Tier) -> Result<Vec<&'static Step>, String> {
+fn named(names: &[&String], tier: Tier) -> Result<Vec<&'static Step>, String> {
     if let Some(name) = names.iter().find(|name| !has_step(name)) {
         let known: Vec<&str> = STEPS.iter().map(|step| step.name).collect();
         return Err(format!(
@@ -76,7 +42,7 @@ fn named(names: &[String], tier: Tier) -> Result<Vec<&'static Step>, String> {
     }
     let is_meant = |step: &&Step| match names {
         [] => tier == Tier::All || !APART.contains(&step.name),
-        names => names.iter().any(|name| name == step.name),
+        names => names.iter().any(|name| *name == step.name),
     };
     Ok(STEPS.iter().filter(is_meant).collect())
 }

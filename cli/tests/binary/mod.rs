@@ -1,5 +1,6 @@
 //! The `preslide` binary and files for it.
 
+use preslide_host_tests::made::Blocks;
 use std::fmt::Write as _;
 use std::process::{Command, Output};
 use tempfile::TempDir;
@@ -73,15 +74,13 @@ impl Folder {
 /// and a ripple; header and samples.
 pub fn recording(header: &str) -> String {
     let mut text = format!("{header}\n");
-    let (mut z, mut last) = (0.0_f64, 0.0);
+    let mut block = Blocks::new(&[(4000.0, 2.5e-4)]);
     for i in 0..2400 {
         let time = f64::from(i) * 0.01;
         let turn = std::f64::consts::TAU * f64::from(i % 400) / 400.0;
         let x = 1e-3 * (turn.sin() + 0.4 * (3.0 * turn).sin());
-        z = (z + x - last).clamp(-2.5e-4, 2.5e-4);
-        last = x;
         let ripple = 0.01 * f64::from((i * 7919) % 101 - 50) / 50.0;
-        writeln!(text, "{time:.3},{x:.9},{:.6}", 4000.0 * z + ripple).expect("memory");
+        writeln!(text, "{time:.3},{x:.9},{:.6}", block.force(x) + ripple).expect("memory");
     }
     text
 }

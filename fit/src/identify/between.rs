@@ -156,6 +156,7 @@ mod tests {
     use crate::identify::{Identification, Options, identify};
     use crate::progress::Progress;
     use crate::recording::{LoadOptions, Recording, load_csv};
+    use preslide_host_tests::made::{Blocks, sines};
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
     use std::f64::consts::TAU;
@@ -165,17 +166,13 @@ mod tests {
     fn made(name: &str, seed: u64, mass: f64, friction: f64, gain: f64) -> Recording {
         println!("{name}: seed {seed}");
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let (mut text, mut stop, mut last) = ("t_s,x_m,force_N\n".to_owned(), 0.0_f64, 0.0);
+        let mut block = Blocks::new(&[(friction / 2e-5, 2e-5)]);
+        let mut text = "t_s,x_m,force_N\n".to_owned();
         for i in 0..20_000 {
             let t = f64::from(i) * 1e-3;
-            let (slow, fast) = (TAU * 0.5 * t, TAU * 2.0 * t);
-            let x = 0.02 * slow.sin() + 2e-3 * fast.sin();
-            let v = TAU * (0.01 * slow.cos() + 4e-3 * fast.cos());
-            let a = -TAU * TAU * (5e-3 * slow.sin() + 8e-3 * fast.sin());
-            stop = (stop + x - last).clamp(-2e-5, 2e-5);
-            last = x;
+            let [x, v, a] = sines(&[[0.02, TAU * 0.5, 0.0], [2e-3, TAU * 2.0, 0.0]], t);
             let noise = 0.02 * random.random_range(-1.0..1.0);
-            let force = gain * (mass * a + 6.0 * v + friction * stop / 2e-5) + noise;
+            let force = gain * (mass * a + 6.0 * v + block.force(x)) + noise;
             let _ = writeln!(text, "{t:.3},{x:.8e},{force:.6}");
         }
         load_csv(text.as_bytes(), name, &LoadOptions::default()).expect("valid")

@@ -409,20 +409,16 @@ mod tests {
     use super::super::{Options, identify};
     use crate::progress::Progress;
     use crate::recording::{LoadOptions, load_csv};
+    use preslide_host_tests::made::{Blocks, sines};
 
     /// Notes on an arm that swings against friction of 0.2 N·m and this weight.
     fn notes(weight: f64) -> String {
-        let (mut text, mut z, mut last) = ("t_s,q_rad,torque_Nm\n".to_owned(), 0.0_f64, 0.0);
+        let mut block = Blocks::new(&[(20.0, 0.01)]);
+        let mut text = "t_s,q_rad,torque_Nm\n".to_owned();
         for i in 0..4000 {
             let t = f64::from(i) * 0.005;
-            let waves = [(1.2, 1.3, 0.0), (0.4, 4.4, 1.0)].map(|(a, w, p): (f64, f64, f64)| {
-                let (sin, cos) = (w * t + p).sin_cos();
-                [a * sin, a * w * cos, -a * w * w * sin]
-            });
-            let [q, v, a] = [0, 1, 2].map(|j| waves.iter().map(|w| w[j]).sum::<f64>());
-            z = (z + q - last).clamp(-0.01, 0.01);
-            last = q;
-            let torque = 0.02 * a + 0.02 * v + 20.0 * z + weight * (q - 0.3).sin();
+            let [q, v, a] = sines(&[[1.2, 1.3, 0.0], [0.4, 4.4, 1.0]], t);
+            let torque = 0.02 * a + 0.02 * v + block.force(q) + weight * (q - 0.3).sin();
             text += &format!("{t:.3},{q:.5},{torque:.5}\n");
         }
         let recording = load_csv(text.as_bytes(), "arm.csv", &LoadOptions::default())

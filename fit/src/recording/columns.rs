@@ -486,8 +486,12 @@ mod tests {
     #[test]
     fn mappings_that_cannot_be_followed_say_what_would_work() {
         for (map, hint) in [
+            (vec![("force", "f")], "`force` is no column"),
             (vec![("force", "f")], "force_N"),
-            (vec![("force_N", "g")], "t_s, x_m, f"),
+            (
+                vec![("force_N", "g")],
+                "no column `g`; the file has t_s, x_m, f",
+            ),
             (vec![("force_N", "2")], "FACTOR*COLUMN"),
             (vec![("force_N", "f[counts]")], "force_N=FACTOR*f[counts]"),
             (vec![("force_N", "")], "no column ``"),

@@ -10,6 +10,7 @@ use crate::friction::Visitor;
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::report::figures::quantity;
+use crate::statistics::earlier;
 use preslide::{Friction, Motion};
 
 /// Steps within a sample that are tried first, and most of them.
@@ -154,14 +155,7 @@ pub(super) fn applied(model: &Model, recorded: &[f64], sample_time: f64) -> Vec<
     let mut force = recorded.to_vec();
     for effect in model.of(&form::CHANNEL_DELAY) {
         // What is recorded now acted that much earlier.
-        let ticks = effect.get("delay_s") / sample_time;
-        let late = force.clone();
-        for (i, f) in force.iter_mut().enumerate() {
-            let at = (i as f64 + ticks).clamp(0.0, (late.len() - 1) as f64);
-            let low = at.floor() as usize;
-            let high = (low + 1).min(late.len() - 1);
-            *f = late[low] + (at - low as f64) * (late[high] - late[low]);
-        }
+        force = earlier(&force, effect.get("delay_s") / sample_time);
     }
     force.iter_mut().for_each(|f| *f = acting(model, *f));
     force
@@ -220,6 +214,21 @@ impl<L: Friction<Scalar = f64>> Body<L> {
         }
     }
 
+    /// Is led to where it was measured next in so many steps of `dt` (s), of which its friction remembers all.
+    pub(super) fn lead(&mut self, law: &L, to: f64, steps: u32, dt: f64) {
+        let from = self.x;
+        let displacement = (to - from) / f64::from(steps);
+        let motion = Motion {
+            displacement,
+            velocity: displacement / dt,
+        };
+        for step in 1..=steps {
+            law.set_position(&mut self.state, from + f64::from(step) * displacement);
+            self.resistance = law.step(&mut self.state, motion);
+        }
+        (self.x, self.v) = (to, motion.velocity);
+    }
+
     /// Goes on by one implicit step of `dt` (s) under `force` (N or N·m).
     pub(super) fn advance(&mut self, law: &L, inertia: f64, force: f64, dt: f64) {
         let (x, v) = (self.x, self.v);
@@ -257,33 +266,14 @@ impl Visitor for Run<'_> {
 
     fn visit<L: Friction<Scalar = f64>>(self, law: L) -> Self::Outcome {
         let dt = self.sample_time / f64::from(self.steps);
-        let mut state = law.at_rest();
-        law.set_position(&mut state, self.head[0]);
-        let mut positions = vec![self.head[0]];
-        let mut velocities = vec![self.velocity];
-        for pair in self.head.windows(2) {
-            let velocity = (pair[1] - pair[0]) / self.sample_time;
-            for step in 1..=self.steps {
-                let part = f64::from(step) / f64::from(self.steps);
-                law.set_position(&mut state, pair[0] + part * (pair[1] - pair[0]));
-                let displacement = velocity * dt;
-                law.step(
-                    &mut state,
-                    Motion {
-                        displacement,
-                        velocity,
-                    },
-                );
-            }
-            positions.push(pair[1]);
-            velocities.push(velocity);
+        let mut body = Body::at(&law, self.head[0], self.velocity);
+        let (mut positions, mut velocities) = (vec![body.x], vec![body.v]);
+        for &place in &self.head[1..] {
+            body.lead(&law, place, self.steps, dt);
+            positions.push(body.x);
+            velocities.push(body.v);
         }
-        let mut body = Body::<L> {
-            x: self.head[self.head.len() - 1],
-            v: self.velocity,
-            resistance: 0.0,
-            state,
-        };
+        body.v = self.velocity;
         for pair in self.force[self.head.len() - 1..].windows(2) {
             for step in 0..self.steps {
                 let part = (f64::from(step) + 0.5) / f64::from(self.steps);

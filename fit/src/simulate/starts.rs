@@ -4,7 +4,7 @@ use super::forward::{Body, FIRST, applied, end_slope, one_body};
 use crate::friction::Visitor;
 use crate::model::Model;
 use crate::recording::Recording;
-use preslide::{Friction, Motion};
+use preslide::Friction;
 
 /// Measured samples for the velocity at a start.
 const HEAD: usize = 8;
@@ -48,30 +48,18 @@ impl Visitor for Runs<'_> {
 
     fn visit<L: Friction<Scalar = f64>>(self, law: L) -> Self::Outcome {
         let dt = self.sample_time / f64::from(FIRST);
-        let mut state = law.at_rest();
-        law.set_position(&mut state, self.position[0]);
-        let (mut resistance, mut at) = (0.0, 0);
-        let mut all = Vec::new();
+        let mut led = Body::at(&law, self.position[0], 0.0);
+        let (mut next, mut all) = (1, Vec::new());
         for &start in self.starts {
-            for pair in self.position[at..=start].windows(2) {
-                let displacement = (pair[1] - pair[0]) / f64::from(FIRST);
-                for step in 1..=FIRST {
-                    law.set_position(&mut state, pair[0] + f64::from(step) * displacement);
-                    let velocity = displacement / dt;
-                    let motion = Motion {
-                        displacement,
-                        velocity,
-                    };
-                    resistance = law.step(&mut state, motion);
-                }
+            for &place in &self.position[next..=start] {
+                led.lead(&law, place, FIRST, dt);
             }
-            at = start;
+            next = start + 1;
             let head = &self.position[(start + 1).saturating_sub(HEAD)..=start];
             let mut body = Body::<L> {
-                x: self.position[start],
                 v: end_slope(head, self.sample_time),
-                resistance,
-                state: state.clone(),
+                state: led.state.clone(),
+                ..led
             };
             let positions = self.force[start..=start + self.steps]
                 .windows(2)

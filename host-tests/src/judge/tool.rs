@@ -56,6 +56,17 @@ impl Tool {
         BUILT.clone()
     }
 
+    /// For tests: what this workspace's program says of a recording, printed as well.
+    ///
+    /// # Panics
+    /// Where it does not build or gives no answer.
+    pub fn told(recording: &Recording) -> Diagnosis {
+        let tool = Self::of_workspace().unwrap_or_else(|e| panic!("{e}"));
+        let found = tool.diagnose(recording).0.unwrap_or_else(|e| panic!("{e}"));
+        println!("{found:?}");
+        found
+    }
+
     fn built() -> Result<Self, String> {
         if let Some(path) = std::env::var_os("PRESLIDE") {
             return Self::new(Some(Path::new(&path)));

@@ -17,8 +17,6 @@ pub struct Achievable {
     pub without: Vec<f64>,
     /// For each effect of the label, RMS over the recording of what it adds (N).
     pub effect_rms: Vec<f64>,
-    /// RMS of the recorded force about its mean (N).
-    pub force_rms: f64,
     /// NMSE (%) of the recorded force that noise and variability leave to the true model.
     pub floor_nmse: f64,
     /// NMSE (%) that mass and a 16-block Maxwell-slip model without any effect, refitted by least squares,
@@ -54,7 +52,6 @@ impl Achievable {
             with,
             without,
             effect_rms,
-            force_rms,
             floor_nmse,
             baseline_nmse,
         }

@@ -1,7 +1,9 @@
-//! What the kernels are run along, and the full law in `f64`, written from the equations.
+//! What the kernels are run along, and the laws in `f64`.
 
 use preslide::kernels::Whole;
 use preslide::{Block, Friction, Motion, Scalar, Sliding, Units};
+use preslide_host_tests::deviation::Deviation;
+use preslide_host_tests::reference::{MaxwellSlip, Stribeck};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -89,92 +91,41 @@ pub fn strokes(seed: u64) -> impl Iterator<Item = (i32, f64)> {
     })
 }
 
-/// The full law by eqs. (10)–(12) as `Gms` reads them, with exponentials, in newtons and metres.
-pub struct Exact {
-    /// Deflection, stiffness, weight.
-    blocks: Vec<[f64; 3]>,
-    slips: Vec<bool>,
-    direction: f64,
+/// The full law by its equations; takes metres and metres per second.
+pub fn full(blocks: &[Block]) -> impl FnMut(f64, f64) -> f64 {
+    let blocks: Vec<_> = blocks.iter().map(|b| (b.stiffness, b.weight)).collect();
+    let stribeck = Stribeck {
+        breakaway: BREAKAWAY,
+        coulomb: SLIDING.coulomb,
+        velocity: SLIDING.stribeck_velocity,
+        exponent: SLIDING.stribeck_exponent,
+    };
+    let mut law = MaxwellSlip::new(&blocks, stribeck, SLIDING.attraction, SAMPLE_TIME);
+    move |dx, v| law.advance(dx, v)
 }
 
-impl Exact {
-    pub fn new(blocks: &[Block]) -> Self {
-        Self {
-            blocks: blocks
-                .iter()
-                .map(|b| [0.0, b.stiffness, b.weight])
-                .collect(),
-            slips: vec![false; blocks.len()],
-            direction: 1.0,
+/// Blocks that stick and slip at once.
+pub fn quasi_static<const N: usize>() -> impl FnMut(f64, f64) -> f64 {
+    let blocks = blocks::<N>();
+    let mut deflection = [0.0; N];
+    move |dx, _| {
+        let mut force = 0.0;
+        for (z, block) in deflection.iter_mut().zip(&blocks) {
+            let yields = block.weight * BREAKAWAY / block.stiffness;
+            *z = (*z + dx).clamp(-yields, yields);
+            force += block.stiffness * *z;
         }
-    }
-
-    pub fn step(&mut self, dx: f64, v: f64) -> f64 {
-        if dx != 0.0 && dx.signum() != self.direction {
-            self.direction = dx.signum();
-            self.slips.fill(false);
-        }
-        let decay = (v.abs() / SLIDING.stribeck_velocity).powf(SLIDING.stribeck_exponent);
-        let s = SLIDING.coulomb + (BREAKAWAY - SLIDING.coulomb) * (-decay).exp();
-        let stays = (-SLIDING.attraction * SAMPLE_TIME / s).exp();
-        if dx != 0.0 || v != 0.0 {
-            for ([z, k, weight], slips) in self.blocks.iter_mut().zip(&mut self.slips) {
-                let bound = *weight * s / *k;
-                let old = *z * self.direction;
-                let stuck = old + dx.abs();
-                let along = if !*slips && stuck < bound {
-                    stuck
-                } else if !*slips && old < bound {
-                    bound
-                } else {
-                    bound + (old - bound) * stays
-                };
-                *slips |= stuck >= bound;
-                *z = along * self.direction;
-            }
-        }
-        self.blocks.iter().map(|[z, k, _]| z * k).sum()
+        force
     }
 }
 
-/// Errors of a kernel against a reference, in % of the breakaway force.
-#[derive(Default)]
-pub struct Errors {
-    most: f64,
-    squares: f64,
-    sum: f64,
-    steps: f64,
-}
-
-impl Errors {
-    pub fn add(&mut self, error: f64) {
-        let percent = 100.0 * error / BREAKAWAY;
-        self.most = self.most.max(percent.abs());
-        self.squares += percent * percent;
-        self.sum += percent;
-        self.steps += 1.0;
-    }
-
-    /// Asserts the bounds (%); returns the bias (%).
-    pub fn check(&self, name: &str, [most, rms, bias]: [f64; 3]) -> f64 {
-        let found = [
-            self.most,
-            (self.squares / self.steps).sqrt(),
-            self.sum / self.steps,
-        ];
-        println!(
-            "{name}: max {:.4} %, rms {:.4} %, bias {:.5} % of F_s",
-            found[0], found[1], found[2]
-        );
-        assert!(found[0] <= most, "{name}: max {} % > {most} %", found[0]);
-        assert!(found[1] <= rms, "{name}: rms {} % > {rms} %", found[1]);
-        assert!(
-            found[2].abs() <= bias,
-            "{name}: bias {} % > {bias} %",
-            found[2]
-        );
-        found[2]
-    }
+/// Prints and asserts errors in % of the breakaway force.
+pub fn check(found: &Deviation, name: &str, bounds: [f64; 3]) {
+    let percent = BREAKAWAY / 100.0;
+    let told = [found.max, found.rms(), found.bias()].map(|error| error / percent);
+    println!("{name}: max, RMS, bias {told:.5?} % of F_s");
+    let [max, rms, bias] = bounds.map(|bound| bound * percent);
+    found.assert_within(name, max, rms, bias);
 }
 
 /// Runs a kernel and a reference along the strokes; `reference` takes metres and metres per second.
@@ -182,16 +133,16 @@ pub fn errors<K: Friction>(
     kernel: &K,
     units: Units,
     mut reference: impl FnMut(f64, f64) -> f64,
-) -> Errors {
+) -> Deviation {
     let mut state = kernel.at_rest();
-    let mut errors = Errors::default();
+    let mut errors = Deviation::default();
     for (dx, speed) in strokes(1).take(STEPS) {
         let velocity = speed * COUNT / SAMPLE_TIME;
         let force = kernel
             .step(&mut state, motion(dx, velocity, units))
             .to_f64()
             * units.force;
-        errors.add(force - reference(f64::from(dx) * COUNT, velocity));
+        errors.add(force, reference(f64::from(dx) * COUNT, velocity));
     }
     errors
 }

@@ -6,6 +6,7 @@ use super::reference::*;
 use fixed::types::I16F16;
 use preslide::kernels::{CountGms, PackedSlipReserve, Scaled, SlipReserve};
 use preslide::{Block, Friction, Motion, ParamError, Scalar, Units};
+use preslide_host_tests::deviation::Deviation;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -46,30 +47,16 @@ fn smooth_errors<K: Friction>(
     model: Result<K, ParamError>,
     units: Units,
     mut reference: impl FnMut(f64, f64) -> f64,
-) -> Errors {
+) -> Deviation {
     let model = model.expect("in range");
     let mut state = model.at_rest();
-    let mut errors = Errors::default();
+    let mut errors = Deviation::default();
     for q16 in smooth(1).take(STEPS) {
         let force = model.step(&mut state, tick(q16, units)).to_f64() * units.force;
         let metres = f64::from(q16) / 65536.0 * COUNT;
-        errors.add(force - reference(metres, metres / SAMPLE_TIME));
+        errors.add(force, reference(metres, metres / SAMPLE_TIME));
     }
     errors
-}
-
-fn quasi_static<const N: usize>() -> impl FnMut(f64, f64) -> f64 {
-    let blocks = blocks::<N>();
-    let mut deflection = [0.0; N];
-    move |dx, _| {
-        let mut force = 0.0;
-        for (z, block) in deflection.iter_mut().zip(&blocks) {
-            let yields = block.weight * BREAKAWAY / block.stiffness;
-            *z = (*z + dx).clamp(-yields, yields);
-            force += block.stiffness * *z;
-        }
-        force
-    }
 }
 
 /// Half a unit of 3.7 nm (50 µm are 2¹⁴ of fewer) is 0.2 % of the shortest D, 1 µm, which bears up to 0.4 of `F_s`: 0.08 %, and twice that
@@ -79,20 +66,27 @@ const QUASI_STATIC: [f64; 3] = [0.5, 0.1, 0.02];
 fn laws_along_a_smooth_reference<const N: usize, const PAIRS: usize>() {
     let blocks = blocks::<N>();
     let float = Scaled::<PackedSlipReserve<PAIRS>, f32>::try_new(&blocks, BREAKAWAY, Units::SI);
-    smooth_errors(float, Units::SI, quasi_static::<N>())
-        .check(&format!("packed f32 N = {N}"), QUASI_STATIC);
+    let found = smooth_errors(float, Units::SI, quasi_static::<N>());
+    check(&found, &format!("packed f32 N = {N}"), QUASI_STATIC);
     let fixed = Scaled::<PackedSlipReserve<PAIRS>, I16F16>::try_new(&blocks, BREAKAWAY, COUNTS);
-    smooth_errors(fixed, COUNTS, quasi_static::<N>())
-        .check(&format!("packed I16F16 N = {N}"), QUASI_STATIC);
+    let found = smooth_errors(fixed, COUNTS, quasi_static::<N>());
+    check(&found, &format!("packed I16F16 N = {N}"), QUASI_STATIC);
     let plain = Scaled::<SlipReserve<N>, I16F16>::try_new(&blocks, BREAKAWAY, COUNTS);
-    smooth_errors(plain, COUNTS, quasi_static::<N>())
-        .check(&format!("slip reserve I16F16 N = {N}"), QUASI_STATIC);
+    let found = smooth_errors(plain, COUNTS, quasi_static::<N>());
+    check(
+        &found,
+        &format!("slip reserve I16F16 N = {N}"),
+        QUASI_STATIC,
+    );
     // A whole unit ahead, of 1 µm at N > 1: 0.3 %, and what slips a unit early by that has its lag begin earlier.
-    let mut exact = Exact::new(&blocks);
-    let full =
+    let exact =
         Scaled::<CountGms<N>, I16F16>::try_new(&blocks, BREAKAWAY, SLIDING, SAMPLE_TIME, COUNTS);
-    smooth_errors(full, COUNTS, |dx, v| exact.step(dx, v))
-        .check(&format!("count gms I16F16 N = {N}"), [0.5, 0.2, 0.03]);
+    let found = smooth_errors(exact, COUNTS, full(&blocks));
+    check(
+        &found,
+        &format!("count gms I16F16 N = {N}"),
+        [0.5, 0.2, 0.03],
+    );
 }
 
 #[test]

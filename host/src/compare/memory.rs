@@ -159,7 +159,7 @@ fn on_motion(model: &FrictionModel, scale: Scale) -> Result<LoopClosure, ParamEr
 #[cfg(test)]
 mod tests {
     use super::*;
-    use preslide::{Block, HsiehParams, Sliding};
+    use preslide::{Block, HsiehParams};
 
     /// The paper's experiment: within 40 µm, driven slowly.
     const PAPER: Scale = Scale {
@@ -169,37 +169,6 @@ mod tests {
 
     fn closure(model: &FrictionModel) -> LoopClosure {
         loop_closure(model, PAPER).unwrap()
-    }
-
-    /// Six blocks over three decades of yield displacement: every loop closes, whatever its size.
-    #[test]
-    fn maxwell_slip_closes_every_loop() {
-        let yields = [0.1e-6, 0.5e-6, 1.5e-6, 6e-6, 15e-6, 38e-6];
-        let stiffness = [1e6, 3e5, 1e5, 3e4, 1e4, 5e3];
-        let gms = closure(&FrictionModel::maxwell_slip(&stiffness, &yields));
-        assert!(gms.is_nonlocal(), "{:e} N", gms.largest);
-        assert!(gms.largest < 1e-12 * gms.range);
-    }
-
-    /// The paper's Table 2, in which `F_s = F_c` for LuGre.
-    #[test]
-    fn dahl_and_lugre_do_not_close() {
-        let dahl = closure(&FrictionModel::Dahl {
-            stiffness: 320_000.0,
-            coulomb: 0.9,
-            exponent: 1.6,
-        });
-        let lugre = closure(&FrictionModel::LuGre {
-            stiffness: 195_000.0,
-            damping: 4416.0,
-            breakaway: 0.9,
-            sliding: Sliding::none(0.9),
-        });
-        for open in [dahl, lugre] {
-            assert!(!open.is_nonlocal());
-            assert!(open.remembers);
-            assert!(open.largest > 0.02 * open.range, "{:e} N", open.largest);
-        }
     }
 
     /// Dahl with n = 1 from saturation has a closed form, so the error itself can be checked: from `F_c` back by
@@ -212,6 +181,7 @@ mod tests {
             coulomb: 0.9,
             exponent: 1.0,
         });
+        assert!(dahl.remembers && !dahl.is_nonlocal());
         // F/F_c along the corners: moving by d relaxes the distance to sgn(d) by exp(−|d|/length).
         let mut share = 0.0;
         let mut at = 0.0;

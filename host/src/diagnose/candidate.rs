@@ -55,7 +55,7 @@ impl Candidate {
 
     /// Effects of its shape in its place, on top of a hypothesis, each with the shape that is best for it.
     pub fn in_its_place(&self, null: &NullModel, without: &Hypothesis) -> Vec<Self> {
-        let effects = self.term.effect().map_or(&[][..], |e| e.in_place());
+        let effects = self.term.effect().map_or(&[][..], |e| e.card().in_place);
         let judged = |effect: &&'static dyn Effect| {
             let term = Term::new(Subject::Effect(*effect), &self.term.shape);
             candidate_of(null, without, &[refined(null, without, &term)], self.tries)
@@ -109,7 +109,7 @@ fn families(null: &NullModel, hypothesis: &Hypothesis, periods: &[f64]) -> Vec<F
                 e.id() == effect.id() || excluded.iter().any(|x| x.id() == effect.id())
             })
         });
-        if present && !effect.recurs() {
+        if present && !effect.card().recurs {
             continue;
         }
         let shapes = effect.grid(&scene);
@@ -302,7 +302,7 @@ pub fn refined(null: &NullModel, without: &Hypothesis, term: &Term) -> Term {
     let Some(mut value) = value_of(&best) else {
         return best;
     };
-    let scales: Vec<Scale> = effect.shape().iter().map(|p| p.1).collect();
+    let scales: Vec<Scale> = effect.card().shape.iter().map(|p| p.1).collect();
     let s = &null.rows.s;
     let mut steps: Vec<f64> = scales
         .iter()

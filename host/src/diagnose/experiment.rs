@@ -111,7 +111,7 @@ impl Profile {
 /// The parts that show an effect.
 fn parts_of(id: &str) -> &'static [Part] {
     match effect::by_id(id) {
-        Some(effect) => effect.shown_by(),
+        Some(effect) => effect.card().shown_by,
         None if id == hysteresis::ID => &[Part::Nested],
         None => &[],
     }

@@ -32,7 +32,7 @@ pub fn slopes(null: &NullModel, hypothesis: &Hypothesis, given: usize) -> Vec<Sl
             continue;
         };
         // A measured temperature needs no time constant: fewer shape parameters than keys.
-        for (k, ((_, scale), value)) in effect.shape().iter().zip(&term.shape).enumerate() {
+        for (k, ((_, scale), value)) in effect.card().shape.iter().zip(&term.shape).enumerate() {
             let Some(step) = straight(null, *scale, *value) else {
                 continue;
             };
@@ -90,7 +90,7 @@ pub fn polished(null: &NullModel, mut hypothesis: Hypothesis, given: usize) -> H
             let Some(effect) = term.effect() else {
                 continue;
             };
-            let (k, scale) = (slope.parameter, effect.shape()[slope.parameter].1);
+            let (k, scale) = (slope.parameter, effect.card().shape[slope.parameter].1);
             let value = term.shape[k];
             let Some(small) = straight(null, scale, value) else {
                 continue;

@@ -273,18 +273,6 @@ impl Signals {
         kinds
     }
 
-    /// Time since the last reversal (s).
-    pub fn time_since_reversal(&self) -> Vec<f64> {
-        let mut since = 0.0;
-        (0..self.x.len())
-            .map(|i| {
-                let turned = i > 0 && self.direction[i] != self.direction[i - 1];
-                since = if turned { 0.0 } else { since + self.dt };
-                since
-            })
-            .collect()
-    }
-
     fn paths(&mut self, still: f64) {
         let (mut path, mut rest, mut dwell) = (0.0, 0.0, 0.0);
         for i in 0..self.x.len() {

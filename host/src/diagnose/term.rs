@@ -65,7 +65,7 @@ impl Term {
     pub fn is_near(&self, other: &Term) -> bool {
         let own = self.shape.iter().zip(&other.shape);
         let alike = |(a, b): (&f64, &f64)| (a - b).abs() <= NEAR * a.abs().max(b.abs());
-        let recurs = self.effect().is_some_and(|e| e.recurs());
+        let recurs = self.effect().is_some_and(|e| e.card().recurs);
         self.is_like(other) && (!recurs || own.into_iter().all(alike))
     }
 
@@ -81,7 +81,7 @@ impl Term {
     /// How its coefficients are bound in a fit.
     pub fn bound(&self) -> Bound {
         match self.subject {
-            Subject::Effect(effect) => effect.bound(),
+            Subject::Effect(effect) => effect.card().bound,
             Subject::Change(change) => change.bound(),
             Subject::Curve(_) => Bound::Free,
         }
@@ -120,7 +120,7 @@ impl Term {
 
     /// Whether its columns are made of the effort itself.
     pub fn acts_on_effort(&self) -> bool {
-        self.effect().is_some_and(|e| e.acts_on_effort())
+        self.effect().is_some_and(|e| e.card().acts_on_effort)
     }
 }
 

@@ -19,7 +19,7 @@ use super::verdict::Verdict;
 use super::*;
 use preslide_fit::friction::FrictionModel;
 use preslide_fit::recording::{LoadOptions, MotionKind, load_csv};
-use preslide_fit::signal::Deflection;
+use preslide_host_tests::made::{Blocks, sines};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
@@ -43,15 +43,10 @@ fn uniform(rng: &mut ChaCha8Rng) -> f64 {
     (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64 - 0.5
 }
 
-/// The friction (N) of blocks along positions.
-fn friction(blocks: &[(f64, f64)], position: &[f64]) -> Vec<f64> {
-    let pieces = std::slice::from_ref(&(0..position.len())).to_vec();
-    let mut force = vec![0.0; position.len()];
-    for &(k, d) in blocks {
-        let z = Deflection::along(position, &pieces, d).z;
-        force.iter_mut().zip(z).for_each(|(f, z)| *f += k * z);
-    }
-    force
+/// The machine's friction (N) along positions.
+fn friction(position: &[f64]) -> Vec<f64> {
+    let mut blocks = Blocks::new(&BLOCKS);
+    position.iter().map(|x| blocks.force(*x)).collect()
 }
 
 /// A recording of the machine with `more` (N) added, from time, position and velocity.
@@ -64,25 +59,14 @@ fn made_of(blocks: &[(f64, f64)], more: impl Fn(f64, f64, f64) -> f64) -> Record
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
     // The sum of twelve uniform deviates has the variance one.
     let mut noise = || NOISE_N * (0..12).map(|_| uniform(&mut rng)).sum::<f64>();
-    let of = |i: usize, k: i32| -> f64 {
-        let t = i as f64 * STEP_S;
-        let wave = |(w, a): &(f64, f64)| match k {
-            0 => a * (w * t).sin(),
-            1 => a * w * (w * t).cos(),
-            _ => -a * w * w * (w * t).sin(),
-        };
-        MOTION.iter().map(wave).sum()
-    };
-    let x: Vec<f64> = (0..SAMPLES).map(|i| of(i, 0)).collect();
-    let friction = friction(blocks, &x);
-    let force: Vec<f64> = (0..SAMPLES)
-        .map(|i| MASS_KG * of(i, 2) + friction[i])
-        .collect();
+    let waves = MOTION.map(|(w, a)| [a, w, 0.0]);
+    let mut blocks = Blocks::new(blocks);
     let mut text = String::from("t_s,x_m,force_N\n");
     for i in 0..SAMPLES {
         let t = i as f64 * STEP_S;
-        let f = force[i] + more(t, x[i], of(i, 1)) + noise();
-        writeln!(text, "{t:.6},{:.12},{f:.9}", x[i]).expect("a string");
+        let [x, v, a] = sines(&waves, t);
+        let f = MASS_KG * a + blocks.force(x) + more(t, x, v) + noise();
+        writeln!(text, "{t:.6},{x:.12},{f:.9}").expect("a string");
     }
     load_csv(text.as_bytes(), "made.csv", &LoadOptions::default()).expect("a recording")
 }
@@ -442,7 +426,7 @@ fn friction_that_follows_a_measured_temperature_is_named_though_friction_wanders
     let told = |seed: u64, per_kelvin: f64| {
         let mut recording = beside_temperature(temperature);
         let level = wandering(&recording.position, seed);
-        let friction = friction(&BLOCKS, &recording.position);
+        let friction = friction(&recording.position);
         for i in 0..SAMPLES {
             let drift = per_kelvin * (temperature(i as f64 * STEP_S) - 25.0);
             recording.effort[i] += (drift + 0.04 * level[i]) * friction[i];

@@ -1,7 +1,7 @@
 //! What a controller could know of the stage at best: the stage's own parameters, in the words of a model file.
 
 use super::Trial;
-use crate::stage::concealed::{Concealed, HALF_TRAVEL_M};
+use crate::stage::concealed::{Concealed, HALF_TRAVEL_M, Kind};
 use preslide::Block;
 use preslide_fit::effects::Effect;
 use preslide_fit::friction::FrictionModel;
@@ -65,44 +65,29 @@ impl Truth {
             gain: 1.0,
             constant_force: 0.0,
         };
-        match *effect {
-            Concealed::PeriodicForce {
-                force_n,
-                period_m,
-                phase_rad,
-            } => alone(&[
-                ("force_N", force_n),
-                ("period_m", period_m),
-                ("phase_rad", phase_rad),
-            ]),
-            Concealed::LocalFrictionSpot {
-                level,
-                position_m,
-                width_m,
-            } => alone(&[
-                ("level", level),
-                ("position_m", position_m),
-                ("width_m", width_m),
-            ]),
-            Concealed::PeriodicFriction {
-                level,
-                period_m,
-                phase_rad,
-            } => alone(&[
-                ("level", level),
-                ("period_m", period_m),
-                ("phase_rad", phase_rad),
-            ]),
-            Concealed::Stribeck { drop, velocity_m_s } => Self {
+        let &Concealed {
+            kind,
+            size,
+            at,
+            shape,
+        } = effect;
+        let wave = [("period_m", at), ("phase_rad", shape)];
+        match kind {
+            Kind::PeriodicForce => alone(&[("force_N", size), wave[0], wave[1]]),
+            Kind::PeriodicFriction => alone(&[("level", size), wave[0], wave[1]]),
+            Kind::LocalFrictionSpot => {
+                alone(&[("level", size), ("position_m", at), ("width_m", shape)])
+            }
+            Kind::Stribeck => Self {
                 // The catalogue's level is that above sliding friction, the stage's drop that below breakaway.
-                gain: 1.0 - drop,
+                gain: 1.0 - size,
                 ..alone(&[
-                    ("level", drop / (1.0 - drop)),
-                    ("velocity_m_s", velocity_m_s),
+                    ("level", size / (1.0 - size)),
+                    ("velocity_m_s", at),
                     ("exponent", stribeck_exponent),
                 ])
             },
-            Concealed::PositionForce { .. } => {
+            Kind::PositionForce => {
                 let (mean, shape) = cosines(|x| effect.force_n(x));
                 Self {
                     keys: map(shape, "_N"),
@@ -110,7 +95,7 @@ impl Truth {
                     gain: 1.0,
                 }
             }
-            Concealed::PositionFriction { .. } => {
+            Kind::PositionFriction => {
                 // The mean of a level is a matter of the friction.
                 let (mean, shape) = cosines(|x| effect.level(x));
                 Self {
@@ -160,7 +145,7 @@ mod tests {
     /// The catalogue's terms, with the values of the truth, give the resistance of the stage's own laws where it slides.
     #[test]
     fn the_stage_and_the_catalogue_mean_the_same() {
-        for trial in Trial::draw(5, 2 * KINDS) {
+        for trial in Trial::draw(5, 2 * KINDS.len()) {
             let model = known(&trial).expect("the catalogue has it");
             let gain = trial.stage(0).expect("valid").friction().repeat_gain();
             for direction in [1.0, -1.0] {
@@ -176,10 +161,9 @@ mod tests {
                 let found = model.resistance(path).expect("computable");
                 // The sixteen cosines of a map leave 0.02 N of the narrowest bump. Sliding begins after the longest yield displacement, twice over.
                 for (x, found) in position.iter().zip(found).skip(100) {
-                    let stribeck = match trial.effect {
-                        Concealed::Stribeck { drop, velocity_m_s } => {
-                            1.0 - drop * (1.0 - (-speed.abs() / velocity_m_s).exp())
-                        }
+                    let Concealed { kind, size, at, .. } = trial.effect;
+                    let stribeck = match kind {
+                        Kind::Stribeck => 1.0 - size * (1.0 - (-speed.abs() / at).exp()),
                         _ => 1.0,
                     };
                     let sliding = direction * 0.9 * gain * stribeck * trial.effect.level(*x);

@@ -17,65 +17,45 @@ use std::f64::consts::TAU;
 /// Half of the travel over which effects are drawn (m): positions, and the length of maps.
 pub const HALF_TRAVEL_M: f64 = 2e-3;
 
-/// What is concealed, with its parameters in SI.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Concealed {
+/// Kinds of effects, in the words of the catalogue.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
     /// A magnet or a bent cover beside the way: `f = A/(1 + ((x − x0)/w)²)`, less its mean over the travel.
-    PositionForce {
-        /// A (N).
-        force_n: f64,
-        /// x0 (m).
-        position_m: f64,
-        /// w (m).
-        width_m: f64,
-    },
+    PositionForce,
     /// Cogging: `f = A·cos(2πx/p + φ)`.
-    PeriodicForce {
-        /// A (N).
-        force_n: f64,
-        /// p (m).
-        period_m: f64,
-        /// φ (rad).
-        phase_rad: f64,
-    },
+    PeriodicForce,
     /// Preload that varies over the travel: `m = 1 + a·tanh((x − x0)/w)`.
-    PositionFriction {
-        /// a (-).
-        level: f64,
-        /// x0 (m).
-        position_m: f64,
-        /// w (m).
-        width_m: f64,
-    },
+    PositionFriction,
     /// A dent or dirt: `m = 1 + a·exp(−((x − x0)/w)²)`.
-    LocalFrictionSpot {
-        /// a (-).
-        level: f64,
-        /// x0 (m).
-        position_m: f64,
-        /// w (m).
-        width_m: f64,
-    },
+    LocalFrictionSpot,
     /// A screw or nut that binds once a turn: `m = 1 + a·cos(2πx/p + φ)`.
-    PeriodicFriction {
-        /// a (-).
-        level: f64,
-        /// p (m).
-        period_m: f64,
-        /// φ (rad).
-        phase_rad: f64,
-    },
+    PeriodicFriction,
     /// Friction that falls with speed: [`super::FrictionConfig::stribeck_drop`] and its velocity.
-    Stribeck {
-        /// Share of the breakaway force that is lost at speed (-).
-        drop: f64,
-        /// v_s (m/s).
-        velocity_m_s: f64,
-    },
+    Stribeck,
 }
 
-/// Kinds of concealed effects.
-pub const KINDS: usize = 6;
+/// Every kind.
+pub const KINDS: [Kind; 6] = [
+    Kind::PositionForce,
+    Kind::PeriodicForce,
+    Kind::PositionFriction,
+    Kind::LocalFrictionSpot,
+    Kind::PeriodicFriction,
+    Kind::Stribeck,
+];
+
+/// What is concealed, with the parameters of its law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Concealed {
+    /// Its law.
+    pub kind: Kind,
+    /// A (N) of a force; a (-) of a level; the share of the breakaway force that is lost at speed (-).
+    pub size: f64,
+    /// x0 (m); of what is periodic p (m); the Stribeck velocity (m/s).
+    pub at: f64,
+    /// w (m); of what is periodic φ (rad); nothing of a Stribeck curve.
+    pub shape: f64,
+}
 
 impl Concealed {
     /// Draws `count` effects: every kind once, in random order, before any comes again.
@@ -96,7 +76,7 @@ impl Concealed {
         let mut draw = ChaCha8Rng::seed_from_u64(seed);
         let mut drawn = Vec::new();
         while drawn.len() < count {
-            let mut kinds: Vec<usize> = (0..KINDS).collect();
+            let mut kinds = KINDS.to_vec();
             while !kinds.is_empty() && drawn.len() < count {
                 let kind = kinds.swap_remove(draw.random_range(0..kinds.len()));
                 drawn.push(Self::of_kind(kind, &mut draw));
@@ -105,159 +85,115 @@ impl Concealed {
         drawn
     }
 
-    fn of_kind(kind: usize, draw: &mut ChaCha8Rng) -> Self {
+    fn of_kind(kind: Kind, draw: &mut ChaCha8Rng) -> Self {
         let mut within = |low: f64, high: f64| draw.random_range(low..high);
         let sign = within(-1.0, 1.0).signum();
-        match kind {
-            0 => Self::PositionForce {
-                force_n: sign * within(0.3, 0.6),
-                position_m: within(-1.2e-3, 1.2e-3),
-                width_m: within(0.3e-3, 0.5e-3),
-            },
-            1 => Self::PeriodicForce {
-                force_n: within(0.06, 0.12),
-                period_m: 2e-3 / [7.0, 3.0, 1.0][within(0.0, 3.0) as usize % 3],
-                phase_rad: within(0.0, TAU),
-            },
-            2 => Self::PositionFriction {
-                level: sign * within(0.2, 0.4),
-                position_m: within(-0.5e-3, 0.5e-3),
-                width_m: within(0.5e-3, 1e-3),
-            },
-            3 => Self::LocalFrictionSpot {
-                level: within(0.5, 1.0),
-                position_m: within(-1.2e-3, 1.2e-3),
-                width_m: within(0.15e-3, 0.4e-3),
-            },
-            4 => Self::PeriodicFriction {
-                level: within(0.15, 0.3),
-                period_m: 2e-3 / [1.0, 2.0][within(0.0, 2.0) as usize % 2],
-                phase_rad: within(0.0, TAU),
-            },
-            _ => Self::Stribeck {
-                drop: within(0.4, 0.6),
-                velocity_m_s: within(0.2e-3, 0.6e-3),
-            },
+        let size = match kind {
+            Kind::PositionForce => sign * within(0.3, 0.6),
+            Kind::PeriodicForce => within(0.06, 0.12),
+            Kind::PositionFriction => sign * within(0.2, 0.4),
+            Kind::LocalFrictionSpot => within(0.5, 1.0),
+            Kind::PeriodicFriction => within(0.15, 0.3),
+            Kind::Stribeck => within(0.4, 0.6),
+        };
+        let at = match kind {
+            Kind::PositionForce | Kind::LocalFrictionSpot => within(-1.2e-3, 1.2e-3),
+            Kind::PeriodicForce => 2e-3 / [7.0, 3.0, 1.0][within(0.0, 3.0) as usize % 3],
+            Kind::PositionFriction => within(-0.5e-3, 0.5e-3),
+            Kind::PeriodicFriction => 2e-3 / [1.0, 2.0][within(0.0, 2.0) as usize % 2],
+            Kind::Stribeck => within(0.2e-3, 0.6e-3),
+        };
+        let shape = match kind {
+            Kind::PositionForce => within(0.3e-3, 0.5e-3),
+            Kind::PositionFriction => within(0.5e-3, 1e-3),
+            Kind::LocalFrictionSpot => within(0.15e-3, 0.4e-3),
+            Kind::PeriodicForce | Kind::PeriodicFriction => within(0.0, TAU),
+            Kind::Stribeck => 0.0,
+        };
+        Self {
+            kind,
+            size,
+            at,
+            shape,
         }
     }
 
     /// What the catalogue calls it.
     pub fn id(&self) -> &'static str {
-        match self {
-            Self::PositionForce { .. } => "position_force",
-            Self::PeriodicForce { .. } => "periodic_force",
-            Self::PositionFriction { .. } => "position_friction",
-            Self::LocalFrictionSpot { .. } => "local_friction_spot",
-            Self::PeriodicFriction { .. } => "periodic_friction",
-            Self::Stribeck { .. } => "stribeck",
+        match self.kind {
+            Kind::PositionForce => "position_force",
+            Kind::PeriodicForce => "periodic_force",
+            Kind::PositionFriction => "position_friction",
+            Kind::LocalFrictionSpot => "local_friction_spot",
+            Kind::PeriodicFriction => "periodic_friction",
+            Kind::Stribeck => "stribeck",
         }
     }
 
     /// What it is, with its values, for people.
     pub fn words(&self) -> String {
-        let (mm, mn, percent) = (1e3, 1e3, 100.0);
-        match *self {
-            Self::PositionForce {
-                force_n,
-                position_m,
-                width_m,
-            } => format!(
-                "a force of {:.0} mN about {:.2} mm, {:.2} mm wide",
-                force_n * mn,
-                position_m * mm,
-                width_m * mm
+        // Of a force in mN, of a share in %; lengths in mm.
+        let (mn, percent) = (1e3 * self.size, 100.0 * self.size.abs());
+        let (at, wide) = (1e3 * self.at, 1e3 * self.shape);
+        match self.kind {
+            Kind::PositionForce => {
+                format!("a force of {mn:.0} mN about {at:.2} mm, {wide:.2} mm wide")
+            }
+            Kind::PeriodicForce => format!("cogging of {mn:.0} mN with a period of {at:.3} mm"),
+            Kind::PositionFriction => format!(
+                "a friction level that changes by ±{percent:.0} % about {at:.2} mm, over {wide:.2} mm"
             ),
-            Self::PeriodicForce {
-                force_n, period_m, ..
-            } => format!(
-                "cogging of {:.0} mN with a period of {:.3} mm",
-                force_n * mn,
-                period_m * mm
+            Kind::LocalFrictionSpot => format!(
+                "a spot at {at:.2} mm, {wide:.2} mm wide, with {percent:.0} % more friction"
             ),
-            Self::PositionFriction {
-                level,
-                position_m,
-                width_m,
-            } => format!(
-                "a friction level that changes by ±{:.0} % about {:.2} mm, over {:.2} mm",
-                level.abs() * percent,
-                position_m * mm,
-                width_m * mm
-            ),
-            Self::LocalFrictionSpot {
-                level,
-                position_m,
-                width_m,
-            } => format!(
-                "a spot at {:.2} mm, {:.2} mm wide, with {:.0} % more friction",
-                position_m * mm,
-                width_m * mm,
-                level * percent
-            ),
-            Self::PeriodicFriction {
-                level, period_m, ..
-            } => format!(
-                "friction that varies by ±{:.0} % with a period of {:.3} mm",
-                level * percent,
-                period_m * mm
-            ),
-            Self::Stribeck { drop, velocity_m_s } => format!(
-                "friction that falls by {:.0} % with speed, at {:.2} mm/s",
-                drop * percent,
-                velocity_m_s * mm
-            ),
+            Kind::PeriodicFriction => {
+                format!("friction that varies by ±{percent:.0} % with a period of {at:.3} mm")
+            }
+            Kind::Stribeck => {
+                format!("friction that falls by {percent:.0} % with speed, at {at:.2} mm/s")
+            }
         }
+    }
+
+    /// `(x − x0)/w` of what has a place.
+    fn aside(&self, x: f64) -> f64 {
+        (x - self.at) / self.shape
+    }
+
+    /// `cos(2πx/p + φ)` of what is periodic.
+    fn wave(&self, x: f64) -> f64 {
+        (TAU * x / self.at + self.shape).cos()
     }
 
     /// Multiplies the friction at the position `x` (m) (-).
     pub fn level(&self, x: f64) -> f64 {
-        match *self {
-            Self::PositionFriction {
-                level,
-                position_m,
-                width_m,
-            } => 1.0 + level * ((x - position_m) / width_m).tanh(),
-            Self::LocalFrictionSpot {
-                level,
-                position_m,
-                width_m,
-            } => 1.0 + level * (-((x - position_m) / width_m).powi(2)).exp(),
-            Self::PeriodicFriction {
-                level,
-                period_m,
-                phase_rad,
-            } => 1.0 + level * (TAU * x / period_m + phase_rad).cos(),
-            _ => 1.0,
+        match self.kind {
+            Kind::PositionFriction => 1.0 + self.size * self.aside(x).tanh(),
+            Kind::LocalFrictionSpot => 1.0 + self.size * (-self.aside(x).powi(2)).exp(),
+            Kind::PeriodicFriction => 1.0 + self.size * self.wave(x),
+            Kind::PositionForce | Kind::PeriodicForce | Kind::Stribeck => 1.0,
         }
     }
 
     /// Resists motion in +x at the position `x` (m) (N).
     pub fn force_n(&self, x: f64) -> f64 {
-        match *self {
-            Self::PositionForce {
-                force_n,
-                position_m,
-                width_m,
-            } => {
-                let lorentz = |x: f64| 1.0 / (1.0 + ((x - position_m) / width_m).powi(2));
-                let angle = |x: f64| ((x - position_m) / width_m).atan();
-                let whole = width_m * (angle(HALF_TRAVEL_M) - angle(-HALF_TRAVEL_M));
-                force_n * (lorentz(x) - whole / (2.0 * HALF_TRAVEL_M))
+        match self.kind {
+            Kind::PositionForce => {
+                let angle = |x: f64| self.aside(x).atan();
+                let whole = self.shape * (angle(HALF_TRAVEL_M) - angle(-HALF_TRAVEL_M));
+                let lorentz = 1.0 / (1.0 + self.aside(x).powi(2));
+                self.size * (lorentz - whole / (2.0 * HALF_TRAVEL_M))
             }
-            Self::PeriodicForce {
-                force_n,
-                period_m,
-                phase_rad,
-            } => force_n * (TAU * x / period_m + phase_rad).cos(),
+            Kind::PeriodicForce => self.size * self.wave(x),
             _ => 0.0,
         }
     }
 
     /// The stage's configuration with it, where it is a matter of that.
     pub fn configure(&self, mut config: StageConfig) -> StageConfig {
-        if let Self::Stribeck { drop, velocity_m_s } = *self {
-            config.friction.stribeck_drop = drop;
-            config.friction.stribeck_velocity_m_s = velocity_m_s;
+        if self.kind == Kind::Stribeck {
+            config.friction.stribeck_drop = self.size;
+            config.friction.stribeck_velocity_m_s = self.at;
         }
         config
     }
@@ -270,12 +206,12 @@ mod tests {
 
     #[test]
     fn every_kind_comes_once_before_any_comes_again() {
-        let drawn = Concealed::draw(3, 2 * KINDS);
-        for round in drawn.chunks(KINDS) {
+        let drawn = Concealed::draw(3, 2 * KINDS.len());
+        for round in drawn.chunks(KINDS.len()) {
             let mut ids: Vec<&str> = round.iter().map(Concealed::id).collect();
             ids.sort_unstable();
             ids.dedup();
-            assert_eq!(ids.len(), KINDS, "{round:?}");
+            assert_eq!(ids.len(), KINDS.len(), "{round:?}");
         }
         assert_eq!(drawn[..4], Concealed::draw(3, 4));
         assert_ne!(drawn[..4], Concealed::draw(4, 4));
@@ -284,7 +220,7 @@ mod tests {
     /// An effect of position gives back what it took, one of friction takes: the stage's energies still add up.
     #[test]
     fn the_energies_of_a_concealing_stage_add_up() {
-        for effect in Concealed::draw(1, KINDS) {
+        for effect in Concealed::draw(1, KINDS.len()) {
             let mut stage = Stage::concealing(StageConfig::default(), effect).expect("valid");
             for tick in 0..40_000 {
                 let duty = 0.12 * (TAU * f64::from(tick) / 20_000.0).sin();

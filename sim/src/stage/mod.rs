@@ -14,7 +14,7 @@
 //! ```
 //!
 //! # Integration and its error
-//! Strang splitting, second order: half a kick by friction, external force and disturbances; the linear part exactly, by
+//! Strang splitting, second order: half a kick by friction, external force and concealed effect; the linear part exactly, by
 //! a matrix exponential; the contacts exactly over the displacement; half a kick. Nothing stiff is left for the step to
 //! resolve, so a wild command does not make it diverge. Randomness is a function of slipped path, not of steps.
 //!
@@ -25,7 +25,7 @@
 //!
 //! # Left out
 //! Commutation, the dependence of gear losses on load (losses are in the
-//! friction truth, at the mass), backlash, temperature of the mechanics. What matters of them can be added as a [`Disturbance`].
+//! friction truth, at the mass), backlash, temperature of the mechanics.
 
 pub mod concealed;
 mod config;
@@ -38,7 +38,6 @@ mod motor;
 mod range;
 #[cfg(test)]
 mod tests;
-pub mod trajectory;
 mod variability;
 
 use std::f64::consts::TAU;
@@ -56,20 +55,6 @@ pub use energy::Energy;
 use friction::FrictionTruth;
 pub use motor::MotorConfig;
 pub use range::StageError;
-
-/// An effect added to the stage and concealed from the compensator.
-pub trait Disturbance: Send {
-    /// Force on the moving mass, in +x \[N\], at true position \[m\], velocity [m/s] and time \[s\].
-    ///
-    /// It is called several times a step with trial velocities, so it must not remember; a force that is not finite is
-    /// taken as zero.
-    fn force_n(&self, x_m: f64, v_m_s: f64, t_s: f64) -> f64;
-
-    /// Called once after each integration step of `dt_s` with the state reached: the place for memory.
-    fn advance(&mut self, x_m: f64, v_m_s: f64, t_s: f64, dt_s: f64) {
-        let _ = (x_m, v_m_s, t_s, dt_s);
-    }
-}
 
 /// What the controller can measure at the end of a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,9 +80,7 @@ pub struct Truth {
     pub rotor_position_m: f64,
     /// Friction, viscous part included; positive when it opposes motion in +x \[N\].
     pub friction_n: f64,
-    /// Force of the motor, at the stage \[N\].
-    pub motor_n: f64,
-    /// External force and disturbances, in +x \[N\].
+    /// External force and that of the concealed effect, in +x \[N\].
     pub external_n: f64,
 }
 
@@ -108,7 +91,6 @@ pub struct Stage {
     flow: Flow,
     step_s: f64,
     friction: FrictionTruth,
-    disturbances: Vec<Box<dyn Disturbance>>,
     concealed: Option<Concealed>,
     electrical: Option<Electrical>,
     state: LinearState,
@@ -133,7 +115,6 @@ impl Stage {
             coefficients,
             step_s,
             friction: FrictionTruth::try_new(&config.friction, config.seed)?,
-            disturbances: Vec::new(),
             concealed: None,
             electrical: config.electrical.as_ref().map(|electrical| {
                 let period_s = 1.0 / config.control_rate_hz;
@@ -161,17 +142,9 @@ impl Stage {
         for step in 0..self.config.substeps {
             let t = self.time_s() + f64::from(step) * self.step_s;
             let supply_v = self.supply_at(t + 0.5 * self.step_s);
-            self.kick(t);
+            self.kick();
             self.drift(step, duty, supply_v);
-            self.kick(t + self.step_s);
-            for disturbance in &mut self.disturbances {
-                disturbance.advance(
-                    self.position_m,
-                    self.state.velocity_m_s,
-                    t + self.step_s,
-                    self.step_s,
-                );
-            }
+            self.kick();
         }
         if let Some(electrical) = &mut self.electrical {
             electrical.finish();
@@ -243,11 +216,6 @@ impl Stage {
         Ok(())
     }
 
-    /// Adds a concealed effect.
-    pub fn add_disturbance(&mut self, disturbance: Box<dyn Disturbance>) {
-        self.disturbances.push(disturbance);
-    }
-
     /// A stage that hides an effect, as [`Stage::try_new`].
     ///
     /// # Errors
@@ -260,15 +228,14 @@ impl Stage {
 
     /// The true state, for scoring only.
     pub fn truth(&self) -> Truth {
-        let (v, t) = (self.state.velocity_m_s, self.time_s());
+        let v = self.state.velocity_m_s;
         Truth {
-            time_s: t,
+            time_s: self.time_s(),
             position_m: self.position_m,
             velocity_m_s: v,
             rotor_position_m: self.position_m + self.state.lead_m,
             friction_n: self.friction_n(v) + self.config.friction.viscous_n_s_per_m * v,
-            motor_n: self.coefficients.force_constant * self.state.current_a,
-            external_n: self.acting_n(v, t),
+            external_n: self.acting_n(),
         }
     }
 
@@ -322,22 +289,18 @@ impl Stage {
         level * self.friction.force_n(v)
     }
 
-    /// External force and disturbances at velocity `v` \[N\].
-    fn acting_n(&self, v: f64, t: f64) -> f64 {
-        self.disturbances
-            .iter()
-            .map(|d| d.force_n(self.position_m, v, t))
-            .filter(|force| force.is_finite())
-            .fold(self.external_n, |sum, force| sum + force)
-            - self.concealed.map_or(0.0, |c| c.force_n(self.position_m))
+    /// External force and that of the concealed effect \[N\].
+    fn acting_n(&self) -> f64 {
+        self.external_n - self.concealed.map_or(0.0, |c| c.force_n(self.position_m))
     }
 
     /// Half a step of the mass under friction and what acts from outside, by the explicit midpoint rule.
-    fn kick(&mut self, t: f64) {
+    fn kick(&mut self) {
         let v = self.state.velocity_m_s;
         let per_kg = 0.5 * self.step_s / self.config.mass_kg;
-        let middle = v + 0.5 * per_kg * (self.acting_n(v, t) - self.friction_n(v));
-        let (acting, friction) = (self.acting_n(middle, t), self.friction_n(middle));
+        let acting = self.acting_n();
+        let middle = v + 0.5 * per_kg * (acting - self.friction_n(v));
+        let friction = self.friction_n(middle);
         let after = v + per_kg * (acting - friction);
         // A constant force over a change of velocity does exactly this work.
         let path = 0.25 * self.step_s * (v + after);

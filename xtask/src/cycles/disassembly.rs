@@ -6,6 +6,7 @@ use std::process::Command;
 
 use super::instruction::Instruction;
 use super::recorder::TakenPath;
+use crate::objdump::{self, Line};
 use crate::process::output;
 
 #[derive(Default)]
@@ -29,15 +30,20 @@ impl Disassembly {
         let mut disassembly = Self::default();
         let mut start = 0;
         let mut conditional = 0;
-        for line in listing.lines() {
-            if let Some((address, name)) = label(line) {
-                start = address;
-                conditional = 0;
-                disassembly.functions.insert(start, (name.to_string(), 0));
-                continue;
-            }
-            let Some((address, size, mnemonic, operands)) = fields(line) else {
-                continue;
+        for line in objdump::lines(listing) {
+            let (address, size, mnemonic, operands) = match line {
+                Line::Label { address, name } => {
+                    start = address;
+                    conditional = 0;
+                    disassembly.functions.insert(start, (name.to_string(), 0));
+                    continue;
+                }
+                Line::Code {
+                    address,
+                    bytes,
+                    operation,
+                    operands,
+                } => (address, bytes, operation, operands),
             };
             if let Some((_, length)) = disassembly.functions.get_mut(&start) {
                 *length = address + size - start;
@@ -102,31 +108,6 @@ impl Disassembly {
             .next_back()
             .map(|(start, (_, length))| (*start, *length))
     }
-}
-
-/// `000174b8 <name>:`
-fn label(line: &str) -> Option<(u32, &str)> {
-    let (address, name) = line.strip_suffix(">:")?.split_once(" <")?;
-    Some((u32::from_str_radix(address, 16).ok()?, name))
-}
-
-/// Address, size, mnemonic and operands of `ADDRESS:⇥BYTES⇥MNEMONIC⇥OPERANDS`.
-fn fields(line: &str) -> Option<(u32, u32, &str, &str)> {
-    let mut columns = line.split('\t');
-    let address = columns.next()?.trim().strip_suffix(':')?;
-    let digits = columns
-        .next()?
-        .chars()
-        .filter(|digit| !digit.is_whitespace())
-        .count();
-    let mnemonic = columns.next()?.trim();
-    let operands = columns.next().unwrap_or("").trim();
-    Some((
-        u32::from_str_radix(address, 16).ok()?,
-        (digits / 2) as u32,
-        mnemonic,
-        operands,
-    ))
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! One Thumb-2 instruction as objdump prints it, reduced to what its price depends on.
 
+use crate::objdump::without_condition;
+
 /// Registers as bits: r0 to pc in 0 to 15, s0 to s31 in 16 to 47.
 pub type Registers = u64;
 
@@ -145,17 +147,6 @@ impl Instruction {
             memory,
         })
     }
-}
-
-pub fn without_condition(name: &str) -> &str {
-    const CONDITIONS: [&str; 16] = [
-        "eq", "ne", "cs", "cc", "mi", "pl", "vs", "vc", "hi", "ls", "ge", "lt", "gt", "le", "hs",
-        "lo",
-    ];
-    CONDITIONS
-        .iter()
-        .find_map(|condition| name.strip_suffix(condition))
-        .unwrap_or(name)
 }
 
 /// The cycle table of the Arm Cortex-M4 Technical Reference Manual (r0p1, sections 3.3 and 7.2.3).

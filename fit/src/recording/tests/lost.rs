@@ -2,7 +2,15 @@
 
 use super::*;
 
-const BROKEN: [&str; 6] = ["nan", "NaN", "inf", "-inf", "", "abc"];
+/// Cells, and why they are none.
+const BROKEN: [(&str, &str); 6] = [
+    ("nan", "not finite"),
+    ("NaN", "not finite"),
+    ("inf", "not finite"),
+    ("-inf", "not finite"),
+    ("", "empty"),
+    ("abc", "`abc` is not a number"),
+];
 
 /// 1000 rows of a swing with a repeat and a temperature, one cell of which is replaced: that of `column`, in line 502.
 fn rows(column: usize, cell: &str) -> String {
@@ -30,7 +38,7 @@ fn one_broken_cell_in_any_column_is_a_lost_sample_or_a_held_value() {
     let whole = text(&rows(0, "1"), &[]).expect("whole");
     assert!(!warns(&whole, "lost-samples") && whole.len() == 1000);
     for column in 0..6 {
-        for cell in BROKEN {
+        for (cell, reason) in BROKEN {
             let r = text(&rows(column, cell), &[]).unwrap_or_else(|e| panic!("{column} {e}"));
             let code = if column == 5 {
                 "held-values"
@@ -40,6 +48,9 @@ fn one_broken_cell_in_any_column_is_a_lost_sample_or_a_held_value() {
             let said = r.warnings.iter().find(|w| w.code == code);
             let said = &said.unwrap_or_else(|| panic!("{:?}", r.warnings)).message;
             assert!(said.contains("line 502"), "{column} `{cell}`: {said}");
+            // A repeat is a whole number, and none for that reason.
+            let is_told = column > 2 || said.contains(reason);
+            assert!(is_told, "{column} `{cell}`: {said}");
             // The gap of one sample is bridged, and nothing else moves.
             assert_eq!((r.len(), r.pieces.len()), (1000, 1), "{column} `{cell}`");
             for (i, (a, b)) in r.position.iter().zip(&whole.position).enumerate() {
@@ -54,7 +65,7 @@ fn one_broken_cell_in_any_column_is_a_lost_sample_or_a_held_value() {
 #[test]
 fn what_is_broken_throughout_is_an_error_with_its_first_line() {
     for column in 0..5 {
-        for cell in BROKEN {
+        for (cell, _) in BROKEN {
             let header = rows(0, "1");
             let mut lines = header.lines();
             let mut out = format!("{}\n", lines.next().expect("header"));

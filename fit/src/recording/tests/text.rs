@@ -52,12 +52,13 @@ fn headers_that_are_none() {
         error("t_s,x_m,force_N\n0;0;1\n").problem,
         Problem::TooShort { samples: 1, .. }
     ));
-    assert!(matches!(
-        error("0,0,1\n1,0,1\n").problem,
-        Problem::NoHeader { line: 1, .. }
-    ));
+    let e = error("0,0,1\n1,0,1\n");
+    assert!(matches!(e.problem, Problem::NoHeader { line: 1, .. }));
+    assert!(e.to_string().contains("t_s,x_m,force_N"), "{e}");
     for empty in ["", "\n\n", "# only a remark\n", "\u{feff}"] {
-        assert!(matches!(error(empty).problem, Problem::Empty), "{empty:?}");
+        let e = error(empty);
+        assert!(matches!(e.problem, Problem::Empty), "{empty:?}");
+        assert!(e.to_string().contains("header"), "{e}");
     }
     assert!(matches!(
         error("t_s,x_m,force_N\n").problem,

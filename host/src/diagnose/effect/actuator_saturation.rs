@@ -2,7 +2,7 @@
 
 use super::grid::one;
 use super::readout::enter;
-use super::{Class, Effect, Fitted, Part, Scale, Scene};
+use super::{BARE, Card, Class, Effect, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::form;
@@ -23,37 +23,23 @@ pub const READING: &str = "reading_limit_N";
 /// `actuator_saturation`.
 pub struct ActuatorSaturation;
 
+static CARD: Card = Card {
+    id: form::ACTUATOR_SATURATION.id,
+    name: "saturation of the drive",
+    words: "a drive that gives less than it is asked for",
+    class: Class::Drive,
+    axis: Axis::Time,
+    experiment: "the same motion with half the acceleration",
+    shown_by: &[Part::Fast],
+    coefficient: SHARE,
+    shape: &[("limit_N", Scale::Logarithmic)],
+    acts_on_effort: true,
+    ..BARE
+};
+
 impl Effect for ActuatorSaturation {
-    fn id(&self) -> &'static str {
-        form::ACTUATOR_SATURATION.id
-    }
-
-    fn name(&self) -> &'static str {
-        "saturation of the drive"
-    }
-
-    fn words(&self) -> &'static str {
-        "a drive that gives less than it is asked for"
-    }
-
-    fn class(&self) -> Class {
-        Class::Drive
-    }
-
-    fn axis(&self) -> Axis {
-        Axis::Time
-    }
-
-    fn experiment(&self) -> &'static str {
-        "the same motion with half the acceleration"
-    }
-
-    fn shown_by(&self) -> &'static [Part] {
-        &[Part::Fast]
-    }
-
-    fn shape(&self) -> &'static [(&'static str, Scale)] {
-        &[("limit_N", Scale::Logarithmic)]
+    fn card(&self) -> &Card {
+        &CARD
     }
 
     fn grid(&self, scene: &Scene) -> Vec<Vec<f64>> {
@@ -79,14 +65,6 @@ impl Effect for ActuatorSaturation {
     fn admits(&self, _: &[f64], coefficients: &[f64]) -> bool {
         // All that is commanded above the limit is lost.
         matches!(coefficients, [c] if (0.7..1.3).contains(c))
-    }
-
-    fn acts_on_effort(&self) -> bool {
-        true
-    }
-
-    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
-        fitted.one(SHARE, self)
     }
 
     fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {

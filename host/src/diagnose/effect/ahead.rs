@@ -1,7 +1,7 @@
 //! A motor with play and spring ahead of a load that has the encoder, as a scale on the slide: what the effort moves and the encoder
 //! does not see.
 
-use super::{Effect, Fitted, Scene};
+use super::{Card, Fitted, Scene};
 use crate::diagnose::weak::Column;
 use preslide_fit::statistics::Estimate;
 use std::f64::consts::TAU;
@@ -50,8 +50,8 @@ pub(super) fn is_motor(share: f64, times: f64) -> bool {
 }
 
 /// Shapes of a fit with intervals that hold what is assumed: half of each at least, relative.
-pub(super) fn widened(fitted: &Fitted, effect: &dyn Effect, least: f64) -> Vec<(String, Estimate)> {
-    let mut values = fitted.shape_of(effect);
+pub(super) fn widened(fitted: &Fitted, card: &Card, least: f64) -> Vec<(String, Estimate)> {
+    let mut values = fitted.shape_of(card);
     for (_, told) in &mut values {
         let least = least * told.value;
         told.ci95 = told
@@ -64,10 +64,10 @@ pub(super) fn widened(fitted: &Fitted, effect: &dyn Effect, least: f64) -> Vec<(
 /// Shapes of a fit, and in place of the share that was assumed the motor's own: that, times how much of the assumed motor is there.
 pub(super) fn with_own_share(
     fitted: &Fitted,
-    effect: &dyn Effect,
+    card: &Card,
     assumed: f64,
 ) -> Vec<(String, Estimate)> {
-    let mut values = widened(fitted, effect, LEAST_ERROR);
+    let mut values = widened(fitted, card, LEAST_ERROR);
     values.retain(|(key, _)| key != SHARE);
     let coefficient = fitted.coefficient(0);
     // Beside a curve without a name it may be anything.

@@ -1,7 +1,7 @@
 //! A force in proportion to a further column, its velocity, its direction or its acceleration: gravity, viscous coupling, friction or
 //! inertia of another axis.
 
-use super::{Class, Effect, Fitted, Scale, Scene};
+use super::{BARE, Card, Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::{bounds, mean};
 use crate::diagnose::weak::Column;
@@ -17,37 +17,21 @@ const SMALL: f64 = 0.02;
 /// `axis_coupling`.
 pub struct AxisCoupling;
 
+static CARD: Card = Card {
+    id: "axis_coupling",
+    name: "coupling to another axis",
+    words: "a force that follows the motion of another axis",
+    class: Class::Law,
+    axis: Axis::ColumnVelocity(0),
+    experiment: "move the other axis alone while this one is held, then this one alone",
+    shape: &[("column", Scale::Chosen), ("form", Scale::Chosen)],
+    recurs: true,
+    ..BARE
+};
+
 impl Effect for AxisCoupling {
-    fn id(&self) -> &'static str {
-        "axis_coupling"
-    }
-
-    fn name(&self) -> &'static str {
-        "coupling to another axis"
-    }
-
-    fn words(&self) -> &'static str {
-        "a force that follows the motion of another axis"
-    }
-
-    fn class(&self) -> Class {
-        Class::Law
-    }
-
-    fn axis(&self) -> Axis {
-        Axis::ColumnVelocity(0)
-    }
-
-    fn experiment(&self) -> &'static str {
-        "move the other axis alone while this one is held, then this one alone"
-    }
-
-    fn recurs(&self) -> bool {
-        true
-    }
-
-    fn shape(&self) -> &'static [(&'static str, Scale)] {
-        &[("column", Scale::Chosen), ("form", Scale::Chosen)]
+    fn card(&self) -> &Card {
+        &CARD
     }
 
     fn grid(&self, scene: &Scene) -> Vec<Vec<f64>> {

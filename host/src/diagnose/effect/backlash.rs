@@ -6,9 +6,8 @@ use super::drive_compliance::{DriveCompliance, MOTOR_SHARE};
 use super::grid::{one, spread};
 use super::lack::both_directions;
 use super::readout::enter;
-use super::{Class, Effect, Fitted, Part, Scale, Scene};
+use super::{BARE, Card, Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
-use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::{Effect as Entry, form};
 use preslide_fit::model::Model;
@@ -27,37 +26,29 @@ const CONTACT_KEY: &str = "contact_Hz";
 /// `backlash`.
 pub struct Backlash;
 
+static CARD: Card = Card {
+    id: form::BACKLASH.id,
+    name: "backlash",
+    words: "a gap between motor and load",
+    class: Class::Drive,
+    axis: Axis::SinceReversal,
+    experiment: "slow reversals under a constant push to one side",
+    shown_by: &[Part::Nested],
+    // A motor with the encoder needs the gap alone: behind it the load is not seen to swing. Beside a simulation that has the spring, it is.
+    shape: &[
+        ("gap_m", Scale::Logarithmic),
+        (CONTACT_KEY, Scale::Logarithmic),
+        (ahead::SHARE, Scale::Chosen),
+    ],
+    coefficient: SHARE,
+    acts_on_effort: true,
+    lacks: both_directions,
+    ..BARE
+};
+
 impl Effect for Backlash {
-    fn id(&self) -> &'static str {
-        form::BACKLASH.id
-    }
-
-    fn name(&self) -> &'static str {
-        "backlash"
-    }
-
-    fn words(&self) -> &'static str {
-        "a gap between motor and load"
-    }
-
-    fn class(&self) -> Class {
-        Class::Drive
-    }
-
-    fn axis(&self) -> Axis {
-        Axis::SinceReversal
-    }
-
-    fn experiment(&self) -> &'static str {
-        "slow reversals under a constant push to one side"
-    }
-
-    fn shown_by(&self) -> &'static [Part] {
-        &[Part::Nested]
-    }
-
-    fn lacks(&self, s: &Signals) -> Option<&'static str> {
-        both_directions(s)
+    fn card(&self) -> &Card {
+        &CARD
     }
 
     fn excludes(&self, shape: &[f64]) -> &'static [&'static dyn Effect] {
@@ -66,15 +57,6 @@ impl Effect for Backlash {
             [_, _] | [_, _, _] => &[&DriveCompliance],
             _ => &[],
         }
-    }
-
-    fn shape(&self) -> &'static [(&'static str, Scale)] {
-        // A motor with the encoder needs the gap alone: behind it the load is not seen to swing. Beside a simulation that has the spring, it is.
-        &[
-            ("gap_m", Scale::Logarithmic),
-            (CONTACT_KEY, Scale::Logarithmic),
-            (ahead::SHARE, Scale::Chosen),
-        ]
     }
 
     fn shape_in(&self, entry: &Entry, _: &Model) -> Vec<f64> {
@@ -133,10 +115,6 @@ impl Effect for Backlash {
         }
     }
 
-    fn acts_on_effort(&self) -> bool {
-        true
-    }
-
     fn in_simulation(&self, shape: &[f64]) -> Option<bool> {
         // Its own effort does not show it: a spring swings alike, and a motor ahead of the load is driven by the measured effort.
         (shape.len() > 1).then_some(false)
@@ -144,13 +122,13 @@ impl Effect for Backlash {
 
     fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
         match fitted.shape {
-            [_, _, share] => ahead::with_own_share(fitted, self, *share),
+            [_, _, share] => ahead::with_own_share(fitted, &CARD, *share),
             [_, _] => {
                 let mut values = vec![fitted.entry(LOAD_SHARE, 0)];
-                values.extend(ahead::widened(fitted, self, ahead::LEAST_ERROR));
+                values.extend(ahead::widened(fitted, &CARD, ahead::LEAST_ERROR));
                 values
             }
-            _ => fitted.one(SHARE, self),
+            _ => fitted.one(&CARD),
         }
     }
 

@@ -3,7 +3,7 @@
 use super::coulomb_asymmetry::CoulombAsymmetry;
 use super::lack::both_directions;
 use super::readout::value_of;
-use super::{Class, Effect, Fitted, Scene};
+use super::{BARE, Card, Class, Effect, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
@@ -17,33 +17,21 @@ const FORCE: &str = "force_N";
 /// `constant_force`.
 pub struct ConstantForce;
 
+static CARD: Card = Card {
+    id: form::CONSTANT_FORCE.id,
+    name: "constant force",
+    words: "a constant force: gravity, tilt or a current offset",
+    class: Class::Plain,
+    axis: Axis::Velocity,
+    experiment: "turn the stage end for end: a tilt changes its sign, an asymmetry of friction does not; or change the load",
+    coefficient: FORCE,
+    lacks: both_directions,
+    ..BARE
+};
+
 impl Effect for ConstantForce {
-    fn id(&self) -> &'static str {
-        form::CONSTANT_FORCE.id
-    }
-
-    fn name(&self) -> &'static str {
-        "constant force"
-    }
-
-    fn words(&self) -> &'static str {
-        "a constant force: gravity, tilt or a current offset"
-    }
-
-    fn class(&self) -> Class {
-        Class::Plain
-    }
-
-    fn axis(&self) -> Axis {
-        Axis::Velocity
-    }
-
-    fn experiment(&self) -> &'static str {
-        "turn the stage end for end: a tilt changes its sign, an asymmetry of friction does not; or change the load"
-    }
-
-    fn lacks(&self, s: &Signals) -> Option<&'static str> {
-        both_directions(s)
+    fn card(&self) -> &Card {
+        &CARD
     }
 
     fn equivalents(&self, _: &Signals) -> &'static [&'static dyn Effect] {
@@ -57,10 +45,6 @@ impl Effect for ConstantForce {
 
     fn columns(&self, _: &[f64], scene: &Scene) -> Vec<Column> {
         vec![scene.force(|_| 1.0)]
-    }
-
-    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
-        fitted.one(FORCE, self)
     }
 
     fn in_model(&self, model: &Model) -> Vec<Vec<f64>> {

@@ -2,14 +2,11 @@
 
 use super::constant_force::ConstantForce;
 use super::lack::both_directions;
-use super::readout::enter;
-use super::{Class, Effect, Fitted, Scene};
+use super::{BARE, Card, Class, Effect, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::form;
-use preslide_fit::model::Model;
-use preslide_fit::statistics::Estimate;
 
 /// Share of the friction level over which its sign changes.
 pub(in crate::diagnose) const SMALL: f64 = 0.1;
@@ -17,33 +14,21 @@ pub(in crate::diagnose) const SMALL: f64 = 0.1;
 /// `coulomb_asymmetry`.
 pub struct CoulombAsymmetry;
 
+static CARD: Card = Card {
+    id: form::COULOMB_ASYMMETRY.id,
+    name: "friction that differs by direction",
+    words: "friction that differs by direction",
+    class: Class::Plain,
+    axis: Axis::Velocity,
+    experiment: "turn the stage end for end, or change the load: an asymmetry scales with the friction level",
+    coefficient: "asymmetry",
+    lacks: both_directions,
+    ..BARE
+};
+
 impl Effect for CoulombAsymmetry {
-    fn id(&self) -> &'static str {
-        form::COULOMB_ASYMMETRY.id
-    }
-
-    fn name(&self) -> &'static str {
-        "friction that differs by direction"
-    }
-
-    fn words(&self) -> &'static str {
-        "friction that differs by direction"
-    }
-
-    fn class(&self) -> Class {
-        Class::Plain
-    }
-
-    fn axis(&self) -> Axis {
-        Axis::Velocity
-    }
-
-    fn experiment(&self) -> &'static str {
-        "turn the stage end for end, or change the load: an asymmetry scales with the friction level"
-    }
-
-    fn lacks(&self, s: &Signals) -> Option<&'static str> {
-        both_directions(s)
+    fn card(&self) -> &Card {
+        &CARD
     }
 
     fn equivalents(&self, _: &Signals) -> &'static [&'static dyn Effect] {
@@ -63,13 +48,5 @@ impl Effect for CoulombAsymmetry {
     fn admits(&self, _: &[f64], coefficients: &[f64]) -> bool {
         // Friction does not push, in neither direction.
         matches!(coefficients, [c] if c.abs() < 1.0)
-    }
-
-    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
-        fitted.one("asymmetry", self)
-    }
-
-    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
-        enter(self.id(), values, &[], model)
     }
 }

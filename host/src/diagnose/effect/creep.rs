@@ -2,13 +2,10 @@
 
 use super::displaced::displaced;
 use super::grid::one;
-use super::readout::enter;
-use super::{Class, Effect, Fitted, Part, Scale, Scene};
+use super::{BARE, Card, Class, Effect, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::form;
-use preslide_fit::model::Model;
-use preslide_fit::statistics::Estimate;
 
 /// From a rate that rises e-fold with a twentieth of the breakaway force to one that is all but proportional to the force.
 const SHARES: [f64; 2] = [0.05, 0.5];
@@ -18,41 +15,23 @@ const MOST: f64 = 30.0;
 /// `creep`.
 pub struct Creep;
 
+static CARD: Card = Card {
+    id: form::CREEP.id,
+    name: "creep",
+    words: "slow motion under a constant force",
+    class: Class::Drift,
+    axis: Axis::SinceReversal,
+    experiment: "holds of 10 s at several forces below breakaway, the controller off",
+    shown_by: &[Part::Rests, Part::Speeds],
+    coefficient: "rate_m_s",
+    shape: &[("share_of_breakaway", Scale::Logarithmic)],
+    is_transient: true,
+    ..BARE
+};
+
 impl Effect for Creep {
-    fn id(&self) -> &'static str {
-        form::CREEP.id
-    }
-
-    fn name(&self) -> &'static str {
-        "creep"
-    }
-
-    fn words(&self) -> &'static str {
-        "slow motion under a constant force"
-    }
-
-    fn class(&self) -> Class {
-        Class::Drift
-    }
-
-    fn axis(&self) -> Axis {
-        Axis::SinceReversal
-    }
-
-    fn experiment(&self) -> &'static str {
-        "holds of 10 s at several forces below breakaway, the controller off"
-    }
-
-    fn shown_by(&self) -> &'static [Part] {
-        &[Part::Rests, Part::Speeds]
-    }
-
-    fn is_transient(&self) -> bool {
-        true
-    }
-
-    fn shape(&self) -> &'static [(&'static str, Scale)] {
-        &[("share_of_breakaway", Scale::Logarithmic)]
+    fn card(&self) -> &Card {
+        &CARD
     }
 
     fn grid(&self, _: &Scene) -> Vec<Vec<f64>> {
@@ -78,13 +57,5 @@ impl Effect for Creep {
 
     fn admits(&self, _: &[f64], coefficients: &[f64]) -> bool {
         matches!(coefficients, [c] if *c > 0.0)
-    }
-
-    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
-        fitted.one("rate_m_s", self)
-    }
-
-    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
-        enter(self.id(), values, &[], model)
     }
 }

@@ -4,7 +4,7 @@ use super::ahead::{self, ENCODER_ON_LOAD, ahead};
 use super::behind::{self, behind};
 use super::displaced::displaced;
 use super::readout::enter;
-use super::{Class, Effect, Fitted, Part, Scale, Scene};
+use super::{BARE, Card, Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::{Effect as Entry, form};
@@ -43,44 +43,29 @@ const SEEN_FROM: f64 = 3.0;
 /// `drive_compliance`.
 pub struct DriveCompliance;
 
+static CARD: Card = Card {
+    id: form::DRIVE_COMPLIANCE.id,
+    name: "elastic drive",
+    words: "an elastic drive between motor and load",
+    class: Class::Drive,
+    axis: Axis::Acceleration,
+    experiment: "a sweep through the expected resonance",
+    shown_by: &[Part::Fast, Part::Nested],
+    // Where the load has the encoder, the motor is simulated, and its resonance is a shape. So is a load that swings, as if it had
+    // all of the inertia: its share is the coefficient, and its frequency that behind a motor which stands.
+    shape: &[
+        (ahead::SHARE, Scale::Chosen),
+        (FREQUENCY, Scale::Logarithmic),
+        // Beside a simulation that has a spring of another size.
+        (SIMULATED, Scale::Chosen),
+    ],
+    acts_on_effort: true,
+    ..BARE
+};
+
 impl Effect for DriveCompliance {
-    fn id(&self) -> &'static str {
-        form::DRIVE_COMPLIANCE.id
-    }
-
-    fn name(&self) -> &'static str {
-        "elastic drive"
-    }
-
-    fn words(&self) -> &'static str {
-        "an elastic drive between motor and load"
-    }
-
-    fn class(&self) -> Class {
-        Class::Drive
-    }
-
-    fn axis(&self) -> Axis {
-        Axis::Acceleration
-    }
-
-    fn experiment(&self) -> &'static str {
-        "a sweep through the expected resonance"
-    }
-
-    fn shown_by(&self) -> &'static [Part] {
-        &[Part::Fast, Part::Nested]
-    }
-
-    fn shape(&self) -> &'static [(&'static str, Scale)] {
-        // Where the load has the encoder, the motor is simulated, and its resonance is a shape. So is a load that swings, as if it had
-        // all of the inertia: its share is the coefficient, and its frequency that behind a motor which stands.
-        &[
-            (ahead::SHARE, Scale::Chosen),
-            (FREQUENCY, Scale::Logarithmic),
-            // Beside a simulation that has a spring of another size.
-            (SIMULATED, Scale::Chosen),
-        ]
+    fn card(&self) -> &Card {
+        &CARD
     }
 
     fn shape_in(&self, _: &Entry, _: &Model) -> Vec<f64> {
@@ -123,10 +108,6 @@ impl Effect for DriveCompliance {
         }
     }
 
-    fn acts_on_effort(&self) -> bool {
-        true
-    }
-
     fn in_simulation(&self, shape: &[f64]) -> Option<bool> {
         match shape {
             [NONE, _] | [_] | [] => None,
@@ -156,8 +137,8 @@ impl Effect for DriveCompliance {
 
     fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
         match *fitted.shape {
-            [NONE, ..] => return swinging(fitted, self),
-            [share, _] => return ahead::with_own_share(fitted, self, share),
+            [NONE, ..] => return swinging(fitted),
+            [share, _] => return ahead::with_own_share(fitted, &CARD, share),
             _ => {}
         }
         let stiffness = |c: f64| 1.0 / c.abs().max(f64::MIN_POSITIVE);
@@ -174,7 +155,7 @@ impl Effect for DriveCompliance {
                 fitted.estimate(frequency, error)
             }),
         ];
-        values.extend(fitted.shape_of(self));
+        values.extend(fitted.shape_of(&CARD));
         values
     }
 
@@ -199,8 +180,8 @@ impl Effect for DriveCompliance {
 }
 
 /// Stiffness and resonance of a load that swings behind a motor that stands, the motor's share, and the stiffness that a simulation has for it.
-fn swinging(fitted: &Fitted, effect: &dyn Effect) -> Vec<(String, Estimate)> {
-    let told = ahead::widened(fitted, effect, LEAST_ERROR);
+fn swinging(fitted: &Fitted) -> Vec<(String, Estimate)> {
+    let told = ahead::widened(fitted, &CARD, LEAST_ERROR);
     let c = fitted.coefficient(0);
     let share = fitted.estimate(c, fitted.error(0));
     let possible = |load: f64| load.clamp(0.0, 1.0 - LEAST_MOTOR);

@@ -1,14 +1,12 @@
 //! `m = 1 + a·log10(1 + θ/τ)`: the age `θ` of the contact grows with time and is erased along a path (Dieterich 1979).
 
 use super::grid::spread;
-use super::readout::enter;
-use super::{Class, Effect, Fitted, Part, Scale, Scene};
+use super::{BARE, Card, Class, Effect, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
-use crate::diagnose::signals::{Signals, bounds};
+use crate::diagnose::signals::bounds;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::form;
-use preslide_fit::model::Model;
-use preslide_fit::statistics::{Estimate, quantile_between_ranks};
+use preslide_fit::statistics::quantile_between_ranks;
 
 /// Ages from which the level grows that are tried (s): rests that a recording has last as long.
 const TIME_CONSTANTS_S: [f64; 2] = [0.1, 0.5];
@@ -16,49 +14,30 @@ const TIME_CONSTANTS_S: [f64; 2] = [0.1, 0.5];
 /// `dwell_aging`.
 pub struct DwellAging;
 
-impl Effect for DwellAging {
-    fn id(&self) -> &'static str {
-        form::DWELL_AGING.id
-    }
-
-    fn name(&self) -> &'static str {
-        "ageing at rest"
-    }
-
-    fn words(&self) -> &'static str {
-        "a breakaway peak that grows with the duration of rest"
-    }
-
-    fn class(&self) -> Class {
-        Class::Drift
-    }
-
-    fn axis(&self) -> Axis {
-        Axis::Time
-    }
-
-    fn experiment(&self) -> &'static str {
-        "rests of 0.1, 1 and 10 s before the same slow move"
-    }
-
-    fn shown_by(&self) -> &'static [Part] {
-        &[Part::Rests, Part::Speeds]
-    }
-
-    fn lacks(&self, s: &Signals) -> Option<&'static str> {
+static CARD: Card = Card {
+    id: form::DWELL_AGING.id,
+    name: "ageing at rest",
+    words: "a breakaway peak that grows with the duration of rest",
+    class: Class::Drift,
+    axis: Axis::Time,
+    experiment: "rests of 0.1, 1 and 10 s before the same slow move",
+    shown_by: &[Part::Rests, Part::Speeds],
+    coefficient: "level_per_decade",
+    shape: &[
+        ("time_constant_s", Scale::Logarithmic),
+        ("erasing_path_m", Scale::Logarithmic),
+    ],
+    is_transient: true,
+    lacks: |s| {
         let (from, to) = bounds(&s.dwell);
         (to < 10.0 * from.max(0.02)).then_some("rests of different length")
-    }
+    },
+    ..BARE
+};
 
-    fn is_transient(&self) -> bool {
-        true
-    }
-
-    fn shape(&self) -> &'static [(&'static str, Scale)] {
-        &[
-            ("time_constant_s", Scale::Logarithmic),
-            ("erasing_path_m", Scale::Logarithmic),
-        ]
+impl Effect for DwellAging {
+    fn card(&self) -> &Card {
+        &CARD
     }
 
     fn grid(&self, scene: &Scene) -> Vec<Vec<f64>> {
@@ -90,13 +69,5 @@ impl Effect for DwellAging {
 
     fn admits(&self, _: &[f64], coefficients: &[f64]) -> bool {
         matches!(coefficients, [c] if *c > 0.0)
-    }
-
-    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
-        fitted.one("level_per_decade", self)
-    }
-
-    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
-        enter(self.id(), values, &[], model)
     }
 }

@@ -2,15 +2,11 @@
 
 use super::grid::{falling, spread};
 use super::lack::several_speeds;
-use super::readout::enter;
 use super::stribeck::{EXPONENT, STEEPEST, exponent, falls, storable};
-use super::{Class, Effect, Fitted, Part, Scale, Scene};
+use super::{BARE, Card, Class, Effect, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
-use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::form;
-use preslide_fit::model::Model;
-use preslide_fit::statistics::Estimate;
 
 /// Place of the time constant in the shape.
 const LAG: usize = 2;
@@ -21,49 +17,31 @@ const SHORTEST_S: f64 = 0.6 * 12.5e-3;
 /// `frictional_lag`.
 pub struct FrictionalLag;
 
+static CARD: Card = Card {
+    id: form::FRICTIONAL_LAG.id,
+    name: "frictional lag",
+    words: "friction that follows the velocity with a delay",
+    class: Class::Law,
+    axis: Axis::Speed,
+    experiment: "sliding with sinusoidal velocity that does not reverse, at two frequencies",
+    shown_by: &[Part::Speeds],
+    coefficient: "level",
+    shape: &[
+        ("velocity_m_s", Scale::Logarithmic),
+        ("exponent", Scale::Logarithmic),
+        ("time_constant_s", Scale::Logarithmic),
+    ],
+    lacks: several_speeds,
+    ..BARE
+};
+
 impl Effect for FrictionalLag {
-    fn id(&self) -> &'static str {
-        form::FRICTIONAL_LAG.id
-    }
-
-    fn name(&self) -> &'static str {
-        "frictional lag"
-    }
-
-    fn words(&self) -> &'static str {
-        "friction that follows the velocity with a delay"
-    }
-
-    fn class(&self) -> Class {
-        Class::Law
-    }
-
-    fn axis(&self) -> Axis {
-        Axis::Speed
-    }
-
-    fn experiment(&self) -> &'static str {
-        "sliding with sinusoidal velocity that does not reverse, at two frequencies"
-    }
-
-    fn shown_by(&self) -> &'static [Part] {
-        &[Part::Speeds]
-    }
-
-    fn lacks(&self, s: &Signals) -> Option<&'static str> {
-        several_speeds(s)
+    fn card(&self) -> &Card {
+        &CARD
     }
 
     fn excludes(&self, _: &[f64]) -> &'static [&'static dyn Effect] {
         &[&super::stribeck::Stribeck]
-    }
-
-    fn shape(&self) -> &'static [(&'static str, Scale)] {
-        &[
-            ("velocity_m_s", Scale::Logarithmic),
-            ("exponent", Scale::Logarithmic),
-            ("time_constant_s", Scale::Logarithmic),
-        ]
     }
 
     fn grid(&self, scene: &Scene) -> Vec<Vec<f64>> {
@@ -110,13 +88,5 @@ impl Effect for FrictionalLag {
 
     fn admits(&self, _: &[f64], coefficients: &[f64]) -> bool {
         matches!(coefficients, [c] if (0.0..STEEPEST).contains(c))
-    }
-
-    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
-        fitted.one("level", self)
-    }
-
-    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
-        enter(self.id(), values, &[], model)
     }
 }

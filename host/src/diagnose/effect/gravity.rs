@@ -1,14 +1,12 @@
 //! `A·sin(q − q0)` about a rotary axis.
 
 use super::position_spring::PositionSpring;
-use super::readout::enter;
 use super::wave::amplitude_and_phase;
-use super::{Class, Effect, Fitted, Part, Scene};
+use super::{BARE, Card, Class, Effect, Fitted, Part, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::form;
-use preslide_fit::model::Model;
 use preslide_fit::signal::ONE_SLOPE_RAD;
 use preslide_fit::statistics::Estimate;
 
@@ -20,37 +18,21 @@ const ANGLE: &str = "angle_rad";
 /// `gravity`.
 pub struct Gravity;
 
+static CARD: Card = Card {
+    id: form::GRAVITY.id,
+    name: "gravity",
+    words: "the weight of an arm or an unbalanced rotor: one wave a turn",
+    class: Class::Plain,
+    axis: Axis::Position,
+    experiment: "slow passes over half a turn or more, and again with the axis of rotation upright, where gravity is gone",
+    shown_by: &[Part::Passes],
+    lacks: |s| is_one_slope(s).then_some("travel of a radian or more"),
+    ..BARE
+};
+
 impl Effect for Gravity {
-    fn id(&self) -> &'static str {
-        form::GRAVITY.id
-    }
-
-    fn name(&self) -> &'static str {
-        "gravity"
-    }
-
-    fn words(&self) -> &'static str {
-        "the weight of an arm or an unbalanced rotor: one wave a turn"
-    }
-
-    fn class(&self) -> Class {
-        Class::Plain
-    }
-
-    fn axis(&self) -> Axis {
-        Axis::Position
-    }
-
-    fn experiment(&self) -> &'static str {
-        "slow passes over half a turn or more, and again with the axis of rotation upright, where gravity is gone"
-    }
-
-    fn shown_by(&self) -> &'static [Part] {
-        &[Part::Passes]
-    }
-
-    fn lacks(&self, s: &Signals) -> Option<&'static str> {
-        is_one_slope(s).then_some("travel of a radian or more")
+    fn card(&self) -> &Card {
+        &CARD
     }
 
     fn equivalents(&self, s: &Signals) -> &'static [&'static dyn Effect] {
@@ -73,10 +55,6 @@ impl Effect for Gravity {
     fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
         // `a·sin q + b·cos q = A·sin(q − q0)` with `q0 = atan2(−b, a)`.
         amplitude_and_phase(AMPLITUDE, ANGLE, fitted)
-    }
-
-    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
-        enter(self.id(), values, &[], model)
     }
 }
 

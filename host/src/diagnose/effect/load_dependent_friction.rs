@@ -2,9 +2,9 @@
 //! both ways, its size; without one, the effort beside friction.
 
 use super::readout::{enter, known, value_of};
-use super::{Class, Effect, Fitted, Part, Scale, Scene};
+use super::{BARE, Card, Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
-use crate::diagnose::signals::{Signals, bounds, mean};
+use crate::diagnose::signals::{bounds, mean};
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::{Effect as Entry, form};
 use preslide_fit::model::Model;
@@ -20,41 +20,29 @@ const LEAST: f64 = 0.1;
 /// `load_dependent_friction`.
 pub struct LoadDependentFriction;
 
-impl Effect for LoadDependentFriction {
-    fn id(&self) -> &'static str {
-        form::LOAD_DEPENDENT_FRICTION.id
-    }
-
-    fn name(&self) -> &'static str {
-        "load-dependent friction"
-    }
-
-    fn words(&self) -> &'static str {
-        "a friction level that follows the load"
-    }
-
-    fn class(&self) -> Class {
-        Class::Law
-    }
-
-    fn axis(&self) -> Axis {
-        Axis::Load
-    }
-
-    fn experiment(&self) -> &'static str {
-        "the same strokes at two loads"
-    }
-
-    fn lacks(&self, s: &Signals) -> Option<&'static str> {
+static CARD: Card = Card {
+    id: form::LOAD_DEPENDENT_FRICTION.id,
+    name: "load-dependent friction",
+    words: "a friction level that follows the load",
+    class: Class::Law,
+    axis: Axis::Load,
+    experiment: "the same strokes at two loads",
+    // No motion varies the load.
+    shown_by: &[],
+    shape: &[("transmitted", Scale::Chosen)],
+    lacks: |s| {
         let varies = |load: &Vec<f64>| {
             let (from, to) = bounds(load);
             to - from >= 0.1 * to.abs()
         };
         (!s.load.as_ref().is_some_and(varies)).then_some("varied load")
-    }
+    },
+    ..BARE
+};
 
-    fn shape(&self) -> &'static [(&'static str, Scale)] {
-        &[("transmitted", Scale::Chosen)]
+impl Effect for LoadDependentFriction {
+    fn card(&self) -> &Card {
+        &CARD
     }
 
     fn shape_in(&self, _: &Entry, _: &Model) -> Vec<f64> {
@@ -69,11 +57,6 @@ impl Effect for LoadDependentFriction {
         let varies = quantile_between_ranks(&load, 0.95) - quantile_between_ranks(&load, 0.05);
         let told = varies > LEAST * scene.core.level;
         told.then(|| vec![1.0]).into_iter().collect()
-    }
-
-    /// No motion varies the load.
-    fn shown_by(&self) -> &'static [Part] {
-        &[]
     }
 
     fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column> {

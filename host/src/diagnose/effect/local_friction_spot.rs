@@ -2,14 +2,11 @@
 
 use super::grid::spread;
 use super::lack::{both_directions, different_ends};
-use super::readout::enter;
-use super::{Class, Effect, Fitted, Scale, Scene};
+use super::{BARE, Card, Class, Effect, Scale, Scene};
 use crate::diagnose::axis::Axis;
-use crate::diagnose::signals::{Signals, bounds};
+use crate::diagnose::signals::bounds;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::form;
-use preslide_fit::model::Model;
-use preslide_fit::statistics::Estimate;
 
 /// Number of the width among the shape parameters.
 const WIDTH: usize = 1;
@@ -23,52 +20,28 @@ const BINDS: f64 = 5.0;
 /// `local_friction_spot`.
 pub struct LocalFrictionSpot;
 
+static CARD: Card = Card {
+    id: form::LOCAL_FRICTION_SPOT.id,
+    name: "friction spot",
+    words: "a narrow place of higher or lower friction",
+    class: Class::Place,
+    axis: Axis::Position,
+    experiment: "slow passes over the place, started from both sides",
+    coefficient: "level",
+    shape: &[
+        ("position_m", Scale::Travel),
+        ("width_m", Scale::Logarithmic),
+    ],
+    recurs: true,
+    is_spot: true,
+    lacks: both_directions,
+    blurred: different_ends,
+    ..BARE
+};
+
 impl Effect for LocalFrictionSpot {
-    fn id(&self) -> &'static str {
-        form::LOCAL_FRICTION_SPOT.id
-    }
-
-    fn name(&self) -> &'static str {
-        "friction spot"
-    }
-
-    fn words(&self) -> &'static str {
-        "a narrow place of higher or lower friction"
-    }
-
-    fn class(&self) -> Class {
-        Class::Place
-    }
-
-    fn axis(&self) -> Axis {
-        Axis::Position
-    }
-
-    fn experiment(&self) -> &'static str {
-        "slow passes over the place, started from both sides"
-    }
-
-    fn recurs(&self) -> bool {
-        true
-    }
-
-    fn is_narrow(&self) -> bool {
-        true
-    }
-
-    fn lacks(&self, s: &Signals) -> Option<&'static str> {
-        both_directions(s)
-    }
-
-    fn blurred(&self, s: &Signals) -> Option<&'static str> {
-        different_ends(s)
-    }
-
-    fn shape(&self) -> &'static [(&'static str, Scale)] {
-        &[
-            ("position_m", Scale::Travel),
-            ("width_m", Scale::Logarithmic),
-        ]
+    fn card(&self) -> &Card {
+        &CARD
     }
 
     fn grid(&self, scene: &Scene) -> Vec<Vec<f64>> {
@@ -103,13 +76,5 @@ impl Effect for LocalFrictionSpot {
     fn admits(&self, _: &[f64], coefficients: &[f64]) -> bool {
         // Friction does not push, and where it is many times its level the axis would bind: there it is something else.
         matches!(coefficients, [c] if *c > -1.0 && *c < BINDS)
-    }
-
-    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
-        fitted.one("level", self)
-    }
-
-    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
-        enter(self.id(), values, &[], model)
     }
 }

@@ -1,4 +1,4 @@
-//! The catalogue: one effect a file. A new effect is a new file and a line in [`ALL`].
+//! The catalogue: one effect a file, of a card and columns, and the waves in one. A new effect is a new file and a line in [`ALL`].
 
 pub mod actuator_dead_zone;
 pub mod actuator_saturation;
@@ -6,6 +6,7 @@ mod ahead;
 pub mod axis_coupling;
 pub mod backlash;
 pub(in crate::diagnose) mod behind;
+mod card;
 pub mod channel_delay;
 pub mod constant_force;
 mod cosines;
@@ -14,16 +15,13 @@ pub mod creep;
 mod displaced;
 pub mod drive_compliance;
 pub mod dwell_aging;
-pub mod encoder_error;
-pub mod external_vibration;
 pub mod frictional_lag;
 pub mod gravity;
 pub mod grid;
 mod lack;
 pub mod load_dependent_friction;
 pub mod local_friction_spot;
-pub mod periodic_force;
-pub mod periodic_friction;
+pub mod periodic;
 pub mod position_force;
 pub mod position_friction;
 pub mod position_spring;
@@ -35,18 +33,18 @@ pub mod stribeck;
 #[cfg(test)]
 pub(super) mod tests;
 pub mod thermal_drift;
-pub mod torque_ripple;
 pub mod viscous;
 pub mod viscous_asymmetry;
 mod wave;
 
 use super::axis::Axis;
-use super::normal::Bound;
 use super::signals::Signals;
 use super::weak::Column;
+pub use card::{BARE, Card, Class, Line, Part, Scale};
 use preslide_fit::effects::Effect as Entry;
 use preslide_fit::model::Model;
 use preslide_fit::statistics::Estimate;
+use readout::enter;
 
 /// Every effect, in the order in which ties are decided: the simpler one first.
 pub static ALL: [&dyn Effect; 28] = [
@@ -58,14 +56,14 @@ pub static ALL: [&dyn Effect; 28] = [
     &stribeck::Stribeck,
     &position_spring::PositionSpring,
     &gravity::Gravity,
-    &periodic_force::PeriodicForce,
-    &periodic_friction::PeriodicFriction,
+    &periodic::PERIODIC_FORCE,
+    &periodic::PERIODIC_FRICTION,
     &position_force::PositionForce,
     &local_friction_spot::LocalFrictionSpot,
     &position_friction::PositionFriction,
-    &torque_ripple::TorqueRipple,
-    &encoder_error::EncoderError,
-    &external_vibration::ExternalVibration,
+    &periodic::TORQUE_RIPPLE,
+    &periodic::ENCODER_ERROR,
+    &periodic::EXTERNAL_VIBRATION,
     &channel_delay::ChannelDelay,
     &drive_compliance::DriveCompliance,
     &frictional_lag::FrictionalLag,
@@ -84,7 +82,7 @@ pub static ALL: [&dyn Effect; 28] = [
 pub static ALWAYS_FREE: &dyn Effect = &channel_delay::ChannelDelay;
 
 /// A line in time, which would be taken for noise where it is not looked for.
-pub static VIBRATION: &dyn Effect = &external_vibration::ExternalVibration;
+pub static VIBRATION: &dyn Effect = &periodic::EXTERNAL_VIBRATION;
 
 /// The effect of an id.
 pub fn by_id(id: &str) -> Option<&'static dyn Effect> {
@@ -95,66 +93,6 @@ pub fn by_id(id: &str) -> Option<&'static dyn Effect> {
 pub fn rank(effect: &dyn Effect) -> usize {
     let place = ALL.iter().position(|e| e.id() == effect.id());
     place.unwrap_or(ALL.len())
-}
-
-/// How much an effect may explain by chance, and what it competes with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Class {
-    /// One coefficient that every machine may have: weight, viscous friction, a spring. Tried before all others.
-    Plain,
-    /// A change of the friction law over speed, load or direction.
-    Law,
-    /// A place: friction that wanders may repeat there by chance.
-    Place,
-    /// Slow change over time, path or temperature: friction that wanders may look like it.
-    Drift,
-    /// The drive, the encoder or the channels.
-    Drive,
-}
-
-/// How a shape parameter is refined.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Scale {
-    /// By its logarithm.
-    Logarithmic,
-    /// By itself, in shares of the travel.
-    Travel,
-    /// As a period in position: by phase over the travel.
-    Period,
-    /// As a frequency in time: by phase over the recording.
-    Frequency,
-    /// Chosen from the grid only.
-    Chosen,
-}
-
-/// Where lines of the mismatch's spectrum give further shapes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Line {
-    /// A period in position of the force.
-    Force,
-    /// A period in position of the friction level.
-    Level,
-    /// A period in position of what the drive gives for its command.
-    Effort,
-    /// A frequency in time of the force.
-    Time,
-}
-
-/// A motion that shows an effect, for the experiment.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
-    /// Triangles inside triangles, for hysteresis, backlash and encoder.
-    Nested,
-    /// The same stroke at speeds of three decades.
-    Speeds,
-    /// Slow moves after rests of 0.1, 1 and 10 s.
-    Rests,
-    /// Slow passes over the whole travel, there and back.
-    Passes,
-    /// Fast strokes, for inertia, delay and elasticity.
-    Fast,
-    /// The same fast strokes over and over, a rest, and some more: what runs in stays, warmth goes back.
-    Again,
 }
 
 /// The model that effects act through.
@@ -209,45 +147,73 @@ pub struct Fitted<'a> {
     pub scene: Scene<'a>,
 }
 
-/// An effect of the catalogue: physics that a model may lack.
+/// An effect of the catalogue: physics that a model may lack. One is told by its card and its columns, and by what it has of its own.
 pub trait Effect: Sync {
-    /// Its id in model files and JSON.
-    fn id(&self) -> &'static str;
+    /// What of it no recording changes.
+    fn card(&self) -> &Card;
 
-    /// Its name for a person: "friction spot".
-    fn name(&self) -> &'static str;
+    /// Columns at the sample rate, linear in their coefficients.
+    fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column>;
 
-    /// What it is, for a control engineer: "a narrow place of higher or lower friction".
-    fn words(&self) -> &'static str;
+    /// Its [id](Card::id).
+    fn id(&self) -> &'static str {
+        self.card().id
+    }
 
-    /// What it competes with.
-    fn class(&self) -> Class;
+    /// Its [name](Card::name).
+    fn name(&self) -> &'static str {
+        self.card().name
+    }
 
-    /// The coordinate over which it acts.
-    fn axis(&self) -> Axis;
+    /// What it is, in [words](Card::words).
+    fn words(&self) -> &'static str {
+        self.card().words
+    }
 
-    /// The experiment that decides between it and its rivals.
-    fn experiment(&self) -> &'static str;
+    /// Its [class](Card::class).
+    fn class(&self) -> Class {
+        self.card().class
+    }
 
-    /// The parts of a motion that show it.
-    fn shown_by(&self) -> &'static [Part] {
-        &[Part::Passes, Part::Speeds]
+    /// Its [axis](Card::axis).
+    fn axis(&self) -> Axis {
+        self.card().axis
+    }
+
+    /// Its [experiment](Card::experiment).
+    fn experiment(&self) -> &'static str {
+        self.card().experiment
+    }
+
+    /// Its [line](Card::line).
+    fn line(&self) -> Option<Line> {
+        self.card().line
+    }
+
+    /// Whether it [passes](Card::is_transient).
+    fn is_transient(&self) -> bool {
+        self.card().is_transient
+    }
+
+    /// Whether it is a line or a narrow place, which chance makes as well: what it takes is held against placebos.
+    fn is_narrow(&self) -> bool {
+        self.card().is_spot || self.line().is_some()
+    }
+
+    /// What the recording [lacks](Card::lacks) to show it.
+    fn lacks(&self, s: &Signals) -> Option<&'static str> {
+        (self.card().lacks)(s)
+    }
+
+    /// What the recording lacks to tell it [well](Card::blurred).
+    fn blurred(&self, s: &Signals) -> Option<&'static str> {
+        (self.card().blurred)(s)
     }
 
     /// Effects that no fit to this recording separates from it.
     fn equivalents(&self, s: &Signals) -> &'static [&'static dyn Effect] {
         let _ = s;
         &[]
-    }
-
-    /// Effects of the same shape that are tried in its place: next to it they are no simpler, and where they predict better it is they.
-    fn in_place(&self) -> &'static [&'static dyn Effect] {
-        &[]
-    }
-
-    /// Whether it acts for a while after a stop or a reversal only.
-    fn is_transient(&self) -> bool {
-        false
     }
 
     /// Whether it is no larger than what every recording may have.
@@ -263,32 +229,11 @@ pub trait Effect: Sync {
         &[]
     }
 
-    /// Whether it may act more than once in one machine.
-    fn recurs(&self) -> bool {
-        false
-    }
-
-    /// What the recording lacks to show it, if anything.
-    fn lacks(&self, s: &Signals) -> Option<&'static str> {
-        let _ = s;
-        None
-    }
-
-    /// What the recording lacks to separate it well from hysteresis, though it can be named where the data do.
-    fn blurred(&self, s: &Signals) -> Option<&'static str> {
-        let _ = s;
-        None
-    }
-
-    /// Shape parameters: key in the units of a linear axis, and scale.
-    fn shape(&self) -> &'static [(&'static str, Scale)] {
-        &[]
-    }
-
     /// Its shape in a model file.
     fn shape_in(&self, entry: &Entry, model: &Model) -> Vec<f64> {
         let _ = model;
-        self.shape().iter().map(|(key, _)| entry.get(key)).collect()
+        let keys = self.card().shape.iter();
+        keys.map(|(key, _)| entry.get(key)).collect()
     }
 
     /// The nearest shape that a model file holds.
@@ -296,20 +241,13 @@ pub trait Effect: Sync {
         shape.to_vec()
     }
 
-    /// Shapes to try, from what the recording covers; empty where it cannot act.
+    /// Shapes to try, from what the recording covers; empty where it cannot act, or where lines give them.
     fn grid(&self, scene: &Scene) -> Vec<Vec<f64>> {
         let _ = scene;
-        vec![Vec::new()]
-    }
-
-    /// The spectrum whose lines give further shapes.
-    fn line(&self) -> Option<Line> {
-        None
-    }
-
-    /// Whether it is a line or a narrow place, which chance makes as well: what it takes is held against placebos.
-    fn is_narrow(&self) -> bool {
-        self.line().is_some()
+        match self.line() {
+            Some(_) => Vec::new(),
+            None => vec![Vec::new()],
+        }
     }
 
     /// A shape parameter brought within what a recording can resolve.
@@ -318,33 +256,22 @@ pub trait Effect: Sync {
         shape[index]
     }
 
-    /// Columns at the sample rate, linear in their coefficients.
-    fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column>;
-
-    /// How its coefficients are bound wherever they are fitted.
-    fn bound(&self) -> Bound {
-        Bound::Free
-    }
-
     /// Whether coefficients have the sign, or the size, that the physics has.
     fn admits(&self, shape: &[f64], coefficients: &[f64]) -> bool {
         let _ = (shape, coefficients);
         true
     }
 
-    /// Whether its columns are made of the fitted or measured effort itself (then it is no part of that effort's model).
-    fn acts_on_effort(&self) -> bool {
-        false
-    }
-
-    /// Whether a simulation has the effect, too, of another size; `None` where its own effort must show it.
+    /// Whether a simulation has the effect, too, of another size; `None` where its own effort must tell.
     fn in_simulation(&self, shape: &[f64]) -> Option<bool> {
         let _ = shape;
         None
     }
 
-    /// Parameters with intervals, in the keys of a linear axis.
-    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)>;
+    /// Parameters with intervals, in the keys of a linear axis: its coefficient and its shape.
+    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
+        fitted.one(self.card())
+    }
 
     /// Its shapes in a user's model, empty where the model lacks it.
     fn in_model(&self, model: &Model) -> Vec<Vec<f64>> {
@@ -356,5 +283,7 @@ pub trait Effect: Sync {
     ///
     /// # Errors
     /// Why a model file cannot hold it.
-    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String>;
+    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
+        enter(self.id(), values, &[], model)
+    }
 }

@@ -3,9 +3,8 @@
 use super::cosines::{COUNTS, cosines, map};
 use super::lack::different_ends;
 use super::readout::{enter, value_of};
-use super::{Class, Effect, Fitted, Scale, Scene};
+use super::{BARE, Card, Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
-use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::{Effect as Entry, form};
 use preslide_fit::model::Model;
@@ -17,37 +16,21 @@ const MEAN: &str = "constant_N";
 /// `position_force`.
 pub struct PositionForce;
 
+static CARD: Card = Card {
+    id: form::POSITION_FORCE.id,
+    name: "force map over the travel",
+    words: "a force that depends on position, the same in both directions",
+    class: Class::Place,
+    axis: Axis::Position,
+    experiment: "slow passes over the whole travel in both directions",
+    shape: &[("terms", Scale::Chosen), ("with_mean", Scale::Chosen)],
+    blurred: different_ends,
+    ..BARE
+};
+
 impl Effect for PositionForce {
-    fn id(&self) -> &'static str {
-        form::POSITION_FORCE.id
-    }
-
-    fn name(&self) -> &'static str {
-        "force map over the travel"
-    }
-
-    fn words(&self) -> &'static str {
-        "a force that depends on position, the same in both directions"
-    }
-
-    fn class(&self) -> Class {
-        Class::Place
-    }
-
-    fn axis(&self) -> Axis {
-        Axis::Position
-    }
-
-    fn experiment(&self) -> &'static str {
-        "slow passes over the whole travel in both directions"
-    }
-
-    fn blurred(&self, s: &Signals) -> Option<&'static str> {
-        different_ends(s)
-    }
-
-    fn shape(&self) -> &'static [(&'static str, Scale)] {
-        &[("terms", Scale::Chosen), ("with_mean", Scale::Chosen)]
+    fn card(&self) -> &Card {
+        &CARD
     }
 
     fn shape_in(&self, entry: &Entry, _: &Model) -> Vec<f64> {

@@ -2,10 +2,8 @@
 
 use super::cosines::{COUNTS, cosines, map};
 use super::lack::{both_directions, different_ends};
-use super::readout::enter;
-use super::{Class, Effect, Fitted, Scale, Scene};
+use super::{BARE, Card, Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
-use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::{Effect as Entry, form};
 use preslide_fit::model::Model;
@@ -18,41 +16,22 @@ const PLACES: i32 = 64;
 /// `position_friction`.
 pub struct PositionFriction;
 
+static CARD: Card = Card {
+    id: form::POSITION_FRICTION.id,
+    name: "friction map over the travel",
+    words: "a friction level that varies over the travel",
+    class: Class::Place,
+    axis: Axis::Position,
+    experiment: "slow passes over the whole travel in both directions, repeated later",
+    shape: &[("terms", Scale::Chosen)],
+    lacks: both_directions,
+    blurred: different_ends,
+    ..BARE
+};
+
 impl Effect for PositionFriction {
-    fn id(&self) -> &'static str {
-        form::POSITION_FRICTION.id
-    }
-
-    fn name(&self) -> &'static str {
-        "friction map over the travel"
-    }
-
-    fn words(&self) -> &'static str {
-        "a friction level that varies over the travel"
-    }
-
-    fn class(&self) -> Class {
-        Class::Place
-    }
-
-    fn axis(&self) -> Axis {
-        Axis::Position
-    }
-
-    fn experiment(&self) -> &'static str {
-        "slow passes over the whole travel in both directions, repeated later"
-    }
-
-    fn lacks(&self, s: &Signals) -> Option<&'static str> {
-        both_directions(s)
-    }
-
-    fn blurred(&self, s: &Signals) -> Option<&'static str> {
-        different_ends(s)
-    }
-
-    fn shape(&self) -> &'static [(&'static str, Scale)] {
-        &[("terms", Scale::Chosen)]
+    fn card(&self) -> &Card {
+        &CARD
     }
 
     fn shape_in(&self, entry: &Entry, _: &Model) -> Vec<f64> {
@@ -84,9 +63,5 @@ impl Effect for PositionFriction {
 
     fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
         map(fitted, fitted.coefficients.len(), "")
-    }
-
-    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
-        enter(self.id(), values, &[], model)
     }
 }

@@ -2,8 +2,8 @@
 
 use super::gravity::{Gravity, is_one_slope};
 use super::lack::different_ends;
-use super::readout::{enter, known};
-use super::{Class, Effect, Fitted, Scale, Scene};
+use super::readout::known;
+use super::{BARE, Card, Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::{Signals, bounds};
 use crate::diagnose::weak::Column;
@@ -18,37 +18,21 @@ pub const ASIDE: f64 = 0.6;
 /// `position_spring`.
 pub struct PositionSpring;
 
+static CARD: Card = Card {
+    id: form::POSITION_SPRING.id,
+    name: "spring over the travel",
+    words: "a spring over the travel, such as a cable",
+    class: Class::Plain,
+    axis: Axis::Position,
+    experiment: "the same strokes about two distant positions",
+    shape: &[("free_centre", Scale::Chosen)],
+    blurred: different_ends,
+    ..BARE
+};
+
 impl Effect for PositionSpring {
-    fn id(&self) -> &'static str {
-        form::POSITION_SPRING.id
-    }
-
-    fn name(&self) -> &'static str {
-        "spring over the travel"
-    }
-
-    fn words(&self) -> &'static str {
-        "a spring over the travel, such as a cable"
-    }
-
-    fn class(&self) -> Class {
-        Class::Plain
-    }
-
-    fn axis(&self) -> Axis {
-        Axis::Position
-    }
-
-    fn experiment(&self) -> &'static str {
-        "the same strokes about two distant positions"
-    }
-
-    fn blurred(&self, s: &Signals) -> Option<&'static str> {
-        different_ends(s)
-    }
-
-    fn shape(&self) -> &'static [(&'static str, Scale)] {
-        &[("free_centre", Scale::Chosen)]
+    fn card(&self) -> &Card {
+        &CARD
     }
 
     fn equivalents(&self, s: &Signals) -> &'static [&'static dyn Effect] {
@@ -101,9 +85,5 @@ impl Effect for PositionSpring {
                 None => known("centre_m", centre),
             },
         ]
-    }
-
-    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
-        enter(self.id(), values, &[], model)
     }
 }

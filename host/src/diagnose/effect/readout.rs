@@ -1,6 +1,6 @@
 //! Parameters of a fit, and their entry in a model file.
 
-use super::{Effect, Fitted, Scale};
+use super::{Card, Fitted, Scale};
 use preslide_fit::effects::Effect as Entry;
 use preslide_fit::model::Model;
 use preslide_fit::statistics::Estimate;
@@ -31,8 +31,8 @@ impl Fitted<'_> {
     }
 
     /// The shape parameters that the fit has, with their intervals.
-    pub(super) fn shape_of(&self, effect: &dyn Effect) -> Values {
-        let keys = effect.shape().iter().zip(self.shape).enumerate();
+    pub(super) fn shape_of(&self, card: &Card) -> Values {
+        let keys = card.shape.iter().zip(self.shape).enumerate();
         keys.map(|(k, ((key, scale), &value))| {
             let error = self.shape_errors.get(k).copied().flatten();
             let estimate = match scale {
@@ -47,9 +47,9 @@ impl Fitted<'_> {
     }
 
     /// One coefficient, then the shape.
-    pub(super) fn one(&self, key: &str, effect: &dyn Effect) -> Values {
-        let mut values = vec![self.entry(key, 0)];
-        values.extend(self.shape_of(effect));
+    pub(super) fn one(&self, card: &Card) -> Values {
+        let mut values = vec![self.entry(card.coefficient, 0)];
+        values.extend(self.shape_of(card));
         values
     }
 }

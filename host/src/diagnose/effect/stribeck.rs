@@ -3,9 +3,8 @@
 use super::grid::falling;
 use super::lack::several_speeds;
 use super::readout::enter;
-use super::{Class, Effect, Fitted, Part, Scale, Scene};
+use super::{BARE, Card, Class, Effect, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
-use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::form;
 use preslide_fit::friction::FrictionModel;
@@ -21,49 +20,31 @@ pub(super) const STEEPEST: f64 = 2.0;
 /// `stribeck`.
 pub struct Stribeck;
 
+static CARD: Card = Card {
+    id: form::STRIBECK.id,
+    name: "Stribeck effect",
+    words: "friction that falls with speed at low speed",
+    class: Class::Law,
+    axis: Axis::Speed,
+    experiment: "rests of 0.1, 1 and 10 s before slow moves at several speeds",
+    shown_by: &[Part::Speeds],
+    coefficient: "level",
+    shape: &[
+        ("velocity_m_s", Scale::Logarithmic),
+        ("exponent", Scale::Logarithmic),
+        ("slipping_only", Scale::Chosen),
+    ],
+    lacks: several_speeds,
+    ..BARE
+};
+
 impl Effect for Stribeck {
-    fn id(&self) -> &'static str {
-        form::STRIBECK.id
-    }
-
-    fn name(&self) -> &'static str {
-        "Stribeck effect"
-    }
-
-    fn words(&self) -> &'static str {
-        "friction that falls with speed at low speed"
-    }
-
-    fn class(&self) -> Class {
-        Class::Law
-    }
-
-    fn axis(&self) -> Axis {
-        Axis::Speed
-    }
-
-    fn experiment(&self) -> &'static str {
-        "rests of 0.1, 1 and 10 s before slow moves at several speeds"
-    }
-
-    fn shown_by(&self) -> &'static [Part] {
-        &[Part::Speeds]
-    }
-
-    fn lacks(&self, s: &Signals) -> Option<&'static str> {
-        several_speeds(s)
+    fn card(&self) -> &Card {
+        &CARD
     }
 
     fn excludes(&self, _: &[f64]) -> &'static [&'static dyn Effect] {
         &[&super::frictional_lag::FrictionalLag]
-    }
-
-    fn shape(&self) -> &'static [(&'static str, Scale)] {
-        &[
-            ("velocity_m_s", Scale::Logarithmic),
-            ("exponent", Scale::Logarithmic),
-            ("slipping_only", Scale::Chosen),
-        ]
     }
 
     fn grid(&self, scene: &Scene) -> Vec<Vec<f64>> {
@@ -100,10 +81,6 @@ impl Effect for Stribeck {
 
     fn admits(&self, _: &[f64], coefficients: &[f64]) -> bool {
         matches!(coefficients, [c] if (0.0..STEEPEST).contains(c))
-    }
-
-    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
-        fitted.one("level", self)
     }
 
     fn in_model(&self, model: &Model) -> Vec<Vec<f64>> {

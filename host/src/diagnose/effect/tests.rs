@@ -100,12 +100,14 @@ fn parts(column: &Column) -> [&Vec<f64>; 3] {
 }
 
 #[test]
-fn ids_are_unique_and_model_files_know_them() {
+fn cards_are_whole_ids_unique_and_model_files_know_them() {
     let ids: HashSet<&str> = ALL.iter().map(|e| e.id()).collect();
     assert_eq!(ids.len(), ALL.len());
     for effect in ALL {
         let id = effect.id();
         assert_eq!(by_id(id).map(Effect::id), Some(id));
+        let told = [effect.name(), effect.words(), effect.experiment()];
+        assert!(told.iter().all(|words| !words.is_empty()), "{id}: {told:?}");
         // A known id lacks its keys, another is refused as such.
         let refused = Entry::new(id, &[]).unwrap_err();
         assert_eq!(
@@ -132,7 +134,7 @@ fn columns_cover_the_samples_and_are_finite() {
         assert!(!shapes.is_empty(), "{}", effect.id());
         for shape in shapes {
             // Fewer where a mean or a centre is not free, or a column of the recording makes a shape needless.
-            assert!(shape.len() <= effect.shape().len(), "{}", effect.id());
+            assert!(shape.len() <= effect.card().shape.len(), "{}", effect.id());
             let within = |i| effect.within(&scene, &shape, i);
             let inside: Vec<f64> = (0..shape.len()).map(within).collect();
             let columns = effect.columns(&inside, &scene);
@@ -341,7 +343,8 @@ fn model_files_take_the_parameters_and_give_the_shape_back() {
                     let entry = &model.effects[0];
                     assert_eq!(entry.id(), id);
                     let kept = effect.shape_in(entry, &model);
-                    for (((key, _), own), kept) in effect.shape().iter().zip(&shape).zip(kept) {
+                    for (((key, _), own), kept) in effect.card().shape.iter().zip(&shape).zip(kept)
+                    {
                         // That only slipping blocks weaken is no matter of a model file.
                         let same = (own - kept).abs() <= 1e-12 * own.abs();
                         assert!(same || *key == "slipping_only", "{id} {shape:?}: {kept}");

@@ -1,10 +1,9 @@
 //! `m = 1 + β·(T − T0)` with a measured temperature, else `m = 1 + a·exp(−t/τ)`.
 
 use super::grid::one;
-use super::readout::enter;
 use super::readout::known;
 use super::run_in::RunIn;
-use super::{Class, Effect, Fitted, Part, Scale, Scene};
+use super::{BARE, Card, Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::signals::{Signals, bounds, mean};
 use crate::diagnose::weak::Column;
@@ -15,45 +14,31 @@ use preslide_fit::statistics::Estimate;
 /// `thermal_drift`.
 pub struct ThermalDrift;
 
+static CARD: Card = Card {
+    id: form::THERMAL_DRIFT.id,
+    name: "thermal drift",
+    words: "a friction level that follows temperature",
+    class: Class::Drift,
+    axis: Axis::Temperature,
+    experiment: "the same strokes cold and warm, temperature recorded",
+    coefficient: "level",
+    shown_by: &[Part::Again],
+    shape: &[("time_constant_s", Scale::Chosen)],
+    lacks: |s| match &s.temperature {
+        None => Some("temperature"),
+        Some(t) if bounds(t).1 - bounds(t).0 < 1.0 => Some("temperature range"),
+        Some(_) => None,
+    },
+    ..BARE
+};
+
 impl Effect for ThermalDrift {
-    fn id(&self) -> &'static str {
-        form::THERMAL_DRIFT.id
-    }
-
-    fn name(&self) -> &'static str {
-        "thermal drift"
-    }
-
-    fn words(&self) -> &'static str {
-        "a friction level that follows temperature"
-    }
-
-    fn class(&self) -> Class {
-        Class::Drift
-    }
-
-    fn axis(&self) -> Axis {
-        Axis::Temperature
-    }
-
-    fn experiment(&self) -> &'static str {
-        "the same strokes cold and warm, temperature recorded"
-    }
-
-    fn lacks(&self, s: &Signals) -> Option<&'static str> {
-        match &s.temperature {
-            None => Some("temperature"),
-            Some(t) if bounds(t).1 - bounds(t).0 < 1.0 => Some("temperature range"),
-            Some(_) => None,
-        }
+    fn card(&self) -> &Card {
+        &CARD
     }
 
     fn equivalents(&self, s: &Signals) -> &'static [&'static dyn Effect] {
         if goes_one_way(s) { &[&RunIn] } else { &[] }
-    }
-
-    fn shape(&self) -> &'static [(&'static str, Scale)] {
-        &[("time_constant_s", Scale::Chosen)]
     }
 
     fn shape_in(&self, entry: &Entry, _: &Model) -> Vec<f64> {
@@ -68,10 +53,6 @@ impl Effect for ThermalDrift {
         }
         let duration = scene.s.duration();
         one(duration / 10.0, duration * 2.0, 4)
-    }
-
-    fn shown_by(&self) -> &'static [Part] {
-        &[Part::Again]
     }
 
     fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column> {
@@ -92,12 +73,8 @@ impl Effect for ThermalDrift {
                 fitted.entry("level_per_K", 0),
                 known("temperature_C", mean(temperature)),
             ],
-            _ => fitted.one("level", self),
+            _ => fitted.one(&CARD),
         }
-    }
-
-    fn extend(&self, values: &[(String, Estimate)], model: &mut Model) -> Result<(), String> {
-        enter(self.id(), values, &[], model)
     }
 }
 

@@ -2,10 +2,9 @@
 
 use super::lack::several_speeds;
 use super::readout::value_of;
-use super::{Class, Effect, Fitted, Part, Scene};
+use super::{BARE, Card, Class, Effect, Part, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::normal::Bound;
-use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::form;
 use preslide_fit::model::Model;
@@ -17,37 +16,23 @@ const COEFFICIENT: &str = "viscous_N_s_per_m";
 /// `viscous`.
 pub struct Viscous;
 
+static CARD: Card = Card {
+    id: form::VISCOUS.id,
+    name: "viscous friction",
+    words: "a force proportional to velocity",
+    class: Class::Plain,
+    axis: Axis::Velocity,
+    experiment: "strokes at 1, 3 and 10 times the speed, long enough for constant velocity",
+    shown_by: &[Part::Speeds],
+    coefficient: COEFFICIENT,
+    bound: Bound::NonNegative,
+    lacks: several_speeds,
+    ..BARE
+};
+
 impl Effect for Viscous {
-    fn id(&self) -> &'static str {
-        form::VISCOUS.id
-    }
-
-    fn name(&self) -> &'static str {
-        "viscous friction"
-    }
-
-    fn words(&self) -> &'static str {
-        "a force proportional to velocity"
-    }
-
-    fn class(&self) -> Class {
-        Class::Plain
-    }
-
-    fn axis(&self) -> Axis {
-        Axis::Velocity
-    }
-
-    fn experiment(&self) -> &'static str {
-        "strokes at 1, 3 and 10 times the speed, long enough for constant velocity"
-    }
-
-    fn shown_by(&self) -> &'static [Part] {
-        &[Part::Speeds]
-    }
-
-    fn lacks(&self, s: &Signals) -> Option<&'static str> {
-        several_speeds(s)
+    fn card(&self) -> &Card {
+        &CARD
     }
 
     fn columns(&self, _: &[f64], scene: &Scene) -> Vec<Column> {
@@ -57,16 +42,8 @@ impl Effect for Viscous {
         }]
     }
 
-    fn bound(&self) -> Bound {
-        Bound::NonNegative
-    }
-
     fn admits(&self, _: &[f64], coefficients: &[f64]) -> bool {
         matches!(coefficients, [c] if *c > 0.0)
-    }
-
-    fn values(&self, fitted: &Fitted) -> Vec<(String, Estimate)> {
-        fitted.one(COEFFICIENT, self)
     }
 
     fn in_model(&self, model: &Model) -> Vec<Vec<f64>> {

@@ -1,7 +1,7 @@
 //! Waves: a cosine and a sine, read as amplitude and phase.
 
 use super::readout::Values;
-use super::{Effect, Fitted};
+use super::{Card, Fitted};
 use std::f64::consts::TAU;
 
 /// Key of the phase in model files.
@@ -35,9 +35,9 @@ pub(super) fn amplitude_and_phase(key: &str, phase_key: &str, fitted: &Fitted) -
 }
 
 /// The same of an effect with a phase in its model file, and its shape: the period or the frequency.
-pub(super) fn amplitude_phase_and_shape(key: &str, effect: &dyn Effect, fitted: &Fitted) -> Values {
-    let mut values = amplitude_and_phase(key, PHASE, fitted);
-    values.extend(fitted.shape_of(effect));
+pub(super) fn amplitude_phase_and_shape(card: &Card, fitted: &Fitted) -> Values {
+    let mut values = amplitude_and_phase(card.coefficient, PHASE, fitted);
+    values.extend(fitted.shape_of(card));
     values
 }
 

@@ -11,7 +11,6 @@ mod estimate;
 use nalgebra::DMatrix;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Processes.
@@ -151,20 +150,7 @@ impl Noise {
         }
     }
 
-    /// Whitened columns, by fold.
-    pub fn whiten(&self, columns: &[Vec<f64>]) -> Vec<DMatrix<f64>> {
-        let whitened: Vec<Vec<f64>> = columns.par_iter().map(|c| self.whitened(c)).collect();
-        self.folds
-            .iter()
-            .map(|rows| {
-                DMatrix::from_fn(rows.len(), columns.len(), |i, j| {
-                    whitened[j][rows.start + i]
-                })
-            })
-            .collect()
-    }
-
-    /// One whitened column.
+    /// A whitened column.
     pub fn whitened(&self, column: &[f64]) -> Vec<f64> {
         let mut out = vec![0.0; column.len()];
         for rows in &self.folds {

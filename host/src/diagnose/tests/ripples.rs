@@ -54,7 +54,7 @@ fn a_ripple_of_the_motor_is_none_of_the_friction_that_it_mostly_holds() {
     let ripple = |x: f64| 0.1 * wave(x, 0.009, 0.5);
     let of_the_motor = with_torque_ripple(made(|_, _, v| VISCOUS * v), ripple);
     let mut of_friction = made(|_, _, v| VISCOUS * v);
-    let level = friction(&BLOCKS, &of_friction.position);
+    let level = friction(&of_friction.position);
     for ((f, x), level) in of_friction
         .effort
         .iter_mut()

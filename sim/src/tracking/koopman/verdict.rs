@@ -1,7 +1,7 @@
 //! Who should use which: on stages that are, and are not, as the controllers' models say.
 
 use super::contender::{Contender, Known, Ride};
-use crate::stage::concealed::Concealed;
+use crate::stage::concealed::{Concealed, Kind};
 use crate::stage::{Stage, StageConfig};
 use crate::tracking::{Instant, Step, TRACKING_SEEDS, Tracking, TrackingError, motions};
 use preslide::control::{Move, Settings};
@@ -33,10 +33,11 @@ const AS_TOLD: Untold = Untold {
 };
 
 /// A tenth of the breakaway force with the motor's period, a magnet's pull.
-const COGGING: Concealed = Concealed::PeriodicForce {
-    force_n: 0.09,
-    period_m: 2.857e-4,
-    phase_rad: 0.7,
+const COGGING: Concealed = Concealed {
+    kind: Kind::PeriodicForce,
+    size: 0.09,
+    at: 2.857e-4,
+    shape: 0.7,
 };
 
 const CONDITIONS: [Untold; 6] = [

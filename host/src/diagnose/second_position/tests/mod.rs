@@ -2,6 +2,7 @@ mod periodic;
 
 use super::*;
 use preslide_fit::recording::{LoadOptions, load_csv};
+use preslide_host_tests::made::sines;
 
 const SLOPE: f64 = 60e-6;
 
@@ -33,11 +34,7 @@ fn recorded_from(
     let mut play = 0.0_f64;
     for i in 0..30_000 {
         let t = f64::from(i) / 500.0;
-        let waves = [(0.09, 2.1), (0.03, 5.3)];
-        let sum = |of: &dyn Fn(f64, f64) -> f64| waves.iter().map(|(a, w)| of(*a, *w)).sum::<f64>();
-        let x = sum(&|a, w| a * (w * t).sin());
-        let v = sum(&|a, w| a * w * (w * t).cos());
-        let a = -sum(&|a, w| a * w * w * (w * t).sin());
+        let [x, v, a] = sines(&[[0.09, 2.1, 0.0], [0.03, 5.3, 0.0]], t);
         let force = 3.0 * a + 4.0 * (v / 1e-3).tanh() + 20.0 * v + 0.05 * noise();
         play = play.clamp(x - 5e-6, x + 5e-6);
         let y = second(x, force, play) + 1e-6 * noise();
