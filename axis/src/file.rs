@@ -2,7 +2,8 @@
 
 use super::{AxisError, OWN, SCHEMA, VARIABLE, usable};
 use preslide::control::{
-    Axis, Encoder, FaultLimits, FeedForward, Hardware, Limits, Motor, PidGains, VelocitySource,
+    Axis, Encoder, FaultLimits, FeedForward, Hardware, Limits, Motor, Notch, PidGains,
+    VelocitySource,
 };
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -52,6 +53,14 @@ struct GainsTable {
     derivative: f64,
     integral_limit: f64,
     deadband: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(remote = "Notch", deny_unknown_fields)]
+struct NotchTable {
+    frequency: f64,
+    width: f64,
+    depth: f64,
 }
 
 #[derive(Deserialize)]
@@ -190,6 +199,9 @@ pub struct AxisFile {
     motor: Motor,
     #[serde(with = "GainsTable")]
     gains: PidGains,
+    /// Whoever leaves it out has none.
+    #[serde(with = "NotchTable", default)]
+    notch: Notch,
     #[serde(with = "FeedForwardTable")]
     feed_forward: FeedForward,
     limits: LimitsTable,
@@ -316,6 +328,7 @@ impl AxisFile {
             encoder: self.encoder,
             motor: self.motor,
             gains: self.gains,
+            notch: self.notch,
             feed_forward: self.feed_forward,
             limits: Limits {
                 speed,
