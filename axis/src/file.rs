@@ -120,6 +120,12 @@ pub struct Board {
     pub supply_full: f64,
     /// Current from end to end of the converter's scale, zero in the middle (A).
     pub current_span: f64,
+    /// The holding brake takes so long to be released (s); left out where there is none.
+    #[serde(default)]
+    pub brake_release: f64,
+    /// And so long to hold (s).
+    #[serde(default)]
+    pub brake_set: f64,
 }
 
 impl Board {
@@ -167,6 +173,13 @@ impl Board {
             (0.0..=3.0).contains(&self.diode_drop),
             "within 0..3 V",
         );
+        for (key, delay) in [
+            ("brake_release", self.brake_release),
+            ("brake_set", self.brake_set),
+        ] {
+            // A brake takes tens of milliseconds; what is given in ms would be caught here.
+            expect(key, delay, (0.0..=5.0).contains(&delay), "within 0..5 s");
+        }
         expect(
             "supply_full",
             self.supply_full,
