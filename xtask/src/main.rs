@@ -8,6 +8,7 @@ mod changed;
 mod commission;
 mod cycles;
 mod example;
+mod example_riscv;
 mod imports;
 mod judge;
 mod package;

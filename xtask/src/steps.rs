@@ -157,18 +157,20 @@ pub const STEPS: &[Step] = &[
     },
     Step {
         name: "example",
-        reason: "the example to be copied first sets its clock, refuses another, and computes in QEMU what its model gives; before a release the others link",
-        needs: &[Need::Qemu],
+        reason: "the example to be copied first sets its clock, refuses another, and computes in QEMU what its model gives, as that for RISC-V does; before a release the others link",
+        needs: &[Need::Qemu, Need::QemuRiscv],
         paths: &[
             "src/",
             "build.rs",
             "examples/",
             "Cargo.toml",
             "xtask/src/example.rs",
+            "xtask/src/example_riscv.rs",
         ],
         lane: Lane::Beside,
         run: |tier| {
             crate::example::run_in_qemu()?;
+            crate::example_riscv::run_in_qemu()?;
             match tier {
                 Tier::Gate => Ok(()),
                 Tier::All => crate::example::link_others(),
