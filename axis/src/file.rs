@@ -2,7 +2,8 @@
 
 use super::{AxisError, OWN, SCHEMA, VARIABLE, usable};
 use preslide::control::{
-    Axis, Encoder, FaultLimits, FeedForward, Hardware, Limits, Motor, PidGains, VelocitySource,
+    Axis, Encoder, FaultLimits, FeedForward, Hardware, Limits, Motor, Notch, PidGains,
+    VelocitySource,
 };
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -52,6 +53,14 @@ struct GainsTable {
     derivative: f64,
     integral_limit: f64,
     deadband: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(remote = "Notch", deny_unknown_fields)]
+struct NotchTable {
+    frequency: f64,
+    width: f64,
+    depth: f64,
 }
 
 #[derive(Deserialize)]
@@ -111,6 +120,12 @@ pub struct Board {
     pub supply_full: f64,
     /// Current from end to end of the converter's scale, zero in the middle (A).
     pub current_span: f64,
+    /// The holding brake takes so long to be released (s); left out where there is none.
+    #[serde(default)]
+    pub brake_release: f64,
+    /// And so long to hold (s).
+    #[serde(default)]
+    pub brake_set: f64,
 }
 
 impl Board {
@@ -158,6 +173,13 @@ impl Board {
             (0.0..=3.0).contains(&self.diode_drop),
             "within 0..3 V",
         );
+        for (key, delay) in [
+            ("brake_release", self.brake_release),
+            ("brake_set", self.brake_set),
+        ] {
+            // A brake takes tens of milliseconds; what is given in ms would be caught here.
+            expect(key, delay, (0.0..=5.0).contains(&delay), "within 0..5 s");
+        }
         expect(
             "supply_full",
             self.supply_full,
@@ -190,6 +212,9 @@ pub struct AxisFile {
     motor: Motor,
     #[serde(with = "GainsTable")]
     gains: PidGains,
+    /// Whoever leaves it out has none.
+    #[serde(with = "NotchTable", default)]
+    notch: Notch,
     #[serde(with = "FeedForwardTable")]
     feed_forward: FeedForward,
     limits: LimitsTable,
@@ -316,6 +341,7 @@ impl AxisFile {
             encoder: self.encoder,
             motor: self.motor,
             gains: self.gains,
+            notch: self.notch,
             feed_forward: self.feed_forward,
             limits: Limits {
                 speed,

@@ -69,3 +69,26 @@ fn what_is_wrong_is_told_with_its_key() {
     let board = board.board("esc").expect_err("not there").to_string();
     assert!(board.contains("[boards.esc]"), "{board}");
 }
+
+/// Whoever has no notch and no brake says nothing of them.
+#[test]
+fn a_notch_and_a_brake_may_be_left_out() {
+    let (before, rest) = PAPER.split_once("[notch]").expect("it has one");
+    let (_, after) = rest.split_once("[feed_forward]").expect("behind it");
+    let without = format!("{before}[feed_forward]{after}");
+    let file = AxisFile::parse("mine.toml", &without).expect("it may be left out");
+    assert_eq!(file.axis(), Axis::PAPER_AXIS);
+    assert_eq!(file.board("pico2").expect("there").brake_set, 0.0);
+    let in_ms = PAPER.replace("[boards.pico2]", "[boards.pico2]\nbrake_set = 60");
+    let error = refusal(&in_ms);
+    assert!(
+        error.contains("boards.pico2.brake_set is 60; it must be within 0..5 s"),
+        "{error}"
+    );
+    let beyond = PAPER.replace("frequency = 0.0", "frequency = 12e3");
+    let error = refusal(&beyond);
+    assert!(
+        error.contains("frequency of the notch is 12000: it must be below 10000"),
+        "{error}"
+    );
+}

@@ -36,6 +36,14 @@ pub fn fault(fault: FaultCode) -> &'static str {
         FaultCode::Bridge => {
             "the bridge's own protection opened it; check its supply, its temperature and the motor's leads"
         }
+        FaultCode::LimitLow => {
+            "the limit switch at the low end of travel opened; `acknowledge`, `enable`, and move up, away from it. If the axis is \
+             nowhere near, check the switch's wire"
+        }
+        FaultCode::LimitHigh => {
+            "the limit switch at the high end of travel opened; `acknowledge`, `enable`, and move down, away from it. If the axis \
+             is nowhere near, check the switch's wire"
+        }
     }
 }
 

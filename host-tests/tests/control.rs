@@ -87,6 +87,7 @@ fn never_exceeds<F: Friction + Clone>(
         }
         if chance % 5000 == 9 {
             settings.gains.proportional = 10_f64.powf(rng.random_range(3.0..6.0));
+            settings.notch.frequency = [0.0, 370.0][rng.random_range(0..2)];
             for controller in [&mut controller, &mut thorough] {
                 let friction = friction.clone();
                 controller.swap(

@@ -16,6 +16,7 @@ mod identify_core;
 mod kernels;
 mod koopman;
 mod learning;
+mod notch;
 mod observer;
 mod on_the_fit;
 mod outer;

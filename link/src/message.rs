@@ -10,7 +10,7 @@ pub const MOST_BLOCKS: usize = 4;
 pub const POINTS: usize = 8;
 
 /// What both ends must speak; the controller tells it in [`Identity`].
-pub const PROTOCOL: u16 = 4;
+pub const PROTOCOL: u16 = 5;
 
 /// A request with the number that its answer carries.
 ///
@@ -325,6 +325,10 @@ pub enum FaultCode {
     CurrentOffset,
     /// The bridge's own protection opened it (break input).
     Bridge,
+    /// The axis met the limit switch at the low end of its travel, or went on there.
+    LimitLow,
+    /// The same at the high end.
+    LimitHigh,
 }
 
 /// Why a frame or a request was refused.

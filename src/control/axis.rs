@@ -1,6 +1,6 @@
 //! What an axis is: one description in SI units, from which firmware, simulation and capture compute everything else.
 
-use super::{FaultLimits, FeedForward, Grid, Hardware, Motor, PidGains};
+use super::{FaultLimits, FeedForward, Grid, Hardware, Motor, Notch, PidGains};
 use crate::param::{ParamError, at_least, at_most, not_negative, positive};
 
 /// The encoder, and how velocity is read from it (see [`crate::EncoderScale`]).
@@ -62,6 +62,8 @@ pub struct Axis {
     pub motor: Motor,
     /// The feedback.
     pub gains: PidGains,
+    /// What the feedback is not to answer: the drive's first mode.
+    pub notch: Notch,
     /// The feed-forward.
     pub feed_forward: FeedForward,
     /// What a motion must not exceed.
@@ -104,6 +106,7 @@ impl Axis {
             integral_limit: 5.0,
             deadband: 30e-9,
         },
+        notch: Notch::NONE,
         feed_forward: FeedForward {
             drive: super::VelocitySource::Reference,
             share: 1.0,

@@ -1,7 +1,8 @@
 //! From an axis in SI units to the coefficients of a tick, once, outside the interrupt.
 
 use super::{
-    Axis, Compensator, Encoder, Fade, Limiter, Monitor, MotorDrive, Pace, Pid, VelocitySource,
+    Axis, Compensator, Encoder, Fade, Limiter, Monitor, MotorDrive, NotchFilter, NotchState, Pace,
+    Pid, VelocitySource,
 };
 use crate::hint::cold_path;
 use crate::param::{
@@ -23,6 +24,7 @@ pub struct Coefficients<F: Friction> {
     /// Of a change of the reference's speed that is still to be divided by the smoothing.
     acceleration_per_change: F::Scalar,
     pub(crate) pid: Pid<F::Scalar>,
+    pub(crate) notch: Option<NotchFilter<F::Scalar>>,
     pub(crate) compensator: Compensator<F>,
     /// The moving mass, and what of it is fed forward beside the feedback (force per acceleration in velocity units per second).
     mass: F::Scalar,
@@ -111,6 +113,7 @@ impl<F: Friction> Coefficients<F> {
             )?,
             acceleration_per_change: acceleration_per_change.per_q16(),
             pid: Pid::try_new(&axis.gains, sample_time, units)?,
+            notch: NotchFilter::try_new(&axis.notch, sample_time)?,
             compensator: Compensator::try_new(friction, &axis.feed_forward, units)?,
             mass: to_gain("moving mass", mass * per_mass)?,
             // Whatever the difference is, the two that it is of are held to a hundredth.
@@ -170,6 +173,25 @@ impl<F: Friction> Coefficients<F> {
     pub(super) fn immediate(&self, now: &Moment<F::Scalar>) -> F::Scalar {
         let feedback = self.pid.immediate(now.error, now.velocity_error);
         feedback.add_input(self.inertial(now.acceleration))
+    }
+
+    /// What the notch takes off [`Coefficients::immediate`].
+    ///
+    /// Off the feedback without its integral alone. A mode rings by what answers the count: `K_d` and `K_p`; the integral's part is
+    /// `K_i/(K_p·ω)` of the latter, next to nothing there, and a force that holds a load is left as it is. What is fed forward answers the
+    /// reference, whose smoothing has little at a mode, and would come late. It is taken off before motor and limiter, so that nothing is
+    /// added behind the limit, and learners and observers are told the force that acts.
+    #[inline]
+    pub(super) fn notched(
+        &self,
+        state: &mut NotchState<F::Scalar>,
+        error: F::Scalar,
+        velocity_error: F::Scalar,
+    ) -> F::Scalar {
+        match &self.notch {
+            Some(notch) => notch.step(state, self.pid.immediate(error, velocity_error)),
+            None => F::Scalar::ZERO,
+        }
     }
 
     /// What of a `force` is not spent on the mass.

@@ -5,8 +5,8 @@ use super::faults::Readings;
 use super::leaving::Leaving;
 use super::reference::saturate;
 use super::{
-    Coefficients, Condition, Fault, Jog, Measurement, Move, Pace, PidState, Reference, Refused,
-    Rounding, Saturation, Suspicion,
+    Coefficients, Condition, Fault, Jog, Measurement, Move, NotchState, Pace, PidState, Reference,
+    Refused, Rounding, Saturation, Suspicion,
 };
 use crate::encoder::EdgeTiming;
 use crate::hint::cold_path;
@@ -65,6 +65,7 @@ pub struct Controller<F: Friction, C> {
     coefficients: Coefficients<F>,
     timing: EdgeTiming<F::Scalar>,
     reference: Reference,
+    notch: NotchState<F::Scalar>,
     leaving: Option<Leaving<F>>,
 }
 
@@ -81,6 +82,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
             pid: PidState::new(),
             friction: coefficients.compensator.friction().at_rest(),
             rounding: Rounding::new(),
+            notch: NotchState::new(),
             leaving: None,
             suspicion: Suspicion::default(),
             cut: Saturation::None,
@@ -292,6 +294,11 @@ impl<F: Friction, C: Count> Controller<F, C> {
         let (new, left) = (&coefficients.compensator, &self.coefficients.compensator);
         let memory = new.friction().take_over(left.friction(), &self.friction);
         let memory = core::mem::replace(&mut self.friction, memory);
+        let notch = self.notch.clone();
+        if coefficients.notch != self.coefficients.notch {
+            // It settles while it has little weight.
+            self.notch = NotchState::new();
+        }
         if self.enabled {
             let added = match &self.leaving {
                 Some(leaving) if self.fades => leaving.added(),
@@ -301,7 +308,13 @@ impl<F: Friction, C: Count> Controller<F, C> {
             // What a lower limit takes from the integral fades, too.
             let added = added.add_input(coefficients.pid.shorten(&mut self.pid));
             let old = self.coefficients.clone();
-            self.leaving = Some(Leaving::start(old, friction, &coefficients.fade, added));
+            self.leaving = Some(Leaving::start(
+                old,
+                friction,
+                notch,
+                &coefficients.fade,
+                added,
+            ));
         }
         self.coefficients.clone_from(coefficients);
         self.fades = self.enabled;
@@ -415,6 +428,11 @@ impl<F: Friction, C: Count> Controller<F, C> {
         let feedback = c.pid.step(&mut self.pid, error, velocity_error, cut);
         let friction = c.feed_forward(&mut self.friction, &now());
         let mut force = feedback.add_input(friction.add_input(c.inertial(acceleration)));
+        if c.notch.is_some() {
+            cold_path();
+            let taken = c.notched(&mut self.notch, error, velocity_error);
+            force = force.sub_input(taken);
+        }
         if !ORDINARY && self.fades {
             force = force.add_input(self.fade(&now(), friction));
         }
@@ -522,6 +540,9 @@ impl<F: Friction, C: Count> Controller<F, C> {
         };
         let immediate = leaving.old.immediate(now);
         let mut difference = immediate.sub_input(self.coefficients.immediate(now));
+        let (old, state) = (&leaving.old, &mut leaving.notch);
+        let taken = old.notched(state, now.error, now.velocity_error);
+        difference = difference.add_input(self.notch.taken().sub_input(taken));
         if let Some(state) = &mut leaving.friction {
             let model = self.coefficients.compensator.friction();
             model.hand_observed(&self.friction, state);
@@ -565,6 +586,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
         self.cut = Saturation::None;
         self.pid = PidState::new();
         self.rounding = Rounding::new();
+        self.notch = NotchState::new();
         self.fades = false;
         let friction = self.coefficients.compensator.friction();
         friction.release(&mut self.friction);

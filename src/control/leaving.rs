@@ -1,6 +1,6 @@
 //! A change of parameters without a bump in the command: the old controller and the new one cross-fade.
 
-use super::{Coefficients, Fade};
+use super::{Coefficients, Fade, NotchState};
 use crate::{Friction, Scalar};
 
 /// The parameters that are being left.
@@ -12,6 +12,7 @@ pub(super) struct Leaving<F: Friction> {
     pub(super) old: Coefficients<F>,
     /// The old model's memory; `None` where the model and its use stay.
     pub(super) friction: Option<F::State>,
+    pub(super) notch: NotchState<F::Scalar>,
     weight: F::Scalar,
     part: F::Scalar,
     left: u32,
@@ -25,12 +26,14 @@ impl<F: Friction> Leaving<F> {
     pub(super) fn start(
         old: Coefficients<F>,
         friction: Option<F::State>,
+        notch: NotchState<F::Scalar>,
         fade: &Fade<F::Scalar>,
         added: F::Scalar,
     ) -> Self {
         Self {
             old,
             friction,
+            notch,
             weight: F::Scalar::ONE,
             part: fade.part,
             left: fade.ticks,

@@ -7,6 +7,7 @@ mod chain;
 mod commission;
 mod cycles;
 mod example;
+mod example_riscv;
 mod imports;
 mod judge;
 mod objdump;

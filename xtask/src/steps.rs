@@ -97,11 +97,12 @@ pub const STEPS: &[Step] = &[
     },
     Step {
         name: "example",
-        reason: "the example to copy first sets its clock, refuses another, and computes its model's force in QEMU; before a release the others link",
-        needs: &[Need::Qemu],
+        reason: "the example to copy first sets its clock, refuses another, and computes its model's force in QEMU, as that for RISC-V does; before a release the others link",
+        needs: &[Need::Qemu, Need::QemuRiscv],
         lane: Lane::Beside,
         run: |tier| {
             crate::example::run_in_qemu()?;
+            crate::example_riscv::run_in_qemu()?;
             match tier {
                 Tier::Gate => Ok(()),
                 Tier::All => crate::example::link_others(),

@@ -18,6 +18,8 @@ pub enum Need {
     Clippy,
     /// The emulator, with the plugin interface that Debian's build has.
     Qemu,
+    /// The emulator of RISC-V cores.
+    QemuRiscv,
     /// Cross compiler, C library and binary utilities.
     ArmGcc,
     /// Makes a program of a circuit's description.
@@ -41,6 +43,13 @@ impl Need {
                 &["qemu-system-arm"],
                 "the kernels' instruction paths are recorded in an emulated Cortex-M4",
                 "  Fedora: sudo dnf install qemu-system-arm\n  Arch: sudo pacman -S qemu-system-arm\n  \
+                 macOS: brew install qemu",
+            ),
+            Need::QemuRiscv => program(
+                "qemu-system-riscv32",
+                &["qemu-system-misc"],
+                "the RISC-V example runs in an emulated core",
+                "  Fedora: sudo dnf install qemu-system-riscv\n  Arch: sudo pacman -S qemu-system-riscv\n  \
                  macOS: brew install qemu",
             ),
             Need::ArmGcc => program(

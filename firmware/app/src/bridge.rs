@@ -1,4 +1,6 @@
-//! The H bridge, as a board has it.
+//! The H bridge, as a board has it, and what may stand beside it.
+
+use crate::Limits;
 
 /// Takes a signed code, or opens.
 pub trait Bridge {
@@ -10,4 +12,20 @@ pub trait Bridge {
 
     /// The bridge's own protection has opened it since it was last driven.
     fn is_broken(&mut self) -> bool;
+
+    /// The limit switches; none where the board has none. What has them and a brake is [`crate::Guarded`].
+    #[inline]
+    fn limits(&mut self) -> Limits {
+        Limits::default()
+    }
+
+    /// Releases the holding brake, or sets it; told again in every tick in which something is up.
+    #[inline]
+    fn release_brake(&mut self, _released: bool) {}
+
+    /// Ticks that the brake takes to be released, and to hold.
+    #[inline]
+    fn brake_delays(&self) -> [u32; 2] {
+        [0, 0]
+    }
 }

@@ -1,6 +1,8 @@
 //! The task at the control rate.
 
 use crate::Bridge;
+use crate::brake::Brake;
+use crate::limits::LimitWatch;
 use crate::queues::{Act, Order, Planned, Seek, Shared, Status};
 use crate::telemetry;
 use core::sync::atomic::{Ordering, compiler_fence};
@@ -58,8 +60,14 @@ pub struct Control<F: Friction + 'static> {
     /// There is something to do beside the ordinary tick, and the background did not say so: see [`Control::attends`].
     attend: bool,
     status: Status,
-    /// The bridge opened itself; until it is acknowledged.
-    broken: bool,
+    /// What opened the bridge beside the controller's faults: its own protection, a limit switch; until it is acknowledged.
+    opened: Option<FaultCode>,
+    limits: LimitWatch,
+    /// How far the reference came in the last tick that was not an ordinary one (2⁻¹⁶ counts).
+    moved: i64,
+    brake: Brake,
+    /// Ticks that it takes to be released, and to hold.
+    brake_delays: [u32; 2],
     /// To be disabled as soon as it stands.
     leaving: bool,
     seek: Option<Seek>,
@@ -103,7 +111,11 @@ impl<F: Friction> Control<F> {
                 supply: 0,
                 current: 0,
             },
-            broken: false,
+            opened: None,
+            limits: LimitWatch::default(),
+            moved: 0,
+            brake: Brake::Holds,
+            brake_delays: [0, 0],
             leaving: false,
             seek: None,
             owes_status: false,
@@ -122,8 +134,10 @@ impl<F: Friction> Control<F> {
     /// An ordinary one asks two flags whether there is an order, a move or a word of the host, and looks at none of the queues.
     #[inline]
     pub fn tick(&mut self, inputs: Inputs, bridge: &mut impl Bridge) {
-        let calm =
-            !self.attend && !self.shared.calls.load(Ordering::Relaxed) && !bridge.is_broken();
+        let calm = !self.attend
+            && !self.shared.calls.load(Ordering::Relaxed)
+            && !bridge.is_broken()
+            && !bridge.limits().any();
         if calm && let Some(command) = self.controller.ordinary_tick(inputs.measurement()) {
             self.act(inputs, &command, false, bridge);
         } else {
@@ -166,8 +180,19 @@ impl<F: Friction> Control<F> {
         // Before the queues are looked at: what comes after that calls again.
         self.shared.calls.store(false, Ordering::Relaxed);
         compiler_fence(Ordering::SeqCst);
-        if bridge.is_broken() && self.controller.is_enabled() {
-            self.broken = true;
+        self.brake_delays = bridge.brake_delays();
+        let limit = self.limits.take(bridge.limits(), self.moved);
+        let opened = if bridge.is_broken() {
+            Some(FaultCode::Bridge)
+        } else {
+            limit
+        };
+        if opened.is_some() && self.controller.is_enabled() {
+            self.opened = opened;
+            self.controller.disable();
+        }
+        self.brake = self.brake.next();
+        if self.brake == Brake::Sets(0) {
             self.controller.disable();
         }
         let ordered = self.orders.ready();
@@ -187,10 +212,16 @@ impl<F: Friction> Control<F> {
             self.seek(&inputs);
         }
         self.feed();
+        let before = self.controller.reference();
         let command = self.controller.any_tick(inputs.measurement());
+        self.moved = command.reference.wrapping_sub(before);
         self.attend = self.attends();
         let tells = ordered || core::mem::take(&mut self.owes_status);
         self.act(inputs, &command, tells, bridge);
+        if command.enabled {
+            // Behind the bridge, which then drives already.
+            bridge.release_brake(self.brake.is_released());
+        }
     }
 
     /// Drives the bridge, then tells.
@@ -202,6 +233,8 @@ impl<F: Friction> Control<F> {
             self.tell(readings, command, None, tells);
         } else {
             bridge.open();
+            bridge.release_brake(false);
+            self.brake = Brake::Holds;
             // One by one, as the inputs above.
             self.tell_stopped(command.position, command.fault, readings, tells);
         }
@@ -216,10 +249,7 @@ impl<F: Friction> Control<F> {
         [supply, current]: [u16; 2],
         tells: bool,
     ) {
-        let told = match fault {
-            Some(fault) => Some(on_the_wire(fault)),
-            None => self.broken.then_some(FaultCode::Bridge),
-        };
+        let told = fault.map(on_the_wire).or(self.opened);
         let command = Command {
             code: 0,
             position,
@@ -234,7 +264,11 @@ impl<F: Friction> Control<F> {
     /// to drop. A move that may begin needs no word: a tick in which it may is never an ordinary one.
     fn attends(&self) -> bool {
         let stale = |(epoch, _): &Planned| *epoch != self.status.epoch;
-        self.orders.ready() || self.seek.is_some() || self.moves.peek().is_some_and(stale)
+        self.orders.ready()
+            || self.seek.is_some()
+            || self.limits.any()
+            || self.brake.is_moving()
+            || self.moves.peek().is_some_and(stale)
     }
 
     /// The next order. Not in the tick, which would then set aside room for it on the stack.
@@ -257,12 +291,18 @@ impl<F: Friction> Control<F> {
     fn carry_out(&mut self, act: Act) -> Result<(), Refusal> {
         match act {
             Act::Enable => {
-                if self.broken {
+                if self.opened.is_some() {
                     return Err(Refusal::Faulted);
                 }
                 self.leaving = false;
                 self.new_epoch();
                 self.controller.enable().map_err(|_| Refusal::Faulted)?;
+                if !self.brake.is_released() {
+                    self.brake = match self.brake_delays[0] {
+                        0 => Brake::Off,
+                        ticks => Brake::Releases(ticks),
+                    };
+                }
             }
             Act::Disable => {
                 self.brake();
@@ -270,9 +310,10 @@ impl<F: Friction> Control<F> {
             }
             Act::Stop => self.brake(),
             Act::Acknowledge => {
-                self.broken = false;
+                self.opened = None;
                 self.controller.acknowledge();
             }
+            Act::Jog(_) | Act::Seek(_) if self.brake.is_moving() => return Err(Refusal::Busy),
             Act::Jog(jog) => {
                 self.new_epoch();
                 self.seek = None;
@@ -344,9 +385,13 @@ impl<F: Friction> Control<F> {
         let Some((epoch, _)) = self.moves.peek() else {
             return;
         };
-        if *epoch != self.status.epoch || self.controller.is_idle() {
+        if *epoch != self.status.epoch || self.may_start() {
             self.take();
         }
+    }
+
+    fn may_start(&self) -> bool {
+        self.controller.is_idle() && !self.brake.is_moving()
     }
 
     /// Starts it; moves before it that were planned in another epoch are dropped.
@@ -357,7 +402,7 @@ impl<F: Friction> Control<F> {
                 Some((epoch, _)) => *epoch != self.status.epoch,
                 None => return,
             };
-            if !stale && !self.controller.is_idle() {
+            if !stale && !self.may_start() {
                 return;
             }
             let Some((_, next)) = self.moves.dequeue() else {
@@ -405,7 +450,13 @@ impl<F: Friction> Control<F> {
         let standing = self.controller.is_standing();
         if self.leaving && standing {
             self.leaving = false;
-            self.controller.disable();
+            match self.brake_delays[1] {
+                0 => self.controller.disable(),
+                ticks => {
+                    self.brake = Brake::Sets(ticks);
+                    self.attend = true;
+                }
+            }
         }
         let silent = enabled && self.controller.is_silent();
         let mode = match (enabled, self.seek.is_some()) {
@@ -423,10 +474,7 @@ impl<F: Friction> Control<F> {
             self.new_epoch();
         }
         self.status.mode = mode;
-        self.status.fault = match self.controller.fault() {
-            Some(fault) => Some(on_the_wire(fault)),
-            None => self.broken.then_some(FaultCode::Bridge),
-        };
+        self.status.fault = self.controller.fault().map(on_the_wire).or(self.opened);
         self.status.located = self.controller.is_located();
         self.status.silent = silent;
         self.status.position = self.controller.position();

@@ -13,13 +13,16 @@
 
 mod background;
 mod board;
+mod brake;
 mod bridge;
 mod control;
 mod drive;
 mod encoder;
+mod guarded;
 mod guiding;
 mod half_bridges;
 mod learning;
+mod limits;
 mod log;
 mod model;
 mod no_flash;
@@ -36,9 +39,11 @@ pub use bridge::Bridge;
 pub use control::{Control, Inputs};
 pub use drive::Drive;
 pub use encoder::{CountEncoder, Widened};
+pub use guarded::Guarded;
 pub use guiding::{Guiding, Unmodelled};
 pub use half_bridges::{HalfBridges, wake};
 pub use learning::Learner;
+pub use limits::Limits;
 pub use model::{Blocks, Exported, Model, Number, STARTING_MODEL};
 pub use no_flash::NoFlash;
 pub use observing::Observing;

@@ -37,6 +37,9 @@ table! {
     Always "gains.derivative" a => Some(&mut a.gains.derivative);
     Always "gains.integral_limit" a => Some(&mut a.gains.integral_limit);
     Always "gains.deadband" a => Some(&mut a.gains.deadband);
+    Always "notch.frequency" a => Some(&mut a.notch.frequency);
+    Always "notch.width" a => Some(&mut a.notch.width);
+    Always "notch.depth" a => Some(&mut a.notch.depth);
     Always "feed_forward.share" a => Some(&mut a.feed_forward.share);
     Always "feed_forward.limit" a => Some(&mut a.feed_forward.limit);
     Always "feed_forward.mass" a => Some(&mut a.feed_forward.mass);

@@ -63,7 +63,7 @@ pub(crate) fn take(samples: &Samples) -> Option<Sample> {
     Some(sample(words))
 }
 
-const FAULTS: [FaultCode; 10] = [
+const FAULTS: [FaultCode; 12] = [
     FaultCode::EncoderJump,
     FaultCode::EncoderFrozen,
     FaultCode::FollowingError,
@@ -74,6 +74,8 @@ const FAULTS: [FaultCode; 10] = [
     FaultCode::Overload,
     FaultCode::CurrentOffset,
     FaultCode::Bridge,
+    FaultCode::LimitLow,
+    FaultCode::LimitHigh,
 ];
 
 const RANGES: [RangeCode; 4] = [

@@ -2,7 +2,7 @@
 
 use embedded_hal::digital::{self, InputPin, OutputPin};
 use embedded_hal::pwm::{self, SetDutyCycle};
-use preslide_app::{Bridge, HalfBridges, Widened};
+use preslide_app::{Bridge, Guarded, HalfBridges, Limits, Widened};
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -143,6 +143,55 @@ fn a_part_that_does_not_do_as_told_breaks_the_bridge_and_opens_it_somehow() {
         assert_eq!(told.take().said, said);
         bridge.drive(500);
         assert!(!bridge.is_broken(), "{refuses}");
+    }
+}
+
+/// Pulled up, an open switch and a broken wire read high; a pin that cannot be read is taken for one.
+#[test]
+fn a_guarded_bridge_has_switches_and_a_brake_beside_it() {
+    struct Level(Result<bool, ()>);
+    impl digital::ErrorType for Level {
+        type Error = Refused;
+    }
+    impl InputPin for Level {
+        fn is_high(&mut self) -> Result<bool, Refused> {
+            self.0.map_err(|()| Refused)
+        }
+        fn is_low(&mut self) -> Result<bool, Refused> {
+            self.is_high().map(|high| !high)
+        }
+    }
+    for (low, high, read) in [
+        (Ok(false), Ok(false), [false, false]),
+        (Ok(true), Ok(false), [true, false]),
+        (Ok(false), Ok(true), [false, true]),
+        (Err(()), Ok(false), [true, false]),
+    ] {
+        let (inner, told) = bridge(1000);
+        let inner = inner.expect("the timer makes the steps");
+        let brake = Part("brake", told.clone());
+        let mut guarded = Guarded::new(inner, (Level(low), Level(high)), brake, [800, 1200]);
+        let [low, high] = read;
+        assert_eq!(guarded.limits(), Limits { low, high });
+        assert_eq!(guarded.brake_delays(), [800, 1200]);
+        told.take();
+        guarded.drive(300);
+        guarded.release_brake(true);
+        guarded.open();
+        guarded.release_brake(false);
+        let through = [
+            ("b", 0),
+            ("a", 300),
+            ("enable", 1),
+            ("brake", 1),
+            ("enable", 0),
+            ("brake", 0),
+        ];
+        assert_eq!(told.take().said, through);
+        // The fault pin of the bridge itself goes through, too.
+        guarded.drive(1);
+        told.borrow_mut().faulty = true;
+        assert!(guarded.is_broken());
     }
 }
 

@@ -6,12 +6,16 @@ use proptest::prelude::*;
 type Change = fn(&mut Axis, f64);
 
 /// The parameters that the link sets while the axis is driven (`firmware/app/src/parameters.rs`, `Always`), each times a factor.
-const CHANGES: [(&str, Change); 9] = [
+const CHANGES: [(&str, Change); 12] = [
     ("gains.proportional", |a, by| a.gains.proportional *= by),
     ("gains.integral", |a, by| a.gains.integral *= by),
     ("gains.derivative", |a, by| a.gains.derivative *= by),
     ("gains.integral_limit", |a, by| a.gains.integral_limit *= by),
     ("gains.deadband", |a, by| a.gains.deadband *= by),
+    // From none to one, and of one that the axis has.
+    ("notch.frequency", |a, by| a.notch.frequency = 300.0 * by),
+    ("notch.width", |a, by| a.notch.width = (0.5 * by).min(1.0)),
+    ("notch.depth", |a, by| a.notch.depth = (0.5 * by).min(1.0)),
     ("feed_forward.share", |a, by| {
         a.feed_forward.share = by.min(1.0)
     }),

@@ -6,7 +6,7 @@ use fixed::types::I16F16;
 use heapless::spsc::{Consumer, Producer, Queue};
 use preslide::control::Axis;
 use preslide_app::{
-    Background, Blocks, Bridge, Control, Inputs, Model, Parameters, Queues, RECEIVED, SENT,
+    Background, Blocks, Bridge, Control, Inputs, Limits, Model, Parameters, Queues, RECEIVED, SENT,
     STARTING_MODEL, Start,
 };
 use preslide_link::{
@@ -67,23 +67,80 @@ fn slots(flash: Flash) -> Slots<Flash> {
     slots.expect("two pages")
 }
 
-/// What the bridge was last told.
+/// What the bridge was last told, and the brake; and what stands beside them.
 #[derive(Default)]
-struct Told {
-    code: i32,
+pub struct Told {
+    pub code: i32,
+    pub closed: bool,
+    pub released: bool,
+    pub limits: Limits,
+    pub delays: [u32; 2],
 }
 
 impl Bridge for Told {
     fn drive(&mut self, code: i32) {
         self.code = code;
+        self.closed = true;
     }
 
     fn open(&mut self) {
         self.code = 0;
+        self.closed = false;
     }
 
     fn is_broken(&mut self) -> bool {
         false
+    }
+
+    fn limits(&mut self) -> Limits {
+        self.limits
+    }
+
+    fn release_brake(&mut self, released: bool) {
+        self.released = released;
+    }
+
+    fn brake_delays(&self) -> [u32; 2] {
+        self.delays
+    }
+}
+
+/// A brake that does what it is told some ticks later, and holds like a stiff spring with some damping.
+pub struct HoldingBrake {
+    delays: [u32; 2],
+    released: bool,
+    since: u32,
+    holds_m: Option<f64>,
+    last_m: f64,
+}
+
+impl HoldingBrake {
+    /// Ticks to be released, and to hold; it holds.
+    pub fn new(delays: [u32; 2]) -> Self {
+        Self {
+            delays,
+            released: false,
+            since: u32::MAX - 1_000_000,
+            holds_m: Some(0.0),
+            last_m: 0.0,
+        }
+    }
+
+    fn force_n(&mut self, released: bool, at_m: f64) -> f64 {
+        if released != self.released {
+            (self.released, self.since) = (released, 0);
+        }
+        self.since += 1;
+        if self.since > self.delays[usize::from(!released)] {
+            self.holds_m = match released {
+                true => None,
+                false => self.holds_m.or(Some(at_m)),
+            };
+        }
+        let speed = (at_m - self.last_m) * 20e3;
+        self.last_m = at_m;
+        self.holds_m
+            .map_or(0.0, |held| (held - at_m) * 1e6 - speed * 1000.0)
     }
 }
 
@@ -92,10 +149,16 @@ pub struct Drive {
     control: Control<<Firmware as Model>::Friction>,
     background: Background<Firmware>,
     memory: Option<Slots<Flash>>,
-    bridge: Told,
+    pub bridge: Told,
     pub stage: Stage,
     /// A mechanical stop on the negative side (m), as stiff as the drive is.
     pub stop_m: Option<f64>,
+    /// Limit switches (m), the low one first, perhaps at the other's input.
+    pub switches_m: Option<(f64, f64)>,
+    pub swapped: bool,
+    /// What hangs on the axis, and what holds it.
+    pub weight_n: f64,
+    pub brake: Option<HoldingBrake>,
     /// The farthest the mass came, and the largest code.
     pub lowest_m: f64,
     pub push: i32,
@@ -135,6 +198,10 @@ impl Drive {
             bridge: Told::default(),
             stage,
             stop_m: None,
+            switches_m: None,
+            swapped: false,
+            weight_n: 0.0,
+            brake: None,
             lowest_m: 0.0,
             push: 0,
             to_drive: line.split(),
@@ -160,14 +227,29 @@ impl Drive {
             current: (reading.current_a * 1e4).round() as i16,
             late: false,
         };
-        self.control.tick(inputs, &mut self.bridge);
         let at_m = self.stage.truth().position_m;
+        if let Some((low_m, high_m)) = self.switches_m {
+            let (low, high) = (at_m < low_m, at_m > high_m);
+            self.bridge.limits = match self.swapped {
+                true => Limits {
+                    low: high,
+                    high: low,
+                },
+                false => Limits { low, high },
+            };
+        }
+        self.control.tick(inputs, &mut self.bridge);
         self.lowest_m = self.lowest_m.min(at_m);
         self.push = self.push.max(self.bridge.code.abs());
-        if let Some(stop_m) = self.stop_m {
-            let force = (stop_m - at_m).max(0.0) * 4e6;
-            self.stage.set_external_force_n(force).expect("finite");
-        }
+        let stop = self
+            .stop_m
+            .map_or(0.0, |stop_m| (stop_m - at_m).max(0.0) * 4e6);
+        let held = match &mut self.brake {
+            Some(brake) => brake.force_n(self.bridge.released, at_m),
+            None => 0.0,
+        };
+        let force = stop + held - self.weight_n;
+        self.stage.set_external_force_n(force).expect("finite");
         let steps = f64::from(Axis::PAPER_AXIS.hardware.steps);
         self.stage.tick(f64::from(self.bridge.code) / steps);
         let (received, out) = (&mut self.to_drive.1, &mut self.from_drive.0);

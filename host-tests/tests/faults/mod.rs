@@ -12,6 +12,7 @@ mod after;
 mod changes;
 mod drive;
 mod homing;
+mod limits;
 mod loads;
 mod reachable;
 mod rows;

@@ -10,6 +10,7 @@ pub mod dead_time;
 mod identification;
 pub mod koopman;
 pub mod motions;
+pub mod notch;
 pub mod observer;
 mod perfect;
 mod rivals;

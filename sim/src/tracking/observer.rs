@@ -30,7 +30,7 @@ pub fn proposal(
     let rotor_kg = Stage::try_new(stage.clone())?.reflected_rotor_kg();
     let (load_kg, drive) = (stage.mass_kg, &stage.drive);
     let per_kg = 1.0 / rotor_kg + 1.0 / load_kg;
-    let mode = (drive.stiffness_n_per_m * per_kg).sqrt();
+    let mode = TAU * mode_hz(stage, rotor_kg);
     // The motor brakes the rotor's part of the mode.
     let rotor_part = load_kg / (rotor_kg * (rotor_kg + load_kg));
     let decay = drive.damping_n_s_per_m * per_kg + settings.motor.braking() * rotor_part;
@@ -42,6 +42,12 @@ pub fn proposal(
         mode_damping: decay / (2.0 * mode),
     };
     propose(settings, &told, &ASKED).map_err(TrackingError::Observer)
+}
+
+/// The drive's first mode (Hz), rotor and load both free.
+pub(super) fn mode_hz(stage: &StageConfig, rotor_kg: f64) -> f64 {
+    let per_kg = 1.0 / rotor_kg + 1.0 / stage.mass_kg;
+    (stage.drive.stiffness_n_per_m * per_kg).sqrt() / TAU
 }
 
 /// The observer's rows for the tracking table: alone, with four blocks in both arithmetics, and with four whose level

@@ -1,0 +1,109 @@
+//! The RISC-V example in QEMU, against the same blocks computed here in double precision.
+
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use crate::process::{output_for, root, run, target_of};
+use crate::thumb::Toolchain;
+
+const TARGET: &str = "riscv32imac-unknown-none-elf";
+const NAME: &str = "riscv-virt";
+
+/// Where the exported model comes from, and what the example has for its units: a count of 25 nm.
+const MODEL: &str = "cli/tests/exported/packed.toml";
+const COUNT: f64 = 25e-9;
+
+/// Lines that it prints: one every 50 ticks of 9900.
+const LINES: usize = 198;
+
+/// How far the printed force may be from the computed one (mN): largest, RMS and mean. Packed blocks round yield displacement and stiffness
+/// to 16 bits together, which is 0.013 % of the breakaway force RMS at six blocks, and some four times that at most.
+const BOUNDS: [f64; 3] = [0.45, 0.12, 0.03];
+
+/// A half second of ticks takes less than a second.
+const LIMIT: Duration = Duration::from_secs(60);
+
+/// Builds it as a stranger would, runs it, and compares every force that it prints.
+pub fn run_in_qemu() -> Result<(), String> {
+    let folder = root().join("examples");
+    let arguments = ["build", "--release", "--locked", "--package", NAME];
+    run(&mut Toolchain::ensure_for(TARGET)?.cargo_for(TARGET, &folder, &arguments))?;
+    let mut qemu = Command::new("qemu-system-riscv32");
+    qemu.args([
+        "-M",
+        "virt",
+        "-nographic",
+        "-bios",
+        "none",
+        "-icount",
+        "shift=5",
+    ])
+    .args(["-semihosting-config", "enable=on,target=native", "-kernel"])
+    .arg(target_of(&folder).join(TARGET).join("release").join(NAME))
+    .stdin(Stdio::null());
+    let (printed, log) = output_for(&mut qemu, LIMIT)?;
+    let model = std::fs::read_to_string(root().join(MODEL))
+        .map_err(|error| format!("cannot read {MODEL}: {error}"))?;
+    let off = deviations(&printed, &blocks(&model)?)
+        .map_err(|reason| format!("examples/{NAME}: {reason}\n{printed}{log}"))?;
+    let largest = off.iter().fold(0.0, |most: f64, off| most.max(off.abs()));
+    let lines = off.len() as f64;
+    let rms = (off.iter().map(|off| off * off).sum::<f64>() / lines).sqrt();
+    let mean = off.iter().sum::<f64>() / lines;
+    println!(
+        "examples/{NAME}: {LINES} forces; off the blocks in double precision by {largest:.3} mN at most, RMS {rms:.3}, mean {mean:+.3}"
+    );
+    let within = [largest, rms, mean.abs()]
+        .iter()
+        .zip(BOUNDS)
+        .all(|(off, bound)| *off <= bound);
+    if within {
+        Ok(())
+    } else {
+        Err(format!("more than {BOUNDS:?} mN"))
+    }
+}
+
+/// Stiffness (mN per count) and largest force (mN) of each block.
+fn blocks(model: &str) -> Result<Vec<[f64; 2]>, String> {
+    let value = |line: &str, key: &str| {
+        let rest = line.split_once(key)?.1.trim_start_matches([' ', '=']);
+        let end = rest.find([',', ' ', '}']).unwrap_or(rest.len());
+        rest[..end].parse::<f64>().ok()
+    };
+    let breakaway = model.lines().find_map(|line| value(line, "breakaway_N"));
+    let breakaway = breakaway.ok_or_else(|| format!("{MODEL} has no breakaway_N"))?;
+    let block = |line| {
+        let stiffness = value(line, "stiffness_N_per_m")? * COUNT * 1e3;
+        Some([stiffness, value(line, "weight")? * breakaway * 1e3])
+    };
+    let blocks: Vec<_> = model.lines().filter_map(block).collect();
+    match blocks.len() {
+        0 => Err(format!("{MODEL} has no blocks")),
+        _ => Ok(blocks),
+    }
+}
+
+/// Printed less computed force (mN) of every line `tick N: at P counts F mN`. Between two lines the motion turns at most once, at a place
+/// that a line tells, so that the places of the lines are all that blocks which stick and slip ask for.
+fn deviations(printed: &str, blocks: &[[f64; 2]]) -> Result<Vec<f64>, String> {
+    let mut forces = vec![0.0_f64; blocks.len()];
+    let (mut last, mut off) = (0.0, Vec::new());
+    for line in printed.lines() {
+        let words: Vec<_> = line.split_whitespace().collect();
+        let ["tick", _, "at", place, "counts", force, "mN"] = words[..] else {
+            return Err(format!("printed `{line}`"));
+        };
+        let number = |word: &str| word.parse::<f64>().map_err(|e| format!("`{word}`: {e}"));
+        let (place, force) = (number(place)?, number(force)?);
+        for (own, [stiffness, limit]) in forces.iter_mut().zip(blocks) {
+            *own = (*own + stiffness * (place - last)).clamp(-limit, *limit);
+        }
+        last = place;
+        off.push(force - forces.iter().sum::<f64>());
+    }
+    match off.len() {
+        LINES => Ok(off),
+        other => Err(format!("printed {other} forces, not {LINES}")),
+    }
+}
