@@ -7,7 +7,6 @@ use preslide_host_tests::dice::Dice;
 use preslide_host_tests::judge::table::{Recording, Table};
 use preslide_host_tests::judge::tool::Tool;
 use preslide_host_tests::made::sines;
-use preslide_host_tests::trials::law::Hysteresis;
 use std::f64::consts::TAU;
 
 const SEED: u64 = 23;
@@ -39,27 +38,31 @@ fn reference(t: f64) -> [f64; 2] {
     [x, v]
 }
 
-/// Friction (N) after a displacement (m).
+/// Friction in units of its level after a displacement in presliding lengths.
 type Law = Box<dyn FnMut(f64) -> f64>;
 
 /// Jenkins elements with uniform yields (Iwan 1966).
 fn jenkins() -> Law {
     const COUNT: usize = 30;
-    let limit = FRICTION_N / COUNT as f64;
-    let block = |i: usize| {
-        let yields = 3.0 * (i as f64 + 0.5) / COUNT as f64 * PRESLIDING_M;
-        (limit / yields, limit)
-    };
-    let blocks: Vec<_> = (0..COUNT).map(block).collect();
-    let mut elements = Hysteresis::of_blocks(&blocks);
-    Box::new(move |dx| elements.step(dx, 0.0, 1.0, 1.0))
+    let mut elements = [0.0; COUNT];
+    Box::new(move |ds| {
+        let shares = elements
+            .iter_mut()
+            .enumerate()
+            .map(|(i, z): (_, &mut f64)| {
+                let limit = 3.0 * (i as f64 + 0.5) / COUNT as f64;
+                *z = (*z + ds).clamp(-limit, limit);
+                *z / limit
+            });
+        shares.sum::<f64>() / COUNT as f64
+    })
 }
 
 fn lugre() -> Law {
     let mut bristle = 0.0;
-    Box::new(move |dx| {
-        bristle = dragged(bristle, dx / PRESLIDING_M);
-        FRICTION_N * bristle
+    Box::new(move |ds| {
+        bristle = dragged(bristle, ds);
+        bristle
     })
 }
 
@@ -106,7 +109,8 @@ impl Joint {
                 let pressed = apart - apart.clamp(-0.5 * self.gap_m, 0.5 * self.gap_m);
                 let touches = f64::from(pressed != 0.0 || self.gap_m == 0.0);
                 let passed = stiffness * pressed + touches * damping * (speeds[0] - speeds[1]);
-                let friction = level * law(speeds[1] * STEP_S);
+                let held = level * law(speeds[1] * STEP_S / PRESLIDING_M);
+                let friction = FRICTION_N * held;
                 speeds[0] += (force - passed) / MOTOR_KG * STEP_S;
                 speeds[1] += (passed - friction) / LOAD_KG * STEP_S;
                 motor += speeds[0] * STEP_S;
