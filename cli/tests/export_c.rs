@@ -480,8 +480,8 @@ fn what_c_needs_and_lacks_is_said() {
     );
     let error = whole("plain", "slip_reserve_i16f16", &[]);
     assert!(error.contains("--count"), "{error}");
-    let error = whole("plain", "slip_reserve_i16f16", &["--count", "50mm"]);
-    assert!(error.contains("a count is far longer"), "{error}");
+    let error = whole("plain", "slip_reserve_i16f16", &["--count", "25"]);
+    assert!(error.contains("give its unit"), "{error}");
     let bound = [
         "--count",
         "25e-9",
