@@ -11,6 +11,7 @@ mod example;
 mod example_riscv;
 mod imports;
 mod judge;
+mod logged;
 mod package;
 mod process;
 mod python;

@@ -76,6 +76,7 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
         println!("{kind}: the second run printed the same bytes");
     }
     hammered(&fixed, long)?;
+    crate::logged::decoded(&rig)?;
     at_the_tool("typed", &fixed)?;
     let pulled = if long { "pulled-everywhere" } else { "pulled" };
     at_the_tool(pulled, &fixed)?;
