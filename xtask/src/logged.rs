@@ -4,8 +4,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
-use crate::process::{output_of, run, run_for};
-use crate::qemu::build_command;
+use crate::process::{output_of, run_for};
 use crate::tools::defmt_print;
 
 /// A run of a second and a half.
@@ -18,18 +17,14 @@ const LINES: [&str; 3] = [
     "WARN request 12: refused: TooFast",
 ];
 
-/// Builds the emulated board with its log, lets it refuse a move and have a fault, and compares what is decoded.
-pub fn decoded(rig: &Path) -> Result<(), String> {
-    let (mut build, elf) = build_command("preslide-qemu")?;
-    // Without it defmt compiles in errors alone.
-    build.env("DEFMT_LOG", "info").args(["--features", "log"]);
-    run(&mut build)?;
+/// Lets the emulated board, built with its log, have a fault and refuse a move, and compares what is decoded.
+pub fn decoded(rig: &Path, elf: &Path) -> Result<(), String> {
     let file = std::env::temp_dir().join(format!("preslide-log-{}", std::process::id()));
-    run_for(Command::new(rig).arg("logged").arg(&elf).arg(&file), LIMIT)?;
+    run_for(Command::new(rig).arg("logged").arg(elf).arg(&file), LIMIT)?;
     let mut print = Command::new(defmt_print()?);
     let told = |error| format!("{}: {error}", file.display());
     let frames = std::fs::read(&file).map_err(told)?;
-    print.args(["--log-format", "{L} {s}", "-e"]).arg(&elf);
+    print.args(["--log-format", "{L} {s}", "-e"]).arg(elf);
     let text = output_of(&mut print, &frames)?;
     let _ = std::fs::remove_file(&file);
     let words = |line: &str| line.split_whitespace().collect::<Vec<_>>().join(" ");
