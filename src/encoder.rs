@@ -241,3 +241,57 @@ impl<S: Scalar> EncoderScale<S> {
         state.velocity
     }
 }
+
+/// A count in the turn, which is passed in one tick at most once.
+#[inline]
+pub(crate) fn within(count: i32, turn: i32) -> i32 {
+    if count < 0 {
+        count.wrapping_add(turn)
+    } else if count >= turn {
+        count.wrapping_sub(turn)
+    } else {
+        count
+    }
+}
+
+/// A position in the turn, of at most 2³⁰ counts: `position.rem_euclid(turn)`, bit by bit. The division of 64 bits that only this would need is
+/// a kilobyte of code, which some boards keep in the memory that they have for the control task.
+pub(crate) fn in_turn(position: i64, turn: i32) -> i32 {
+    let (mut bits, turn) = (position.unsigned_abs(), turn.cast_unsigned());
+    let mut rest = 0_u32;
+    for _ in 0..64 {
+        rest = rest << 1 | (bits >> 63) as u32;
+        bits <<= 1;
+        if rest >= turn {
+            rest -= turn;
+        }
+    }
+    let rest = match position < 0 && rest > 0 {
+        true => turn - rest,
+        false => rest,
+    };
+    rest.cast_signed()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_turn;
+
+    #[test]
+    fn a_place_in_the_turn_is_the_remainder() {
+        let mut seed = 1_u64;
+        for _ in 0..200_000 {
+            seed = seed
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(99);
+            let position = seed.cast_signed() >> (seed % 63);
+            let turn = 2 + (seed >> 20) as i32 % 999_999_999_i32;
+            let turn = turn.unsigned_abs().max(2).cast_signed();
+            assert_eq!(
+                i64::from(in_turn(position, turn)),
+                position.rem_euclid(turn.into())
+            );
+        }
+        assert_eq!(in_turn(i64::MIN, 1_000_000_000), 145_224_192);
+    }
+}

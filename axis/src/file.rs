@@ -37,6 +37,9 @@ struct EncoderTable {
 struct MotorTable {
     torque_constant: f64,
     resistance: f64,
+    /// Whoever leaves it out has it not followed.
+    #[serde(default)]
+    resistance_span: f64,
     inductance: f64,
     gear_ratio: f64,
     screw_lead: f64,

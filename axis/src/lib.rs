@@ -7,7 +7,7 @@
 //! ```
 //!
 //! All values are SI; an axis that turns has rad and N·m. Keys are the fields of [`preslide::control::Axis`], and the names by which
-//! `preslide drive PORT set` knows them. Every key must be there but those of a board, of a notch and of a brake, so that a misspelt one is told and nothing is
+//! `preslide drive PORT set` knows them. Every key must be there but those of a board, of a notch, of a brake and `resistance_span`, so that a misspelt one is told and nothing is
 //! taken from another axis.
 
 use preslide::control::{Axis, Coefficients, NoFriction};

@@ -3,7 +3,7 @@
 //! the stage through nested strokes, hands its telemetry to `preslide capture tcp:127.0.0.1:PORT` and writes what the
 //! stage's friction was; `rig judge REC.csv TRUTH` compares with it what `identify` finds in the capture. `rig record ELF
 //! PLUGIN` has a QEMU plugin watch the motion. `rig wear ELF` lets the stage wear from half way on and asks
-//! whether the firmware notices. `rig guided ELF` has a predictive controller guide the firmware as an outer task, in time and late. `cargo xtask qemu`, `stage` and `cycles` call it.
+//! whether the firmware notices. `rig guided ELF` has a predictive controller guide the firmware as an outer task, in time and late. `rig logged ELF FILE` writes the frames of defmt that a firmware logs. `cargo xtask qemu`, `stage` and `cycles` call it.
 
 use anyhow::{Context, bail, ensure};
 use fixed::types::I16F16;
@@ -15,8 +15,8 @@ use preslide_fit::progress::Progress;
 use preslide_fit::recording::{self, LoadOptions};
 use preslide_link::{RangeCode, Request};
 use preslide_sim::rig::{
-    Guidance, Listener, Notice, Script, TrueCurve, Wear, agreement, guidance, injections, motion,
-    notice, presliding, requests, run,
+    Guidance, Listener, Notice, Script, TrueCurve, Wear, agreement, guidance, injections, logged,
+    motion, notice, presliding, requests, run,
 };
 use preslide_sim::tracking::FIXED_UNITS;
 use std::cell::RefCell;
@@ -103,7 +103,7 @@ fn asked(words: &[&str]) -> anyhow::Result<()> {
                 "{kind}: {agreement:?}, {} reports",
                 record.remains.reports.len()
             );
-            print!("{}", record.remains.log);
+            print!("{}", record.remains.log());
             let bound = if kind.ends_with("fixed") {
                 0
             } else {
@@ -123,6 +123,11 @@ fn asked(words: &[&str]) -> anyhow::Result<()> {
             let model = Learning::<_, Both>::try_new(model, &settings, FIXED_UNITS)?;
             wear(&notice(Path::new(elf), model, FIXED_UNITS, &WEAR)?)?;
         }
+        ["logged", elf, file] => {
+            let record = run(Path::new(elf), &logged(), Listener::File)?;
+            ensure!(!record.broke_off, "the firmware ended early");
+            std::fs::write(file, record.remains.log_bytes).context(file.to_owned())?;
+        }
         ["guided", elf] => guided(Path::new(elf))?,
         ["serve", elf, port, truth] => {
             serve(
@@ -137,7 +142,7 @@ fn asked(words: &[&str]) -> anyhow::Result<()> {
             script.plugin = Some(plugin.to_owned());
             let record = run(Path::new(elf), &script, Listener::File)?;
             if record.broke_off {
-                bail!("the firmware ended early: {}", record.remains.log);
+                bail!("the firmware ended early: {}", record.remains.log());
             }
         }
         ["faults", elf, folder] => faults(Path::new(elf), Path::new(folder), false)?,
@@ -256,7 +261,7 @@ fn serve(elf: &Path, port: u16, truth: &Path) -> anyhow::Result<()> {
         }
     });
     let record = run(elf, &script, Listener::Tcp(port))?;
-    print!("{}", record.remains.log);
+    print!("{}", record.remains.log());
     drop(script);
     let text = serde_json::to_string(&curve.into_inner())?;
     std::fs::write(truth, text).with_context(|| truth.display().to_string())

@@ -1,7 +1,7 @@
 //! `cargo run --release --example track` prints the tracking table; behind `--`: `adaptation`, tracking with and without adaptation of
 //! the friction level; `observer`, the observer's rows
 //! with friction and mass off from its model; `koopman`, every controller tuned alike, Koopman MPC among them, on stages that differ from the model (`koopman-electrical` on the electrical one); `koopman-firmware`, the file for a board's outer task (PRESLIDE_KOOPMAN); `watch`, the watch's false alarms, asked for and measured, and its delays; `dead-time`, what the bridge's dead
-//! time costs and what making up for it wins back; `notch`, what a notch at the drive's first mode buys; `identify`, what a capture says of friction by how the current is sampled.
+//! time costs and what making up for it wins back; `notch`, what a notch at the drive's first mode buys; `winding`, what a warm winding costs and what following its resistance wins back; `identify`, what a capture says of friction by how the current is sampled.
 //!
 //! `--electrical` puts the table on the electrical stage, its dead time known to the controller; not with `--electrical=untold`;
 //! `centre`, `unsynchronised` and `oversampled` in place of `untold` sample the current otherwise than the firmware does. Behind `only`: parts of the names of the rows wanted, as in `only none tanh GMS`.
@@ -13,7 +13,7 @@ use preslide_sim::rig::sensed;
 use preslide_sim::stage::{ElectricalConfig, Sampling, SenseConfig, StageConfig};
 use preslide_sim::tracking::{
     TRACKING_SEEDS, adaptation, dead_time, electrical, koopman, notch, observer, print, table,
-    watch,
+    watch, winding,
 };
 
 fn main() -> anyhow::Result<()> {
@@ -51,6 +51,7 @@ fn main() -> anyhow::Result<()> {
             [&notch::DRIVES, &notch::NOTCHES],
             &TRACKING_SEEDS,
         )?),
+        Some("winding") => winding::print(&winding::study(&settings, &TRACKING_SEEDS)?),
         Some("identify") => sensed::print(&sensed::study()?),
         Some(word) if word.starts_with("--electrical") => {
             stage = electrical(&mut settings, stage);
@@ -58,7 +59,7 @@ fn main() -> anyhow::Result<()> {
             print(&table(&settings, &stage, &only, progress)?)
         }
         Some(other) => bail!(
-            "give `adaptation`, `observer`, `koopman`, `koopman-electrical`, `koopman-firmware`, `watch`, `dead-time`, `notch`, `identify`, `--electrical` or nothing, not `{other}`"
+            "give `adaptation`, `observer`, `koopman`, `koopman-electrical`, `koopman-firmware`, `watch`, `dead-time`, `notch`, `winding`, `identify`, `--electrical` or nothing, not `{other}`"
         ),
     };
     print!("{text}");

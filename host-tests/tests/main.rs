@@ -32,6 +32,7 @@ mod swap;
 mod swing;
 mod tracking;
 mod trials;
+mod winding;
 
 #[test]
 fn every_file_of_tests_runs() {

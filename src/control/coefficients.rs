@@ -1,5 +1,6 @@
 //! From an axis in SI units to the coefficients of a tick, once, outside the interrupt.
 
+use super::winding::Winding;
 use super::{
     Axis, Compensator, Encoder, Fade, Limiter, Monitor, MotorDrive, NotchFilter, NotchState, Pace,
     Pid, VelocitySource,
@@ -30,6 +31,7 @@ pub struct Coefficients<F: Friction> {
     mass: F::Scalar,
     mass_beside: F::Scalar,
     pub(crate) motor: MotorDrive<F::Scalar>,
+    pub(crate) winding: Winding<F::Scalar>,
     /// The nominal supply in whole codes, and what it is of that.
     pub(crate) supply_nominal: i32,
     pub(crate) supply_part: F::Scalar,
@@ -97,9 +99,14 @@ impl<F: Friction> Coefficients<F> {
         // The velocity is measured d ago, so that `K_d·(v_ref − v)` is `K_d·d·a` in a motion without an error: as much mass.
         let per_mass = units.velocity / units.force;
         let mass = not_negative("moving mass", axis.feed_forward.mass)?;
-        let by_delay = match mass > 0.0 && !F::OBSERVES {
-            true => axis.gains.derivative * scale.delay() * sample_time,
-            // Who feeds none forward has what the feedback adds; an observed velocity is of now.
+        // An observed velocity is of now.
+        let delay = match F::OBSERVES {
+            true => 0.0,
+            false => scale.delay() * sample_time,
+        };
+        let by_delay = match mass > 0.0 {
+            true => axis.gains.derivative * delay,
+            // Who feeds none forward has what the feedback adds.
             false => 0.0,
         };
         let sign = |reversed| if reversed { -1 } else { 1 };
@@ -128,6 +135,7 @@ impl<F: Friction> Coefficients<F> {
                     / units.force,
             )?,
             motor,
+            winding: Winding::try_new(axis, units, delay)?,
             supply_nominal: nominal as i32,
             supply_part: to_scalar("supply voltage in codes", codes / nominal)?,
             gentle: limiter.largest().min(monitor.gentle()),
@@ -181,7 +189,7 @@ impl<F: Friction> Coefficients<F> {
     /// `K_i/(K_p·ω)` of the latter, next to nothing there, and a force that holds a load is left as it is. What is fed forward answers the
     /// reference, whose smoothing has little at a mode, and would come late. It is taken off before motor and limiter, so that nothing is
     /// added behind the limit, and learners and observers are told the force that acts.
-    #[inline]
+    #[inline(never)]
     pub(super) fn notched(
         &self,
         state: &mut NotchState<F::Scalar>,

@@ -4,29 +4,14 @@ use super::coefficients::Moment;
 use super::faults::Readings;
 use super::leaving::Leaving;
 use super::reference::saturate;
+use super::winding::WindingState;
 use super::{
-    Coefficients, Condition, Fault, Jog, Measurement, Move, NotchState, Pace, PidState, Reference,
-    Refused, Rounding, Saturation, Suspicion,
+    Coefficients, Command, Condition, Fault, Jog, Measurement, Move, NotchState, Pace, PidState,
+    Reference, Refused, Rounding, Saturation, Suspicion,
 };
-use crate::encoder::EdgeTiming;
+use crate::encoder::{EdgeTiming, in_turn, within};
 use crate::hint::cold_path;
 use crate::{Count, Friction, Motion, Scalar};
-
-/// What a tick decided, raw, for the PWM and the telemetry.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Command {
-    /// PWM code, within ± the limiter's; 0 while not enabled.
-    pub code: i32,
-    /// Position (counts) from the axis's origin: the first reading, or what [`Controller::set_position`] told.
-    pub position: i64,
-    /// Reference position (2⁻¹⁶ counts).
-    pub reference: i64,
-    /// Why the PWM is off, where that is not by order.
-    pub fault: Option<Fault>,
-    /// The bridge is to be driven; where it is not, open: all switches off.
-    pub enabled: bool,
-}
 
 /// Encoder count in, PWM code out.
 ///
@@ -66,6 +51,7 @@ pub struct Controller<F: Friction, C> {
     timing: EdgeTiming<F::Scalar>,
     reference: Reference,
     notch: NotchState<F::Scalar>,
+    winding: WindingState,
     leaving: Option<Leaving<F>>,
 }
 
@@ -83,6 +69,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
             friction: coefficients.compensator.friction().at_rest(),
             rounding: Rounding::new(),
             notch: NotchState::new(),
+            winding: WindingState::new(),
             leaving: None,
             suspicion: Suspicion::default(),
             cut: Saturation::None,
@@ -225,9 +212,8 @@ impl<F: Friction, C: Count> Controller<F, C> {
         self.reference.shift(by);
         self.located = true;
         self.reference.locate(true);
-        let turn = i64::from(self.coefficients.turn);
-        if turn > 0 {
-            self.turn_count = self.position.rem_euclid(turn) as i32;
+        if self.coefficients.turn > 0 {
+            self.turn_count = in_turn(self.position, self.coefficients.turn);
         }
     }
 
@@ -258,6 +244,11 @@ impl<F: Friction, C: Count> Controller<F, C> {
     #[inline]
     pub fn current_at_rest(&self) -> i16 {
         self.suspicion.at_rest()
+    }
+
+    /// The winding's resistance over the one told (2⁻¹⁶), as far as it is followed ([`super::Motor::resistance_span`]).
+    pub fn resistance_share(&self) -> i32 {
+        self.winding.share()
     }
 
     /// What a friction model that learns has to say ([`super::Learning`]).
@@ -294,11 +285,9 @@ impl<F: Friction, C: Count> Controller<F, C> {
         let (new, left) = (&coefficients.compensator, &self.coefficients.compensator);
         let memory = new.friction().take_over(left.friction(), &self.friction);
         let memory = core::mem::replace(&mut self.friction, memory);
+        // Another notch goes on from there: it settles while it has little weight.
         let notch = self.notch.clone();
-        if coefficients.notch != self.coefficients.notch {
-            // It settles while it has little weight.
-            self.notch = NotchState::new();
-        }
+        self.notch.left();
         if self.enabled {
             let added = match &self.leaving {
                 Some(leaving) if self.fades => leaving.added(),
@@ -307,14 +296,11 @@ impl<F: Friction, C: Count> Controller<F, C> {
             let friction = (new != left).then_some(memory);
             // What a lower limit takes from the integral fades, too.
             let added = added.add_input(coefficients.pid.shorten(&mut self.pid));
-            let old = self.coefficients.clone();
-            self.leaving = Some(Leaving::start(
-                old,
-                friction,
-                notch,
-                &coefficients.fade,
-                added,
-            ));
+            let (old, fade) = (self.coefficients.clone(), &coefficients.fade);
+            self.leaving = Some(Leaving::start(old, friction, notch, fade, added));
+        } else {
+            // Another resistance may be told.
+            self.winding = WindingState::new();
         }
         self.coefficients.clone_from(coefficients);
         self.fades = self.enabled;
@@ -430,17 +416,28 @@ impl<F: Friction, C: Count> Controller<F, C> {
         let mut force = feedback.add_input(friction.add_input(c.inertial(acceleration)));
         if c.notch.is_some() {
             cold_path();
-            let taken = c.notched(&mut self.notch, error, velocity_error);
-            force = force.sub_input(taken);
+            force = force.sub_input(c.notched(&mut self.notch, error, velocity_error));
         }
         if !ORDINARY && self.fades {
             force = force.add_input(self.fade(&now(), friction));
         }
         let c = &self.coefficients;
 
+        let mut driven = force;
+        if c.winding.follows() {
+            cold_path();
+            let current = i32::from(measured.current) - i32::from(self.suspicion.at_rest());
+            driven = c.winding.step(
+                &mut self.winding,
+                current,
+                force,
+                velocity_error,
+                acceleration,
+            );
+        }
         let Some(code) = c
             .motor
-            .code(&mut self.rounding, force, wanted.velocity, boost)
+            .code(&mut self.rounding, driven, wanted.velocity, boost)
         else {
             return self.trip(Fault::NotANumber);
         };
@@ -456,6 +453,9 @@ impl<F: Friction, C: Count> Controller<F, C> {
             self.steady = false;
             let (passed, cut) = c.limiter.apply(code);
             self.cut = cut;
+            if cut != Saturation::None {
+                self.winding.cut();
+            }
             lost = c.force(code.wrapping_sub(passed), supply);
             (passed, cut)
         };
@@ -587,20 +587,9 @@ impl<F: Friction, C: Count> Controller<F, C> {
         self.pid = PidState::new();
         self.rounding = Rounding::new();
         self.notch = NotchState::new();
+        self.winding.cut();
         self.fades = false;
         let friction = self.coefficients.compensator.friction();
         friction.release(&mut self.friction);
-    }
-}
-
-/// A count in the turn, which is passed in one tick at most once.
-#[inline]
-fn within(count: i32, turn: i32) -> i32 {
-    if count < 0 {
-        count.wrapping_add(turn)
-    } else if count >= turn {
-        count.wrapping_sub(turn)
-    } else {
-        count
     }
 }

@@ -26,6 +26,7 @@
 
 mod axis;
 mod coefficients;
+mod command;
 mod compensator;
 mod controller;
 mod fade;
@@ -46,11 +47,13 @@ mod pid;
 mod planner;
 mod reference;
 mod smoothing;
+mod winding;
 
 pub use axis::{Axis, Encoder, Limits, Settings};
 pub use coefficients::Coefficients;
+pub use command::Command;
 pub use compensator::{Compensator, FeedForward, NoFriction, VelocitySource};
-pub use controller::{Command, Controller};
+pub use controller::Controller;
 pub use fade::Fade;
 pub use fault_limits::FaultLimits;
 pub use faults::{Fault, Monitor, Suspicion};

@@ -14,6 +14,9 @@ pub struct Motor {
     pub torque_constant: f64,
     /// Terminal resistance `R` (Ω).
     pub resistance: f64,
+    /// How far the winding's resistance may be from that (-), 0…0.6, where it is followed from the sampled current: copper changes it by 0.39 %
+    /// per K. 0 where it is not, or where the board measures no current.
+    pub resistance_span: f64,
     /// Inductance `L` (H), which tells how far the current swings about its mean in a PWM period; 0 where it is not known.
     pub inductance: f64,
     /// Turns of the motor per turn of the screw `n` (-).
@@ -43,6 +46,7 @@ impl Motor {
     pub const PAPER_AXIS: Motor = Motor {
         torque_constant: 6.59e-3,
         resistance: 3.41,
+        resistance_span: 0.0,
         inductance: 75e-6,
         gear_ratio: 1.0,
         screw_lead: 2e-3,

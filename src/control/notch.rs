@@ -85,6 +85,11 @@ impl<S: Scalar> NotchState<S> {
         }
     }
 
+    /// Its filter may be no more: then it takes nothing.
+    pub(super) fn left(&mut self) {
+        self.taken = S::ZERO;
+    }
+
     /// What was to be taken off in the last tick.
     #[inline]
     pub fn taken(&self) -> S {

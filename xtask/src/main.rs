@@ -10,6 +10,7 @@ mod example;
 mod example_riscv;
 mod imports;
 mod judge;
+mod logged;
 mod objdump;
 mod package;
 mod process;

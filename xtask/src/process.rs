@@ -182,7 +182,11 @@ pub fn output(command: &mut Command) -> Result<String, String> {
 }
 
 /// Standard output of a command that reads `input` and must succeed.
-pub fn output_of(command: &mut Command, input: &str) -> Result<String, String> {
+pub fn output_of(
+    command: &mut Command,
+    input: &(impl AsRef<[u8]> + ?Sized),
+) -> Result<String, String> {
+    let input = input.as_ref();
     let line = shown(command);
     let told = |error: std::io::Error| format!("`{line}`: {error}");
     let piped = command.stdin(Stdio::piped()).stdout(Stdio::piped());
@@ -190,7 +194,7 @@ pub fn output_of(command: &mut Command, input: &str) -> Result<String, String> {
     let output = std::thread::scope(|scope| {
         // It may answer before it has read everything.
         if let Some(mut stdin) = child.stdin.take() {
-            scope.spawn(move || stdin.write_all(input.as_bytes()));
+            scope.spawn(move || stdin.write_all(input));
         }
         child.wait_with_output()
     });

@@ -76,6 +76,10 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
         println!("{kind}: the second run printed the same bytes");
     }
     hammered(&fixed, long)?;
+    let (mut logging, elf) = build_command("preslide-qemu")?;
+    // Without it defmt compiles in errors alone.
+    run(logging.env("DEFMT_LOG", "info").args(["--features", "log"]))?;
+    crate::logged::decoded(&rig, &elf)?;
     at_the_tool("typed", &fixed)?;
     let pulled = if long { "pulled-everywhere" } else { "pulled" };
     at_the_tool(pulled, &fixed)?;

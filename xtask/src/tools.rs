@@ -106,24 +106,46 @@ impl Need {
 /// The release of mdBook that makes the book.
 const MDBOOK: &str = "0.5.4";
 
-/// mdBook, built from the registry into a folder of cargo's home, once for all clones: without its server and search it takes a minute.
+/// Reads the log of a firmware; the release of defmt that the firmware has.
+const DEFMT_PRINT: &str = "1.2.0";
+
+/// mdBook: without its server and search it takes a minute.
 pub fn mdbook() -> Result<PathBuf, String> {
+    let reason = "it turns docs/ into pages";
+    installed("mdbook", MDBOOK, "--no-default-features", reason)
+}
+
+/// defmt's own decoder.
+pub fn defmt_print() -> Result<PathBuf, String> {
+    installed(
+        "defmt-print",
+        DEFMT_PRINT,
+        "",
+        "it decodes what a firmware logs",
+    )
+}
+
+/// A program of this version: one on the path, or one built from the registry into a folder of cargo's home, once for all clones.
+fn installed(name: &str, version: &str, more: &str, reason: &str) -> Result<PathBuf, String> {
+    let is_there = |program: &PathBuf| {
+        output(Command::new(program).arg("--version")).is_ok_and(|said| said.contains(version))
+    };
+    if let Some(found) = find(name).filter(is_there) {
+        return Ok(found);
+    }
     let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
     let home = home.or_else(|| Some(std::env::home_dir()?.join(".cargo")));
     let folder = home.ok_or("no home folder")?.join("preslide");
-    let program = folder.join("bin/mdbook");
-    let is_there =
-        || output(Command::new(&program).arg("--version")).is_ok_and(|said| said.contains(MDBOOK));
-    if !is_there() {
+    let program = folder.join("bin").join(name);
+    if !is_there(&program) {
         println!(
-            "installing mdbook {MDBOOK} into {}: it turns docs/ into pages",
+            "installing {name} {version} into {}: {reason}",
             folder.display()
         );
         run_for(
-            cargo(&["install", "mdbook", "--version", MDBOOK])
-                .args(words(
-                    "--locked --debug --no-default-features --force --root",
-                ))
+            cargo(&["install", name, "--version", version])
+                .args(words(more))
+                .args(words("--locked --debug --force --root"))
                 .arg(&folder)
                 .arg("--target-dir")
                 .arg(root().join("target/tools")),

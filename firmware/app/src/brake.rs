@@ -1,36 +1,29 @@
 //! The holding brake: released once the axis is driven, set before it is not.
 
-/// What the brake does, with the ticks that are left of it.
-#[derive(Clone, Copy, PartialEq)]
-pub(crate) enum Brake {
-    /// It holds.
-    Holds,
-    /// It is on its way off; the axis holds its position meanwhile and does not move.
-    Releases(u32),
-    /// It is off.
-    Off,
-    /// It is on its way to hold; the axis is driven until it does.
-    Sets(u32),
+/// What the brake was told, and the ticks until it has done it: meanwhile the axis holds its position and does not move.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Brake {
+    pub(crate) released: bool,
+    ticks: u32,
 }
 
 impl Brake {
-    /// A tick later.
-    pub(crate) fn next(self) -> Self {
-        match self {
-            Brake::Releases(0) => Brake::Off,
-            Brake::Releases(ticks) => Brake::Releases(ticks - 1),
-            Brake::Sets(ticks) => Brake::Sets(ticks.saturating_sub(1)),
-            other => other,
+    /// Told otherwise, which takes so many ticks.
+    pub(crate) fn tell(&mut self, released: bool, ticks: u32) {
+        if self.released != released {
+            *self = Self { released, ticks };
         }
     }
 
-    /// The output is to release it.
-    pub(crate) fn is_released(self) -> bool {
-        matches!(self, Brake::Releases(_) | Brake::Off)
+    /// A tick later; whether it holds from this one on.
+    pub(crate) fn next(&mut self) -> bool {
+        let moves = self.is_moving();
+        self.ticks = self.ticks.saturating_sub(1);
+        moves && !self.is_moving() && !self.released
     }
 
     /// It is on its way.
     pub(crate) fn is_moving(self) -> bool {
-        matches!(self, Brake::Releases(_) | Brake::Sets(_))
+        self.ticks > 0
     }
 }

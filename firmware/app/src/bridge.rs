@@ -13,6 +13,9 @@ pub trait Bridge {
     /// The bridge's own protection has opened it since it was last driven.
     fn is_broken(&mut self) -> bool;
 
+    /// It has limit switches or a brake: without them the control task has no code for any.
+    const GUARDED: bool = false;
+
     /// The limit switches; none where the board has none. What has them and a brake is [`crate::Guarded`].
     #[inline]
     fn limits(&mut self) -> Limits {

@@ -114,7 +114,7 @@ impl<F: Friction> Control<F> {
             opened: None,
             limits: LimitWatch::default(),
             moved: 0,
-            brake: Brake::Holds,
+            brake: Brake::default(),
             brake_delays: [0, 0],
             leaving: false,
             seek: None,
@@ -162,13 +162,13 @@ impl<F: Friction> Control<F> {
     // The inputs one by one: as a structure in memory they would cost the ordinary tick, too.
     #[cold]
     #[inline(never)]
-    fn attended_tick(
+    fn attended_tick<B: Bridge>(
         &mut self,
         count: u32,
         index: Option<u32>,
         [supply, current]: [u16; 2],
         late: bool,
-        bridge: &mut impl Bridge,
+        bridge: &mut B,
     ) {
         let inputs = Inputs {
             count,
@@ -180,19 +180,16 @@ impl<F: Friction> Control<F> {
         // Before the queues are looked at: what comes after that calls again.
         self.shared.calls.store(false, Ordering::Relaxed);
         compiler_fence(Ordering::SeqCst);
-        self.brake_delays = bridge.brake_delays();
-        let limit = self.limits.take(bridge.limits(), self.moved);
-        let opened = if bridge.is_broken() {
-            Some(FaultCode::Bridge)
-        } else {
-            limit
-        };
+        let mut opened = bridge.is_broken().then_some(FaultCode::Bridge);
+        if B::GUARDED {
+            opened = opened.or(self.limits.take(bridge.limits(), self.moved));
+            self.brake_delays = bridge.brake_delays();
+        }
         if opened.is_some() && self.controller.is_enabled() {
             self.opened = opened;
             self.controller.disable();
         }
-        self.brake = self.brake.next();
-        if self.brake == Brake::Sets(0) {
+        if B::GUARDED && self.brake.next() {
             self.controller.disable();
         }
         let ordered = self.orders.ready();
@@ -216,11 +213,14 @@ impl<F: Friction> Control<F> {
         let command = self.controller.any_tick(inputs.measurement());
         self.moved = command.reference.wrapping_sub(before);
         self.attend = self.attends();
+        if B::GUARDED {
+            self.attend |= self.limits.any() || self.brake.is_moving();
+        }
         let tells = ordered || core::mem::take(&mut self.owes_status);
         self.act(inputs, &command, tells, bridge);
-        if command.enabled {
+        if B::GUARDED && command.enabled {
             // Behind the bridge, which then drives already.
-            bridge.release_brake(self.brake.is_released());
+            bridge.release_brake(self.brake.released);
         }
     }
 
@@ -234,7 +234,7 @@ impl<F: Friction> Control<F> {
         } else {
             bridge.open();
             bridge.release_brake(false);
-            self.brake = Brake::Holds;
+            self.brake = Brake::default();
             // One by one, as the inputs above.
             self.tell_stopped(command.position, command.fault, readings, tells);
         }
@@ -264,11 +264,7 @@ impl<F: Friction> Control<F> {
     /// to drop. A move that may begin needs no word: a tick in which it may is never an ordinary one.
     fn attends(&self) -> bool {
         let stale = |(epoch, _): &Planned| *epoch != self.status.epoch;
-        self.orders.ready()
-            || self.seek.is_some()
-            || self.limits.any()
-            || self.brake.is_moving()
-            || self.moves.peek().is_some_and(stale)
+        self.orders.ready() || self.seek.is_some() || self.moves.peek().is_some_and(stale)
     }
 
     /// The next order. Not in the tick, which would then set aside room for it on the stack.
@@ -297,12 +293,7 @@ impl<F: Friction> Control<F> {
                 self.leaving = false;
                 self.new_epoch();
                 self.controller.enable().map_err(|_| Refusal::Faulted)?;
-                if !self.brake.is_released() {
-                    self.brake = match self.brake_delays[0] {
-                        0 => Brake::Off,
-                        ticks => Brake::Releases(ticks),
-                    };
-                }
+                self.brake.tell(true, self.brake_delays[0]);
             }
             Act::Disable => {
                 self.brake();
@@ -453,7 +444,7 @@ impl<F: Friction> Control<F> {
             match self.brake_delays[1] {
                 0 => self.controller.disable(),
                 ticks => {
-                    self.brake = Brake::Sets(ticks);
+                    self.brake.tell(false, ticks);
                     self.attend = true;
                 }
             }

@@ -31,6 +31,8 @@ impl<B, Low, High, Brake> Guarded<B, Low, High, Brake> {
 impl<B: Bridge, Low: InputPin, High: InputPin, Brake: OutputPin> Bridge
     for Guarded<B, Low, High, Brake>
 {
+    const GUARDED: bool = true;
+
     #[inline]
     fn drive(&mut self, code: i32) {
         self.bridge.drive(code);

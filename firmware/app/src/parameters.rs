@@ -53,6 +53,7 @@ table! {
     Disabled "silence" a => Some(&mut a.silence);
     Disabled "motor.torque_constant" a => Some(&mut a.motor.torque_constant);
     Disabled "motor.resistance" a => Some(&mut a.motor.resistance);
+    Disabled "motor.resistance_span" a => Some(&mut a.motor.resistance_span);
     Disabled "motor.inductance" a => Some(&mut a.motor.inductance);
     Disabled "motor.gear_ratio" a => Some(&mut a.motor.gear_ratio);
     Disabled "motor.screw_lead" a => Some(&mut a.motor.screw_lead);

@@ -78,6 +78,8 @@ pub struct Told {
 }
 
 impl Bridge for Told {
+    const GUARDED: bool = true;
+
     fn drive(&mut self, code: i32) {
         self.code = code;
         self.closed = true;

@@ -46,7 +46,7 @@ fn script<'a>(trial: &Trial, run: u64, steps: Vec<Step>) -> Result<Script<'a>, T
 /// [`RigError`] where the run cannot be made.
 pub fn serve(trial: &Trial, elf: &Path, port: u16) -> Result<String, RigError> {
     let script = script(trial, RECORDED, recorded())?;
-    Ok(run(elf, &script, Listener::Tcp(port))?.remains.log)
+    Ok(run(elf, &script, Listener::Tcp(port))?.remains.log())
 }
 
 /// RMS error (m) of the stage's true position over the judged motion, by a firmware whose model was compiled in; `None` where

@@ -62,8 +62,15 @@ pub struct Emulator {
 pub struct Remains {
     /// Everything that came up the telemetry line, frames that could not be read left out.
     pub reports: Vec<Report>,
-    /// What the firmware logged.
-    pub log: String,
+    /// What the firmware logged: text, or frames of defmt where it was built with the feature `log`.
+    pub log_bytes: Vec<u8>,
+}
+
+impl Remains {
+    /// What the firmware logged, as text.
+    pub fn log(&self) -> String {
+        String::from_utf8_lossy(&self.log_bytes).into_owned()
+    }
 }
 
 impl Emulator {
@@ -146,11 +153,11 @@ impl Emulator {
             }
             std::thread::sleep(Duration::from_millis(2));
         }
-        let log = output(&mut self.child);
+        let log_bytes = output(&mut self.child);
         // Where the telemetry went elsewhere, there is no file.
         let file = std::fs::File::open(self.folder.path().join(TELEMETRY));
         let reports = file.map_or(Vec::new(), heard);
-        Remains { reports, log }
+        Remains { reports, log_bytes }
     }
 
     fn step(&self, result: std::io::Result<()>) -> Result<(), RigError> {
@@ -169,13 +176,13 @@ impl Drop for Emulator {
     }
 }
 
-fn output(child: &mut Child) -> String {
-    let mut text = String::new();
+fn output(child: &mut Child) -> Vec<u8> {
+    let mut bytes = Vec::new();
     if let Some(mut log) = child.stderr.take() {
         // What cannot be read is not there.
-        let _ = log.read_to_string(&mut text);
+        let _ = log.read_to_end(&mut bytes);
     }
-    text
+    bytes
 }
 
 /// What a telemetry file holds; what cannot be read ends it.

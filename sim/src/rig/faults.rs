@@ -9,6 +9,18 @@ use std::path::Path;
 /// The tick of the injection.
 const AT: u64 = 2000;
 
+/// A run that has something to log: a fault, its end, and a move faster than its limit.
+pub fn logged() -> Script<'static> {
+    let fast = Request::Move {
+        distance_m: 1e-4,
+        speed_m_s: 1.0,
+        ramp_s: 0.1,
+    };
+    let mut script = encoder_jump().send(AT + 600, &[fast]);
+    script.ticks = AT + 1000;
+    script
+}
+
 /// One fault.
 pub struct Injection {
     /// Name of the golden file.
@@ -309,7 +321,7 @@ impl Injection {
         }
         // The stack's use is the build's, not the fault's.
         let told = |line: &&str| !line.is_empty() && !line.starts_with("stack");
-        for line in record.remains.log.lines().filter(told) {
+        for line in record.remains.log().lines().filter(told) {
             let _ = writeln!(text, "log: {line}");
         }
         Ok(text)

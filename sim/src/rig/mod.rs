@@ -11,7 +11,7 @@ mod wear;
 
 pub use agreement::{Agreement, agreement, motion, samples};
 pub use emulator::{Emulator, Listener, Remains, RigError};
-pub use faults::{Injection, injections};
+pub use faults::{Injection, injections, logged};
 pub use outer::{Guidance, guidance};
 pub use run::{ByTick, CALIBRATED, Record, Script, frame, registers, requests, run};
 pub use sensed::telemetry;

@@ -120,6 +120,6 @@ pub fn notice<F: Friction>(
         faults: samples(&record)
             .filter(|sample| sample.fault.is_some())
             .count(),
-        log: record.remains.log,
+        log: record.remains.log(),
     })
 }

@@ -215,6 +215,11 @@ impl<F: Friction> Axis<F> {
         self.controller.condition()
     }
 
+    /// The winding's resistance over the one told, as the controller follows it.
+    pub fn resistance_share(&self) -> f64 {
+        f64::from(self.controller.resistance_share()) / 65536.0
+    }
+
     /// The friction model's memory.
     pub fn friction_state(&mut self) -> &mut F::State {
         self.controller.friction_state()

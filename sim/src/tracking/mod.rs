@@ -17,6 +17,7 @@ mod rivals;
 mod score;
 mod simplex;
 pub mod watch;
+pub mod winding;
 
 pub use axis::{Axis, Instant, Step, TrackingError, electrical};
 pub use circle::Circle;

@@ -4,6 +4,8 @@
 #![no_main]
 
 mod device;
+#[cfg(feature = "log")]
+mod logger;
 mod memory;
 mod registers;
 mod stage;

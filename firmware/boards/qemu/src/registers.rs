@@ -69,6 +69,9 @@ impl HostFile {
     pub const INPUT: &'static Self = &INPUT;
     /// QEMU's standard output.
     pub const OUTPUT: &'static Self = &OUTPUT;
+    /// QEMU's standard error.
+    #[cfg(feature = "log")]
+    pub const ERROR: &'static Self = &ERROR;
 
     fn handle(&self) -> usize {
         let known = self.handle.load(Ordering::Relaxed);
@@ -121,6 +124,13 @@ static INPUT: HostFile = HostFile {
 
 static OUTPUT: HostFile = HostFile {
     name: c"/dev/stdout",
+    mode: nr::open::W_TRUNC_BINARY,
+    handle: AtomicUsize::new(0),
+};
+
+#[cfg(feature = "log")]
+static ERROR: HostFile = HostFile {
+    name: c"/dev/stderr",
     mode: nr::open::W_TRUNC_BINARY,
     handle: AtomicUsize::new(0),
 };

@@ -30,7 +30,7 @@ use serde::{Deserialize, Serialize};
 pub use winding::{Bridge, Passed, Winding};
 
 /// Copper's change of resistance [1/K], of the value at 20 °C (IEC 60028: 0.00393 for annealed copper).
-const COPPER_PER_K: f64 = 0.003_93;
+pub const COPPER_PER_K: f64 = 0.003_93;
 
 /// Temperature at which the motor's resistance is told \[°C\].
 const TOLD_C: f64 = 20.0;
