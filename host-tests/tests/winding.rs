@@ -74,10 +74,10 @@ fn found<S: Scalar>(units: Units, span: f64, share: f64, newtons: f64, noise: i1
 proptest! {
     #![proptest_config(ProptestConfig { cases: 12, ..ProptestConfig::default() })]
 
-    /// Within half a percent where it may go there, in both arithmetics alike, and found in 2 s of a fifth of the rated current or more; held at
-    /// the span's end where it may not.
+    /// Within half a percent where it may go there, in both arithmetics alike, and found in 2 s of a fifth of the rated current or more, of which
+    /// the least force asks in the warmest winding; held at the span's end where it may not.
     #[test]
-    fn the_resistance_is_found(share in 0.75..1.45_f64, newtons in 3.0..6.0_f64) {
+    fn the_resistance_is_found(share in 0.75..1.45_f64, newtons in 4.3..6.0_f64) {
         let (float, after) = found::<f32>(Units::SI, 0.6, share, newtons, 16);
         let (fixed, _) = found::<I16F16>(FIXED_UNITS, 0.6, share, newtons, 16);
         prop_assert!((float - share).abs() < 0.005 && (fixed - share).abs() < 0.005, "{float} {fixed} for {share}");
