@@ -21,9 +21,9 @@ macro_rules! say {
     ($($line:tt)*) => { $crate::heard::say_line(format_args!($($line)*)) };
 }
 
-/// Prints sentences for the user, in lines of a terminal.
+/// Prints sentences for the user: in lines of a terminal where it is one, and whole for whoever reads them otherwise.
 macro_rules! explain {
-    ($($line:tt)*) => { say!("{}", $crate::heard::folded(&format!($($line)*))) };
+    ($($line:tt)*) => { say!("{}", $crate::heard::for_reader(format!($($line)*))) };
 }
 
 /// Tells the user something beside the answer, on stderr.
@@ -77,13 +77,23 @@ fn give(line: &impl Fn(&mut Answer)) -> bool {
     CALLED.with_borrow_mut(|called| called.as_mut().map(line).is_some())
 }
 
-/// Columns at which sentences are broken.
+/// Columns at which sentences are broken at most.
 const WIDTH: usize = 100;
 /// How lines begin that are to be copied as they stand.
 const WHOLE: [&str; 3] = ["Next: ", "Try: ", "preslide "];
 
-/// Sentences in lines of [`WIDTH`]; tables and commands stay as they are.
-pub(super) fn folded(text: &str) -> String {
+/// The work of `explain!`.
+pub(super) fn for_reader(text: String) -> String {
+    use std::io::IsTerminal;
+    let on_terminal = CALLED.with_borrow(Option::is_none) && std::io::stdout().is_terminal();
+    match on_terminal {
+        true => folded(&text, WIDTH.min(textwrap::termwidth())),
+        false => text,
+    }
+}
+
+/// Sentences in lines of a width; tables and commands stay as they are.
+fn folded(text: &str, width: usize) -> String {
     let fold = |line: &str| {
         let words = line.trim_start();
         let is_table = words.contains("  ") || words.contains(['│', '─']);
@@ -91,7 +101,7 @@ pub(super) fn folded(text: &str) -> String {
             return line.to_owned();
         }
         let margin = " ".repeat(line.len() - words.len());
-        let options = textwrap::Options::new(WIDTH)
+        let options = textwrap::Options::new(width)
             .initial_indent(&margin)
             .subsequent_indent(&margin)
             .break_words(false)
@@ -152,7 +162,7 @@ mod tests {
     fn sentences_are_broken_between_words_and_nothing_else_is() {
         let words = "the friction of this axis is 12.3 mN ± 0.4 mN and falls with the speed";
         let long = [words; 4].join(", ");
-        let broken = folded(&long);
+        let broken = folded(&long, WIDTH);
         assert!(broken.lines().count() > 2 && broken.lines().all(|l| l.chars().count() <= WIDTH));
         assert_eq!(broken.replace('\n', " "), long);
         assert!(
@@ -163,9 +173,9 @@ mod tests {
         let command = format!("  preslide diagnose {}", "file.csv ".repeat(20));
         let row = "─".repeat(2 * WIDTH);
         for whole in [command.as_str(), row.as_str()] {
-            assert_eq!(folded(whole), whole);
+            assert_eq!(folded(whole, WIDTH), whole);
         }
-        let indented = folded(&format!("  {long}"));
+        let indented = folded(&format!("  {long}"), WIDTH);
         assert!(indented.lines().all(|l| l.starts_with("  ")));
     }
 }

@@ -28,7 +28,7 @@ pub static PERIODIC_FORCE: Periodic = Periodic {
     card: Card {
         id: form::PERIODIC_FORCE.id,
         name: "cogging or torque ripple",
-        words: "a force with a fixed period in position: cogging or torque ripple",
+        words: "a force with a fixed period in position",
         class: Class::Place,
         axis: Axis::Position,
         experiment: "slow constant-speed passes at two speeds and with the motor off (pushed): cogging stays",
