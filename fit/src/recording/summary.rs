@@ -101,7 +101,9 @@ pub(super) fn count(values: &[f64]) -> Option<f64> {
     }
     let whole = |s: &f64| (s / least).round();
     let both: f64 = short.iter().map(|s| s * whole(s)).sum();
-    Some(both / short.iter().map(|s| whole(s).powi(2)).sum::<f64>())
+    let count = both / short.iter().map(|s| whole(s).powi(2)).sum::<f64>();
+    // To the digits that the steps support.
+    format!("{count:.6e}").parse().ok()
 }
 
 /// A number of counts for people: 812, 49.2 k, 4.9 M.
