@@ -85,6 +85,7 @@ def _run(command, arguments, folder, progress, makes=None, fails=True):
     said, told, failure = run(arguments, progress)
     # Files of our own are nobody's business.
     own = str(folder) + os.sep
+    said = said.replace(f" --model {made}", "")
     kept = [line for line in said.splitlines(keepends=True) if not any(file and str(file) in line for file in (made, code))]
     said, told = "".join(kept).replace(own, ""), [line.replace(own, "") for line in told if not line.startswith("wrote ")]
     result = None
