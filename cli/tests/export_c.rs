@@ -441,8 +441,15 @@ fn bad_input_is_bounded_and_nothing_is_undefined() {
 #[test]
 fn what_c_needs_and_lacks_is_said() {
     let model = |name: &str| file(&format!("{name}.toml")).display().to_string();
+    // What is written by mistake is not written beside the sources.
+    let folder = tempfile::tempdir().expect("temporary folder");
     let refused = |arguments: &[&str]| {
-        let run = export(arguments);
+        let run = Command::new(env!("CARGO_BIN_EXE_preslide"))
+            .current_dir(folder.path())
+            .arg("export")
+            .args(arguments)
+            .output()
+            .expect("the binary runs");
         assert_eq!(run.status.code(), Some(2), "{arguments:?}");
         text(&run.stderr)
     };
@@ -480,8 +487,17 @@ fn what_c_needs_and_lacks_is_said() {
     );
     let error = whole("plain", "slip_reserve_i16f16", &[]);
     assert!(error.contains("--count"), "{error}");
-    let error = whole("plain", "slip_reserve_i16f16", &["--count", "25"]);
+    let error = whole("plain", "slip_reserve_i16f16", &["--count", "1e4"]);
     assert!(error.contains("give its unit"), "{error}");
+    let plain = std::fs::read_to_string(model("plain")).expect("readable");
+    let stiff = plain
+        .replace("113948.0", "113948e6")
+        .replace("8870.0", "8870e6");
+    std::fs::write(folder.path().join("stiff.toml"), stiff).expect("written");
+    let mut own = vec!["stiff.toml", "--lang", "c", "-o", "stage_model.c"];
+    own.extend(["--kernel", "slip_reserve_i16f16", "--count", "50mm"]);
+    let error = refused(&own);
+    assert!(error.contains("a count is far longer"), "{error}");
     let bound = [
         "--count",
         "25e-9",

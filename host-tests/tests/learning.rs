@@ -361,10 +361,7 @@ fn nested<F: Friction>(friction: F, stage_level: f64) -> (f64, Option<f64>) {
         Axis::try_new(&settings, friction, Units::SI, repeatable(101)).expect("a valid axis");
     let set = axis.stage_mut().set_friction_level(stage_level);
     set.expect("a level above zero");
-    let moves: Vec<_> = motions::nested_triangles()
-        .iter()
-        .map(|step| step.plan(&settings).expect("a valid move"))
-        .collect();
+    let moves = Step::plan_all(&motions::nested_triangles(), &settings).expect("valid moves");
     let mut tracking = Tracking::default();
     axis.follow(&moves, |now| tracking.add(&now, settings.encoder.count));
     let level = axis.condition().level.map(Scalar::to_f64);

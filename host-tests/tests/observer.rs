@@ -184,8 +184,7 @@ fn nested<F: Friction>(settings: &Settings, model: F, units: Units, level: f64, 
     stage.mass_kg += kg;
     let mut axis = Axis::try_new(settings, model, units, stage).expect("a valid axis");
     (axis.stage_mut().set_friction_level(level)).expect("above zero");
-    let plan = |step: &Step| step.plan(settings).expect("a valid move");
-    let moves: Vec<_> = motions::nested_triangles().iter().map(plan).collect();
+    let moves = Step::plan_all(&motions::nested_triangles(), settings).expect("valid moves");
     let mut tracking = Tracking::default();
     axis.follow(&moves, |now| tracking.add(&now, settings.encoder.count));
     tracking.rms_m().expect("no fault")

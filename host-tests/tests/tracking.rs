@@ -23,10 +23,7 @@ fn rms_m<F: Friction>(settings: Settings, friction: F, units: Units, steps: &[St
         ..StageConfig::default()
     };
     let mut axis = Axis::try_new(&settings, friction, units, stage).expect("a valid axis");
-    let moves: Vec<_> = steps
-        .iter()
-        .map(|step| step.plan(&settings).expect("a valid move"))
-        .collect();
+    let moves = Step::plan_all(steps, &settings).expect("valid moves");
     let mut tracking = Tracking::default();
     axis.follow(&moves, |now| tracking.add(&now, settings.encoder.count));
     tracking.rms_m().expect("no fault")

@@ -89,13 +89,7 @@ impl Demo {
             file("recording.csv"),
             file("model.toml")
         );
-        say!(
-            "{}\n",
-            story
-                .diagnosis
-                .verdict_clauses(story.recording)
-                .join(";\n  ")
-        );
+        explain!("{}\n", story.diagnosis.verdict_lines(story.recording));
         say!("{}", story.diagnosis.budget_text(story.recording));
         explain!("{}", story.diagnosis.recommendation(story.recording));
         say!(

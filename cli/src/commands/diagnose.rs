@@ -117,7 +117,7 @@ impl Diagnose {
             Err(refusal) => return Err(refusal.into()),
         };
         progress.finish();
-        explain!("{}\n", found.verdict_clauses(&recording).join(";\n  "));
+        explain!("{}\n", found.verdict_lines(&recording));
         if let Some(fit) = found.fit_words(&recording) {
             explain!("Note: {fit}.\n");
         }

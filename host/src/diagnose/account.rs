@@ -243,11 +243,12 @@ impl Diagnosis {
     /// The fit that every command reports, and why what the diagnosis begins with is another figure.
     pub fn fit_words(&self, recording: &Recording) -> Option<String> {
         let fit = self.fit.as_ref()?;
-        let words = fit.words(recording);
         // Why there is none the verdict says.
-        let said = self.doubt.is_some();
+        if !fit.is_found() && self.doubt.is_some() {
+            return None;
+        }
+        let words = fit.words(recording);
         Some(match fit.is_found() {
-            false if said => return None,
             true => format!(
                 "{words}; the diagnosis begins with {}: stretches in motion only, with as many blocks as they support",
                 left(self.baseline.test)

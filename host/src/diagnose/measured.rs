@@ -105,7 +105,8 @@ pub(super) fn measured(
 }
 
 /// The extended hypothesis, in which every confident effect improves the prediction of what is held out, by `least` (NMSE, %), or more than the
-/// target itself is off: one that does not is no longer confident, the worst first.
+/// target itself is off: one that does not is no longer confident, the worst first. A line or a narrow place may do so beside what has no name,
+/// which it was found beside: a smooth curve that is missing there is larger than it, and shares nothing with it.
 fn shown(found: &Found, kept: &[Term], least: f64, effects: &mut [Named]) -> Option<Hypothesis> {
     let least = match found.null.core.corrects {
         true => found.null.rows.missed.max(NEGLIGIBLE),

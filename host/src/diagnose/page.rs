@@ -313,7 +313,7 @@ impl Diagnosis {
                 let soft = matches!(e.name, Name::Hysteresis).then(|| self.too_soft()).flatten();
                 return format!(
                     "{} ({}): {}. It would explain {:.1} % of what is left, at {:.1} standard errors.",
-                    e.id(), e.level(), soft.unwrap_or_else(|| e.name.words().to_owned()), 100.0 * e.evidence.share, e.evidence.z
+                    capital(&e.called(recording)), e.level(), soft.unwrap_or_else(|| e.name.words().to_owned()), 100.0 * e.evidence.share, e.evidence.z
                 );
             };
             let tried: Vec<String> = report
@@ -323,7 +323,7 @@ impl Diagnosis {
                 .collect();
             format!(
                 "{} ({}): {}. It explains {:.1} % of what is left without it, on stretches that its fit has not seen, at {:.1} standard errors over {:.0} stretches. Of its share others in its place explain: {}. To decide: {}.",
-                e.id(), e.level(), e.name.words(), 100.0 * e.evidence.share, e.evidence.z, e.evidence.blocks,
+                capital(&e.called(recording)), e.level(), e.name.words(), 100.0 * e.evidence.share, e.evidence.z, e.evidence.blocks,
                 if tried.is_empty() { "nothing comparable".to_owned() } else { tried.join(", ") },
                 e.name.experiment()
             )

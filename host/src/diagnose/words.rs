@@ -15,8 +15,8 @@ use preslide_fit::report::figures::{
 };
 use preslide_fit::statistics::quantile_between_ranks;
 
-/// NMSE (%) from which what is left without a name is no trifle: a twentieth of the effort's deviation.
-const MATERIAL: f64 = 0.25;
+/// NMSE (%) up to which what is left without a name is a trifle: a twentieth of the effort's deviation.
+const TRIFLE: f64 = 0.25;
 /// A force is called a change of the friction level where this share of its squares goes with, or against, the direction.
 const WITH_DIRECTION: f64 = 0.8;
 
@@ -310,8 +310,13 @@ impl Diagnosis {
         self.verdict_clauses(recording).join("; ")
     }
 
-    /// Its clauses: the verdict itself, and what is to be said beside it.
-    pub fn verdict_clauses(&self, recording: &Recording) -> Vec<String> {
+    /// The same with a clause a line.
+    pub fn verdict_lines(&self, recording: &Recording) -> String {
+        self.verdict_clauses(recording).join(";\n  ")
+    }
+
+    /// The verdict itself, and what is to be said beside it.
+    fn verdict_clauses(&self, recording: &Recording) -> Vec<String> {
         let between = self.unrepeated.filter(|u| *u > 0.0);
         let between = between.map_or(String::new(), |u| {
             format!(", {} varying between repeats", left(u))
@@ -327,7 +332,7 @@ impl Diagnosis {
                 "consistent: no difference larger than {} of the variance ({figures})",
                 left(self.baseline.test.max(self.null.rows.missed))
             ),
-            Verdict::Consistent if self.not_explained() > MATERIAL => format!(
+            Verdict::Consistent if self.not_explained() > TRIFLE => format!(
                 "consistent: nothing of the catalogue is missing, but {} of the variance are neither noise nor explained ({figures})",
                 left(self.not_explained())
             ),

@@ -5,7 +5,7 @@ use crate::rig::telemetry;
 use crate::stage::Stage;
 use crate::tracking::{Axis, Step, Tracking, TrackingError};
 use anyhow::Context;
-use preslide::control::{Move, NoFriction, Settings};
+use preslide::control::{NoFriction, Settings};
 use preslide::{Friction, Units};
 use preslide_fit::friction::Visitor;
 use preslide_fit::identify::{Options, STEPS, identify};
@@ -40,11 +40,6 @@ pub fn record(trial: &Trial) -> anyhow::Result<String> {
         || {},
     )?;
     Ok(String::from_utf8(csv)?)
-}
-
-fn plan(steps: &[Step], settings: &Settings) -> Result<Vec<Move>, TrackingError> {
-    let plan = |step: &Step| step.plan(settings);
-    Ok(steps.iter().map(plan).collect::<Result<Vec<_>, _>>()?)
 }
 
 /// How the judged motion was followed.
@@ -109,7 +104,7 @@ impl Visitor for Closed {
         let mut axis = Axis::on(&settings, model, Units::SI, self.stage)?;
         let mut followed = Followed::default();
         let mut tick = 0;
-        axis.follow(&plan(&self.steps, &settings)?, |now| {
+        axis.follow(&Step::plan_all(&self.steps, &settings)?, |now| {
             tick += 1;
             followed.error.add_true(&now, settings.encoder.count);
             if tick % EVERY == 0 {

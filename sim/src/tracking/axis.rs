@@ -68,6 +68,14 @@ impl Step {
             Step::Dwell(time_s) => Move::dwell(time_s, settings.sample_time()),
         }
     }
+
+    /// Several, one after the other.
+    ///
+    /// # Errors
+    /// As of [`Step::plan`].
+    pub fn plan_all(steps: &[Self], settings: &Settings) -> Result<Vec<Move>, ParamError> {
+        steps.iter().map(|step| step.plan(settings)).collect()
+    }
 }
 
 /// What one tick looked like from outside.

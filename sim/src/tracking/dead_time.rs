@@ -109,8 +109,7 @@ fn errors<S: Scalar + Send + Sync>(
         ..StageConfig::default()
     };
     let rms = |steps: Vec<Step>| {
-        let plan = |step: &Step| step.plan(settings);
-        let moves = steps.iter().map(plan).collect::<Result<Vec<_>, _>>()?;
+        let moves = Step::plan_all(&steps, settings)?;
         let mut tracking = Tracking::default();
         for &seed in seeds {
             let stage = StageConfig {

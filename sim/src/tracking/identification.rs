@@ -40,10 +40,7 @@ impl Experiment {
         let force_per_ampere = settings.motor.torque_constant * settings.motor.transmission();
         let mut axis = Axis::try_new(settings, NoFriction::<f64>::new(), Units::SI, stage)?;
         let steps = motions::identification();
-        let moves = steps
-            .iter()
-            .map(|step| step.plan(settings))
-            .collect::<Result<Vec<_>, _>>()?;
+        let moves = Step::plan_all(&steps, settings)?;
         let slow_steps: Vec<bool> = steps
             .iter()
             .map(|step| matches!(step, Step::Move { speed_m_s, .. } if *speed_m_s < 0.2e-3))

@@ -211,10 +211,7 @@ impl Benchmark<'_> {
             axis.follow(moves, observe);
             Ok::<_, TrackingError>(())
         };
-        let plan = |steps: Vec<Step>| {
-            let plan = |step: &Step| step.plan(settings);
-            steps.iter().map(plan).collect::<Result<Vec<_>, _>>()
-        };
+        let plan = |steps: Vec<Step>| Step::plan_all(&steps, settings);
         let (count, sample_time) = (settings.encoder.count, settings.sample_time());
         for seed in TRACKING_SEEDS {
             follow(&plan(motions::nested_triangles())?, seed, &mut |now| {

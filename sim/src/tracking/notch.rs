@@ -4,7 +4,7 @@
 use super::observer::mode_hz;
 use super::{Axis, Perfect, Step, Tracking, TrackingError, motions};
 use crate::stage::{Stage, StageConfig};
-use preslide::control::{Move, NoFriction, Notch, Settings};
+use preslide::control::{NoFriction, Notch, Settings};
 use preslide::{Scalar, Units};
 use rayon::prelude::*;
 use std::fmt::Write as _;
@@ -113,7 +113,7 @@ fn errors<S: Scalar>(
     stages: &[StageConfig],
     units: Units,
 ) -> Result<Errors, TrackingError> {
-    let moves = plan(settings, motions::nested_triangles())?;
+    let moves = Step::plan_all(&motions::nested_triangles(), settings)?;
     let [mut alone, mut fed] = [Tracking::default(), Tracking::default()];
     for stage in stages {
         let count = settings.encoder.count;
@@ -137,11 +137,6 @@ fn scaled(settings: &Settings, by: f64) -> Settings {
     scaled
 }
 
-fn plan(settings: &Settings, steps: Vec<Step>) -> Result<Vec<Move>, TrackingError> {
-    let planned = steps.iter().map(|step| step.plan(settings));
-    Ok(planned.collect::<Result<_, _>>()?)
-}
-
 /// In a slide, where no contact damps, and in the rest after it.
 fn rings<S: Scalar>(
     settings: &Settings,
@@ -150,7 +145,7 @@ fn rings<S: Scalar>(
 ) -> Result<bool, TrackingError> {
     let mut steps = motions::slide();
     steps.push(Step::Dwell(0.3));
-    let moves = plan(settings, steps)?;
+    let moves = Step::plan_all(&steps, settings)?;
     let mut axis = Axis::try_new(settings, NoFriction::<S>::new(), units, stage.clone())?;
     let limit = (settings.duty_limit * f64::from(settings.hardware.steps)) as i32;
     let (mut ticks, mut cut, mut fault) = (0_u32, 0_u32, false);

@@ -6,7 +6,7 @@
 //! whose height depends on the acceleration at the reversal, and what they learn on the machine.
 
 use super::simplex::minimise;
-use super::{Axis, Experiment, Tracking, TrackingError, motions};
+use super::{Axis, Experiment, Step, Tracking, TrackingError, motions};
 use crate::stage::StageConfig;
 use preslide::control::{Coefficients, Controller, Move, NoFriction, Reference, Settings};
 use preslide::{Friction, Motion, Units};
@@ -188,10 +188,7 @@ fn tune<F: Friction>(
     start: [f64; 3],
     build: impl Fn(&[f64; 3], &Arc<[f32]>) -> F,
 ) -> Result<[f64; 3], TrackingError> {
-    let moves = motions::identification()
-        .iter()
-        .map(|step| step.plan(settings))
-        .collect::<Result<Vec<_>, _>>()?;
+    let moves = Step::plan_all(&motions::identification(), settings)?;
     let velocities = velocities(settings, &moves)?;
     let stage = StageConfig {
         substeps: SUBSTEPS,

@@ -73,16 +73,13 @@ fn strokes<S: Scalar>(
     }
     settings.motor.resistance_span = if follows { SPAN } else { 0.0 };
     let limits = settings.limits;
-    let moves = (0..LEARNT + JUDGED)
-        .map(|stroke| {
-            let step = Step::Move {
-                distance_m: if stroke % 2 == 0 { 2e-3 } else { -2e-3 },
-                speed_m_s: limits.speed,
-                ramp_s: limits.speed / limits.acceleration,
-            };
-            step.plan(&settings)
-        })
-        .collect::<Result<Vec<_>, _>>()?;
+    let stroke = |n: usize| Step::Move {
+        distance_m: if n.is_multiple_of(2) { 2e-3 } else { -2e-3 },
+        speed_m_s: limits.speed,
+        ramp_s: limits.speed / limits.acceleration,
+    };
+    let strokes: Vec<Step> = (0..LEARNT + JUDGED).map(stroke).collect();
+    let moves = Step::plan_all(&strokes, &settings)?;
     let (mut tracking, mut found) = (Tracking::default(), f64::NAN);
     for &seed in seeds {
         let stage = StageConfig {

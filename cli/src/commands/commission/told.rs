@@ -70,7 +70,7 @@ impl Told {
 
     /// On the terminal, as `preslide diagnose` says it.
     pub fn say(&self) {
-        say!("\n{}\n", self.diagnosis.verdict_words(&self.recording));
+        explain!("\n{}\n", self.diagnosis.verdict_lines(&self.recording));
         say!("{}", self.diagnosis.budget_text(&self.recording));
         if let Some(possible) = self.diagnosis.possible_words(&self.recording) {
             say!("{possible}.\n");

@@ -316,9 +316,7 @@ impl Known {
         let which = self
             .learnt()
             .position(|(predictive, _)| predictive == contender)?;
-        let moves = motions::rest();
-        let moves = moves.iter().map(|step| step.plan(&self.settings));
-        let moves = moves.collect::<Result<Vec<_>, _>>().ok()?;
+        let moves = Step::plan_all(&motions::rest(), &self.settings).ok()?;
         let (_, task) = self.predictive(which, p, &moves).ok()?;
         Some(task.contraction())
     }
@@ -370,9 +368,7 @@ impl Known {
         if let Some(ringing) = self.rings(contender, p, GAIN) {
             return RINGING_M + ringing;
         }
-        let moves = motions::identification();
-        let moves = moves.iter().map(|step| step.plan(&self.settings));
-        let Ok(moves) = moves.collect::<Result<Vec<_>, _>>() else {
+        let Ok(moves) = Step::plan_all(&motions::identification(), &self.settings) else {
             return f64::INFINITY;
         };
         let of = |more_kg: f64| {

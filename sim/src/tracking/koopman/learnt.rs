@@ -3,7 +3,7 @@
 use super::outer::{Outer, Sample, Task};
 use super::{BLOCKS, DELAYS, Lift, Model, STATES};
 use crate::stage::StageConfig;
-use crate::tracking::{Axis, TrackingError, motions};
+use crate::tracking::{Axis, Step, TrackingError, motions};
 use nalgebra::{DMatrix, DVector};
 use preslide::control::Settings;
 use preslide::{Friction, Units};
@@ -121,10 +121,7 @@ fn shaken<F: Friction<Scalar = f32>>(
 ) -> Result<Vec<Sample>, TrackingError> {
     let outer = Outer::try_new(friction, 2.0 * ADDED_N, Shake)?;
     let mut axis = Axis::try_new(settings, outer, Units::SI, stage)?;
-    let moves = motions::identification()
-        .iter()
-        .map(|step| step.plan(settings))
-        .collect::<Result<Vec<_>, _>>()?;
+    let moves = Step::plan_all(&motions::identification(), settings)?;
     let mut fault = None;
     for _ in 0..=FITTED {
         axis.follow(&moves, |now| fault = fault.or(now.command.fault));

@@ -4,7 +4,7 @@ use super::outer::{Outer, Sample, Task};
 use super::predictive::Predictive;
 use super::{FORCE_N, TICKS};
 use crate::stage::StageConfig;
-use crate::tracking::{Axis, Tracking, motions};
+use crate::tracking::{Axis, Step, Tracking, motions};
 use preslide::control::{Axis as Settings, NoFriction};
 use preslide::{Friction, Units};
 
@@ -49,9 +49,7 @@ fn follow<F: Friction>(
         seed: 101,
         ..axis().1
     };
-    let moves: Vec<_> = (motions::nested_triangles().iter())
-        .map(|step| step.plan(settings).expect("planned"))
-        .collect();
+    let moves = Step::plan_all(&motions::nested_triangles(), settings).expect("planned");
     let mut axis = Axis::try_new(settings, friction, Units::SI, stage).expect("built");
     let mut tracking = Tracking::default();
     let mut ticks = 0;
@@ -72,9 +70,7 @@ fn an_outer_task_removes_most_of_the_error_and_its_absence_harms_nothing() {
     let learnt = learn(&settings, none(), stage, &yields, false).expect("learnt");
     println!("{:?} of {} m", learnt.errors_m, learnt.size_m);
     assert!(learnt.errors_m[1] < 0.1 * learnt.size_m);
-    let moves: Vec<_> = (motions::nested_triangles().iter())
-        .map(|step| step.plan(&settings).expect("planned"))
-        .collect();
+    let moves = Step::plan_all(&motions::nested_triangles(), &settings).expect("planned");
     let task = Predictive::try_new(&learnt, &yields, false, WEIGHTS, &settings, &moves);
     let task = task.expect("built");
     let late = |every| {

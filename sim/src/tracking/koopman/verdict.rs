@@ -4,7 +4,7 @@ use super::contender::{Contender, Known, Ride};
 use crate::stage::concealed::{Concealed, Kind};
 use crate::stage::{Stage, StageConfig};
 use crate::tracking::{Instant, Step, TRACKING_SEEDS, Tracking, TrackingError, motions};
-use preslide::control::{Move, Settings};
+use preslide::control::Settings;
 use preslide_host::tune::observer::{UNCERTAINTY, UNTOLD_KG};
 use rayon::prelude::*;
 use std::fmt::Write as _;
@@ -201,8 +201,7 @@ fn score(
     let mut score = Score::default();
     for seed in TRACKING_SEEDS {
         let ride = |steps: Vec<Step>, observe: &mut dyn FnMut(Instant)| {
-            let moves = steps.iter().map(|step| step.plan(settings));
-            let moves: Vec<Move> = moves.collect::<Result<_, _>>()?;
+            let moves = Step::plan_all(&steps, settings)?;
             let config = StageConfig {
                 seed,
                 mass_kg: stage.mass_kg + untold.more_kg,
