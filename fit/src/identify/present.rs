@@ -338,11 +338,11 @@ impl Identification {
         let mut sizes = Figure::new(
             "What each block buys",
             Axis::new("Maxwell-slip blocks N", ""),
-            Axis::new("NMSE (13)", "%").log(),
+            Axis::new("error (NMSE)", "%").log(),
         );
         for (method, name, colour) in [
-            (Method::Optimal, "optimal breakpoints", Colour::Vermillion),
-            (Method::Paper, "procedure (7)–(9)", Colour::Blue),
+            (Method::Optimal, "best blocks", Colour::Vermillion),
+            (Method::Paper, "paper's method", Colour::Blue),
         ] {
             let of_method: Vec<_> = self
                 .candidates

@@ -34,15 +34,15 @@ p { max-width: 75ch; margin: .5rem 0; }
 .lead { max-width: none; border-left: 5px solid #0072B2; background: #eef5fa; padding: .7rem 1rem; font-size: 1.1rem; }
 nav ol { margin: .3rem 0; columns: 2; }
 figure { margin: 1.2rem 0; break-inside: avoid; }
-figcaption, caption { font-weight: 600; text-align: left; }
+figcaption { font-weight: 600; }
 .plot { height: 420px; }
 .note { font-size: .9rem; color: #444; max-width: none; }
 .scroll { overflow-x: auto; }
-table { border-collapse: collapse; margin: 1rem 0; font-variant-numeric: tabular-nums; }
-caption { padding-bottom: .3rem; white-space: nowrap; }
+table { border-collapse: collapse; margin: .3rem 0 1rem; font-variant-numeric: tabular-nums; }
 th, td { padding: .2rem .8rem; text-align: left; border-bottom: 1px solid #ddd; }
 th { border-bottom: 2px solid #888; vertical-align: bottom; }
 .number { text-align: right; white-space: nowrap; }
+td:last-child:not(.number) { min-width: 14rem; }
 footer { margin-top: 2.5rem; border-top: 1px solid #ccc; padding-top: .5rem; font-size: .85rem; color: #444; }
 code { font-family: ui-monospace, 'Cascadia Mono', Menlo, Consolas, monospace; overflow-wrap: anywhere; }
 @media print {
@@ -169,15 +169,17 @@ fn table_html(table: &Table) -> String {
         });
         format!("<tr>{}</tr>\n", cells.collect::<String>())
     };
-    let mut html = String::from("<div class=\"scroll\"><table>\n");
+    let mut html = String::from("<figure>\n");
+    // Within the table a caption would widen it, and be cut where it scrolls.
     if !table.caption.is_empty() {
-        let _ = writeln!(html, "<caption>{}</caption>", escape(&table.caption));
+        let _ = writeln!(html, "<figcaption>{}</figcaption>", escape(&table.caption));
     }
+    html.push_str("<div class=\"scroll\"><table>\n");
     if !table.head.is_empty() {
         let _ = writeln!(html, "<thead>{}</thead>", line(&table.head, "th"));
     }
     let rows: String = table.rows.iter().map(|row| line(row, "td")).collect();
-    let _ = write!(html, "<tbody>\n{rows}</tbody>\n</table></div>\n");
+    let _ = write!(html, "<tbody>\n{rows}</tbody>\n</table></div>\n</figure>\n");
     html
 }
 

@@ -342,12 +342,12 @@ impl Comparison {
         let mut sizes = Figure::new(
             "Error against number of parameters",
             Axis::new("fitted friction parameters", ""),
-            Axis::new("NMSE (13), held out", "%").log(),
+            Axis::new("error (NMSE), held out", "%").log(),
         );
         let mut costs = Figure::new(
             "Error against cost",
             Axis::new("cycles that a control tick grows by, f32, Cortex-M4F", ""),
-            Axis::new("NMSE (13), held out", "%").log(),
+            Axis::new("error (NMSE), held out", "%").log(),
         )
         .note("Models without a measured kernel are missing here.");
         for m in &self.models {
