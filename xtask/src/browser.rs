@@ -45,8 +45,8 @@ pub fn check(page: &Path) -> Result<(), String> {
     if !said.is_empty() {
         return Err(format!("{}: {}", page.display(), said.join("\n")));
     }
-    // Before its script has run a figure is an empty box.
-    let figures = dom.matches("<figure").count();
+    // Before its script has run a plot is an empty box.
+    let figures = dom.matches("<div class=\"plot\">").count();
     let drawn = dom.matches("<g class=\"cartesianlayer\">").count();
     let titles = ["xtitle", "ytitle"].map(|axis| titles(&dom, axis));
     let [x, y] = titles.each_ref().map(Vec::len);
