@@ -26,6 +26,8 @@ const WANDERS: [f64; 2] = [0.03, 2e-3];
 struct Drive {
     motor_share: f64,
     swing_hz: f64,
+    /// Play between the two (m).
+    gap_m: f64,
 }
 
 /// Commanded velocities of strokes to random places, with rests between them.
@@ -70,6 +72,7 @@ impl Drive {
         let damping = 2.0 * DAMPING_RATIO * (stiffness * load * self.motor_share).sqrt();
         let h = SAMPLE_S / FINER as f64;
         let at = |i: usize| motor[i.min(SAMPLES - 1)];
+        assert_eq!(self.gap_m, 0.0);
         let (mut x, mut v, mut held) = (motor[0], 0.0, [0.0; BLOCKS.len()]);
         let mut asked = Vec::new();
         for i in 0..SAMPLES {
@@ -121,7 +124,13 @@ impl Drive {
             positions.push(read);
             forces.push(force + NOISE_N * draw.normal());
             for _ in 0..FINER {
-                let passed = stiffness * (x[0] - x[1]) + damping * (v[0] - v[1]);
+                let apart = x[0] - x[1];
+                let pressed = apart - apart.clamp(-0.5 * self.gap_m, 0.5 * self.gap_m);
+                let passed = if self.gap_m > 0.0 && pressed == 0.0 {
+                    0.0
+                } else {
+                    stiffness * pressed + damping * (v[0] - v[1])
+                };
                 let mut friction = 0.0;
                 for (z, [most, yields]) in held.iter_mut().zip(BLOCKS) {
                     *z = (*z + v[1] * h * most / yields).clamp(-most, most);
@@ -172,6 +181,7 @@ fn a_load_that_swings_behind_the_encoder_is_named_with_its_spring() {
     let drive = Drive {
         motor_share: 0.25,
         swing_hz: 55.0,
+        gap_m: 0.0,
     };
     let found = drive.diagnosed(104);
     assert_eq!(found.confident_ids(), ["drive_compliance"]);
@@ -206,6 +216,7 @@ fn the_spring_of_a_simulation_is_told_beside_the_machines() {
         let [drive, simulation] = [hz, in_simulation].map(|swing_hz| Drive {
             motor_share: 0.3,
             swing_hz,
+            gap_m: 0.0,
         });
         let mut draw = Draw::new(seed, 0);
         let motor = smooth_motion(&mut draw);
@@ -234,8 +245,7 @@ fn the_spring_of_a_simulation_is_told_beside_the_machines() {
     }
 }
 
-/// The one of 45 Hz is taken for an end of the command, which is false, and the stiffness of the softest a little low. These seeds were first asked once
-/// the engine stood; it knew none of the five before.
+/// These seeds were first asked once an engine stood that knew four of them.
 #[test]
 #[ignore = "long study: cargo xtask test --all"]
 fn most_springs_are_named() {
@@ -251,6 +261,7 @@ fn most_springs_are_named() {
         let drive = Drive {
             motor_share,
             swing_hz,
+            gap_m: 0.0,
         };
         let found = drive.diagnosed(seed);
         if found.confident_ids().contains(&"drive_compliance") {
@@ -260,7 +271,54 @@ fn most_springs_are_named() {
         }
     }
     assert!(
-        named >= 4 && stiff >= 3,
+        named == 5 && stiff >= 3,
         "{named} named, {stiff} stiffnesses"
     );
+}
+
+/// Play behind a motor that has the encoder, and a load that swings on its flanks. These seeds were first asked once the engine stood.
+fn gaps(drives: &[(u64, f64, f64, f64)]) -> [usize; 3] {
+    let (mut named, mut held, mut false_names) = (0, 0, 0);
+    for &(seed, motor_share, swing_hz, gap_m) in drives {
+        let drive = Drive {
+            motor_share,
+            swing_hz,
+            gap_m,
+        };
+        let found = drive.diagnosed(seed);
+        let ids = found.confident_ids();
+        println!("gap {gap_m:.1e} m: {ids:?}, NMSE {:?} %", found.nmse_test);
+        let plain = ["backlash", "viscous"];
+        false_names += ids.iter().filter(|id| !plain.contains(id)).count();
+        if ids.contains(&"backlash") {
+            named += 1;
+            let (low, high) = found.interval("backlash", "gap_m");
+            println!("  {low:.2e} to {high:.2e} m");
+            held += usize::from(low <= gap_m && gap_m <= high);
+        }
+    }
+    [named, held, false_names]
+}
+
+#[test]
+fn a_gap_behind_which_the_load_swings_is_named_with_its_width() {
+    assert_eq!(gaps(&[(501, 0.4, 60.0, 3e-4)]), [1, 1, 0]);
+}
+
+/// The narrowest is taken for a spring; the two widest, which the load crosses on its own way, are not found, and one is taken for an end of the command.
+#[test]
+#[ignore = "long study: cargo xtask test --all"]
+fn most_gaps_are_named() {
+    let drives = [
+        (502, 0.3, 45.0, 2e-4),
+        (503, 0.5, 80.0, 1e-4),
+        (504, 0.35, 60.0, 8e-4),
+        (505, 0.6, 50.0, 4e-4),
+        (506, 0.25, 90.0, 2e-4),
+        (507, 0.45, 110.0, 5e-5),
+        (508, 0.5, 70.0, 1.5e-3),
+    ];
+    let [named, held, false_names] = gaps(&drives);
+    println!("{named} named, {held} widths held, {false_names} false names");
+    assert!(named >= 4 && held == named && false_names <= 2);
 }

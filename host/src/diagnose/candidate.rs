@@ -285,10 +285,12 @@ impl Lines {
     }
 }
 
-/// Rounds of a search along each shape parameter.
+/// Rounds of a search along each of one or two shape parameters, and more for each further.
 const ROUNDS: usize = 7;
+const FURTHER_ROUNDS: usize = 10;
 
-/// The term with the shape that explains most where it is fitted, all coefficients free.
+/// The term with the shape that explains most where it is fitted, all coefficients free: along each parameter in turn, and along the way that
+/// a round went where there are more than two, which a valley between them asks for (Hooke and Jeeves, 1961).
 pub fn refined(null: &NullModel, without: &Hypothesis, term: &Term) -> Term {
     let mut best = term.clone();
     let Some(effect) = term.effect() else {
@@ -315,29 +317,46 @@ pub fn refined(null: &NullModel, without: &Hypothesis, term: &Term) -> Term {
             Scale::Travel => s.travel() / 80.0,
         })
         .collect();
-    for _ in 0..ROUNDS {
-        let mut moved = false;
-        for j in (0..steps.len()).filter(|j| scales[*j] != Scale::Chosen) {
-            for sign in [-1.0, 1.0] {
-                let mut trial = best.clone();
-                trial.shape[j] = match scales[j] {
-                    Scale::Travel => trial.shape[j] + sign * steps[j],
-                    _ => trial.shape[j] * (sign * steps[j]).exp(),
-                };
-                trial.shape[j] = effect.within(&null.scene(), &trial.shape, j);
-                if scales[j] == Scale::Period {
-                    trial.shape[j] = trial.shape[j].min(s.travel() / REFINED);
-                }
-                if let Some(reached) = value_of(&trial)
-                    && reached > value * (1.0 + 1e-9)
-                {
-                    (best, value, moved) = (trial, reached, true);
-                    break;
-                }
+    let free: Vec<usize> = (0..steps.len())
+        .filter(|j| scales[*j] != Scale::Chosen)
+        .collect();
+    let stepped = |from: &Term, by: &[(usize, f64)]| {
+        let mut term = from.clone();
+        for &(j, by) in by {
+            term.shape[j] = match scales[j] {
+                Scale::Travel => term.shape[j] + by,
+                _ => term.shape[j] * by.exp(),
+            };
+            term.shape[j] = effect.within(&null.scene(), &term.shape, j);
+            if scales[j] == Scale::Period {
+                term.shape[j] = term.shape[j].min(s.travel() / REFINED);
             }
+        }
+        term
+    };
+    let mut takes = |best: &mut Term, by: &[(usize, f64)]| {
+        let trial = stepped(best, by);
+        let reached = value_of(&trial).filter(|reached| *reached > value * (1.0 + 1e-9));
+        if let Some(reached) = reached {
+            (*best, value) = (trial, reached);
+        }
+        reached.is_some()
+    };
+    for _ in 0..ROUNDS + FURTHER_ROUNDS * free.len().saturating_sub(2) {
+        let from = best.clone();
+        let mut moved = false;
+        for &j in &free {
+            moved |= takes(&mut best, &[(j, -steps[j])]) || takes(&mut best, &[(j, steps[j])]);
         }
         if !moved {
             steps.iter_mut().for_each(|s| *s *= 0.4);
+        } else if free.len() > 2 {
+            let way = |&j: &usize| match scales[j] {
+                Scale::Travel => (j, best.shape[j] - from.shape[j]),
+                _ => (j, (best.shape[j] / from.shape[j]).ln()),
+            };
+            let way: Vec<(usize, f64)> = free.iter().map(way).collect();
+            while takes(&mut best, &way) {}
         }
     }
     best

@@ -7,6 +7,7 @@ use super::rows::Rows;
 use super::signals::Signals;
 use super::term::Term;
 use super::weak::Column;
+use preslide_fit::effects::form;
 use preslide_fit::statistics::quantile_between_ranks;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -213,8 +214,11 @@ impl Core {
             core: before,
             effort: &rows.effort,
         };
-        let mut next = self.rows.len();
+        let (mut next, mut viscous) = (self.rows.len(), 0.0);
         for term in terms {
+            if term.effect().is_some_and(|e| e.id() == form::VISCOUS.id) {
+                viscous += coefficients[next];
+            }
             for column in term.columns(&scene) {
                 let c = coefficients[next];
                 next += 1;
@@ -245,7 +249,7 @@ impl Core {
             slipping,
             stiffness,
             fitted,
-            beside_simulation: None,
+            viscous,
             simulated_swing: None,
         }
     }

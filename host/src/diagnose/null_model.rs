@@ -244,7 +244,6 @@ impl NullModel {
         let beside = [Subject::Effect(&viscous::Viscous), Subject::Curve(map)];
         let own = self.fit(&beside.map(|subject| Term::new(subject, &[])))?;
         let mut found = self.with_baseline(&own);
-        found.baseline.beside_simulation = own.coefficients(0).first().copied();
         drop((self, own));
         let simulated = found.rows.weak.rows(simulated);
         let laws = Simulated::new(&found.rows, &found.core, &found.noise, &simulated);

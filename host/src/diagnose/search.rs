@@ -9,6 +9,7 @@ use super::null_model::{Hypothesis, NullModel};
 use super::polish::polished;
 use super::term::{Subject, Term};
 use preslide_fit::progress::Progress;
+use rayon::prelude::*;
 
 /// Chance of entering anything into the hypothesis of a recording that lacks nothing.
 pub const ALPHA: f64 = 0.05;
@@ -39,6 +40,15 @@ const MOST: usize = 10;
 const LEADERS: usize = 6;
 /// A term that takes more than this share of the mismatch changes what the others act through, and the noise.
 const LARGE: f64 = 0.1;
+
+/// Most turns of a simulated term's shape and the friction and inertia that it acts on, and the gain below which both are settled. Made belts and
+/// servos with play took three to eight.
+const TURNS: usize = 8;
+/// See [`TURNS`].
+const SETTLED: f64 = 0.01;
+
+/// What a simpler simulated effect may leave of what its rival does.
+const NEARLY: f64 = 1.25;
 
 /// What the search ends in.
 pub struct Found {
@@ -104,12 +114,90 @@ pub fn search(
             });
         };
         let terms = with(&null, &hypothesis, &next.term)?;
-        if next.evidence.share > LARGE {
-            null = null.referred_to(&terms)?;
+        let replaces = terms.len() <= hypothesis.terms.len();
+        let referred = match next.evidence.share > LARGE {
+            true => Some(entered(&null, terms.clone())?),
+            false => None,
+        };
+        let (beside, terms) = referred.as_ref().map_or((&null, &terms), |(n, t)| (n, t));
+        let fitted = beside.fit(terms)?;
+        // What takes the place of others must leave less than they did.
+        if replaces && fitted.nmse(&beside.rows).test > left {
+            barred.push(next.term);
+            continue;
         }
-        hypothesis = null.fit(&terms)?;
-        hypothesis = sifted(&null, hypothesis, first.len(), &mut barred)?;
+        if let Some((beside, _)) = referred {
+            null = beside;
+        }
+        hypothesis = sifted(&null, fitted, first.len(), &mut barred)?;
     }
+}
+
+/// Friction, inertia and noise beside some terms of which the last is new, and the terms, or what is simpler in its place and does nearly as well.
+fn entered(null: &NullModel, terms: Vec<Term>) -> Option<(NullModel, Vec<Term>)> {
+    let own = settled(null.referred_to(&terms)?, terms)?;
+    let last = own
+        .1
+        .last()
+        .and_then(|own| own.effect()?.simpler(&own.shape));
+    let Some((effect, shape)) = last else {
+        return Some(own);
+    };
+    let mut terms = own.1.clone();
+    *terms.last_mut()? = Term::new(Subject::Effect(effect), &shape);
+    let simpler = settled(null.referred_to(&terms)?, terms)?;
+    let left =
+        |(null, terms): &(NullModel, Vec<Term>)| Some(null.fit(terms)?.nmse(&null.rows).test);
+    let does = left(&simpler)? <= NEARLY * left(&own)?;
+    Some(if does { simpler } else { own })
+}
+
+/// The last of some terms, where it is simulated, on the friction and inertia that are found beside it: before it those were bent to what it does,
+/// and its shape to theirs.
+fn settled(mut null: NullModel, mut terms: Vec<Term>) -> Option<(NullModel, Vec<Term>)> {
+    for _ in 0..TURNS {
+        let starts = terms.last().map_or(Vec::new(), |own| starts(&null, own));
+        if starts.is_empty() {
+            break;
+        }
+        let own = terms.pop()?;
+        let without = null.fit(&terms)?;
+        let judged = |term: Term| {
+            let reduction = without.normal.reduction(&null.columns(&term));
+            let taken = reduction.filter(|(_, c)| null.admits(&term, c));
+            (taken.map_or(0.0, |(taken, _)| taken), term)
+        };
+        let before = judged(own);
+        let mut from: Vec<(f64, Term)> = starts.into_par_iter().map(judged).collect();
+        from.sort_by(|a, b| b.0.total_cmp(&a.0));
+        from.truncate(LEADERS);
+        from.push(before.clone());
+        let found = from
+            .into_par_iter()
+            .map(|(_, term)| judged(refined(&null, &without, &term)));
+        let best = found.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let moved = best.0 > (1.0 + SETTLED) * before.0;
+        terms.push(if moved { best.1 } else { before.1 });
+        if !moved {
+            break;
+        }
+        null = null.referred_to(&terms)?;
+    }
+    Some((null, terms))
+}
+
+/// Shapes from which a simulated term may find a better one; empty for others.
+fn starts(null: &NullModel, own: &Term) -> Vec<Term> {
+    let shapes = own.effect().map_or(Vec::new(), |e| e.valleys(&own.shape));
+    let within = |mut shape: Vec<f64>| {
+        for j in 0..shape.len() {
+            shape[j] = own
+                .effect()
+                .map_or(shape[j], |e| e.within(&null.scene(), &shape, j));
+        }
+        Term::new(own.subject, &shape)
+    };
+    shapes.into_iter().map(within).collect()
 }
 
 /// NMSE (%) that a term must take off where a recording begins with so much.

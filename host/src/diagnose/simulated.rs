@@ -3,7 +3,7 @@
 
 use super::core::Core;
 use super::effect::Scene;
-use super::effect::behind::{behind, swings};
+use super::effect::behind::{swinging, swings};
 use super::effect::grid::spread;
 use super::noise::Noise;
 use super::normal::{Bound, Normal};
@@ -53,7 +53,7 @@ impl<'a> Simulated<'a> {
 
     /// The frequency (Hz) at which the load of its elastic drive swings behind a motor that stands.
     pub fn swing(&self, scene: &Scene) -> Option<f64> {
-        self.best(&swings(scene), &self.blocks(), |hz| behind(0.0, hz, scene))
+        self.best(&swings(scene), &self.blocks(), |hz| swinging(hz, scene))
     }
 
     fn blocks(&self) -> Vec<&[f64]> {

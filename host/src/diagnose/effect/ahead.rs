@@ -50,13 +50,16 @@ pub(super) fn is_motor(share: f64, times: f64) -> bool {
 }
 
 /// Shapes of a fit with intervals that hold what is assumed: half of each at least, relative.
-pub(super) fn widened(fitted: &Fitted, card: &Card, least: f64) -> Vec<(String, Estimate)> {
+pub(super) fn widened(fitted: &Fitted, card: &Card, least: &[f64]) -> Vec<(String, Estimate)> {
     let mut values = fitted.shape_of(card);
-    for (_, told) in &mut values {
+    for ((_, told), least) in values.iter_mut().zip(least) {
         let least = least * told.value;
-        told.ci95 = told
-            .ci95
-            .map(|[low, high]| [low.min(told.value - least), high.max(told.value + least)]);
+        told.ci95 = told.ci95.map(|[low, high]| {
+            [
+                low.min((told.value - least).max(0.0)),
+                high.max(told.value + least),
+            ]
+        });
     }
     values
 }
@@ -67,7 +70,7 @@ pub(super) fn with_own_share(
     card: &Card,
     assumed: f64,
 ) -> Vec<(String, Estimate)> {
-    let mut values = widened(fitted, card, LEAST_ERROR);
+    let mut values = widened(fitted, card, &[LEAST_ERROR; 3]);
     values.retain(|(key, _)| key != SHARE);
     let coefficient = fitted.coefficient(0);
     // Beside a curve without a name it may be anything.

@@ -1,7 +1,7 @@
 //! The load on a spring behind the motor; either has the encoder.
 
 use super::ahead::{self, ENCODER_ON_LOAD, ahead};
-use super::behind::{self, behind};
+use super::behind::{self, NONE};
 use super::displaced::displaced;
 use super::readout::enter;
 use super::{BARE, Card, Class, Effect, Fitted, Part, Scale, Scene};
@@ -17,8 +17,6 @@ pub(super) const MOTOR_SHARE: f64 = 0.5;
 /// Between which values it lies: drives are chosen so that neither side has much more than twice the other's inertia. The intervals hold
 /// what follows from both.
 const SHARES: [f64; 2] = [0.3, 0.7];
-/// The motor's share where the load is simulated as if it had all of the inertia.
-const NONE: f64 = 0.0;
 /// The least that a motor has.
 const LEAST_MOTOR: f64 = 0.05;
 /// Half of a 95 % interval of a swing, at least, relative: how far the contact's damping, which is assumed, and friction on the motor's side shift it.
@@ -58,6 +56,9 @@ static CARD: Card = Card {
         (FREQUENCY, Scale::Logarithmic),
         // Beside a simulation that has a spring of another size.
         (SIMULATED, Scale::Chosen),
+        // The load alone, and its share then the coefficient's, too.
+        (behind::SHARE, Scale::Logarithmic),
+        (behind::DAMPING_RATIO, Scale::Logarithmic),
     ],
     acts_on_effort: true,
     ..BARE
@@ -77,7 +78,7 @@ impl Effect for DriveCompliance {
         let on_load = ahead::contacts(scene).map(|[hz, share]| vec![share, hz]);
         let swings = behind::swings(scene);
         let stiff = std::iter::once(vec![MOTOR_SHARE]);
-        let on_motor = swings.iter().map(|hz| vec![NONE, *hz]);
+        let on_motor = swings.iter().map(|hz| vec![NONE, *hz, NONE, 0.5, 0.1]);
         let mut shapes: Vec<_> = stiff.chain(on_load).chain(on_motor).collect();
         if let Some(simulated) = scene.core.simulated_swing {
             shapes.extend(swings.iter().map(|hz| vec![NONE, *hz, simulated]));
@@ -85,10 +86,18 @@ impl Effect for DriveCompliance {
         shapes
     }
 
+    fn valleys(&self, shape: &[f64]) -> Vec<Vec<f64>> {
+        let near = [0.7, 1.0, 1.4];
+        let swings = [0.4, 0.7, 1.0, 1.4, 2.0];
+        behind::valleys(shape, [&[1.0], &swings, &near, &[1.0, 0.3]])
+    }
+
     fn columns(&self, shape: &[f64], scene: &Scene) -> Vec<Column> {
+        if let Some(load) = behind::Load::of(shape) {
+            return vec![load.in_place_of_one_bolted_on(scene)];
+        }
         let share = match *shape {
             [share] => share,
-            [NONE, hz] => return vec![behind(0.0, hz, scene)],
             [NONE, hz, simulated] => return vec![behind::another_spring([hz, simulated], scene)],
             [share, hz] => return ahead(0.0, [hz, share], scene),
             _ => return Vec::new(),
@@ -101,7 +110,8 @@ impl Effect for DriveCompliance {
 
     fn admits(&self, shape: &[f64], coefficients: &[f64]) -> bool {
         match (shape, coefficients) {
-            (&[NONE, _] | &[NONE, _, _], &[c]) => behind::LOAD.contains(&c),
+            (&[NONE, _, NONE, ..], &[c]) => behind::SOME.contains(&c),
+            (&[NONE, ..], &[c]) => behind::LOAD.contains(&c),
             (&[share, _], &[c]) => ahead::is_motor(share, c),
             (_, &[c]) => c > 0.0,
             _ => false,
@@ -110,7 +120,7 @@ impl Effect for DriveCompliance {
 
     fn in_simulation(&self, shape: &[f64]) -> Option<bool> {
         match shape {
-            [NONE, _] | [_] | [] => None,
+            [NONE, _, NONE, ..] | [_] | [] => None,
             // The motor that is ahead of the load is driven by the measured effort.
             [_, _] => Some(false),
             _ => Some(true),
@@ -129,7 +139,7 @@ impl Effect for DriveCompliance {
     fn within(&self, scene: &Scene, shape: &[f64], index: usize) -> f64 {
         let seen = SEEN_FROM * scene.s.band_hz.min(ROWS_HZ);
         match (index, shape) {
-            (RESONANCE, &[NONE, hz] | &[NONE, hz, _]) => behind::within(hz, scene),
+            (_, &[NONE, ..]) => behind::of_load(scene, shape, index),
             (RESONANCE, &[_, hz]) => ahead::within(hz.min(seen), scene),
             _ => shape[index],
         }
@@ -181,9 +191,12 @@ impl Effect for DriveCompliance {
 
 /// Stiffness and resonance of a load that swings behind a motor that stands, the motor's share, and the stiffness that a simulation has for it.
 fn swinging(fitted: &Fitted) -> Vec<(String, Estimate)> {
-    let told = ahead::widened(fitted, &CARD, LEAST_ERROR);
-    let c = fitted.coefficient(0);
-    let share = fitted.estimate(c, fitted.error(0));
+    let told = ahead::widened(fitted, &CARD, &[LEAST_ERROR; 3]);
+    // What is simulated with a share of the inertia passes as much of it as the coefficient says.
+    let assumed = fitted.shape.get(3).copied().unwrap_or(1.0);
+    let c = assumed * fitted.coefficient(0);
+    let error = fitted.error(0).map(|e| assumed * e);
+    let share = fitted.estimate(c, error);
     let possible = |load: f64| load.clamp(0.0, 1.0 - LEAST_MOTOR);
     // Two masses on a spring, of which one has the share `load`.
     let mass = fitted.scene.core.mass;
@@ -205,10 +218,10 @@ fn swinging(fitted: &Fitted) -> Vec<(String, Estimate)> {
         });
         Some(Estimate { value, ci95: ends })
     };
-    let simulated = at(SIMULATED, &stiffness);
+    let simulated = at(SIMULATED, &stiffness).filter(|s| s.value > 0.0);
     // What two springs differ in hardly shows the share by itself.
     let is_told = simulated.is_none();
-    let motor = || fitted.estimate(1.0 - possible(c), fitted.error(0));
+    let motor = || fitted.estimate(1.0 - possible(c), error);
     let values = [
         (STIFFNESS, at(FREQUENCY, &stiffness)),
         (SIMULATED_STIFFNESS, simulated),

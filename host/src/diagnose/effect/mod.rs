@@ -112,8 +112,8 @@ pub struct Baseline {
     pub stiffness: Vec<f64>,
     /// Whole modelled effort, plain effects included.
     pub fitted: Vec<f64>,
-    /// The recording's own viscous coefficient (N·s/m or N·m·s/rad), where the effort of a simulation is taken off.
-    pub beside_simulation: Option<f64>,
+    /// Viscous coefficient (N·s/m or N·m·s/rad).
+    pub viscous: f64,
     /// The frequency (Hz) at which the load of its elastic drive swings, where it has one.
     pub simulated_swing: Option<f64>,
 }
@@ -248,6 +248,19 @@ pub trait Effect: Sync {
             Some(_) => Vec::new(),
             None => vec![Vec::new()],
         }
+    }
+
+    /// Shapes from which a simulated effect may find a better one than `shape`, once friction and inertia are known beside it; empty where one
+    /// search finds it.
+    fn valleys(&self, shape: &[f64]) -> Vec<Vec<f64>> {
+        let _ = shape;
+        Vec::new()
+    }
+
+    /// A simpler simulated effect that a shape of it may be taken for, and its shape.
+    fn simpler(&self, shape: &[f64]) -> Option<(&'static dyn Effect, Vec<f64>)> {
+        let _ = shape;
+        None
     }
 
     /// A shape parameter brought within what a recording can resolve.
