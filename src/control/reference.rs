@@ -276,7 +276,7 @@ impl Reference {
 
     fn drop_plan(&mut self) {
         self.settle();
-        self.plan = Move::NONE;
+        self.plan.end();
         self.tick = 0;
         self.uneven();
     }
