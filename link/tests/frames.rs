@@ -2,7 +2,7 @@
 
 use preslide_link::{
     Answered, Deframer, Exchange, FaultCode, FrameError, GainSettings, Homing, Identity,
-    LARGEST_FRAME, LONGEST_NAME, Mark, Mode, ModelSettings, Name, Numbered, Order, POINTS,
+    LARGEST_FRAME, LONGEST_NAME, Mark, Mode, ModelPart, Name, Numbered, Order, PART, POINTS,
     Parameter, Points, RangeCode, Reading, Refusal, Reply, Report, Request, ResetCause, Sample,
     State, WINDOW, encode,
 };
@@ -32,9 +32,10 @@ fn feed(bytes: &[u8]) -> Vec<Result<Request, FrameError>> {
 
 #[test]
 fn messages_survive_the_line() {
-    let model = Request::Model(ModelSettings {
-        breakaway_n: 0.9,
-        blocks: [(270_313.0, 0.292); 4],
+    let model = Request::Model(ModelPart {
+        layout: u32::MAX,
+        first: u8::MAX,
+        values: [270_313.0; PART],
     });
     // The largest of each kind, by which each fits a frame.
     let name = Name::new(&"n".repeat(LONGEST_NAME)).expect("as long as a name may be");
@@ -101,6 +102,7 @@ fn messages_survive_the_line() {
         effort_per_a: 1.0,
         room: u16::MAX,
         saved: true,
+        model: u32::MAX,
     });
     let parameter = Reply::Parameter(Parameter {
         name,
