@@ -3,6 +3,7 @@
 mod accuracy;
 mod answers;
 mod axis;
+mod basics;
 mod control;
 mod diagnose;
 mod effects;
