@@ -157,7 +157,8 @@ impl Basics {
             watch: FaultLimits {
                 top_speed: speed * 4.0 / 3.0,
                 following_error: force / proportional / 3.0,
-                frozen_duty: 0.25 * duty_limit,
+                // More than the acceleration takes: an axis that brakes by it comes on against the push, too.
+                frozen_duty: 0.6 * duty_limit,
                 frozen_time: 100.0 * tick,
                 supply_min: 0.75 * supply,
                 supply_max: 1.25 * supply,
