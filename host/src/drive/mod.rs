@@ -3,10 +3,10 @@
 #[cfg(test)]
 mod tests;
 
-use crate::export::{carried, layout, parameters, refused};
+use crate::export::{carried, layout, parameters};
 use preslide::Block;
 use preslide_fit::friction::FrictionModel;
-use preslide_fit::model::Model;
+use preslide_fit::model::{Model, refused};
 use preslide_fit::recording::MotionKind;
 use preslide_link::MOST_PARAMETERS;
 
