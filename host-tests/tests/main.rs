@@ -17,6 +17,7 @@ mod identify_core;
 mod kernels;
 mod koopman;
 mod learning;
+mod mutants;
 mod notch;
 mod observer;
 mod on_the_fit;
