@@ -8,7 +8,6 @@ use preslide_link::{
 };
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use std::time::{Duration, Instant};
 
 const REQUEST: Request = Request::Gains(GainSettings {
     proportional: 1e5,
@@ -198,31 +197,61 @@ fn single_bit_errors_never_pass() {
     }
 }
 
-/// Random bytes and mutated frames, for two seconds: no panic, and nothing but known kinds of errors.
-#[test]
-fn random_bytes_do_no_harm() {
+/// Random bytes, mutated frames, and random payloads whose CRC is right: no panic, and what is read can be written again.
+fn do_no_harm(inputs: u64) {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
-    let mut deframer = Deframer::new();
-    let (mut frames, mut passed) = (0_u64, 0_u64);
-    let end = Instant::now() + Duration::from_secs(2);
-    while Instant::now() < end {
-        let mut bytes = vec![0; rng.random_range(0..200)];
-        rng.fill_bytes(&mut bytes);
-        if rng.random() {
-            let mut valid = frame(&REQUEST);
-            let at = rng.random_range(0..valid.len());
-            valid[at] = rng.random();
-            bytes.extend(valid);
-        }
-        for byte in bytes {
-            if let Some(result) = deframer.push::<Request>(byte) {
-                frames += 1;
-                passed += u64::from(result.is_ok());
+    let (mut requests, mut reports) = (Deframer::new(), Deframer::new());
+    let [mut frames, mut whole] = [[0_u64; 3]; 2];
+    for input in 0..inputs {
+        let kind = (input % 3) as usize;
+        let mut bytes = [0; LARGEST_FRAME];
+        let length = match kind {
+            0 => {
+                rng.fill_bytes(&mut bytes);
+                bytes[LARGEST_FRAME - 1] = 0;
+                LARGEST_FRAME
+            }
+            1 => {
+                let length = encode(&REQUEST, &mut bytes).expect("it fits");
+                bytes[rng.random_range(0..length)] = rng.random();
+                length
+            }
+            _ => {
+                let mut payload: [u8; 48] = rng.random();
+                // The kind of a message: most of all numbers are none.
+                payload[rng.random_range(0..4)] = rng.random_range(0..24);
+                encode(&payload, &mut bytes).expect("it fits")
+            }
+        };
+        for byte in &bytes[..length] {
+            if let Some(read) = requests.push::<Numbered>(*byte) {
+                frames[kind] += 1;
+                whole[kind] += u64::from(read.is_ok());
+                let again = read.map(|numbered| encode(&numbered, &mut [0; LARGEST_FRAME]));
+                assert_ne!(again, Ok(None), "{read:?}");
+            }
+            if let Some(Ok(report)) = reports.push::<Report>(*byte) {
+                whole[kind] += 1;
+                let again = encode(&report, &mut [0; LARGEST_FRAME]);
+                assert!(again.is_some(), "{report:?}");
             }
         }
     }
-    println!("{frames} frames, {passed} passed the CRC");
-    assert!(frames > 10_000);
-    // A CRC of 16 bits lets 1 in 65536 through; most mutations leave the frame as it was or break it for good.
-    assert!(passed < frames / 50, "{passed} of {frames}");
+    println!(
+        "{inputs} inputs: {frames:?} frames, {whole:?} messages, of bytes, mutated frames and payloads"
+    );
+    assert!(frames.iter().all(|frames| *frames >= inputs / 4));
+    // A CRC of 16 bits lets 1 in 65536 through; where it is right, what has the length of a message is one.
+    assert!(whole[0] + whole[1] < inputs / 5000, "{whole:?}");
+}
+
+#[test]
+fn a_million_random_inputs_do_no_harm() {
+    do_no_harm(1_000_000);
+}
+
+#[test]
+#[ignore = "long study: cargo xtask test --all"]
+fn a_hundred_million_random_inputs_do_no_harm() {
+    do_no_harm(100_000_000);
 }

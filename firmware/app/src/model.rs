@@ -66,9 +66,9 @@ pub struct Exported<F, const N: usize> {
 type Build<F, const N: usize> = fn(&[f64; N], f64, Units) -> Result<F, ParamError>;
 
 impl<F, const N: usize> Exported<F, N> {
-    /// Of the file's `LAYOUT`, `PARAMETERS` and `with`.
+    /// Of the file's `LAYOUT`, `PARAMETERS` and `with`. A model of more parameters than the link takes is as it was compiled in.
     pub const fn new(layout: u32, values: [f64; N], build: Build<F, N>) -> Self {
-        const { assert!(N <= MOST_PARAMETERS, "more parameters than the link takes") };
+        let layout = if N > MOST_PARAMETERS { 0 } else { layout };
         let (mut origin, mut value) = (layout, 0);
         while value < N {
             let bits = values[value].to_bits();
@@ -101,7 +101,10 @@ impl<F: Friction<Scalar: Number> + 'static, const N: usize> Model for Exported<F
         Table {
             layout: self.layout,
             origin: self.origin,
-            values: &mut self.values,
+            values: match N > MOST_PARAMETERS {
+                true => &mut [],
+                false => &mut self.values,
+            },
         }
     }
 }

@@ -42,10 +42,17 @@ pub fn loadable(model: &Model, of_controller: u32) -> Result<Loadable, String> {
     }
     let starting = blocks_alone(model).filter(|l| layout(&l.parameters) == of_controller);
     starting.ok_or_else(|| {
-        "the controller's firmware was built for a model of other parts (kind, number of blocks, effects). Have it built for this one: \
-         `preslide export MODEL.toml -o stage_model.rs`, then build with PRESLIDE_MODEL=/full/path/to/stage_model.rs; from then on \
-         `load` changes every number of it"
-            .to_owned()
+        let build = "`preslide export MODEL.toml -o stage_model.rs`, then build with PRESLIDE_MODEL=/full/path/to/stage_model.rs";
+        match whole.len() > MOST_PARAMETERS {
+            true => format!(
+                "it has {} parameters, and the link takes {MOST_PARAMETERS}. Have it compiled in: {build}",
+                whole.len()
+            ),
+            false => format!(
+                "the controller's firmware was built for a model of other parts (kind, number of blocks, effects). Have it built for \
+                 this one: {build}; from then on `load` changes every number of it"
+            ),
+        }
     })
 }
 
