@@ -217,9 +217,9 @@ fn do_no_harm(inputs: u64) {
                 length
             }
             _ => {
-                let mut payload: [u8; 48] = rng.random();
+                let mut payload: [[u8; 24]; 2] = rng.random();
                 // The kind of a message: most of all numbers are none.
-                payload[rng.random_range(0..4)] = rng.random_range(0..24);
+                payload[0][rng.random_range(0..4)] = rng.random_range(0..24);
                 encode(&payload, &mut bytes).expect("it fits")
             }
         };
