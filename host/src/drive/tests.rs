@@ -53,7 +53,8 @@ fn what_is_not_of_blocks_is_told_or_refused_with_the_way_that_works() {
         );
         Model::parse(&text).expect("a model")
     };
-    let gravity = "viscous_N_s_per_m = 12.0\n[[effects]]\nid = \"gravity\"\nforce_N = 0.1\nperiod_m = 0.1\nphase_rad = 0.0\n";
+    let gravity =
+        "viscous_N_s_per_m = 12.0\n[[effects]]\nid = \"gravity\"\nforce_N = 0.1\nangle_rad = 0.2\n";
     let blocks = with(
         "kind = \"gms\"\nbreakaway_N = 0.9\nblocks = [{ stiffness_N_per_m = 2e5, weight = 1.0 }]",
         gravity,
