@@ -1,5 +1,6 @@
 //! Frames survive the line, and nothing on the line survives the parser's checks by accident.
 
+use crc::{CRC_16_IBM_3740, Crc};
 use preslide_link::{
     Answered, Deframer, Exchange, FaultCode, FrameError, GainSettings, Homing, Identity,
     LARGEST_FRAME, LONGEST_NAME, Mark, Mode, ModelPart, Name, Numbered, Order, PART, POINTS,
@@ -217,10 +218,14 @@ fn do_no_harm(inputs: u64) {
                 length
             }
             _ => {
-                let mut payload: [[u8; 24]; 2] = rng.random();
+                let length = rng.random_range(3..LARGEST_FRAME - 4);
+                let mut body = [0; LARGEST_FRAME];
+                rng.fill_bytes(&mut body[..length]);
                 // The kind of a message: most of all numbers are none.
-                payload[0][rng.random_range(0..4)] = rng.random_range(0..24);
-                encode(&payload, &mut bytes).expect("it fits")
+                body[rng.random_range(0..3)] = rng.random_range(0..24);
+                let check = Crc::<u16>::new(&CRC_16_IBM_3740).checksum(&body[..length]);
+                body[length..length + 2].copy_from_slice(&check.to_le_bytes());
+                cobs::encode(&body[..length + 2], &mut bytes) + 1
             }
         };
         for byte in &bytes[..length] {
@@ -241,8 +246,11 @@ fn do_no_harm(inputs: u64) {
         "{inputs} inputs: {frames:?} frames, {whole:?} messages, of bytes, mutated frames and payloads"
     );
     assert!(frames.iter().all(|frames| *frames >= inputs / 4));
-    // A CRC of 16 bits lets 1 in 65536 through; where it is right, what has the length of a message is one.
-    assert!(whole[0] + whole[1] < inputs / 5000, "{whole:?}");
+    // A CRC of 16 bits lets 1 in 65536 through.
+    assert!(
+        whole[0] + whole[1] < inputs / 5000 && whole[2] > inputs / 2000,
+        "{whole:?}"
+    );
 }
 
 #[test]
