@@ -90,6 +90,8 @@ impl Basics {
     ///
     /// # Errors
     /// Every value that is not finite, not positive or in the wrong order.
+    // Large, since there is no heap; once, where there is a stack.
+    #[allow(clippy::result_large_err)]
     pub fn axis(&self) -> Result<Axis, BasicsError> {
         self.check()?;
         let Self {
@@ -174,6 +176,7 @@ impl Basics {
         })
     }
 
+    #[allow(clippy::result_large_err)]
     fn check(&self) -> Result<(), BasicsError> {
         let (low, high) = self.travel.unwrap_or((0.0, 1.0));
         let values = [

@@ -214,7 +214,8 @@ fn overrun() -> Script<'static> {
 
 fn corrupt_parameters() -> Script<'static> {
     let mut bytes = numbered(model(MODEL));
-    if let Some(byte) = bytes.get_mut(9) {
+    // Of the first parameter: no length of COBS.
+    if let Some(byte) = bytes.get_mut(11) {
         *byte ^= 0x04;
     }
     let mut script = moving(6000);
