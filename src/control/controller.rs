@@ -283,10 +283,8 @@ impl<F: Friction, C: Count> Controller<F, C> {
     #[inline(never)]
     // By reference, and the old parameters copied only where they run on: what is copied here is most of the longest tick.
     pub fn swap(&mut self, coefficients: &Coefficients<F>) {
-        let (new, left) = (
-            &coefficients.law.compensator,
-            &self.coefficients.law.compensator,
-        );
+        let new = &coefficients.law.compensator;
+        let left = &self.coefficients.law.compensator;
         let memory = new.friction().take_over(left.friction(), &self.friction);
         let memory = core::mem::replace(&mut self.friction, memory);
         // Another notch goes on from there: it settles while it has little weight.
@@ -329,13 +327,11 @@ impl<F: Friction, C: Count> Controller<F, C> {
     #[inline]
     #[must_use = "a tick that was an ordinary one is over, and its command is this"]
     pub fn ordinary_tick(&mut self, measured: Measurement<C>) -> Option<Command> {
-        let c = &self.coefficients;
+        let monitor = &self.coefficients.machine.monitor;
         let ordinary = self.steady
             && self.patience != 1
             && self.reference.is_even()
-            && c.machine
-                .monitor
-                .finds_usual(&self.suspicion, self.counts(&measured), &measured);
+            && monitor.finds_usual(&self.suspicion, self.counts(&measured), &measured);
         ordinary.then(|| self.advance::<true>(measured))
     }
 
