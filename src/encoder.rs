@@ -78,7 +78,7 @@ const ANCHORS: u32 = 32;
 /// At a constant speed the relative error is at most one tick in the time between the edges used. Where edges come ten times as fast
 /// as windows, the delay is half the window and most of the distance of the remembered edges: at most 0.55 windows in the mean for
 /// one of 20 ticks or more (asserted by a test). Where they come more slowly, it is between half an interval and one and a half.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct EncoderScale<S = f32> {
     length: S,
     /// Of one count per tick.

@@ -35,19 +35,16 @@ mod packed_i16f16 {
     include!("../tests/exported/packed_i16f16.rs");
 }
 
-/// What the firmware starts with: the paper's Table 3, four blocks, through the command link's single precision.
+/// What the firmware starts with: the paper's Table 3, four blocks.
 fn blocks() -> ([Block; 4], f64) {
     let blocks = [
-        (313_728.0_f32, 0.339_f32),
+        (313_728.0, 0.339),
         (43_670.0, 0.236),
         (10_545.0, 0.171),
         (5_858.0, 0.253),
     ];
-    let blocks = blocks.map(|(stiffness, weight)| Block {
-        stiffness: stiffness.into(),
-        weight: weight.into(),
-    });
-    (blocks, 0.9_f32.into())
+    let blocks = blocks.map(|(stiffness, weight)| Block { stiffness, weight });
+    (blocks, 0.9)
 }
 
 /// Codes by which a command in `f32` may differ: one, by rounding. In fixed point none may differ.

@@ -84,6 +84,7 @@ fn the_source_that_is_compiled_here_is_what_export_writes() {
         ("packed", "packed_f32", &["--kernel", "packed_f32"]),
         ("packed", "packed_i16f16", &["--kernel", "packed_i16f16"]),
         ("full", "full", &["--kernel", "count_gms_i16f16"]),
+        ("packed", "../../../firmware/app/src/starting", &[]),
     ] {
         let written = folder.path().join("out.rs");
         let model = file(&format!("{model}.toml")).display().to_string();

@@ -2,8 +2,8 @@
 
 use crate::{DriveError, Line};
 use preslide_link::{
-    Deframer, Identity, LARGEST_FRAME, Mode, Name, Numbered, PROTOCOL, Parameter, Refusal, Reply,
-    Report, Request, Sample, State, encode,
+    Deframer, Identity, LARGEST_FRAME, Mode, ModelPart, Name, Numbered, PART, PROTOCOL, Parameter,
+    Refusal, Reply, Report, Request, Sample, State, encode,
 };
 use std::io::ErrorKind;
 use std::time::{Duration, Instant, SystemTime};
@@ -41,6 +41,7 @@ impl Drive {
             effort_per_a: 0.0,
             room: 0,
             saved: false,
+            model: 0,
         };
         let mut drive = Self {
             line,
@@ -114,6 +115,27 @@ impl Drive {
                 answer => return answer,
             }
         }
+    }
+
+    /// Sends the parameters of a friction model of this layout; the controller takes them without a bump when the last are there.
+    ///
+    /// # Errors
+    /// As [`Drive::ask`].
+    pub fn load(&mut self, layout: u32, parameters: &[f64]) -> Result<(), DriveError> {
+        for (part, sent) in parameters.chunks(PART).enumerate() {
+            let mut values = [0.0; PART];
+            for (value, parameter) in values.iter_mut().zip(sent) {
+                *value = *parameter as f32;
+            }
+            // No model has more than the link takes, which a byte counts.
+            let first = (part * PART) as u8;
+            self.insist(Request::Model(ModelPart {
+                layout,
+                first,
+                values,
+            }))?;
+        }
+        Ok(())
     }
 
     /// How the controller is.

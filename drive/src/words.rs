@@ -61,8 +61,9 @@ pub fn refusal(refusal: Refusal) -> &'static str {
         Refusal::Faulted => {
             "the controller is in its safe state; see `state`, then `acknowledge` and `enable`"
         }
-        Refusal::CompiledIn => {
-            "the friction model was compiled in (PRESLIDE_MODEL); it changes with the firmware's build: `preslide export`"
+        Refusal::OtherModel => {
+            "the firmware's friction model is made of other parts; `preslide export MODEL.toml -o stage_model.rs`, then build the \
+             firmware with PRESLIDE_MODEL=/full/path/to/stage_model.rs"
         }
         Refusal::NotEnabled => "the axis is not enabled: `enable` first",
         Refusal::Enabled => "only while the axis is disabled: `disable` first",

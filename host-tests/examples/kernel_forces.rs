@@ -20,7 +20,7 @@ use checksum::Checksum;
 use fixed::types::I16F16;
 use motion::{Strokes, TICKS};
 use preslide::{Friction, Scalar, Units};
-use preslide_app::{Blocks, Number, STARTING_MODEL};
+use preslide_app::{Number, Starting};
 
 /// The harness's macro of this name measures; this one only runs the kernel.
 #[macro_export]
@@ -65,7 +65,7 @@ fn print_checksum<F: Friction>(
 /// The codes of the whole control task.
 fn print_control_task<S: Number>(kernel: &str) {
     let queues = Box::leak(Box::default());
-    let model = Blocks::<S>::new(STARTING_MODEL);
+    let model = Starting::<S>::PAPER;
     let checksum = closed_loop::run(model, queues, ticks(), |inputs, task| task.tick(inputs));
     println!("{kernel} 4 {checksum:016x}");
 }

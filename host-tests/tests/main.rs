@@ -3,6 +3,7 @@
 mod accuracy;
 mod answers;
 mod axis;
+mod basics;
 mod control;
 mod diagnose;
 mod effects;
@@ -16,6 +17,7 @@ mod identify_core;
 mod kernels;
 mod koopman;
 mod learning;
+mod mutants;
 mod notch;
 mod observer;
 mod on_the_fit;

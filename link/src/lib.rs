@@ -15,8 +15,8 @@ pub use answered::{Answered, WINDOW};
 pub use frame::{Deframer, FrameError, LARGEST_FRAME, encode};
 pub use lock_step::{Exchange, Order, Reading};
 pub use message::{
-    FaultCode, GainSettings, Homing, Identity, MOST_BLOCKS, Mark, Mode, ModelSettings, Numbered,
-    POINTS, PROTOCOL, Points, RangeCode, Refusal, Reply, Report, Request, ResetCause, Sample,
+    FaultCode, GainSettings, Homing, Identity, MOST_PARAMETERS, Mark, Mode, ModelPart, Numbered,
+    PART, POINTS, PROTOCOL, Points, RangeCode, Refusal, Reply, Report, Request, ResetCause, Sample,
     State,
 };
 pub use parameter::{LONGEST_NAME, Name, Parameter};

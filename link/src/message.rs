@@ -3,14 +3,17 @@
 use crate::{Name, Parameter};
 use serde::{Deserialize, Serialize};
 
-/// Most Maxwell-slip blocks in a [`ModelSettings`].
-pub const MOST_BLOCKS: usize = 4;
+/// Most parameters of a friction model and its effects.
+pub const MOST_PARAMETERS: usize = 64;
+
+/// Parameters in a [`ModelPart`]: what a frame has room for.
+pub const PART: usize = 12;
 
 /// Points in a [`Request::Points`].
 pub const POINTS: usize = 8;
 
 /// What both ends must speak; the controller tells it in [`Identity`].
-pub const PROTOCOL: u16 = 5;
+pub const PROTOCOL: u16 = 6;
 
 /// A request with the number that its answer carries.
 ///
@@ -45,8 +48,8 @@ pub enum Request {
     },
     /// Take these gains between two ticks.
     Gains(GainSettings),
-    /// Take this friction model between two ticks.
-    Model(ModelSettings),
+    /// Take parameters of the friction model; all of them between two ticks, when the last are there.
+    Model(ModelPart),
     /// Acknowledge a fault. The axis stays disabled.
     Acknowledge,
     /// Send every `every`-th tick's telemetry, so that a slow line keeps up; 0 for none.
@@ -144,13 +147,15 @@ pub struct GainSettings {
     pub derivative: f32,
 }
 
-/// A quasi-static Maxwell-slip model.
+/// Parameters of the friction model and its effects, in the order in which `preslide export` wrote them; the parts in turn.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ModelSettings {
-    /// Breakaway force `F_s` (N).
-    pub breakaway_n: f32,
-    /// Stiffness (N/m) and weight (-) of each block.
-    pub blocks: [(f32, f32); MOST_BLOCKS],
+pub struct ModelPart {
+    /// [`Identity::model`] of the model that they are for.
+    pub layout: u32,
+    /// How many come before these.
+    pub first: u8,
+    /// SI units; what is beyond the model's last is ignored.
+    pub values: [f32; PART],
 }
 
 /// From the controller to the host.
@@ -202,6 +207,8 @@ pub struct Identity {
     pub room: u16,
     /// What it runs with was saved, rather than compiled in.
     pub saved: bool,
+    /// Which parameters its friction model has, and in which order (`LAYOUT` of what `preslide export` wrote).
+    pub model: u32,
 }
 
 /// How the controller is.
@@ -349,8 +356,8 @@ pub enum Refusal {
     Busy,
     /// The controller is in its safe state; send [`Request::Acknowledge`] first.
     Faulted,
-    /// The friction model was compiled in as `preslide export` wrote it: it changes with the firmware's build.
-    CompiledIn,
+    /// The firmware's friction model has other parameters: what it is made of changes with the firmware's build.
+    OtherModel,
     /// The axis is not enabled.
     NotEnabled,
     /// Only where the axis is disabled.

@@ -4,8 +4,7 @@
 //! into a ring and another one sends what is queued.
 
 use preslide_link::{
-    Deframer, GainSettings, LARGEST_FRAME, MOST_BLOCKS, ModelSettings, Numbered, Request, WINDOW,
-    encode,
+    Deframer, GainSettings, LARGEST_FRAME, ModelPart, Numbered, PART, Request, WINDOW, encode,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -156,9 +155,10 @@ fn requests_are_read_while_telemetry_is_sent() {
         ),
         (
             "model",
-            Request::Model(ModelSettings {
-                breakaway_n: 0.9,
-                blocks: [(1e5, 0.25); MOST_BLOCKS],
+            Request::Model(ModelPart {
+                layout: 1,
+                first: 0,
+                values: [1e5; PART],
             }),
         ),
     ];

@@ -17,31 +17,43 @@ use crate::{EncoderScale, Friction, Motion, Scalar, Units};
 /// Built where there is time, then handed to [`super::Controller::swap`].
 #[derive(Clone, Debug)]
 pub struct Coefficients<F: Friction> {
-    pub(crate) scale: EncoderScale<F::Scalar>,
-    pub(crate) length_per_count: F::Scalar,
-    /// For [`Arithmetic::of_q16`], as the acceleration.
-    length_per_q16: F::Scalar,
-    pub(crate) velocity_per_length: F::Scalar,
-    /// Of a change of the reference's speed that is still to be divided by the smoothing.
-    acceleration_per_change: F::Scalar,
+    pub(crate) law: Law<F>,
+    pub(crate) machine: Machine<F::Scalar>,
+}
+
+/// What makes the force: what is left runs on beside what takes its place.
+#[derive(Clone, Debug)]
+pub(crate) struct Law<F: Friction> {
     pub(crate) pid: Pid<F::Scalar>,
     pub(crate) notch: Option<NotchFilter<F::Scalar>>,
     pub(crate) compensator: Compensator<F>,
-    /// The moving mass, and what of it is fed forward beside the feedback (force per acceleration in velocity units per second).
-    mass: F::Scalar,
+    /// What of the moving mass is fed forward beside the feedback (force per acceleration in velocity units per second).
     mass_beside: F::Scalar,
-    pub(crate) motor: MotorDrive<F::Scalar>,
-    pub(crate) winding: Winding<F::Scalar>,
+}
+
+/// What the machine is, and is watched by: it takes effect at once. `Copy`, because a swap in the interrupt copies it as one piece.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Machine<S> {
+    pub(crate) scale: EncoderScale<S>,
+    pub(crate) length_per_count: S,
+    /// For [`Arithmetic::of_q16`], as the acceleration.
+    length_per_q16: S,
+    pub(crate) velocity_per_length: S,
+    /// Of a change of the reference's speed that is still to be divided by the smoothing.
+    acceleration_per_change: S,
+    /// The moving mass.
+    mass: S,
+    pub(crate) motor: MotorDrive<S>,
     /// The nominal supply in whole codes, and what it is of that.
     pub(crate) supply_nominal: i32,
-    pub(crate) supply_part: F::Scalar,
+    pub(crate) supply_part: S,
     /// The force of a code at that supply in whole codes.
-    force_per_code: F::Scalar,
+    force_per_code: S,
     pub(crate) limiter: Limiter,
     /// The largest |code| that is neither cut nor a push to watch.
     pub(crate) gentle: i32,
-    pub(crate) monitor: Monitor<F::Scalar>,
-    pub(crate) fade: Fade<F::Scalar>,
+    pub(crate) monitor: Monitor<S>,
+    pub(crate) fade: Fade<S>,
     pub(crate) pace: Pace,
     /// ±1: the counter's direction and the bridge's.
     pub(crate) count_sign: i32,
@@ -49,6 +61,7 @@ pub struct Coefficients<F: Friction> {
     pub(crate) turn: i32,
     /// Ticks without a word of the host; 0 for no end.
     pub(crate) silence: u32,
+    pub(crate) winding: Winding<S>,
 }
 
 impl<F: Friction> Coefficients<F> {
@@ -110,7 +123,17 @@ impl<F: Friction> Coefficients<F> {
             false => 0.0,
         };
         let sign = |reversed| if reversed { -1 } else { 1 };
-        Ok(Self {
+        let law = Law {
+            pid: Pid::try_new(&axis.gains, sample_time, units)?,
+            notch: NotchFilter::try_new(&axis.notch, sample_time)?,
+            compensator: Compensator::try_new(friction, &axis.feed_forward, units)?,
+            // Whatever the difference is, the two that it is of are held to a hundredth.
+            mass_beside: nearest(
+                "moving mass less the derivative gain times the velocity's delay",
+                (mass - by_delay) * per_mass,
+            )?,
+        };
+        let machine = Machine {
             scale,
             length_per_count,
             length_per_q16,
@@ -119,15 +142,7 @@ impl<F: Friction> Coefficients<F> {
                 units.length / sample_time / units.velocity,
             )?,
             acceleration_per_change: acceleration_per_change.per_q16(),
-            pid: Pid::try_new(&axis.gains, sample_time, units)?,
-            notch: NotchFilter::try_new(&axis.notch, sample_time)?,
-            compensator: Compensator::try_new(friction, &axis.feed_forward, units)?,
             mass: to_gain("moving mass", mass * per_mass)?,
-            // Whatever the difference is, the two that it is of are held to a hundredth.
-            mass_beside: nearest(
-                "moving mass less the derivative gain times the velocity's delay",
-                (mass - by_delay) * per_mass,
-            )?,
             force_per_code: nearest(
                 "force of a PWM code",
                 axis.motor.force_per_volt() * hardware.supply_code * nominal
@@ -135,7 +150,6 @@ impl<F: Friction> Coefficients<F> {
                     / units.force,
             )?,
             motor,
-            winding: Winding::try_new(axis, units, delay)?,
             supply_nominal: nominal as i32,
             supply_part: to_scalar("supply voltage in codes", codes / nominal)?,
             gentle: limiter.largest().min(monitor.gentle()),
@@ -148,28 +162,95 @@ impl<F: Friction> Coefficients<F> {
             // At most 10⁹, by the check above.
             turn: turn as i32,
             silence: reachable_ticks("silence of the host", axis.silence, sample_time)?,
-        })
+            winding: Winding::try_new(axis, units, delay)?,
+        };
+        Ok(Self { law, machine })
+    }
+
+    /// There is more to do than an ordinary tick does: a notch, or the winding's resistance to follow.
+    #[inline]
+    pub(super) fn does_more(&self) -> bool {
+        self.law.notch.is_some() || self.machine.winding.follows()
     }
 
     /// Neither cut nor a push to watch.
     #[inline]
     pub(super) fn is_gentle(&self, code: i32) -> bool {
         // One comparison for both signs.
-        code.wrapping_add(self.gentle).cast_unsigned() <= 2 * self.gentle.cast_unsigned()
+        code.wrapping_add(self.machine.gentle).cast_unsigned()
+            <= 2 * self.machine.gentle.cast_unsigned()
     }
 
     /// A length from 2⁻¹⁶ counts.
     #[inline]
     pub(super) fn length(&self, q16: i32) -> F::Scalar {
-        self.length_per_q16.of_q16(q16)
+        self.machine.length_per_q16.of_q16(q16)
     }
 
     /// The reference's acceleration, from the change of its speed (2⁻¹⁶ counts per tick², times the smoothing).
     #[inline]
     pub(super) fn acceleration(&self, q16: i32) -> F::Scalar {
-        self.acceleration_per_change.of_q16(q16)
+        self.machine.acceleration_per_change.of_q16(q16)
     }
 
+    /// What of a `force` is not spent on the mass.
+    #[inline]
+    pub(super) fn beside_mass(&self, force: F::Scalar, acceleration: F::Scalar) -> F::Scalar {
+        force.sub_input(self.machine.mass.mul_input(acceleration))
+    }
+
+    /// The force against friction by this law or the one that is left; its model advances by a tick.
+    #[inline(always)]
+    pub(super) fn feed_forward(
+        &self,
+        compensator: &Compensator<F>,
+        state: &mut F::State,
+        now: &Moment<F::Scalar>,
+    ) -> F::Scalar {
+        let [reference, measured] = now.places;
+        let (place, motion) = match compensator.drive() {
+            VelocitySource::Reference => (reference, now.wanted),
+            VelocitySource::Measured => {
+                cold_path();
+                let displacement = self.machine.scale.displacement(now.counts);
+                let velocity = now.velocity;
+                (
+                    measured,
+                    Motion {
+                        displacement,
+                        velocity,
+                    },
+                )
+            }
+        };
+        // What belongs to a place waits until the place is known.
+        if now.located {
+            // Whole counts do for maps and ripples, and are exact in `f32` up to 2²⁴ of them.
+            let place = F::Scalar::from_int(place).mul_input(self.machine.length_per_count);
+            compensator.friction().set_position(state, place);
+        }
+        compensator.step(state, motion)
+    }
+
+    /// The force of so many codes at the measured supply voltage.
+    #[inline]
+    pub(super) fn force(&self, codes: i32, supply: u16) -> F::Scalar {
+        // At least 1 by construction.
+        let nominal = self.machine.supply_nominal.cast_unsigned();
+        let per_code = self.machine.force_per_code.rate(supply.into(), nominal);
+        per_code.mul_input(F::Scalar::from_int(codes))
+    }
+
+    /// Nominal over measured supply voltage, the latter within what is healthy.
+    #[inline]
+    pub(super) fn boost(&self, supply: u16) -> F::Scalar {
+        self.machine
+            .supply_part
+            .rate(self.machine.supply_nominal, supply.into())
+    }
+}
+
+impl<F: Friction> Law<F> {
     /// The force on the mass that the feedback leaves to be fed forward.
     #[inline]
     pub(super) fn inertial(&self, acceleration: F::Scalar) -> F::Scalar {
@@ -183,7 +264,7 @@ impl<F: Friction> Coefficients<F> {
         feedback.add_input(self.inertial(now.acceleration))
     }
 
-    /// What the notch takes off [`Coefficients::immediate`].
+    /// What the notch takes off [`Law::immediate`].
     ///
     /// Off the feedback without its integral alone. A mode rings by what answers the count: `K_d` and `K_p`; the integral's part is
     /// `K_i/(K_p·ω)` of the latter, next to nothing there, and a force that holds a load is left as it is. What is fed forward answers the
@@ -200,55 +281,6 @@ impl<F: Friction> Coefficients<F> {
             Some(notch) => notch.step(state, self.pid.immediate(error, velocity_error)),
             None => F::Scalar::ZERO,
         }
-    }
-
-    /// What of a `force` is not spent on the mass.
-    #[inline]
-    pub(super) fn beside_mass(&self, force: F::Scalar, acceleration: F::Scalar) -> F::Scalar {
-        force.sub_input(self.mass.mul_input(acceleration))
-    }
-
-    /// The force against friction; the model advances by a tick.
-    #[inline(always)]
-    pub(super) fn feed_forward(&self, state: &mut F::State, now: &Moment<F::Scalar>) -> F::Scalar {
-        let [reference, measured] = now.places;
-        let (place, motion) = match self.compensator.drive() {
-            VelocitySource::Reference => (reference, now.wanted),
-            VelocitySource::Measured => {
-                cold_path();
-                let displacement = self.scale.displacement(now.counts);
-                let velocity = now.velocity;
-                (
-                    measured,
-                    Motion {
-                        displacement,
-                        velocity,
-                    },
-                )
-            }
-        };
-        // What belongs to a place waits until the place is known.
-        if now.located {
-            // Whole counts do for maps and ripples, and are exact in `f32` up to 2²⁴ of them.
-            let place = F::Scalar::from_int(place).mul_input(self.length_per_count);
-            self.compensator.friction().set_position(state, place);
-        }
-        self.compensator.step(state, motion)
-    }
-
-    /// The force of so many codes at the measured supply voltage.
-    #[inline]
-    pub(super) fn force(&self, codes: i32, supply: u16) -> F::Scalar {
-        // At least 1 by construction.
-        let nominal = self.supply_nominal.cast_unsigned();
-        let per_code = self.force_per_code.rate(supply.into(), nominal);
-        per_code.mul_input(F::Scalar::from_int(codes))
-    }
-
-    /// Nominal over measured supply voltage, the latter within what is healthy.
-    #[inline]
-    pub(super) fn boost(&self, supply: u16) -> F::Scalar {
-        self.supply_part.rate(self.supply_nominal, supply.into())
     }
 }
 

@@ -63,10 +63,10 @@ impl<F: Friction, C: Count> Controller<F, C> {
             position: 0,
             located: false,
             turn_count: 0,
-            timing: coefficients.scale.at_rest(),
-            reference: Reference::at(0, &coefficients.pace),
+            timing: coefficients.machine.scale.at_rest(),
+            reference: Reference::at(0, &coefficients.machine.pace),
             pid: PidState::new(),
-            friction: coefficients.compensator.friction().at_rest(),
+            friction: coefficients.law.compensator.friction().at_rest(),
             rounding: Rounding::new(),
             notch: NotchState::new(),
             winding: WindingState::new(),
@@ -95,13 +95,14 @@ impl<F: Friction, C: Count> Controller<F, C> {
         if self.enabled {
             return Ok(());
         }
-        self.fault = self.coefficients.monitor.at_rest(&self.suspicion);
+        self.fault = self.coefficients.machine.monitor.at_rest(&self.suspicion);
         if let Some(fault) = self.fault {
             return Err(fault);
         }
         // It may have been disabled in this very tick.
         self.forget();
-        self.reference.stand(self.position, &self.coefficients.pace);
+        self.reference
+            .stand(self.position, &self.coefficients.machine.pace);
         self.reference.locate(self.located);
         self.suspicion.clear();
         self.heard();
@@ -150,7 +151,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
     #[inline]
     pub fn start(&mut self, next: Move) -> Result<(), Refused> {
         self.may_move()?;
-        self.reference.start(next, &self.coefficients.pace)
+        self.reference.start(next, &self.coefficients.machine.pace)
     }
 
     /// Goes on at a speed until the next order or the end of travel.
@@ -159,7 +160,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
     /// [`Refused`]; nothing changes then.
     pub fn jog(&mut self, jog: Jog) -> Result<(), Refused> {
         self.may_move()?;
-        self.reference.jog(jog, &self.coefficients.pace);
+        self.reference.jog(jog, &self.coefficients.machine.pace);
         Ok(())
     }
 
@@ -181,12 +182,12 @@ impl<F: Friction, C: Count> Controller<F, C> {
     /// The host has been heard. [`super::Axis::silence`] after the last time a moving axis stops.
     #[inline]
     pub fn heard(&mut self) {
-        self.patience = self.coefficients.silence;
+        self.patience = self.coefficients.machine.silence;
     }
 
     /// The host has been silent for too long.
     pub fn is_silent(&self) -> bool {
-        self.patience == 0 && self.coefficients.silence > 0
+        self.patience == 0 && self.coefficients.machine.silence > 0
     }
 
     /// Position (counts) from the axis's origin.
@@ -199,7 +200,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
     pub fn position_at(&self, reading: C) -> i64 {
         let counts = reading
             .since(self.last)
-            .wrapping_mul(self.coefficients.count_sign);
+            .wrapping_mul(self.coefficients.machine.count_sign);
         self.position.wrapping_add(counts.into())
     }
 
@@ -212,8 +213,8 @@ impl<F: Friction, C: Count> Controller<F, C> {
         self.reference.shift(by);
         self.located = true;
         self.reference.locate(true);
-        if self.coefficients.turn > 0 {
-            self.turn_count = in_turn(self.position, self.coefficients.turn);
+        if self.coefficients.machine.turn > 0 {
+            self.turn_count = in_turn(self.position, self.coefficients.machine.turn);
         }
     }
 
@@ -254,7 +255,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
     /// What a friction model that learns has to say ([`super::Learning`]).
     #[inline]
     pub fn condition(&self) -> Condition<F::Scalar> {
-        let friction = self.coefficients.compensator.friction();
+        let friction = self.coefficients.law.compensator.friction();
         friction.condition(&self.friction)
     }
 
@@ -271,7 +272,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
 
     /// How fast the reference may move.
     pub fn pace(&self) -> &Pace {
-        &self.coefficients.pace
+        &self.coefficients.machine.pace
     }
 
     /// Takes new coefficients between two ticks, without a bump.
@@ -282,7 +283,8 @@ impl<F: Friction, C: Count> Controller<F, C> {
     #[inline(never)]
     // By reference, and the old parameters copied only where they run on: what is copied here is most of the longest tick.
     pub fn swap(&mut self, coefficients: &Coefficients<F>) {
-        let (new, left) = (&coefficients.compensator, &self.coefficients.compensator);
+        let new = &coefficients.law.compensator;
+        let left = &self.coefficients.law.compensator;
         let memory = new.friction().take_over(left.friction(), &self.friction);
         let memory = core::mem::replace(&mut self.friction, memory);
         // Another notch goes on from there: it settles while it has little weight.
@@ -295,14 +297,15 @@ impl<F: Friction, C: Count> Controller<F, C> {
             };
             let friction = (new != left).then_some(memory);
             // What a lower limit takes from the integral fades, too.
-            let added = added.add_input(coefficients.pid.shorten(&mut self.pid));
-            let (old, fade) = (self.coefficients.clone(), &coefficients.fade);
+            let added = added.add_input(coefficients.law.pid.shorten(&mut self.pid));
+            let (old, fade) = (self.coefficients.law.clone(), &coefficients.machine.fade);
             self.leaving = Some(Leaving::start(old, friction, notch, fade, added));
         } else {
             // Another resistance may be told.
             self.winding = WindingState::new();
         }
-        self.coefficients.clone_from(coefficients);
+        self.coefficients.law.clone_from(&coefficients.law);
+        self.coefficients.machine = coefficients.machine;
         self.fades = self.enabled;
         self.steady = false;
     }
@@ -324,12 +327,11 @@ impl<F: Friction, C: Count> Controller<F, C> {
     #[inline]
     #[must_use = "a tick that was an ordinary one is over, and its command is this"]
     pub fn ordinary_tick(&mut self, measured: Measurement<C>) -> Option<Command> {
-        let c = &self.coefficients;
+        let monitor = &self.coefficients.machine.monitor;
         let ordinary = self.steady
             && self.patience != 1
             && self.reference.is_even()
-            && c.monitor
-                .finds_usual(&self.suspicion, self.counts(&measured), &measured);
+            && monitor.finds_usual(&self.suspicion, self.counts(&measured), &measured);
         ordinary.then(|| self.advance::<true>(measured))
     }
 
@@ -344,7 +346,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
     #[inline]
     fn counts(&self, measured: &Measurement<C>) -> i32 {
         let counts = measured.count.since(self.last);
-        counts.wrapping_mul(self.coefficients.count_sign)
+        counts.wrapping_mul(self.coefficients.machine.count_sign)
     }
 
     #[inline(always)]
@@ -353,14 +355,14 @@ impl<F: Friction, C: Count> Controller<F, C> {
         let counts = self.counts(&measured);
         self.last = measured.count;
         self.position = self.position.wrapping_add(counts.into());
-        if c.turn != 0 {
+        if c.machine.turn != 0 {
             cold_path();
-            self.turn_count = within(self.turn_count.wrapping_add(counts), c.turn);
+            self.turn_count = within(self.turn_count.wrapping_add(counts), c.machine.turn);
         }
-        let window = || c.scale.velocity(&mut self.timing, counts);
-        let displacement = c.scale.displacement(counts);
+        let window = || c.machine.scale.velocity(&mut self.timing, counts);
+        let displacement = c.machine.scale.displacement(counts);
         let velocity =
-            (c.compensator.friction()).velocity(&mut self.friction, displacement, window);
+            (c.law.compensator.friction()).velocity(&mut self.friction, displacement, window);
         if !ORDINARY && let Some(command) = self.watch(&measured, counts) {
             return command;
         }
@@ -374,24 +376,24 @@ impl<F: Friction, C: Count> Controller<F, C> {
         let supply = if ORDINARY {
             measured.supply
         } else {
-            c.monitor.usable(measured.supply)
+            c.machine.monitor.usable(measured.supply)
         };
         let boost = c.boost(supply);
         let reference = if ORDINARY {
             self.reference.step_evenly()
         } else {
-            self.reference.step(&c.pace)
+            self.reference.step(&c.machine.pace)
         };
         let error_q16 = self.error_q16(reference.position);
         let error = c.length(saturate(error_q16));
-        if let Some(fault) = c.monitor.followed(error) {
+        if let Some(fault) = c.machine.monitor.followed(error) {
             return self.trip(fault);
         }
 
         let displacement = c.length(reference.displacement);
         let wanted = Motion {
             displacement,
-            velocity: displacement.mul_input(c.velocity_per_length),
+            velocity: displacement.mul_input(c.machine.velocity_per_length),
         };
         let acceleration = c.acceleration(reference.change);
         let velocity_error = wanted.velocity.sub_input(velocity);
@@ -411,12 +413,12 @@ impl<F: Friction, C: Count> Controller<F, C> {
             located,
         };
         let cut = if ORDINARY { Saturation::None } else { self.cut };
-        let feedback = c.pid.step(&mut self.pid, error, velocity_error, cut);
-        let friction = c.feed_forward(&mut self.friction, &now());
-        let mut force = feedback.add_input(friction.add_input(c.inertial(acceleration)));
-        if c.notch.is_some() {
+        let feedback = c.law.pid.step(&mut self.pid, error, velocity_error, cut);
+        let friction = c.feed_forward(&c.law.compensator, &mut self.friction, &now());
+        let mut force = feedback.add_input(friction.add_input(c.law.inertial(acceleration)));
+        if !ORDINARY && c.law.notch.is_some() {
             cold_path();
-            force = force.sub_input(c.notched(&mut self.notch, error, velocity_error));
+            force = force.sub_input(c.law.notched(&mut self.notch, error, velocity_error));
         }
         if !ORDINARY && self.fades {
             force = force.add_input(self.fade(&now(), friction));
@@ -424,10 +426,10 @@ impl<F: Friction, C: Count> Controller<F, C> {
         let c = &self.coefficients;
 
         let mut driven = force;
-        if c.winding.follows() {
+        if !ORDINARY && c.machine.winding.follows() {
             cold_path();
             let current = i32::from(measured.current) - i32::from(self.suspicion.at_rest());
-            driven = c.winding.step(
+            driven = c.machine.winding.step(
                 &mut self.winding,
                 current,
                 force,
@@ -436,6 +438,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
             );
         }
         let Some(code) = c
+            .machine
             .motor
             .code(&mut self.rounding, driven, wanted.velocity, boost)
         else {
@@ -445,15 +448,15 @@ impl<F: Friction, C: Count> Controller<F, C> {
         let (code, cut) = if c.is_gentle(code) {
             if !ORDINARY {
                 self.cut = Saturation::None;
-                self.steady = !self.fades && !self.suspicion.any();
+                self.steady = !self.fades && !self.suspicion.any() && !c.does_more();
             }
             (code, Saturation::None)
         } else {
             cold_path();
             self.steady = false;
-            let (passed, cut) = c.limiter.apply(code);
+            let (passed, cut) = c.machine.limiter.apply(code);
             self.cut = cut;
-            if cut != Saturation::None {
+            if !ORDINARY && cut != Saturation::None {
                 self.winding.cut();
             }
             lost = c.force(code.wrapping_sub(passed), supply);
@@ -471,11 +474,11 @@ impl<F: Friction, C: Count> Controller<F, C> {
             let tells = cut == Saturation::None && !fades && (ORDINARY || !measured.late);
             tells.then(|| c.beside_mass(force, acceleration))
         };
-        c.compensator.friction().spent(&mut self.friction, told);
+        c.law.compensator.friction().spent(&mut self.friction, told);
         let acted = || force.sub_input(lost);
-        (c.compensator.friction()).acted(&mut self.friction, velocity_error, acted);
+        (c.law.compensator.friction()).acted(&mut self.friction, velocity_error, acted);
         Command {
-            code: code.wrapping_mul(c.code_sign),
+            code: code.wrapping_mul(c.machine.code_sign),
             position: self.position,
             reference: (self.position << 16).wrapping_add(error_q16),
             fault: None,
@@ -488,7 +491,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
     fn watch(&mut self, measured: &Measurement<C>, counts: i32) -> Option<Command> {
         if !self.enabled {
             self.suspicion.calibrate(measured.current);
-            let monitor = &self.coefficients.monitor;
+            let monitor = &self.coefficients.machine.monitor;
             monitor.cool(&mut self.suspicion);
             if monitor.jumped(counts) {
                 self.located = false;
@@ -498,7 +501,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
         if self.suspicion.knows_no_rest() {
             // Enabled before any tick: what is read now is from before the bridge is driven.
             self.suspicion.calibrate(measured.current);
-            if let Some(fault) = self.coefficients.monitor.at_rest(&self.suspicion) {
+            if let Some(fault) = self.coefficients.machine.monitor.at_rest(&self.suspicion) {
                 return Some(self.trip(fault));
             }
         }
@@ -510,7 +513,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
             current: measured.current,
             late: measured.late,
         };
-        let monitor = &self.coefficients.monitor;
+        let monitor = &self.coefficients.machine.monitor;
         let usual = self.coefficients.is_gentle(self.code)
             && monitor.finds_usual(&self.suspicion, counts, measured)
             && !self.suspicion.any();
@@ -524,7 +527,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
     /// Position within the turn of an endless axis; the low bits of the position elsewhere.
     #[inline]
     fn turn_count(&self) -> i32 {
-        if self.coefficients.turn != 0 {
+        if self.coefficients.machine.turn != 0 {
             self.turn_count
         } else {
             self.position as i32
@@ -538,15 +541,16 @@ impl<F: Friction, C: Count> Controller<F, C> {
         let Some(leaving) = &mut self.leaving else {
             return F::Scalar::ZERO;
         };
+        let c = &self.coefficients;
         let immediate = leaving.old.immediate(now);
-        let mut difference = immediate.sub_input(self.coefficients.immediate(now));
+        let mut difference = immediate.sub_input(c.law.immediate(now));
         let (old, state) = (&leaving.old, &mut leaving.notch);
         let taken = old.notched(state, now.error, now.velocity_error);
         difference = difference.add_input(self.notch.taken().sub_input(taken));
         if let Some(state) = &mut leaving.friction {
-            let model = self.coefficients.compensator.friction();
+            let model = c.law.compensator.friction();
             model.hand_observed(&self.friction, state);
-            let left = leaving.old.feed_forward(state, now);
+            let left = c.feed_forward(&leaving.old.compensator, state, now);
             difference = difference.add_input(left.sub_input(friction));
         }
         let added = leaving.step(difference);
@@ -589,7 +593,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
         self.notch = NotchState::new();
         self.winding.cut();
         self.fades = false;
-        let friction = self.coefficients.compensator.friction();
+        let friction = self.coefficients.law.compensator.friction();
         friction.release(&mut self.friction);
     }
 }

@@ -7,7 +7,7 @@ use crate::param::{ParamError, positive, to_scalar};
 const LONGEST: f64 = 10_000.0;
 
 /// How fast parameters change over.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fade<S> {
     pub(super) part: S,
     pub(super) ticks: u32,

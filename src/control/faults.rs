@@ -77,7 +77,7 @@ pub(super) struct Readings {
 }
 
 /// [`super::FaultLimits`] in counts, codes and ticks.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Monitor<S> {
     jump: u32,
     following_error: S,

@@ -1,6 +1,7 @@
 //! A change of parameters without a bump in the command: the old controller and the new one cross-fade.
 
-use super::{Coefficients, Fade, NotchState};
+use super::coefficients::Law;
+use super::{Fade, NotchState};
 use crate::{Friction, Scalar};
 
 /// The parameters that are being left.
@@ -9,7 +10,7 @@ use crate::{Friction, Scalar};
 /// one integral; `rest` is what a swap in the middle of a fade left of the one before.
 #[derive(Clone, Debug)]
 pub(super) struct Leaving<F: Friction> {
-    pub(super) old: Coefficients<F>,
+    pub(super) old: Law<F>,
     /// The old model's memory; `None` where the model and its use stay.
     pub(super) friction: Option<F::State>,
     pub(super) notch: NotchState<F::Scalar>,
@@ -24,7 +25,7 @@ pub(super) struct Leaving<F: Friction> {
 impl<F: Friction> Leaving<F> {
     /// `added` is what a fade that still ran added last.
     pub(super) fn start(
-        old: Coefficients<F>,
+        old: Law<F>,
         friction: Option<F::State>,
         notch: NotchState<F::Scalar>,
         fade: &Fade<F::Scalar>,

@@ -4,7 +4,7 @@ use crate::param::{Bound, ParamError, positive};
 
 /// Clamps the *total* command: feedback, feed-forward and back-EMF together, after rounding. Nothing may be
 /// added behind it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Limiter {
     largest: i32,
 }

@@ -3,28 +3,13 @@
 //! `count → displacement → reference → PID + friction feed-forward → limiter → PWM code`
 //!
 //! There is no `cfg` in this module: the code that a simulation shows to work is the code that runs on the axis.
-//! An [`Axis`] in SI becomes [`Coefficients`] once, outside the interrupt; [`Controller::tick`] uses only those.
+//! An [`Axis`] in SI, which follows from its [`Basics`] or is told in full, becomes [`Coefficients`] once, outside the interrupt;
+//! [`Controller::tick`] uses only those.
 //! The friction model is a type parameter ([`NoFriction`] for none) and brings its number type along. A [`Planner`] checks
 //! what is asked for against the axis's [`Limits`], also outside the interrupt.
-//!
-//! ```
-//! use preslide::control::{Axis, Coefficients, Controller, Measurement, Planner};
-//! use preslide::{Block, QuasiStaticGms, Units};
-//!
-//! let blocks = [Block { stiffness: 113_948.0, weight: 0.616 }, Block { stiffness: 8_870.0, weight: 0.384 }];
-//! let friction = QuasiStaticGms::<2>::try_new(&blocks, 0.9, Units::SI)?;
-//! let axis = Axis::PAPER_AXIS;
-//! let coefficients = Coefficients::try_new(&axis, friction, Units::SI)?;
-//! let mut planner = Planner::try_new(&axis)?;
-//! let mut controller = Controller::new(coefficients, 0_u32);
-//! assert_eq!(controller.enable(), Ok(()));
-//! assert_eq!(controller.start(planner.by(1e-6, 10e-6, 1e-2)?), Ok(()));
-//! let command = controller.tick(Measurement { count: 0, supply: 6000, current: 0, late: false });
-//! assert!(command.enabled && command.fault.is_none());
-//! # Ok::<(), preslide::ParamError>(())
-//! ```
 
 mod axis;
+mod basics;
 mod coefficients;
 mod command;
 mod compensator;
@@ -50,6 +35,7 @@ mod smoothing;
 mod winding;
 
 pub use axis::{Axis, Encoder, Limits, Settings};
+pub use basics::{Basics, BasicsError};
 pub use coefficients::Coefficients;
 pub use command::Command;
 pub use compensator::{Compensator, FeedForward, NoFriction, VelocitySource};

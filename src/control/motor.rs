@@ -99,7 +99,7 @@ impl Motor {
 /// `v` is the *reference* velocity: with the measured one the back-EMF term would cancel the damping that the
 /// motor lends to the loop. The winding's inductance is left out (75 µH/3.4 Ω settles in 22 µs, half a tick). What the bridge's
 /// [dead time](Hardware::dead_time) takes is added to the code.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct MotorDrive<S> {
     codes_per_force: S,
     codes_per_velocity: S,
@@ -119,7 +119,7 @@ pub struct MotorDrive<S> {
 /// for short pulses. Where the two differ in sign the losses cancel: that is the ripple band, in which the sign of the mean would be
 /// wrong. Across zero each edge's part rises linearly, with slope 1 up to its half: a current so small dies within the dead time
 /// and loses less, and a step there would be a gain without end that a dead time told too large turns into a limit cycle.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 struct DeadTime<S> {
     /// Of an edge.
     loss: S,

@@ -78,6 +78,11 @@ impl Move {
         joins: false,
     };
 
+    /// It is over, as [`Move::NONE`] is; the rest is not looked at, and clearing it would be a good part of the longest tick.
+    pub(super) fn end(&mut self) {
+        (self.distance, self.end) = (0, 0);
+    }
+
     /// Plans a move by `distance` (m or rad, signed) at up to `speed` (m/s) and `acceleration` (m/s²).
     ///
     /// Times are rounded up to ticks, speed and acceleration then follow from the distance and are never above what was asked.

@@ -6,7 +6,7 @@ use crate::param::{ParamError, at_least, at_most};
 use crate::scalar::saturated;
 
 /// [`Limits`] in counts and ticks.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
     /// 2⁻³² counts per tick, and per tick².
     speed: i64,
@@ -276,7 +276,7 @@ impl Reference {
 
     fn drop_plan(&mut self) {
         self.settle();
-        self.plan = Move::NONE;
+        self.plan.end();
         self.tick = 0;
         self.uneven();
     }

@@ -28,7 +28,7 @@ const CHANGE: i32 = ONE / 128;
 /// reference's acceleration says. `ρ̂` then goes
 /// towards that by a quarter, at most by 1/128, so that a wrong reading cannot move it far. Sums are whole numbers, in codes of the current, in
 /// any arithmetic.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Winding<S> {
     /// Codes of `i*` per unit of force, of `(k·τ/R)·v` per unit of velocity.
     per_force: S,

@@ -1,8 +1,9 @@
 //! Power is cut at every byte of a save, and at random: one record is always whole.
 
+use crc::{CRC_32_ISO_HDLC, Crc};
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use preslide_store::{LONGEST, Slots, StoreError};
-use rand::{RngExt, SeedableRng};
+use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 const PAGE: u32 = 2048;
@@ -174,6 +175,45 @@ fn a_hundred_thousand_random_cuts_in_one_life() {
         flash.torn_reads
     );
     assert!(new_ones > 5000 && flash.torn_reads > 50_000);
+}
+
+/// Flash that holds anything, most often with a header that is nearly one and a CRC that is right: what is read has the length told.
+fn reads_anything(images: u64) {
+    let check = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+    let mut rng = ChaCha8Rng::seed_from_u64(16);
+    let (mut flash, mut found) = (Flash::new(16), 0_u64);
+    for _ in 0..images {
+        for slot in [0, PAGE as usize] {
+            let image = &mut flash.bytes[slot..slot + 512];
+            rng.fill_bytes(image);
+            let length = rng.random_range(0..LONGEST + 8);
+            image[4..8]
+                .copy_from_slice(&(VERSION + u32::from(rng.random_range(0..8) == 0)).to_le_bytes());
+            image[8..12].copy_from_slice(&(length as u32).to_le_bytes());
+            let end = (12 + length.next_multiple_of(4)).min(508);
+            let right = check.checksum(&image[..end]) ^ u32::from(rng.random_range(0..8) == 0);
+            image[end..end + 4].copy_from_slice(&right.to_le_bytes());
+        }
+        let lengths = [8, PAGE as usize + 8]
+            .map(|at| u32::from_le_bytes(flash.bytes[at..at + 4].try_into().expect("four")));
+        if let Some(record) = loaded(&mut flash) {
+            found += 1;
+            assert!(record.len() <= LONGEST && lengths.contains(&(record.len() as u32)));
+        }
+    }
+    println!("{found} records in {images} images");
+    assert!(found > images / 2);
+}
+
+#[test]
+fn a_hundred_thousand_images_are_read_without_harm() {
+    reads_anything(100_000);
+}
+
+#[test]
+#[ignore = "long study: cargo xtask test --all"]
+fn ten_million_images_are_read_without_harm() {
+    reads_anything(10_000_000);
 }
 
 #[test]

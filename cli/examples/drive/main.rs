@@ -9,9 +9,10 @@ mod typed;
 
 use anyhow::{Context, bail, ensure};
 use preslide_axis::AxisFile;
+use preslide_host::drive::starting;
 use preslide_link::{
-    Deframer, GainSettings, LARGEST_FRAME, MOST_BLOCKS, ModelSettings, Name, Numbered, Refusal,
-    Reply, Report, Request, WINDOW, encode,
+    Deframer, GainSettings, LARGEST_FRAME, ModelPart, Name, Numbered, Refusal, Reply, Report,
+    Request, WINDOW, encode,
 };
 use preslide_sim::rig::{Emulator, Listener, registers};
 use preslide_sim::stage::{Stage, StageConfig};
@@ -225,9 +226,12 @@ fn request(id: u16) -> Request {
             derivative: 600.0,
         }),
         2 => Request::Get(Name::new("gains.proportional").unwrap_or_else(|| unreachable!())),
-        3 => Request::Model(ModelSettings {
-            breakaway_n: 0.9,
-            blocks: [(1e5, 0.25); MOST_BLOCKS],
+        3 => Request::Model(ModelPart {
+            layout: starting(),
+            first: 0,
+            values: [
+                0.9, 1e5, 0.25, 1e5, 0.25, 1e5, 0.25, 1e5, 0.25, 0.0, 0.0, 0.0,
+            ],
         }),
         _ => Request::Gains(GainSettings {
             proportional: f32::NAN,

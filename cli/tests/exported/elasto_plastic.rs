@@ -18,6 +18,20 @@ pub const ELASTO_PLASTIC_STRIBECK_EXPONENT: f64 = 2.0;
 /// `attraction_N_per_s` of `elasto_plastic`.
 pub const ELASTO_PLASTIC_ATTRACTION_N_PER_S: f64 = 40.0;
 
+/// The parameters in the order in which a running controller can be sent others.
+pub const PARAMETERS: [f64; 8] = [
+    ELASTO_PLASTIC_STIFFNESS_N_PER_M,
+    ELASTO_PLASTIC_DAMPING_N_S_PER_M,
+    ELASTO_PLASTIC_ELASTIC_M,
+    ELASTO_PLASTIC_BREAKAWAY_N,
+    ELASTO_PLASTIC_COULOMB_N,
+    ELASTO_PLASTIC_STRIBECK_VELOCITY_M_S,
+    ELASTO_PLASTIC_STRIBECK_EXPONENT,
+    ELASTO_PLASTIC_ATTRACTION_N_PER_S,
+];
+/// Which they are: the same for models of the same parts.
+pub const LAYOUT: u32 = 0x85A95BFF;
+
 /// The friction model.
 pub type Model<S = f32> = ::preslide::ElastoPlastic<S>;
 
@@ -26,8 +40,30 @@ pub type Model<S = f32> = ::preslide::ElastoPlastic<S>;
 /// # Errors
 /// The parameter that does not fit the number type in `units`.
 pub fn model<S: ::preslide::Scalar>(
+    sample_time: f64,
+    units: ::preslide::Units,
+) -> ::core::result::Result<Model<S>, ::preslide::ParamError> {
+    with(&PARAMETERS, sample_time, units)
+}
+
+/// The same with other parameters.
+///
+/// # Errors
+/// As of `model`.
+pub fn with<S: ::preslide::Scalar>(
+    parameters: &[f64; 8],
     _sample_time: f64,
     units: ::preslide::Units,
 ) -> ::core::result::Result<Model<S>, ::preslide::ParamError> {
-    ::preslide::ElastoPlastic::try_new(ELASTO_PLASTIC_STIFFNESS_N_PER_M, ELASTO_PLASTIC_DAMPING_N_S_PER_M, ELASTO_PLASTIC_ELASTIC_M, ELASTO_PLASTIC_BREAKAWAY_N, ::preslide::Sliding { coulomb: ELASTO_PLASTIC_COULOMB_N, stribeck_velocity: ELASTO_PLASTIC_STRIBECK_VELOCITY_M_S, stribeck_exponent: ELASTO_PLASTIC_STRIBECK_EXPONENT, attraction: ELASTO_PLASTIC_ATTRACTION_N_PER_S }, units)
+    let [
+        elasto_plastic_stiffness_n_per_m,
+        elasto_plastic_damping_n_s_per_m,
+        elasto_plastic_elastic_m,
+        elasto_plastic_breakaway_n,
+        elasto_plastic_coulomb_n,
+        elasto_plastic_stribeck_velocity_m_s,
+        elasto_plastic_stribeck_exponent,
+        elasto_plastic_attraction_n_per_s,
+    ] = *parameters;
+    ::preslide::ElastoPlastic::try_new(elasto_plastic_stiffness_n_per_m, elasto_plastic_damping_n_s_per_m, elasto_plastic_elastic_m, elasto_plastic_breakaway_n, ::preslide::Sliding { coulomb: elasto_plastic_coulomb_n, stribeck_velocity: elasto_plastic_stribeck_velocity_m_s, stribeck_exponent: elasto_plastic_stribeck_exponent, attraction: elasto_plastic_attraction_n_per_s }, units)
 }

@@ -28,6 +28,27 @@ pub const PERIODIC_FORCE_PERIOD_M: f64 = 0.0002857;
 /// `phase_rad` of `periodic_force`.
 pub const PERIODIC_FORCE_PHASE_RAD: f64 = 0.5;
 
+/// The parameters in the order in which a running controller can be sent others.
+pub const PARAMETERS: [f64; 15] = [
+    GMS_BREAKAWAY_N,
+    GMS_COULOMB_N,
+    GMS_STRIBECK_VELOCITY_M_S,
+    GMS_STRIBECK_EXPONENT,
+    GMS_ATTRACTION_N_PER_S,
+    BLOCKS[0].stiffness,
+    BLOCKS[0].weight,
+    BLOCKS[1].stiffness,
+    BLOCKS[1].weight,
+    BLOCKS[2].stiffness,
+    BLOCKS[2].weight,
+    VISCOUS_N_S_PER_M,
+    PERIODIC_FORCE_FORCE_N,
+    PERIODIC_FORCE_PERIOD_M,
+    PERIODIC_FORCE_PHASE_RAD,
+];
+/// Which they are: the same for models of the same parts.
+pub const LAYOUT: u32 = 0xA30EF0E7;
+
 /// The effects beside the friction model.
 pub type Effects<S = ::preslide::fixed::types::I16F16> = (
     ::preslide::effects::Viscous<S>,
@@ -45,10 +66,39 @@ pub fn model<S: ::preslide::Scalar>(
     sample_time: f64,
     units: ::preslide::Units,
 ) -> ::core::result::Result<Model<S>, ::preslide::ParamError> {
-    let friction = <::preslide::kernels::Scaled<::preslide::kernels::CountGms<3>, S>>::try_new(&BLOCKS, GMS_BREAKAWAY_N, ::preslide::Sliding { coulomb: GMS_COULOMB_N, stribeck_velocity: GMS_STRIBECK_VELOCITY_M_S, stribeck_exponent: GMS_STRIBECK_EXPONENT, attraction: GMS_ATTRACTION_N_PER_S }, sample_time, units)?;
+    with(&PARAMETERS, sample_time, units)
+}
+
+/// The same with other parameters.
+///
+/// # Errors
+/// As of `model`.
+pub fn with<S: ::preslide::Scalar>(
+    parameters: &[f64; 15],
+    sample_time: f64,
+    units: ::preslide::Units,
+) -> ::core::result::Result<Model<S>, ::preslide::ParamError> {
+    let [
+        gms_breakaway_n,
+        gms_coulomb_n,
+        gms_stribeck_velocity_m_s,
+        gms_stribeck_exponent,
+        gms_attraction_n_per_s,
+        stiffness_0,
+        weight_0,
+        stiffness_1,
+        weight_1,
+        stiffness_2,
+        weight_2,
+        viscous_n_s_per_m,
+        periodic_force_force_n,
+        periodic_force_period_m,
+        periodic_force_phase_rad,
+    ] = *parameters;
+    let friction = <::preslide::kernels::Scaled<::preslide::kernels::CountGms<3>, S>>::try_new(&[::preslide::Block { stiffness: stiffness_0, weight: weight_0 }, ::preslide::Block { stiffness: stiffness_1, weight: weight_1 }, ::preslide::Block { stiffness: stiffness_2, weight: weight_2 }], gms_breakaway_n, ::preslide::Sliding { coulomb: gms_coulomb_n, stribeck_velocity: gms_stribeck_velocity_m_s, stribeck_exponent: gms_stribeck_exponent, attraction: gms_attraction_n_per_s }, sample_time, units)?;
     let effects = (
-        ::preslide::effects::Viscous::try_new(VISCOUS_N_S_PER_M, FORCE_LIMIT, units)?,
-        ::preslide::effects::PeriodicForce::try_new(PERIODIC_FORCE_FORCE_N, PERIODIC_FORCE_PERIOD_M, PERIODIC_FORCE_PHASE_RAD, units)?,
+        ::preslide::effects::Viscous::try_new(viscous_n_s_per_m, FORCE_LIMIT, units)?,
+        ::preslide::effects::PeriodicForce::try_new(periodic_force_force_n, periodic_force_period_m, periodic_force_phase_rad, units)?,
     );
     ::preslide::effects::With::try_new(friction, effects)
 }

@@ -9,6 +9,17 @@ pub const BLOCKS: [::preslide::Block; 2] = [
     ::preslide::Block { stiffness: 8870.0, weight: 0.384 },
 ];
 
+/// The parameters in the order in which a running controller can be sent others.
+pub const PARAMETERS: [f64; 5] = [
+    GMS_BREAKAWAY_N,
+    BLOCKS[0].stiffness,
+    BLOCKS[0].weight,
+    BLOCKS[1].stiffness,
+    BLOCKS[1].weight,
+];
+/// Which they are: the same for models of the same parts.
+pub const LAYOUT: u32 = 0xF2CB7FB6;
+
 /// The friction model.
 pub type Model<S = f32> = ::preslide::QuasiStaticGms<2, S>;
 
@@ -17,8 +28,27 @@ pub type Model<S = f32> = ::preslide::QuasiStaticGms<2, S>;
 /// # Errors
 /// The parameter that does not fit the number type in `units`.
 pub fn model<S: ::preslide::Scalar>(
+    sample_time: f64,
+    units: ::preslide::Units,
+) -> ::core::result::Result<Model<S>, ::preslide::ParamError> {
+    with(&PARAMETERS, sample_time, units)
+}
+
+/// The same with other parameters.
+///
+/// # Errors
+/// As of `model`.
+pub fn with<S: ::preslide::Scalar>(
+    parameters: &[f64; 5],
     _sample_time: f64,
     units: ::preslide::Units,
 ) -> ::core::result::Result<Model<S>, ::preslide::ParamError> {
-    ::preslide::QuasiStaticGms::try_new(&BLOCKS, GMS_BREAKAWAY_N, units)
+    let [
+        gms_breakaway_n,
+        stiffness_0,
+        weight_0,
+        stiffness_1,
+        weight_1,
+    ] = *parameters;
+    ::preslide::QuasiStaticGms::try_new(&[::preslide::Block { stiffness: stiffness_0, weight: weight_0 }, ::preslide::Block { stiffness: stiffness_1, weight: weight_1 }], gms_breakaway_n, units)
 }

@@ -14,6 +14,18 @@ pub const TWO_STATE_STRIBECK_EXPONENT: f64 = 2.0;
 /// `attraction_N_per_s` of `two_state`.
 pub const TWO_STATE_ATTRACTION_N_PER_S: f64 = 40.0;
 
+/// The parameters in the order in which a running controller can be sent others.
+pub const PARAMETERS: [f64; 6] = [
+    TWO_STATE_PRESLIDING_M,
+    TWO_STATE_BREAKAWAY_N,
+    TWO_STATE_COULOMB_N,
+    TWO_STATE_STRIBECK_VELOCITY_M_S,
+    TWO_STATE_STRIBECK_EXPONENT,
+    TWO_STATE_ATTRACTION_N_PER_S,
+];
+/// Which they are: the same for models of the same parts.
+pub const LAYOUT: u32 = 0x2231C366;
+
 /// The friction model.
 pub type Model<S = f32> = ::preslide::TwoState<S>;
 
@@ -25,5 +37,25 @@ pub fn model<S: ::preslide::Scalar>(
     sample_time: f64,
     units: ::preslide::Units,
 ) -> ::core::result::Result<Model<S>, ::preslide::ParamError> {
-    ::preslide::TwoState::try_new(TWO_STATE_PRESLIDING_M, TWO_STATE_BREAKAWAY_N, ::preslide::Sliding { coulomb: TWO_STATE_COULOMB_N, stribeck_velocity: TWO_STATE_STRIBECK_VELOCITY_M_S, stribeck_exponent: TWO_STATE_STRIBECK_EXPONENT, attraction: TWO_STATE_ATTRACTION_N_PER_S }, sample_time, units)
+    with(&PARAMETERS, sample_time, units)
+}
+
+/// The same with other parameters.
+///
+/// # Errors
+/// As of `model`.
+pub fn with<S: ::preslide::Scalar>(
+    parameters: &[f64; 6],
+    sample_time: f64,
+    units: ::preslide::Units,
+) -> ::core::result::Result<Model<S>, ::preslide::ParamError> {
+    let [
+        two_state_presliding_m,
+        two_state_breakaway_n,
+        two_state_coulomb_n,
+        two_state_stribeck_velocity_m_s,
+        two_state_stribeck_exponent,
+        two_state_attraction_n_per_s,
+    ] = *parameters;
+    ::preslide::TwoState::try_new(two_state_presliding_m, two_state_breakaway_n, ::preslide::Sliding { coulomb: two_state_coulomb_n, stribeck_velocity: two_state_stribeck_velocity_m_s, stribeck_exponent: two_state_stribeck_exponent, attraction: two_state_attraction_n_per_s }, sample_time, units)
 }

@@ -1,7 +1,7 @@
-//! The smallest controller with friction compensation: a quadrature counter in, a friction model, a PWM duty out, at 20 kHz.
+//! A controller with friction compensation: a quadrature counter in, a PWM duty out, at 20 kHz, to and fro.
 //!
 //! Copy this first. It runs on an STM32F405 or F446 as it is (encoder on PA0 and PA1, PWM on PB6 and PB7 for the two half bridges), and any
-//! other chip with an encoder timer needs other register names. What a machine needs beside it, faults, limits, a bridge that
+//! other chip with an encoder timer needs other register names. What a machine needs beside it, current and supply measured, a bridge that
 //! opens, a command link, is in `firmware/`. The axis moves as soon as this starts: mind the motor.
 //!
 //! The clock is set as the reference manual RM0090 says, and read back before anything drives: what ticks at another rate than the
@@ -9,7 +9,7 @@
 //!
 //! `rustup target add thumbv7em-none-eabihf`, then, in `examples`,
 //! `cargo run --release -p rtic-f405 --features semihosting --target thumbv7em-none-eabihf` runs it in QEMU, which has no
-//! clock tree, and whose TIM2 counts time instead of edges: there is no axis, and only the model's force means something there.
+//! clock tree, and whose TIM2 counts time instead of edges: an axis that is always where it should be takes its place.
 //! On a board leave the feature out, and have your probe be the runner in `.cargo/config.toml`.
 #![no_std]
 #![no_main]
@@ -18,26 +18,32 @@ use panic_halt as _;
 
 #[rtic::app(device = stm32f4::stm32f405, peripherals = true)]
 mod app {
-    use preslide::{Block, Friction, Gms, Motion, Sliding, Units};
+    use preslide::control::{Axis, Basics, Coefficients, Controller, Hardware, Measurement, Move};
+    use preslide::{Block, Gms, Sliding, Units};
     use stm32f4::stm32f405::{FLASH, RCC, TIM2, TIM3, TIM4};
 
     /// The chip's own oscillator (Hz), within 1 % at 25 °C and 4 % from −10 to 85 °C, and the damping with it: a crystal is better.
     const HSI: u32 = 16_000_000;
     /// How often a clock that does not start is asked for: a PLL takes 0.2 ms.
     const PATIENCE: u32 = 10_000;
-    /// Ticks per second, and clocks of the timers per tick at 84 MHz.
-    const RATE: f32 = 20_000.0;
-    const CLOCKS: u32 = 4200;
-    /// One encoder count (m).
-    const COUNT: f32 = 25e-9;
-    /// The feedback: stiffness (N/m) and damping (N·s/m). The motor: duty per newton at the stage, and how much of it is allowed.
-    const STIFFNESS: f32 = 1e5;
-    const DAMPING: f32 = 600.0;
-    const DUTY_PER_NEWTON: f32 = 0.0275;
-    const LARGEST_DUTY: f32 = 0.38;
-    /// To and fro at this speed (m/s) for so many ticks each way.
-    const SPEED: f32 = 0.5e-3;
-    const STROKE: u32 = 4000;
+    /// Your axis: all else follows from this, and may be changed in what [`controller`] makes of it.
+    const AXIS: Basics = Basics {
+        hardware: Hardware::edge_aligned(84_000_000, 20_000),
+        count: 25e-9,
+        mass: 4.05,
+        force_per_ampere: 20.7,
+        resistance: 3.41,
+        supply: 6.0,
+        current: 0.68,
+        speed: 15e-3,
+        travel: None,
+    };
+    /// Clocks of the timers per tick.
+    const CLOCKS: u32 = AXIS.hardware.steps as u32;
+    /// To and fro by this length (m) at this speed (m/s) and acceleration (m/s²).
+    const STROKE: f64 = 0.1e-3;
+    const SPEED: f64 = 0.5e-3;
+    const ACCELERATION: f64 = 0.1;
 
     #[shared]
     struct Shared {}
@@ -47,17 +53,8 @@ mod app {
         encoder: TIM2,
         tick: TIM3,
         pwm: TIM4,
-        axis: Axis,
-    }
-
-    /// What is remembered from tick to tick.
-    pub struct Axis {
-        friction: Gms<4>,
-        state: <Gms<4> as Friction>::State,
-        last: u32,
-        ticks: u32,
-        /// Reference less position, and the reference (m).
-        error: f32,
+        controller: Controller<Gms<4>, u32>,
+        moves: [Move; 2],
     }
 
     #[init]
@@ -100,6 +97,22 @@ mod app {
         p.TIM3.dier().write(|w| w.uie().set_bit());
         p.TIM3.cr1().write(|w| w.cen().set_bit());
 
+        let Some((controller, moves)) = controller(reading(&p.TIM2, 0)) else {
+            // A number above or below is wrong.
+            stay_off();
+        };
+        let local = Local {
+            encoder: p.TIM2,
+            tick: p.TIM3,
+            pwm: p.TIM4,
+            controller,
+            moves,
+        };
+        (Shared {}, local)
+    }
+
+    /// The controller, enabled, and both moves.
+    fn controller(count: u32) -> Option<(Controller<Gms<4>, u32>, [Move; 2])> {
         // Table 3 of the paper, four blocks; a tenth less force while it slides.
         let blocks = [
             (313_728.0, 0.339),
@@ -114,25 +127,17 @@ mod app {
             stribeck_exponent: 2.0,
             attraction: 20.0,
         };
-        let Ok(friction) = Gms::try_new(&blocks, 0.9, sliding, f64::from(1.0 / RATE), Units::SI)
-        else {
-            // A number above is wrong.
-            stay_off();
-        };
+        // No host is there to be silent.
         let axis = Axis {
-            state: friction.at_rest(),
-            friction,
-            last: p.TIM2.cnt().read().bits(),
-            ticks: 0,
-            error: 0.0,
+            silence: 0.0,
+            ..AXIS.axis().ok()?
         };
-        let local = Local {
-            encoder: p.TIM2,
-            tick: p.TIM3,
-            pwm: p.TIM4,
-            axis,
-        };
-        (Shared {}, local)
+        let friction = Gms::try_new(&blocks, 0.9, sliding, axis.sample_time(), Units::SI).ok()?;
+        let coefficients = Coefficients::try_new(&axis, friction, Units::SI).ok()?;
+        let mut controller = Controller::new(coefficients, count);
+        controller.enable().ok()?;
+        let by = |distance| Move::plan(distance, SPEED, ACCELERATION, axis.grid()).ok();
+        Some((controller, [by(STROKE)?, by(-STROKE)?]))
     }
 
     /// 168 MHz from the chip's own oscillator by the PLL: 16 MHz / 8 · 168 / 2 (RM0090, 7.3.2 and 7.3.3). Five wait states come first
@@ -169,15 +174,16 @@ mod app {
         let _ = (0..PATIENCE).find(|_| rcc.cfgr().read().sws().is_pll());
     }
 
-    /// Whether [`CLOCKS`] of TIM3 are a tick at [`RATE`], by what the clock's registers read back.
+    /// Whether [`CLOCKS`] of TIM3 are a tick of [`AXIS`], by what the clock's registers read back.
     fn ticks_as_built(rcc: &RCC) -> bool {
         let control = rcc.cr().read().bits();
         let clock = timer_clock(rcc.cfgr().read().bits(), rcc.pllcfgr().read().bits());
-        let is_right = clock == RATE as u32 * CLOCKS;
+        let wanted = AXIS.hardware.rate_hz;
+        let is_right = clock == wanted * CLOCKS;
         #[cfg(feature = "semihosting")]
         if !is_right {
             let rate = clock / CLOCKS;
-            cortex_m_semihosting::hprintln!("TIM3 ticks at {} Hz, not at {}: off", rate, RATE);
+            cortex_m_semihosting::hprintln!("TIM3 ticks at {} Hz, not at {}: off", rate, wanted);
         }
         // An oscillator is on in every chip that runs: this is QEMU.
         is_right || cfg!(feature = "semihosting") && control == 0
@@ -214,48 +220,51 @@ mod app {
         }
     }
 
-    /// Counter in, PWM out.
-    #[task(binds = TIM3, priority = 1, local = [encoder, tick, pwm, axis])]
+    /// Counter in, PWM out. A fault opens the loop: `controller.fault()` says which.
+    #[task(binds = TIM3, priority = 1, local = [encoder, tick, pwm, controller, moves])]
     fn control(cx: control::Context) {
         cx.local.tick.sr().modify(|_, w| w.uif().clear_bit());
-        let axis = cx.local.axis;
-        let count = cx.local.encoder.cnt().read().bits();
-        let moved = count.wrapping_sub(axis.last).cast_signed() as f32 * COUNT;
-        axis.last = count;
-
-        let forward = (axis.ticks / STROKE).is_multiple_of(2);
-        let velocity = if forward { SPEED } else { -SPEED };
-        let wanted = Motion {
-            displacement: velocity / RATE,
-            velocity,
-        };
-        axis.ticks = axis.ticks.wrapping_add(1);
-        axis.error += wanted.displacement - moved;
-        let friction = axis.friction.step(&mut axis.state, wanted);
-        let feedback = STIFFNESS * axis.error + DAMPING * (velocity - moved * RATE);
-
-        let duty = ((friction + feedback) * DUTY_PER_NEWTON).clamp(-LARGEST_DUTY, LARGEST_DUTY);
-        let code = (duty * CLOCKS as f32) as i32;
+        let (controller, moves) = (cx.local.controller, cx.local.moves);
+        if controller.is_idle() && controller.start(moves[0]).is_ok() {
+            moves.swap(0, 1);
+        }
+        let count = reading(cx.local.encoder, controller.reference());
+        let command = controller.tick(Measurement {
+            count,
+            // Neither is measured: as if the supply were what it should be.
+            supply: (AXIS.supply / AXIS.hardware.supply_code) as u16,
+            current: 0,
+            late: false,
+        });
+        let code = command.code;
         let (ahead, back) = (code.max(0) as u16, (-code).max(0) as u16);
         cx.local.pwm.ccr1().write(|w| w.ccr().set(ahead));
         cx.local.pwm.ccr2().write(|w| w.ccr().set(back));
         #[cfg(feature = "semihosting")]
-        tell(axis.ticks, friction, code);
+        tell(command.position, code);
     }
 
-    /// For QEMU: the force at the end of both strokes.
-    #[cfg(feature = "semihosting")]
-    fn tell(ticks: u32, friction: f32, code: i32) {
-        use cortex_m_semihosting::{debug, hprintln};
-        if ticks.is_multiple_of(STROKE) {
-            hprintln!(
-                "tick {}: friction {} mN, duty code {}",
-                ticks,
-                (friction * 1e3) as i32,
-                code
-            );
+    /// The counter; in QEMU the count that is asked for (2⁻¹⁶ counts).
+    fn reading(encoder: &TIM2, reference: i64) -> u32 {
+        if cfg!(feature = "semihosting") {
+            (reference >> 16) as u32
+        } else {
+            encoder.cnt().read().bits()
         }
-        if ticks == 2 * STROKE {
+    }
+
+    /// For QEMU: the duty near the end of both strokes, and the end of the run.
+    #[cfg(feature = "semihosting")]
+    fn tell(position: i64, code: i32) {
+        use core::sync::atomic::{AtomicU32, Ordering};
+        use cortex_m_semihosting::{debug, hprintln};
+        static TICKS: AtomicU32 = AtomicU32::new(0);
+        let tick = TICKS.load(Ordering::Relaxed) + 1;
+        TICKS.store(tick, Ordering::Relaxed);
+        if tick.is_multiple_of(4000) {
+            hprintln!("tick {}: at {} counts, duty code {}", tick, position, code);
+        }
+        if tick == 8000 {
             debug::exit(debug::EXIT_SUCCESS);
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::control::refusal;
 use crate::log::Log;
-use crate::parameters::{Entry, When};
+use crate::parameters::{Entry, When, place_value};
 use crate::queues::{Act, Order, Planned, Seek, Shared, Stall, Status};
 use crate::{Model, Parameters, ROOM, telemetry};
 use core::sync::atomic::Ordering;
@@ -10,8 +10,8 @@ use embedded_storage::nor_flash::NorFlash;
 use heapless::spsc::{Consumer, Producer};
 use preslide::control::{Axis, Coefficients, Move, Planner, Refused};
 use preslide_link::{
-    Answered, Deframer, GainSettings, Homing, Identity, LARGEST_FRAME, Mode, Numbered, POINTS,
-    PROTOCOL, Points, Refusal, Reply, Report, Request, ResetCause, State, encode,
+    Answered, Deframer, GainSettings, Homing, Identity, LARGEST_FRAME, Mode, ModelPart, Numbered,
+    PART, POINTS, PROTOCOL, Points, Refusal, Reply, Report, Request, ResetCause, State, encode,
 };
 use preslide_store::Slots;
 
@@ -32,6 +32,8 @@ pub struct Background<M: Model> {
     pub(crate) answered: Answered,
     pub(crate) axis: Axis,
     pub(crate) model: M,
+    /// A model of which parts are still to come, and how many parameters have come.
+    pub(crate) staged: Option<(usize, M)>,
     pub(crate) planner: Planner,
     pub(crate) reset: ResetCause,
     /// It runs with what was saved.
@@ -175,10 +177,7 @@ impl<M: Model> Background<M> {
                 let axis = with_gains(&self.axis, &gains);
                 return self.swap(axis, self.model.clone());
             }
-            Request::Model(settings) => {
-                let model = self.model.set(&settings)?;
-                return self.swap(self.axis, model);
-            }
+            Request::Model(part) => return self.take_part(&part),
             Request::Get(name) => {
                 let entry = Entry::find(&name).ok_or(Refusal::NoParameter)?;
                 self.parameter(entry)?
@@ -380,6 +379,32 @@ impl<M: Model> Background<M> {
         self.swap(axis, self.model.clone())
     }
 
+    /// The model is swapped when its last parameter is there.
+    fn take_part(&mut self, part: &ModelPart) -> Carried {
+        let first = usize::from(part.first);
+        let mut model = match &self.staged {
+            _ if first == 0 => self.model.clone(),
+            Some((came, model)) if *came == first => model.clone(),
+            _ => return Err(Refusal::OutOfRange),
+        };
+        let table = model.table();
+        if table.layout != part.layout {
+            return Err(Refusal::OtherModel);
+        }
+        for (place, value) in table.values.iter_mut().skip(first).zip(part.values) {
+            if value.is_nan() {
+                return Err(Refusal::OutOfRange);
+            }
+            place_value(place, value);
+        }
+        let came = first + PART;
+        if came < table.values.len() {
+            self.staged = Some((came, model));
+            return Ok(Outcome::Now(self.done()));
+        }
+        self.swap(self.axis, model)
+    }
+
     /// Nothing is taken unless everything is valid and the swap is on its way.
     fn swap(&mut self, axis: Axis, model: M) -> Carried {
         let coefficients = model
@@ -407,7 +432,8 @@ impl<M: Model> Background<M> {
         Ok(self.done())
     }
 
-    fn identity(&self) -> Identity {
+    fn identity(&mut self) -> Identity {
+        let model = self.model.table().layout;
         let motor = &self.axis.motor;
         Identity {
             protocol: PROTOCOL,
@@ -416,6 +442,7 @@ impl<M: Model> Background<M> {
             effort_per_a: (motor.torque_constant * motor.transmission()) as f32,
             room: ROOM,
             saved: self.saved,
+            model,
         }
     }
 

@@ -389,25 +389,25 @@ impl<F: Friction> Control<F> {
     #[inline(never)]
     fn take(&mut self) {
         for _ in 0..DROPS {
-            let stale = match self.moves.peek() {
-                Some((epoch, _)) => *epoch != self.status.epoch,
-                None => return,
+            let Some((epoch, next)) = self.moves.peek() else {
+                return;
             };
+            let stale = *epoch != self.status.epoch;
             if !stale && !self.may_start() {
                 return;
             }
-            let Some((_, next)) = self.moves.dequeue() else {
-                return;
-            };
+            // Started where it lies: none is copied out of the queue.
+            let starts = !stale && self.controller.start(*next).is_ok();
+            let _ = self.moves.dequeue();
             self.status.taken = self.status.taken.wrapping_add(1);
-            if !stale {
-                if self.controller.start(next).is_err() {
-                    self.status.dropped = self.status.dropped.saturating_add(1);
-                    self.new_epoch();
-                }
+            if starts {
                 return;
             }
             self.status.dropped = self.status.dropped.saturating_add(1);
+            if !stale {
+                self.new_epoch();
+                return;
+            }
         }
     }
 

@@ -1,10 +1,9 @@
 //! A friction model beside an outer task's orders comes from where the one that it wraps comes from.
 
-use crate::Model;
+use crate::{Model, Table};
 use preslide::control::NoFriction;
 use preslide::control::koopman::{Guided, OuterSettings};
 use preslide::{ParamError, Units};
-use preslide_link::{ModelSettings, Refusal};
 
 /// The model `M` beside the orders of an outer task ([`preslide::control::koopman::Outer`]); outermost, so `Guiding<Observing<M>>`. Gains and
 /// model are to be those that the outer task's map was learnt with.
@@ -38,16 +37,8 @@ impl<M: Model> Model for Guiding<M> {
         Guided::try_new(friction, self.ticks, self.limit, Self::UNITS)
     }
 
-    fn set(&self, settings: &ModelSettings) -> Result<Self, Refusal> {
-        let model = self.model.set(settings)?;
-        Ok(Self {
-            model,
-            ..self.clone()
-        })
-    }
-
-    fn settings(&self) -> Option<ModelSettings> {
-        self.model.settings()
+    fn table(&mut self) -> Table<'_> {
+        self.model.table()
     }
 }
 
@@ -88,11 +79,11 @@ impl Model for Unmodelled {
         Ok(NoFriction::new())
     }
 
-    fn set(&self, _settings: &ModelSettings) -> Result<Self, Refusal> {
-        Err(Refusal::CompiledIn)
-    }
-
-    fn settings(&self) -> Option<ModelSettings> {
-        None
+    fn table(&mut self) -> Table<'_> {
+        Table {
+            layout: 0,
+            origin: 0,
+            values: &mut [],
+        }
     }
 }

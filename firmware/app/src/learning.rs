@@ -1,11 +1,10 @@
 //! A friction model that learns comes from where the one that it wraps comes from.
 
-use crate::Model;
+use crate::{Model, Table};
 use core::marker::PhantomData;
 use preslide::control::learning::Learn;
 use preslide::control::{Learning, LearningSettings};
 use preslide::{Friction, ParamError, Units};
-use preslide_link::{ModelSettings, Refusal};
 
 /// The model `M` with what `L` learns of it, by [`LearningSettings::PAPER_AXIS`]. A new model, and new gains, begin to learn anew.
 pub struct Learner<M, L>(M, PhantomData<L>);
@@ -36,11 +35,7 @@ where
         Learning::try_new(friction, &LearningSettings::PAPER_AXIS, Self::UNITS)
     }
 
-    fn set(&self, settings: &ModelSettings) -> Result<Self, Refusal> {
-        self.0.set(settings).map(Self::new)
-    }
-
-    fn settings(&self) -> Option<ModelSettings> {
-        self.0.settings()
+    fn table(&mut self) -> Table<'_> {
+        self.0.table()
     }
 }

@@ -30,6 +30,9 @@ mod observing;
 mod parameters;
 mod queues;
 mod sense;
+#[rustfmt::skip]
+#[allow(dead_code)] // `model`: its parameters are given.
+mod starting;
 mod tasks;
 mod telemetry;
 
@@ -44,7 +47,7 @@ pub use guiding::{Guiding, Unmodelled};
 pub use half_bridges::{HalfBridges, wake};
 pub use learning::Learner;
 pub use limits::Limits;
-pub use model::{Blocks, Exported, Model, Number, STARTING_MODEL};
+pub use model::{Exported, Model, Number, Starting, Table};
 pub use no_flash::NoFlash;
 pub use observing::Observing;
 pub use parameters::Parameters;

@@ -1,9 +1,9 @@
 //! The friction model, chosen by type.
 
-use core::marker::PhantomData;
+use crate::starting;
 use fixed::types::I16F16;
-use preslide::{Block, Friction, ParamError, QuasiStaticGms, Scalar, Units};
-use preslide_link::{MOST_BLOCKS, ModelSettings, Refusal};
+use preslide::{Friction, ParamError, Scalar, Units};
+use preslide_link::MOST_PARAMETERS;
 
 /// How a controller comes by its friction model.
 pub trait Model: Clone + 'static {
@@ -19,14 +19,18 @@ pub trait Model: Clone + 'static {
     /// The first parameter that is not finite, out of range, or does not fit the number type.
     fn build(&self, sample_time: f64) -> Result<Self::Friction, ParamError>;
 
-    /// This model with settings from the command link.
-    ///
-    /// # Errors
-    /// [`Refusal::CompiledIn`] where the link cannot set it.
-    fn set(&self, settings: &ModelSettings) -> Result<Self, Refusal>;
+    /// What the command link may set of it.
+    fn table(&mut self) -> Table<'_>;
+}
 
-    /// What the command link set, or could; `None` for a model that was compiled in.
-    fn settings(&self) -> Option<ModelSettings>;
+/// The parameters of a model, which the command link sets and flash keeps.
+pub struct Table<'a> {
+    /// Which they are, and in which order; 0 where there are none.
+    pub layout: u32,
+    /// Of what was compiled in: what was saved over another model does not come back over this one.
+    pub origin: u32,
+    /// SI units.
+    pub values: &'a mut [f64],
 }
 
 /// The number type of the controller, with the units to use it in.
@@ -48,67 +52,74 @@ impl Number for I16F16 {
     };
 }
 
-/// Maxwell-slip blocks that the command link can set.
+/// What `preslide export` wrote: its function `with` over its `PARAMETERS`, in the number type that it was exported for. Without `--kernel`
+/// that is single precision, because 16 bits before the point hold ±0.8 mm of counts and effects act along the whole travel.
 #[derive(Clone)]
-pub struct Blocks<S>(ModelSettings, PhantomData<S>);
+pub struct Exported<F, const N: usize> {
+    layout: u32,
+    origin: u32,
+    values: [f64; N],
+    build: Build<F, N>,
+}
 
-impl<S> Blocks<S> {
-    /// With these settings.
-    pub const fn new(settings: ModelSettings) -> Self {
-        Self(settings, PhantomData)
+/// `with` of what `preslide export` wrote.
+type Build<F, const N: usize> = fn(&[f64; N], f64, Units) -> Result<F, ParamError>;
+
+impl<F, const N: usize> Exported<F, N> {
+    /// Of the file's `LAYOUT`, `PARAMETERS` and `with`. A model of more parameters than the link takes is as it was compiled in.
+    pub const fn new(layout: u32, values: [f64; N], build: Build<F, N>) -> Self {
+        let layout = if N > MOST_PARAMETERS { 0 } else { layout };
+        let (mut origin, mut value) = (layout, 0);
+        while value < N {
+            let bits = values[value].to_bits();
+            origin = fnv(fnv(origin, bits as u32), (bits >> 32) as u32);
+            value += 1;
+        }
+        Self {
+            layout,
+            origin,
+            values,
+            build,
+        }
     }
 }
 
-impl<S: Number> Model for Blocks<S> {
-    type Friction = QuasiStaticGms<MOST_BLOCKS, S>;
-    const UNITS: Units = S::UNITS;
-
-    fn build(&self, _sample_time: f64) -> Result<Self::Friction, ParamError> {
-        let blocks = self.0.blocks.map(|(stiffness, weight)| Block {
-            stiffness: stiffness.into(),
-            weight: weight.into(),
-        });
-        QuasiStaticGms::try_new(&blocks, self.0.breakaway_n.into(), S::UNITS)
-    }
-
-    fn set(&self, settings: &ModelSettings) -> Result<Self, Refusal> {
-        Ok(Self::new(*settings))
-    }
-
-    fn settings(&self) -> Option<ModelSettings> {
-        Some(self.0)
-    }
+/// A step of FNV-1a, of words.
+pub(crate) const fn fnv(hash: u32, word: u32) -> u32 {
+    (hash ^ word).wrapping_mul(0x0100_0193)
 }
 
-/// What `preslide export` wrote: its function `model`, in the number type that it was exported for. Without `--kernel` that is single
-/// precision, because 16 bits before the point hold ±0.8 mm of counts and effects act along the whole travel.
-pub struct Exported<F>(pub fn(f64, Units) -> Result<F, ParamError>);
-
-impl<F> Clone for Exported<F> {
-    fn clone(&self) -> Self {
-        Self(self.0)
-    }
-}
-
-impl<F: Friction<Scalar: Number> + 'static> Model for Exported<F> {
+impl<F: Friction<Scalar: Number> + 'static, const N: usize> Model for Exported<F, N> {
     type Friction = F;
     const UNITS: Units = <F::Scalar as Number>::UNITS;
 
     fn build(&self, sample_time: f64) -> Result<F, ParamError> {
-        (self.0)(sample_time, Self::UNITS)
+        (self.build)(&self.values, sample_time, Self::UNITS)
     }
 
-    fn set(&self, _settings: &ModelSettings) -> Result<Self, Refusal> {
-        Err(Refusal::CompiledIn)
-    }
-
-    fn settings(&self) -> Option<ModelSettings> {
-        None
+    fn table(&mut self) -> Table<'_> {
+        Table {
+            layout: self.layout,
+            origin: self.origin,
+            values: match N > MOST_PARAMETERS {
+                true => &mut [],
+                false => &mut self.values,
+            },
+        }
     }
 }
 
+/// The model that a board starts with where none was exported for it, four quasi-static blocks in any number type.
+pub type Starting<S> = Exported<starting::Model<S>, { starting::PARAMETERS.len() }>;
+
+impl<S: Number> Starting<S> {
+    /// The paper's Table 3.
+    pub const PAPER: Self =
+        Exported::new(starting::LAYOUT, starting::PARAMETERS, starting::with::<S>);
+}
+
 /// Declares a board's `Model` and `MODEL`: what `preslide export` wrote into the file that the build was given in PRESLIDE_MODEL,
-/// or else blocks in the number type named, which the link can set. The board's build script tells which.
+/// or else [`Starting`] in the number type named. The board's build script tells which.
 #[macro_export]
 macro_rules! model {
     ($number:ty) => {
@@ -118,24 +129,14 @@ macro_rules! model {
             include!(env!("PRESLIDE_MODEL"));
         }
         #[cfg(exported_model)]
-        type Model = $crate::Exported<exported::Model>;
+        type Model = $crate::Exported<exported::Model, { exported::PARAMETERS.len() }>;
         #[cfg(exported_model)]
-        const MODEL: Model = $crate::Exported(exported::model);
+        const MODEL: Model =
+            $crate::Exported::new(exported::LAYOUT, exported::PARAMETERS, exported::with);
 
         #[cfg(not(exported_model))]
-        type Model = $crate::Blocks<$number>;
+        type Model = $crate::Starting<$number>;
         #[cfg(not(exported_model))]
-        const MODEL: Model = $crate::Blocks::new($crate::STARTING_MODEL);
+        const MODEL: Model = $crate::Starting::PAPER;
     };
 }
-
-/// What the controller starts with: the paper's Table 3, four blocks.
-pub const STARTING_MODEL: ModelSettings = ModelSettings {
-    breakaway_n: 0.9,
-    blocks: [
-        (313_728.0, 0.339),
-        (43_670.0, 0.236),
-        (10_545.0, 0.171),
-        (5_858.0, 0.253),
-    ],
-};

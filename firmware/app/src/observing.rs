@@ -1,9 +1,8 @@
 //! A friction model with an observer beside it comes from where the one that it wraps comes from.
 
-use crate::Model;
+use crate::{Model, Table};
 use preslide::control::{Observed, ObserverSettings};
 use preslide::{ParamError, Units};
-use preslide_link::{ModelSettings, Refusal};
 
 /// The model `M` with an observer of these settings; outermost, so `Observing<Learner<M, L>>`. Set the integral gain to 0 beside it:
 /// the disturbance takes its place.
@@ -26,11 +25,7 @@ impl<M: Model> Model for Observing<M> {
         Observed::try_new(friction, &self.1, sample_time, Self::UNITS)
     }
 
-    fn set(&self, settings: &ModelSettings) -> Result<Self, Refusal> {
-        self.0.set(settings).map(|model| Self(model, self.1))
-    }
-
-    fn settings(&self) -> Option<ModelSettings> {
-        self.0.settings()
+    fn table(&mut self) -> Table<'_> {
+        self.0.table()
     }
 }

@@ -1,8 +1,9 @@
 //! The parameters by name, and the record in which they are saved.
 
 use crate::Model;
+use crate::model::fnv;
 use preslide::control::Axis;
-use preslide_link::{MOST_BLOCKS, ModelSettings, Name, Parameter};
+use preslide_link::{MOST_PARAMETERS, Name, Parameter};
 
 /// When a parameter can be set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,11 +77,8 @@ table! {
 
 const COUNT: usize = TABLE.len();
 
-/// Numbers of a [`ModelSettings`].
-const MODEL: usize = 1 + 2 * MOST_BLOCKS;
-
-/// Bytes of a record: whether it has a model, the parameters, the model.
-const RECORD: usize = 4 + 4 * (COUNT + MODEL);
+/// Bytes of a record: which model, the parameters, and as many of a model as there may be.
+const RECORD: usize = 4 * (1 + COUNT + MOST_PARAMETERS);
 
 impl Entry {
     pub(crate) fn find(name: &Name) -> Option<&'static Entry> {
@@ -97,11 +95,13 @@ impl Entry {
     }
 }
 
-/// Parameters and friction model as they are saved.
+/// Parameters and friction model as they are saved: NaN for what there is not.
 #[derive(Clone, Debug)]
 pub struct Parameters {
+    /// [`Table::origin`](crate::Table::origin).
+    origin: u32,
     values: [f32; COUNT],
-    model: Option<ModelSettings>,
+    model: [f32; MOST_PARAMETERS],
 }
 
 impl Parameters {
@@ -113,7 +113,7 @@ impl Parameters {
             let name = TABLE[entry].name.as_bytes();
             let mut byte = 0;
             while byte < name.len() {
-                hash = (hash ^ name[byte] as u32).wrapping_mul(0x0100_0193);
+                hash = fnv(hash, name[byte] as u32);
                 byte += 1;
             }
             entry += 1;
@@ -122,47 +122,49 @@ impl Parameters {
     };
 
     pub(crate) fn of<M: Model>(axis: &Axis, model: &M) -> Self {
-        let mut axis = *axis;
-        let mut values = [0.0; COUNT];
-        for (value, entry) in values.iter_mut().zip(TABLE) {
+        let (mut axis, mut model) = (*axis, model.clone());
+        let table = model.table();
+        let mut saved = Self {
+            origin: table.origin,
+            values: [f32::NAN; COUNT],
+            model: [f32::NAN; MOST_PARAMETERS],
+        };
+        for (value, entry) in saved.values.iter_mut().zip(TABLE) {
             // Travel ends that are not there stay NaN, and are not set.
-            *value = (entry.of)(&mut axis).map_or(f32::NAN, |value| *value as f32);
+            if let Some(own) = (entry.of)(&mut axis) {
+                *value = *own as f32;
+            }
         }
-        Self {
-            values,
-            model: model.settings(),
+        for (value, own) in saved.model.iter_mut().zip(table.values) {
+            *value = *own as f32;
         }
+        saved
     }
 
-    /// What these make of what was compiled in; `None` where the model does not take them.
-    pub(crate) fn over<M: Model>(&self, axis: &Axis, model: &M) -> Option<(Axis, M)> {
-        let mut axis = *axis;
+    /// What these make of what was compiled in. A model that they were not saved over stays as it was compiled in.
+    pub(crate) fn over<M: Model>(&self, axis: &Axis, model: &M) -> (Axis, M) {
+        let (mut axis, mut model) = (*axis, model.clone());
         for (value, entry) in self.values.iter().zip(TABLE) {
             if let Some(place) = (entry.of)(&mut axis) {
                 place_value(place, *value);
             }
         }
-        let model = match &self.model {
-            Some(settings) => model.set(settings).ok()?,
-            None => model.clone(),
-        };
-        Some((axis, model))
+        let table = model.table();
+        if table.origin == self.origin {
+            for (place, value) in table.values.iter_mut().zip(self.model) {
+                place_value(place, value);
+            }
+        }
+        (axis, model)
     }
 
     /// As bytes.
     pub fn to_bytes(&self) -> [u8; RECORD] {
         let mut bytes = [0; RECORD];
-        let (model, has_model) = match &self.model {
-            Some(model) => (model, 1.0),
-            None => (&crate::STARTING_MODEL, 0.0),
-        };
-        let blocks = model.blocks.iter().flat_map(|block| [block.0, block.1]);
-        let numbers = core::iter::once(has_model)
-            .chain(self.values)
-            .chain(core::iter::once(model.breakaway_n))
-            .chain(blocks);
-        for (place, number) in bytes.chunks_exact_mut(4).zip(numbers) {
-            place.copy_from_slice(&number.to_le_bytes());
+        let numbers = self.values.iter().chain(&self.model);
+        let words = core::iter::once(self.origin).chain(numbers.map(|number| number.to_bits()));
+        for (place, word) in bytes.chunks_exact_mut(4).zip(words) {
+            place.copy_from_slice(&word.to_le_bytes());
         }
         bytes
     }
@@ -172,33 +174,24 @@ impl Parameters {
         if bytes.len() != RECORD {
             return None;
         }
-        let mut numbers = bytes.chunks_exact(4).map(|chunk| {
-            let bytes = chunk.first_chunk::<4>();
-            bytes.map_or(f32::NAN, |bytes| f32::from_le_bytes(*bytes))
-        });
-        let has_model = numbers.next()? > 0.5;
-        let mut values = [0.0; COUNT];
-        for value in &mut values {
-            *value = numbers.next()?;
-        }
-        let breakaway_n = numbers.next()?;
-        let mut blocks = [(0.0, 0.0); MOST_BLOCKS];
-        for block in &mut blocks {
-            *block = (numbers.next()?, numbers.next()?);
-        }
-        let model = ModelSettings {
-            breakaway_n,
-            blocks,
+        let mut words = bytes
+            .chunks_exact(4)
+            .filter_map(|chunk| Some(u32::from_le_bytes(*chunk.first_chunk()?)));
+        let mut saved = Self {
+            origin: words.next()?,
+            values: [0.0; COUNT],
+            model: [0.0; MOST_PARAMETERS],
         };
-        Some(Self {
-            values,
-            model: has_model.then_some(model),
-        })
+        let places = saved.values.iter_mut().chain(&mut saved.model);
+        for (place, word) in places.zip(words) {
+            *place = f32::from_bits(word);
+        }
+        Some(saved)
     }
 }
 
 /// Sets it, unless it is the same number in single precision already: what was compiled in has more digits.
-fn place_value(place: &mut f64, value: f32) {
+pub(crate) fn place_value(place: &mut f64, value: f32) {
     if !value.is_nan() && *place as f32 != value {
         *place = value.into();
     }

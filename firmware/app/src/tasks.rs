@@ -64,7 +64,7 @@ impl<F: Friction> Queues<F> {
         };
         let saved = start
             .saved
-            .and_then(|saved| saved.over(&start.axis, &start.model))
+            .map(|saved| saved.over(&start.axis, &start.model))
             .and_then(|(axis, model)| Some((built(&axis, &model).ok()?, axis, model)));
         let is_saved = saved.is_some();
         let (coefficients, axis, model) = match saved {
@@ -83,6 +83,7 @@ impl<F: Friction> Queues<F> {
             answered: preslide_link::Answered::new(),
             axis,
             model,
+            staged: None,
             planner,
             reset: start.reset,
             saved: is_saved,

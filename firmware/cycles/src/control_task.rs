@@ -3,7 +3,7 @@
 use fixed::types::I16F16;
 use preslide::Units;
 use preslide::kernels::Whole;
-use preslide_app::{Blocks, Inputs, Model, Queues, STARTING_MODEL};
+use preslide_app::{Inputs, Model, Queues, Starting};
 
 use crate::alone::Alone;
 use crate::closed_loop::{self, Task};
@@ -13,7 +13,7 @@ use crate::stub::Row;
 
 macro_rules! control_task {
     ($kernel:literal, $number:ty) => {{
-        type Source = Blocks<$number>;
+        type Source = Starting<$number>;
         static QUEUES: Alone<Queues<<Source as Model>::Friction>> = Alone::new(Queues::new());
         // SAFETY: the symbol is this crate's own.
         #[unsafe(export_name = concat!("cycles__", $kernel, "__4"))]
@@ -36,7 +36,7 @@ macro_rules! control_task {
         let queues = unsafe { QUEUES.lend() };
         let step = core::hint::black_box(stub as crate::stub::Step<_, _, _>);
         let checksum = closed_loop::run(
-            Source::new(STARTING_MODEL),
+            Source::PAPER,
             queues,
             TICKS,
             // SAFETY: a safe function of these types.

@@ -6,8 +6,8 @@ use fixed::types::I16F16;
 use heapless::spsc::{Consumer, Producer, Queue};
 use preslide::control::Axis;
 use preslide_app::{
-    Background, Blocks, Bridge, Control, Inputs, Limits, Model, Parameters, Queues, RECEIVED, SENT,
-    STARTING_MODEL, Start,
+    Background, Bridge, Control, Inputs, Limits, Model, Parameters, Queues, RECEIVED, SENT, Start,
+    Starting,
 };
 use preslide_link::{
     Deframer, GainSettings, LARGEST_FRAME, Name, Numbered, Reply, Report, Request, ResetCause,
@@ -16,7 +16,7 @@ use preslide_link::{
 use preslide_sim::stage::{Stage, StageConfig};
 use preslide_store::{LONGEST, Slots};
 
-type Firmware = Blocks<I16F16>;
+type Firmware = Starting<I16F16>;
 
 const PAGE: usize = 2048;
 
@@ -147,9 +147,9 @@ impl HoldingBrake {
 }
 
 /// A drive that is switched on.
-pub struct Drive {
-    control: Control<<Firmware as Model>::Friction>,
-    background: Background<Firmware>,
+pub struct Drive<M: Model = Firmware> {
+    control: Control<M::Friction>,
+    background: Background<M>,
     memory: Option<Slots<Flash>>,
     pub bridge: Told,
     pub stage: Stage,
@@ -171,8 +171,15 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// With what is in the flash, as a board starts: the queues live as long as the program.
+    /// With what is in the flash, as a board starts.
     pub fn on(flash: Flash) -> Self {
+        Self::of(Firmware::PAPER, flash)
+    }
+}
+
+impl<M: Model> Drive<M> {
+    /// With this model compiled in; the queues live as long as the program.
+    pub fn of(model: M, flash: Flash) -> Self {
         let stage = Stage::try_new(StageConfig {
             seed: 7,
             ..StageConfig::default()
@@ -183,7 +190,7 @@ impl Drive {
         let length = memory.load(&mut record);
         let start = Start {
             axis: Axis::PAPER_AXIS,
-            model: Firmware::new(STARTING_MODEL),
+            model,
             saved: length.and_then(|length| Parameters::from_bytes(&record[..length])),
             count: stage.reading().count.cast_unsigned(),
             every: 0,

@@ -13,6 +13,7 @@ mod changes;
 mod drive;
 mod homing;
 mod limits;
+mod loading;
 mod loads;
 mod reachable;
 mod rows;

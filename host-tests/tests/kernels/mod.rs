@@ -2,6 +2,7 @@
 //!
 //! The references are written from the equations and share no code with the kernels.
 
+mod exhaustive;
 mod reference;
 mod scaled;
 

@@ -1,41 +1,87 @@
-//! A model file as the command link takes it: four Maxwell-slip blocks.
+//! A model file as a running controller takes it: the parameters of the model that its firmware was built with.
 
 #[cfg(test)]
 mod tests;
 
+use crate::export::{carried, layout, parameters};
 use preslide::Block;
 use preslide_fit::friction::FrictionModel;
-use preslide_fit::model::Model;
-use preslide_link::{MOST_BLOCKS, ModelSettings};
+use preslide_fit::model::{Model, refused};
+use preslide_fit::recording::MotionKind;
+use preslide_link::MOST_PARAMETERS;
 
-/// What the link takes of a model, and what it leaves out.
+/// Maxwell-slip blocks, without anything beside them, of firmware that no model was exported for.
+pub const MOST_BLOCKS: usize = 4;
+
+/// What a controller takes of a model, and what it leaves out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Loadable {
-    /// The blocks.
-    pub settings: ModelSettings,
+    /// By name, in the controller's order.
+    pub parameters: Vec<(String, f64)>,
     /// Largest difference of the virgin curve that four blocks make, as a share of the breakaway force.
     pub deviation: f64,
     /// What is not sent, in words.
     pub left_out: Vec<String>,
 }
 
-/// The model's blocks as the link takes them: fewer than four are split in halves, which changes nothing; of more, those that yield at
-/// the most similar displacement are joined.
+/// A model for a controller whose parameters have this layout ([`preslide_link::Identity::model`]): all of it for firmware that was built for
+/// a model of the same parts. For firmware that none was built for, its blocks alone: fewer than four are split in halves, which
+/// changes nothing; of more, those that yield at the most similar displacement are joined.
 ///
 /// # Errors
-/// A model that is not made of Maxwell-slip blocks, and what to do.
-pub fn loadable(model: &Model) -> Result<Loadable, String> {
+/// A model of other parts than the firmware's, and what to do.
+pub fn loadable(model: &Model, of_controller: u32) -> Result<Loadable, String> {
+    let whole = parameters(model);
+    if whole.len() <= MOST_PARAMETERS && layout(&whole) == of_controller {
+        let refused = refused(model).into_iter();
+        return Ok(Loadable {
+            parameters: whole,
+            deviation: 0.0,
+            left_out: refused.map(|(id, _)| id.to_owned()).collect(),
+        });
+    }
+    let starting = blocks_alone(model).filter(|l| layout(&l.parameters) == of_controller);
+    starting.ok_or_else(|| {
+        let build = "`preslide export MODEL.toml -o stage_model.rs`, then build with PRESLIDE_MODEL=/full/path/to/stage_model.rs";
+        match whole.len() > MOST_PARAMETERS {
+            true => format!(
+                "it has {} parameters, and the link takes {MOST_PARAMETERS}. Have it compiled in: {build}",
+                whole.len()
+            ),
+            false => format!(
+                "the controller's firmware was built for a model of other parts (kind, number of blocks, effects). Have it built for \
+                 this one: {build}; from then on `load` changes every number of it"
+            ),
+        }
+    })
+}
+
+/// The layout of firmware that no model was exported for.
+pub fn starting() -> u32 {
+    let block = Block {
+        stiffness: 1.0,
+        weight: 1.0,
+    };
+    let friction = FrictionModel::Gms {
+        breakaway: 1.0,
+        blocks: vec![block; MOST_BLOCKS],
+        sliding: None,
+    };
+    layout(&parameters(&Model::of_friction(
+        MotionKind::Linear,
+        friction,
+    )))
+}
+
+/// Four blocks; `None` for a model that is not made of Maxwell-slip blocks.
+fn blocks_alone(model: &Model) -> Option<Loadable> {
     let FrictionModel::Gms {
         breakaway,
         blocks,
         sliding,
     } = &model.friction
     else {
-        return Err(
-            "only Maxwell-slip blocks (kind = \"gms\") can be loaded at run time; `preslide export` and PRESLIDE_MODEL compile in \
-             any other model"
-                .to_owned(),
-        );
+        return None;
     };
     let mut fitted = blocks.clone();
     while fitted.len() > MOST_BLOCKS {
@@ -44,28 +90,19 @@ pub fn loadable(model: &Model) -> Result<Loadable, String> {
     while fitted.len() < MOST_BLOCKS {
         split(&mut fitted);
     }
-    let mut left_out: Vec<String> = Vec::new();
-    if sliding.is_some() {
-        left_out.push("the Stribeck curve".to_owned());
-    }
-    if model.viscous != 0.0 {
-        left_out.push(format!("viscous friction {:.3}", model.viscous));
-    }
-    if model.constant_force != 0.0 {
-        left_out.push(format!("the constant force {:.3}", model.constant_force));
-    }
-    left_out.extend(model.effects.iter().map(|effect| effect.id().to_owned()));
-    let mut pairs = [(0.0, 0.0); MOST_BLOCKS];
-    for (pair, block) in pairs.iter_mut().zip(&fitted) {
-        *pair = (block.stiffness as f32, block.weight as f32);
-    }
-    Ok(Loadable {
-        settings: ModelSettings {
-            breakaway_n: *breakaway as f32,
-            blocks: pairs,
-        },
-        deviation: deviation(blocks, &fitted, *breakaway),
-        left_out,
+    let stribeck = sliding.is_some().then(|| "the Stribeck curve".to_owned());
+    let effects = carried(model);
+    let effects = effects.iter().map(|effect| effect.id().to_owned());
+    let deviation = deviation(blocks, &fitted, *breakaway);
+    let friction = FrictionModel::Gms {
+        breakaway: *breakaway,
+        blocks: fitted,
+        sliding: None,
+    };
+    Some(Loadable {
+        parameters: parameters(&Model::of_friction(model.motion, friction)),
+        deviation,
+        left_out: stribeck.into_iter().chain(effects).collect(),
     })
 }
 

@@ -1,4 +1,5 @@
-use super::loadable;
+use super::{Loadable, loadable, starting};
+use crate::export::{layout, parameters};
 use preslide_fit::model::Model;
 
 fn model(blocks: &str) -> Model {
@@ -8,22 +9,23 @@ fn model(blocks: &str) -> Model {
     Model::parse(&text).expect("a model")
 }
 
+fn weights(loaded: &Loadable) -> f64 {
+    let weights = loaded
+        .parameters
+        .iter()
+        .filter(|(name, _)| name == "weight");
+    weights.map(|(_, value)| value).sum()
+}
+
 #[test]
 fn fewer_blocks_are_split_without_a_difference() {
     let two = model(
         "{ stiffness_N_per_m = 2e5, weight = 0.6 }, { stiffness_N_per_m = 1e4, weight = 0.4 }",
     );
-    let loaded = loadable(&two).expect("blocks");
+    let loaded = loadable(&two, starting()).expect("blocks");
     assert!(loaded.deviation < 1e-12, "{}", loaded.deviation);
-    let sum: f32 = loaded.settings.blocks.iter().map(|block| block.1).sum();
-    assert!((sum - 1.0).abs() < 1e-6);
-    assert!(
-        loaded
-            .settings
-            .blocks
-            .iter()
-            .all(|block| block.0 > 0.0 && block.1 > 0.0)
-    );
+    assert!((weights(&loaded) - 1.0).abs() < 1e-12);
+    assert!(loaded.parameters.iter().all(|(_, value)| *value > 0.0));
     assert!(loaded.left_out.is_empty());
 }
 
@@ -33,20 +35,41 @@ fn more_blocks_are_joined_and_the_difference_is_told() {
         "{ stiffness_N_per_m = 2e5, weight = 0.3 }, { stiffness_N_per_m = 1e5, weight = 0.2 }, { stiffness_N_per_m = 4e4, weight = 0.2 }, \
          { stiffness_N_per_m = 1e4, weight = 0.1 }, { stiffness_N_per_m = 5e3, weight = 0.1 }, { stiffness_N_per_m = 2e3, weight = 0.1 }",
     );
-    let loaded = loadable(&six).expect("blocks");
+    let loaded = loadable(&six, starting()).expect("blocks");
     // A tenth of the force at most: neighbours yield within a factor of three.
     assert!(
         loaded.deviation > 0.001 && loaded.deviation < 0.1,
         "{}",
         loaded.deviation
     );
-    let sum: f32 = loaded.settings.blocks.iter().map(|block| block.1).sum();
-    assert!((sum - 1.0).abs() < 1e-6);
+    assert!((weights(&loaded) - 1.0).abs() < 1e-12);
 }
 
 #[test]
-fn another_kind_of_model_is_refused_with_the_way_that_works() {
-    let text = "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[friction]\nkind = \"coulomb\"\ncoulomb_N = 0.9\n";
-    let error = loadable(&Model::parse(text).expect("a model")).expect_err("no blocks");
-    assert!(error.contains("preslide export"), "{error}");
+fn what_is_not_of_blocks_is_told_or_refused_with_the_way_that_works() {
+    let with = |friction: &str, more: &str| {
+        let text = format!(
+            "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[friction]\n{friction}\n{more}"
+        );
+        Model::parse(&text).expect("a model")
+    };
+    let gravity =
+        "viscous_N_s_per_m = 12.0\n[[effects]]\nid = \"gravity\"\nforce_N = 0.1\nangle_rad = 0.2\n";
+    let blocks = with(
+        "kind = \"gms\"\nbreakaway_N = 0.9\nblocks = [{ stiffness_N_per_m = 2e5, weight = 1.0 }]",
+        gravity,
+    );
+    let told = loadable(&blocks, starting()).expect("blocks");
+    assert_eq!(told.left_out, ["viscous", "gravity"]);
+    // Firmware that was built for it takes all of it, and no other's.
+    let whole = parameters(&blocks);
+    let own = loadable(&blocks, layout(&whole)).expect("of the same parts");
+    assert_eq!((own.parameters, own.left_out), (whole, Vec::new()));
+    for (model, firmware) in [
+        (with("kind = \"coulomb\"\ncoulomb_N = 0.9", ""), starting()),
+        (blocks, starting() + 1),
+    ] {
+        let error = loadable(&model, firmware).expect_err("other parts");
+        assert!(error.contains("preslide export"), "{error}");
+    }
 }

@@ -59,6 +59,37 @@ pub(super) fn inertia(model: &Model) -> Option<Constant> {
     })
 }
 
+/// What a running controller can be sent of a model: names and values, in the order of exported source. Names are those of a linear axis.
+///
+/// The bounds of forces and levels are none of it: they stay as they were compiled in.
+pub fn parameters(model: &Model) -> Vec<(String, f64)> {
+    let kind = model.friction.kind();
+    let scalars = model.friction.scalars().into_iter();
+    let mut all: Vec<_> = scalars
+        .map(|(key, value)| (format!("{kind}.{key}"), value))
+        .collect();
+    for block in model.friction.blocks() {
+        all.push(("stiffness".to_owned(), block.stiffness));
+        all.push(("weight".to_owned(), block.weight));
+    }
+    let effects = carried(model);
+    for (id, effect) in numbered(&effects).filter(|(_, effect)| effect.form.controller.is_ok()) {
+        let values = effect.values.iter();
+        all.extend(values.map(|(key, value)| (format!("{id}.{key}"), *value)));
+    }
+    all
+}
+
+/// Which parameters those are, and in which order (FNV-1a over their names): what a controller and who sends it a model must agree on.
+pub fn layout(parameters: &[(String, f64)]) -> u32 {
+    let bytes = parameters
+        .iter()
+        .flat_map(|(name, _)| name.bytes().chain([0]));
+    bytes.fold(0x811C_9DC5, |hash, byte| {
+        (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193)
+    })
+}
+
 /// The scalars of the friction model, in the order of [`preslide_fit::friction::FrictionModel::scalars`].
 pub(super) fn of_friction(model: &Model) -> Vec<Constant> {
     let kind = model.friction.kind();

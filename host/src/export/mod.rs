@@ -9,7 +9,7 @@ pub mod joint;
 mod source;
 
 pub use c::{C, c_source};
-pub use constants::carried;
+pub use constants::{carried, layout, parameters};
 use preslide_fit::friction::Visitor;
 use preslide_fit::kernel::Kernel;
 use preslide_fit::model::Model;

@@ -3,7 +3,8 @@
 use super::{JUDGED, RECORDED, Trial, judged, recorded};
 use crate::rig::{CALIBRATED, Listener, RigError, Script, run, samples};
 use crate::tracking::{Step, TrackingError};
-use preslide_link::{MOST_BLOCKS, ModelSettings, Refusal, Reply, Report, Request};
+use preslide_host::drive::starting;
+use preslide_link::{ModelPart, PART, Refusal, Reply, Report, Request};
 use std::cell::RefCell;
 use std::path::Path;
 
@@ -59,18 +60,19 @@ pub fn track(trial: &Trial, elf: &Path) -> Result<Option<f64>, RigError> {
     let positions = RefCell::new(Vec::new());
     let mut script = script(trial, JUDGED, judged())?;
     script.disturb = Box::new(|_, stage| positions.borrow_mut().push(stage.truth().position_m));
-    let set = Request::Model(ModelSettings {
-        breakaway_n: 0.9,
-        blocks: [(1e5, 0.25); MOST_BLOCKS],
+    let set = Request::Model(ModelPart {
+        layout: starting(),
+        first: 0,
+        values: [0.25; PART],
     });
     let record = run(elf, &script.send(FIRST, &[set]), Listener::File)?;
     let is_refusal = |report: &Report| {
-        let compiled_in = Reply::Refused(Refusal::CompiledIn);
-        matches!(report, Report::Answer { reply, .. } if *reply == compiled_in)
+        let other = Reply::Refused(Refusal::OtherModel);
+        matches!(report, Report::Answer { reply, .. } if *reply == other)
     };
     if !record.remains.reports.iter().any(is_refusal) {
         return Err(RigError::Answer(
-            "took a model over the link in place of the one that was compiled in",
+            "took a model of other parts than the one that was compiled in",
         ));
     }
     let positions = positions.borrow();

@@ -2,7 +2,8 @@
 
 use super::{Listener, Record, RigError, Script, frame, motion, requests, run};
 use crate::stage::{EncoderConfig, StageConfig};
-use preslide_link::{GainSettings, ModelSettings, Numbered, Report, Request};
+use preslide_host::drive::starting;
+use preslide_link::{GainSettings, ModelPart, Numbered, PART, Report, Request};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -54,15 +55,18 @@ const GAINS: GainSettings = GainSettings {
     derivative: 600.0,
 };
 
-const MODEL: ModelSettings = ModelSettings {
-    breakaway_n: 0.9,
-    blocks: [
-        (313_728.0, 0.339),
-        (43_670.0, 0.236),
-        (10_545.0, 0.171),
-        (5_858.0, 0.253),
-    ],
-};
+/// Breakaway force (N), stiffness (N/m) and weight of each block.
+const MODEL: [f32; PART] = [
+    0.9, 313_728.0, 0.339, 43_670.0, 0.236, 10_545.0, 0.171, 5_858.0, 0.253, 0.0, 0.0, 0.0,
+];
+
+fn model(values: [f32; PART]) -> Request {
+    Request::Model(ModelPart {
+        layout: starting(),
+        first: 0,
+        values,
+    })
+}
 
 /// All of them.
 pub fn injections() -> Vec<Injection> {
@@ -209,8 +213,9 @@ fn overrun() -> Script<'static> {
 }
 
 fn corrupt_parameters() -> Script<'static> {
-    let mut bytes = numbered(Request::Model(MODEL));
-    if let Some(byte) = bytes.get_mut(9) {
+    let mut bytes = numbered(model(MODEL));
+    // Of the first parameter: no length of COBS.
+    if let Some(byte) = bytes.get_mut(11) {
         *byte ^= 0x04;
     }
     let mut script = moving(6000);
@@ -225,13 +230,12 @@ fn invalid_parameters() -> Script<'static> {
             ..GAINS
         })
     };
-    let mut blocks = MODEL.blocks;
-    blocks[1].1 = 0.5;
-    let heavy = Request::Model(ModelSettings { blocks, ..MODEL });
-    let negative = Request::Model(ModelSettings {
-        breakaway_n: -0.9,
-        ..MODEL
-    });
+    let with = |at: usize, value| {
+        let mut values = MODEL;
+        values[at] = value;
+        model(values)
+    };
+    let (heavy, negative) = (with(4, 0.5), with(0, -0.9));
     moving(6000).send(
         AT,
         &[

@@ -57,7 +57,7 @@ impl Desk {
             samples: [Told::default(); KEPT],
             reference: controller.followed().clone(),
             next: None,
-            pace: controller.pace().clone(),
+            pace: *controller.pace(),
             order: None,
             started: 0,
             answered: 0,

@@ -96,7 +96,7 @@ impl<const STATES: usize, const BLOCKS: usize, const DELAYS: usize, const MOVES:
             scout: scout.clone(),
             next,
             is_dry: false,
-            pace: pace.clone(),
+            pace: *pace,
             places: [0; AHEAD + 1],
             goes_on: false,
             sample: 0,

@@ -8,7 +8,7 @@ use preslide_fit::recording::{self, LoadOptions, MotionKind, Recording};
 use preslide_fit::report::figures::estimate;
 use preslide_host::diagnose::fit::Fit;
 use preslide_host::diagnose::{Diagnosis, diagnose, effect};
-use preslide_link::MOST_BLOCKS;
+use preslide_host::drive::MOST_BLOCKS;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

@@ -102,7 +102,7 @@ enum What {
         /// K_d in N·s/m
         derivative: f32,
     },
-    /// Load a friction model without a bump
+    /// Load a friction model with its effects without a bump
     Load {
         /// A model that identify or diagnose wrote
         #[arg(value_name = "MODEL.toml")]
@@ -451,27 +451,29 @@ impl Commanded {
         Ok(())
     }
 
-    /// Loads the friction of a model file.
+    /// Loads a model file.
     pub fn load(&mut self, path: &std::path::Path) -> Result<(), Failure> {
         let model = Model::load(path)?;
-        let loaded = loadable(&model)
+        let layout = self.drive.identity().model;
+        let loaded = loadable(&model, layout)
             .map_err(|reason| Failure::Input(format!("{}: {reason}", path.display())))?;
-        self.drive.ask(Request::Model(loaded.settings))?;
-        say!(
-            "loaded: breakaway {:.4}, blocks (stiffness, weight) {:?}",
-            loaded.settings.breakaway_n,
-            loaded.settings.blocks
-        );
+        let values: Vec<f64> = loaded.parameters.iter().map(|p| p.1).collect();
+        self.drive.load(layout, &values)?;
+        let named = loaded.parameters.iter();
+        let named: Vec<String> = named
+            .map(|(name, value)| format!("{name} {value:.5e}"))
+            .collect();
+        say!("loaded: {}", named.join(", "));
         if loaded.deviation > 1e-6 {
             say!(
-                "Note: the link takes four blocks; joining them changes the force by up to {:.1} % of the breakaway force. \
-                 `preslide export` and PRESLIDE_MODEL keep all.",
+                "Note: this firmware has four blocks; joining them changes the force by up to {:.1} % of the breakaway force. \
+                 Firmware built by `preslide export` and PRESLIDE_MODEL takes all.",
                 100.0 * loaded.deviation
             );
         }
         if !loaded.left_out.is_empty() {
             say!(
-                "Note: not sent: {}; `preslide export` and PRESLIDE_MODEL compile them in.",
+                "Note: not sent: {}; firmware built by `preslide export` and PRESLIDE_MODEL takes what a controller can use.",
                 loaded.left_out.join(", ")
             );
         }

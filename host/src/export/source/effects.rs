@@ -40,11 +40,14 @@ impl Source<'_> {
         Ok(())
     }
 
-    /// Writes the constants of an effect's parameters, the cosines of a map as one; their names.
+    /// Writes the constants of an effect's parameters, the cosines of a map as one; the arguments that they are.
     fn parameters(&mut self, effect: &Effect, id: &str) -> Vec<String> {
         let constants = of_effect(self.model, effect, id);
         constants.iter().for_each(|c| self.constant(c));
-        let mut names: Vec<String> = constants.into_iter().map(|c| c.name).collect();
+        let mut names: Vec<String> = constants
+            .into_iter()
+            .map(|c| self.parameter(c.name.clone(), &c.name))
+            .collect();
         let cosines: Vec<String> = effect.cosines().into_iter().map(literal).collect();
         if !cosines.is_empty() {
             let name = named("COSINES", id);
@@ -55,7 +58,9 @@ impl Source<'_> {
                 cosines.len(),
                 cosines.join(", ")
             );
-            names.push(name);
+            let each = (0..cosines.len())
+                .map(|i| self.parameter(format!("{name}[{i}]"), &format!("{name}_{i}")));
+            names.push(format!("[{}]", each.collect::<Vec<_>>().join(", ")));
         }
         names
     }

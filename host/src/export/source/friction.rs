@@ -12,32 +12,36 @@ impl Source<'_> {
     pub(super) fn friction(&mut self, kernel: Option<Kernel>) -> (String, String) {
         let constants = of_friction(self.model);
         constants.iter().for_each(|c| self.constant(c));
-        let names: Vec<String> = constants.into_iter().map(|c| c.name).collect();
+        let names: Vec<String> = constants
+            .into_iter()
+            .map(|c| self.parameter(c.name.clone(), &c.name))
+            .collect();
         let friction = &self.model.friction;
-        if !friction.blocks().is_empty() {
-            self.blocks(friction.blocks());
-        }
+        let blocks = match friction.blocks() {
+            [] => String::new(),
+            blocks => self.blocks(blocks),
+        };
         if let Some(kernel) = kernel {
             let kind = kernel.source(friction.blocks().len());
             let arguments = match (kernel.has_sliding(), friction.sliding()) {
-                (false, _) => format!("&BLOCKS, {}", names[0]),
-                (true, Some(_)) => constructor(friction, &names).1,
+                (false, _) => format!("{blocks}, {}", names[0]),
+                (true, Some(_)) => constructor(friction, &names, &blocks).1,
                 (true, None) => format!(
-                    "&BLOCKS, {0}, ::preslide::Sliding::none({0}), sample_time",
+                    "{blocks}, {0}, ::preslide::Sliding::none({0}), sample_time",
                     names[0]
                 ),
             };
             let build = format!("<{kind}>::try_new({arguments}, units)");
             return (kind, build);
         }
-        let (kind, arguments) = constructor(friction, &names);
+        let (kind, arguments) = constructor(friction, &names, &blocks);
         let path = kind.split('<').next().unwrap_or(&kind);
         let build = format!("::preslide::{path}::try_new({arguments}, units)");
         (format!("::preslide::{kind}"), build)
     }
 
-    /// The constant `BLOCKS`.
-    fn blocks(&mut self, blocks: &[Block]) {
+    /// The constant `BLOCKS`; the blocks as the function builds them.
+    fn blocks(&mut self, blocks: &[Block]) -> String {
         let n = blocks.len();
         let list: String = blocks
             .iter()
@@ -54,11 +58,19 @@ impl Source<'_> {
             self.constants,
             "/// Maxwell-slip blocks: `{unit}` and weight.\npub const BLOCKS: [::preslide::Block; {n}] = [{list}\n];"
         );
+        let built = (0..n).map(|i| {
+            let mut part =
+                |key| self.parameter(format!("BLOCKS[{i}].{key}"), &format!("{key}_{i}"));
+            let (stiffness, weight) = (part("stiffness"), part("weight"));
+            format!("::preslide::Block {{ stiffness: {stiffness}, weight: {weight} }}")
+        });
+        let built: Vec<String> = built.collect();
+        format!("&[{}]", built.join(", "))
     }
 }
 
-/// The library's type, and the arguments of its constructor but for the units; `names` are the constants of the scalars.
-fn constructor(friction: &FrictionModel, names: &[String]) -> (String, String) {
+/// The library's type, and the arguments of its constructor but for the units; `names` are the scalars, `built` the blocks.
+fn constructor(friction: &FrictionModel, names: &[String], built: &str) -> (String, String) {
     let name = |n: usize| names.get(n).map_or("", String::as_str);
     let first = |n: usize| names.get(..n).unwrap_or_default().join(", ");
     // The scalars of the Stribeck curve are the last ones of every model that has it.
@@ -84,7 +96,7 @@ fn constructor(friction: &FrictionModel, names: &[String]) -> (String, String) {
         FrictionModel::Leuven { form, blocks, .. } => (
             format!("Leuven<{}, S>", blocks.len()),
             format!(
-                "::preslide::LeuvenForm::{form:?}, &BLOCKS, {}, {}",
+                "::preslide::LeuvenForm::{form:?}, {built}, {}, {}",
                 first(3),
                 sliding()
             ),
@@ -114,11 +126,11 @@ fn constructor(friction: &FrictionModel, names: &[String]) -> (String, String) {
             ..
         } => (
             format!("QuasiStaticGms<{}, S>", blocks.len()),
-            format!("&BLOCKS, {}", first(1)),
+            format!("{built}, {}", first(1)),
         ),
         FrictionModel::Gms { blocks, .. } => (
             format!("Gms<{}, S>", blocks.len()),
-            format!("&BLOCKS, {}, {}, sample_time", first(1), sliding()),
+            format!("{built}, {}, {}, sample_time", first(1), sliding()),
         ),
     }
 }

@@ -3,7 +3,7 @@
 mod effects;
 mod friction;
 
-use super::constants::{Constant, inertia};
+use super::constants::{Constant, inertia, layout, parameters};
 use super::{Options, fitting, no_refused};
 use preslide_fit::kernel::{Arithmetic, Kernel};
 use preslide_fit::model::Model;
@@ -22,6 +22,7 @@ pub fn rust_source(model: &Model, options: &Options) -> Result<String, String> {
     let mut source = Source {
         model,
         constants: String::new(),
+        parameters: Vec::new(),
         terms: Vec::new(),
     };
     source.rigid_body();
@@ -33,6 +34,16 @@ pub fn rust_source(model: &Model, options: &Options) -> Result<String, String> {
         let _ = writeln!(text, "// {}", line.trim_end());
     }
     let _ = writeln!(text, "\n{}", source.constants);
+    let layout = layout(&parameters(model));
+    let (listed, names) = source.listed();
+    let count = source.parameters.len();
+    let _ = write!(
+        text,
+        "/// The parameters in the order in which a running controller can be sent others.\n\
+         pub const PARAMETERS: [f64; {count}] = {listed};\n\
+         /// Which they are: the same for models of the same parts.\n\
+         pub const LAYOUT: u32 = 0x{layout:08X};\n\n"
+    );
     let timed = |code: &str| code.contains("sample_time");
     let (unused, ticks) = if timed(&build) || source.terms.iter().any(|t| timed(&t.build)) {
         ("", "for ticks that are `sample_time` (s) apart")
@@ -48,7 +59,12 @@ pub fn rust_source(model: &Model, options: &Options) -> Result<String, String> {
          ///\n\
          /// # Errors\n\
          /// The parameter that does not fit the number type in `units`.\n\
-         pub fn model<S: ::preslide::Scalar>(\n    {unused}sample_time: f64,\n    units: ::preslide::Units,\n) -> ::core::result::Result<Model<S>, ::preslide::ParamError> {{\n{body}}}\n"
+         pub fn model<S: ::preslide::Scalar>(\n    sample_time: f64,\n    units: ::preslide::Units,\n) -> ::core::result::Result<Model<S>, ::preslide::ParamError> {{\n    with(&PARAMETERS, sample_time, units)\n}}\n\n\
+         /// The same with other parameters.\n\
+         ///\n\
+         /// # Errors\n\
+         /// As of `model`.\n\
+         pub fn with<S: ::preslide::Scalar>(\n    parameters: &[f64; {count}],\n    {unused}sample_time: f64,\n    units: ::preslide::Units,\n) -> ::core::result::Result<Model<S>, ::preslide::ParamError> {{\n    let {names} = *parameters;\n{body}}}\n"
     );
     Ok(text)
 }
@@ -104,6 +120,8 @@ struct Term {
 struct Source<'a> {
     model: &'a Model,
     constants: String,
+    /// As the constants have them, and their names in the function that builds the model from them.
+    parameters: Vec<(String, String)>,
     terms: Vec<Term>,
 }
 
@@ -116,6 +134,24 @@ impl Source<'_> {
             );
             self.constant(&inertia);
         }
+    }
+
+    /// Takes a parameter; its name in the function.
+    fn parameter(&mut self, constant: String, name: &str) -> String {
+        let name = name.to_lowercase();
+        self.parameters.push((constant, name.clone()));
+        name
+    }
+
+    /// The list of all, of the constants and of the names.
+    fn listed(&self) -> (String, String) {
+        let list = |of: fn(&(String, String)) -> &str| {
+            let items = self.parameters.iter().map(|p| format!("    {},\n", of(p)));
+            items.collect::<String>()
+        };
+        let (constants, names) = (list(|p| &p.0), list(|p| &p.1));
+        let names = names.replace("    ", "        ");
+        (format!("[\n{constants}]"), format!("[\n{names}    ]"))
     }
 
     fn constant(&mut self, Constant { name, said, value }: &Constant) {
