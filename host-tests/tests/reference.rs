@@ -14,7 +14,7 @@ const ONE: f64 = 4_294_967_296.0;
 fn pace(axis: &Axis) -> Pace {
     let friction = NoFriction::<f32>::new();
     let coefficients = Coefficients::try_new(axis, friction, Units::SI).expect("a valid axis");
-    Controller::new(coefficients, 0_u32).pace().clone()
+    *Controller::new(coefficients, 0_u32).pace()
 }
 
 /// The largest of what was seen, each as a share of its limit.

@@ -18,6 +18,7 @@ pub const PARAMETERS: [f64; 4] = [
     BOUC_WEN_SHAPE,
 ];
 /// Which they are: the same for models of the same parts.
+#[allow(dead_code)] // for firmware that takes models over the link
 pub const LAYOUT: u32 = 0xB21626B1;
 
 /// The friction model.

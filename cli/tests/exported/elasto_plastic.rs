@@ -30,6 +30,7 @@ pub const PARAMETERS: [f64; 8] = [
     ELASTO_PLASTIC_ATTRACTION_N_PER_S,
 ];
 /// Which they are: the same for models of the same parts.
+#[allow(dead_code)] // for firmware that takes models over the link
 pub const LAYOUT: u32 = 0x85A95BFF;
 
 /// The friction model.

@@ -47,6 +47,7 @@ pub const PARAMETERS: [f64; 15] = [
     PERIODIC_FORCE_PHASE_RAD,
 ];
 /// Which they are: the same for models of the same parts.
+#[allow(dead_code)] // for firmware that takes models over the link
 pub const LAYOUT: u32 = 0xA30EF0E7;
 
 /// The effects beside the friction model.

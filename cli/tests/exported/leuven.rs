@@ -36,6 +36,7 @@ pub const PARAMETERS: [f64; 11] = [
     BLOCKS[1].weight,
 ];
 /// Which they are: the same for models of the same parts.
+#[allow(dead_code)] // for firmware that takes models over the link
 pub const LAYOUT: u32 = 0xD28DB6F6;
 
 /// The friction model.

@@ -176,6 +176,7 @@ pub const PARAMETERS: [f64; 58] = [
     LOAD_DEPENDENT_FRICTION_LOAD_N,
 ];
 /// Which they are: the same for models of the same parts.
+#[allow(dead_code)] // for firmware that takes models over the link
 pub const LAYOUT: u32 = 0x166DDC91;
 
 /// The effects beside the friction model.

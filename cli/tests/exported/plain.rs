@@ -18,6 +18,7 @@ pub const PARAMETERS: [f64; 5] = [
     BLOCKS[1].weight,
 ];
 /// Which they are: the same for models of the same parts.
+#[allow(dead_code)] // for firmware that takes models over the link
 pub const LAYOUT: u32 = 0xF2CB7FB6;
 
 /// The friction model.

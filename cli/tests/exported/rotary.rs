@@ -42,6 +42,7 @@ pub const PARAMETERS: [f64; 12] = [
     GRAVITY_ANGLE_RAD,
 ];
 /// Which they are: the same for models of the same parts.
+#[allow(dead_code)] // for firmware that takes models over the link
 pub const LAYOUT: u32 = 0xD17E1865;
 
 /// The effects beside the friction model.

@@ -24,6 +24,7 @@ pub const PARAMETERS: [f64; 6] = [
     TWO_STATE_ATTRACTION_N_PER_S,
 ];
 /// Which they are: the same for models of the same parts.
+#[allow(dead_code)] // for firmware that takes models over the link
 pub const LAYOUT: u32 = 0x2231C366;
 
 /// The friction model.

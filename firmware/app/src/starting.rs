@@ -25,6 +25,7 @@ pub const PARAMETERS: [f64; 9] = [
     BLOCKS[3].weight,
 ];
 /// Which they are: the same for models of the same parts.
+#[allow(dead_code)] // for firmware that takes models over the link
 pub const LAYOUT: u32 = 0x85C348E8;
 
 /// The friction model.

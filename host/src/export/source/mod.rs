@@ -42,6 +42,7 @@ pub fn rust_source(model: &Model, options: &Options) -> Result<String, String> {
         "/// The parameters in the order in which a running controller can be sent others.\n\
          pub const PARAMETERS: [f64; {count}] = {listed};\n\
          /// Which they are: the same for models of the same parts.\n\
+         #[allow(dead_code)] // for firmware that takes models over the link\n\
          pub const LAYOUT: u32 = 0x{layout:08X};\n\n"
     );
     let timed = |code: &str| code.contains("sample_time");
