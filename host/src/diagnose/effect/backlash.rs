@@ -151,7 +151,7 @@ impl Effect for Backlash {
         match (shape, coefficients) {
             (&[_, _, share], &[c]) => ahead::is_motor(share, c),
             (&[_, _], &[c]) => behind::LOAD.contains(&c),
-            (&[_, _, NONE, ..], &[c]) => behind::SOME.contains(&c),
+            (&[_, _, NONE, share, _], &[c]) => behind::is_load(share, c),
             // The whole difference that the gap makes, or it is none.
             (_, &[c]) => (0.4..1.6).contains(&c),
             _ => false,

@@ -37,7 +37,7 @@ const DAMPED: [f64; 2] = [0.01, 0.5];
 /// Most that a spring without play is damped, of steel or a belt: what is damped more is a delay.
 const SPRING_DAMPED: f64 = 0.2;
 /// How much of the assumed difference is there before friction and inertia are found beside it.
-pub(super) const SOME: Range<f64> = 0.3..3.0;
+const SOME: Range<f64> = 0.3..3.0;
 /// Half of a 95 % interval of gap, swing, share and damping at least, relative: how far off those of four made belts and servos with play and two
 /// elastic belts came out, of which friction was all on the load's side (0.06, 0.15, 0.12 and 0.76).
 pub(super) const LEAST_ERRORS: [f64; 5] = [0.1, 0.2, 0.0, 0.2, 1.0];
@@ -91,6 +91,11 @@ pub(super) fn valleys(shape: &[f64], times: [&[f64]; 4]) -> Vec<Vec<f64>> {
         all = all.into_iter().flat_map(each).collect();
     }
     all
+}
+
+/// Whether `times` a share of the inertia is one that a load may have, and enough of the difference that it makes.
+pub(super) fn is_load(share: f64, times: f64) -> bool {
+    SOME.contains(&times) && LOAD.contains(&(share * times))
 }
 
 /// Those of some frequencies (Hz) that the samples resolve; none without inertia.

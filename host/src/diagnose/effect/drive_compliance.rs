@@ -110,7 +110,7 @@ impl Effect for DriveCompliance {
 
     fn admits(&self, shape: &[f64], coefficients: &[f64]) -> bool {
         match (shape, coefficients) {
-            (&[NONE, _, NONE, ..], &[c]) => behind::SOME.contains(&c),
+            (&[NONE, _, NONE, share, _], &[c]) => behind::is_load(share, c),
             (&[NONE, ..], &[c]) => behind::LOAD.contains(&c),
             (&[share, _], &[c]) => ahead::is_motor(share, c),
             (_, &[c]) => c > 0.0,
