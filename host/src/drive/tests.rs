@@ -53,14 +53,13 @@ fn what_is_not_of_blocks_is_told_or_refused_with_the_way_that_works() {
         );
         Model::parse(&text).expect("a model")
     };
-    let gravity =
-        "viscous_N_s_per_m = 12.0\n[[effects]]\nid = \"gravity\"\nforce_N = 0.1\nangle_rad = 0.2\n";
+    let ripple = "viscous_N_s_per_m = 12.0\n[[effects]]\nid = \"periodic_force\"\nforce_N = 0.1\nperiod_m = 2e-3\nphase_rad = 0.2\n";
     let blocks = with(
         "kind = \"gms\"\nbreakaway_N = 0.9\nblocks = [{ stiffness_N_per_m = 2e5, weight = 1.0 }]",
-        gravity,
+        ripple,
     );
     let told = loadable(&blocks, starting()).expect("blocks");
-    assert_eq!(told.left_out, ["viscous", "gravity"]);
+    assert_eq!(told.left_out, ["viscous", "periodic_force"]);
     // Firmware that was built for it takes all of it, and no other's.
     let whole = parameters(&blocks);
     let own = loadable(&blocks, layout(&whole)).expect("of the same parts");
