@@ -276,15 +276,11 @@ fn most_springs_are_named() {
     );
 }
 
-/// Play behind a motor that has the encoder, and a load that swings on its flanks. These seeds were first asked once the engine stood.
-fn gaps(drives: &[(u64, f64, f64, f64)]) -> [usize; 3] {
+/// Play behind a motor that has the encoder, and a load that swings on its flanks: how many are named, with widths in their intervals, and false names.
+fn gaps(drives: impl IntoIterator<Item = (u64, Drive)>) -> [usize; 3] {
     let (mut named, mut held, mut false_names) = (0, 0, 0);
-    for &(seed, motor_share, swing_hz, gap_m) in drives {
-        let drive = Drive {
-            motor_share,
-            swing_hz,
-            gap_m,
-        };
+    for (seed, drive) in drives {
+        let gap_m = drive.gap_m;
         let found = drive.diagnosed(seed);
         let ids = found.confident_ids();
         println!("gap {gap_m:.1e} m: {ids:?}, NMSE {:?} %", found.nmse_test);
@@ -302,23 +298,29 @@ fn gaps(drives: &[(u64, f64, f64, f64)]) -> [usize; 3] {
 
 #[test]
 fn a_gap_behind_which_the_load_swings_is_named_with_its_width() {
-    assert_eq!(gaps(&[(501, 0.4, 60.0, 3e-4)]), [1, 1, 0]);
+    let drive = Drive {
+        motor_share: 0.4,
+        swing_hz: 60.0,
+        gap_m: 3e-4,
+    };
+    assert_eq!(gaps([(501, drive)]), [1, 1, 0]);
 }
 
-/// The narrowest is taken for a spring; the two widest, which the load crosses on its own way, are not found, and one is taken for an end of the command.
+/// Drives at random, first asked once all rules of the engine stood: those that it was made on had other seeds.
 #[test]
 #[ignore = "long study: cargo xtask test --all"]
 fn most_gaps_are_named() {
-    let drives = [
-        (502, 0.3, 45.0, 2e-4),
-        (503, 0.5, 80.0, 1e-4),
-        (504, 0.35, 60.0, 8e-4),
-        (505, 0.6, 50.0, 4e-4),
-        (506, 0.25, 90.0, 2e-4),
-        (507, 0.45, 110.0, 5e-5),
-        (508, 0.5, 70.0, 1.5e-3),
-    ];
-    let [named, held, false_names] = gaps(&drives);
+    let drives = (511..=518).map(|seed| {
+        let mut draw = Draw::new(seed, 1);
+        let mut between = |low: f64, high: f64| low * (high / low).powf(draw.uniform(0.0, 1.0));
+        let drive = Drive {
+            motor_share: between(0.25, 0.6),
+            swing_hz: between(40.0, 110.0),
+            gap_m: between(5e-5, 1.5e-3),
+        };
+        (seed, drive)
+    });
+    let [named, held, false_names] = gaps(drives);
     println!("{named} named, {held} widths held, {false_names} false names");
-    assert!(named >= 4 && held == named && false_names <= 2);
+    assert!(named >= 3 && held == named && false_names <= 1);
 }

@@ -171,7 +171,9 @@ fn settled(mut null: NullModel, mut terms: Vec<Term>) -> Option<(NullModel, Vec<
         let mut from: Vec<(f64, Term)> = starts.into_par_iter().map(judged).collect();
         from.sort_by(|a, b| b.0.total_cmp(&a.0));
         from.truncate(LEADERS);
-        from.push(before.clone());
+        if !from.iter().any(|(_, start)| start.shape == before.1.shape) {
+            from.push(before.clone());
+        }
         let found = from
             .into_par_iter()
             .map(|(_, term)| judged(refined(&null, &without, &term)));

@@ -31,12 +31,20 @@ pub(super) const LEAST_ERROR: f64 = 0.4;
 pub(super) const ENCODER_ON_LOAD: &str =
     "the encoder is on the load here, and a model file's elastic drive or gap has it on the motor";
 
+/// Those of some frequencies (Hz) of which a sample is no more than so many `periods`; none without inertia.
+pub(super) fn resolved<const N: usize>(
+    some: [f64; N],
+    periods: f64,
+    scene: &Scene,
+) -> impl Iterator<Item = f64> {
+    let (inertial, dt) = (scene.core.mass > 0.0, scene.s.dt);
+    let seen = move |hz: &f64| inertial && hz * dt < periods;
+    some.into_iter().filter(seen)
+}
+
 /// Contact frequencies (Hz) and motor shares to try; none without inertia or where the samples are too coarse.
 pub(super) fn contacts(scene: &Scene) -> impl Iterator<Item = [f64; 2]> {
-    let seen = |hz: &f64| scene.core.mass > 0.0 && hz * scene.s.dt < SEEN;
-    let seen: Vec<f64> = CONTACTS_HZ.into_iter().filter(seen).collect();
-    seen.into_iter()
-        .flat_map(|hz| SHARES.map(|share| [hz, share]))
+    resolved(CONTACTS_HZ, SEEN, scene).flat_map(|hz| SHARES.map(|share| [hz, share]))
 }
 
 /// A contact frequency (Hz) brought within what a recording can resolve.
@@ -54,12 +62,9 @@ pub(super) fn widened(fitted: &Fitted, card: &Card, least: &[f64]) -> Vec<(Strin
     let mut values = fitted.shape_of(card);
     for ((_, told), least) in values.iter_mut().zip(least) {
         let least = least * told.value;
-        told.ci95 = told.ci95.map(|[low, high]| {
-            [
-                low.min((told.value - least).max(0.0)),
-                high.max(told.value + least),
-            ]
-        });
+        told.ci95 = told
+            .ci95
+            .map(|[low, high]| [low.min(told.value - least), high.max(told.value + least)]);
     }
     values
 }

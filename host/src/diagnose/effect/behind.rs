@@ -1,7 +1,7 @@
 //! A load behind a spring and a motor that has the encoder, where the load swings within what is recorded: what the spring changes, and what play does
 //! beside it. The load swings on its contact after each gap, which a simulation's own force shows of its spring, and the recording of both.
 
-use super::ahead::DAMPING;
+use super::ahead::{DAMPING, resolved};
 use super::grid::spread;
 use super::{Baseline, Scene};
 use crate::diagnose::noise::rms;
@@ -38,9 +38,9 @@ const DAMPED: [f64; 2] = [0.01, 0.5];
 const SPRING_DAMPED: f64 = 0.2;
 /// How much of the assumed difference is there before friction and inertia are found beside it.
 const SOME: Range<f64> = 0.3..3.0;
-/// Half of a 95 % interval of gap, swing, share and damping at least, relative: how far off those of four made belts and servos with play and two
-/// elastic belts came out, of which friction was all on the load's side (0.06, 0.15, 0.12 and 0.76).
-pub(super) const LEAST_ERRORS: [f64; 5] = [0.1, 0.2, 0.0, 0.2, 1.0];
+/// Half of a 95 % interval of gap, swing, share and damping at least, relative to what is found: how far off those of four made belts and servos
+/// with play came out that it was chosen on, of which friction was all on the load's side (0.07, 0.17, 0.09 and 0.43).
+pub(super) const LEAST_ERRORS: [f64; 5] = [0.1, 0.2, 0.0, 0.2, 0.6];
 
 /// A load behind play and a spring, that all of the friction holds.
 pub struct Load {
@@ -98,11 +98,9 @@ pub(super) fn is_load(share: f64, times: f64) -> bool {
     SOME.contains(&times) && LOAD.contains(&(share * times))
 }
 
-/// Those of some frequencies (Hz) that the samples resolve; none without inertia.
+/// Those of some swings (Hz) that the samples resolve.
 pub(super) fn seen<const N: usize>(some: [f64; N], scene: &Scene) -> impl Iterator<Item = f64> {
-    let fastest = SEEN / scene.s.dt;
-    let inertial = scene.core.mass > 0.0;
-    some.into_iter().filter(move |hz| inertial && *hz < fastest)
+    resolved(some, SEEN, scene)
 }
 
 /// A frequency (Hz) brought within those.

@@ -17,6 +17,10 @@ pub(super) const MOTOR_SHARE: f64 = 0.5;
 /// Between which values it lies: drives are chosen so that neither side has much more than twice the other's inertia. The intervals hold
 /// what follows from both.
 const SHARES: [f64; 2] = [0.3, 0.7];
+/// The load's share and damping from where on those of one that swings are refined.
+const LOAD: f64 = 0.5;
+/// See [`LOAD`].
+const DAMPED: f64 = 0.1;
 /// The least that a motor has.
 const LEAST_MOTOR: f64 = 0.05;
 /// Half of a 95 % interval of a swing, at least, relative: how far the contact's damping, which is assumed, and friction on the motor's side shift it.
@@ -78,7 +82,7 @@ impl Effect for DriveCompliance {
         let on_load = ahead::contacts(scene).map(|[hz, share]| vec![share, hz]);
         let swings = behind::swings(scene);
         let stiff = std::iter::once(vec![MOTOR_SHARE]);
-        let on_motor = swings.iter().map(|hz| vec![NONE, *hz, NONE, 0.5, 0.1]);
+        let on_motor = swings.iter().map(|hz| vec![NONE, *hz, NONE, LOAD, DAMPED]);
         let mut shapes: Vec<_> = stiff.chain(on_load).chain(on_motor).collect();
         if let Some(simulated) = scene.core.simulated_swing {
             shapes.extend(swings.iter().map(|hz| vec![NONE, *hz, simulated]));
