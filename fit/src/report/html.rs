@@ -42,7 +42,7 @@ table { border-collapse: collapse; margin: .3rem 0 1rem; font-variant-numeric: t
 th, td { padding: .2rem .8rem; text-align: left; border-bottom: 1px solid #ddd; }
 th { border-bottom: 2px solid #888; vertical-align: bottom; }
 .number { text-align: right; white-space: nowrap; }
-td:last-child:not(.number) { min-width: 14rem; }
+.words { min-width: 14rem; }
 footer { margin-top: 2.5rem; border-top: 1px solid #ccc; padding-top: .5rem; font-size: .85rem; color: #444; }
 code { font-family: ui-monospace, 'Cascadia Mono', Menlo, Consolas, monospace; overflow-wrap: anywhere; }
 @media print {
@@ -153,15 +153,25 @@ fn section_body(html: &mut String, section: &Section, figure_number: &mut usize,
     }
 }
 
+/// Characters from which on a cell is a sentence: its column is kept wide enough to be read.
+const LONG: usize = 40;
+
 fn table_html(table: &Table) -> String {
     let columns = table.columns();
+    let is_long = |c: usize| {
+        let mut cells = table.rows.iter().filter_map(|row| row.get(c));
+        cells.any(|cell| cell.chars().count() > LONG)
+    };
+    let classes: Vec<&str> = (0..columns)
+        .map(|c| match table.is_numeric(c) {
+            true => " class=\"number\"",
+            false if is_long(c) => " class=\"words\"",
+            false => "",
+        })
+        .collect();
     let line = |cells: &[String], tag: &str| {
         let cells = (0..columns).map(|c| {
-            let class = if table.is_numeric(c) {
-                " class=\"number\""
-            } else {
-                ""
-            };
+            let class = classes[c];
             format!(
                 "<{tag}{class}>{}</{tag}>",
                 escape(cells.get(c).map_or("", String::as_str))
