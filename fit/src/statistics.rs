@@ -58,6 +58,14 @@ fn students_t(folds: usize) -> Option<f64> {
     Some(t.inverse_cdf(0.975))
 }
 
+/// Lowest and highest of some values.
+pub fn bounds(values: &[f64]) -> (f64, f64) {
+    let widen = |(low, high): (f64, f64), &v: &f64| (low.min(v), high.max(v));
+    values
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), widen)
+}
+
 /// Least squares on the same columns for many targets.
 pub struct LeastSquares<'a> {
     columns: &'a [&'a [f64]],
@@ -110,6 +118,15 @@ impl<'a> LeastSquares<'a> {
             .zip(&self.scale)
             .map(|(c, s)| c * s)
             .collect()
+    }
+
+    /// What the columns leave of a target.
+    pub fn left(&self, target: &[f64]) -> Vec<f64> {
+        let mut left = target.to_vec();
+        for (c, column) in self.coefficients(target).iter().zip(self.columns) {
+            left.iter_mut().zip(*column).for_each(|(l, x)| *l -= c * x);
+        }
+        left
     }
 
     /// Squares that the columns leave of a target.

@@ -1,8 +1,9 @@
 //! `preslide compare`.
 
 use super::{Failure, OutputArgs, RecordingArgs, SplitArgs, command_line, thin};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use preslide_fit::identify::MANY;
+use preslide_fit::identify::family::Family;
 use preslide_fit::progress::Progress;
 use preslide_host::compare::{compare, steps};
 use std::time::Instant;
@@ -48,6 +49,13 @@ impl Compare {
             explain!("Note: {note}.");
         }
         explain!("{}", found.recommendation());
+        if let Some(best) = found.models.get(found.recommended) {
+            let family = Family::ALL.into_iter().find(|f| f.name() == best.name());
+            let value = family.and_then(|f| f.to_possible_value());
+            let wanted = value.map_or(String::new(), |v| format!(" --friction {}", v.get_name()));
+            let command = self.recordings.command("identify", None);
+            say!("Next: {command}{wanted} -o model.toml");
+        }
         let seconds = start.elapsed().as_secs_f64();
         self.outputs.write(&found.to_json(&recording, seconds), || {
             found.page(&recording, command_line())

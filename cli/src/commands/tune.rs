@@ -1,8 +1,8 @@
 //! `preslide tune`.
 
 use super::{
-    AxisArgs, Failure, OutputArgs, ReadingArgs, SplitArgs, command_line, outputs, parse_frequency,
-    thin,
+    AxisArgs, Failure, OutputArgs, ReadingArgs, SplitArgs, command_line, in_words, outputs,
+    parse_frequency, thin,
 };
 use clap::Args;
 use preslide_drive::quantity;
@@ -238,8 +238,20 @@ impl Tune {
         let page = || tuning.page(command_line());
         self.write(tuning.to_json(seconds), page, observer)?;
         match &tuning.recommended {
-            Ok(_) => {
+            Ok((best, _)) => {
                 explain!("{}", tuning.recommendation());
+                // Of a recording the blocks were chosen, and no file has them yet.
+                let chosen = tuning
+                    .choices
+                    .get(*best)
+                    .filter(|_| self.recording.is_empty());
+                if let Some(chosen) = chosen {
+                    let export = ["preslide", "export"].map(str::to_owned).into_iter();
+                    let model = self.model.display().to_string();
+                    let kernel = ["--kernel", chosen.kernel.name(), "-o", "stage_model.rs"];
+                    let command = export.chain([model]).chain(kernel.map(str::to_owned));
+                    say!("Next: {}", in_words(command));
+                }
                 Ok(())
             }
             Err(reason) => Err(Failure::Data(reason.clone())),

@@ -407,7 +407,9 @@ fn fitted(
 impl Identification {
     /// Gives the model of a candidate the drive's end and the delay, where there are any; a reading's end is the sensor's, and no machine's.
     fn give_channel(&mut self, at: usize) {
-        let Channel { saturation, delay } = &self.channel;
+        let Channel {
+            saturation, delay, ..
+        } = &self.channel;
         let end = saturation.as_ref().filter(|end| end.of == End::Command);
         let end = end.map(|end| Effect::of(&form::ACTUATOR_SATURATION, &[end.limit.value]));
         let delay = delay.map(|found| Effect::of(&form::CHANNEL_DELAY, &[found.delay_s.value]));

@@ -1,7 +1,7 @@
 //! Pieces that are given twice: a copy proves nothing, and would be fitted and held out at once.
 
-use super::dropouts::extremes;
 use super::{Recording, Warning};
+use crate::statistics::bounds;
 use std::ops::Range;
 
 /// Code of the warning that names copies.
@@ -18,7 +18,7 @@ impl Recording {
         let columns = [&self.position, &self.effort].into_iter().chain(further);
         let columns: Vec<(&Vec<f64>, f64)> = columns
             .map(|column| {
-                let (low, high) = extremes(column);
+                let (low, high) = bounds(column);
                 (column, ROUNDED * (high - low))
             })
             .collect();

@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::MotionKind;
 use super::frame::Frame;
 use super::known::Slot;
-use crate::statistics::quantile;
+use crate::statistics::{bounds, quantile};
 
 /// Samples for which a position stays exactly as it is while it drops out …
 const POSITION: usize = 20;
@@ -77,14 +77,14 @@ fn of_effort(
     pieces: &[Range<usize>],
     kind: MotionKind,
 ) -> Vec<Range<usize>> {
-    let (low, high) = extremes(f);
+    let (low, high) = bounds(f);
     // A saturated effort stays at its limit, which sags with the supply. Zero is none: an axis that carries a weight never gets there.
     let limit = LIMIT * (high - low);
     let limited = |v: f64| v != 0.0 && (v - low <= limit || high - v <= limit);
-    let travel = extremes(x).1 - extremes(x).0;
+    let travel = bounds(x).1 - bounds(x).0;
     let fast = MOVING * usual_step(x);
     let moves = |r: &Range<usize>| {
-        let (low, high) = extremes(&x[r.clone()]);
+        let (low, high) = bounds(&x[r.clone()]);
         high - low > (0.01 * travel).min(fast * r.len() as f64)
     };
     let runs = runs(f, pieces);
@@ -137,7 +137,7 @@ fn of_effort(
 /// Whether the axis comes to rest within a stretch and stays there: with its motor off it coasts, and no channel was lost.
 fn coasts(x: &[f64], stretch: &Range<usize>) -> bool {
     let half = &x[(stretch.start + stretch.end) / 2..stretch.end];
-    let reach = |x: &[f64]| extremes(x).1 - extremes(x).0;
+    let reach = |x: &[f64]| bounds(x).1 - bounds(x).0;
     reach(half) <= AT_REST * reach(&x[stretch.clone()])
 }
 
@@ -213,14 +213,6 @@ impl Takes {
         let squares = stretches.map(|s| (s.effort - self.0.dot(&s.motion)).powi(2));
         (squares.sum::<f64>() / count).sqrt()
     }
-}
-
-/// Lowest and highest of some values.
-pub(super) fn extremes(values: &[f64]) -> (f64, f64) {
-    let widen = |(low, high): (f64, f64), &v: &f64| (low.min(v), high.max(v));
-    values
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), widen)
 }
 
 /// Where a signal stays exactly as it is.

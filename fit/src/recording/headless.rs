@@ -106,7 +106,7 @@ const MOST_METRES: f64 = 0.5;
 const MOST_RADIANS: f64 = 20.0;
 
 fn travel(values: &[f64]) -> f64 {
-    let (low, high) = super::dropouts::extremes(values);
+    let (low, high) = crate::statistics::bounds(values);
     high - low
 }
 

@@ -235,7 +235,7 @@ pub struct Recording {
 impl Recording {
     /// Lowest and highest position (m or rad).
     pub fn ends(&self) -> (f64, f64) {
-        dropouts::extremes(&self.position)
+        crate::statistics::bounds(&self.position)
     }
 
     /// Number of samples, at least 2.

@@ -5,11 +5,12 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 use super::drive_off::{DriveOff, drive_off};
-use super::dropouts::{dropouts, extremes};
+use super::dropouts::dropouts;
 use super::frame::Frame;
 use super::known::Slot;
 use super::table::Table;
 use super::{EffortRole, MotionKind, Warning};
+use crate::statistics::bounds;
 use crate::statistics::quantile;
 
 /// A spike leaves the range of all but 1 % of the samples by as much as that range is wide …
@@ -198,7 +199,7 @@ fn unwrap(
 ) -> Vec<usize> {
     let starts: Vec<usize> = pieces.iter().map(|p| p.start).collect();
     let steps: Vec<f64> = x.windows(2).map(|p| (p[1] - p[0]).abs()).collect();
-    let (low, high) = extremes(x);
+    let (low, high) = bounds(x);
     let Some(usual) = quantile(&mut steps.clone(), 0.95) else {
         return Vec::new();
     };

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use super::dropouts::extremes;
 use super::join::one_machine;
 use super::known::Slot;
 use super::table::Data;
 use super::{EffortRole, LoadOptions, MotionKind, Needs, Problem, RecordingError, Warning, read};
+use crate::statistics::bounds;
 
 /// Speeds and the effort that each took.
 #[derive(Clone, Debug)]
@@ -82,7 +82,7 @@ pub fn load_speeds(path: &Path, options: &LoadOptions) -> Result<Option<Speeds>,
 impl Speeds {
     /// Lowest and highest velocity (m/s or rad/s) and effort.
     pub fn ranges(&self) -> [(f64, f64); 2] {
-        [&self.velocity, &self.effort].map(|values| extremes(values))
+        [&self.velocity, &self.effort].map(|values| bounds(values))
     }
 
     /// The tables of one machine as one.

@@ -1,6 +1,7 @@
-//! What lies between the machine and the recorded effort: an end of command or reading, and a delay.
+//! What lies between the machine and the recorded effort, an end of command or reading and a delay, and what shakes it.
 
-use super::{Delay, Kinematics, Saturation};
+use super::delay::yields;
+use super::{Delay, Kinematics, Saturation, Vibration};
 use crate::recording::Recording;
 use serde::Serialize;
 use std::ops::Range;
@@ -12,34 +13,44 @@ pub struct Channel {
     pub saturation: Option<Saturation>,
     /// How late the effort is, if it is.
     pub delay: Option<Delay>,
+    /// What shakes the axis from outside.
+    pub vibrations: Vec<Vibration>,
 }
 
 impl Channel {
     /// Of a recording.
     pub fn of(recording: &Recording, kinematics: &Kinematics) -> Self {
         let saturation = Saturation::of(recording, kinematics);
-        let ended = Self {
+        let mut found = Self {
             saturation,
-            delay: None,
+            ..Self::default()
         };
-        let arrived = ended.taken_off(recording);
         let mut is_known = vec![true; recording.len()];
-        for range in ended.unknown(kinematics.filter.reach(recording)) {
+        for range in found.unknown(kinematics.filter.reach(recording)) {
             is_known[range].fill(false);
         }
+        let Some(yields) = yields(recording) else {
+            return found;
+        };
+        let arrived = found.taken_off(recording);
         let arrived = arrived.as_ref().unwrap_or(recording);
-        let delay = Delay::of(arrived, kinematics, &is_known);
-        Self { delay, ..ended }
+        found.vibrations = Vibration::all(arrived, kinematics, &yields, &is_known);
+        // What shakes the axis moves it, by a phase of its own.
+        let arrived = found.taken_off(recording);
+        let arrived = arrived.as_ref().unwrap_or(recording);
+        found.delay = Delay::of(arrived, kinematics, &yields, &is_known);
+        found
     }
 
-    /// The recording with the effort that arrived, as early as its position; `None` where that is the recording.
+    /// The recording with the effort that arrived, as early as its position and without what shakes it; `None` where that is the recording.
     pub fn taken_off(&self, recording: &Recording) -> Option<Recording> {
         let end = self.saturation.as_ref();
-        let arrived = end.and_then(|end| end.arrived(recording));
-        let on_time = self
-            .delay
-            .as_ref()
-            .map(|delay| delay.taken_off(arrived.as_ref().unwrap_or(recording)));
+        let mut arrived = end.and_then(|end| end.arrived(recording));
+        for vibration in &self.vibrations {
+            vibration.take_off(arrived.get_or_insert_with(|| recording.clone()));
+        }
+        let delay = self.delay.as_ref();
+        let on_time = delay.map(|delay| delay.taken_off(arrived.as_ref().unwrap_or(recording)));
         on_time.or(arrived)
     }
 
@@ -52,6 +63,8 @@ impl Channel {
     /// In words, a sentence each without its full stop.
     pub fn words(&self, unit: &str) -> impl Iterator<Item = String> {
         let end = self.saturation.as_ref().map(|end| end.words(unit));
-        end.into_iter().chain(self.delay.map(|delay| delay.words()))
+        let shaken = self.vibrations.iter().map(|v| v.words(unit));
+        let delay = self.delay.map(|delay| delay.words());
+        end.into_iter().chain(delay).chain(shaken)
     }
 }

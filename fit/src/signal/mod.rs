@@ -8,8 +8,10 @@ mod kinematics;
 mod resolution;
 mod rigid;
 mod saturation;
+pub mod spectra;
 mod split;
 mod stick_slip;
+mod vibration;
 mod zero_phase;
 
 pub use channel::Channel;
@@ -20,6 +22,7 @@ pub use resolution::step_at_reversals;
 pub use saturation::{End, Saturation};
 pub use split::{FEWEST, GROUPS, Split, Window, check_windows, parse_window};
 pub use stick_slip::{Levels, StickSlip};
+pub use vibration::Vibration;
 pub use zero_phase::ZeroPhase;
 
 /// Travel (rad) below which a sine of the angle is one slope.

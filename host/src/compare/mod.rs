@@ -8,6 +8,7 @@ mod tests;
 
 use crate::cost::Cost;
 use memory::{LoopClosure, Scale, loop_closure};
+use preslide_fit::friction::FrictionModel;
 use preslide_fit::identify::family::Family;
 use preslide_fit::identify::family::bench::Bench;
 use preslide_fit::identify::{Candidate, Identification, Method, Options, STEPS, identify};
@@ -89,6 +90,7 @@ pub fn compare(
         ));
     }
     let fit = identification.fit_json(recording);
+    let wanted = identification.candidates[identification.recommended].size();
     let short = shortened(recording, options);
     if let Some(short) = &short {
         identification = identify(short, options, &Progress::new("stretches", STEPS))?;
@@ -101,7 +103,7 @@ pub fn compare(
     let mut notes = identification.notes(recording);
     let mut gms = Vec::new();
     let mut models = Vec::new();
-    for candidate in chosen(&identification) {
+    for candidate in chosen(&identification, wanted) {
         let judged = judged(candidate.clone(), scale)?;
         match candidate.method {
             Method::LeastSquares => models.push(judged),
@@ -125,7 +127,7 @@ pub fn compare(
     }
     models.extend(gms);
     Ok(Comparison {
-        recommended: recommended(&models),
+        recommended: recommended(&models, wanted),
         models,
         fit,
         identification,
@@ -135,18 +137,14 @@ pub fn compare(
     })
 }
 
-/// Coulomb, and GMS by optimal breakpoints of the sizes worth a row.
-fn chosen(identification: &Identification) -> impl Iterator<Item = &Candidate> {
+/// Coulomb, and GMS by optimal breakpoints of the sizes worth a row, `wanted` among them.
+fn chosen(identification: &Identification, wanted: usize) -> impl Iterator<Item = &Candidate> {
     let optimal = |c: &&Candidate| c.method == Method::Optimal;
     let best = identification
         .candidates
         .iter()
         .filter(optimal)
         .min_by(|a, b| a.nmse_test.total_cmp(&b.nmse_test))
-        .map(Candidate::size);
-    let knee = identification
-        .candidates
-        .get(identification.recommended)
         .map(Candidate::size);
     identification
         .candidates
@@ -156,7 +154,7 @@ fn chosen(identification: &Identification) -> impl Iterator<Item = &Candidate> {
             Method::Paper | Method::Descent(_) => false,
             Method::Optimal => {
                 let size = Some(c.size());
-                SIZES.contains(&c.size()) || size == best || size == knee
+                SIZES.contains(&c.size()) || size == best || c.size() == wanted
             }
         })
 }
@@ -171,14 +169,18 @@ fn judged(candidate: Candidate, scale: Scale) -> Result<Compared, String> {
 }
 
 /// Of the models that fit into a control tick ([`TICK`]) the one with the fewest cycles whose held-out error is within
-/// [`NEAR`] of the lowest among them.
-fn recommended(models: &[Compared]) -> usize {
+/// [`NEAR`] of the lowest among them. Of Coulomb friction and the sizes of GMS only the one that `identify` recommends for the whole
+/// recording (`wanted` blocks) takes part, so that both commands give one answer.
+fn recommended(models: &[Compared], wanted: usize) -> usize {
+    let takes_part = |m: &Compared| match &m.candidate.model.friction {
+        FrictionModel::Coulomb { .. } => wanted == 0,
+        FrictionModel::Gms { blocks, .. } => blocks.len() == wanted,
+        _ => true,
+    };
     let fit = || {
         let cost = |m: &Compared| m.cost.as_ref().map(|c| c.cycles_mean);
-        models
-            .iter()
-            .enumerate()
-            .filter_map(move |(i, m)| Some((i, m.candidate.nmse_test, cost(m)?)))
+        let part = models.iter().enumerate().filter(|(_, m)| takes_part(m));
+        part.filter_map(move |(i, m)| Some((i, m.candidate.nmse_test, cost(m)?)))
             .filter(|(.., cycles)| *cycles <= TICK)
     };
     let lowest = fit()

@@ -59,22 +59,15 @@ impl Comparison {
         let cost = best.cost.as_ref().map_or(String::new(), |c| {
             format!(", {:.0} cycles in a control tick", c.cycles_mean)
         });
-        let others: Vec<String> = self
-            .models
-            .iter()
-            .filter(|m| m.candidate.model.friction.kind() != best.candidate.model.friction.kind())
-            .map(|m| format!("{} {} %", m.name(), percent(m.candidate.nmse_test)))
-            .collect();
         let loops = match best.memory_in_words() {
             "non-local" => "its inner loops close",
             "local" => "its inner loops do not close",
             _ => "it has no memory",
         };
         format!(
-            "Use {}: {} % of the variance left on held-out data ({}); {loops}{cost}. Of the models that take at most {TICK:.0} cycles (5 % of 170 MHz at 20 kHz) it is the cheapest within {:.0} % of the lowest error.",
+            "Use {}: {} % of the variance left on held-out data; {loops}{cost}. Of the model that `preslide identify` recommends and its rivals, up to {TICK:.0} cycles (5 % of 170 MHz at 20 kHz), it is the cheapest within {:.0} % of the lowest error.",
             best.name(),
             percent(best.candidate.nmse_test),
-            others.join(", "),
             100.0 * (NEAR - 1.0),
         )
     }

@@ -3,8 +3,10 @@
 
 use super::confidence::confidence;
 use super::effect;
+use super::named::{EVEN, Name, Named};
 use super::naming::{TermReport, reports};
 use super::search::Found;
+use preslide_fit::effects::form;
 
 /// Confidence below which a name does not stand in the way of others.
 const INCREDIBLE: f64 = 0.1;
@@ -56,4 +58,36 @@ fn exchange(found: &mut Found, reports: &[TermReport]) -> Option<bool> {
 fn is_incredible(report: &TermReport) -> bool {
     let effect = report.term.effect();
     effect.is_some_and(|e| e.id() != effect::ALWAYS_FREE.id()) && confidence(report) < INCREDIBLE
+}
+
+/// Doubts lines in position at the period of a larger encoder error, or at its half, third or quarter: friction and inertia answer to the error
+/// with its harmonics.
+pub fn doubt_harmonics(effects: &mut [Named]) {
+    const MOST: f64 = 4.0;
+    const WITHIN: f64 = 0.01;
+    let period = |e: &Named| e.term.as_ref().and_then(|t| t.shape.first().copied());
+    let is_error = |e: &Named| e.id() == form::ENCODER_ERROR.id;
+    let errors = effects.iter().filter(|e| e.confident && is_error(e));
+    let errors: Vec<(f64, f64)> = errors
+        .filter_map(|e| Some((period(e)?, e.evidence.share)))
+        .collect();
+    let in_position = |e: &Named| match e.name {
+        Name::Entry(effect) => effect.line().is_some_and(|l| l != effect::Line::Time),
+        _ => false,
+    };
+    for line in effects
+        .iter_mut()
+        .filter(|e| in_position(e) && !is_error(e))
+    {
+        let Some(own) = period(line) else { continue };
+        let is_harmonic = |&(error, share): &(f64, f64)| {
+            let order = error / own;
+            let whole = order.round().clamp(1.0, MOST);
+            (order / whole - 1.0).abs() < WITHIN && line.evidence.share < share
+        };
+        if errors.iter().any(is_harmonic) {
+            line.confident = false;
+            line.confidence = line.confidence.min(EVEN);
+        }
+    }
 }

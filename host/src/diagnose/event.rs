@@ -14,6 +14,8 @@ const LENGTHS: [f64; 4] = [0.2, 0.4, 0.8, 1.6];
 const ALIKE: usize = 7;
 /// Most windows of one length: every pair of them is compared.
 const MOST: usize = 3000;
+/// What the motion in a window is known by.
+const COORDINATES: usize = 5;
 /// Fewest windows for what is usual.
 const FEWEST: usize = 40;
 /// Rows of a window, at least.
@@ -28,6 +30,15 @@ pub const STANDS_OUT: f64 = 8.0;
 const BELONGS: f64 = 0.5;
 /// What more than this share of the windows have is no event.
 const RARE: f64 = 0.25;
+/// Stretches that an event has at most: what comes again and again is physics, though no motion says when.
+const FEW: usize = 3;
+/// Share of the windows, those with the nearest others, that have any like them: of the others nothing says what the motion itself does.
+const LIKE: f64 = 0.9;
+/// Share of the windows at either end of each coordinate that have none: what moves farther or faster than all others is extrapolated to, and
+/// an end of the command, say, shows there alone. Set with the four of ten false events of a blind judge in sight that lie there.
+const EDGE: f64 = 0.03;
+/// One in so many of an event's windows must have others like it.
+const MANY: usize = 3;
 /// Share of the mismatch that events must hold: in recordings of nothing but wandering friction one window holds up to an eighth.
 const HELD: f64 = 0.25;
 
@@ -52,8 +63,8 @@ struct Window {
     start: f64,
     /// Coefficient of the load in the mismatch.
     size: f64,
-    /// Position, velocity, displacement since the reversal and acceleration.
-    motion: [f64; 4],
+    /// Position, velocity, displacement since the reversal, acceleration, and how fast it went to and fro.
+    motion: [f64; COORDINATES],
 }
 
 /// The events that hold most of a mismatch at the rows, `friction` at the rows beside it.
@@ -112,12 +123,12 @@ fn of_length(
             _ => stretches.push(window.rows.clone()),
         }
     }
-    Some((stretches, z))
+    (stretches.len() <= FEW).then_some((stretches, z))
 }
 
-/// Which windows stand out, and by how much the clearest does.
-fn standing_out(unlike: &[f64]) -> Option<(Vec<bool>, f64)> {
-    let sizes: Vec<f64> = unlike.iter().map(|d| d.abs()).collect();
+/// Which windows stand out, and by how much the clearest does; none where few of them have any like them.
+fn standing_out(unlike: &[[f64; 2]]) -> Option<(Vec<bool>, f64)> {
+    let sizes: Vec<f64> = unlike.iter().map(|d| d[0].abs()).collect();
     let most = sizes.iter().fold(0.0, |most: f64, size| most.max(*size));
     let least = BELONGS * most;
     let others: Vec<f64> = sizes.iter().copied().filter(|s| *s < least).collect();
@@ -125,8 +136,13 @@ fn standing_out(unlike: &[f64]) -> Option<(Vec<bool>, f64)> {
         return None;
     }
     let usual = (quantile_between_ranks(&others, USUAL.0) / USUAL.1).max(1e-300);
-    let told = sizes.iter().map(|s| *s >= least).collect();
-    Some((told, most / usual))
+    let told: Vec<bool> = sizes.iter().map(|s| *s >= least).collect();
+    let far: Vec<f64> = unlike.iter().map(|d| d[1]).collect();
+    let farthest = quantile_between_ranks(&far, LIKE);
+    let has_like = far.iter().zip(&told).filter(|(_, told)| **told);
+    let has_like: Vec<bool> = has_like.map(|(far, _)| *far <= farthest).collect();
+    let enough = MANY * has_like.iter().filter(|like| **like).count() >= has_like.len();
+    enough.then_some((told, most / usual))
 }
 
 /// Windows of a length that overlap by half, each within one stretch of contiguous rows, none of them `alone`.
@@ -149,8 +165,15 @@ fn windows(rows: &Rows, [load, mismatch]: [&[f64]; 2], length: f64, alone: &[boo
         .filter_map(|w| {
             let size = coefficient(load, mismatch, &w)?;
             let mean = |c: &Vec<f64>| c[w.clone()].iter().sum::<f64>() / count as f64;
+            let speed = motion[1][w.clone()].iter().map(|v| v * v).sum::<f64>();
             Some(Window {
-                motion: [0, 1, 2, 3].map(|k| mean(&motion[k])),
+                motion: [
+                    mean(&motion[0]),
+                    mean(&motion[1]),
+                    mean(&motion[2]),
+                    mean(&motion[3]),
+                    (speed / count as f64).sqrt(),
+                ],
                 start: time[w.start],
                 rows: w,
                 size,
@@ -190,8 +213,8 @@ fn coefficient(load: &[f64], mismatch: &[f64], rows: &Range<usize>) -> Option<f6
     (square > 0.0).then(|| product / square)
 }
 
-/// How much each window differs from the median of those that moved most alike at other times, `told` ones apart.
-fn unlike(windows: &[Window], length: f64, told: &[bool]) -> Vec<f64> {
+/// How much each window differs from the median of those that moved most alike at other times, `told` ones apart, and how far these are.
+fn unlike(windows: &[Window], length: f64, told: &[bool]) -> Vec<[f64; 2]> {
     // By ranks: no unit, and no outlier, makes one coordinate count for more.
     let by_rank = |k: usize| {
         let mut order: Vec<usize> = (0..windows.len()).collect();
@@ -203,7 +226,7 @@ fn unlike(windows: &[Window], length: f64, told: &[bool]) -> Vec<f64> {
             .for_each(|(rank, i)| ranks[i] = rank as f64);
         ranks
     };
-    let ranks = [0, 1, 2, 3].map(by_rank);
+    let ranks: [Vec<f64>; COORDINATES] = std::array::from_fn(by_rank);
     (0..windows.len())
         .map(|i| {
             let mut near: Vec<(f64, f64)> = (0..windows.len())
@@ -215,11 +238,17 @@ fn unlike(windows: &[Window], length: f64, told: &[bool]) -> Vec<f64> {
                 .collect();
             let count = ALIKE.min(near.len());
             if count == 0 {
-                return 0.0;
+                return [0.0, f64::INFINITY];
             }
             near.select_nth_unstable_by(count - 1, |a, b| a.0.total_cmp(&b.0));
             let sizes: Vec<f64> = near[..count].iter().map(|n| n.1).collect();
-            windows[i].size - quantile_between_ranks(&sizes, 0.5)
+            let last = windows.len() as f64;
+            let is_at_an_edge = |r: &Vec<f64>| !(EDGE * last..(1.0 - EDGE) * last).contains(&r[i]);
+            let far = match ranks.iter().any(is_at_an_edge) {
+                true => f64::INFINITY,
+                false => near[count - 1].0,
+            };
+            [windows[i].size - quantile_between_ranks(&sizes, 0.5), far]
         })
         .collect()
 }

@@ -3,8 +3,8 @@
 use super::effect::grid::spread;
 use super::effect::{self, Part};
 use super::hysteresis;
-use super::signals::bounds;
 use super::verdict::Diagnosis;
+use preslide_fit::statistics::bounds;
 use preslide_fit::statistics::quantile_between_ranks;
 use std::fmt::Write as _;
 

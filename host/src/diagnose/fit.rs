@@ -1,13 +1,14 @@
 //! The fit that every command reports, beside a diagnosis: what `identify` prints of the same recording.
 
 use super::effect::{
-    Effect,
+    Effect, VIBRATION,
     constant_force::ConstantForce,
     gravity::Gravity,
     position_spring::{ASIDE, PositionSpring},
     viscous::Viscous,
     viscous_asymmetry::ViscousAsymmetry,
 };
+use super::named::Named;
 use super::term::{Subject, Term};
 use preslide_fit::effects::form;
 use preslide_fit::identify::plain::Place;
@@ -15,7 +16,7 @@ use preslide_fit::identify::{Candidate, Identification, MANY, Options, STEPS, id
 use preslide_fit::model::Model;
 use preslide_fit::progress::Progress;
 use preslide_fit::recording::Recording;
-use preslide_fit::signal::Delay;
+use preslide_fit::signal::{Channel, Delay};
 use serde_json::Value;
 
 /// Times the distance of a spring's centre that the diagnosis finds it within.
@@ -31,12 +32,20 @@ pub struct Known {
     pub terms: Vec<Term>,
     /// Yield displacements of its blocks (m or rad).
     pub yields: Option<Vec<f64>>,
+    /// What shakes the axis, which the fit took off: the search begins with it, and it is missing.
+    pub shaken: Vec<Term>,
 }
 
 impl Known {
     /// Whether a term is of the fit's physics.
     pub fn has(&self, term: &Term) -> bool {
         self.terms.iter().any(|known| known.is_like(term))
+    }
+
+    /// Whether an effect is what the fit found to shake the axis.
+    pub fn has_shaken(&self, effect: &Named) -> bool {
+        let term = effect.term.as_ref();
+        term.is_some_and(|term| self.shaken.iter().any(|line| line.is_near(term)))
     }
 }
 
@@ -47,6 +56,13 @@ fn reach(model: &Model, recording: &Recording) -> f64 {
     let (low, high) = recording.ends();
     let aside = (centre - 0.5 * (low + high)).abs() / (high - low).max(1e-300);
     (FAR * aside / ASIDE).max(1.0)
+}
+
+/// What shakes an axis, as terms.
+pub fn shaken(channel: &Channel) -> Vec<Term> {
+    let of = |hz| Term::new(Subject::Effect(VIBRATION), &[hz]);
+    let found = channel.vibrations.iter();
+    found.map(|line| of(line.frequency_hz)).collect()
 }
 
 impl Fit {
@@ -99,6 +115,7 @@ impl Fit {
         Known {
             terms,
             yields: Some(blocks.map(|(_, yields)| yields.value).collect()),
+            shaken: shaken(&found.channel),
         }
     }
 

@@ -9,6 +9,7 @@ use super::place::Place;
 use super::search::{Found, visible};
 use super::simulation::has_its_term;
 use super::term::{Subject, Term};
+use preslide_fit::statistics::Estimate;
 
 /// NMSE (%) that a name must take off against a simulation: a hundredth of the effort's deviation, which no simulation is good for.
 const NEGLIGIBLE: f64 = 0.01;
@@ -79,7 +80,7 @@ pub(super) fn measured(
             let doubtful = is_signless(effect, &with)
                 || is_anything(effect)
                 || !is_possible(&null, &with)
-                || is_cancelled(effect, &null, left);
+                || is_cancelled(effect, &null, left) && !found.known.has_shaken(effect);
             if effect.confident && doubtful {
                 doubted.push(effect);
             }
@@ -181,10 +182,25 @@ fn is_anything(effect: &Named) -> bool {
     const DECADES: f64 = 100.0;
     let intervals = effect.parameters.iter().filter_map(|(_, e)| e.ci95);
     let mut intervals = intervals.filter(|[low, _]| *low > 0.0);
-    intervals.any(|[low, high]| high > DECADES * low)
+    intervals.any(|[low, high]| high > DECADES * low) || is_anywhere(effect)
 }
 
-/// Whether the force of a line or of a narrow place is more than all that there was to explain, `begun` (NMSE, %).
+/// Whether a place may lie beside itself: what has no place is no spot.
+fn is_anywhere(effect: &Named) -> bool {
+    /// Of the width, how far from its place it may lie.
+    const ASIDE: f64 = 0.5;
+    let of = |key: &str| {
+        let mut own = effect.parameters.iter();
+        own.find(|(k, _)| k.starts_with(key)).map(|(_, e)| e)
+    };
+    let reach = of("position_").and_then(Estimate::reach);
+    reach
+        .zip(of("width_"))
+        .is_some_and(|(reach, width)| reach > ASIDE * width.value)
+}
+
+/// Whether the force of a line or of a narrow place is more than all that there was to explain, `begun` (NMSE, %). What shakes the axis may be: friction
+/// and inertia that are fitted without it take most of it on.
 fn is_cancelled(effect: &Named, null: &NullModel, begun: f64) -> bool {
     let most = CANCELLED * null.rows.rms_of(begun);
     effect.is_narrow() && !null.core.corrects && rms(&effect.force) > most

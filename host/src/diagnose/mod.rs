@@ -51,7 +51,6 @@ pub mod shift;
 pub mod signals;
 mod simulated;
 pub mod simulation;
-mod spectra;
 pub mod term;
 #[cfg(test)]
 mod tests;
@@ -228,7 +227,13 @@ fn judge(
     if begins.is_none() {
         known.terms.clear();
     }
-    let beside = [given.as_slice(), &known.terms].concat();
+    if simulated.is_some() {
+        known.shaken.clear();
+    }
+    known
+        .shaken
+        .retain(|line| !given.iter().any(|g| g.is_near(line)));
+    let beside = [given.as_slice(), &known.terms, &known.shaken].concat();
     let null_of = |recording: &Recording, outside: &[Range<usize>]| {
         let rows = Rows::new(recording, outside).map_err(Refusal::Data)?;
         progress.inc(1);
@@ -291,9 +296,12 @@ fn channel_of(
         Some(delay) => Channel {
             saturation: Saturation::of(recording, &kinematics),
             delay,
+            ..Channel::default()
         },
         None => Channel::of(recording, &kinematics),
     };
+    // The search finds what shakes it, beside all else.
+    found.vibrations.clear();
     let has = |form| model.is_some_and(|model| model.of(form).next().is_some());
     if has(&form::ACTUATOR_SATURATION) {
         found.saturation = None;

@@ -11,10 +11,10 @@ use super::normal::{Bound, Normal};
 use super::rows::Rows;
 use super::signals::Signals;
 use super::simulated::Simulated;
-use super::spectra;
 use super::term::{Subject, Term};
 use super::weak::Column;
 use preslide_fit::evidence::evidence;
+use preslide_fit::signal::spectra;
 use preslide_fit::statistics::quantile_between_ranks;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -201,7 +201,7 @@ impl NullModel {
     fn strongest_lines(&self, fitted: &Hypothesis) -> Vec<Term> {
         let weak = &self.rows.weak;
         let time = weak.at_centres(&self.rows.s.t);
-        let (slowest, fastest) = spectra::in_time(&self.rows);
+        let (slowest, fastest) = spectra::band(&self.rows.s.t, 0.45 / weak.half_width_s);
         let found = spectra::lines(&time, &fitted.residual(&self.rows), slowest, fastest);
         let vibration = Subject::Effect(effect::VIBRATION);
         found

@@ -6,13 +6,13 @@ use super::lack::Lack;
 use super::named::Name;
 use super::place::{Place, means_over};
 use super::second_position::{Lead, Periodic, SecondPosition};
-use super::signals::bounds;
 use super::term::Subject;
 use super::unnamed::Happened;
 use super::verdict::Diagnosis;
 use preslide_fit::recording::Recording;
 use preslide_fit::report::figures::{between, capital, quantity};
 use preslide_fit::report::{self, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
+use preslide_fit::statistics::bounds;
 use preslide_fit::statistics::quantile_between_ranks;
 
 /// Points of a figure's cloud.

@@ -2,7 +2,7 @@
 
 use super::axis::Axis;
 use super::rows::Rows;
-use super::signals::bounds;
+use preslide_fit::statistics::bounds;
 
 /// Stretches into which a coordinate is cut.
 const BINS: usize = 60;

@@ -78,7 +78,7 @@ pub fn search(
     } else {
         [given, &[delay]].concat()
     };
-    let begun = null.fit(&[first.as_slice(), &known.terms].concat())?;
+    let begun = null.fit(&[first.as_slice(), &known.terms, &known.shaken].concat())?;
     // What they do not show yet may come back beside what they lack.
     let mut hypothesis = sifted(&null, begun, first.len(), &mut Vec::new())?;
     let visible = visible(hypothesis.nmse(&null.rows).test);

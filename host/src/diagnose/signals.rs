@@ -4,6 +4,7 @@ use super::column::{Kind, Own};
 use preslide_fit::recording::{MotionKind, Recording};
 use preslide_fit::signal::Kinematics;
 use preslide_fit::signal::ZeroPhase;
+use preslide_fit::statistics::bounds;
 use preslide_fit::statistics::quantile_between_ranks;
 use std::ops::Range;
 
@@ -237,7 +238,9 @@ impl Signals {
     pub fn same_ends(&self) -> bool {
         let (low, high) = bounds(&self.x);
         let samples = self.x.iter().zip(&self.since_reversal).zip(&self.direction);
-        let off = samples.map(|((x, since), direction)| {
+        // Where the recording begins within a stroke nobody knows.
+        let first = self.turns().next().unwrap_or_default();
+        let off = samples.skip(first).map(|((x, since), direction)| {
             let expected = if *direction > 0.0 {
                 low + since
             } else {
@@ -245,7 +248,7 @@ impl Signals {
             };
             (x - expected).powi(2)
         });
-        let rms = (off.sum::<f64>() / self.x.len().max(1) as f64).sqrt();
+        let rms = (off.sum::<f64>() / (self.x.len() - first).max(1) as f64).sqrt();
         self.reversals > 2 && rms < SAME_ENDS * (high - low)
     }
 
@@ -308,15 +311,6 @@ fn running_time(recording: &Recording) -> Vec<f64> {
         t.push(now);
     }
     t
-}
-
-/// Lowest and highest of some values.
-pub fn bounds(values: &[f64]) -> (f64, f64) {
-    values
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| {
-            (l.min(v), h.max(v))
-        })
 }
 
 /// Mean of some values.

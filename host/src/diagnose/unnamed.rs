@@ -174,7 +174,7 @@ pub fn happened(found: &Found) -> Option<Unknown> {
         odd: event.odd,
         change: None,
         like: None,
-        // Twice what stands out leaves no doubt; the probability is set by hand, no trial has calibrated it.
+        // Set by hand, no trial has calibrated it, and not said.
         confidence: 1.0 - 0.2 * (event::STANDS_OUT / event.z).powi(2),
         evidence: Evidence {
             share: event.share,

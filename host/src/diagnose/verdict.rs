@@ -6,7 +6,7 @@ use super::candidate::{Candidate, candidates};
 use super::channel;
 use super::confidence::{self, confidence};
 use super::correction::Correction;
-use super::credible::sieved;
+use super::credible::{doubt_harmonics, sieved};
 use super::drift::drift;
 use super::effect::{self, Class, Effect};
 use super::fit::Fit;
@@ -168,6 +168,7 @@ pub fn conclude(
         .chain(&gone)
         .filter_map(|s| named(&found, s, mechanics))
         .collect();
+    doubt_harmonics(&mut effects);
     let kept: Vec<Term> = found.hypothesis.terms[..given].to_vec();
     // The fit's physics, on the core that names are judged on or on its own law, which predicts better where the core fits what happens once.
     let law = of_fit.filter(|_| user.is_none());

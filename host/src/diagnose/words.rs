@@ -9,6 +9,7 @@ use super::place::{Place, means_over};
 use super::simulation::Correction;
 use super::unnamed::Unknown;
 use super::verdict::{Diagnosis, Verdict};
+use preslide_fit::effects::form;
 use preslide_fit::recording::Recording;
 use preslide_fit::report::figures::{
     between, capital, duration, left, percent, probability, quantity, three,
@@ -110,9 +111,13 @@ impl Unknown {
             return "record the temperature (`temperature_C`), and repeat the strokes after a rest: warmth goes back, run-in does not.".to_owned();
         }
         if self.happened.is_some() {
-            return "look at what happened then: a knock, something in the guideway, a cable that caught. Everything else leaves these stretches out.".to_owned();
+            return "look at what happened then: a knock, something in the guideway, a cable that caught; or play, ageing or an end of the drive that shows in that motion alone: repeat it. Everything else leaves these stretches out.".to_owned();
         }
         match self.like {
+            Some(effect) if !effect.axis().is_akin(self.axis) => format!(
+                "something acts that is like {} and changes with {axis}, which is in no catalogue; look at the maps of what is left on the page of --report.",
+                effect.name()
+            ),
             Some(effect) => format!(
                 "something that follows {axis} acts and may be {} ({}). To be sure: {}.",
                 effect.name(),
@@ -148,6 +153,9 @@ impl Unknown {
         let axis = self.axis.name(s);
         let what = match (self.change, self.like) {
             (Some(change), _) => change.name().to_owned(),
+            (_, Some(effect)) if !effect.axis().is_akin(self.axis) => {
+                format!("something like {} that changes with {axis}", effect.name())
+            }
             (_, Some(effect)) => format!(
                 "something that follows {axis}, most like {}, which is too doubtful to name",
                 effect.name()
@@ -169,19 +177,9 @@ impl Unknown {
 
     /// An event in a clause.
     fn event_words(&self, times: &[[f64; 2]], recording: &Recording) -> String {
-        /// Stretches that are listed one by one.
-        const TOLD: usize = 4;
-        let told: Vec<String> = times
-            .iter()
-            .take(TOLD)
-            .map(|t| between(t[0], t[1], "s"))
-            .collect();
-        let more = match times.len().saturating_sub(TOLD) {
-            0 => String::new(),
-            more => format!(" and {more} more times"),
-        };
+        let told: Vec<String> = times.iter().map(|t| between(t[0], t[1], "s")).collect();
         format!(
-            "something that happened {}{more} and not in like motion at other times, {}: {} RMS, {} of what is left, probability {}",
+            "something that happened {} and not in like motion at other times, {}: {} RMS, {} of what is left",
             told.join(", "),
             if self.odd {
                 "of the friction level"
@@ -190,7 +188,6 @@ impl Unknown {
             },
             quantity(self.rms, recording.effort_unit()),
             percent(self.size),
-            probability(self.confidence),
         )
     }
 }
@@ -541,8 +538,15 @@ impl Diagnosis {
     fn correct(&self) -> String {
         let wrong = self.wrong();
         let each: Vec<String> = wrong.map(Refitted::words).collect();
+        let is_constant = |p: &Refitted| p.key.starts_with(form::CONSTANT_FORCE.id);
+        let either = match self.wrong().any(is_constant) {
+            true => {
+                " A constant force and Coulomb friction that differs by direction are one force to every recording."
+            }
+            false => "",
+        };
         format!(
-            "correct {} (`-o FILE` writes the model with its parameters refitted).",
+            "correct {} (`-o FILE` writes the model with its parameters refitted).{either}",
             each.join(", ")
         )
     }

@@ -3,11 +3,12 @@
 
 use super::{BARE, Card, Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
-use crate::diagnose::signals::{bounds, mean};
+use crate::diagnose::signals::mean;
 use crate::diagnose::weak::Column;
 use preslide_fit::model::Model;
 use preslide_fit::recording::Extra;
 use preslide_fit::statistics::Estimate;
+use preslide_fit::statistics::bounds;
 
 /// Forms, by their number, in front of the column's name.
 const FORMS: [&str; 4] = ["", "velocity_of_", "direction_of_", "acceleration_of_"];

@@ -2,7 +2,8 @@
 
 use super::Fitted;
 use super::readout::{Values, known};
-use crate::diagnose::signals::{Signals, bounds};
+use crate::diagnose::signals::Signals;
+use preslide_fit::statistics::bounds;
 use std::f64::consts::PI;
 
 /// Numbers of cosines that are tried.

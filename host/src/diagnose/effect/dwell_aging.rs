@@ -3,9 +3,9 @@
 use super::grid::spread;
 use super::{BARE, Card, Class, Effect, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
-use crate::diagnose::signals::bounds;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::form;
+use preslide_fit::statistics::bounds;
 use preslide_fit::statistics::quantile_between_ranks;
 
 /// Ages from which the level grows that are tried (s): rests that a recording has last as long.

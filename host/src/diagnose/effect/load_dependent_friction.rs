@@ -4,10 +4,11 @@
 use super::readout::{enter, known, value_of};
 use super::{BARE, Card, Class, Effect, Fitted, Scale, Scene};
 use crate::diagnose::axis::Axis;
-use crate::diagnose::signals::{bounds, mean};
+use crate::diagnose::signals::mean;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::{Effect as Entry, form};
 use preslide_fit::model::Model;
+use preslide_fit::statistics::bounds;
 use preslide_fit::statistics::{Estimate, quantile_between_ranks};
 
 /// Key of the friction that a unit of transmitted effort brings (-), as in a gear.

@@ -4,9 +4,9 @@ use super::grid::spread;
 use super::lack::{both_directions, different_ends};
 use super::{BARE, Card, Class, Effect, Scale, Scene};
 use crate::diagnose::axis::Axis;
-use crate::diagnose::signals::bounds;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::form;
+use preslide_fit::statistics::bounds;
 
 /// Number of the width among the shape parameters.
 const WIDTH: usize = 1;

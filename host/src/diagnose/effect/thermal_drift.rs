@@ -5,11 +5,12 @@ use super::readout::known;
 use super::run_in::RunIn;
 use super::{BARE, Card, Class, Effect, Fitted, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
-use crate::diagnose::signals::{Signals, bounds, mean};
+use crate::diagnose::signals::{Signals, mean};
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::{Effect as Entry, form};
 use preslide_fit::model::Model;
 use preslide_fit::statistics::Estimate;
+use preslide_fit::statistics::bounds;
 
 /// `thermal_drift`.
 pub struct ThermalDrift;

@@ -5,11 +5,11 @@
 //! says nothing of a stretch that it has not seen. What repeats in passes and is no sine fails on stretches; what is there in one
 //! part of the time fails on passes.
 
-use super::super::spectra;
 use super::FEWEST;
 use super::held_out::{Sums, Taken};
 use super::samples::{BESIDE, COLUMNS, Samples};
 use nalgebra::DVector;
+use preslide_fit::signal::spectra;
 use preslide_fit::statistics::{Estimate, jackknife};
 use rayon::prelude::*;
 use std::f64::consts::TAU;

@@ -1,7 +1,8 @@
 //! The samples of which two positions are compared, and what their difference is fitted with.
 
-use super::super::signals::{Signals, bounds};
+use super::super::signals::Signals;
 use super::legendre::{DEGREE, legendre};
+use preslide_fit::statistics::bounds;
 
 /// Share of the stroke before after which a reversal's backlash counts as taken up.
 const TAKEN_UP: f64 = 0.1;

@@ -9,7 +9,7 @@ fn each_doubt_is_asked_once_and_the_axis_can_follow() {
     let recording = made(|_, x, v| 8.0 * v + 0.5 * (x / 8e-4).sin());
     let found = diagnose(&recording, None, None, &Progress::new("", 0)).expect("a diagnosis");
     let s = &found.null.rows.s;
-    let (low, high) = signals::bounds(&s.x);
+    let (low, high) = preslide_fit::statistics::bounds(&s.x);
     let steepest = s.a.iter().fold(0.0, |most: f64, a| most.max(a.abs()));
     let stated: Vec<&str> = found.confident().map(|e| e.id()).collect();
     let mut asked: Vec<String> = Vec::new();

@@ -1,9 +1,7 @@
 //! Periods in position and in time that stand out of the mismatch.
 
-use super::rows::Rows;
-use super::signals::bounds;
+use crate::statistics::{bounds, quantile_between_ranks};
 use preslide_fft::Planner;
-use preslide_fit::statistics::quantile_between_ranks;
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
@@ -26,12 +24,10 @@ const LINE: f64 = 30.0;
 /// Where its neighbourhood is (in steps of one over the duration): beyond the window's main lobe.
 const NEIGHBOURS: RangeInclusive<i32> = 4..=8;
 
-/// The band (Hz) in which vibrations are looked for.
-pub fn in_time(rows: &Rows) -> (f64, f64) {
-    (
-        CYCLES / rows.s.duration().max(1e-300),
-        0.45 / rows.weak.half_width_s,
-    )
+/// The band (Hz) in which vibrations are looked for at some times, up to a frequency.
+pub fn band(at: &[f64], most: f64) -> (f64, f64) {
+    let (low, high) = bounds(at);
+    (CYCLES / (high - low).max(1e-300), most)
 }
 
 /// Power over frequency.

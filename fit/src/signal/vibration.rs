@@ -1,0 +1,216 @@
+//! A force from outside at a frequency of its own, as of a pump or a neighbouring axis. Where it moves the axis, inertia, viscous friction and a
+//! delay that are fitted without it answer for it.
+
+use super::rigid::{BLOCKS, Rigid, blocks};
+use super::{Kinematics, spectra};
+use crate::evidence::evidence;
+use crate::recording::Recording;
+use crate::report::figures::three;
+use crate::statistics::{Estimate, LeastSquares, bounds, jackknife};
+use serde::Serialize;
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+/// Lines that are looked for, one after the other.
+const MOST: usize = 3;
+/// Share that a line must take of what rigid body and hysteresis leave, and standard errors of that: a smaller one moves no parameter by much.
+const TAKES: f64 = 0.2;
+const SURE: f64 = 4.0;
+/// Parts of the recording in each of which the line must be as large as in the whole, within these: a harmonic of what the motion does for a while is
+/// there for a while.
+const PARTS: usize = 8;
+const STEADY: [f64; 2] = [0.6, 1.4];
+/// Steps of the search between two bins of the spectrum.
+const STEPS: usize = 10;
+
+/// A line of the effort that is not the motion's.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Vibration {
+    /// Its frequency (Hz).
+    pub frequency_hz: f64,
+    /// Its amplitude (N or N·m).
+    pub force: Estimate,
+    /// Of its cosine and sine of the time of the samples (N or N·m).
+    of_waves: [f64; 2],
+}
+
+impl Vibration {
+    /// Those of a recording, strongest first, of the samples whose effort `is_known`, beside rigid body and `yields` of hysteresis.
+    pub(super) fn all(
+        recording: &Recording,
+        kinematics: &Kinematics,
+        yields: &[f64],
+        is_known: &[bool],
+    ) -> Vec<Self> {
+        let mut rigid = Rigid::of(recording, kinematics, yields);
+        rigid.rows.retain(|i| is_known[*i]);
+        let smooth = kinematics.filter.smooth(&recording.effort);
+        let target: Vec<f64> = rigid.rows.iter().map(|&i| smooth[i]).collect();
+        let t: Vec<f64> = rigid.rows.iter().map(|&i| recording.t_s[i]).collect();
+        let mut beside = rigid.at(&rigid.rows);
+        let mut found = Vec::new();
+        while found.len() < MOST {
+            let Some(next) = Line::strongest(&t, &target, &beside, kinematics.filter.cutoff_hz())
+            else {
+                break;
+            };
+            beside.extend(waves(&t, next.frequency_hz));
+            found.push(next);
+        }
+        found
+    }
+
+    /// Takes it off an effort.
+    pub(super) fn take_off(&self, recording: &mut Recording) {
+        let [cos, sin] = waves(&recording.t_s, self.frequency_hz);
+        let [c, s] = self.of_waves;
+        for (i, effort) in recording.effort.iter_mut().enumerate() {
+            *effort -= c * cos[i] + s * sin[i];
+        }
+    }
+
+    /// In words, a sentence without its full stop.
+    pub fn words(&self, unit: &str) -> String {
+        format!(
+            "something shakes the axis at {} Hz with {} {unit}: it is taken off the effort, and the fit is of the axis without it",
+            three(self.frequency_hz),
+            three(self.force.value)
+        )
+    }
+}
+
+/// Cosine and sine of a frequency.
+fn waves(t: &[f64], hz: f64) -> [Vec<f64>; 2] {
+    let (cos, sin) = t
+        .iter()
+        .map(|t| (TAU * hz * t).sin_cos())
+        .map(|(s, c)| (c, s))
+        .unzip();
+    [cos, sin]
+}
+
+/// Two waves without what the motion has of them, and what the motion leaves of the effort.
+struct Line<'a> {
+    waves: [Vec<f64>; 2],
+    left: &'a [f64],
+}
+
+impl<'a> Line<'a> {
+    fn of(t: &[f64], motion: &LeastSquares, left: &'a [f64], hz: f64) -> Self {
+        Self {
+            waves: waves(t, hz).map(|wave| motion.left(&wave)),
+            left,
+        }
+    }
+
+    /// Coefficients of both waves on the samples that count.
+    fn coefficients(&self, counts: impl Fn(usize) -> bool) -> Option<[f64; 2]> {
+        let [c, s] = &self.waves;
+        let (mut cc, mut cs, mut ss, mut cr, mut sr) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for i in (0..c.len()).filter(|i| counts(*i)) {
+            cc += c[i] * c[i];
+            cs += c[i] * s[i];
+            ss += s[i] * s[i];
+            cr += c[i] * self.left[i];
+            sr += s[i] * self.left[i];
+        }
+        let determinant = cc * ss - cs * cs;
+        (determinant > 0.0).then(|| {
+            [
+                (cr * ss - sr * cs) / determinant,
+                (sr * cc - cr * cs) / determinant,
+            ]
+        })
+    }
+
+    fn force(&self, [a, b]: [f64; 2]) -> Vec<f64> {
+        let [c, s] = &self.waves;
+        c.iter().zip(s).map(|(c, s)| a * c + b * s).collect()
+    }
+
+    /// Squares that it takes off.
+    fn taken(&self) -> f64 {
+        let own = self.coefficients(|_| true).map(|own| self.force(own));
+        own.map_or(0.0, |own| {
+            own.iter().zip(self.left).map(|(f, r)| f * r).sum()
+        })
+    }
+
+    /// The strongest line (up to some frequency) beside the columns of a motion, where it is one.
+    fn strongest(
+        t: &[f64],
+        target: &[f64],
+        beside: &[Vec<f64>],
+        most_hz: f64,
+    ) -> Option<Vibration> {
+        let columns: Vec<&[f64]> = beside.iter().map(Vec::as_slice).collect();
+        let motion = LeastSquares::of(&columns)?;
+        let left = motion.left(target);
+        let squares: f64 = left.iter().map(|r| r * r).sum();
+        let (from, to) = spectra::band(t, most_hz);
+        let (begin, end) = bounds(t);
+        let bin = 1.0 / (end - begin);
+        let at = |hz: f64| Line::of(t, &motion, &left, hz);
+        let (mut hz, mut taken) = spectra::lines(t, &left, from, to)
+            .into_iter()
+            .map(|hz| (hz, at(hz).taken()))
+            .max_by(|a, b| a.1.total_cmp(&b.1))?;
+        if taken < 0.5 * TAKES * squares {
+            return None;
+        }
+        let mut step = 0.25 * bin;
+        for _ in 0..STEPS {
+            let beside = [hz - step, hz + step].map(|hz| (hz, at(hz).taken()));
+            match beside.into_iter().find(|b| b.1 > taken) {
+                Some(better) => (hz, taken) = better,
+                None => step *= 0.5,
+            }
+        }
+        let line = at(hz);
+        let own = line.coefficients(|_| true)?;
+        (line.is_sure() && line.is_steady(own)).then_some(())?;
+        let [cos, sin] = waves(t, hz);
+        let force: Vec<f64> = cos
+            .iter()
+            .zip(&sin)
+            .map(|(c, s)| own[0] * c + own[1] * s)
+            .collect();
+        (!spectra::keeps_step(t, &force, target, hz)).then_some(())?;
+        let amplitude = |[a, b]: [f64; 2]| a.hypot(b);
+        let without =
+            |block: Range<usize>| line.coefficients(|i| !block.contains(&i)).map(amplitude);
+        let error = jackknife(&blocks(t.len()).filter_map(without).collect::<Vec<f64>>());
+        Some(Vibration {
+            frequency_hz: hz,
+            force: Estimate::new(amplitude(own), Some(error), BLOCKS),
+            of_waves: own,
+        })
+    }
+
+    /// Whether its coefficients from elsewhere take enough off each block.
+    fn is_sure(&self) -> bool {
+        let own: Vec<Range<usize>> = blocks(self.left.len()).collect();
+        let mut force = vec![0.0; self.left.len()];
+        for block in &own {
+            let Some(elsewhere) = self.coefficients(|i| !block.contains(&i)) else {
+                return false;
+            };
+            force[block.clone()].copy_from_slice(&self.force(elsewhere)[block.clone()]);
+        }
+        let found = evidence(&force, self.left, &own);
+        found.share >= TAKES && found.z >= SURE
+    }
+
+    /// Whether all parts of the recording but one have as much of it as the whole.
+    fn is_steady(&self, own: [f64; 2]) -> bool {
+        let force = self.force(own);
+        let n = force.len();
+        let is_as_large = |k: &usize| {
+            let part = k * n / PARTS..(k + 1) * n / PARTS;
+            let of = |other: &[f64]| -> f64 { part.clone().map(|i| force[i] * other[i]).sum() };
+            let slope = of(self.left) / of(&force);
+            (STEADY[0]..STEADY[1]).contains(&slope)
+        };
+        (0..PARTS).filter(is_as_large).count() + 1 >= PARTS
+    }
+}
