@@ -34,6 +34,8 @@ mod swap;
 mod swing;
 mod tracking;
 mod trials;
+mod units;
+mod where_forces_go;
 mod winding;
 
 #[test]
