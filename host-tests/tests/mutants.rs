@@ -2,14 +2,15 @@
 
 use fixed::types::I16F16;
 use preslide::control::koopman::Guided;
-use preslide::control::learning::{Learn, MismatchWatch};
+use preslide::control::learning::{Adaptation, Learn, MismatchWatch};
 use preslide::control::{
-    Axis, Basics, Coefficients, Compensator, Controller, FeedForward, Hardware, LearningSettings,
-    Limiter, Measurement, Motor, MotorDrive, Move, NoFriction, NormalRange, Pid, PidState, Planner,
-    Reference, Rounding, Saturation,
+    Axis, Basics, Coefficients, Compensator, Controller, FeedForward, Hardware, Learning,
+    LearningSettings, Limiter, Measurement, Motor, MotorDrive, Move, NoFriction, NormalRange, Pid,
+    PidState, Planner, Reference, Rounding, Saturation,
 };
 use preslide::{
-    Bound, Coulomb, ElastoPlastic, Friction, Leuven, LeuvenForm, Motion, Sliding, Units,
+    Bound, Coulomb, ElastoPlastic, Friction, Leuven, LeuvenForm, Motion, QuasiStaticGms, Sliding,
+    Units,
 };
 use preslide_host_tests::table3::blocks;
 
@@ -250,6 +251,12 @@ fn what_a_type_cannot_hold_is_refused_by_its_name() {
     let counts = units(1e-3);
     let error = ElastoPlastic::<I16F16>::try_new(195e3, 0.0, 1e-11, 0.9, sliding, counts);
     assert_eq!(error.expect_err("refused").parameter, "z/z_ss");
+    // Between blocks that barely excite and one that does fully, information may grow by so many times; it is inverted by a step of Newton's.
+    let mut learning = LearningSettings::PAPER_AXIS;
+    learning.excitation = 0.25;
+    learning.adaptation.memory = 20.0;
+    let error = Adaptation::<f64>::try_new(&learning, 0.9, Units::SI);
+    assert_eq!(error.expect_err("refused").bound, Bound::AtLeast(30.0));
     let stiff = ElastoPlastic::<f64>::try_new(195e3, 0.0, 1.0, 0.9, Sliding::none(0.9), Units::SI);
     let error = stiff.expect_err("refused");
     assert_eq!(error.parameter, "elastic deflection z_ba");
@@ -294,6 +301,50 @@ fn a_jog_uses_the_whole_travel() {
             "{short} m short of {end} at {speed} m/s"
         );
     }
+}
+
+/// While another model fades in, what acts is of both, and tells nothing of either: it is learned from what comes after.
+#[test]
+fn nothing_is_learned_while_a_model_fades() {
+    let mut axis = Axis::PAPER_AXIS;
+    // The axis is a tick behind its reference, which takes other forces than the model's.
+    axis.feed_forward.share = 0.5;
+    let settings = LearningSettings {
+        block: 14,
+        ..LearningSettings::PAPER_AXIS
+    };
+    let coefficients = |breakaway: f64| {
+        let model = QuasiStaticGms::<4, f64>::try_new(&blocks::<4>(), breakaway, Units::SI)?;
+        let model = Learning::<_, Adaptation<f64>>::try_new(model, &settings, Units::SI)?;
+        Coefficients::try_new(&axis, model, Units::SI)
+    };
+    let mut controller = Controller::new(coefficients(0.9).expect("valid"), 0_u32);
+    controller.enable().expect("nothing speaks against it");
+    let mut planner = Planner::try_new(&axis).expect("the paper's axis");
+    let next = planner.by(8e-3, 5e-3, 0.5).expect("within the limits");
+    controller.start(next).expect("it stands");
+    let fades = (axis.fade_time / axis.sample_time()) as u32;
+    let mut levels = Vec::new();
+    for tick in 0..6000 + 2 * fades {
+        if tick == 6000 {
+            controller.swap(&coefficients(0.7).expect("valid"));
+        }
+        let count = (controller.reference() >> 16) as u32;
+        // Late now and then, so that not all ticks are ordinary.
+        let late = tick % 50 == 0;
+        let command = controller.tick(Measurement {
+            count,
+            late,
+            ..RESTS
+        });
+        assert_eq!(command.fault, None);
+        levels.push(controller.condition().level.expect("it adapts"));
+    }
+    let [before, fading, after] =
+        [5999, 6000 + fades - 20, 6000 + 2 * fades - 1].map(|tick| levels[tick as usize]);
+    assert!((before - 1.0).abs() > 0.01, "{before}");
+    assert_eq!(fading, levels[6000]);
+    assert!((after - fading).abs() > 0.01, "{after}");
 }
 
 #[test]

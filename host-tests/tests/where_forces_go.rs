@@ -137,3 +137,28 @@ fn a_quasi_static_friction_is_no_more_than_what_is_told() {
     let force = model.step(&mut model.at_rest(), Motion::quasi_static(1.0));
     assert_eq!(Some(force), model.limit());
 }
+
+/// In fixed point a product rounds down, so that a negative force is the larger one: the limit is that.
+#[test]
+fn a_bristle_s_limit_holds_in_both_directions_and_is_reached() {
+    let counts = Units {
+        length: 25e-9,
+        force: 1e-3,
+        velocity: 1e-3,
+    };
+    for stiffness in [150e3, 171e3, 195e3, 222.2e3, 320e3] {
+        let model = LuGre::<I16F16>::try_new(stiffness, 0.0, 0.9, Sliding::none(0.9), counts);
+        let model = model.expect("valid");
+        let limit = model.limit().expect("it has no damping");
+        let force = |way: i32| {
+            let mut state = model.at_rest();
+            let motion = Motion::quasi_static(I16F16::from_num(200 * way));
+            (0..500)
+                .map(|_| model.step(&mut state, motion))
+                .last()
+                .expect("ticks")
+        };
+        let most = force(1).abs().max(force(-1).abs());
+        assert_eq!(most, limit, "{stiffness}");
+    }
+}
