@@ -23,6 +23,7 @@ mod observer;
 mod on_the_fit;
 mod outer;
 mod parameters;
+mod places;
 mod plain;
 mod properties;
 mod real;

@@ -27,24 +27,6 @@ fn controller(axis: &Axis, first: u32) -> Controller<NoFriction<f32>, u32> {
     Controller::new(coefficients, first)
 }
 
-#[test]
-fn a_latched_reading_is_a_place_on_the_axis() {
-    for (reversed, sign) in [(false, 1), (true, -1)] {
-        let mut axis = Axis::PAPER_AXIS;
-        axis.encoder.reversed = reversed;
-        let first = u32::MAX - 10;
-        let mut controller = controller(&axis, first);
-        let count = first.wrapping_add(30);
-        let _ = controller.tick(Measurement { count, ..RESTS });
-        controller.set_position(controller.position(), 500);
-        // Before and behind the counter's wrap, and where it is.
-        for back in [0, 12, 25] {
-            let place = controller.position_at(count.wrapping_sub(back));
-            assert_eq!(place, 500 - sign * i64::from(back));
-        }
-    }
-}
-
 /// `η·(k·τ)²/R` and what follows from it, by the numbers of the paper's axis with a gear and losses.
 #[test]
 fn a_motor_is_what_its_parts_make_it() {
@@ -194,8 +176,6 @@ fn the_integral_waits_where_more_of_it_would_be_cut() {
     }
 }
 
-/// More reversals than it remembers: the outermost are forgotten, the inner loops still close.
-/// What breaks away at rest falls to the Coulomb force once it is fast, in every model that weakens.
 /// The acceleration that is told, and fed forward, is the second difference of the position.
 #[test]
 fn the_acceleration_told_is_that_of_the_position() {
@@ -276,33 +256,6 @@ fn what_a_type_cannot_hold_is_refused_by_its_name() {
     );
 }
 
-/// A jog goes to the end of travel, not beyond, and not much less far: the two counts that rounding is given, a tick, and half a tick's way.
-#[test]
-fn a_jog_uses_the_whole_travel() {
-    let axis = Axis::PAPER_AXIS;
-    let (low, high) = axis.limits.travel.expect("it has ends");
-    let pace = *controller(&axis, 0).pace();
-    let planner = Planner::try_new(&axis).expect("the paper's axis");
-    let mut reference = Reference::at(0, &pace);
-    reference.locate(true);
-    let mut position = 0;
-    for (speed, end) in [(15e-3, high), (-15e-3, low), (4e-3, high), (-0.3e-3, low)] {
-        reference.jog(planner.jog(speed).expect("within the limits"), &pace);
-        for _ in 0..2_000_000 {
-            position = reference.step(&pace).position;
-            if reference.is_standing() {
-                break;
-            }
-        }
-        let at = position as f64 / 4_294_967_296.0 * axis.encoder.count;
-        let short = (end - at) * speed.signum();
-        assert!(
-            (0.0..6.0 * axis.encoder.count + 1.5 * speed.abs() * 50e-6).contains(&short),
-            "{short} m short of {end} at {speed} m/s"
-        );
-    }
-}
-
 /// While another model fades in, what acts is of both, and tells nothing of either: it is learned from what comes after.
 #[test]
 fn nothing_is_learned_while_a_model_fades() {
@@ -377,7 +330,6 @@ fn what_is_counted_is_told() {
     }
 }
 
-/// Its exponent is told from 1 where the number type can, and taken for 1 where it cannot.
 #[test]
 fn what_is_fed_forward_is_limited_both_ways() {
     let settings = FeedForward {
@@ -539,43 +491,5 @@ fn basics_follow_the_machine_s_scale() {
             current,
         );
         near("duty", axis.duty_limit, own.duty_limit, 1.0);
-    }
-}
-
-/// A stream comes to rest at its last point, and may begin again there with another time between its points; on its way it may not.
-#[test]
-fn a_stream_ends_at_its_last_point() {
-    let axis = Axis::PAPER_AXIS;
-    let pace = *controller(&axis, 0).pace();
-    let mut planner = Planner::try_new(&axis).expect("the paper's axis");
-    planner.stands(0, true);
-    let mut reference = Reference::at(0, &pace);
-    for (ticks, from, last) in [(160, 0.0, 3e-4), (333, 3e-4, -1e-4)] {
-        let shares = [0.02, 0.08, 0.2, 0.35, 0.5, 0.65, 0.85, 0.97, 1.0, 1.0];
-        for (n, share) in shares.into_iter().enumerate() {
-            let at = from + share * (last - from);
-            if n > 0 {
-                let error = planner.point(at, ticks + 1).expect_err("another time");
-                assert_eq!(error.parameter, "ticks of a point in a stream");
-            }
-            let point = planner.point(at, ticks).expect("within the limits");
-            // Half way from the point before it.
-            let before = if n > 0 { shares[n - 1] } else { 0.0 };
-            let half = from + 0.5 * (before + share) * (last - from);
-            assert!((planner.end() - half).abs() < 0.01 * (share - before).abs().max(0.03) * 3e-4);
-            assert_eq!(reference.start(point, &pace), Ok(()));
-            while !reference.is_idle() {
-                let _ = reference.step(&pace);
-            }
-        }
-        let mut position = 0;
-        while !reference.is_standing() {
-            position = reference.step(&pace).position;
-        }
-        let end = position as f64 / 4_294_967_296.0 * axis.encoder.count;
-        assert!(
-            (end - last).abs() < 1e-11 && (planner.end() - last).abs() < 1e-11,
-            "{end}"
-        );
     }
 }

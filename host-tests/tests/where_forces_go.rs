@@ -7,6 +7,7 @@ use preslide::{
 };
 use preslide_host_tests::table3::{BREAKAWAY, blocks};
 
+/// More reversals than it remembers: the outermost are forgotten, the inner loops still close.
 #[test]
 fn deep_nests_are_closed_by_hsieh_too() {
     let params = HsiehParams {
@@ -41,6 +42,7 @@ fn deep_nests_are_closed_by_hsieh_too() {
     }
 }
 
+/// What breaks away at rest falls to the Coulomb force once it is fast, in every model that weakens.
 #[test]
 fn a_force_above_the_coulomb_force_falls_to_it_at_speed() {
     fn slides<M: Friction<Scalar = f64>>(what: &str, model: Result<M, ParamError>) {
@@ -116,6 +118,7 @@ fn a_gms_that_slid_and_stands_keeps_its_force() {
     }
 }
 
+/// Its exponent is told from 1 where the number type can, and taken for 1 where it cannot.
 #[test]
 fn dahl_s_exponent_is_taken_near_one_too() {
     let counts = Units {
