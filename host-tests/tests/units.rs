@@ -146,13 +146,12 @@ fn codes<F: Friction<Scalar = f64> + Clone>(
     let (mut position, mut velocity, mut current, mut codes) = (0.0, 0.0, 0.0, Vec::new());
     let (motor, hardware) = (axis.motor, axis.hardware);
     for tick in 0..60_000 {
-        let both = [&mut controller, &mut thorough];
-        if tick == 100 {
-            both.map(|controller| controller.set_position(0, 40));
-        } else if tick == 300 {
-            both.map(|controller| assert_eq!(controller.enable(), Ok(())));
-        } else {
-            both.map(Controller::heard);
+        for controller in [&mut controller, &mut thorough] {
+            match tick {
+                100 => controller.set_position(0, 40),
+                300 => assert_eq!(controller.enable(), Ok(())),
+                _ => controller.heard(),
+            }
         }
         if tick % 1500 == 400 {
             let distance = rng.random_range(-1e-3..1e-3);
@@ -163,7 +162,9 @@ fn codes<F: Friction<Scalar = f64> + Clone>(
             axis.gains.proportional *= 1.1;
             axis.gains.integral_limit *= 0.8;
             coefficients = Coefficients::try_new(&axis, friction.clone(), units).expect("valid");
-            [&mut controller, &mut thorough].map(|controller| controller.swap(&coefficients));
+            for controller in [&mut controller, &mut thorough] {
+                controller.swap(&coefficients);
+            }
         }
         let supply = rng.random_range(5800..6200_u16);
         let measured = Measurement {
