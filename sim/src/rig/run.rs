@@ -142,7 +142,7 @@ impl Script<'_> {
         self
     }
 
-    /// Sends steps from `tick` on, each [`AHEAD`] before the one ahead of it ends, so that there is no rest between them; the script ends before
+    /// Sends steps from `tick` on, each 2000 ticks before the one ahead of it ends, so that there is no rest between them; the script ends before
     /// the last does. From the first on there is a sample of telemetry every 20th tick only, for speed.
     ///
     /// # Errors
