@@ -2,8 +2,8 @@
 //! `rig faults ELF FOLDER [--bless]` injects the faults and compares with the golden files. `rig serve ELF PORT TRUTH` moves
 //! the stage through nested strokes, hands its telemetry to `preslide capture tcp:127.0.0.1:PORT` and writes what the
 //! stage's friction was; `rig judge REC.csv TRUTH` compares with it what `identify` finds in the capture. `rig record ELF
-//! PLUGIN` has a QEMU plugin watch the motion. `rig wear ELF` lets the stage wear from half way on and asks
-//! whether the firmware notices. `rig guided ELF` has a predictive controller guide the firmware as an outer task, in time and late. `rig logged ELF FILE` writes the frames of defmt that a firmware logs. `cargo xtask qemu`, `stage` and `cycles` call it.
+//! PLUGIN [NAME=VALUE]...` has a QEMU plugin watch the motion of an axis told these parameters. `rig wear ELF` lets the stage wear from half way on and asks
+//! whether the firmware notices. `rig winding ELF` lets it follow a winding 30 K warm. `rig guided ELF` has a predictive controller guide the firmware as an outer task, in time and late. `rig logged ELF FILE` writes the frames of defmt that a firmware logs. `cargo xtask qemu`, `stage` and `cycles` call it.
 
 use anyhow::{Context, bail, ensure};
 use fixed::types::I16F16;
@@ -15,8 +15,8 @@ use preslide_fit::progress::Progress;
 use preslide_fit::recording::{self, LoadOptions};
 use preslide_link::{RangeCode, Request};
 use preslide_sim::rig::{
-    Guidance, Listener, Notice, Script, TrueCurve, Wear, agreement, guidance, injections, logged,
-    motion, notice, presliding, requests, run,
+    Followed, Guidance, Listener, Notice, Script, TrueCurve, Wear, agreement, followed, guidance,
+    injections, logged, motion, notice, presliding, requests, run,
 };
 use preslide_sim::tracking::FIXED_UNITS;
 use std::cell::RefCell;
@@ -134,8 +134,21 @@ fn asked(words: &[&str]) -> anyhow::Result<()> {
             )?;
         }
         ["judge", recording, truth] => judge(Path::new(recording), Path::new(truth))?,
-        ["record", elf, plugin] => {
-            let mut script = Script::quiet(MOVING).send(20, &requests(&motion()));
+        ["winding", elf] => {
+            let model = QuasiStaticGms::<4, I16F16>::try_new(&blocks, breakaway, FIXED_UNITS)?;
+            winding(&followed(Path::new(elf), model, FIXED_UNITS)?)?;
+        }
+        ["record", elf, plugin, ref settings @ ..] => {
+            let told: Option<Vec<(&str, f64)>> = settings
+                .iter()
+                .map(|setting| {
+                    let (name, value) = setting.split_once('=')?;
+                    Some((name, value.parse().ok()?))
+                })
+                .collect();
+            let told = told.context("settings are NAME=VALUE")?;
+            let mut script = Script::told(1, &told).send(20, &requests(&motion()));
+            script.ticks = MOVING;
             script.plugin = Some(plugin.to_owned());
             let record = run(Path::new(elf), &script, Listener::File)?;
             if record.broke_off {
@@ -145,7 +158,7 @@ fn asked(words: &[&str]) -> anyhow::Result<()> {
         ["faults", elf, folder] => faults(Path::new(elf), Path::new(folder), false)?,
         ["faults", elf, folder, "--bless"] => faults(Path::new(elf), Path::new(folder), true)?,
         _ => bail!(
-            "usage: rig fixed|float|packed-fixed|packed-float ELF, rig faults ELF FOLDER [--bless], rig serve ELF PORT TRUTH, rig judge REC.csv TRUTH, rig wear ELF, rig guided ELF, or rig record ELF PLUGIN"
+            "usage: rig fixed|float|packed-fixed|packed-float ELF, rig faults ELF FOLDER [--bless], rig serve ELF PORT TRUTH, rig judge REC.csv TRUTH, rig wear ELF, rig winding ELF, rig guided ELF, or rig record ELF PLUGIN [NAME=VALUE]..."
         ),
     }
     Ok(())
@@ -307,6 +320,24 @@ fn judge(recording: &Path, truth: &Path) -> anyhow::Result<()> {
     if !whole || outside > 2 * points || deviation > LARGEST_DEVIATION {
         bail!("the identified model does not match the stage's friction");
     }
+    Ok(())
+}
+
+/// On the electrical stage what is found is a fifth more than the change (`host-tests/tests/winding.rs` says why).
+fn winding(followed: &Followed) -> anyhow::Result<()> {
+    let Followed {
+        agreement,
+        share: [share, found],
+    } = followed;
+    println!("winding: {agreement:?}; {found:.3} of the resistance told found, it has {share:.3}");
+    ensure!(
+        agreement.different == 0 && agreement.reach >= 100,
+        "the emulator and the host differ"
+    );
+    ensure!(
+        (found - share).abs() < 0.04,
+        "the winding's resistance was not found"
+    );
     Ok(())
 }
 

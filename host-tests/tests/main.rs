@@ -23,6 +23,7 @@ mod observer;
 mod on_the_fit;
 mod outer;
 mod parameters;
+mod places;
 mod plain;
 mod properties;
 mod real;
@@ -34,6 +35,8 @@ mod swap;
 mod swing;
 mod tracking;
 mod trials;
+mod units;
+mod where_forces_go;
 mod winding;
 
 #[test]

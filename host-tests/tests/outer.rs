@@ -13,6 +13,8 @@ const TICKS: u32 = 20;
 const AHEAD: u32 = 16;
 /// The tick behind which the first move is asked for.
 const BEGIN: usize = 500;
+/// In mid-motion.
+const STOPPED: usize = 1000;
 /// By a newton (m).
 const MOVES_M: f64 = 1e-6;
 
@@ -57,6 +59,11 @@ fn controller(axis: &Axis) -> Told {
 /// A tick of an axis that is where the reference was.
 fn tick(controller: &mut Told) {
     let count = (controller.reference() >> 16) as u32;
+    tick_at(controller, count);
+}
+
+/// A tick of an axis at the count.
+fn tick_at(controller: &mut Told, count: u32) {
     let command = controller.tick(Measurement {
         count,
         supply: 6000,
@@ -66,7 +73,7 @@ fn tick(controller: &mut Told) {
     assert_eq!(command.fault, None);
 }
 
-/// Through corners, smoothing, reversals, rests and the change from one move to the next.
+/// Through corners, smoothing, reversals, rests, the change from one move to the next, and behind a stop on the way.
 #[test]
 fn the_reference_is_known_ahead_as_it_will_be() {
     let axis = Axis::PAPER_AXIS;
@@ -90,6 +97,9 @@ fn the_reference_is_known_ahead_as_it_will_be() {
         {
             controller.start(next).expect("within the limits");
         }
+        if now == STOPPED {
+            controller.stop();
+        }
         tick(&mut controller);
         places.push(controller.reference() as f64 / 65_536.0 * axis.encoder.count);
         let next = moves.as_slice().first().filter(|_| now >= BEGIN);
@@ -107,8 +117,10 @@ fn the_reference_is_known_ahead_as_it_will_be() {
         let Some(then) = places.get(now + then_ticks) else {
             continue;
         };
-        // Nobody knows when the first one will be asked for.
-        if (BEGIN.saturating_sub(then_ticks)..=BEGIN).contains(&now) {
+        // Nobody knows when the first one will be asked for, nor the stop.
+        if [BEGIN, STOPPED].map(|then| (then.saturating_sub(then_ticks)..=then).contains(&now))
+            != [false; 2]
+        {
             continue;
         }
         apart.add(displacement, (then - places[now]) / f64::from(AHEAD));
@@ -154,4 +166,51 @@ fn what_is_late_is_thrown_away_and_gives_way() {
     let (starts, _, missed) = sample(&[(0, -0.25)]);
     assert!(starts && missed == 3);
     assert_eq!(sample(&[(0, 0.0)]), (true, -0.25, 3));
+}
+
+/// The best force against an axis that stands ahead of its reference, with an error that stays: over n samples `Σk/Σk²` of it. Where that would
+/// end beyond the travel it is less.
+#[test]
+fn an_error_is_worked_off_and_an_end_of_travel_presses() {
+    const AHEAD_COUNTS: i64 = 40;
+    let mut settings = settings();
+    settings.model.map[0][0] = 1.0;
+    settings.cost.travel = 50.0;
+    let force = |place: Option<f64>, ahead: i64| {
+        let axis = Axis::PAPER_AXIS;
+        let mut controller = controller(&axis);
+        if let Some(place) = place {
+            let counts = (place / axis.encoder.count).round() as i64;
+            controller.set_position(0, counts);
+        }
+        let mut desk = Desk::new(&controller);
+        let mut outer = Ahead::try_new(&settings, &axis, &desk).expect("valid");
+        let mut force = 0.0;
+        for _ in 0..20 * TICKS {
+            tick_at(&mut controller, ahead as u32);
+            if desk.attend(&mut controller, || None) && outer.take(&mut desk) {
+                force = f64::from(outer.solve());
+                desk.order(outer.sample(), 0.0);
+            }
+        }
+        force
+    };
+    let error = AHEAD_COUNTS as f64 * 25e-9;
+    let sums = (1..=i32::from(AHEAD as u16))
+        .map(f64::from)
+        .fold([0.0, 0.0], |[one, two], k| [one + k, two + k * k]);
+    let wanted = -error / MOVES_M * sums[0] / sums[1];
+    for sign in [1, -1] {
+        let ahead = sign * AHEAD_COUNTS;
+        let free = force(None, ahead) * sign as f64;
+        assert!((free / wanted - 1.0).abs() < 0.01, "{free} N, not {wanted}");
+        let end = 12.5e-3 * sign as f64;
+        let inside = force(Some(0.9 * end), ahead) * sign as f64;
+        assert!((inside / free - 1.0).abs() < 0.01, "{inside} N, not {free}");
+        // An eighth of the error before an end: that force overshoots by nearly half of the error within the plan, beyond the other end.
+        let near = |end: f64| force(Some(end - end.signum() * error / 8.0), ahead) * sign as f64;
+        let (own, other) = (near(end), near(-end));
+        assert!((own / free - 1.0).abs() < 0.01, "{own} N, not {free}");
+        assert!(other / free < 0.95, "{other} N, {free} without an end");
+    }
 }

@@ -21,6 +21,22 @@ use crate::{Count, Friction, Motion, Scalar};
 ///
 /// It begins *disabled*, and so it is again after every fault: PWM off until [`Controller::enable`]. Disabled, it follows the
 /// count and learns what the current sense reads at rest.
+///
+/// ```
+/// use preslide::Units;
+/// use preslide::control::{Axis, Coefficients, Controller, Measurement, NoFriction, Planner};
+/// let axis = Axis::PAPER_AXIS;
+/// let coefficients = Coefficients::try_new(&axis, NoFriction::<f32>::new(), Units::SI)?;
+/// let mut controller = Controller::new(coefficients, 0_u32);
+/// let mut planner = Planner::try_new(&axis)?;
+/// controller.enable().expect("nothing speaks against it");
+/// controller.start(planner.by(1e-3, 5e-3, 0.5)?).expect("within the limits");
+/// // In the control interrupt; an axis that does not come on is pushed.
+/// let measured = Measurement { count: 0, supply: 6000, current: 0, late: false };
+/// let codes = [(); 100].map(|()| controller.tick(measured).code);
+/// assert!(codes[99] > 0);
+/// # Ok::<(), preslide::ParamError>(())
+/// ```
 // In this order, so that what only a change of parameters needs does not push the rest out of the reach of a load.
 #[derive(Clone, Debug)]
 #[repr(C)]

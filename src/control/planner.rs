@@ -24,8 +24,9 @@ pub struct Planner {
     /// Where the last move ends (2⁻³² counts), and at what speed (per tick).
     end: i64,
     speed: i64,
-    /// The last point of a stream (2⁻³² counts).
+    /// The last point of a stream (2⁻³² counts), and the ticks that it took.
     point: i64,
+    ticks: u32,
     located: bool,
 }
 
@@ -42,6 +43,7 @@ impl Planner {
             end: 0,
             speed: 0,
             point: 0,
+            ticks: 0,
             located: false,
         })
     }
@@ -109,7 +111,7 @@ impl Planner {
     ///
     /// Speed is linear between the middles of two points, so the path is a quadratic spline that they control: it passes half way
     /// between one and the next. The first point follows from where the axis stands; a stream ends at rest where its last point
-    /// is sent twice. One that runs dry is braked, and must begin anew.
+    /// is sent twice; all its points take as many ticks. One that runs dry is braked, and must begin anew.
     ///
     /// # Errors
     /// [`ParamError`] naming what exceeds its limit; nothing is planned then.
@@ -117,6 +119,19 @@ impl Planner {
         let length = i64::from(ticks);
         at_least("ticks of a point", ticks.into(), 1.0)?;
         at_most("ticks of a point", ticks.into(), 65_536.0)?;
+        if self.speed != 0 {
+            // Else it would not pass half way, and the stream would end elsewhere.
+            at_least(
+                "ticks of a point in a stream",
+                ticks.into(),
+                self.ticks.into(),
+            )?;
+            at_most(
+                "ticks of a point in a stream",
+                ticks.into(),
+                self.ticks.into(),
+            )?;
+        }
         self.within("point of a stream", position)?;
         let point = self.grid.length(position);
         let wanted = point.wrapping_sub(self.point) / length;
@@ -144,6 +159,7 @@ impl Planner {
         self.end = self.end.wrapping_add(distance);
         self.speed += acceleration * length;
         self.point = point;
+        self.ticks = ticks;
         Ok(planned)
     }
 

@@ -2,7 +2,7 @@
 //!
 //! Builds the QEMU board in both arithmetics, in one with the packed kernel (in both with `--long`), shows that its control code has no panic path, prints flash, RAM and
 //! stack, runs the same motion twice in QEMU and once on the host, sends a thousand requests (ten thousand with `--long`) under full telemetry, injects the
-//! faults, lets the stage wear under a firmware that watches it, and with `--long` identifies the stage's friction from captured telemetry.
+//! faults, lets the stage wear under a firmware that watches it and its winding be warm under one that follows it, and with `--long` identifies the stage's friction from captured telemetry.
 //! `cargo xtask stage` only serves the emulated drive.
 
 use std::path::{Path, PathBuf};
@@ -112,6 +112,8 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     )?;
     let mut wear = Command::new(&rig);
     run_for(wear.arg("wear").arg(&learning), LIMIT)?;
+    let mut winding = Command::new(&rig);
+    run_for(winding.arg("winding").arg(&fixed), LIMIT)?;
     guided(&rig)?;
     // A capture is identified in the chain, too.
     if long {

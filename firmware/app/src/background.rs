@@ -402,7 +402,10 @@ impl<M: Model> Background<M> {
             self.staged = Some((came, model));
             return Ok(Outcome::Now(self.done()));
         }
-        self.swap(self.axis, model)
+        let ordered = self.swap(self.axis, model)?;
+        // Not where it was refused: the last part may come again once there is room in the queue.
+        self.staged = None;
+        Ok(ordered)
     }
 
     /// Nothing is taken unless everything is valid and the swap is on its way.

@@ -107,6 +107,17 @@ fn what_was_loaded_acts_as_if_compiled_in_and_comes_back_after_a_reset() {
 }
 
 #[test]
+fn nothing_of_a_loaded_model_waits_for_another_part() {
+    let mut drive = Drive::of(built(full::PARAMETERS), Flash::erased());
+    let [first, last] = parts(full::LAYOUT, &other())[..] else {
+        panic!("15 parameters are two parts");
+    };
+    drive.done(first);
+    drive.done(last);
+    assert_eq!(drive.ask(last), Reply::Refused(Refusal::OutOfRange));
+}
+
+#[test]
 fn a_model_is_loaded_in_motion_without_a_bump() {
     let mut drive = Drive::of(built(full::PARAMETERS), Flash::erased());
     moving(&mut drive);

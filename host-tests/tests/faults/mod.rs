@@ -11,6 +11,7 @@ use preslide_sim::stage::{Stage, StageConfig};
 mod after;
 mod changes;
 mod drive;
+mod frozen;
 mod homing;
 mod limits;
 mod loading;

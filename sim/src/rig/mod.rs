@@ -8,6 +8,7 @@ mod run;
 pub mod sensed;
 mod truth;
 mod wear;
+mod winding;
 
 pub use agreement::{Agreement, agreement, motion, samples};
 pub use emulator::{Emulator, Listener, Remains, RigError};
@@ -17,3 +18,4 @@ pub use run::{ByTick, CALIBRATED, Record, Script, frame, registers, requests, ru
 pub use sensed::telemetry;
 pub use truth::{Comparison, TrueCurve, presliding};
 pub use wear::{Notice, Wear, notice};
+pub use winding::{Followed, followed};

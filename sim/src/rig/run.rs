@@ -14,6 +14,17 @@ const FIRST: u64 = 1;
 /// Tick in which an axis has learned its current sense's offset: eight times the time constant of its mean.
 pub const CALIBRATED: u64 = 2048;
 
+/// Ticks by which a queued step comes early.
+const AHEAD: u64 = 2000;
+
+/// What an axis is told of its bridge.
+pub(super) fn bridge(electrical: &ElectricalConfig) -> [(&'static str, f64); 2] {
+    [
+        ("hardware.dead_time", electrical.dead_time_s),
+        ("hardware.diode_drop", electrical.diode_v),
+    ]
+}
+
 /// A script is silent for longer than a host may be: the axis is told not to mind, and to be enabled.
 fn enabling() -> Vec<Request> {
     let silence = set("silence", 0.0);
@@ -75,6 +86,19 @@ impl Script<'_> {
     pub fn quiet(ticks: u64) -> Self {
         Self {
             ticks,
+            ..Self::told(FIRST, &[])
+        }
+    }
+
+    /// As [`Script::quiet`], with nothing to run: an axis that is told `settings`, and enabled in the tick `enabled`. What is built for
+    /// them, `axis`, is the caller's.
+    pub fn told(enabled: u64, settings: &[(&str, f64)]) -> Self {
+        let set: Vec<Request> = settings
+            .iter()
+            .filter_map(|(name, value)| set(name, *value))
+            .collect();
+        Self {
+            ticks: 0,
             axis: Axis::PAPER_AXIS,
             stage: StageConfig {
                 seed: 7,
@@ -87,33 +111,22 @@ impl Script<'_> {
             falsify: Box::new(|_, _| {}),
             plugin: None,
         }
-        .send(FIRST, &enabling())
+        .send(FIRST, &set)
+        .send(enabled, &enabling())
     }
 
-    /// As [`Script::quiet`], with nothing to run: an axis that is told the dead time of its bridge, and enabled once it has learned what
-    /// its current sense reads at rest. The stage is the caller's.
+    /// As [`Script::told`] of the dead time of its bridge, and enabled once it has learned what its current sense reads at rest. The stage is
+    /// the caller's.
     pub fn electrical(electrical: &ElectricalConfig) -> Self {
-        let settings = [
-            ("hardware.dead_time", electrical.dead_time_s),
-            ("hardware.diode_drop", electrical.diode_v),
-        ];
-        let set = settings
-            .iter()
-            .filter_map(|(name, value)| set(name, *value));
-        let mut script = Self::quiet(0);
-        (script.bytes, script.requests) = (Vec::new(), 0);
-        script
-            .send(FIRST, &set.collect::<Vec<_>>())
-            .send(CALIBRATED, &enabling())
+        Self::told(CALIBRATED, &bridge(electrical))
     }
 
     /// As [`Script::quiet`], with the integral's place free for an outer task.
     pub fn guided(ticks: u64) -> Self {
-        let mut script = Self::quiet(ticks);
+        let mut script = Self::told(FIRST, &[("gains.integral", 0.0)]);
+        script.ticks = ticks;
         script.axis.gains.integral = 0.0;
-        (script.bytes, script.requests) = (Vec::new(), 0);
-        let free = set("gains.integral", 0.0).into_iter();
-        script.send(FIRST, &free.chain(enabling()).collect::<Vec<_>>())
+        script
     }
 
     /// Sends requests from `tick` on, one behind the other.
@@ -127,6 +140,26 @@ impl Script<'_> {
         }
         self.bytes.push((tick, bytes));
         self
+    }
+
+    /// Sends steps from `tick` on, each 2000 ticks before the one ahead of it ends, so that there is no rest between them; the script ends before
+    /// the last does. From the first on there is a sample of telemetry every 20th tick only, for speed.
+    ///
+    /// # Errors
+    /// A step that cannot be planned.
+    pub fn queue(mut self, mut tick: u64, steps: &[Step]) -> Result<Self, TrackingError> {
+        for (i, step) in steps.iter().enumerate() {
+            self = self.send(tick, &requests(std::slice::from_ref(step)));
+            let ticks = u64::from(step.plan(&self.axis)?.ticks());
+            if i == 0 {
+                // Its start is to be seen.
+                self = self.send(tick + 1000, &[Request::Telemetry { every: 20 }]);
+                tick -= AHEAD;
+            }
+            tick += ticks;
+        }
+        self.ticks = tick;
+        Ok(self)
     }
 
     /// Sends moves from `tick` on, one request a move, each in time for the one before it to end; the script ends with the

@@ -1,11 +1,11 @@
 //! A stage that begins to wear half way: does the firmware notice, after that and not before, as the host's simulation does?
 
 use super::agreement::{Agreement, compare, samples};
-use super::{Listener, RigError, Script, requests, run};
-use crate::tracking::{Step, TrackingError};
-use preslide::control::{NormalRange, Settings};
+use super::{Listener, RigError, Script, run};
+use crate::tracking::Step;
+use preslide::control::NormalRange;
 use preslide::{Friction, Units};
-use preslide_link::{RangeCode, Request};
+use preslide_link::RangeCode;
 use std::path::Path;
 
 /// Strokes back and forth (m) and their speed (m/s): a window of the watch in 0.1 s.
@@ -55,7 +55,6 @@ pub fn notice<F: Friction>(
     units: Units,
     wear: &Wear,
 ) -> Result<Notice, RigError> {
-    let settings = Settings::PAPER_AXIS;
     let steps: Vec<Step> = (0..wear.strokes)
         .map(|i| Step::Move {
             distance_m: if i % 2 == 0 { STROKE_M } else { -STROKE_M },
@@ -63,21 +62,9 @@ pub fn notice<F: Friction>(
             ramp_s: RAMP_S,
         })
         .collect();
-    let mut script = Script::quiet(0);
     // Enabling keeps the background busy for longer than the telemetry's queue lasts; the first move's start must not be lost.
-    let mut tick = FIRST_MOVE;
-    for (i, step) in steps.iter().enumerate() {
-        script = script.send(tick, &requests(std::slice::from_ref(step)));
-        if i == 0 {
-            // Every tick until the first move, whose start is to be seen; then few, for speed.
-            script = script.send(FIRST_MOVE + 1000, &[Request::Telemetry { every: 20 }]);
-        }
-        let planned = step.plan(&settings);
-        let ticks = planned.map_err(TrackingError::from)?.ticks();
-        // Each before the one ahead of it ends.
-        tick += u64::from(ticks) - if i == 0 { 2000 } else { 0 };
-    }
-    script.ticks = tick;
+    let mut script = Script::quiet(0).queue(FIRST_MOVE, &steps)?;
+    let tick = script.ticks;
     let worn_from = tick / 2;
     let per_tick = wear.per_stroke * wear.strokes as f64 / tick as f64;
     let level_at = move |tick: u64| 1.0 + per_tick * tick.saturating_sub(worn_from) as f64;

@@ -18,6 +18,13 @@ const HANDLER: &str = "TIMER0";
 /// Part of the mangled name of the function that stands for the sensors.
 const EXCHANGE: &str = "preslide_qemu7reading";
 
+/// What the row is called behind the kernel, and what the axis is told for it. A notch or a followed winding takes every tick off the ordinary
+/// path.
+const TOLD: [(&str, &str); 2] = [
+    ("_notch", "notch.frequency=370"),
+    ("_winding", "motor.resistance_span=0.4"),
+];
+
 /// Kernel, and the build of the firmware with it: name and features.
 type Build = (&'static str, &'static str, &'static [&'static str]);
 
@@ -64,12 +71,21 @@ const BLOCKS: u32 = 4;
 /// Adds the rows of every build to the table.
 pub fn measure(recorder: &Recorder, prices: &Prices, rows: &mut Vec<Row>) -> Result<(), String> {
     let rig = qemu::build_rig()?;
-    for build in &BUILDS {
-        let tick = Tick::record(recorder, &rig, build)?;
+    let mut measure = |build, (name, told): (&str, Option<&str>)| {
+        let tick = Tick::record(recorder, &rig, build, told)?;
         let mut row = price_paths(&tick.disassembly, &tick.paths, prices.of_interrupt)?;
-        row.kernel = format!("rtic_tick_{}", tick.kernel);
+        row.kernel = format!("rtic_tick_{}{name}", tick.kernel);
         row.blocks = BLOCKS;
         rows.push(row);
+        Ok::<(), String>(())
+    };
+    for build in &BUILDS {
+        measure(build, ("", None))?;
+    }
+    for build in &BUILDS[..2] {
+        for (name, told) in TOLD {
+            measure(build, (name, Some(told)))?;
+        }
     }
     Ok(())
 }
@@ -78,7 +94,7 @@ pub fn measure(recorder: &Recorder, prices: &Prices, rows: &mut Vec<Row>) -> Res
 pub fn print_stages(recorder: &Recorder) -> Result<(), String> {
     let rig = qemu::build_rig()?;
     let listed = |build| {
-        let tick = Tick::record(recorder, &rig, build)?;
+        let tick = Tick::record(recorder, &rig, build, None)?;
         Ok::<_, String>([
             tick.listed(tick.kernel, &tick.paths)?,
             tick.listed(&format!("longest {}", tick.kernel), tick.longest()?)?,
@@ -104,7 +120,12 @@ struct Tick {
 }
 
 impl Tick {
-    fn record(recorder: &Recorder, rig: &Path, build: &Build) -> Result<Self, String> {
+    fn record(
+        recorder: &Recorder,
+        rig: &Path,
+        build: &Build,
+        told: Option<&str>,
+    ) -> Result<Self, String> {
         let &(kernel, name, features) = build;
         let exported = PACKED.iter().find(|(_, image)| *image == name);
         let exported = exported.map(|(model, _)| (qemu::MODEL, *model));
@@ -126,7 +147,8 @@ impl Tick {
         let mut run = Command::new(rig);
         run.arg("record")
             .arg(&program)
-            .arg(recorder.plugin(&watched));
+            .arg(recorder.plugin(&watched))
+            .args(told);
         let mut recording = recorder.watch(&mut run, &watched)?;
         let paths = recording
             .remove(&handler)

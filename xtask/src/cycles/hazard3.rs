@@ -63,10 +63,10 @@ pub fn run_command() -> Result<(), String> {
 
 /// Whether the committed table is what this tree measures. Same image, same core: the same cycles, without simulating them again.
 /// The image is the same wherever the tree stands ([`super::nowhere`]), so that a fresh checkout is known.
-pub fn check() -> Result<(), String> {
+pub fn check() -> Result<bool, String> {
     if let Some(reason) = absent(&["verilator", "riscv64-unknown-elf-gcc"]) {
         println!("\nSKIPPED: {TABLE} was not checked: {reason}");
-        return Ok(());
+        return Ok(false);
     }
     let committed = std::fs::read_to_string(root().join(TABLE))
         .map_err(|error| format!("cannot read {TABLE}: {error}"))?;
@@ -74,14 +74,14 @@ pub fn check() -> Result<(), String> {
     let simulated = format!("{SIMULATED}{}", simulation.fingerprint()?);
     if committed.lines().any(|line| line == simulated) {
         println!("\n{TABLE} is of this very image on this very core");
-        return same_run(&simulated);
+        return same_run(&simulated).map(|()| true);
     }
     println!("\n{TABLE} is of another image or core; simulating this one");
     let measured = means(&simulation.table()?)?;
     let worse = grown(&means(&committed)?, &measured, ALIGNMENT, "cycles");
     if worse.is_empty() {
         println!("no mean grew by more than 3 % and two cycles over {TABLE}");
-        return Ok(());
+        return Ok(false);
     }
     Err(format!(
         "worse than {TABLE}:\n  {}\nIf that is meant, run `cargo xtask cycles --hazard3` and commit the table",

@@ -32,7 +32,7 @@ pub const CORE: Core = Core {
 };
 
 /// Compares with the committed table where the target is installed.
-pub fn check() -> Result<(), String> {
+pub fn check() -> Result<bool, String> {
     let query =
         output(Command::new("rustc").args(["--print", "target-libdir", "--target", CORE.target]));
     if !query.is_ok_and(|folder| Path::new(folder.trim()).is_dir()) {
@@ -41,7 +41,7 @@ pub fn check() -> Result<(), String> {
             CORE.prices.table,
             target = CORE.target
         );
-        return Ok(());
+        return Ok(false);
     }
     check_core(&CORE)
 }

@@ -219,14 +219,21 @@ pub type Counts = BTreeMap<String, Vec<(&'static str, f64)>>;
 
 /// Every way in which `measured` is worse than, or not covered by, `committed`: instructions.
 pub fn regressions(committed: &[Row], measured: &[Row]) -> Vec<String> {
-    let counts = |rows: &[Row]| -> Counts {
-        let of = |row: &Row| {
-            let longest = f64::from(row.instructions_max);
-            vec![("mean", row.instructions_mean), ("longest path", longest)]
-        };
-        rows.iter().map(|row| (name(row), of(row))).collect()
-    };
     grown(&counts(committed), &counts(measured), 0.0, "instructions")
+}
+
+/// The counts of instructions are the same, as the table prints them.
+pub fn same(committed: &[Row], measured: &[Row]) -> bool {
+    let printed = from_csv(&to_csv(&[], measured));
+    printed.is_ok_and(|measured| counts(committed) == counts(&measured))
+}
+
+fn counts(rows: &[Row]) -> Counts {
+    let of = |row: &Row| {
+        let longest = f64::from(row.instructions_max);
+        vec![("mean", row.instructions_mean), ("longest path", longest)]
+    };
+    rows.iter().map(|row| (name(row), of(row))).collect()
 }
 
 fn name(row: &Row) -> String {

@@ -1,0 +1,167 @@
+//! Where a model's force goes after loops, at speed and at rest, whatever its equation.
+
+use fixed::types::I16F16;
+use preslide::{
+    Dahl, ElastoPlastic, Friction, Gms, Hsieh, HsiehParams, Leuven, LeuvenForm, LuGre, Motion,
+    ParamError, QuasiStaticGms, Sliding, TwoState, Units,
+};
+use preslide_host_tests::table3::{BREAKAWAY, blocks};
+
+/// More reversals than it remembers: the outermost are forgotten, the inner loops still close.
+#[test]
+fn deep_nests_are_closed_by_hsieh_too() {
+    let params = HsiehParams {
+        k1: 51_540.0,
+        k2: 2_026_400.0,
+        beta: 3_216_500.0,
+        viscous: 0.0,
+        creep: 0.0,
+        hardening: 31_200.0,
+        hardening_exponent: 3.22,
+    };
+    let model = Hsieh::<f64>::try_new(&params, 50e-6, Units::SI).expect("valid");
+    let turn = |n: i32| 8e-6 * 0.9_f64.powi(n) * f64::from(1 - 2 * (n & 1));
+    let force = |turns: i32, end: f64| {
+        let (mut state, mut at, mut force) = (model.at_rest(), 0.0, 0.0);
+        for to in (0..turns).map(turn).chain([end]) {
+            for _ in 0..200 {
+                force = model.step(&mut state, Motion::quasi_static((to - at) / 200.0));
+            }
+            at = to;
+        }
+        force
+    };
+    for turns in [8, 15, 16, 17, 18, 25, 30] {
+        // Out of the six innermost loops.
+        let end = 0.5 * (turn(turns - 6) + turn(turns - 8));
+        let [nested, direct] = [turns, turns - 6].map(|turns| force(turns, end));
+        assert!(
+            (nested - direct).abs() < 1e-9 && nested.abs() > 0.01,
+            "{turns}: {nested} N, {direct} N without the loops"
+        );
+    }
+}
+
+/// What breaks away at rest falls to the Coulomb force once it is fast, in every model that weakens.
+#[test]
+fn a_force_above_the_coulomb_force_falls_to_it_at_speed() {
+    fn slides<M: Friction<Scalar = f64>>(what: &str, model: Result<M, ParamError>) {
+        let model = model.expect("valid");
+        for sign in [1.0, -1.0] {
+            let mut state = model.at_rest();
+            let mut go = |displacement: f64, velocity: f64| {
+                let motion = Motion {
+                    displacement: sign * displacement,
+                    velocity: sign * velocity,
+                };
+                (0..2000).map(|_| model.step(&mut state, motion)).last()
+            };
+            let [slow, fast] = [(4e-8, 0.0), (1e-6, 20e-3)].map(|(dx, v)| go(dx, v));
+            let share = |force: Option<f64>| force.expect("ticks") * sign / BREAKAWAY;
+            assert!(share(slow) > 0.8, "{what}: {slow:?} at rest");
+            assert!(
+                (share(fast) - 0.7).abs() < 0.01,
+                "{what}: {fast:?} at speed"
+            );
+        }
+    }
+    let sliding = Sliding {
+        coulomb: 0.7 * BREAKAWAY,
+        stribeck_velocity: 1e-3,
+        stribeck_exponent: 2.0,
+        attraction: 2_000.0,
+    };
+    let (si, four) = (Units::SI, blocks::<4>());
+    slides(
+        "GMS",
+        Gms::<4, f64>::try_new(&four, BREAKAWAY, sliding, 50e-6, si),
+    );
+    slides(
+        "LuGre",
+        LuGre::<f64>::try_new(195e3, 0.0, BREAKAWAY, sliding, si),
+    );
+    slides(
+        "elasto-plastic",
+        ElastoPlastic::<f64>::try_new(195e3, 0.0, 1.5e-6, BREAKAWAY, sliding, si),
+    );
+    slides(
+        "two-state",
+        TwoState::<f64>::try_new(35e-6, BREAKAWAY, sliding, 50e-6, si),
+    );
+    for form in [LeuvenForm::Original, LeuvenForm::Modified] {
+        slides(
+            "Leuven",
+            Leuven::<4, f64>::try_new(form, &four, BREAKAWAY, 2.0, 0.0, sliding, si),
+        );
+    }
+}
+
+#[test]
+fn a_gms_that_slid_and_stands_keeps_its_force() {
+    let sliding = Sliding {
+        coulomb: 0.6 * BREAKAWAY,
+        stribeck_velocity: 1e-3,
+        stribeck_exponent: 2.0,
+        attraction: 500.0,
+    };
+    let model = Gms::<4, f64>::try_new(&blocks::<4>(), BREAKAWAY, sliding, 50e-6, Units::SI);
+    let model = model.expect("Table 3");
+    let mut state = model.at_rest();
+    let slides = Motion {
+        displacement: 1e-6,
+        velocity: 20e-3,
+    };
+    let slid = (0..400).map(|_| model.step(&mut state, slides)).last();
+    for _ in 0..100 {
+        let stands = model.step(&mut state, Motion::quasi_static(0.0));
+        assert_eq!(Some(stands), slid);
+    }
+}
+
+/// Its exponent is told from 1 where the number type can, and taken for 1 where it cannot.
+#[test]
+fn dahl_s_exponent_is_taken_near_one_too() {
+    let counts = Units {
+        length: 25e-9,
+        force: 1e-3,
+        velocity: 1e-3,
+    };
+    for exponent in [0.999_95, 0.999_999, 1.0, 1.000_001, 1.000_05] {
+        let model = Dahl::<I16F16>::try_new(320e3, 0.9, exponent, counts);
+        assert_eq!(model, Dahl::try_new(320e3, 0.9, 1.0, counts), "{exponent}");
+        assert!(model.is_ok());
+    }
+}
+
+#[test]
+fn a_quasi_static_friction_is_no_more_than_what_is_told() {
+    let model = QuasiStaticGms::<4, f64>::try_new(&blocks::<4>(), BREAKAWAY, Units::SI);
+    let model = model.expect("Table 3");
+    let force = model.step(&mut model.at_rest(), Motion::quasi_static(1.0));
+    assert_eq!(Some(force), model.limit());
+}
+
+/// In fixed point a product rounds down, so that a negative force is the larger one: the limit is that.
+#[test]
+fn a_bristle_s_limit_holds_in_both_directions_and_is_reached() {
+    let counts = Units {
+        length: 25e-9,
+        force: 1e-3,
+        velocity: 1e-3,
+    };
+    for stiffness in [150e3, 171e3, 195e3, 222.2e3, 320e3] {
+        let model = LuGre::<I16F16>::try_new(stiffness, 0.0, 0.9, Sliding::none(0.9), counts);
+        let model = model.expect("valid");
+        let limit = model.limit().expect("it has no damping");
+        let force = |way: i32| {
+            let mut state = model.at_rest();
+            let motion = Motion::quasi_static(I16F16::from_num(200 * way));
+            (0..500)
+                .map(|_| model.step(&mut state, motion))
+                .last()
+                .expect("ticks")
+        };
+        let most = force(1).abs().max(force(-1).abs());
+        assert_eq!(most, limit, "{stiffness}");
+    }
+}
