@@ -31,6 +31,8 @@ struct Machine {
     encoder: [f64; 2],
     /// Share of friction that it is more at rest, and the speed within which it falls.
     stribeck: [f64; 2],
+    /// Torque and angular frequency of what shakes it from outside: it gives way by half, the other half is the drive's.
+    shaken: [f64; 2],
 }
 
 const BARE: Machine = Machine {
@@ -39,6 +41,7 @@ const BARE: Machine = Machine {
     spring: [0.0; 2],
     encoder: [0.0, 1.0],
     stribeck: [0.0, 1.0],
+    shaken: [0.0, 1.0],
 };
 
 const INERTIA: f64 = 0.12;
@@ -53,7 +56,10 @@ fn made(machine: &Machine, seed: u64, names: &str) -> Recording {
 fn made_of(rows: u32, machine: &Machine, seed: u64, names: &str) -> Recording {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let waves = [(1.1, 0.9), (0.35, 3.7), (0.1, 9.1)];
+    let [torque, shaken] = machine.shaken;
+    let gives_way = [0.5 * torque / (INERTIA * shaken * shaken), shaken, 0.7];
     let waves = waves.map(|(a, w)| [a, w, TAU * rng.random::<f64>()]);
+    let waves: Vec<[f64; 3]> = waves.into_iter().chain([gives_way]).collect();
     let (mut text, mut blocks) = (format!("t_s,{names}\n"), Blocks::new(&BLOCKS));
     for i in 0..rows {
         let t = f64::from(i) * 2e-3;
@@ -63,6 +69,7 @@ fn made_of(rows: u32, machine: &Machine, seed: u64, names: &str) -> Recording {
         effort += level * blocks.force(q);
         effort += machine.gravity[0] * (q - machine.gravity[1]).sin();
         effort += machine.spring[0] * (q - machine.spring[1]);
+        effort -= torque * (shaken * t).cos();
         effort += rng.random_range(-0.035..0.035);
         let shown = q + machine.encoder[0] * (TAU * q / machine.encoder[1]).sin();
         writeln!(text, "{t:.3},{shown:.5},{effort:.5}").expect("memory");
@@ -184,6 +191,31 @@ fn an_encoders_periodic_error_takes_nothing_off_the_inertia() {
         assert!(notes.contains("shows less inertia than below"), "{notes}");
         holds(&found, "mass", INERTIA, 0.02 * INERTIA);
         holds(&found, "coulomb", COULOMB, 0.02 * COULOMB);
+    }
+}
+
+/// What shakes the axis moves it as well: fitted without it, inertia and a delay answer for it.
+#[test]
+fn what_shakes_the_axis_takes_nothing_off_the_inertia() {
+    const TORQUE: f64 = 0.4;
+    const HZ: f64 = 13.37;
+    for seed in [18, 19] {
+        let machine = Machine {
+            shaken: [TORQUE, TAU * HZ],
+            ..BARE
+        };
+        let found = run(&made(&machine, seed, "q_rad,torque_Nm"));
+        let [line] = found.channel.vibrations.as_slice() else {
+            panic!("{:?}", found.channel.vibrations);
+        };
+        println!("seed {seed}: {line:?}");
+        assert!((line.frequency_hz - HZ).abs() < 1e-3, "{line:?}");
+        assert!((line.force.value / TORQUE - 1.0).abs() < 0.03, "{line:?}");
+        assert!(found.channel.delay.is_none(), "{:?}", found.channel.delay);
+        holds(&found, "mass", INERTIA, 0.02 * INERTIA);
+        holds(&found, "coulomb", COULOMB, 0.02 * COULOMB);
+        let still = run(&made(&BARE, seed, "q_rad,torque_Nm"));
+        assert!(still.channel.vibrations.is_empty());
     }
 }
 

@@ -1,7 +1,7 @@
 //! What lies between the machine and the recorded effort, an end of command or reading and a delay, and what shakes it.
 
 use super::delay::yields;
-use super::{Delay, Kinematics, Saturation, Vibration};
+use super::{Delay, Kinematics, Saturation, StickSlip, Vibration};
 use crate::recording::Recording;
 use serde::Serialize;
 use std::ops::Range;
@@ -34,7 +34,10 @@ impl Channel {
         };
         let arrived = found.taken_off(recording);
         let arrived = arrived.as_ref().unwrap_or(recording);
-        found.vibrations = Vibration::all(arrived, kinematics, &yields, &is_known);
+        // What an axis that hunts does by itself shakes it, too.
+        if !StickSlip::of(arrived).is_some_and(|found| found.hunts) {
+            found.vibrations = Vibration::all(arrived, kinematics, &yields, &is_known);
+        }
         // What shakes the axis moves it, by a phase of its own.
         let arrived = found.taken_off(recording);
         let arrived = arrived.as_ref().unwrap_or(recording);

@@ -20,6 +20,8 @@ const SURE: f64 = 4.0;
 /// there for a while.
 const PARTS: usize = 8;
 const STEADY: [f64; 2] = [0.6, 1.4];
+/// Share of the position's squares from which a line is the motion's own: what shakes an axis moves it by little of its travel.
+const OF_THE_MOTION: f64 = 0.01;
 /// Steps of the search between two bins of the spectrum.
 const STEPS: usize = 10;
 
@@ -48,12 +50,18 @@ impl Vibration {
         let target: Vec<f64> = rigid.rows.iter().map(|&i| smooth[i]).collect();
         let t: Vec<f64> = rigid.rows.iter().map(|&i| recording.t_s[i]).collect();
         let mut beside = rigid.at(&rigid.rows);
+        let position: Vec<f64> = rigid.rows.iter().map(|&i| recording.position[i]).collect();
+        // A spring is none.
+        beside.push(position.clone());
         let mut found = Vec::new();
         while found.len() < MOST {
             let Some(next) = Line::strongest(&t, &target, &beside, kinematics.filter.cutoff_hz())
             else {
                 break;
             };
+            if share_of(&position, &t, next.frequency_hz) > OF_THE_MOTION {
+                break;
+            }
             beside.extend(waves(&t, next.frequency_hz));
             found.push(next);
         }
@@ -87,6 +95,18 @@ fn waves(t: &[f64], hz: f64) -> [Vec<f64>; 2] {
         .map(|(s, c)| (c, s))
         .unzip();
     [cos, sin]
+}
+
+/// Share of the squares of `values`, about their mean, that lie in one line.
+fn share_of(values: &[f64], t: &[f64], hz: f64) -> f64 {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let about: Vec<f64> = values.iter().map(|v| v - mean).collect();
+    let waves = waves(t, hz);
+    let columns: Vec<&[f64]> = waves.iter().map(Vec::as_slice).collect();
+    let square: f64 = about.iter().map(|v| v * v).sum();
+    LeastSquares::of(&columns).map_or(0.0, |line| {
+        1.0 - line.squares_left(&about) / square.max(1e-300)
+    })
 }
 
 /// Two waves without what the motion has of them, and what the motion leaves of the effort.
