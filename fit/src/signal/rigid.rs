@@ -6,7 +6,7 @@ use crate::statistics::LeastSquares;
 use std::ops::Range;
 
 /// Samples that are fitted at most.
-const MOST: usize = 30_000;
+pub(super) const MOST: usize = 30_000;
 /// Blocks of contiguous samples by which intervals are found.
 pub(super) const BLOCKS: usize = 24;
 

@@ -1,7 +1,7 @@
 //! A force from outside at a frequency of its own, as of a pump or a neighbouring axis. Where it moves the axis, inertia, viscous friction and a
 //! delay that are fitted without it answer for it.
 
-use super::rigid::{BLOCKS, Rigid, blocks};
+use super::rigid::{BLOCKS, MOST as ROWS, Rigid, blocks};
 use super::{Kinematics, spectra};
 use crate::evidence::evidence;
 use crate::recording::Recording;
@@ -22,6 +22,8 @@ const PARTS: usize = 8;
 const STEADY: [f64; 2] = [0.6, 1.4];
 /// Share of the position's squares from which a line is the motion's own: what shakes an axis moves it by little of its travel.
 const OF_THE_MOTION: f64 = 0.01;
+/// Share of the rate of the fitted samples below which a line is looked for: a faster one would have an alias.
+const RESOLVED: f64 = 0.4;
 /// Steps of the search between two bins of the spectrum.
 const STEPS: usize = 10;
 
@@ -44,6 +46,11 @@ impl Vibration {
         yields: &[f64],
         is_known: &[bool],
     ) -> Vec<Self> {
+        let rows = recording.len() / recording.len().div_ceil(ROWS);
+        let most_hz = RESOLVED * rows as f64 / recording.len() as f64 / recording.sample_time_s();
+        let slower = (kinematics.filter.cutoff_hz() > most_hz)
+            .then(|| Kinematics::below(recording, most_hz));
+        let kinematics = slower.as_ref().unwrap_or(kinematics);
         let mut rigid = Rigid::of(recording, kinematics, yields);
         rigid.rows.retain(|i| is_known[*i]);
         let smooth = kinematics.filter.smooth(&recording.effort);
