@@ -11,6 +11,8 @@ use ratatui::crossterm::event::{self, Event, KeyCode, KeyEvent, KeyEventKind, Ke
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
+/// How long a controller that does not disable, or refuses to, is waited for.
+const LEAVES: Duration = Duration::from_secs(5);
 /// From one drawing to the next; each hears the controller and is heard by it.
 const FRAME: Duration = Duration::from_millis(50);
 
@@ -197,12 +199,22 @@ impl Screen {
             KeyCode::Char('z') => return self.ask(Question::Zero),
             KeyCode::Char('q') => {
                 self.order("stop", Request::Stop)?;
+                self.order("disable", Request::Disable)?;
                 self.over = true;
-                return self.order("disable", Request::Disable);
+                return self.leave();
             }
             _ => return Ok(()),
         };
         self.order(what, request)
+    }
+
+    /// The bridge opens when the axis stands: who leaves leaves it open.
+    fn leave(&mut self) -> Result<(), DriveError> {
+        let start = Instant::now();
+        while self.drive.state()?.mode != Mode::Disabled && start.elapsed() < LEAVES {
+            self.drive.listen(FRAME)?;
+        }
+        Ok(())
     }
 
     fn ask(&mut self, question: Question) -> Result<(), DriveError> {
