@@ -22,6 +22,10 @@ const PARTS: usize = 8;
 const STEADY: [f64; 2] = [0.6, 1.4];
 /// Share of the position's squares from which a line is the motion's own: what shakes an axis moves it by little of its travel.
 const OF_THE_MOTION: f64 = 0.01;
+/// The same of a line of which it is a harmonic, up to this order: higher ones of a friction that turns round are a twentieth of it, and those of a line
+/// that is there for a while are not steady.
+const CARRIES: f64 = 0.5;
+const ORDERS: u32 = 30;
 /// Share of the rate of the fitted samples below which a line is looked for: a faster one would have an alias.
 const RESOLVED: f64 = 0.4;
 /// Steps of the search between two bins of the spectrum.
@@ -66,7 +70,7 @@ impl Vibration {
             else {
                 break;
             };
-            if share_of(&position, &t, next.frequency_hz) > OF_THE_MOTION {
+            if is_of_the_motion(&position, &t, next.frequency_hz) {
                 break;
             }
             beside.extend(waves(&t, next.frequency_hz));
@@ -102,6 +106,12 @@ fn waves(t: &[f64], hz: f64) -> [Vec<f64>; 2] {
         .map(|(s, c)| (c, s))
         .unzip();
     [cos, sin]
+}
+
+/// Whether the position has a line there, or one of which it is a harmonic: friction that turns round with it has them all.
+fn is_of_the_motion(position: &[f64], t: &[f64], hz: f64) -> bool {
+    let share = |order: u32| share_of(position, t, hz / f64::from(order));
+    share(1) > OF_THE_MOTION || (2..=ORDERS).any(|order| share(order) > CARRIES)
 }
 
 /// Share of the squares of `values`, about their mean, that lie in one line.
