@@ -8,7 +8,6 @@ use super::effect::{
     viscous::Viscous,
     viscous_asymmetry::ViscousAsymmetry,
 };
-use super::named::Named;
 use super::term::{Subject, Term};
 use preslide_fit::effects::form;
 use preslide_fit::identify::plain::Place;
@@ -42,10 +41,9 @@ impl Known {
         self.terms.iter().any(|known| known.is_like(term))
     }
 
-    /// Whether an effect is what the fit found to shake the axis.
-    pub fn has_shaken(&self, effect: &Named) -> bool {
-        let term = effect.term.as_ref();
-        term.is_some_and(|term| self.shaken.iter().any(|line| line.is_near(term)))
+    /// Whether a term is what the fit found to shake the axis.
+    pub fn has_shaken(&self, term: &Term) -> bool {
+        self.shaken.iter().any(|line| line.is_near(term))
     }
 }
 

@@ -80,7 +80,7 @@ pub(super) fn measured(
             let doubtful = is_signless(effect, &with)
                 || is_anything(effect)
                 || !is_possible(&null, &with)
-                || is_cancelled(effect, &null, left) && !found.known.has_shaken(effect);
+                || is_cancelled(effect, found, &null, left);
             if effect.confident && doubtful {
                 doubted.push(effect);
             }
@@ -201,9 +201,13 @@ fn is_anywhere(effect: &Named) -> bool {
 
 /// Whether the force of a line or of a narrow place is more than all that there was to explain, `begun` (NMSE, %). What shakes the axis may be: friction
 /// and inertia that are fitted without it take most of it on.
-fn is_cancelled(effect: &Named, null: &NullModel, begun: f64) -> bool {
+fn is_cancelled(effect: &Named, found: &Found, null: &NullModel, begun: f64) -> bool {
     let most = CANCELLED * null.rows.rms_of(begun);
-    effect.is_narrow() && !null.core.corrects && rms(&effect.force) > most
+    let shakes = effect
+        .term
+        .as_ref()
+        .is_some_and(|t| found.known.has_shaken(t));
+    effect.is_narrow() && !shakes && !null.core.corrects && rms(&effect.force) > most
 }
 
 /// Whether the physics admits what the last term of a hypothesis is fitted with: a gap is not less than none, and a simulation has too much only
