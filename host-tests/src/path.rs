@@ -1,11 +1,19 @@
 //! Motions: random ones with reversals on every scale, in encoder counts, and one with friction as a recording.
 
+use preslide::Units;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::fmt::Write as _;
 
 /// Length of a count of the paper's encoder (m).
 pub const COUNT: f64 = 25e-9;
+
+/// Units of controllers in whole numbers: counts and millinewtons.
+pub const COUNTS: Units = Units {
+    length: COUNT,
+    force: 1e-3,
+    velocity: 1e-3,
+};
 
 /// Sample time of a 20 kHz control task (s).
 pub const SAMPLE_TIME: f64 = 50e-6;

@@ -8,19 +8,12 @@ use preslide::{
     Sliding, Units,
 };
 use preslide_host_tests::deviation::Deviation;
-use preslide_host_tests::path::{COUNT, SAMPLE_TIME, random_reversals};
+use preslide_host_tests::path::{COUNT, COUNTS, SAMPLE_TIME, random_reversals};
 use preslide_host_tests::reference::{self, Masing, MaxwellSlip, Stribeck};
 use preslide_host_tests::table3::{BREAKAWAY, blocks, column};
 
 const TICKS: usize = 1_000_000;
 const SEED: u64 = 1227;
-
-/// A displacement of 1 is a count, a force of 1 is a millinewton, a velocity of 1 is 1 mm/s.
-const COUNTS: Units = Units {
-    length: COUNT,
-    force: 1e-3,
-    velocity: 1e-3,
-};
 
 /// Units that fit ±128: 32 counts (so that counts stay exact), 10 mN, 1 mm/s.
 const COARSE: Units = Units {

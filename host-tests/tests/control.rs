@@ -8,19 +8,13 @@ use preslide::control::{
     VelocitySource,
 };
 use preslide::{Bound, Friction, Gms, LuGre, QuasiStaticGms, Scalar, Sliding, Units};
+use preslide_host_tests::path::COUNTS;
 use preslide_host_tests::table3;
 use proptest::prelude::*;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 type Both<S> = (MismatchWatch<S>, Adaptation<S>);
-
-/// The fixed-point form's units: counts and millinewtons.
-const COUNTS: Units = Units {
-    length: 25e-9,
-    force: 1e-3,
-    velocity: 1e-3,
-};
 
 fn sliding() -> Sliding {
     Sliding {

@@ -1,5 +1,6 @@
 //! What no other test missed when `cargo mutants` changed it.
 
+use crate::places::{RESTS, controller};
 use fixed::types::I16F16;
 use preslide::control::koopman::Guided;
 use preslide::control::learning::{Adaptation, Learn, MismatchWatch};
@@ -12,20 +13,8 @@ use preslide::{
     Bound, Coulomb, ElastoPlastic, Friction, Leuven, LeuvenForm, Motion, QuasiStaticGms, Sliding,
     Units,
 };
+use preslide_host_tests::path::COUNTS;
 use preslide_host_tests::table3::blocks;
-
-const RESTS: Measurement<u32> = Measurement {
-    count: 0,
-    supply: 6000,
-    current: 0,
-    late: false,
-};
-
-fn controller(axis: &Axis, first: u32) -> Controller<NoFriction<f32>, u32> {
-    let friction = NoFriction::<f32>::new();
-    let coefficients = Coefficients::try_new(axis, friction, Units::SI).expect("the paper's axis");
-    Controller::new(coefficients, first)
-}
 
 /// `η·(k·τ)²/R` and what follows from it, by the numbers of the paper's axis with a gear and losses.
 #[test]
@@ -204,11 +193,7 @@ fn the_acceleration_told_is_that_of_the_position() {
 /// What a motion within the limits makes must fit the number type.
 #[test]
 fn what_a_type_cannot_hold_is_refused_by_its_name() {
-    let units = |velocity: f64| Units {
-        length: 25e-9,
-        force: 1e-3,
-        velocity,
-    };
+    let units = |velocity: f64| Units { velocity, ..COUNTS };
     let friction = NoFriction::<I16F16>::new;
     for (velocity, name) in [(5e-7, "top speed"), (2e-5, "acceleration limit")] {
         let error = Coefficients::try_new(&Axis::PAPER_AXIS, friction(), units(velocity));

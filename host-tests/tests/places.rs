@@ -5,14 +5,16 @@ use preslide::control::{
 };
 use preslide::{Bound, Friction, Motion, Units};
 
-const RESTS: Measurement<u32> = Measurement {
+/// An axis at rest at its first count.
+pub const RESTS: Measurement<u32> = Measurement {
     count: 0,
     supply: 6000,
     current: 0,
     late: false,
 };
 
-fn controller(axis: &Axis, first: u32) -> Controller<NoFriction<f32>, u32> {
+/// Of an axis without friction fed forward.
+pub fn controller(axis: &Axis, first: u32) -> Controller<NoFriction<f32>, u32> {
     let friction = NoFriction::<f32>::new();
     let coefficients = Coefficients::try_new(axis, friction, Units::SI).expect("the paper's axis");
     Controller::new(coefficients, first)

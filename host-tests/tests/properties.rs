@@ -6,15 +6,9 @@ use preslide::{
     Block, Coulomb, Dahl, Friction, Gms, Hsieh, HsiehParams, LuGre, Motion, QuasiStaticGms, Scalar,
     Sliding, Units,
 };
-use preslide_host_tests::path::{COUNT, SAMPLE_TIME, random_reversals};
+use preslide_host_tests::path::{COUNT, COUNTS, SAMPLE_TIME, random_reversals};
 use preslide_host_tests::table3::{BREAKAWAY, blocks};
 use proptest::prelude::*;
-
-const COUNTS: Units = Units {
-    length: COUNT,
-    force: 1e-3,
-    velocity: 1e-3,
-};
 
 /// A failing case is printed in full; no file of past failures is kept.
 fn cases(cases: u32) -> ProptestConfig {
@@ -51,7 +45,7 @@ fn lugre() -> LuGre<f64> {
     LuGre::try_new(195_000.0, 0.0, BREAKAWAY, sliding, Units::SI).expect("Table 2 is valid")
 }
 
-fn hsieh_params() -> HsiehParams {
+pub fn hsieh_params() -> HsiehParams {
     HsiehParams {
         k1: 51_540.0,
         k2: 2_026_400.0,

@@ -10,15 +10,10 @@ use preslide::{
     Block, BoucWen, Coulomb, Dahl, ElastoPlastic, Friction, Gms, Hsieh, HsiehParams, Leuven,
     LeuvenForm, LuGre, QuasiStaticGms, Sliding, TwoState, Units,
 };
+use preslide_host_tests::path::COUNTS;
 use preslide_host_tests::table3;
 use preslide_sim::stage::{Stage, StageConfig};
 use proptest::prelude::*;
-
-const COUNTS: Units = Units {
-    length: 25e-9,
-    force: 1e-3,
-    velocity: 1e-3,
-};
 
 const SLIDING: Sliding = Sliding {
     coulomb: 0.81,

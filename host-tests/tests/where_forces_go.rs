@@ -1,25 +1,18 @@
 //! Where a model's force goes after loops, at speed and at rest, whatever its equation.
 
+use crate::properties::hsieh_params;
 use fixed::types::I16F16;
 use preslide::{
-    Dahl, ElastoPlastic, Friction, Gms, Hsieh, HsiehParams, Leuven, LeuvenForm, LuGre, Motion,
-    ParamError, QuasiStaticGms, Sliding, TwoState, Units,
+    Dahl, ElastoPlastic, Friction, Gms, Hsieh, Leuven, LeuvenForm, LuGre, Motion, ParamError,
+    QuasiStaticGms, Sliding, TwoState, Units,
 };
+use preslide_host_tests::path::COUNTS;
 use preslide_host_tests::table3::{BREAKAWAY, blocks};
 
 /// More reversals than it remembers: the outermost are forgotten, the inner loops still close.
 #[test]
 fn deep_nests_are_closed_by_hsieh_too() {
-    let params = HsiehParams {
-        k1: 51_540.0,
-        k2: 2_026_400.0,
-        beta: 3_216_500.0,
-        viscous: 0.0,
-        creep: 0.0,
-        hardening: 31_200.0,
-        hardening_exponent: 3.22,
-    };
-    let model = Hsieh::<f64>::try_new(&params, 50e-6, Units::SI).expect("valid");
+    let model = Hsieh::<f64>::try_new(&hsieh_params(), 50e-6, Units::SI).expect("valid");
     let turn = |n: i32| 8e-6 * 0.9_f64.powi(n) * f64::from(1 - 2 * (n & 1));
     let force = |turns: i32, end: f64| {
         let (mut state, mut at, mut force) = (model.at_rest(), 0.0, 0.0);
@@ -121,14 +114,9 @@ fn a_gms_that_slid_and_stands_keeps_its_force() {
 /// Its exponent is told from 1 where the number type can, and taken for 1 where it cannot.
 #[test]
 fn dahl_s_exponent_is_taken_near_one_too() {
-    let counts = Units {
-        length: 25e-9,
-        force: 1e-3,
-        velocity: 1e-3,
-    };
     for exponent in [0.999_95, 0.999_999, 1.0, 1.000_001, 1.000_05] {
-        let model = Dahl::<I16F16>::try_new(320e3, 0.9, exponent, counts);
-        assert_eq!(model, Dahl::try_new(320e3, 0.9, 1.0, counts), "{exponent}");
+        let model = Dahl::<I16F16>::try_new(320e3, 0.9, exponent, COUNTS);
+        assert_eq!(model, Dahl::try_new(320e3, 0.9, 1.0, COUNTS), "{exponent}");
         assert!(model.is_ok());
     }
 }
@@ -144,13 +132,8 @@ fn a_quasi_static_friction_is_no_more_than_what_is_told() {
 /// In fixed point a product rounds down, so that a negative force is the larger one: the limit is that.
 #[test]
 fn a_bristle_s_limit_holds_in_both_directions_and_is_reached() {
-    let counts = Units {
-        length: 25e-9,
-        force: 1e-3,
-        velocity: 1e-3,
-    };
     for stiffness in [150e3, 171e3, 195e3, 222.2e3, 320e3] {
-        let model = LuGre::<I16F16>::try_new(stiffness, 0.0, 0.9, Sliding::none(0.9), counts);
+        let model = LuGre::<I16F16>::try_new(stiffness, 0.0, 0.9, Sliding::none(0.9), COUNTS);
         let model = model.expect("valid");
         let limit = model.limit().expect("it has no damping");
         let force = |way: i32| {

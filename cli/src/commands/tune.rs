@@ -246,11 +246,10 @@ impl Tune {
                     .get(*best)
                     .filter(|_| self.recording.is_empty());
                 if let Some(chosen) = chosen {
-                    let export = ["preslide", "export"].map(str::to_owned).into_iter();
                     let model = self.model.display().to_string();
-                    let kernel = ["--kernel", chosen.kernel.name(), "-o", "stage_model.rs"];
-                    let command = export.chain([model]).chain(kernel.map(str::to_owned));
-                    say!("Next: {}", in_words(command));
+                    let (kernel, file) = (chosen.kernel.name(), "stage_model.rs");
+                    let words = ["preslide", "export", &model, "--kernel", kernel, "-o", file];
+                    say!("Next: {}", in_words(words.map(str::to_owned).into_iter()));
                 }
                 Ok(())
             }

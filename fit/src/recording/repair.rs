@@ -10,8 +10,7 @@ use super::frame::Frame;
 use super::known::Slot;
 use super::table::Table;
 use super::{EffortRole, MotionKind, Warning};
-use crate::statistics::bounds;
-use crate::statistics::quantile;
+use crate::statistics::{bounds, quantile};
 
 /// A spike leaves the range of all but 1 % of the samples by as much as that range is wide …
 const SPIKE_RANGES: f64 = 1.0;

@@ -1,6 +1,7 @@
 //! What lies between the machine and the recorded effort, an end of command or reading and a delay, and what shakes it.
 
 use super::delay::yields;
+use super::rigid::Rigid;
 use super::{Delay, Kinematics, Saturation, StickSlip, Vibration};
 use crate::recording::Recording;
 use serde::Serialize;
@@ -25,23 +26,25 @@ impl Channel {
             saturation,
             ..Self::default()
         };
+        let Some(yields) = yields(recording) else {
+            return found;
+        };
+        let mut rigid = Rigid::of(recording, kinematics, &yields);
         let mut is_known = vec![true; recording.len()];
         for range in found.unknown(kinematics.filter.reach(recording)) {
             is_known[range].fill(false);
         }
-        let Some(yields) = yields(recording) else {
-            return found;
-        };
+        rigid.rows.retain(|i| is_known[*i]);
         let arrived = found.taken_off(recording);
         let arrived = arrived.as_ref().unwrap_or(recording);
         // What an axis that hunts does by itself shakes it, too.
         if !StickSlip::of(arrived).is_some_and(|found| found.hunts) {
-            found.vibrations = Vibration::all(arrived, kinematics, &yields, &is_known);
+            found.vibrations = Vibration::all(&arrived.effort, &rigid);
         }
         // What shakes the axis moves it, by a phase of its own.
         let arrived = found.taken_off(recording);
         let arrived = arrived.as_ref().unwrap_or(recording);
-        found.delay = Delay::of(arrived, kinematics, &yields, &is_known);
+        found.delay = Delay::of(&arrived.effort, &rigid);
         found
     }
 

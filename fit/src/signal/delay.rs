@@ -20,7 +20,8 @@ const SHORT: f64 = 2.0;
 pub const TAKES: f64 = 0.25;
 const SURE: f64 = 3.0;
 /// Parts of the band in which a delay must be the same, by how much of itself at most (and a sample) it may differ. What a closed loop makes of a rattle or a
-/// vibration has a phase, not a delay. Made ones of 2.5 to 17 ms differ by 4 % down to an eighth of the band, that of a rattling screw by a factor of three.
+/// vibration has a phase, not a delay. Made ones of 2.5 to 17 ms differ by 4 % down to an eighth of the band, that of a
+/// rattling screw by a factor of three: set with these four in sight.
 const NARROWER: [f64; 2] = [2.0, 4.0];
 const SAME: f64 = 0.2;
 /// Blocks beside the rigid body.
@@ -36,28 +37,22 @@ pub struct Delay {
 }
 
 impl Delay {
-    /// The delay of a recording that has one, of the samples whose effort `is_known`, beside `yields` of hysteresis.
-    pub(super) fn of(
-        recording: &Recording,
-        kinematics: &Kinematics,
-        yields: &[f64],
-        is_known: &[bool],
-    ) -> Option<Self> {
-        let delay = shift_within(recording, kinematics, yields, is_known)?;
+    /// The delay of an effort that has one, beside rigid body and hysteresis.
+    pub(super) fn of(effort: &[f64], rigid: &Rigid) -> Option<Self> {
+        let (recording, kinematics) = (rigid.recording, rigid.kinematics);
         let dt = recording.sample_time_s();
+        let delay = shift(effort, rigid)?;
         if delay.abs() <= SHORT * dt {
             return None;
         }
-        let mut rigid = Rigid::of(recording, kinematics, yields);
-        rigid.rows.retain(|i| is_known[*i]);
-        let smooth = kinematics.filter.smooth(&recording.effort);
         let columns = rigid.at(&rigid.rows);
         let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-        let at = |values: &[f64]| -> Vec<f64> { rigid.rows.iter().map(|&i| values[i]).collect() };
-        let shifted = |delay: f64| at(&effort_earlier(&smooth, &recording.pieces, delay / dt));
-        let slope = kinematics.filter.derivative(&recording.effort, 1);
-        let slope_at = |delay: f64| at(&effort_earlier(&slope, &recording.pieces, delay / dt));
-        let (first_term, rest) = (slope_at(0.0), slope_at(delay));
+        let at = |values: &[f64], delay: f64| {
+            rigid.fitted(&effort_earlier(values, &recording.pieces, delay / dt))
+        };
+        let smooth = kinematics.filter.smooth(effort);
+        let slope = kinematics.filter.derivative(effort, 1);
+        let (first_term, rest) = (at(&slope, 0.0), at(&slope, delay));
         let beside = |slope| {
             columns
                 .iter()
@@ -65,17 +60,16 @@ impl Delay {
                 .chain([slope])
                 .collect::<Vec<&[f64]>>()
         };
-        let (unshifted, target) = (shifted(0.0), shifted(delay));
+        let (unshifted, target) = (at(&smooth, 0.0), at(&smooth, delay));
         let with = beside(&rest);
         is_sure(
             &left(&beside(&first_term), &unshifted)?,
             &left(&with, &target)?,
         )
         .then_some(())?;
-        let band = kinematics.filter.cutoff_hz();
         let is_the_same = |part: f64| {
-            let slower = Kinematics::below(recording, band / part);
-            let found = shift_within(recording, &slower, yields, is_known);
+            let slower = Kinematics::below(recording, kinematics.filter.cutoff_hz() / part);
+            let found = shift(effort, &rigid.within(&slower));
             found.is_some_and(|found| (found - delay).abs() <= SAME * delay.abs() + dt)
         };
         NARROWER.into_iter().all(is_the_same).then_some(())?;
@@ -107,24 +101,14 @@ impl Delay {
     }
 }
 
-/// The shift (s) of the effort that leaves least within the band of a motion.
-fn shift_within(
-    recording: &Recording,
-    kinematics: &Kinematics,
-    yields: &[f64],
-    is_known: &[bool],
-) -> Option<f64> {
-    let mut rigid = Rigid::of(recording, kinematics, yields);
-    rigid.rows.retain(|i| is_known[*i]);
-    let smooth = kinematics.filter.smooth(&recording.effort);
+/// The shift (s) of an effort that leaves least beside rigid body and hysteresis.
+fn shift(effort: &[f64], rigid: &Rigid) -> Option<f64> {
+    let smooth = rigid.kinematics.filter.smooth(effort);
     let columns = rigid.at(&rigid.rows);
     let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
     let fast = LeastSquares::of(&columns)?;
-    let dt = recording.sample_time_s();
-    let shifted = |delay: f64| -> Vec<f64> {
-        let earlier = effort_earlier(&smooth, &recording.pieces, delay / dt);
-        rigid.rows.iter().map(|&i| earlier[i]).collect()
-    };
+    let (pieces, dt) = (&rigid.recording.pieces, rigid.recording.sample_time_s());
+    let shifted = |delay: f64| rigid.fitted(&effort_earlier(&smooth, pieces, delay / dt));
     least(|delay| fast.squares_left(&shifted(delay)), dt)
 }
 
@@ -144,9 +128,7 @@ pub(super) fn yields(recording: &Recording) -> Option<[f64; BESIDE]> {
 
 /// What columns leave of an effort.
 fn left(columns: &[&[f64]], target: &[f64]) -> Option<Vec<f64>> {
-    let solved = LeastSquares::of(columns)?.coefficients(target);
-    let modelled = |i: usize| -> f64 { columns.iter().zip(&solved).map(|(c, s)| c[i] * s).sum() };
-    Some((0..target.len()).map(|i| target[i] - modelled(i)).collect())
+    Some(LeastSquares::of(columns)?.left(target))
 }
 
 /// Standard error of the last column's coefficient, from what it is without each block in turn.

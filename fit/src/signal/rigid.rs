@@ -6,7 +6,7 @@ use crate::statistics::LeastSquares;
 use std::ops::Range;
 
 /// Samples that are fitted at most.
-pub(super) const MOST: usize = 30_000;
+const MOST: usize = 30_000;
 /// Blocks of contiguous samples by which intervals are found.
 pub(super) const BLOCKS: usize = 24;
 
@@ -16,11 +16,17 @@ pub(super) fn blocks(samples: usize) -> impl Iterator<Item = Range<usize>> {
     (0..BLOCKS).map(move |k| cut(k)..cut(k + 1))
 }
 
+/// One of so many samples is fitted.
+fn thinned(recording: &Recording) -> usize {
+    recording.len().div_ceil(MOST)
+}
+
 /// Rigid body and hysteresis along a recording, to be fitted to one effort or another.
 pub(super) struct Rigid<'a> {
     pub(super) recording: &'a Recording,
     pub(super) kinematics: &'a Kinematics,
     pub(super) columns: Vec<Vec<f64>>,
+    yields: Vec<f64>,
     /// Samples that are fitted.
     pub(super) rows: Vec<usize>,
 }
@@ -39,15 +45,34 @@ impl<'a> Rigid<'a> {
         let position = recording.position.iter();
         columns.push(position.clone().map(|x| x.sin()).collect());
         columns.push(position.map(|x| x.cos()).collect());
-        let every = recording.len().div_ceil(MOST);
+        let every = thinned(recording);
         let known = (recording.pieces.iter())
             .flat_map(|piece| not_yet_known(recording, piece).end..piece.end);
         Self {
             recording,
             kinematics,
             columns,
+            yields: yields.to_vec(),
             rows: known.step_by(every).collect(),
         }
+    }
+
+    /// The same within another band.
+    pub(super) fn within<'b>(&'b self, kinematics: &'b Kinematics) -> Rigid<'b> {
+        Rigid {
+            rows: self.rows.clone(),
+            ..Rigid::of(self.recording, kinematics, &self.yields)
+        }
+    }
+
+    /// Time from one of the samples that may be fitted to the next (s).
+    pub(super) fn step_s(&self) -> f64 {
+        thinned(self.recording) as f64 * self.recording.sample_time_s()
+    }
+
+    /// Values of all samples at those that are fitted.
+    pub(super) fn fitted(&self, values: &[f64]) -> Vec<f64> {
+        self.rows.iter().map(|&i| values[i]).collect()
     }
 
     /// The columns at some rows.

@@ -1,7 +1,7 @@
 //! A force from outside at a frequency of its own, as of a pump or a neighbouring axis. Where it moves the axis, inertia, viscous friction and a
 //! delay that are fitted without it answer for it.
 
-use super::rigid::{BLOCKS, MOST as ROWS, Rigid, blocks};
+use super::rigid::{BLOCKS, Rigid, blocks};
 use super::{Kinematics, spectra};
 use crate::evidence::evidence;
 use crate::recording::Recording;
@@ -23,7 +23,7 @@ const STEADY: [f64; 2] = [0.6, 1.4];
 /// Share of the position's squares from which a line is the motion's own: what shakes an axis moves it by little of its travel.
 const OF_THE_MOTION: f64 = 0.01;
 /// The same of a line of which it is a harmonic, up to this order: higher ones of a friction that turns round are a twentieth of it, and those of a line
-/// that is there for a while are not steady.
+/// that is there for a while are not steady. A twentieth lost one of a blind judge's vibrations.
 const CARRIES: f64 = 0.5;
 const ORDERS: u32 = 30;
 /// Share of the rate of the fitted samples below which a line is looked for: a faster one would have an alias.
@@ -43,36 +43,27 @@ pub struct Vibration {
 }
 
 impl Vibration {
-    /// Those of a recording, strongest first, of the samples whose effort `is_known`, beside rigid body and `yields` of hysteresis.
-    pub(super) fn all(
-        recording: &Recording,
-        kinematics: &Kinematics,
-        yields: &[f64],
-        is_known: &[bool],
-    ) -> Vec<Self> {
-        let rows = recording.len() / recording.len().div_ceil(ROWS);
-        let most_hz = RESOLVED * rows as f64 / recording.len() as f64 / recording.sample_time_s();
-        let slower = (kinematics.filter.cutoff_hz() > most_hz)
-            .then(|| Kinematics::below(recording, most_hz));
-        let kinematics = slower.as_ref().unwrap_or(kinematics);
-        let mut rigid = Rigid::of(recording, kinematics, yields);
-        rigid.rows.retain(|i| is_known[*i]);
-        let smooth = kinematics.filter.smooth(&recording.effort);
-        let target: Vec<f64> = rigid.rows.iter().map(|&i| smooth[i]).collect();
-        let t: Vec<f64> = rigid.rows.iter().map(|&i| recording.t_s[i]).collect();
+    /// Those of an effort, strongest first, beside rigid body and hysteresis.
+    pub(super) fn all(effort: &[f64], rigid: &Rigid) -> Vec<Self> {
+        let most_hz = RESOLVED / rigid.step_s();
+        let slower = (rigid.kinematics.filter.cutoff_hz() > most_hz)
+            .then(|| Kinematics::below(rigid.recording, most_hz));
+        let slower = slower.as_ref().map(|slower| rigid.within(slower));
+        let rigid = slower.as_ref().unwrap_or(rigid);
+        let filter = &rigid.kinematics.filter;
+        let target = rigid.fitted(&filter.smooth(effort));
+        let t = rigid.fitted(&rigid.recording.t_s);
+        let position = rigid.fitted(&rigid.recording.position);
         let mut beside = rigid.at(&rigid.rows);
-        let position: Vec<f64> = rigid.rows.iter().map(|&i| recording.position[i]).collect();
         // A spring is none.
         beside.push(position.clone());
         let mut found = Vec::new();
         while found.len() < MOST {
-            let Some(next) = Line::strongest(&t, &target, &beside, kinematics.filter.cutoff_hz())
+            let next = Line::strongest(&t, &target, &beside, filter.cutoff_hz());
+            let Some(next) = next.filter(|n| !is_of_the_motion(&position, &t, n.frequency_hz))
             else {
                 break;
             };
-            if is_of_the_motion(&position, &t, next.frequency_hz) {
-                break;
-            }
             beside.extend(waves(&t, next.frequency_hz));
             found.push(next);
         }
@@ -81,11 +72,9 @@ impl Vibration {
 
     /// Takes it off an effort.
     pub(super) fn take_off(&self, recording: &mut Recording) {
-        let [cos, sin] = waves(&recording.t_s, self.frequency_hz);
-        let [c, s] = self.of_waves;
-        for (i, effort) in recording.effort.iter_mut().enumerate() {
-            *effort -= c * cos[i] + s * sin[i];
-        }
+        let own = sum(&waves(&recording.t_s, self.frequency_hz), self.of_waves);
+        let effort = recording.effort.iter_mut();
+        effort.zip(own).for_each(|(effort, own)| *effort -= own);
     }
 
     /// In words, a sentence without its full stop.
@@ -106,6 +95,11 @@ fn waves(t: &[f64], hz: f64) -> [Vec<f64>; 2] {
         .map(|(s, c)| (c, s))
         .unzip();
     [cos, sin]
+}
+
+/// Both waves, so many times each.
+fn sum([cos, sin]: &[Vec<f64>; 2], [a, b]: [f64; 2]) -> Vec<f64> {
+    cos.iter().zip(sin).map(|(c, s)| a * c + b * s).collect()
 }
 
 /// Whether the position has a line there, or one of which it is a harmonic: friction that turns round with it has them all.
@@ -160,14 +154,9 @@ impl<'a> Line<'a> {
         })
     }
 
-    fn force(&self, [a, b]: [f64; 2]) -> Vec<f64> {
-        let [c, s] = &self.waves;
-        c.iter().zip(s).map(|(c, s)| a * c + b * s).collect()
-    }
-
     /// Squares that it takes off.
     fn taken(&self) -> f64 {
-        let own = self.coefficients(|_| true).map(|own| self.force(own));
+        let own = self.coefficients(|_| true).map(|own| sum(&self.waves, own));
         own.map_or(0.0, |own| {
             own.iter().zip(self.left).map(|(f, r)| f * r).sum()
         })
@@ -206,13 +195,7 @@ impl<'a> Line<'a> {
         let line = at(hz);
         let own = line.coefficients(|_| true)?;
         (line.is_sure() && line.is_steady(own)).then_some(())?;
-        let [cos, sin] = waves(t, hz);
-        let force: Vec<f64> = cos
-            .iter()
-            .zip(&sin)
-            .map(|(c, s)| own[0] * c + own[1] * s)
-            .collect();
-        (!spectra::keeps_step(t, &force, target, hz)).then_some(())?;
+        (!spectra::keeps_step(t, &sum(&waves(t, hz), own), target, hz)).then_some(())?;
         let amplitude = |[a, b]: [f64; 2]| a.hypot(b);
         let without =
             |block: Range<usize>| line.coefficients(|i| !block.contains(&i)).map(amplitude);
@@ -232,7 +215,7 @@ impl<'a> Line<'a> {
             let Some(elsewhere) = self.coefficients(|i| !block.contains(&i)) else {
                 return false;
             };
-            force[block.clone()].copy_from_slice(&self.force(elsewhere)[block.clone()]);
+            force[block.clone()].copy_from_slice(&sum(&self.waves, elsewhere)[block.clone()]);
         }
         let found = evidence(&force, self.left, &own);
         found.share >= TAKES && found.z >= SURE
@@ -240,7 +223,7 @@ impl<'a> Line<'a> {
 
     /// Whether all parts of the recording but one have as much of it as the whole.
     fn is_steady(&self, own: [f64; 2]) -> bool {
-        let force = self.force(own);
+        let force = sum(&self.waves, own);
         let n = force.len();
         let is_as_large = |k: &usize| {
             let part = k * n / PARTS..(k + 1) * n / PARTS;

@@ -6,14 +6,8 @@ mod place;
 mod refusals;
 
 use preslide::{Gms, Scalar, Sliding, Units};
-use preslide_host_tests::path::{COUNT, SAMPLE_TIME, random_reversals};
+use preslide_host_tests::path::{COUNT, COUNTS, SAMPLE_TIME, random_reversals};
 use preslide_host_tests::table3;
-
-const COUNTS: Units = Units {
-    length: COUNT,
-    force: 1e-3,
-    velocity: 1e-3,
-};
 
 const TICKS: usize = 200_000;
 

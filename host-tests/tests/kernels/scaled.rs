@@ -7,14 +7,9 @@ use fixed::types::I16F16;
 use preslide::kernels::{CountGms, PackedSlipReserve, Scaled, SlipReserve};
 use preslide::{Block, Friction, Motion, ParamError, Scalar, Units};
 use preslide_host_tests::deviation::Deviation;
+use preslide_host_tests::path::COUNTS;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-
-const COUNTS: Units = Units {
-    length: COUNT,
-    force: 1e-3,
-    velocity: 1e-3,
-};
 
 /// Displacements (2⁻¹⁶ counts) of a reference: strokes at 4 nm/s to 16 mm/s, with rests and stops at any fraction of a count.
 fn smooth(seed: u64) -> impl Iterator<Item = i32> {

@@ -61,7 +61,7 @@ fn is_incredible(report: &TermReport) -> bool {
 }
 
 /// Doubts lines in position at the period of a larger encoder error, or at its half, third or quarter: friction and inertia answer to the error
-/// with its harmonics.
+/// with its harmonics. Set with four such lines of two blind judges in sight.
 pub fn doubt_harmonics(effects: &mut [Named]) {
     const MOST: f64 = 4.0;
     const WITHIN: f64 = 0.01;
@@ -75,19 +75,18 @@ pub fn doubt_harmonics(effects: &mut [Named]) {
         Name::Entry(effect) => effect.line().is_some_and(|l| l != effect::Line::Time),
         _ => false,
     };
-    for line in effects
-        .iter_mut()
-        .filter(|e| in_position(e) && !is_error(e))
-    {
-        let Some(own) = period(line) else { continue };
-        let is_harmonic = |&(error, share): &(f64, f64)| {
-            let order = error / own;
-            let whole = order.round().clamp(1.0, MOST);
-            (order / whole - 1.0).abs() < WITHIN && line.evidence.share < share
+    let is_harmonic = |line: &Named| {
+        let of = |&(error, share): &(f64, f64)| {
+            period(line).is_some_and(|own| {
+                let order = error / own;
+                let whole = order.round().clamp(1.0, MOST);
+                (order / whole - 1.0).abs() < WITHIN && line.evidence.share < share
+            })
         };
-        if errors.iter().any(is_harmonic) {
-            line.confident = false;
-            line.confidence = line.confidence.min(EVEN);
-        }
+        in_position(line) && !is_error(line) && errors.iter().any(of)
+    };
+    for line in effects.iter_mut().filter(|e| is_harmonic(e)) {
+        line.confident = false;
+        line.confidence = line.confidence.min(EVEN);
     }
 }

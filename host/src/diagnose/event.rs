@@ -37,7 +37,7 @@ const LIKE: f64 = 0.9;
 /// Share of the windows at either end of each coordinate that have none: what moves farther or faster than all others is extrapolated to, and
 /// an end of the command, say, shows there alone. Set with the four of ten false events of a blind judge in sight that lie there.
 const EDGE: f64 = 0.03;
-/// One in so many of an event's windows must have others like it.
+/// One in so many of an event's windows must have others like it. At one in two a made event of three stretches was lost.
 const MANY: usize = 3;
 /// Share of the mismatch that events must hold: in recordings of nothing but wandering friction one window holds up to an eighth.
 const HELD: f64 = 0.25;
@@ -139,10 +139,9 @@ fn standing_out(unlike: &[[f64; 2]]) -> Option<(Vec<bool>, f64)> {
     let told: Vec<bool> = sizes.iter().map(|s| *s >= least).collect();
     let far: Vec<f64> = unlike.iter().map(|d| d[1]).collect();
     let farthest = quantile_between_ranks(&far, LIKE);
-    let has_like = far.iter().zip(&told).filter(|(_, told)| **told);
-    let has_like: Vec<bool> = has_like.map(|(far, _)| *far <= farthest).collect();
-    let enough = MANY * has_like.iter().filter(|like| **like).count() >= has_like.len();
-    enough.then_some((told, most / usual))
+    let of_told = || far.iter().zip(&told).filter(|(_, told)| **told);
+    let like = of_told().filter(|(far, _)| **far <= farthest).count();
+    (MANY * like >= of_told().count()).then_some((told, most / usual))
 }
 
 /// Windows of a length that overlap by half, each within one stretch of contiguous rows, none of them `alone`.

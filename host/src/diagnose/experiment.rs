@@ -4,8 +4,7 @@ use super::effect::grid::spread;
 use super::effect::{self, Part};
 use super::hysteresis;
 use super::verdict::Diagnosis;
-use preslide_fit::statistics::bounds;
-use preslide_fit::statistics::quantile_between_ranks;
+use preslide_fit::statistics::{bounds, quantile_between_ranks};
 use std::fmt::Write as _;
 
 /// Sample time of the profile (s).

@@ -15,7 +15,7 @@ use preslide_fit::identify::{Candidate, Identification, MANY, Options, STEPS, id
 use preslide_fit::model::Model;
 use preslide_fit::progress::Progress;
 use preslide_fit::recording::Recording;
-use preslide_fit::signal::{Channel, Delay};
+use preslide_fit::signal::Delay;
 use serde_json::Value;
 
 /// Times the distance of a spring's centre that the diagnosis finds it within.
@@ -54,13 +54,6 @@ fn reach(model: &Model, recording: &Recording) -> f64 {
     let (low, high) = recording.ends();
     let aside = (centre - 0.5 * (low + high)).abs() / (high - low).max(1e-300);
     (FAR * aside / ASIDE).max(1.0)
-}
-
-/// What shakes an axis, as terms.
-pub fn shaken(channel: &Channel) -> Vec<Term> {
-    let of = |hz| Term::new(Subject::Effect(VIBRATION), &[hz]);
-    let found = channel.vibrations.iter();
-    found.map(|line| of(line.frequency_hz)).collect()
 }
 
 impl Fit {
@@ -110,10 +103,16 @@ impl Fit {
             Place::Nowhere => has(&ConstantForce, &[]),
         }
         let blocks = found.best().blocks.iter();
+        let line = |hz| Term::new(Subject::Effect(VIBRATION), &[hz]);
+        let shaken = found
+            .channel
+            .vibrations
+            .iter()
+            .map(|v| line(v.frequency_hz));
         Known {
             terms,
             yields: Some(blocks.map(|(_, yields)| yields.value).collect()),
-            shaken: shaken(&found.channel),
+            shaken: shaken.collect(),
         }
     }
 

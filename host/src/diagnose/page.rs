@@ -12,8 +12,7 @@ use super::verdict::Diagnosis;
 use preslide_fit::recording::Recording;
 use preslide_fit::report::figures::{between, capital, quantity};
 use preslide_fit::report::{self, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
-use preslide_fit::statistics::bounds;
-use preslide_fit::statistics::quantile_between_ranks;
+use preslide_fit::statistics::{bounds, quantile_between_ranks};
 
 /// Points of a figure's cloud.
 const POINTS: usize = 6000;

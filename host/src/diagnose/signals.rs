@@ -4,8 +4,7 @@ use super::column::{Kind, Own};
 use preslide_fit::recording::{MotionKind, Recording};
 use preslide_fit::signal::Kinematics;
 use preslide_fit::signal::ZeroPhase;
-use preslide_fit::statistics::bounds;
-use preslide_fit::statistics::quantile_between_ranks;
+use preslide_fit::statistics::{bounds, quantile_between_ranks};
 use std::ops::Range;
 
 /// A reversal counts once the motion came back by this share of the travel, or by six times the encoder's noise.

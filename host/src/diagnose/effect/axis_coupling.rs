@@ -7,8 +7,7 @@ use crate::diagnose::signals::mean;
 use crate::diagnose::weak::Column;
 use preslide_fit::model::Model;
 use preslide_fit::recording::Extra;
-use preslide_fit::statistics::Estimate;
-use preslide_fit::statistics::bounds;
+use preslide_fit::statistics::{Estimate, bounds};
 
 /// Forms, by their number, in front of the column's name.
 const FORMS: [&str; 4] = ["", "velocity_of_", "direction_of_", "acceleration_of_"];

@@ -5,8 +5,7 @@ use super::{BARE, Card, Class, Effect, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::form;
-use preslide_fit::statistics::bounds;
-use preslide_fit::statistics::quantile_between_ranks;
+use preslide_fit::statistics::{bounds, quantile_between_ranks};
 
 /// Ages from which the level grows that are tried (s): rests that a recording has last as long.
 const TIME_CONSTANTS_S: [f64; 2] = [0.1, 0.5];

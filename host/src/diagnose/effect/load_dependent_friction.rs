@@ -8,8 +8,7 @@ use crate::diagnose::signals::mean;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::{Effect as Entry, form};
 use preslide_fit::model::Model;
-use preslide_fit::statistics::bounds;
-use preslide_fit::statistics::{Estimate, quantile_between_ranks};
+use preslide_fit::statistics::{Estimate, bounds, quantile_between_ranks};
 
 /// Key of the friction that a unit of transmitted effort brings (-), as in a gear.
 const SHARE: &str = "share_of_transmitted";

@@ -9,8 +9,7 @@ use crate::diagnose::signals::Signals;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::{Effect as Entry, form};
 use preslide_fit::model::Model;
-use preslide_fit::statistics::Estimate;
-use preslide_fit::statistics::bounds;
+use preslide_fit::statistics::{Estimate, bounds};
 
 /// Share of the travel by which a spring's centre may lie aside of the middle, a little beyond either end: farther out the constant is a matter
 /// of its own.

@@ -9,8 +9,7 @@ use crate::diagnose::signals::{Signals, mean};
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::{Effect as Entry, form};
 use preslide_fit::model::Model;
-use preslide_fit::statistics::Estimate;
-use preslide_fit::statistics::bounds;
+use preslide_fit::statistics::{Estimate, bounds};
 
 /// `thermal_drift`.
 pub struct ThermalDrift;
