@@ -15,6 +15,7 @@ use preslide_host::compare::compare;
 use preslide_host::diagnose::diagnose;
 use preslide_host::diagnose::fit::Fit;
 use preslide_host_tests::made::{Blocks, sines};
+use preslide_host_tests::reference::{BoucWen, Dahl};
 use preslide_host_tests::shared;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -54,19 +55,31 @@ fn made(machine: &Machine, seed: u64, names: &str) -> Recording {
 }
 
 fn made_of(rows: u32, machine: &Machine, seed: u64, names: &str) -> Recording {
+    let mut blocks = Blocks::new(&BLOCKS);
+    made_by(&mut |q, _| blocks.force(q), rows, machine, seed, names)
+}
+
+/// With another friction, of an angle and a speed.
+fn made_by(
+    friction: &mut dyn FnMut(f64, f64) -> f64,
+    rows: u32,
+    machine: &Machine,
+    seed: u64,
+    names: &str,
+) -> Recording {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let waves = [(1.1, 0.9), (0.35, 3.7), (0.1, 9.1)];
     let [torque, shaken] = machine.shaken;
     let gives_way = [0.5 * torque / (INERTIA * shaken * shaken), shaken, 0.7];
     let waves = waves.map(|(a, w)| [a, w, TAU * rng.random::<f64>()]);
     let waves: Vec<[f64; 3]> = waves.into_iter().chain([gives_way]).collect();
-    let (mut text, mut blocks) = (format!("t_s,{names}\n"), Blocks::new(&BLOCKS));
+    let mut text = format!("t_s,{names}\n");
     for i in 0..rows {
         let t = f64::from(i) * 2e-3;
         let [q, v, acceleration] = sines(&waves, t);
         let mut effort = INERTIA * acceleration + machine.viscous[usize::from(v < 0.0)] * v;
         let level = 1.0 + machine.stribeck[0] * (-v.abs() / machine.stribeck[1]).exp();
-        effort += level * blocks.force(q);
+        effort += level * friction(q, v);
         effort += machine.gravity[0] * (q - machine.gravity[1]).sin();
         effort += machine.spring[0] * (q - machine.spring[1]);
         effort -= torque * (shaken * t).cos();
@@ -238,6 +251,46 @@ fn friction_that_falls_with_the_speed_is_told() {
     }
 }
 
+/// No number of blocks is Dahl's law or `tanh`: what they leave repeats with every stroke, and no scatter of strokes shows how it bends the rest.
+#[test]
+fn intervals_reach_to_what_other_laws_make_of_a_parameter() {
+    type Law = fn() -> Box<dyn FnMut(f64, f64) -> f64>;
+    let dahl: Law = || {
+        let mut bristle = Dahl {
+            stiffness: COULOMB / 4e-3,
+            coulomb: COULOMB,
+            exponent: 1.0,
+            force: 0.0,
+        };
+        let mut last = None;
+        Box::new(move |q, _| bristle.advance(q - last.replace(q).unwrap_or(q)))
+    };
+    let bouc_wen: Law = || {
+        let mut spring = BoucWen::new(COULOMB / 8e-3, COULOMB, 1.2, 0.65);
+        let mut last = None;
+        Box::new(move |q, _| spring.advance(q - last.replace(q).unwrap_or(q)))
+    };
+    let smooth: Law = || Box::new(|_, v| COULOMB * (v / 0.05).tanh());
+    for (law, friction, words) in [
+        ("Dahl", dahl, ""),
+        ("Bouc-Wen", bouc_wen, ""),
+        ("tanh", smooth, "as tanh(v/v0) does"),
+    ] {
+        for seed in [20, 21, 22] {
+            println!("{law}, seed {seed}");
+            let recording = made_by(&mut friction(), 30_000, &BARE, seed, "q_rad,torque_Nm");
+            let found = run(&recording);
+            for (name, truth) in [("mass", INERTIA), ("viscous", 0.3), ("coulomb", COULOMB)] {
+                let (value, [low, high]) = of(&found, name);
+                println!("  {name} {value:.5} ({low:.5} … {high:.5}), true {truth}");
+                assert!((low..=high).contains(&truth), "{name}: {low} … {high}");
+            }
+            let notes = found.notes(&recording).concat();
+            assert!(notes.contains(words), "{notes}");
+        }
+    }
+}
+
 /// What a filter carries in from before the first sample is nobody's.
 #[test]
 fn what_was_cut_from_a_motion_is_not_fitted_at_its_ends() {
@@ -312,10 +365,10 @@ fn the_cases_have_their_right_values() {
     }
     if let Some(recording) = case("spring_off_centre/rec.csv") {
         let found = run(&recording);
-        holds(&found, "spring", 41.0, 3.0);
+        holds(&found, "spring", 41.0, 4.0);
         let (value, [low, high]) = of(&found, "spring_centre");
         println!("  spring_centre {value} ({low} … {high}), true -0.0021");
-        assert!((low..=high).contains(&-2.1e-3) && high - low < 0.02);
+        assert!((low..=high).contains(&-2.1e-3) && high - low < 0.03);
     }
 }
 

@@ -27,37 +27,39 @@ pub(super) struct Shown {
     pub(super) gain: f64,
 }
 
-/// Plain columns, and the sums over them and the deflections of a grid.
+/// Plain columns, maybe others behind them, and the sums over all of them and the deflections of a grid.
 pub(super) struct Evidence<'a> {
     pub(super) columns: &'a [Regressor],
     pub(super) surface: &'a Surface,
 }
 
 impl Evidence<'_> {
-    /// The columns of a fit to some folds, those of the plain physics first, and its coefficients.
-    fn fit<'g>(
+    /// Columns of the blocks that yield by `longest`.
+    pub(super) fn blocks(&self, longest: f64) -> Vec<usize> {
+        let first = self.columns.len();
+        let grid = self.surface.grid.iter().enumerate();
+        let yields_by = grid.filter(|(_, d)| **d <= longest);
+        yields_by.map(|(j, _)| first + j).collect()
+    }
+
+    /// The columns of a fit to some folds, those of the plain physics first, of `friction` those with a positive share; and its coefficients.
+    pub(super) fn fit<'g>(
         &self,
         folds: impl IntoIterator<Item = &'g Gram>,
         plain: Plain,
-        longest: f64,
+        friction: &[usize],
     ) -> Option<(Vec<usize>, DVector<f64>)> {
-        let first = self.columns.len();
-        let blocks: Vec<usize> = (0..self.surface.grid.len())
-            .filter(|j| self.surface.grid[*j] <= longest)
-            .map(|j| first + j)
-            .collect();
-        non_negative(&Gram::sum(folds)?, &plain.among(self.columns), &blocks)
+        non_negative(&Gram::sum(folds)?, &plain.among(self.columns), friction)
     }
 
-    /// Squared error on every fold of a fit to the other groups of folds, with yields up to `longest`; `None` where the columns cannot be
-    /// told apart.
-    fn held_out(&self, plain: Plain, longest: f64) -> Option<Vec<f64>> {
+    /// Squared error on every fold of a fit to the other groups of folds; `None` where the columns cannot be told apart.
+    pub(super) fn held_out(&self, plain: Plain, friction: &[usize]) -> Option<Vec<f64>> {
         let per_group = self.surface.folds.len().div_ceil(GROUPS).max(1);
         let mut errors = Vec::new();
         for (out, group) in self.surface.folds.chunks(per_group).enumerate() {
             let others = self.surface.folds.chunks(per_group).enumerate();
             let rest = others.filter(|(i, _)| *i != out).flat_map(|(_, g)| g);
-            let (chosen, coefficients) = self.fit(rest, plain, longest)?;
+            let (chosen, coefficients) = self.fit(rest, plain, friction)?;
             let left = group.iter();
             errors.extend(left.map(|fold| fold.squared_error(&chosen, &coefficients)));
         }
@@ -74,7 +76,7 @@ impl Evidence<'_> {
                 .get(*column)
                 .is_some_and(|c| c.name == "spring")
         };
-        self.fit(&self.surface.folds, plain, longest)
+        self.fit(&self.surface.folds, plain, &self.blocks(longest))
             .is_some_and(|(chosen, fit)| {
                 let at = chosen.iter().position(is_spring);
                 at.is_some_and(|at| fit[at] > 0.0)
@@ -115,7 +117,7 @@ impl Evidence<'_> {
             if !self.is_possible(plain, end) {
                 return;
             }
-            let Some(errors) = self.held_out(plain, end) else {
+            let Some(errors) = self.held_out(plain, &self.blocks(end)) else {
                 return;
             };
             let places = [shown.plain.place, plain.place];
@@ -140,7 +142,7 @@ impl Evidence<'_> {
         let sum = |errors: &[f64]| errors.iter().sum::<f64>();
         if shown.plain != base {
             // Beside the same friction: what yields late would stand in for what follows the position.
-            let without = self.held_out(base, shown.longest);
+            let without = self.held_out(base, &self.blocks(shown.longest));
             let taken_off = best
                 .zip(without)
                 .map(|(with, without)| 1.0 - sum(&with) / sum(&without));

@@ -2,6 +2,7 @@
 
 use super::evidence::{Evidence, Shown};
 use super::judge::Judge;
+use super::laws::{Law, Mixture};
 use super::maxwell_slip::{self, Selection};
 use super::plain::{self, Place, Plain};
 use super::regression::{Regression, Regressor, Surface};
@@ -12,6 +13,7 @@ use super::{Candidate, FINEST, STEPS, yield_range};
 use crate::progress::Progress;
 use crate::recording::{MotionKind, Recording};
 use crate::signal::{Kinematics, Split};
+use rayon::prelude::*;
 
 /// Share of the moving samples in the rarer direction below which a recording goes one way.
 const ONE_WAY: f64 = 0.01;
@@ -44,6 +46,7 @@ pub(super) struct Found {
     pub(super) range: (f64, f64),
     pub(super) half_a_stroke: f64,
     pub(super) plain: Plain,
+    pub(super) mixture: Option<Mixture>,
 }
 
 /// Blocks of every number beside the plain physics that the recording shows.
@@ -52,6 +55,7 @@ struct Searched<'a> {
     surface: Surface,
     selection: Selection,
     shown: Shown,
+    mixture: Option<Mixture>,
 }
 
 impl Fitting<'_> {
@@ -118,7 +122,11 @@ impl Fitting<'_> {
         range: (f64, f64),
         progress: &Progress,
     ) -> Result<Searched<'_>, String> {
-        let columns = plain::every_column(self.recording, self.kinematics);
+        let laws = Law::all(self.recording, self.kinematics, self.train, range.0);
+        let of_law = laws.par_iter();
+        let of_law = of_law.map(|law| law.column(self.recording, self.kinematics));
+        let mut columns = plain::every_column(self.recording, self.kinematics);
+        columns.extend(of_law.collect::<Vec<_>>());
         let parts = self.split.parts();
         let mut regression = self.regression(columns, &parts.concat(), weights);
         let every = Surface::new(&regression, maxwell_slip::grid(range));
@@ -127,9 +135,10 @@ impl Fitting<'_> {
             surface: &every,
         };
         let shown = evidence.shown(self.recording, base, range.1);
+        let by_fold = every.joined(parts.iter().map(Vec::len));
+        let mixture = Mixture::of(&evidence, &by_fold, &laws, self.recording, shown);
         let taken = shown.plain.among(&regression.columns);
-        let surface = every.part(&taken, shown.longest);
-        let surface = surface.joined(parts.iter().map(Vec::len));
+        let surface = by_fold.part(&taken, shown.longest);
         regression.columns = shown.plain.columns(self.recording, self.kinematics);
         let selection = maxwell_slip::select(&regression, &surface, progress)
             .map_err(|reason| format!("{}: {reason}", self.recording.name))?;
@@ -138,6 +147,7 @@ impl Fitting<'_> {
             surface,
             selection,
             shown,
+            mixture,
         })
     }
 
@@ -184,6 +194,7 @@ impl Fitting<'_> {
             range: (FINEST * (high - low), high - low),
             half_a_stroke: high - low,
             plain: shown.plain,
+            mixture: None,
         })
     }
 
@@ -232,6 +243,7 @@ impl Fitting<'_> {
             surface,
             selection,
             shown,
+            mixture,
         } = found;
         let rigid = self.rigid_body(&weights, shown.plain)?;
         notes.extend(said(shown));
@@ -277,6 +289,7 @@ impl Fitting<'_> {
             range: (range.0, shown.longest),
             half_a_stroke: range.1,
             plain: shown.plain,
+            mixture,
         })
     }
 }

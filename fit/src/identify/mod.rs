@@ -8,6 +8,7 @@ pub mod family;
 mod fit;
 mod fitting;
 mod judge;
+mod laws;
 pub mod maxwell_slip;
 pub mod motion;
 mod notes;
@@ -38,6 +39,7 @@ pub use between::{Change, Changed};
 use ends::{cut_from_a_motion, stands_out};
 use family::Family;
 use fitting::Fitting;
+use laws::Mixture;
 use nalgebra::{DMatrix, DVector};
 use plain::Plain;
 use std::ops::Range;
@@ -188,6 +190,8 @@ pub struct Identification {
     pub channel: Channel,
     /// What later files have otherwise than the first.
     pub between: Vec<Change>,
+    /// What other laws of friction make of the plain physics, until the intervals reach to it.
+    mixture: Option<Mixture>,
 }
 
 /// Warnings of the loader that leave nothing to identify or diagnose, with what would.
@@ -285,6 +289,7 @@ pub fn identify(
             found.band_hz
         ));
     }
+    found.reach_to_other_laws(recording);
     Ok(found)
 }
 
@@ -396,6 +401,7 @@ fn fitted(
         stick_slip,
         channel,
         between,
+        mixture: found.mixture,
     };
     for at in 0..identification.candidates.len() {
         identification.give_channel(at);

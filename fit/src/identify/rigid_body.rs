@@ -187,7 +187,7 @@ fn gram(columns: &[&[f64]], rows: &[usize], weights: &Weights) -> Gram {
 }
 
 /// Covariance clustered by fold, as in [`super::refine::covariance`].
-fn clustered(
+pub fn clustered(
     matrix: &DMatrix<f64>,
     coefficients: &DVector<f64>,
     folds: &[Gram],

@@ -1,0 +1,237 @@
+//! Other laws of friction beside the blocks, and what plain physics would be beside them.
+//!
+//! A number of blocks is a model's form and no law of nature. Where friction nears its level along a tail, forgets inner loops (Dahl), or follows
+//! the speed alone (`tanh`), blocks leave an error that every stroke repeats: no scatter of the folds shows it, and inertia, viscous friction and the
+//! level are bent by it to beyond their intervals. A mixture of all these laws, of which none has a negative share, is free where blocks are not.
+
+use super::evidence::{Evidence, Shown};
+use super::fit::{shown as name_shown, unit};
+use super::regression::{Gram, Regressor, Surface};
+use super::rigid_body::clustered;
+use super::{Candidate, Identification};
+use crate::recording::Recording;
+use crate::report::figures::{left, quantity};
+use crate::signal::{Kinematics, LATE};
+use crate::statistics::{Estimate, quantile_between_ranks};
+use nalgebra::DVector;
+
+/// Relaxation lengths of bristles, from two of the shortest yields on: over four decades neighbours differ by a factor of four, between which two mix.
+const LENGTHS: usize = 8;
+/// Longest yield displacement over the longest relaxation length: a bristle slips after some three of its lengths.
+const RELAXED: f64 = 3.0;
+/// Speeds over which friction without hysteresis reverses, up to this share of the usual top speed, beyond which it is viscous friction …
+const SLOW: f64 = 0.1;
+/// … in half octaves.
+const SPEEDS: i32 = 9;
+
+/// Share of the error of the recommended blocks below which the mixture's is worth a word.
+const WORTH_TELLING: f64 = 0.5;
+/// Error (%) of the blocks below which it is not: what is left is nothing that anybody looks for.
+const HARDLY_ANY: f64 = 0.01;
+
+/// A law that is linear in its level, which is 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Law {
+    /// `dz/dx = (1 − sgn(v)·z)ⁿ/d` (Dahl 1968) with n = 1 or 2 and the length `d` (m or rad).
+    Bristles { squared: bool, length: f64 },
+    /// `tanh(v/v₀)` with the speed `v₀` (m/s or rad/s).
+    Smooth(f64),
+}
+
+impl Law {
+    /// Those that the rows `train` of a recording can show, beside blocks that yield from `shortest` (m or rad) on.
+    pub(super) fn all(
+        recording: &Recording,
+        kinematics: &Kinematics,
+        train: &[usize],
+        shortest: f64,
+    ) -> Vec<Self> {
+        let (low, high) = recording.ends();
+        let (from, to) = (2.0 * shortest, LATE * (high - low) / RELAXED);
+        let lengths =
+            (0..LENGTHS).map(|k| from * (to / from).powf(k as f64 / (LENGTHS - 1) as f64));
+        let bristles = lengths
+            .filter(|_| from < to)
+            .flat_map(|length| [false, true].map(|squared| Self::Bristles { squared, length }));
+        let speeds: Vec<f64> = train
+            .iter()
+            .map(|i| kinematics.velocity[*i].abs())
+            .collect();
+        let top = SLOW * quantile_between_ranks(&speeds, 0.95);
+        let smooth = (0..SPEEDS).map(|k| Self::Smooth(top * 0.5_f64.powf(0.5 * f64::from(k))));
+        bristles.chain(smooth).collect()
+    }
+
+    /// Its force at every sample, filtered as the effort is where it contains inertia.
+    pub(super) fn column(self, recording: &Recording, kinematics: &Kinematics) -> Regressor {
+        let raw = match self {
+            Self::Smooth(speed) => {
+                let velocity = kinematics.velocity.iter();
+                velocity.map(|v| (v / speed).tanh()).collect()
+            }
+            Self::Bristles { squared, length } => bent(recording, squared, length),
+        };
+        Regressor {
+            name: "law",
+            values: match recording.role.contains_inertia() {
+                true => kinematics.filter.smooth(&raw),
+                false => raw,
+            },
+        }
+    }
+}
+
+/// Deflection of bristles over their greatest, exact between two samples that move one way: with `u = 1 − sgn(v)·z`, `du/dx = −uⁿ/d`.
+fn bent(recording: &Recording, squared: bool, length: f64) -> Vec<f64> {
+    let x = &recording.position;
+    let mut bent = vec![0.0; x.len()];
+    let mut z = 0.0;
+    for piece in &recording.pieces {
+        let mut last = x[piece.start];
+        for i in piece.clone() {
+            let way = (x[i] - last).signum();
+            let far = (x[i] - last).abs() / length;
+            last = x[i];
+            let u = 1.0 - way * z;
+            z = way
+                * (1.0
+                    - if squared {
+                        u / (1.0 + far * u)
+                    } else {
+                        u * (-far).exp()
+                    });
+            bent[i] = z;
+        }
+    }
+    bent
+}
+
+/// What a mixture of all laws makes of the plain physics.
+#[derive(Clone, Debug)]
+pub(super) struct Mixture {
+    /// NMSE (%) on stretches that were held out in turn.
+    nmse_cross: f64,
+    /// Plain physics and the level, as of a candidate.
+    parameters: Vec<(&'static str, Estimate)>,
+    /// Speed (m/s or rad/s) over which friction reverses, where most of it follows the speed alone.
+    speed: Option<f64>,
+}
+
+impl Mixture {
+    /// Fits `laws`, whose columns are the last of the evidence's, and blocks beside the plain physics that is `shown`. Errors are clustered by the folds of
+    /// `surface`, which has the evidence's columns.
+    pub(super) fn of(
+        evidence: &Evidence,
+        surface: &Surface,
+        laws: &[Law],
+        recording: &Recording,
+        shown: Shown,
+    ) -> Option<Self> {
+        let columns = evidence.columns.len();
+        let first = columns - laws.len();
+        let core: Vec<usize> = (first..columns)
+            .chain(evidence.blocks(shown.longest))
+            .collect();
+        let (chosen, coefficients) = evidence.fit(&surface.folds, shown.plain, &core)?;
+        let held_out = evidence.held_out(shown.plain, &core)?;
+        let total = Gram::sum(&surface.folds)?;
+        let covariance = clustered(
+            &total.normal(&chosen).0,
+            &coefficients,
+            &surface.folds,
+            &chosen,
+        );
+        let level = |column: usize| match column.checked_sub(columns) {
+            Some(block) => surface.grid[block],
+            None => f64::from(column >= first),
+        };
+        let levels = DVector::from_iterator(chosen.len(), chosen.iter().map(|c| level(*c)));
+        let error = covariance
+            .as_ref()
+            .map(|c| (c * &levels).dot(&levels).max(0.0).sqrt());
+        let coulomb = levels.dot(&coefficients);
+        let folds = surface.folds.len();
+        let plain = shown.plain.among(evidence.columns).len();
+        let linear = &coefficients.as_slice()[..plain];
+        let mut parameters = shown
+            .plain
+            .parameters(recording, linear, covariance.as_ref(), folds);
+        parameters.push(("coulomb", Estimate::new(coulomb, error, folds)));
+        let shares = chosen
+            .iter()
+            .zip(&coefficients)
+            .filter_map(
+                |(column, share)| match laws.get(column.checked_sub(first)?)? {
+                    Law::Smooth(speed) => Some((*speed, *share)),
+                    Law::Bristles { .. } => None,
+                },
+            );
+        let shares: Vec<(f64, f64)> = shares.collect();
+        let smooth: f64 = shares.iter().map(|(_, share)| share).sum();
+        let speed = shares
+            .iter()
+            .map(|(speed, share)| share * speed.ln())
+            .sum::<f64>()
+            / smooth;
+        Some(Self {
+            nmse_cross: 100.0 * held_out.iter().sum::<f64>() / total.force_variation(),
+            parameters,
+            speed: (smooth > 0.5 * coulomb).then(|| speed.exp()),
+        })
+    }
+}
+
+impl Candidate {
+    /// Intervals that reach to what a mixture of laws makes of each parameter, too.
+    fn reach_to(&mut self, mixture: &Mixture) {
+        for (name, own) in &mut self.rigid_body {
+            let other = mixture.parameters.iter().find(|p| p.0 == *name);
+            let other = other.and_then(|p| p.1.ci95);
+            if let (Some(own), Some(other)) = (&mut own.ci95, other) {
+                *own = [own[0].min(other[0]), own[1].max(other[1])];
+            }
+        }
+    }
+}
+
+impl Identification {
+    /// Lets every interval reach to what a mixture of laws makes of the parameter, and says so where it predicts much better than what is recommended.
+    pub(super) fn reach_to_other_laws(&mut self, recording: &Recording) {
+        let Some(mixture) = self.mixture.take() else {
+            return;
+        };
+        let candidates = self.candidates.iter_mut();
+        candidates.for_each(|c| c.reach_to(&mixture));
+        let own = self.best().nmse_test;
+        if own > HARDLY_ANY && mixture.nmse_cross < WORTH_TELLING * own {
+            self.search_notes.push(mixture.words(recording, own));
+        }
+    }
+}
+
+impl Mixture {
+    /// In words, what laws other than blocks, which leave an error `own` (%), make of this recording.
+    fn words(&self, recording: &Recording, own: f64) -> String {
+        let [own, here] = [own, self.nmse_cross].map(left);
+        let Some(speed) = self.speed else {
+            return format!(
+                "friction nears its level along a tail, or forgets inner loops, as Dahl's does: with such bristles among them blocks leave {here} of the variance on held-out data, without {own}. Intervals reach to what each parameter is beside them; `preslide compare` fits Dahl's law and its kin"
+            );
+        };
+        let figures = self
+            .parameters
+            .iter()
+            .filter(|p| ["mass", "viscous", "coulomb"].contains(&p.0));
+        let figures: Vec<String> = figures
+            .map(|(name, e)| {
+                let size = quantity(e.value, &unit(recording, name));
+                format!("{} {size}", name_shown(recording, name))
+            })
+            .collect();
+        format!(
+            "friction here follows the speed and reverses smoothly over about {}, as tanh(v/v0) does: beside such a law {here} of the variance is left on held-out data, beside blocks {own}, and the parameters are {}. No model file has this law; the intervals reach to these figures",
+            quantity(speed, &format!("{}/s", recording.position_unit())),
+            figures.join(", ")
+        )
+    }
+}
