@@ -126,23 +126,9 @@ impl RecordingArgs {
         self.reading.taken = columns.to_vec();
     }
 
-    /// Another command on the same files, read alike, and on a model, as a shell wants it.
+    /// Another command on the same files, as [`ReadingArgs::command`].
     pub fn command(&self, name: &str, model: Option<&Path>) -> String {
-        let command = ["preslide", name].map(str::to_owned).into_iter();
-        let files = self
-            .recordings
-            .iter()
-            .map(|file| file.display().to_string());
-        let maps = self.reading.map.iter();
-        let maps = maps.flat_map(|(to, from)| ["--map".to_owned(), format!("{to}={from}")]);
-        let sign = self.reading.sign.iter();
-        let sign = sign.flat_map(|sign| ["--sign".to_owned(), sign.to_string()]);
-        let ignored = self.reading.ignore.iter();
-        let ignored = ignored.flat_map(|column| ["--ignore".to_owned(), column.clone()]);
-        let model = model.iter();
-        let model = model.flat_map(|path| ["--model".to_owned(), path.display().to_string()]);
-        let read = maps.chain(sign).chain(ignored);
-        in_words(command.chain(files).chain(read).chain(model))
+        self.reading.command(name, &self.recordings, model)
     }
 
     /// Sees to it that the outputs can be written and are none of the recordings, nor the model.
@@ -232,6 +218,22 @@ impl ReadingArgs {
             not_there.push(name.to_owned());
             options.ignore.retain(|own| own != name);
         }
+    }
+
+    /// Another command on recordings, read alike, and on a model, as a shell wants it.
+    pub fn command(&self, name: &str, recordings: &[PathBuf], model: Option<&Path>) -> String {
+        let command = ["preslide", name].map(str::to_owned).into_iter();
+        let files = recordings.iter().map(|file| file.display().to_string());
+        let maps = self.map.iter();
+        let maps = maps.flat_map(|(to, from)| ["--map".to_owned(), format!("{to}={from}")]);
+        let sign = self.sign.iter();
+        let sign = sign.flat_map(|sign| ["--sign".to_owned(), sign.to_string()]);
+        let ignored = self.ignore.iter();
+        let ignored = ignored.flat_map(|column| ["--ignore".to_owned(), column.clone()]);
+        let model = model.iter();
+        let model = model.flat_map(|path| ["--model".to_owned(), path.display().to_string()]);
+        let read = maps.chain(sign).chain(ignored);
+        in_words(command.chain(files).chain(read).chain(model))
     }
 
     /// Loads one recording of many, without a word.

@@ -15,7 +15,7 @@ use preslide_fit::simulate::same_axis;
 use preslide_host::cost::{CORES, Core, CostTable, DEFAULT};
 use preslide_host::tune::cores::{Comparison, OnCore, budget_on};
 use preslide_host::tune::observer::{ASKED, Proposal, Told, propose};
-use preslide_host::tune::{Budget, Tuning, of_model, of_recording};
+use preslide_host::tune::{Budget, Choice, Tuning, of_model, of_recording};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -224,6 +224,18 @@ impl Tune {
         Ok(vec![plan(&self.cpu, self.clock, self.rate, self.budget)?])
     }
 
+    /// The command that writes what was chosen: the kernel, or first a model of so many blocks.
+    fn next(&self, chosen: &Choice) -> String {
+        if !self.recording.is_empty() {
+            let identify = self.reading.command("identify", &self.recording, None);
+            return format!("{identify} --blocks {} -o model.toml", chosen.cost.blocks);
+        }
+        let model = self.model.display().to_string();
+        let (kernel, file) = (chosen.kernel.name(), "stage_model.rs");
+        let words = ["preslide", "export", &model, "--kernel", kernel, "-o", file];
+        in_words(words.map(str::to_owned).into_iter())
+    }
+
     fn present(
         &self,
         tuning: &Tuning,
@@ -240,16 +252,8 @@ impl Tune {
         match &tuning.recommended {
             Ok((best, _)) => {
                 explain!("{}", tuning.recommendation());
-                // Of a recording the blocks were chosen, and no file has them yet.
-                let chosen = tuning
-                    .choices
-                    .get(*best)
-                    .filter(|_| self.recording.is_empty());
-                if let Some(chosen) = chosen {
-                    let model = self.model.display().to_string();
-                    let (kernel, file) = (chosen.kernel.name(), "stage_model.rs");
-                    let words = ["preslide", "export", &model, "--kernel", kernel, "-o", file];
-                    say!("Next: {}", in_words(words.map(str::to_owned).into_iter()));
+                if let Some(chosen) = tuning.choices.get(*best) {
+                    say!("Next: {}", self.next(chosen));
                 }
                 Ok(())
             }

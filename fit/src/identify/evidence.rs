@@ -42,24 +42,24 @@ impl Evidence<'_> {
         yields_by.map(|(j, _)| first + j).collect()
     }
 
-    /// The columns of a fit to some folds, those of the plain physics first, of `friction` those with a positive share; and its coefficients.
+    /// The columns of a fit to some folds, those that are `linear` first, of `friction` those with a positive share; and its coefficients.
     pub(super) fn fit<'g>(
         &self,
         folds: impl IntoIterator<Item = &'g Gram>,
-        plain: Plain,
+        linear: &[usize],
         friction: &[usize],
     ) -> Option<(Vec<usize>, DVector<f64>)> {
-        non_negative(&Gram::sum(folds)?, &plain.among(self.columns), friction)
+        non_negative(&Gram::sum(folds)?, linear, friction)
     }
 
     /// Squared error on every fold of a fit to the other groups of folds; `None` where the columns cannot be told apart.
-    pub(super) fn held_out(&self, plain: Plain, friction: &[usize]) -> Option<Vec<f64>> {
+    pub(super) fn held_out(&self, linear: &[usize], friction: &[usize]) -> Option<Vec<f64>> {
         let per_group = self.surface.folds.len().div_ceil(GROUPS).max(1);
         let mut errors = Vec::new();
         for (out, group) in self.surface.folds.chunks(per_group).enumerate() {
             let others = self.surface.folds.chunks(per_group).enumerate();
             let rest = others.filter(|(i, _)| *i != out).flat_map(|(_, g)| g);
-            let (chosen, coefficients) = self.fit(rest, plain, friction)?;
+            let (chosen, coefficients) = self.fit(rest, linear, friction)?;
             let left = group.iter();
             errors.extend(left.map(|fold| fold.squared_error(&chosen, &coefficients)));
         }
@@ -76,7 +76,8 @@ impl Evidence<'_> {
                 .get(*column)
                 .is_some_and(|c| c.name == "spring")
         };
-        self.fit(&self.surface.folds, plain, &self.blocks(longest))
+        let linear = plain.among(self.columns);
+        self.fit(&self.surface.folds, &linear, &self.blocks(longest))
             .is_some_and(|(chosen, fit)| {
                 let at = chosen.iter().position(is_spring);
                 at.is_some_and(|at| fit[at] > 0.0)
@@ -117,7 +118,8 @@ impl Evidence<'_> {
             if !self.is_possible(plain, end) {
                 return;
             }
-            let Some(errors) = self.held_out(plain, &self.blocks(end)) else {
+            let linear = plain.among(self.columns);
+            let Some(errors) = self.held_out(&linear, &self.blocks(end)) else {
                 return;
             };
             let places = [shown.plain.place, plain.place];
@@ -142,7 +144,8 @@ impl Evidence<'_> {
         let sum = |errors: &[f64]| errors.iter().sum::<f64>();
         if shown.plain != base {
             // Beside the same friction: what yields late would stand in for what follows the position.
-            let without = self.held_out(base, &self.blocks(shown.longest));
+            let without = base.among(self.columns);
+            let without = self.held_out(&without, &self.blocks(shown.longest));
             let taken_off = best
                 .zip(without)
                 .map(|(with, without)| 1.0 - sum(&with) / sum(&without));

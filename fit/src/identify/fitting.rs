@@ -2,7 +2,7 @@
 
 use super::evidence::{Evidence, Shown};
 use super::judge::Judge;
-use super::laws::{Law, Mixture};
+use super::laws::{self, Law, Mixture};
 use super::maxwell_slip::{self, Selection};
 use super::plain::{self, Place, Plain};
 use super::regression::{Regression, Regressor, Surface};
@@ -13,7 +13,6 @@ use super::{Candidate, FINEST, STEPS, yield_range};
 use crate::progress::Progress;
 use crate::recording::{MotionKind, Recording};
 use crate::signal::{Kinematics, Split};
-use rayon::prelude::*;
 
 /// Share of the moving samples in the rarer direction below which a recording goes one way.
 const ONE_WAY: f64 = 0.01;
@@ -123,10 +122,9 @@ impl Fitting<'_> {
         progress: &Progress,
     ) -> Result<Searched<'_>, String> {
         let laws = Law::all(self.recording, self.kinematics, self.train, range.0);
-        let of_law = laws.par_iter();
-        let of_law = of_law.map(|law| law.column(self.recording, self.kinematics));
         let mut columns = plain::every_column(self.recording, self.kinematics);
-        columns.extend(of_law.collect::<Vec<_>>());
+        let of_laws = laws::columns(&laws, self.recording, self.kinematics, self.effort);
+        columns.extend(of_laws);
         let parts = self.split.parts();
         let mut regression = self.regression(columns, &parts.concat(), weights);
         let every = Surface::new(&regression, maxwell_slip::grid(range));

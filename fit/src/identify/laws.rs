@@ -3,6 +3,7 @@
 //! A number of blocks is a model's form and no law of nature. Where friction nears its level along a tail, forgets inner loops (Dahl), or follows
 //! the speed alone (`tanh`), blocks leave an error that every stroke repeats: no scatter of the folds shows it, and inertia, viscous friction and the
 //! level are bent by it to beyond their intervals. A mixture of all these laws, of which none has a negative share, is free where blocks are not.
+//! Nor does a log say at which moment between two samples its effort acts: the mixture has that free, too.
 
 use super::evidence::{Evidence, Shown};
 use super::fit::{shown as name_shown, unit};
@@ -13,7 +14,8 @@ use crate::recording::Recording;
 use crate::report::figures::{left, quantity};
 use crate::signal::{Kinematics, LATE};
 use crate::statistics::{Estimate, quantile_between_ranks};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 /// Relaxation lengths of bristles, from two of the shortest yields on: over four decades neighbours differ by a factor of four, between which two mix.
 const LENGTHS: usize = 8;
@@ -27,7 +29,12 @@ const SPEEDS: i32 = 9;
 /// Share of the error of the recommended blocks below which the mixture's is worth a word.
 const WORTH_TELLING: f64 = 0.5;
 /// Error (%) of the blocks below which it is not: what is left is nothing that anybody looks for.
-const HARDLY_ANY: f64 = 0.01;
+const HARDLY_ANY: f64 = 0.05;
+
+/// Name of a column that is the force of a law …
+const LAW: &str = "law";
+/// … and of the one that is the effort's change within a sample.
+const SHIFT: &str = "shift";
 
 /// A law that is linear in its level, which is 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,23 +69,45 @@ impl Law {
         bristles.chain(smooth).collect()
     }
 
-    /// Its force at every sample, filtered as the effort is where it contains inertia.
-    pub(super) fn column(self, recording: &Recording, kinematics: &Kinematics) -> Regressor {
-        let raw = match self {
+    /// Its force at every sample.
+    fn force(self, recording: &Recording, kinematics: &Kinematics) -> Vec<f64> {
+        match self {
             Self::Smooth(speed) => {
                 let velocity = kinematics.velocity.iter();
                 velocity.map(|v| (v / speed).tanh()).collect()
             }
             Self::Bristles { squared, length } => bent(recording, squared, length),
-        };
-        Regressor {
-            name: "law",
-            values: match recording.role.contains_inertia() {
-                true => kinematics.filter.smooth(&raw),
-                false => raw,
-            },
         }
     }
+}
+
+/// Columns of `laws` for the mixture, filtered as the effort is where it contains inertia; then also what the effort would be a sample later, less
+/// what it is.
+pub(super) fn columns(
+    laws: &[Law],
+    recording: &Recording,
+    kinematics: &Kinematics,
+    effort: &[f64],
+) -> Vec<Regressor> {
+    let filter = &kinematics.filter;
+    let inertial = recording.role.contains_inertia();
+    let of_law = laws.par_iter().map(|law| {
+        let raw = law.force(recording, kinematics);
+        Regressor {
+            name: LAW,
+            values: if inertial { filter.smooth(&raw) } else { raw },
+        }
+    });
+    let mut columns: Vec<Regressor> = of_law.collect();
+    if inertial {
+        let by = recording.sample_time_s();
+        let slope = filter.derivative(effort, 1);
+        columns.push(Regressor {
+            name: SHIFT,
+            values: slope.iter().map(|slope| by * slope).collect(),
+        });
+    }
+    columns
 }
 
 /// Deflection of bristles over their greatest, exact between two samples that move one way: with `u = 1 − sgn(v)·z`, `du/dx = −uⁿ/d`.
@@ -93,13 +122,12 @@ fn bent(recording: &Recording, squared: bool, length: f64) -> Vec<f64> {
             let far = (x[i] - last).abs() / length;
             last = x[i];
             let u = 1.0 - way * z;
-            z = way
-                * (1.0
-                    - if squared {
-                        u / (1.0 + far * u)
-                    } else {
-                        u * (-far).exp()
-                    });
+            let left = if squared {
+                u / (1.0 + far * u)
+            } else {
+                u * (-far).exp()
+            };
+            z = way * (1.0 - left);
             bent[i] = z;
         }
     }
@@ -118,7 +146,7 @@ pub(super) struct Mixture {
 }
 
 impl Mixture {
-    /// Fits `laws`, whose columns are the last of the evidence's, and blocks beside the plain physics that is `shown`. Errors are clustered by the folds of
+    /// Fits `laws`, which the evidence has columns of, and blocks beside the plain physics that is `shown`. Errors are clustered by the folds of
     /// `surface`, which has the evidence's columns.
     pub(super) fn of(
         evidence: &Evidence,
@@ -127,56 +155,46 @@ impl Mixture {
         recording: &Recording,
         shown: Shown,
     ) -> Option<Self> {
-        let columns = evidence.columns.len();
-        let first = columns - laws.len();
-        let core: Vec<usize> = (first..columns)
-            .chain(evidence.blocks(shown.longest))
-            .collect();
-        let (chosen, coefficients) = evidence.fit(&surface.folds, shown.plain, &core)?;
-        let held_out = evidence.held_out(shown.plain, &core)?;
+        let columns = evidence.columns;
+        let named = |name| columns.iter().position(|c| c.name == name);
+        let first = named(LAW)?;
+        let law = |column: usize| laws.get(column.checked_sub(first)?);
+        let mut linear = shown.plain.among(columns);
+        let plain = linear.len();
+        linear.extend(named(SHIFT));
+        let mut friction: Vec<usize> = (first..first + laws.len()).collect();
+        friction.extend(evidence.blocks(shown.longest));
+        let (chosen, coefficients) = evidence.fit(&surface.folds, &linear, &friction)?;
+        let held_out = evidence.held_out(&linear, &friction)?;
         let total = Gram::sum(&surface.folds)?;
-        let covariance = clustered(
-            &total.normal(&chosen).0,
-            &coefficients,
-            &surface.folds,
-            &chosen,
-        );
-        let level = |column: usize| match column.checked_sub(columns) {
+        let matrix = total.normal(&chosen).0;
+        let covariance = clustered(&matrix, &coefficients, &surface.folds, &chosen);
+
+        let level = |column: &usize| match column.checked_sub(columns.len()) {
             Some(block) => surface.grid[block],
-            None => f64::from(column >= first),
+            None => f64::from(law(*column).is_some()),
         };
-        let levels = DVector::from_iterator(chosen.len(), chosen.iter().map(|c| level(*c)));
-        let error = covariance
-            .as_ref()
-            .map(|c| (c * &levels).dot(&levels).max(0.0).sqrt());
+        let levels = DVector::from_iterator(chosen.len(), chosen.iter().map(level));
+        let error = |c: &DMatrix<f64>| (c * &levels).dot(&levels).max(0.0).sqrt();
         let coulomb = levels.dot(&coefficients);
         let folds = surface.folds.len();
-        let plain = shown.plain.among(evidence.columns).len();
-        let linear = &coefficients.as_slice()[..plain];
-        let mut parameters = shown
-            .plain
-            .parameters(recording, linear, covariance.as_ref(), folds);
-        parameters.push(("coulomb", Estimate::new(coulomb, error, folds)));
-        let shares = chosen
-            .iter()
-            .zip(&coefficients)
-            .filter_map(
-                |(column, share)| match laws.get(column.checked_sub(first)?)? {
-                    Law::Smooth(speed) => Some((*speed, *share)),
-                    Law::Bristles { .. } => None,
-                },
-            );
-        let shares: Vec<(f64, f64)> = shares.collect();
-        let smooth: f64 = shares.iter().map(|(_, share)| share).sum();
-        let speed = shares
-            .iter()
-            .map(|(speed, share)| share * speed.ln())
-            .sum::<f64>()
-            / smooth;
+        let (own, covariance) = (&coefficients.as_slice()[..plain], covariance.as_ref());
+        let mut parameters = (shown.plain).parameters(recording, own, covariance, folds);
+        let estimate = Estimate::new(coulomb, covariance.map(error), folds);
+        parameters.push(("coulomb", estimate));
+
+        let shares = chosen.iter().zip(&coefficients);
+        let smooth = shares.filter_map(|(column, share)| match law(*column)? {
+            Law::Smooth(speed) => Some((*share, speed.ln())),
+            Law::Bristles { .. } => None,
+        });
+        let (share, speed) = smooth.fold((0.0, 0.0), |(sum, speed), (share, of)| {
+            (sum + share, speed + share * of)
+        });
         Some(Self {
             nmse_cross: 100.0 * held_out.iter().sum::<f64>() / total.force_variation(),
             parameters,
-            speed: (smooth > 0.5 * coulomb).then(|| speed.exp()),
+            speed: (share > 0.5 * coulomb).then(|| (speed / share).exp()),
         })
     }
 }

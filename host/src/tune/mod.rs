@@ -278,15 +278,17 @@ fn tuning(
         budget,
     };
     let mut notes = effects_notes(&effects, &refused, costs);
-    let mut choices = Vec::new();
+    let (mut choices, mut without) = (Vec::new(), Vec::new());
     for sized in models {
         for tried in bench.choices(sized)? {
             match tried {
                 Ok(choice) => choices.push(choice),
-                Err(note) => notes.push(note),
+                Err(reason) => without.push(reason),
             }
         }
     }
+    without.sort_by_key(|w| w.kernel.name());
+    notes.extend(without_kernel(&without));
     notes.extend(cycles_notes(&choices));
     Ok(Tuning {
         recommended: recommend(&choices, budget),
@@ -311,7 +313,7 @@ struct Bench<'a> {
 
 impl Bench<'_> {
     /// The model in each kernel that has its law; in place of a choice, why there is none.
-    fn choices(&self, sized: &Sized) -> Result<Vec<Result<Choice, String>>, String> {
+    fn choices(&self, sized: &Sized) -> Result<Vec<Result<Choice, Without>>, String> {
         let friction = &sized.model.friction;
         let FrictionModel::Gms {
             breakaway, blocks, ..
@@ -348,17 +350,49 @@ impl Bench<'_> {
         kernel: Kernel,
         friction: &FrictionModel,
         blocks: usize,
-    ) -> Option<Result<(Vec<f64>, Cost), String>> {
-        let named = format!("{} with N = {blocks}", kernel.name());
+    ) -> Option<Result<(Vec<f64>, Cost), Without>> {
+        let without = |reason: String| Without {
+            kernel,
+            blocks,
+            reason,
+        };
         let Some(cost) = self.costs.cost(kernel.name(), blocks) else {
-            return Some(Err(format!("{named} is not in the table of costs")));
+            let reason = "it is not in the table of costs".to_owned();
+            return Some(Err(without(reason)));
         };
         let force = kernel.force(friction, &self.motion.counts())?;
-        Some(match force {
-            Ok(force) => Ok((force, cost)),
-            Err(reason) => Err(format!("{named} cannot run this model: {reason}")),
-        })
+        Some(
+            force
+                .map(|force| (force, cost))
+                .map_err(|reason| without(reason.to_string())),
+        )
     }
+}
+
+/// Why a kernel does not run a model.
+struct Without {
+    kernel: Kernel,
+    blocks: usize,
+    reason: String,
+}
+
+/// A note for each kernel that does not run every size.
+fn without_kernel(without: &[Without]) -> impl Iterator<Item = String> {
+    let alike = without.chunk_by(|a, b| a.kernel == b.kernel);
+    alike.filter_map(|of_kernel| {
+        let first = of_kernel.first()?;
+        let sizes: Vec<String> = of_kernel.iter().map(|w| w.blocks.to_string()).collect();
+        let at = match sizes.len() {
+            1 => String::new(),
+            _ => format!("at N = {} ", first.blocks),
+        };
+        Some(format!(
+            "{} cannot run this model with N = {}: {at}{}",
+            first.kernel.name(),
+            sizes.join(", "),
+            first.reason
+        ))
+    })
 }
 
 /// What the cycles of the table are worth, and what they leave out.
