@@ -14,10 +14,12 @@ use std::sync::Arc;
 
 /// Share of the moving samples below the speed at which the rows must still resolve a line of position.
 const SLOW: f64 = 0.2;
-/// Fewest periods of a line within the travel.
-const PERIODS: f64 = 1.5;
-/// The same of a line whose period was refined, which may lie a little beyond: a longer one is a slope and no ripple.
-const REFINED: f64 = 1.25;
+/// Fewest periods of a line within the travel: what does not come twice is a map of the travel and no ripple.
+const PERIODS: f64 = 2.0;
+/// The same of a declared part, whose period is known.
+const OF_A_PART: f64 = 1.5;
+/// Share of the fewest periods that may be left of a line whose period is refined.
+const REFINED: f64 = 0.9;
 
 /// Share of the effort's squares that must not be friction's for its ripples to be looked for by themselves: on a tribometer, where less is, five of
 /// them took the place of one friction spot. There one is tried in place of a friction ripple alone.
@@ -138,7 +140,7 @@ fn families(null: &NullModel, hypothesis: &Hypothesis, periods: &[f64]) -> Vec<F
         family.tries = tries;
         if line != Line::Time {
             let travel = null.rows.s.travel();
-            let known = periods.iter().filter(|p| PERIODS * **p < travel);
+            let known = periods.iter().filter(|p| OF_A_PART * **p < travel);
             family
                 .shapes
                 .extend(known.flat_map(|p| [vec![*p], vec![p / 2.0]]));
@@ -320,6 +322,8 @@ pub fn refined(null: &NullModel, without: &Hypothesis, term: &Term) -> Term {
     let free: Vec<usize> = (0..steps.len())
         .filter(|j| scales[*j] != Scale::Chosen)
         .collect();
+    let longest = |start: f64| start.max(s.travel() / PERIODS) / REFINED;
+    let start = term.shape.clone();
     let stepped = |from: &Term, by: &[(usize, f64)]| {
         let mut term = from.clone();
         for &(j, by) in by {
@@ -329,7 +333,7 @@ pub fn refined(null: &NullModel, without: &Hypothesis, term: &Term) -> Term {
             };
             term.shape[j] = effect.within(&null.scene(), &term.shape, j);
             if scales[j] == Scale::Period {
-                term.shape[j] = term.shape[j].min(s.travel() / REFINED);
+                term.shape[j] = term.shape[j].min(longest(start[j]));
             }
         }
         term

@@ -9,6 +9,7 @@ use super::place::Place;
 use super::search::{Found, visible};
 use super::simulation::has_its_term;
 use super::term::{Subject, Term};
+use preslide_fit::effects::form;
 use preslide_fit::statistics::Estimate;
 
 /// NMSE (%) that a name must take off against a simulation: a hundredth of the effort's deviation, which no simulation is good for.
@@ -199,15 +200,16 @@ fn is_anywhere(effect: &Named) -> bool {
         .is_some_and(|(reach, width)| reach > ASIDE * width.value)
 }
 
-/// Whether the force of a line or of a narrow place is more than all that there was to explain, `begun` (NMSE, %). What shakes the axis may be: friction
-/// and inertia that are fitted without it take most of it on.
+/// Whether the force of a line or of a narrow place is more than all that there was to explain, `begun` (NMSE, %). What shakes the axis may be, and an
+/// error of the encoder, which its false accelerations multiply: friction and inertia that are fitted without it take most of it on.
 fn is_cancelled(effect: &Named, found: &Found, null: &NullModel, begun: f64) -> bool {
     let most = CANCELLED * null.rows.rms_of(begun);
     let shakes = effect
         .term
         .as_ref()
         .is_some_and(|t| found.known.has_shaken(t));
-    effect.is_narrow() && !shakes && !null.core.corrects && rms(&effect.force) > most
+    let displaces = effect.id() == form::ENCODER_ERROR.id;
+    effect.is_narrow() && !shakes && !displaces && !null.core.corrects && rms(&effect.force) > most
 }
 
 /// Whether the physics admits what the last term of a hypothesis is fitted with: a gap is not less than none, and a simulation has too much only

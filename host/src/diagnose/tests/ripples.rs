@@ -73,3 +73,17 @@ fn a_ripple_of_the_motor_is_none_of_the_friction_that_it_mostly_holds() {
         "periodic_friction"
     );
 }
+
+/// A tenth of a metre of travel: a wave of 62 mm does not come twice, and one of 20 mm comes five times.
+#[test]
+fn what_does_not_come_twice_is_a_map_and_no_ripple() {
+    for (period, named) in [(0.062, "position_force"), (0.02, "periodic_force")] {
+        let recording = made(|_, x, _| 0.5 * wave(x, period, 0.7));
+        let found = diagnose(&recording, None, None, &Progress::new("", 0)).expect("a diagnosis");
+        println!("{}", found.verdict_words(&recording));
+        // A map has a mean over the travel, too.
+        let missing = found.confident().filter(|e| e.id() != "constant_force");
+        let missing: Vec<&str> = missing.map(|e| e.id()).collect();
+        assert_eq!(missing, [named], "{period}");
+    }
+}
