@@ -190,7 +190,6 @@ fn the_file_says_the_same(found: &Identification, recording: &Recording) {
 
 /// `compare` fits every law, so that its minutes are the rows'.
 /// Half an encoder line of 1024, which at 1 rad/s is acceleration of 500 rad/s² that no torque makes.
-/// Its false accelerations are ten times the effort where the axis is fast; friction and inertia that are fitted without it take most of them on.
 #[test]
 fn an_encoders_periodic_error_takes_nothing_off_the_inertia() {
     const ERROR: f64 = 4e-5;
