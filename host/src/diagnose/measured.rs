@@ -1,6 +1,7 @@
 //! The confident effects beside one another: each improves what is held out, has a sign and is possible, and is measured with all others.
 
 use super::change::Change;
+use super::effect::Line;
 use super::named::{EVEN, Name, Named};
 use super::noise::rms;
 use super::null_model::{Hypothesis, Nmse, NullModel};
@@ -183,7 +184,18 @@ fn is_anything(effect: &Named) -> bool {
     const DECADES: f64 = 100.0;
     let intervals = effect.parameters.iter().filter_map(|(_, e)| e.ci95);
     let mut intervals = intervals.filter(|[low, _]| *low > 0.0);
-    intervals.any(|[low, high]| high > DECADES * low) || is_anywhere(effect)
+    intervals.any(|[low, high]| high > DECADES * low) || is_anywhere(effect) || is_vague(effect)
+}
+
+/// Whether the size of a line or of a narrow place may be half as much again: what is there by itself stands out of the rest, and its size with it. What shakes the
+/// axis does where its size is friction's to say.
+fn is_vague(effect: &Named) -> bool {
+    /// Set with fourteen lines and six spots of two blind judges in sight: of those beyond none was right, of those within eleven of thirteen.
+    const MOST: f64 = 0.5;
+    let in_time = matches!(effect.name, Name::Entry(e) if e.line() == Some(Line::Time));
+    let size = effect.parameters.first().map(|p| &p.1);
+    let reach = size.and_then(|size| Some(size.reach()? / size.value.abs()));
+    effect.is_narrow() && !in_time && reach.is_some_and(|reach| reach > MOST)
 }
 
 /// Whether a place may lie beside itself: what has no place is no spot.
