@@ -23,6 +23,8 @@ const STEPS: usize = 12;
 /// limit that explains itself, must leave no more of what the lowest one tried does.
 const LEAVES: f64 = 0.5;
 const INTERIOR: f64 = 0.9;
+/// The same where the end is one and the same number in as many samples as make a pile.
+const LEAVES_OF_ONE: f64 = 0.9;
 /// What is left where the command is cut may be this many times what is left elsewhere: at an outlier of the reading it is far more.
 const LIKE_ELSEWHERE: f64 = 3.0;
 /// A reading piles up where its highest values, within this share of the end, are so many and so many times those in a band as wide below.
@@ -224,7 +226,11 @@ impl Rigid<'_> {
             let lacks = -with[i] * self.recording.effort[i].signum();
             (more + f64::from(u8::from(lacks > 0.0)), all + 1.0)
         });
-        if after > LEAVES * before || more < ASKS_FOR_MORE * all {
+        // A converter at its end gives one number; noise that is added behind an end, or a force that happens to be the highest, gives many.
+        let most = size.iter().copied().fold(0.0, f64::max);
+        let is_one_number = size.iter().filter(|f| **f >= most).count() >= PILED;
+        let leaves = if is_one_number { LEAVES_OF_ONE } else { LEAVES };
+        if after > leaves * before || more < ASKS_FOR_MORE * all {
             return None;
         }
         let middle = quantile_between_ranks(&top, 0.5);
