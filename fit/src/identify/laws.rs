@@ -159,13 +159,13 @@ impl Mixture {
         let named = |name| columns.iter().position(|c| c.name == name);
         let first = named(LAW)?;
         let law = |column: usize| laws.get(column.checked_sub(first)?);
-        let mut linear = shown.plain.among(columns);
-        let plain = linear.len();
-        linear.extend(named(SHIFT));
+        let plain = shown.plain.among(columns);
+        let linear: Vec<usize> = plain.iter().copied().chain(named(SHIFT)).collect();
         let mut friction: Vec<usize> = (first..first + laws.len()).collect();
         friction.extend(evidence.blocks(shown.longest));
         let (chosen, coefficients) = evidence.fit(&surface.folds, &linear, &friction)?;
-        let held_out = evidence.held_out(&linear, &friction)?;
+        // What the laws are worth by themselves.
+        let held_out = evidence.held_out(&plain, &friction)?;
         let total = Gram::sum(&surface.folds)?;
         let matrix = total.normal(&chosen).0;
         let covariance = clustered(&matrix, &coefficients, &surface.folds, &chosen);
@@ -178,7 +178,7 @@ impl Mixture {
         let error = |c: &DMatrix<f64>| (c * &levels).dot(&levels).max(0.0).sqrt();
         let coulomb = levels.dot(&coefficients);
         let folds = surface.folds.len();
-        let (own, covariance) = (&coefficients.as_slice()[..plain], covariance.as_ref());
+        let (own, covariance) = (&coefficients.as_slice()[..plain.len()], covariance.as_ref());
         let mut parameters = (shown.plain).parameters(recording, own, covariance, folds);
         let estimate = Estimate::new(coulomb, covariance.map(error), folds);
         parameters.push(("coulomb", estimate));
