@@ -278,7 +278,8 @@ fn of_basics() -> u64 {
             speed: any(1e-3, 0.2),
             travel: None,
         };
-        basics.axis().map(|axis| {
+        let axis = basics.axis().map_err(|error| error.to_string());
+        axis.map(|axis| {
             let parts = (
                 axis.sample_time(),
                 axis.sampling_phase(),
