@@ -4,6 +4,7 @@ mod accuracy;
 mod answers;
 mod axis;
 mod basics;
+mod bits;
 mod control;
 mod diagnose;
 mod effects;

@@ -82,12 +82,13 @@ pub(super) fn places<const N: usize>(
     breakaway: f64,
     sliding: &Sliding,
     units: Units,
+    most_places: u32,
 ) -> Result<(Scale, Units), ParamError> {
     sliding.check(breakaway)?;
     let [largest, smallest] = extremes(blocks, breakaway, units.length);
     let longest = (GREATEST_SPREAD * smallest / largest).min(WITHIN_A_TICK.into());
     let finest = |length| CountGms::finest_force(blocks, breakaway, length);
-    let (scale, units) = Scale::fitting(blocks, breakaway, units, longest, finest)?;
+    let (scale, units) = Scale::fitting(blocks, breakaway, units, longest, most_places, finest)?;
     let velocity = libm::ceil(libm::log2(units.velocity / sliding.levelled()) + 1.0);
     let velocity = velocity.clamp(0.0, 40.0);
     let unit = units.velocity * libm::exp2(-16.0 - velocity);

@@ -27,7 +27,7 @@ pub(super) const WITHIN_A_TICK: i32 = (1 << 14) - 1;
 #[repr(C)]
 pub(super) struct Scale {
     pub(super) length: u32,
-    /// Beyond the 16 of `Arithmetic::to_q16`.
+    /// Beyond the 16 of [`Arithmetic::to_q16`](crate::scalar::Arithmetic::to_q16).
     pub(super) velocity: u32,
     pub(super) force: i32,
 }
@@ -48,11 +48,12 @@ impl Scale {
         breakaway: f64,
         units: Units,
         longest: f64,
+        most_places: u32,
         finest: impl Fn(f64) -> f64,
     ) -> Result<(Self, Units), ParamError> {
         check_blocks(blocks, breakaway, units)?;
         let [largest, _] = extremes(blocks, breakaway, units.length);
-        let length = places(largest, longest).max(0.0);
+        let length = places(largest, longest).clamp(0.0, most_places.into());
         let unit = units.length * libm::exp2(-length);
         let force = places(finest(unit), units.force);
         let scale = Self {
@@ -75,10 +76,11 @@ impl Scale {
         breakaway: f64,
         units: Units,
         range: Range,
+        most_places: u32,
     ) -> Result<(Self, Units), ParamError> {
         let finest = |length| finest_force(blocks, breakaway, length, range);
         let longest = range.yields.into();
-        let (scale, units) = Self::fitting(blocks, breakaway, units, longest, finest)?;
+        let (scale, units) = Self::fitting(blocks, breakaway, units, longest, most_places, finest)?;
         for (i, block) in blocks.iter().enumerate() {
             let exact = block.yield_displacement(breakaway) / units.length;
             let yields = libm::round(exact).max(1.0);

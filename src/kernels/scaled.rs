@@ -4,6 +4,7 @@ use super::quantised::{Range, Scale, WITHIN_A_TICK};
 use super::{CountGms, PackedSlipReserve, SlipReserve, Whole, count_gms, packed};
 use crate::param::fits;
 use crate::{Block, Friction, Motion, ParamError, Scalar, Sliding, Units};
+use core::sync::atomic::{Ordering, compiler_fence};
 
 /// The kernel `K` for a controller that computes in `S`: a friction model like any other, so that effects
 /// ([`With`](crate::effects::With)), [`Learning`](crate::control::Learning) and [`Observed`](crate::control::Observed) go around it.
@@ -15,8 +16,8 @@ use crate::{Block, Friction, Motion, ParamError, Scalar, Sliding, Units};
 /// `path ← remainder + 2^l·dx`, the kernel takes the whole units of `path`, `remainder ← path − whole`, `F = 2^-f·F_K`.
 ///
 /// **Slow motion.** What is not a whole unit yet stays in the state, in 2⁻¹⁶ units, and is lost by no stop or reversal. In fixed point of
-/// at most 16 bits of fraction a path is exact however long. A float's displacement is rounded to 2⁻¹⁶ units in each tick: where all
-/// roundings go one way, that takes a block through its yield displacement in no less than 2³⁰ ticks (15 hours at 20 kHz).
+/// at most 16 bits of fraction a path is exact however long. A float's displacement is rounded towards 0, to 2⁻¹⁶ units, in each tick: that
+/// takes a block through its yield displacement in no less than 2²⁹ ticks (7 hours at 20 kHz).
 ///
 /// **Error.** Against the same law with reals: half a unit of length (1/16 384 of the largest yield displacement, at most; with [`CountGms`] a
 /// whole one, always ahead) for the path, and the rounding of
@@ -38,8 +39,12 @@ use crate::{Block, Friction, Motion, ParamError, Scalar, Sliding, Units};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 #[repr(C)]
-pub struct Scaled<K, S = f32> {
+pub struct Scaled<K, S: Scalar = f32> {
     scale: Scale,
+    /// `scale.length` as a tick takes it.
+    finer: S::Scaling,
+    /// `scale.force`.
+    coarser: S::Scaling,
     /// Greatest |force| in the controller's units.
     limit: S,
     kernel: K,
@@ -50,7 +55,7 @@ pub struct Scaled<K, S = f32> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(C)]
 pub struct ScaledState<M> {
-    /// Path that the kernel has not been given yet (2⁻¹⁶ units of length), and half a unit, so that the nearest unit is the whole part. Of a
+    /// Path that the kernel has not been given yet ([`Arithmetic::to_path`]'s), and half a unit, so that the nearest unit is the whole part. Of a
     /// kernel that is told of reversals at once, without the half: the next unit in the direction of motion is given beforehand.
     remainder: i32,
     kernel: M,
@@ -68,24 +73,24 @@ impl<const N: usize> Kernel for CountGms<N> {
     const IN_TIME: bool = true;
 }
 
-/// Half a unit of length.
-const HALF: i32 = 1 << 15;
-
 impl<K: Kernel, S: Scalar> Scaled<K, S> {
     fn of(kernel: K, scale: Scale) -> Result<Self, ParamError> {
         // No force is larger, so that none needs to be cut in a tick.
         let limit = kernel.limit().map_or(i32::MAX, Whole::to_bits);
         let exact = f64::from(limit) * libm::exp2(-f64::from(scale.force));
         fits::<S>("breakaway force", exact)?;
+        let coarser = S::coarser(scale.force);
         Ok(Self {
-            limit: S::from_binary(limit, scale.force),
+            finer: S::finer(scale.length),
+            coarser,
+            limit: S::from_whole(limit, coarser),
             scale,
             kernel,
         })
     }
 }
 
-impl<K, S> Scaled<K, S> {
+impl<K, S: Scalar> Scaled<K, S> {
     /// The kernel.
     pub fn kernel(&self) -> &K {
         &self.kernel
@@ -108,7 +113,8 @@ impl<const PAIRS: usize, S: Scalar> Scaled<PackedSlipReserve<PAIRS>, S> {
         breakaway: f64,
         units: Units,
     ) -> Result<Self, ParamError> {
-        let (scale, units) = Scale::try_new(blocks, breakaway, units, packed::RANGE)?;
+        let (scale, units) =
+            Scale::try_new(blocks, breakaway, units, packed::RANGE, S::MOST_PLACES)?;
         PackedSlipReserve::try_new(blocks, breakaway, units)
             .and_then(|kernel| Self::of(kernel, scale))
     }
@@ -125,7 +131,7 @@ impl<const N: usize, S: Scalar> Scaled<SlipReserve<N>, S> {
             yields: WITHIN_A_TICK,
             stiffness: i32::MAX,
         };
-        let (scale, units) = Scale::try_new(blocks, breakaway, units, range)?;
+        let (scale, units) = Scale::try_new(blocks, breakaway, units, range, S::MOST_PLACES)?;
         SlipReserve::try_new(blocks, breakaway, units).and_then(|kernel| Self::of(kernel, scale))
     }
 }
@@ -143,7 +149,7 @@ impl<const N: usize, S: Scalar> Scaled<CountGms<N>, S> {
         sample_time: f64,
         units: Units,
     ) -> Result<Self, ParamError> {
-        let (scale, units) = count_gms::places(blocks, breakaway, &sliding, units)?;
+        let (scale, units) = count_gms::places(blocks, breakaway, &sliding, units, S::MOST_PLACES)?;
         CountGms::try_new(blocks, breakaway, sliding, sample_time, units)
             .and_then(|kernel| Self::of(kernel, scale))
     }
@@ -155,7 +161,7 @@ impl<K: Kernel, S: Scalar> Friction for Scaled<K, S> {
 
     fn at_rest(&self) -> Self::State {
         ScaledState {
-            remainder: if K::IN_TIME { 0 } else { HALF },
+            remainder: i32::from(!K::IN_TIME) << (S::beyond(self.finer) - 1),
             kernel: self.kernel.at_rest(),
         }
     }
@@ -172,14 +178,16 @@ impl<K: Kernel, S: Scalar> Friction for Scaled<K, S> {
 
     #[inline(always)]
     fn step(&self, state: &mut Self::State, motion: Motion<S>) -> S {
-        let moved = motion.displacement.to_q16(self.scale.length);
+        compiler_fence(Ordering::SeqCst);
+        let moved = motion.displacement.to_path(self.finer);
+        let beyond = S::beyond(self.finer);
         let path = state.remainder.saturating_add(moved);
         let whole = match moved {
             0 if K::IN_TIME => 0,
-            1.. if K::IN_TIME => path.saturating_add(0xffff) >> 16,
-            _ => path >> 16,
+            1.. if K::IN_TIME => path.saturating_add((1 << beyond) - 1) >> beyond,
+            _ => path >> beyond,
         };
-        state.remainder = path.wrapping_sub(whole << 16);
+        state.remainder = path.wrapping_sub(whole << beyond);
         // What moves too slowly for the controller's velocity, or for a whole unit, moves all the same.
         let moves = i32::from(K::IN_TIME && moved != 0);
         let motion = Motion {
@@ -187,7 +195,7 @@ impl<K: Kernel, S: Scalar> Friction for Scaled<K, S> {
             velocity: Whole::from_bits(motion.velocity.to_q16(self.scale.velocity) | moves),
         };
         let force = self.kernel.step(&mut state.kernel, motion);
-        S::from_binary(force.to_bits(), self.scale.force)
+        S::from_whole(force.to_bits(), self.coarser)
     }
 
     fn limit(&self) -> Option<S> {

@@ -45,8 +45,27 @@ pub trait Arithmetic: Sized {
     /// bits of fraction, which is rounded down. `places` is at most 62.
     fn to_q16(self, places: u32) -> i32;
 
-    /// `value · 2^-places`, which must fit, rounded down where the type is coarser. `places` is within ±62.
-    fn from_binary(value: i32, places: i32) -> Self;
+    /// A power of two as a tick takes it: floats multiply by it, fixed point shifts.
+    type Scaling: Copy + core::fmt::Debug + PartialEq + Send + 'static;
+
+    /// Most binary places of [`Arithmetic::finer`].
+    const MOST_PLACES: u32;
+
+    /// For [`Arithmetic::to_path`]: units that are `2^places` times finer.
+    fn finer(places: u32) -> Self::Scaling;
+
+    /// Binary places that [`Arithmetic::to_path`] has beyond the units, 1 to 16.
+    fn beyond(finer: Self::Scaling) -> u32;
+
+    /// `self` in the finer units, with so many places beyond, saturating; NaN gives 0. Floats are rounded towards 0, and fixed point down
+    /// where it has more places.
+    fn to_path(self, finer: Self::Scaling) -> i32;
+
+    /// For [`Arithmetic::from_whole`]: units that are `2^places` times coarser, within ±62.
+    fn coarser(places: i32) -> Self::Scaling;
+
+    /// `value` in the coarser units, which must fit, rounded down where the type is coarser.
+    fn from_whole(value: i32, coarser: Self::Scaling) -> Self;
 
     /// `self · counts / ticks`, saturating, for what takes `counts` in a tick's place takes `ticks` (at least 1): floats divide in
     /// single precision; fixed point divides whole numbers, to the nearest if `|self · counts|` stays below 2¹⁵ (2³¹ for 64 bits),

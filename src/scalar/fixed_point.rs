@@ -4,6 +4,11 @@ use super::{Arithmetic, Scalar, saturated};
 use fixed::types::extra::{LeEqU32, LeEqU64};
 use fixed::{FixedI32, FixedI64};
 
+/// Numbers of 32 bits with 16 of fraction, which need no wide shifts: a Cortex-M0+ has to call those.
+const fn is_q16(fraction: u32, bits: u32) -> bool {
+    fraction == 16 && bits == 32
+}
+
 // Products, sums and shifts are made in the next wider integer and saturated once: the same bits as the operators of
 // `fixed`, which look for an overflow in other ways that cost a Cortex-M4 three times as many instructions.
 macro_rules! fixed_scalar {
@@ -148,8 +153,7 @@ macro_rules! fixed_scalar {
                 let bits = self.to_bits();
                 // Any bit at all is then beyond the range.
                 let places = places.min(<$bits>::BITS - 1);
-                if Frac::U32 == 16 && <$bits>::BITS == 32 {
-                    // Without wide shifts, which a Cortex-M0+ has to call.
+                if is_q16(Frac::U32, <$bits>::BITS) {
                     let scaled = bits << places;
                     let end = (bits >> (<$bits>::BITS - 1)) ^ <$bits>::MAX;
                     return (if scaled >> places == bits {
@@ -166,16 +170,48 @@ macro_rules! fixed_scalar {
                     saturated!(<$wide>::from(narrow) << (16 - Frac::U32), $wide, i32)
                 }
             }
-            #[inline]
-            fn from_binary(value: i32, places: i32) -> Self {
-                let right = places.wrapping_sub(Frac::U32.cast_signed());
-                if right >= 0 {
-                    return $t::from_bits((value >> right.min(31)).into());
+            type Scaling = i32;
+            // One place beyond the units is left for their half.
+            const MOST_PLACES: u32 = if is_q16(Frac::U32, <$bits>::BITS) {
+                15
+            } else {
+                62
+            };
+            fn finer(places: u32) -> i32 {
+                if is_q16(Frac::U32, <$bits>::BITS) {
+                    16 - places.cast_signed()
+                } else {
+                    places.cast_signed()
                 }
-                // What fits is not shifted out, and a shift beyond the type's bits is one of 0.
-                $t::from_bits(
-                    <$bits>::from(value).wrapping_shl(right.wrapping_neg().cast_unsigned()),
-                )
+            }
+            #[inline]
+            fn beyond(finer: i32) -> u32 {
+                if is_q16(Frac::U32, <$bits>::BITS) {
+                    finer.cast_unsigned()
+                } else {
+                    16
+                }
+            }
+            #[inline]
+            fn to_path(self, finer: i32) -> i32 {
+                if is_q16(Frac::U32, <$bits>::BITS) {
+                    // As it is: the places beyond take the shift.
+                    self.to_bits() as i32
+                } else {
+                    self.to_q16(finer.cast_unsigned())
+                }
+            }
+            fn coarser(places: i32) -> i32 {
+                places.wrapping_sub(Frac::U32.cast_signed()).min(31)
+            }
+            #[inline]
+            fn from_whole(value: i32, coarser: i32) -> Self {
+                $t::from_bits(if coarser >= 0 {
+                    value.wrapping_shr(coarser.cast_unsigned()).into()
+                } else {
+                    // What fits is not shifted out, and a shift beyond the type's bits is one of 0.
+                    <$bits>::from(value).wrapping_shl(coarser.wrapping_neg().cast_unsigned())
+                })
             }
             #[inline]
             fn rate(self, counts: i32, ticks: u32) -> Self {

@@ -123,9 +123,25 @@ macro_rules! float_scalar {
                 (self * power_of_two!($t, $bits, places.wrapping_add(16).cast_signed()))
                     .round_to_int()
             }
+            type Scaling = Self;
+            const MOST_PLACES: u32 = 62;
+            fn finer(places: u32) -> Self {
+                power_of_two!($t, $bits, places.wrapping_add(16).cast_signed())
+            }
             #[inline]
-            fn from_binary(value: i32, places: i32) -> Self {
-                value as $t * power_of_two!($t, $bits, places.wrapping_neg())
+            fn beyond(_finer: Self) -> u32 {
+                16
+            }
+            #[inline]
+            fn to_path(self, finer: Self) -> i32 {
+                (self * finer) as i32
+            }
+            fn coarser(places: i32) -> Self {
+                power_of_two!($t, $bits, places.wrapping_neg())
+            }
+            #[inline]
+            fn from_whole(value: i32, coarser: Self) -> Self {
+                value as $t * coarser
             }
             #[inline]
             fn rate(self, counts: i32, ticks: u32) -> Self {

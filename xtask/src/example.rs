@@ -7,12 +7,11 @@ use crate::process::{output_for, root, run, target_of};
 use crate::thumb::{TARGET, Toolchain};
 
 /// What `examples/rtic` prints in QEMU. Its clock registers read as zero there, which is the chip's 16 MHz undivided: 16 MHz / 4200.
-/// Sliding at 0.5 mm/s, Stribeck's curve gives 0.81 + 0.09·exp(−0.5²) = 0.880 N: at 115 codes a newton and 7 of back-EMF 109, which the
-/// feedback's answer to whole counts moves by 3.
+/// Sliding takes 0.9 N: at 115 codes a newton and 7 of back-EMF 111, which the feedback's answer to whole counts moves by 3.
 const PRINTED: [&str; 3] = [
     "TIM3 ticks at 3809 Hz, not at 20000: off",
-    "tick 4000: at 3917 counts, duty code 112",
-    "tick 8000: at 183 counts, duty code -106",
+    "tick 4000: at 3917 counts, duty code 114",
+    "tick 8000: at 183 counts, duty code -108",
 ];
 
 /// Timers' clocks per tick, which the first of these lines gives, and what they are to be with the clock set.

@@ -16,11 +16,18 @@
 
 use panic_halt as _;
 
+// What `preslide export model.toml -o stage_model.rs` wrote; yours stands beside this file.
+#[rustfmt::skip]
+#[path = "../../../cli/tests/exported/packed_f32.rs"]
+mod stage_model;
+
 #[rtic::app(device = stm32f4::stm32f405, peripherals = true)]
 mod app {
     use preslide::control::{Axis, Basics, Coefficients, Controller, Hardware, Measurement, Move};
-    use preslide::{Block, Gms, Sliding, Units};
+    use preslide::Units;
     use stm32f4::stm32f405::{FLASH, RCC, TIM2, TIM3, TIM4};
+
+    use crate::stage_model::{Model, model};
 
     /// The chip's own oscillator (Hz), within 1 % at 25 °C and 4 % from −10 to 85 °C, and the damping with it: a crystal is better.
     const HSI: u32 = 16_000_000;
@@ -53,7 +60,7 @@ mod app {
         encoder: TIM2,
         tick: TIM3,
         pwm: TIM4,
-        controller: Controller<Gms<4>, u32>,
+        controller: Controller<Model, u32>,
         moves: [Move; 2],
     }
 
@@ -112,27 +119,13 @@ mod app {
     }
 
     /// The controller, enabled, and both moves.
-    fn controller(count: u32) -> Option<(Controller<Gms<4>, u32>, [Move; 2])> {
-        // Table 3 of the paper, four blocks; a tenth less force while it slides.
-        let blocks = [
-            (313_728.0, 0.339),
-            (43_670.0, 0.236),
-            (10_545.0, 0.171),
-            (5_858.0, 0.254),
-        ]
-        .map(|(stiffness, weight)| Block { stiffness, weight });
-        let sliding = Sliding {
-            coulomb: 0.81,
-            stribeck_velocity: 1e-3,
-            stribeck_exponent: 2.0,
-            attraction: 20.0,
-        };
+    fn controller(count: u32) -> Option<(Controller<Model, u32>, [Move; 2])> {
         // No host is there to be silent.
         let axis = Axis {
             silence: 0.0,
             ..AXIS.axis().ok()?
         };
-        let friction = Gms::try_new(&blocks, 0.9, sliding, axis.sample_time(), Units::SI).ok()?;
+        let friction = model(axis.sample_time(), Units::SI).ok()?;
         let coefficients = Coefficients::try_new(&axis, friction, Units::SI).ok()?;
         let mut controller = Controller::new(coefficients, count);
         controller.enable().ok()?;

@@ -125,8 +125,8 @@ fn a_path_in_fixed_point_is_exact_to_the_bit() {
     }
 }
 
-/// In floats each tick is rounded to 2⁻¹⁶ units, 3 nm of them here: a million ticks of the same 0.02 pm, which are a third of that, keep
-/// their path to half of that a tick, and coming back leaves no force.
+/// In floats each tick is rounded towards 0, to 2⁻¹⁶ units, 3 nm of them here: a million ticks of the same 0.02 pm, which are a third of
+/// that, keep their path to that a tick, and coming back leaves no force.
 #[test]
 fn a_float_path_is_kept_to_its_rounding() {
     let blocks = blocks::<4>();
@@ -145,7 +145,7 @@ fn a_float_path_is_kept_to_its_rounding() {
         };
         let force = go(per_tick);
         let exact = stiffness * f64::from(per_tick) * STEPS as f64;
-        let bound = stiffness * unit * (0.5 + STEPS as f64 / 131_072.0);
+        let bound = stiffness * unit * (0.5 + STEPS as f64 / 65_536.0);
         assert!(
             (force - exact).abs() <= bound,
             "{per_tick:e}: {force} N, exact {exact} N"

@@ -4,8 +4,8 @@
 
 #include "count_gms_i16f16.h"
 
-/* Units of length in a displacement of 1. */
-#define LENGTH 8
+/* Binary places of a path beyond its units of length. */
+#define BEYOND 13
 /* Growth of each block's share in a unit of length. */
 static const int32_t RATES[COUNT_GMS_I16F16_BLOCKS] = { 53928, 26977, 10765, 3595, 1806, 1345 };
 /* What each can hold, so that the upper word of its product with the share is in units of force. */
@@ -116,23 +116,23 @@ static int32_t upper(int32_t a, int32_t b)
    the Stribeck curve. Of each block its share of what it can hold is kept, which counts in the direction of motion. */
 static int32_t friction_step(count_gms_i16f16_state *s, int32_t dx, int32_t v)
 {
-    const int32_t moved = finer(dx, LENGTH, INT32_MAX / LENGTH);
+    const int32_t below = (1 << BEYOND) - 1;
     /* What moves too slowly for v moves all the same. */
-    const int32_t velocity = finer(v, VELOCITY, INT32_MAX / VELOCITY) | (moved != 0);
+    const int32_t velocity = finer(v, VELOCITY, INT32_MAX / VELOCITY) | (dx != 0);
     int32_t force = 0;
     int i;
     if (velocity != 0) {
         int32_t path = s->remainder;
         int32_t advance = 0;
-        if (moved > 0) {
+        if (dx > 0) {
             /* The next unit is given before it is travelled: a reversal is known at once. */
-            path = path > INT32_MAX - moved ? INT32_MAX : path + moved;
-            advance = (path > INT32_MAX - 0xffff ? INT32_MAX : path + 0xffff) >> 16;
-        } else if (moved < 0) {
-            path = path < INT32_MIN - moved ? INT32_MIN : path + moved;
-            advance = path >> 16;
+            path = path > INT32_MAX - dx ? INT32_MAX : path + dx;
+            advance = (path > INT32_MAX - below ? INT32_MAX : path + below) >> BEYOND;
+        } else if (dx < 0) {
+            path = path < INT32_MIN - dx ? INT32_MIN : path + dx;
+            advance = path >> BEYOND;
         }
-        s->remainder = path - advance * 65536;
+        s->remainder = path - advance * (1 << BEYOND);
         if (s->backward ? advance > 0 : advance < 0) {
             s->backward = !s->backward;
             s->slipping = 0u;

@@ -27,7 +27,7 @@ extern "C" {
 
 /* What the model remembers; of each axis one, set by count_gms_i16f16_rest before the first step. */
 typedef struct {
-    int32_t remainder; /* of the path, 1/65536 units of length */
+    int32_t remainder; /* of the path, less than a unit of length */
     bool backward; /* it moves */
     uint32_t slipping; /* a bit for each block */
     int32_t share[COUNT_GMS_I16F16_BLOCKS]; /* of what each block can hold */

@@ -10,6 +10,8 @@
 #define GMS_BREAKAWAY_N 0.9f
 /* Parts of 1/65536 of a unit of length in a metre or radian. */
 #define PER_LENGTH 17592186000000.0f
+/* Binary places of a path beyond its units of length. */
+#define BEYOND 16
 /* A unit of force (N or N m). */
 #define FORCE 5.9604645e-8f
 /* All blocks slipping, in units of force. */
@@ -24,15 +26,15 @@ static const int32_t STIFFNESSES[PACKED_F32_BLOCKS] = { 16893, 3616, 1825, 594, 
 typedef char packed_f32_shifts_round_down[(-1 >> 1) == -1 ? 1 : -1];
 
 /* Maxwell-slip blocks in whole numbers: each keeps what it can still move before it slips; a reversal turns that round.
-   moved is in 1/65536 units of length, what is returned in units of force. */
+   moved has BEYOND binary places more than units of length; what is returned is in units of force. */
 static int32_t blocks_step(packed_f32_state *s, int32_t moved)
 {
     const int32_t path = moved > INT32_MAX - s->remainder ? INT32_MAX : moved + s->remainder;
-    int32_t advance = path >> 16;
+    int32_t advance = path >> BEYOND;
     int32_t lacking = 0;
     int i;
     /* What is no whole unit yet waits. */
-    s->remainder = path & 0xffff;
+    s->remainder = path & ((1 << BEYOND) - 1);
     if (s->backward ? advance > 0 : advance < 0) {
         s->backward = !s->backward;
         for (i = 0; i < PACKED_F32_BLOCKS; ++i) {
@@ -50,16 +52,15 @@ static int32_t blocks_step(packed_f32_state *s, int32_t moved)
 
 static float friction_step(packed_f32_state *s, float dx, float v)
 {
-    const float q16 = dx * PER_LENGTH;
-    const float up = q16 < 0.0f ? q16 - 0.5f : q16 + 0.5f;
+    const float path = dx * PER_LENGTH;
     int32_t moved = 0;
     (void)v;
-    if (up >= 2147483648.0f) {
+    if (path >= 2147483648.0f) {
         moved = INT32_MAX;
-    } else if (up <= -2147483648.0f) {
+    } else if (path <= -2147483648.0f) {
         moved = INT32_MIN;
-    } else if (up == up) {
-        moved = (int32_t)up;
+    } else if (path == path) {
+        moved = (int32_t)path;
     }
     return (float)blocks_step(s, moved) * FORCE;
 }
@@ -78,7 +79,7 @@ float packed_f32_step(packed_f32_state *s, float displacement_m, float velocity_
 void packed_f32_rest(packed_f32_state *s)
 {
     int i;
-    s->remainder = 32768;
+    s->remainder = 1 << (BEYOND - 1);
     s->backward = false;
     for (i = 0; i < PACKED_F32_BLOCKS; ++i) {
         s->reserve[i] = FULLS[i] / 2;

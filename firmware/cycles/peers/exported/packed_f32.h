@@ -17,7 +17,7 @@ extern "C" {
 
 /* What the model remembers; of each axis one, set by packed_f32_rest before the first step. */
 typedef struct {
-    int32_t remainder; /* of the path, 1/65536 units of length */
+    int32_t remainder; /* of the path, less than a unit of length */
     bool backward; /* it moves */
     int32_t reserve[PACKED_F32_BLOCKS]; /* of each block before it slips */
 } packed_f32_state;

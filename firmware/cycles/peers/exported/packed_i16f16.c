@@ -4,8 +4,8 @@
 
 #include "packed_i16f16.h"
 
-/* Units of length in a displacement of 1. */
-#define LENGTH 8
+/* Binary places of a path beyond its units of length. */
+#define BEYOND 13
 /* All blocks slipping, in units of force. */
 #define LIMIT 29466952
 /* Twice the displacement at which each slips, in units of length. */
@@ -18,15 +18,15 @@ static const int32_t STIFFNESSES[PACKED_I16F16_BLOCKS] = { 27689, 5927, 2991, 97
 typedef char packed_i16f16_shifts_round_down[(-1 >> 1) == -1 ? 1 : -1];
 
 /* Maxwell-slip blocks in whole numbers: each keeps what it can still move before it slips; a reversal turns that round.
-   moved is in 1/65536 units of length, what is returned in units of force. */
+   moved has BEYOND binary places more than units of length; what is returned is in units of force. */
 static int32_t blocks_step(packed_i16f16_state *s, int32_t moved)
 {
     const int32_t path = moved > INT32_MAX - s->remainder ? INT32_MAX : moved + s->remainder;
-    int32_t advance = path >> 16;
+    int32_t advance = path >> BEYOND;
     int32_t lacking = 0;
     int i;
     /* What is no whole unit yet waits. */
-    s->remainder = path & 0xffff;
+    s->remainder = path & ((1 << BEYOND) - 1);
     if (s->backward ? advance > 0 : advance < 0) {
         s->backward = !s->backward;
         for (i = 0; i < PACKED_I16F16_BLOCKS; ++i) {
@@ -42,16 +42,10 @@ static int32_t blocks_step(packed_i16f16_state *s, int32_t moved)
     return s->backward ? -lacking : lacking;
 }
 
-/* x in units that are so many times finer, held where int32_t ends; most is INT32_MAX / times. */
-static int32_t finer(int32_t x, int32_t times, int32_t most)
-{
-    return x > most ? INT32_MAX : x < -most - 1 ? INT32_MIN : x * times;
-}
-
 static int32_t friction_step(packed_i16f16_state *s, int32_t dx, int32_t v)
 {
     (void)v;
-    return blocks_step(s, finer(dx, LENGTH, INT32_MAX / LENGTH)) * 2;
+    return blocks_step(s, dx) * 2;
 }
 
 int32_t packed_i16f16_step(packed_i16f16_state *s, int32_t displacement_q16, int32_t velocity_q16)
@@ -62,7 +56,7 @@ int32_t packed_i16f16_step(packed_i16f16_state *s, int32_t displacement_q16, int
 void packed_i16f16_rest(packed_i16f16_state *s)
 {
     int i;
-    s->remainder = 32768;
+    s->remainder = 1 << (BEYOND - 1);
     s->backward = false;
     for (i = 0; i < PACKED_I16F16_BLOCKS; ++i) {
         s->reserve[i] = FULLS[i] / 2;

@@ -23,7 +23,7 @@ extern "C" {
 
 /* What the model remembers; of each axis one, set by slip_reserve_i16f16_rest before the first step. */
 typedef struct {
-    int32_t remainder; /* of the path, 1/65536 units of length */
+    int32_t remainder; /* of the path, less than a unit of length */
     bool backward; /* it moves */
     int32_t reserve[SLIP_RESERVE_I16F16_BLOCKS]; /* of each block before it slips */
 } slip_reserve_i16f16_state;

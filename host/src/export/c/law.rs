@@ -33,6 +33,14 @@ const DEFLECTIONS: (&str, &str) = (
     "for (i = 0; i < @@BLOCKS; ++i) {\n        s->deflection[i] = 0.0f;\n    }",
 );
 
+/// A constant: what is said of it, its name, and its value.
+pub(super) type Constant = (&'static str, &'static str, String);
+
+pub(super) fn beyond(places: u32) -> Constant {
+    let said = "Binary places of a path beyond its units of length";
+    (said, "BEYOND", places.to_string())
+}
+
 impl Law {
     /// The packed kernel's, a block after the other: the same bits.
     ///
@@ -47,6 +55,7 @@ impl Law {
                 "PER_LENGTH",
                 literal(65536.0 * 2_f64.powi(length as i32)),
             ),
+            beyond(16),
             (
                 "A unit of force (N or N m)",
                 "FORCE",
@@ -73,8 +82,8 @@ impl Law {
         Self {
             memory: &[
                 (
-                    "int32_t remainder; /* of the path, 1/65536 units of length */",
-                    "s->remainder = 32768;",
+                    "int32_t remainder; /* of the path, less than a unit of length */",
+                    "s->remainder = 1 << (BEYOND - 1);",
                 ),
                 ("bool backward; /* it moves */", "s->backward = false;"),
                 (

@@ -1,7 +1,7 @@
 //! A model in whole numbers, I16F16 in and out, for cores without a float unit: the bits of the library's kernel.
 
 use super::file::File;
-use super::law::{BLOCKS, Law, SHIFTS, of_each_block, whole_numbers};
+use super::law::{BLOCKS, Law, SHIFTS, beyond, of_each_block, whole_numbers};
 use super::{C, Options, define, filled, given_rate, literal, of_rate};
 use crate::export::constants::{FORCE_BOUND, bounds};
 use preslide::fixed::types::I16F16;
@@ -11,7 +11,7 @@ use preslide_fit::effects::form::{CONSTANT_FORCE, VISCOUS};
 use preslide_fit::kernel::{Curves, Kernel, WholeNumbers};
 use preslide_fit::model::Model;
 
-/// Binary places by which an input is made finer: so many and one more would leave a single bit of it.
+/// Binary places by which a velocity is made finer: so many and one more would leave a single bit of it.
 const MOST_PLACES: u32 = 30;
 
 const FINER: &str = include_str!("law/finer.c");
@@ -27,9 +27,9 @@ pub(super) fn c_source(
     let rate = rate(effects, options, kernel)?;
     let units = units(model, options, rate)?;
     let numbers = whole_numbers(kernel, model, rate.map_or(1.0, f64::recip), units)?;
-    let (length, velocity, _) = numbers.places;
-    if length.max(velocity) > MOST_PLACES {
-        return Err("--count: a count is far longer than what this model does in one".to_owned());
+    let (_, velocity, _) = numbers.places;
+    if velocity > MOST_PLACES {
+        return Err("--count: a count a tick is far faster than where this model's Stribeck curve levels out".to_owned());
     }
     let (constants, sum) = forces(model, effects, options, &numbers, units)?;
     let law = law(&numbers, constants);
@@ -155,21 +155,17 @@ fn law(numbers: &WholeNumbers, constants: String) -> Law {
         coarser => format!(" * {}", 1_i64 << -coarser),
     };
     let filled = |code: &str| filled(code, &[("to_force", &to_force)]);
-    let length = define(
-        "Units of length in a displacement of 1",
-        "LENGTH",
-        &(1 << length).to_string(),
-    );
-    let constants = constants + &length;
+    let (said, name, value) = beyond(16 - length);
+    let constants = constants + &define(said, name, &value);
     match &numbers.curves {
         None => {
-            let code = [BLOCKS, "\n", FINER, include_str!("law/whole.c")].concat();
+            let code = [BLOCKS, include_str!("law/whole.c")].concat();
             Law::of_blocks(numbers, constants, filled(&code))
         }
         Some(curves) => Law {
             memory: &[
                 (
-                    "int32_t remainder; /* of the path, 1/65536 units of length */",
+                    "int32_t remainder; /* of the path, less than a unit of length */",
                     "s->remainder = 0;",
                 ),
                 ("bool backward; /* it moves */", "s->backward = false;"),

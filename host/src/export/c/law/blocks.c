@@ -1,13 +1,13 @@
 /* Maxwell-slip blocks in whole numbers: each keeps what it can still move before it slips; a reversal turns that round.
-   moved is in 1/65536 units of length, what is returned in units of force. */
+   moved has BEYOND binary places more than units of length; what is returned is in units of force. */
 static int32_t blocks_step(@state *s, int32_t moved)
 {
     const int32_t path = moved > INT32_MAX - s->remainder ? INT32_MAX : moved + s->remainder;
-    int32_t advance = path >> 16;
+    int32_t advance = path >> BEYOND;
     int32_t lacking = 0;
     int i;
     /* What is no whole unit yet waits. */
-    s->remainder = path & 0xffff;
+    s->remainder = path & ((1 << BEYOND) - 1);
     if (s->backward ? advance > 0 : advance < 0) {
         s->backward = !s->backward;
         for (i = 0; i < @@BLOCKS; ++i) {

@@ -17,23 +17,23 @@ static int32_t upper(int32_t a, int32_t b)
    the Stribeck curve. Of each block its share of what it can hold is kept, which counts in the direction of motion. */
 static int32_t friction_step(@state *s, int32_t dx, int32_t v)
 {
-    const int32_t moved = finer(dx, LENGTH, INT32_MAX / LENGTH);
+    const int32_t below = (1 << BEYOND) - 1;
     /* What moves too slowly for v moves all the same. */
-    const int32_t velocity = finer(v, VELOCITY, INT32_MAX / VELOCITY) | (moved != 0);
+    const int32_t velocity = finer(v, VELOCITY, INT32_MAX / VELOCITY) | (dx != 0);
     int32_t force = 0;
     int i;
     if (velocity != 0) {
         int32_t path = s->remainder;
         int32_t advance = 0;
-        if (moved > 0) {
+        if (dx > 0) {
             /* The next unit is given before it is travelled: a reversal is known at once. */
-            path = path > INT32_MAX - moved ? INT32_MAX : path + moved;
-            advance = (path > INT32_MAX - 0xffff ? INT32_MAX : path + 0xffff) >> 16;
-        } else if (moved < 0) {
-            path = path < INT32_MIN - moved ? INT32_MIN : path + moved;
-            advance = path >> 16;
+            path = path > INT32_MAX - dx ? INT32_MAX : path + dx;
+            advance = (path > INT32_MAX - below ? INT32_MAX : path + below) >> BEYOND;
+        } else if (dx < 0) {
+            path = path < INT32_MIN - dx ? INT32_MIN : path + dx;
+            advance = path >> BEYOND;
         }
-        s->remainder = path - advance * 65536;
+        s->remainder = path - advance * (1 << BEYOND);
         if (s->backward ? advance > 0 : advance < 0) {
             s->backward = !s->backward;
             s->slipping = 0u;

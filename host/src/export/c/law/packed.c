@@ -1,16 +1,15 @@
 
 static float friction_step(@state *s, float dx, float v)
 {
-    const float q16 = dx * PER_LENGTH;
-    const float up = q16 < 0.0f ? q16 - 0.5f : q16 + 0.5f;
+    const float path = dx * PER_LENGTH;
     int32_t moved = 0;
     (void)v;
-    if (up >= 2147483648.0f) {
+    if (path >= 2147483648.0f) {
         moved = INT32_MAX;
-    } else if (up <= -2147483648.0f) {
+    } else if (path <= -2147483648.0f) {
         moved = INT32_MIN;
-    } else if (up == up) {
-        moved = (int32_t)up;
+    } else if (path == path) {
+        moved = (int32_t)path;
     }
     return (float)blocks_step(s, moved) * FORCE;
 }
