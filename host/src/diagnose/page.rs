@@ -2,6 +2,7 @@
 
 use super::axis::Axis;
 use super::curve::Curve;
+use super::effect;
 use super::lack::Lack;
 use super::named::Name;
 use super::place::{Place, means_over};
@@ -318,7 +319,10 @@ impl Diagnosis {
             let tried: Vec<String> = report
                 .tried
                 .iter()
-                .map(|(key, ratio)| format!("{key} {:.0} %", 100.0 * ratio))
+                .map(|(key, ratio)| {
+                    let name = effect::by_id(key).map_or(key.as_str(), |e| e.name());
+                    format!("{name} {:.0} %", 100.0 * ratio)
+                })
                 .collect();
             format!(
                 "{} ({}): {}. It explains {:.1} % of what is left without it, on stretches that its fit has not seen, at {:.1} standard errors over {:.0} stretches. Of its share others in its place explain: {}. To decide: {}.",
