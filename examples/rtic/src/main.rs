@@ -23,8 +23,8 @@ mod stage_model;
 
 #[rtic::app(device = stm32f4::stm32f405, peripherals = true)]
 mod app {
-    use preslide::control::{Axis, Basics, Coefficients, Controller, Hardware, Measurement, Move};
     use preslide::Units;
+    use preslide::control::{Axis, Basics, Coefficients, Controller, Hardware, Measurement, Move};
     use stm32f4::stm32f405::{FLASH, RCC, TIM2, TIM3, TIM4};
 
     use crate::stage_model::{Model, model};

@@ -81,6 +81,7 @@ pub(super) fn measured(
             measure(&null, &with, effect);
             let doubtful = is_signless(effect, &with)
                 || is_anything(effect)
+                || is_vague(effect, null.rows.s.travel())
                 || !is_possible(&null, &with)
                 || is_cancelled(effect, found, &null, left);
             if effect.confident && doubtful {
@@ -184,18 +185,22 @@ fn is_anything(effect: &Named) -> bool {
     const DECADES: f64 = 100.0;
     let intervals = effect.parameters.iter().filter_map(|(_, e)| e.ci95);
     let mut intervals = intervals.filter(|[low, _]| *low > 0.0);
-    intervals.any(|[low, high]| high > DECADES * low) || is_anywhere(effect) || is_vague(effect)
+    intervals.any(|[low, high]| high > DECADES * low) || is_anywhere(effect)
 }
 
-/// Whether the size of a line or of a narrow place may be half as much again: what is there by itself stands out of the rest, and its size with it. What shakes the
-/// axis does where its size is friction's to say.
-fn is_vague(effect: &Named) -> bool {
-    /// Set with fourteen lines and six spots of two blind judges in sight: of those beyond none was right, of those within eleven of thirteen.
-    const MOST: f64 = 0.5;
+/// Whether the size of a narrow place may be half as much again, or that of a line in position that comes a few times within the `travel` (m or rad):
+/// then what is left of the hysteresis looks alike.
+fn is_vague(effect: &Named, travel: f64) -> bool {
+    /// Set with six spots and fifteen lines of two blind judges and a robot's joint in sight: beyond both none was right.
+    const SIZE: f64 = 0.5;
+    const FEW: f64 = 4.0;
     let in_time = matches!(effect.name, Name::Entry(e) if e.line() == Some(Line::Time));
     let size = effect.parameters.first().map(|p| &p.1);
     let reach = size.and_then(|size| Some(size.reach()? / size.value.abs()));
-    effect.is_narrow() && !in_time && reach.is_some_and(|reach| reach > MOST)
+    let mut own = effect.parameters.iter();
+    let period = own.find(|(key, _)| key.starts_with("period_"));
+    let comes_often = period.is_some_and(|(_, period)| travel > FEW * period.value);
+    effect.is_narrow() && !in_time && !comes_often && reach.is_some_and(|reach| reach > SIZE)
 }
 
 /// Whether a place may lie beside itself: what has no place is no spot.
