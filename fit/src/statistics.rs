@@ -58,6 +58,15 @@ fn students_t(folds: usize) -> Option<f64> {
     Some(t.inverse_cdf(0.975))
 }
 
+/// `count` values from `low` to `high`, evenly on a logarithmic scale; none where they are no range above zero.
+pub fn spread(low: f64, high: f64, count: usize) -> Vec<f64> {
+    let usable = low > 0.0 && high > low;
+    (0..count)
+        .filter(|_| usable)
+        .map(|i| low * (high / low).powf(i as f64 / (count - 1).max(1) as f64))
+        .collect()
+}
+
 /// Lowest and highest of some values.
 pub fn bounds(values: &[f64]) -> (f64, f64) {
     let widen = |(low, high): (f64, f64), &v: &f64| (low.min(v), high.max(v));

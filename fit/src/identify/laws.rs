@@ -12,20 +12,13 @@ use super::rigid_body::clustered;
 use super::{Candidate, Identification};
 use crate::recording::Recording;
 use crate::report::figures::{left, quantity};
-use crate::signal::{Kinematics, LATE};
-use crate::statistics::{Estimate, quantile_between_ranks};
+use crate::signal::{Kinematics, LATE, RELAXED, SMOOTH, bristle};
+use crate::statistics::{Estimate, quantile_between_ranks, spread};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 /// Relaxation lengths of bristles, from two of the shortest yields on: over four decades neighbours differ by a factor of four, between which two mix.
 const LENGTHS: usize = 8;
-/// Longest yield displacement over the longest relaxation length: a bristle slips after some three of its lengths.
-const RELAXED: f64 = 3.0;
-/// Speeds over which friction without hysteresis reverses, up to this share of the usual top speed, beyond which it is viscous friction …
-const SLOW: f64 = 0.1;
-/// … in half octaves.
-const SPEEDS: i32 = 9;
-
 /// Share of the error of the recommended blocks below which the mixture's is worth a word.
 const WORTH_TELLING: f64 = 0.5;
 /// Error (%) of the blocks below which it is not: what is left is nothing that anybody looks for.
@@ -54,19 +47,18 @@ impl Law {
         shortest: f64,
     ) -> Vec<Self> {
         let (low, high) = recording.ends();
-        let (from, to) = (2.0 * shortest, LATE * (high - low) / RELAXED);
-        let lengths =
-            (0..LENGTHS).map(|k| from * (to / from).powf(k as f64 / (LENGTHS - 1) as f64));
+        let lengths = spread(2.0 * shortest, LATE * (high - low) / RELAXED, LENGTHS);
         let bristles = lengths
-            .filter(|_| from < to)
+            .into_iter()
             .flat_map(|length| [false, true].map(|squared| Self::Bristles { squared, length }));
         let speeds: Vec<f64> = train
             .iter()
             .map(|i| kinematics.velocity[*i].abs())
             .collect();
-        let top = SLOW * quantile_between_ranks(&speeds, 0.95);
-        let smooth = (0..SPEEDS).map(|k| Self::Smooth(top * 0.5_f64.powf(0.5 * f64::from(k))));
-        bristles.chain(smooth).collect()
+        let top = quantile_between_ranks(&speeds, 0.95);
+        bristles
+            .chain(SMOOTH.map(|share| Self::Smooth(share * top)))
+            .collect()
     }
 
     /// Its force at every sample.
@@ -76,7 +68,10 @@ impl Law {
                 let velocity = kinematics.velocity.iter();
                 velocity.map(|v| (v / speed).tanh()).collect()
             }
-            Self::Bristles { squared, length } => bent(recording, squared, length),
+            Self::Bristles { squared, length } => {
+                let z = bristle(&recording.position, &recording.pieces, length, squared);
+                z.into_iter().map(|z| z / length).collect()
+            }
         }
     }
 }
@@ -108,30 +103,6 @@ pub(super) fn columns(
         });
     }
     columns
-}
-
-/// Deflection of bristles over their greatest, exact between two samples that move one way: with `u = 1 − sgn(v)·z`, `du/dx = −uⁿ/d`.
-fn bent(recording: &Recording, squared: bool, length: f64) -> Vec<f64> {
-    let x = &recording.position;
-    let mut bent = vec![0.0; x.len()];
-    let mut z = 0.0;
-    for piece in &recording.pieces {
-        let mut last = x[piece.start];
-        for i in piece.clone() {
-            let way = (x[i] - last).signum();
-            let far = (x[i] - last).abs() / length;
-            last = x[i];
-            let u = 1.0 - way * z;
-            let left = if squared {
-                u / (1.0 + far * u)
-            } else {
-                u * (-far).exp()
-            };
-            z = way * (1.0 - left);
-            bent[i] = z;
-        }
-    }
-    bent
 }
 
 /// What a mixture of all laws makes of the plain physics.

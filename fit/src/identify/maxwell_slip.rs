@@ -8,7 +8,7 @@ use super::search::{Choice, best_choices};
 use super::virgin::VirginCurve;
 use crate::progress::Progress;
 use crate::signal::GROUPS;
-use crate::statistics::mean_and_error;
+use crate::statistics::{mean_and_error, spread};
 use rayon::prelude::*;
 
 /// Most blocks that are tried.
@@ -45,9 +45,7 @@ pub struct Selection {
 
 /// The range of yields worth trying: from `shortest` to `longest` (m or rad).
 pub fn grid((shortest, longest): (f64, f64)) -> Vec<f64> {
-    (0..GRID)
-        .map(|j| shortest * (longest / shortest).powf(j as f64 / (GRID - 1) as f64))
-        .collect()
+    spread(shortest, longest, GRID)
 }
 
 /// Fits models of 1…[`MOST`] blocks with yields on and between those of `surface`, which is of `regression`.

@@ -23,7 +23,8 @@ const STEPS: usize = 12;
 /// limit that explains itself, must leave no more of what the lowest one tried does.
 const LEAVES: f64 = 0.5;
 const INTERIOR: f64 = 0.9;
-/// The same where the end is one and the same number in as many samples as make a pile.
+/// The same where the end is one and the same number in as many samples as make a pile. Set with one such reading in sight, of a blind judge's
+/// conveyor, at 0.82.
 const LEAVES_OF_ONE: f64 = 0.9;
 /// What is left where the command is cut may be this many times what is left elsewhere: at an outlier of the reading it is far more.
 const LIKE_ELSEWHERE: f64 = 3.0;

@@ -3,10 +3,9 @@
 //! Parallel blocks remember every reversal, and their stiffness after one is that of the first loading. Dahl's law forgets, and is twice as
 //! stiff after a reversal; LuGre's does too, and Bouc and Wen's, and elasto-plastic ones in part. `F = Σ k_i·z_i` is linear with either.
 
-use super::effect::grid::spread;
 use super::signals::Signals;
-use preslide_fit::signal::{Deflection, LATE, step_at_reversals};
-use preslide_fit::statistics::quantile_between_ranks;
+use preslide_fit::signal::{Deflection, LATE, RELAXED, bristle, step_at_reversals};
+use preslide_fit::statistics::{quantile_between_ranks, spread};
 use std::ops::{Range, RangeInclusive};
 
 /// Blocks of the over-resolved core: error of the hysteresis core is the main impostor of other physics, and an earlier engine named
@@ -16,8 +15,6 @@ const CORE: RangeInclusive<f64> = 24.0..=36.0;
 const RATIO: f64 = 1.3;
 /// Bristles beside them.
 const BRISTLES: usize = 12;
-/// Longest yield displacement over the longest relaxation length: a bristle slips after some three of its lengths.
-const RELAXED: f64 = 3.0;
 /// Blocks that stand for one bristle in a model of blocks.
 const FOR_A_BRISTLE: usize = 4;
 /// Points of the path for each sample.
@@ -49,23 +46,10 @@ pub fn deflection(fine: &[f64], pieces: &[Range<usize>], d: f64) -> Vec<f64> {
     z.into_iter().step_by(FINER).collect()
 }
 
-/// Deflection of a bristle of relaxation length `d` at the samples: `dz/dx = 1 − sgn(v)·z/d` (Dahl 1968, exponent 1), exact between two
-/// points of the path.
+/// Deflection of a bristle of relaxation length `d` at the samples, followed between them.
 pub fn bend(fine: &[f64], pieces: &[Range<usize>], d: f64) -> Vec<f64> {
-    let mut bent = Vec::with_capacity(fine.len() / FINER);
-    let mut z = 0.0;
-    for piece in pieces {
-        let mut last = fine[piece.start];
-        for (i, &x) in fine[piece.clone()].iter().enumerate() {
-            let end = d.copysign(x - last);
-            z = end + (z - end) * (-(x - last).abs() / d).exp();
-            last = x;
-            if i % FINER == 0 {
-                bent.push(z);
-            }
-        }
-    }
-    bent
+    let z = bristle(fine, pieces, d, false);
+    z.into_iter().step_by(FINER).collect()
 }
 
 /// The blocks, each of stiffness and yield displacement, whose force is that of a bristle of stiffness `k` and length `d` after a reversal

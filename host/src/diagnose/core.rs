@@ -8,28 +8,13 @@ use super::signals::Signals;
 use super::term::Term;
 use super::weak::Column;
 use preslide_fit::effects::form;
+use preslide_fit::signal::SMOOTH;
 use preslide_fit::statistics::quantile_between_ranks;
 use rayon::prelude::*;
-use std::f64::consts::SQRT_2;
 use std::sync::Arc;
 
 /// Share of a block's yield beyond which it is said to slip.
 pub(super) const SLIPS: f64 = 0.999;
-
-/// Shares of the usual top speed over which friction without hysteresis reverses (`tanh(v/v₀)`, as many simulations and some lubricated
-/// machines have it): up to a tenth, above which it would be viscous friction, in half octaves. Midway between octaves two of them mix to within 2.2 % of
-/// the level, and what that leaves falls with the speed as a Stribeck curve does.
-const SMOOTH: [f64; 9] = [
-    0.1 / 16.0,
-    0.1 / 8.0 / SQRT_2,
-    0.1 / 8.0,
-    0.1 / 4.0 / SQRT_2,
-    0.1 / 4.0,
-    0.1 / 2.0 / SQRT_2,
-    0.1 / 2.0,
-    0.1 / SQRT_2,
-    0.1,
-];
 
 /// Inertia, blocks, bristles, and friction that follows velocity alone.
 pub struct Core {

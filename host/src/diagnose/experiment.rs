@@ -1,10 +1,9 @@
 //! The motion that would show what this recording cannot, or decide what it leaves open.
 
-use super::effect::grid::spread;
 use super::effect::{self, Part};
 use super::hysteresis;
 use super::verdict::Diagnosis;
-use preslide_fit::statistics::{bounds, quantile_between_ranks};
+use preslide_fit::statistics::{bounds, quantile_between_ranks, spread};
 use std::fmt::Write as _;
 
 /// Sample time of the profile (s).

@@ -4,11 +4,11 @@
 use super::core::Core;
 use super::effect::Scene;
 use super::effect::behind::{swinging, swings};
-use super::effect::grid::spread;
 use super::noise::Noise;
 use super::normal::{Bound, Normal};
 use super::rows::Rows;
 use super::weak::Column;
+use preslide_fit::statistics::spread;
 use rayon::prelude::*;
 
 /// Share of the squares that a law of the simulation's own may leave of what blocks do.

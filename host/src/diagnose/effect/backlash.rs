@@ -3,7 +3,7 @@
 use super::ahead::{self, ENCODER_ON_LOAD, ahead};
 use super::behind::{self, NONE, across};
 use super::drive_compliance::{DriveCompliance, MOTOR_SHARE};
-use super::grid::{one, spread};
+use super::grid::one;
 use super::lack::both_directions;
 use super::readout::enter;
 use super::{BARE, Card, Class, Effect, Fitted, Part, Scale, Scene};
@@ -11,7 +11,7 @@ use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::{Effect as Entry, form};
 use preslide_fit::model::Model;
-use preslide_fit::statistics::Estimate;
+use preslide_fit::statistics::{Estimate, spread};
 
 /// Key of the coefficient: how much of the difference that the gap makes is there.
 const SHARE: &str = "share";

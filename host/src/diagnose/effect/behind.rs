@@ -2,10 +2,10 @@
 //! beside it. The load swings on its contact after each gap, which a simulation's own force shows of its spring, and the recording of both.
 
 use super::ahead::{DAMPING, resolved};
-use super::grid::spread;
 use super::{Baseline, Scene};
 use crate::diagnose::noise::rms;
 use crate::diagnose::weak::Column;
+use preslide_fit::statistics::spread;
 use std::f64::consts::TAU;
 use std::ops::Range;
 

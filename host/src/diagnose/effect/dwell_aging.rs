@@ -1,11 +1,10 @@
 //! `m = 1 + a·log10(1 + θ/τ)`: the age `θ` of the contact grows with time and is erased along a path (Dieterich 1979).
 
-use super::grid::spread;
 use super::{BARE, Card, Class, Effect, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::form;
-use preslide_fit::statistics::{bounds, quantile_between_ranks};
+use preslide_fit::statistics::{bounds, quantile_between_ranks, spread};
 
 /// Ages from which the level grows that are tried (s): rests that a recording has last as long.
 const TIME_CONSTANTS_S: [f64; 2] = [0.1, 0.5];

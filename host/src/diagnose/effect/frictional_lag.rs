@@ -1,12 +1,13 @@
 //! `m = 1 + a·exp(−(|v|/v_s)^δ)`, following with a time constant.
 
-use super::grid::{falling, spread};
+use super::grid::falling;
 use super::lack::several_speeds;
 use super::stribeck::{EXPONENT, STEEPEST, exponent, falls, storable};
 use super::{BARE, Card, Class, Effect, Part, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::form;
+use preslide_fit::statistics::spread;
 
 /// Place of the time constant in the shape.
 const LAG: usize = 2;

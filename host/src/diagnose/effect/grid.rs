@@ -1,15 +1,7 @@
 //! Shapes to try.
 
 use crate::diagnose::signals::Signals;
-
-/// `count` values from `low` to `high`, evenly on a logarithmic scale; none where they are no range above zero.
-pub fn spread(low: f64, high: f64, count: usize) -> Vec<f64> {
-    let usable = low > 0.0 && high > low;
-    (0..count)
-        .filter(|_| usable)
-        .map(|i| low * (high / low).powf(i as f64 / (count - 1).max(1) as f64))
-        .collect()
-}
+use preslide_fit::statistics::spread;
 
 /// Shapes of one parameter, by [`spread`].
 pub(super) fn one(low: f64, high: f64, count: usize) -> Vec<Vec<f64>> {

@@ -1,12 +1,11 @@
 //! `m = 1 + a·exp(−((x − x_s)/w)²)`.
 
-use super::grid::spread;
 use super::lack::{both_directions, different_ends};
 use super::{BARE, Card, Class, Effect, Scale, Scene};
 use crate::diagnose::axis::Axis;
 use crate::diagnose::weak::Column;
 use preslide_fit::effects::form;
-use preslide_fit::statistics::bounds;
+use preslide_fit::statistics::{bounds, spread};
 
 /// Number of the width among the shape parameters.
 const WIDTH: usize = 1;
