@@ -88,6 +88,8 @@ pub struct Truth {
     pub place: Option<Place>,
     /// Parameters by name, in SI, to hold stated intervals against.
     pub parameters: Vec<(String, f64)>,
+    /// Whether the source's own oracle sees it in the recording.
+    pub seen: Option<bool>,
 }
 
 impl Truth {
@@ -98,6 +100,7 @@ impl Truth {
             checks: Vec::new(),
             place: None,
             parameters: Vec::new(),
+            seen: None,
         }
     }
 

@@ -154,14 +154,16 @@ fn told_from_coulomb_friction(seeds: &[u64]) {
         assert!(alone.iter().any(|p| p.0 == "gravity"), "{alone:?}");
         the_file_says_the_same(&found, &recording);
 
-        let spring = [1.5, -0.2];
-        let recording = made(&Machine { spring, ..BARE }, seed, "x_m,force_N");
-        let found = run(&recording);
-        assert_eq!(found.plain.place, Place::Spring);
-        holds(&found, "spring", spring[0], 0.02);
-        holds(&found, "spring_centre", spring[1], 0.02);
-        holds(&found, "coulomb", COULOMB, 0.02);
-        the_file_says_the_same(&found, &recording);
+        // One that pulls back, and one that pushes, as magnets do.
+        for spring in [[1.5, -0.2], [-1.5, -0.2]] {
+            let recording = made(&Machine { spring, ..BARE }, seed, "x_m,force_N");
+            let found = run(&recording);
+            assert_eq!(found.plain.place, Place::Spring);
+            holds(&found, "spring", spring[0], 0.02);
+            holds(&found, "spring_centre", spring[1], 0.02);
+            holds(&found, "coulomb", COULOMB, 0.02);
+            the_file_says_the_same(&found, &recording);
+        }
 
         let viscous = [0.36, 0.28];
         let recording = made(&Machine { viscous, ..BARE }, seed, "q_rad,torque_Nm");

@@ -282,9 +282,8 @@ fn truth(id: &'static str, part: &Table, extent: &Extent, shape: &Shape) -> Trut
         _ => (vec![], None),
     };
     Truth {
-        id: id.to_owned(),
         checks,
         place,
-        parameters: Vec::new(),
+        ..Truth::named(id)
     }
 }

@@ -95,6 +95,7 @@ pub fn rows(cases: &[&Case]) -> Vec<(String, String)> {
         asked.clean(),
         asked.single_effects(),
         asked.several_effects(),
+        asked.seen(),
         asked.strangers(),
         asked.machines(),
         asked.names(),
@@ -207,6 +208,26 @@ impl<'a> Asked<'a> {
             ]
         });
         figures.concat()
+    }
+
+    /// What the source's own oracle sees, alone or with others.
+    fn seen(&self) -> Vec<Figure> {
+        let effects = self
+            .known()
+            .flat_map(|c| c.truth.iter().map(move |t| (c, t)));
+        let seen = effects.filter(|(_, t)| t.seen == Some(true));
+        let strangers = self.of(Sort::Stranger);
+        let shown = strangers.filter(|c| c.truth.iter().all(|t| t.seen == Some(true)));
+        vec![
+            figure(
+                "effects that an oracle sees: named or declared",
+                Share::of(seen, |(c, t)| c.finds_or_declares(t)),
+            ),
+            figure(
+                "strangers that it sees: unknown",
+                Share::of(shown, |c| c.verdict() == "unknown-physics"),
+            ),
+        ]
     }
 
     /// What is in no catalogue.

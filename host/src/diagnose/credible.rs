@@ -60,11 +60,12 @@ fn is_incredible(report: &TermReport) -> bool {
     effect.is_some_and(|e| e.id() != effect::ALWAYS_FREE.id()) && confidence(report) < INCREDIBLE
 }
 
-/// Doubts lines in position at the period of a larger encoder error, or at its half, third or quarter: friction and inertia answer to the error
-/// with its harmonics. Set with four such lines of two blind judges in sight.
-pub fn doubt_harmonics(effects: &mut [Named]) {
+/// Doubts lines in position at the period of a larger encoder error, or at its half, third or quarter, as near as the `travel` (m or rad) separates
+/// periods: friction and inertia answer to the error with its harmonics. Set with seven such lines of three blind judges in sight.
+pub fn doubt_harmonics(effects: &mut [Named], travel: f64) {
     const MOST: f64 = 4.0;
-    const WITHIN: f64 = 0.01;
+    /// Periods within the travel by which two lines differ at least that are two (Rayleigh).
+    const APART: f64 = 1.0;
     let period = |e: &Named| e.term.as_ref().and_then(|t| t.shape.first().copied());
     let is_error = |e: &Named| e.id() == form::ENCODER_ERROR.id;
     let errors = effects.iter().filter(|e| e.confident && is_error(e));
@@ -78,9 +79,9 @@ pub fn doubt_harmonics(effects: &mut [Named]) {
     let is_harmonic = |line: &Named| {
         let of = |&(error, share): &(f64, f64)| {
             period(line).is_some_and(|own| {
-                let order = error / own;
-                let whole = order.round().clamp(1.0, MOST);
-                (order / whole - 1.0).abs() < WITHIN && line.evidence.share < share
+                let order = (error / own).round().clamp(1.0, MOST);
+                let apart = (travel / own - order * travel / error).abs();
+                apart < APART && line.evidence.share < share
             })
         };
         in_position(line) && !is_error(line) && errors.iter().any(of)

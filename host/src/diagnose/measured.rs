@@ -179,13 +179,18 @@ fn is_signless(effect: &Named, with: &Hypothesis) -> bool {
     of_size && size.is_some_and(holds_zero)
 }
 
-/// Whether a parameter may be anything: of a time of 0.5 to 190 ms nobody knows what it is the time of.
+/// Whether the size may be anything, or all that gives the effect its shape: of a time of 0.5 to 190 ms nobody knows what it is the time of. Where a
+/// speed or a path is known, an exponent or a time beside it need not be.
 fn is_anything(effect: &Named) -> bool {
     /// The ends of an interval, over each other.
     const DECADES: f64 = 100.0;
-    let intervals = effect.parameters.iter().filter_map(|(_, e)| e.ci95);
-    let mut intervals = intervals.filter(|[low, _]| *low > 0.0);
-    intervals.any(|[low, high]| high > DECADES * low) || is_anywhere(effect)
+    let may_be = |[low, high]: &[f64; 2]| *low > 0.0 && *high > DECADES * low;
+    let mut intervals = effect.parameters.iter().filter_map(|(_, e)| e.ci95);
+    let size = intervals.next();
+    let shape: Vec<[f64; 2]> = intervals.filter(|[low, _]| *low > 0.0).collect();
+    size.as_ref().is_some_and(may_be)
+        || !shape.is_empty() && shape.iter().all(may_be)
+        || is_anywhere(effect)
 }
 
 /// Whether the size of a narrow place may be half as much again, or that of a line in position that comes a few times within the `travel` (m or rad):

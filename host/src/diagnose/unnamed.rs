@@ -121,7 +121,7 @@ pub fn unnamed(
         Subject::Change(change) => !change.is_plain(),
         Subject::Curve(_) => true,
     };
-    let usual = rms(&friction(found));
+    let usual = usual_friction(found);
     let material = reports
         .iter()
         .filter(is_unnamed)
@@ -190,6 +190,16 @@ pub fn happened(found: &Found) -> Option<Unknown> {
         happened: Some(happened),
         rises_by: None,
     })
+}
+
+/// Whether an NMSE (%) that is neither noise nor explained is more than friction that wanders, and so something: whatever it follows.
+pub(super) fn is_something(found: &Found, unexplained: f64) -> bool {
+    found.null.rows.rms_of(unexplained.max(0.0)) > WANDERS * usual_friction(found)
+}
+
+/// Root mean square of the friction without effects at the rows (N or N·m).
+pub(super) fn usual_friction(found: &Found) -> f64 {
+    rms(&friction(found))
 }
 
 /// Friction without effects at the rows (N or N·m).

@@ -93,8 +93,9 @@ impl Joint {
         }
         let mut held = Vec::new();
         for effect in &model.effects {
-            // USD's drive is a spring or the user's own controller, which a bound is for.
-            let is_taken = format == Format::Usd && !held.is_empty();
+            // USD's drive is a spring, which pulls, or the user's own controller, which a bound is for.
+            let pushes = effect.is(&form::POSITION_SPRING) && effect.get("stiffness_N_per_m") < 0.0;
+            let is_taken = format == Format::Usd && (pushes || !held.is_empty());
             match holds.effects.contains(&effect.form) && !is_taken {
                 true => held.push(effect.clone()),
                 false => left_out.push(words(effect, unit)),

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use preslide_host_tests::judge::baseline::{self, Set};
 use preslide_host_tests::judge::case::{Case, Sort};
-use preslide_host_tests::judge::source::generated::{self, AXES, DRIVES, Generator, STAGE};
+use preslide_host_tests::judge::source::generated::{self, DRIVES, Generator, LABS, STAGE};
 use preslide_host_tests::judge::source::{bench, injection, trials, write_json};
 use preslide_host_tests::judge::summary;
 use preslide_host_tests::judge::tool::Tool;
@@ -18,8 +18,8 @@ enum Source {
     Trials,
     /// `../shared/generators/stage`
     Stage,
-    /// Axes of all kinds, by a generator whose author had read nothing of the project
-    Axes,
+    /// Machines of a laboratory, by a generator whose author had read nothing of the project
+    Labs,
     /// Nine kinds of machine with motors, by a generator whose author had read nothing of the project
     Drives,
     /// Known effects in real recordings
@@ -38,7 +38,7 @@ pub struct Options {
     #[arg(
         long,
         value_delimiter = ',',
-        default_value = "trials,stage,axes,drives,injection,benches",
+        default_value = "trials,stage,labs,drives,injection,benches",
         value_name = "SOURCES"
     )]
     only: Vec<Source>,
@@ -54,7 +54,7 @@ pub struct Options {
     /// Clean trials besides, over all families and laws
     #[arg(long, default_value_t = 0, value_name = "N")]
     clean: usize,
-    /// Sorts of question in trials, stage, axes and drives [default: all]
+    /// Sorts of question in trials, stage, labs and drives [default: all]
     #[arg(long, value_delimiter = ',', value_name = "SORTS")]
     sorts: Vec<Sort>,
     /// Seeds of `../shared/generators/stage`, 76 trials each
@@ -65,16 +65,16 @@ pub struct Options {
         value_name = "SEEDS"
     )]
     stage: Vec<u64>,
-    /// Seeds of `host-tests/generators/axes`, 76 trials each
+    /// Seeds of `host-tests/generators/labs`, 190 trials each
     #[arg(long, value_delimiter = ',', default_value = "1", value_name = "SEEDS")]
-    axes: Vec<u64>,
+    labs: Vec<u64>,
     /// Seeds of `host-tests/generators/drives`, 76 trials each
     #[arg(long, value_delimiter = ',', default_value = "1", value_name = "SEEDS")]
     drives: Vec<u64>,
     /// A set of `stage` that is there already, instead of the seeds
     #[arg(long, value_name = "FOLDER")]
     stage_folder: Option<PathBuf>,
-    /// A Python with numpy and numba [default: an environment made under target/judge]
+    /// A Python with numpy, numba and scipy [default: an environment made under target/judge]
     #[arg(long, value_name = "PROGRAM")]
     python: Option<PathBuf>,
     /// Strengths of injections, in percent of the effort's deviation
@@ -122,8 +122,8 @@ fn ask(o: &Options, tool: &Tool) -> Result<Vec<Case>, String> {
             Ok::<(), String>(())
         })
     };
-    if wants(Source::Axes) {
-        generate(&AXES, &o.axes)?;
+    if wants(Source::Labs) {
+        generate(&LABS, &o.labs)?;
     }
     if wants(Source::Drives) {
         generate(&DRIVES, &o.drives)?;

@@ -200,6 +200,16 @@ pub trait Effect: Sync {
         self.card().is_spot || self.line().is_some()
     }
 
+    /// Whether it follows the motion as hysteresis does, so that what is wrong with the hysteresis looks like it.
+    fn is_law(&self) -> bool {
+        match self.class() {
+            Class::Law => true,
+            Class::Drift => self.is_transient(),
+            Class::Drive => self.line().is_none(),
+            Class::Plain | Class::Place => false,
+        }
+    }
+
     /// What the recording [lacks](Card::lacks) to show it.
     fn lacks(&self, s: &Signals) -> Option<&'static str> {
         (self.card().lacks)(s)

@@ -21,7 +21,7 @@ pub struct PositionSpring;
 static CARD: Card = Card {
     id: form::POSITION_SPRING.id,
     name: "spring over the travel",
-    words: "a spring over the travel, such as a cable",
+    words: "a force in proportion to the position: a cable or a spring, or, where it pushes, magnets or a weight above the axis",
     class: Class::Plain,
     axis: Axis::Position,
     experiment: "the same strokes about two distant positions",
@@ -60,9 +60,10 @@ impl Effect for PositionSpring {
 
     fn admits(&self, _: &[f64], coefficients: &[f64]) -> bool {
         match coefficients {
-            [stiffness] => *stiffness > 0.0,
+            // One that pushes is possible, too: magnets, an axis that leans over.
+            [stiffness] => *stiffness != 0.0,
             // Its centre lies within the travel, or nearly so.
-            [stiffness, aside] => *stiffness > aside.abs(),
+            [stiffness, aside] => stiffness.abs() > aside.abs(),
             _ => false,
         }
     }
@@ -77,7 +78,8 @@ impl Effect for PositionSpring {
         };
         let centre = 0.5 * (from + to) - aside;
         let errors = fitted.error(0).zip(fitted.error(1));
-        let error = errors.map(|(own, of_aside)| (along * of_aside).hypot(aside * own) / stiffness);
+        let error =
+            errors.map(|(own, of_aside)| (along * of_aside).hypot(aside * own) / stiffness.abs());
         vec![
             fitted.entry("stiffness_N_per_m", 0),
             match error {
