@@ -9,5 +9,4 @@ pub mod export;
 pub mod fleet;
 pub mod paper;
 pub mod plan;
-pub mod predict;
 pub mod tune;
