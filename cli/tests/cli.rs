@@ -2,6 +2,8 @@
 
 use super::binary::{Folder, HEADER, MODEL, preslide, recording};
 use preslide_fit::model::Model;
+use preslide_host_tests::made::Blocks;
+use std::fmt::Write as _;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -253,6 +255,59 @@ fn a_plan_keeps_to_the_axis_that_is_named() {
     );
     plan(&["--travel", "2mm"]).succeeds();
     preslide(&["plan", "--axis", "none.toml", "-o", &motion]).fails(2, &["none.toml", "axis.toml"]);
+}
+
+/// A minute and a half of a single block at 100 Hz: a table, a recommendation, JSON of the same; with an option that it cannot serve it is bad
+/// usage, and a recording that is too short says how long it must be.
+#[test]
+fn a_predictor_is_told_beside_the_friction_models() {
+    let folder = Folder::new();
+    let mut block = Blocks::new(&[(4000.0, 2.5e-4)]);
+    let mut text = "t_s,x_m,friction_N\n".to_owned();
+    for i in 0..9000 {
+        let turn = std::f64::consts::TAU * f64::from(i) / 400.0;
+        let x = 1e-3 * (turn.sin() + 0.4 * (3.1 * turn).sin());
+        let (time, force) = (f64::from(i) * 0.01, block.force(x));
+        writeln!(text, "{time:.2},{x:e},{force:e}").expect("memory");
+    }
+    let path = folder.file("block.csv", text);
+    let json = folder.path("block.json");
+    let run = preslide(&["identify", &path, "--predictor", "koopman", "--json", &json]);
+    run.succeeds();
+    for part in [
+        "ARX",
+        "Koopman, blocks",
+        "GMS, 1 blocks",
+        "lugre",
+        "1000 [mN]",
+    ] {
+        assert!(run.out.contains(part), "{part}: {}", run.out);
+    }
+    let told = std::fs::read_to_string(&json).expect("written");
+    let told: serde_json::Value = serde_json::from_str(&told).expect("JSON");
+    assert_eq!(told["schema"], "preslide.prediction/1");
+    assert_eq!(
+        (&told["predicted"], &told["unit"]),
+        (&"friction".into(), &"N".into())
+    );
+    let predictors = told["predictors"].as_array().expect("a list");
+    let rms = |name: &str, i: usize| {
+        let named = predictors.iter().find(|p| p["name"] == name);
+        named.and_then(|p| p["rms"][i].as_f64()).expect("a number")
+    };
+    // The machine is the model.
+    assert!(rms("GMS, 1 blocks", 3) < 0.2 * rms("ARX", 3));
+    let recommended = told["recommended"].as_str().expect("a name");
+    assert!(
+        predictors
+            .iter()
+            .any(|p| p["name"] == recommended && !p["delays"].is_null())
+    );
+    preslide(&["identify", &path, "--predictor", "koopman", "--blocks", "2"])
+        .fails(2, &["--predictor", "--blocks"]);
+    let short = folder.file("short.csv", recording(HEADER));
+    preslide(&["identify", &short, "--predictor", "koopman"])
+        .fails(3, &["short.csv", "record at least"]);
 }
 
 #[test]

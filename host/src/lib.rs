@@ -9,4 +9,5 @@ pub mod export;
 pub mod fleet;
 pub mod paper;
 pub mod plan;
+pub mod predict;
 pub mod tune;

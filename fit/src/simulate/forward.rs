@@ -14,7 +14,7 @@ use crate::statistics::earlier;
 use preslide::{Friction, Motion};
 
 /// Steps within a sample that are tried first, and most of them.
-const FIRST: u32 = 4;
+pub(super) const FIRST: u32 = 4;
 const MOST: u32 = 256;
 
 /// Change of the position on halving the step, relative to the travel, that is small enough.
@@ -151,7 +151,7 @@ pub(super) fn one_body(model: &Model) -> Result<(), String> {
 }
 
 /// The force that reaches the body from the recorded command.
-fn applied(model: &Model, recorded: &[f64], sample_time: f64) -> Vec<f64> {
+pub(super) fn applied(model: &Model, recorded: &[f64], sample_time: f64) -> Vec<f64> {
     let mut force = recorded.to_vec();
     for effect in model.of(&form::CHANNEL_DELAY) {
         // What is recorded now acted that much earlier.
@@ -175,7 +175,7 @@ pub(super) fn acting(model: &Model, mut force: f64) -> f64 {
 }
 
 /// The slope at the end of the parabola through the samples (least squares).
-fn end_slope(head: &[f64], sample_time: f64) -> f64 {
+pub(super) fn end_slope(head: &[f64], sample_time: f64) -> f64 {
     if head.len() < 3 {
         return match head {
             [a, b] => (b - a) / sample_time,
@@ -215,7 +215,7 @@ impl<L: Friction<Scalar = f64>> Body<L> {
     }
 
     /// Is led to where it was measured next in so many steps of `dt` (s), of which its friction remembers all.
-    fn lead(&mut self, law: &L, to: f64, steps: u32, dt: f64) {
+    pub(super) fn lead(&mut self, law: &L, to: f64, steps: u32, dt: f64) {
         let from = self.x;
         let displacement = (to - from) / f64::from(steps);
         let motion = Motion {

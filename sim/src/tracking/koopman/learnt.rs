@@ -1,6 +1,5 @@
 //! The closed loop's map between lifted states, from a motion with forces in it that nothing in the loop asked for.
 
-use super::edmd::{Map, Moments};
 use super::outer::{Outer, Sample, Task};
 use super::{BLOCKS, DELAYS, Lift, Model, STATES};
 use crate::stage::StageConfig;
@@ -8,6 +7,7 @@ use crate::tracking::{Axis, Step, TrackingError, motions};
 use nalgebra::{DMatrix, DVector};
 use preslide::control::Settings;
 use preslide::{Friction, Units};
+use preslide_host::predict::edmd::{Map, Moments};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

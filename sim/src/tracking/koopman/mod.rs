@@ -1,7 +1,6 @@
 //! Koopman model predictive control as an outer task over the production controller, and what it is worth beside its rivals.
 
 mod contender;
-mod edmd;
 mod firmware;
 mod learnt;
 mod outer;
