@@ -1,5 +1,6 @@
 //! What is promised of friction models that learn: bounds, freezes, the estimate, the false-alarm rate, and what they are for.
 
+use crate::measured::calm;
 use fixed::types::I16F16;
 use preslide::control::learning::{
     Adaptation, AdaptationSettings, BlockMeans, Condition, LOOK_EVERY, Learn, MismatchSettings,
@@ -199,12 +200,7 @@ fn a_fault_and_new_gains_keep_what_was_learned_and_another_model_does_not() {
     let mut controller = Controller::new(coefficients, 0_u32);
     assert_eq!(controller.enable(), Ok(()));
     let slide = || Move::plan(4e-4, 1e-3, 0.1, settings.grid()).expect("a valid move");
-    let healthy = |count| Measurement {
-        count,
-        supply: 6000,
-        current: 0,
-        late: false,
-    };
+    let healthy = |count| calm(count);
     // The axis lags by ten counts: the feedback adds force to the model's.
     assert_eq!(controller.start(slide()), Ok(()));
     let mut count = 0;

@@ -1,6 +1,7 @@
 //! What no other test missed when `cargo mutants` changed it.
 
-use crate::places::{RESTS, controller};
+use crate::measured::{calm, carrying};
+use crate::places::controller;
 use fixed::types::I16F16;
 use preslide::control::koopman::Guided;
 use preslide::control::learning::{Adaptation, Learn, MismatchWatch};
@@ -54,7 +55,7 @@ fn nearly_all_ticks_of_a_moving_axis_are_ordinary() {
         let measured = Measurement {
             count: (controller.reference() >> 16) as u32,
             supply,
-            ..RESTS
+            ..calm(0)
         };
         ordinary += i32::from(match controller.ordinary_tick(measured) {
             Some(_) => true,
@@ -273,7 +274,7 @@ fn nothing_is_learned_while_a_model_fades() {
         let command = controller.tick(Measurement {
             count,
             late,
-            ..RESTS
+            ..calm(0)
         });
         assert_eq!(command.fault, None);
         levels.push(controller.condition().level.expect("it adapts"));
@@ -306,10 +307,7 @@ fn what_is_counted_is_told() {
     let mut controller = controller(&Axis::PAPER_AXIS, 0);
     for offset in [30, -30] {
         for _ in 0..5000 {
-            let _ = controller.tick(Measurement {
-                current: offset,
-                ..RESTS
-            });
+            let _ = controller.tick(carrying(offset));
         }
         assert!((controller.current_at_rest() - offset).abs() <= 1);
     }

@@ -1,5 +1,6 @@
 //! New parameters between two ticks: no bump, no loss of memory, no loss of tracking.
 
+use crate::measured::calm;
 use fixed::types::I16F16;
 use preslide::control::learning::{Adaptation, MismatchWatch};
 use preslide::control::{Axis, Coefficients, Command, Controller, Measurement, Move};
@@ -50,12 +51,7 @@ fn codes<F: Friction>(
             if let Some(next) = swap(tick) {
                 controller.swap(&build(&next));
             }
-            let command = controller.tick(Measurement {
-                count: count.cast_unsigned(),
-                supply: 6000,
-                current: 0,
-                late: false,
-            });
+            let command = controller.tick(calm(count.cast_unsigned()));
             assert_eq!(command.fault, None, "tick {tick}");
             // A lag that changes, so that the feedback has something to say.
             count = ((command.reference >> 16) - 2 - i64::from(tick / 500 % 3)) as i32;

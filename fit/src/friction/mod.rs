@@ -150,7 +150,6 @@ macro_rules! with_blocks {
         }
     };
 }
-pub(crate) use with_blocks;
 
 impl FrictionModel {
     /// Its name in tables.
@@ -198,69 +197,53 @@ impl FrictionModel {
     /// The same at `factor` times the force, its displacements and velocities as they are; `None` where the library bounds no such force.
     pub fn scaled(&self, factor: f64) -> Option<Self> {
         let mut scaled = self.clone();
-        let curve = |sliding: &mut Sliding| {
+        if let Self::Hsieh(_) = scaled {
+            return None;
+        }
+        for (key, value) in scaled.own_scalars() {
+            if key.contains("_N") {
+                *value *= factor;
+            }
+        }
+        let (blocks, sliding) = scaled.shape();
+        blocks.iter_mut().for_each(|b| b.stiffness *= factor);
+        if let Some(sliding) = sliding {
             sliding.coulomb *= factor;
             sliding.attraction *= factor;
-        };
-        match &mut scaled {
-            Self::Coulomb { coulomb } => *coulomb *= factor,
-            Self::Dahl {
-                stiffness, coulomb, ..
-            }
-            | Self::BoucWen {
-                stiffness, coulomb, ..
-            } => {
-                *stiffness *= factor;
-                *coulomb *= factor;
-            }
-            Self::LuGre {
-                stiffness,
-                damping,
-                breakaway,
-                sliding,
-            }
-            | Self::ElastoPlastic {
-                stiffness,
-                damping,
-                breakaway,
-                sliding,
-                ..
-            } => {
-                *stiffness *= factor;
-                *damping *= factor;
-                *breakaway *= factor;
-                curve(sliding);
-            }
-            Self::Leuven {
-                blocks,
-                damping,
-                breakaway,
-                sliding,
-                ..
-            } => {
-                blocks.iter_mut().for_each(|b| b.stiffness *= factor);
-                *damping *= factor;
-                *breakaway *= factor;
-                curve(sliding);
-            }
-            Self::TwoState {
-                breakaway, sliding, ..
-            } => {
-                *breakaway *= factor;
-                curve(sliding);
-            }
-            Self::Gms {
-                blocks,
-                breakaway,
-                sliding,
-            } => {
-                blocks.iter_mut().for_each(|b| b.stiffness *= factor);
-                *breakaway *= factor;
-                sliding.iter_mut().for_each(curve);
-            }
-            Self::Hsieh(_) => return None,
         }
         Some(scaled)
+    }
+
+    /// The same without damping and Stribeck curve, as it is at rest.
+    pub(crate) fn still(&self) -> Self {
+        let mut still = self.clone();
+        let breakaway = self.breakaway();
+        if let (_, Some(sliding)) = still.shape() {
+            *sliding = Sliding::none(breakaway.unwrap_or_default());
+            let mut scalars = still.own_scalars().into_iter();
+            if let Some((_, damping)) = scalars.find(|(key, _)| key.starts_with("damping")) {
+                *damping = 0.0;
+            }
+        }
+        still
+    }
+
+    /// Blocks and Stribeck curve, of the kinds that have them.
+    fn shape(&mut self) -> (&mut [Block], Option<&mut Sliding>) {
+        match self {
+            Self::LuGre { sliding, .. }
+            | Self::ElastoPlastic { sliding, .. }
+            | Self::TwoState { sliding, .. } => (&mut [], Some(sliding)),
+            Self::Leuven {
+                blocks, sliding, ..
+            } => (blocks, Some(sliding)),
+            Self::Gms {
+                blocks, sliding, ..
+            } => (blocks, sliding.as_mut()),
+            Self::Coulomb { .. } | Self::Dahl { .. } | Self::BoucWen { .. } | Self::Hsieh(_) => {
+                (&mut [], None)
+            }
+        }
     }
 
     /// The force (N) at which the body breaks away, where the model has such a parameter.
@@ -287,17 +270,8 @@ impl FrictionModel {
     }
 
     /// The Stribeck curve, where the model has one.
-    pub fn sliding(&self) -> Option<&Sliding> {
-        match self {
-            Self::LuGre { sliding, .. }
-            | Self::ElastoPlastic { sliding, .. }
-            | Self::Leuven { sliding, .. }
-            | Self::TwoState { sliding, .. } => Some(sliding),
-            Self::Gms { sliding, .. } => sliding.as_ref(),
-            Self::Coulomb { .. } | Self::Dahl { .. } | Self::BoucWen { .. } | Self::Hsieh(_) => {
-                None
-            }
-        }
+    pub fn sliding(&self) -> Option<Sliding> {
+        self.clone().shape().1.copied()
     }
 
     /// A quasi-static GMS from stiffnesses (N/m) and yield displacements (m).

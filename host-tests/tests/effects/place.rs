@@ -1,7 +1,8 @@
 //! What belongs to a place, once the axis knows where it is.
 
 use super::*;
-use preslide::control::{Coefficients, Controller, Measurement, Settings};
+use crate::measured::calm;
+use preslide::control::{Coefficients, Controller, Settings};
 use preslide::effects::{
     ConstantForce, EncoderError, LocalFrictionSpot, PeriodicForce, PositionSpring, With,
 };
@@ -28,12 +29,7 @@ fn the_controller_places_the_model() {
         }
         // Carried slowly to x0 by hand before it is enabled.
         let mut at = 0;
-        let measurement = |at: i32| Measurement {
-            count: at.cast_unsigned(),
-            supply: 6000,
-            current: 0,
-            late: false,
-        };
+        let measurement = |at: i32| calm(at.cast_unsigned());
         while at != x0 {
             at += (x0 - at).signum() * (x0 - at).abs().min(20);
             assert!(!controller.tick(measurement(at)).enabled);
