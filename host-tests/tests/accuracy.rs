@@ -8,7 +8,7 @@ use preslide::{
     Sliding, Units,
 };
 use preslide_host_tests::deviation::Deviation;
-use preslide_host_tests::path::{COUNT, COUNTS, SAMPLE_TIME, random_reversals};
+use preslide_host_tests::path::{COUNT, COUNTS, SAMPLE_TIME, motion, random_reversals};
 use preslide_host_tests::reference::{self, Masing, MaxwellSlip, Stribeck};
 use preslide_host_tests::table3::{BREAKAWAY, blocks, column};
 
@@ -59,10 +59,10 @@ fn deviation<M: Friction>(
     for (&(counts, velocity), &expected) in path.iter().zip(reference) {
         let force = model.step(
             &mut state,
-            Motion {
-                displacement: scalar(f64::from(counts) * COUNT / units.length),
-                velocity: scalar(velocity / units.velocity),
-            },
+            motion(
+                scalar(f64::from(counts) * COUNT / units.length),
+                scalar(velocity / units.velocity),
+            ),
         );
         deviation.add(force.to_f64() * units.force, expected);
     }
@@ -525,13 +525,7 @@ fn stribeck_table_is_within_its_documented_error_for_every_exponent() {
         for i in 0..200_000 {
             let velocity = f64::from(i) * 1e-4;
             // Without lag the force in slip is s(v) itself.
-            let force = model.step(
-                &mut state,
-                Motion {
-                    displacement: 10.0,
-                    velocity,
-                },
-            );
+            let force = model.step(&mut state, motion(10.0, velocity));
             found.add(
                 force / (1.0 - SHARE),
                 stribeck.force(velocity) / (1.0 - SHARE),

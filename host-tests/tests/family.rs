@@ -7,10 +7,9 @@ use crate::accuracy::{bounds, compare};
 use crate::properties::in_steps;
 use preslide::Bound::{AtLeast, AtMost};
 use preslide::{
-    BoucWen, Dahl, ElastoPlastic, Friction, Leuven, LeuvenForm, Motion, Scalar, Sliding, TwoState,
-    Units,
+    BoucWen, Dahl, ElastoPlastic, Friction, Leuven, LeuvenForm, Scalar, Sliding, TwoState, Units,
 };
-use preslide_host_tests::path::{COUNT, SAMPLE_TIME, random_reversals};
+use preslide_host_tests::path::{COUNT, SAMPLE_TIME, motion, random_reversals};
 use preslide_host_tests::reference::{self, Stribeck};
 use preslide_host_tests::refusal::{not_negative, positive, refused};
 use preslide_host_tests::table3::{BREAKAWAY, blocks, column};
@@ -204,13 +203,7 @@ pub(crate) fn forces<M: Friction<Scalar = f64>>(
         .iter()
         .map(|&displacement| {
             let velocity = speed * displacement.signum();
-            model.step(
-                &mut state,
-                Motion {
-                    displacement,
-                    velocity,
-                },
-            )
+            model.step(&mut state, motion(displacement, velocity))
         })
         .collect()
 }

@@ -11,6 +11,7 @@ use preslide::control::{
     Settings,
 };
 use preslide::{Friction, Motion, QuasiStaticGms, Scalar, Units};
+use preslide_host_tests::path::motion;
 use preslide_host_tests::reference::Level;
 use preslide_host_tests::table3::{self, BREAKAWAY};
 use preslide_sim::stage::{FrictionConfig, StageConfig, VariabilityConfig};
@@ -127,10 +128,7 @@ fn stays_bounded<S: Scalar>(units: Units, garbage: &[S], seed: u64) {
             let usual = S::try_from_f64(usual).expect("it fits");
             if wild { garbage[index] } else { usual }
         };
-        let motion = Motion {
-            displacement: pick(2e-8 / units.length),
-            velocity: pick(1e-3 / units.velocity),
-        };
+        let motion = motion(pick(2e-8 / units.length), pick(1e-3 / units.velocity));
         let force = model.step(&mut state, motion);
         assert!(force.to_f64().abs() <= bound, "{force:?}");
         let spent = pick(bias * 0.9 / units.force);

@@ -11,10 +11,9 @@ use preslide::control::{
     PidState, Planner, Reference, Rounding, Saturation,
 };
 use preslide::{
-    Bound, Coulomb, ElastoPlastic, Friction, Leuven, LeuvenForm, Motion, QuasiStaticGms, Sliding,
-    Units,
+    Bound, Coulomb, ElastoPlastic, Friction, Leuven, LeuvenForm, QuasiStaticGms, Sliding, Units,
 };
-use preslide_host_tests::path::COUNTS;
+use preslide_host_tests::path::{COUNTS, motion};
 use preslide_host_tests::table3::blocks;
 
 /// `η·(k·τ)²/R` and what follows from it, by the numbers of the paper's axis with a gear and losses.
@@ -323,10 +322,7 @@ fn what_is_fed_forward_is_limited_both_ways() {
     let friction = Coulomb::<f64>::try_new(0.8, 0.0, Units::SI).expect("valid");
     let compensator = Compensator::try_new(friction, &settings, Units::SI).expect("valid");
     let step = |velocity| {
-        let motion = Motion {
-            displacement: 0.0,
-            velocity,
-        };
+        let motion = motion(0.0, velocity);
         compensator.step(&mut (), motion)
     };
     assert_eq!((step(1e-6), step(-1e-6)), (0.15, -0.15));

@@ -6,7 +6,7 @@ use preslide::{
     Block, Coulomb, Dahl, Friction, Gms, Hsieh, HsiehParams, LuGre, Motion, QuasiStaticGms, Scalar,
     Sliding, Units,
 };
-use preslide_host_tests::path::{COUNT, COUNTS, SAMPLE_TIME, random_reversals};
+use preslide_host_tests::path::{COUNT, COUNTS, SAMPLE_TIME, motion, random_reversals};
 use preslide_host_tests::table3::{BREAKAWAY, blocks};
 use proptest::prelude::*;
 
@@ -115,22 +115,10 @@ fn a_reversal_from_slip_unloads_along_the_full_stiffness() {
         let mut state = model.at_rest();
         let mut sliding_force = 0.0;
         for _ in 0..2_000 {
-            sliding_force = model.step(
-                &mut state,
-                Motion {
-                    displacement: 1e-7,
-                    velocity: 2e-3,
-                },
-            );
+            sliding_force = model.step(&mut state, motion(1e-7, 2e-3));
         }
         assert!(state.slipping().iter().all(|&slips| slips));
-        let back = model.step(
-            &mut state,
-            Motion {
-                displacement: -1e-8,
-                velocity: -2e-4,
-            },
-        );
+        let back = model.step(&mut state, motion(-1e-8, -2e-4));
         assert!(state.slipping().iter().all(|&slips| !slips));
         assert!((sliding_force - back - stiffness * 1e-8).abs() < 1e-12);
     }
@@ -144,13 +132,7 @@ fn gms_slides_at_the_coulomb_force_when_fast_and_breaks_away_at_the_static_force
         let mut state = model.at_rest();
         let mut force = 0.0;
         for _ in 0..5_000 {
-            force = model.step(
-                &mut state,
-                Motion {
-                    displacement: 1e-7,
-                    velocity,
-                },
-            );
+            force = model.step(&mut state, motion(1e-7, velocity));
         }
         assert!((force - weights * expected).abs() < 1e-9, "{force}");
     }
@@ -196,10 +178,10 @@ fn gms_without_weakening_equals_the_quasi_static_form_bit_for_bit() {
         let simple = quasi_static::<10>();
         let (mut a, mut b) = (full.at_rest(), simple.at_rest());
         for counts in random_reversals(9, 100_000, 4_000.0, 200.0) {
-            let motion = Motion {
-                displacement: f64::from(counts) * COUNT,
-                velocity: f64::from(counts) * COUNT / SAMPLE_TIME,
-            };
+            let motion = motion(
+                f64::from(counts) * COUNT,
+                f64::from(counts) * COUNT / SAMPLE_TIME,
+            );
             assert_eq!(full.step(&mut a, motion), simple.step(&mut b, motion));
         }
     }
@@ -218,13 +200,7 @@ fn gms_is_stable_for_every_lag_from_none_to_infinite() {
         let mut previous = 0.0;
         for i in 0..10_000 {
             let velocity = if i < 5_000 { 0.0 } else { 0.1 };
-            let force = model.step(
-                &mut state,
-                Motion {
-                    displacement: 1e-7,
-                    velocity,
-                },
-            );
+            let force = model.step(&mut state, motion(1e-7, velocity));
             assert!(force.abs() <= limit);
             // Rises to the breakaway force, then falls: never rings.
             if i < 5_000 {
@@ -254,19 +230,13 @@ fn stays_sound<M: Friction>(
 ) -> Result<(), TestCaseError> {
     let mut state = model.at_rest();
     for &(displacement, velocity) in inputs {
-        let motion = Motion {
-            displacement: number(displacement),
-            velocity: number(velocity),
-        };
+        let motion = motion(number(displacement), number(velocity));
         let force = model.step(&mut state, motion);
         if let Some(limit) = model.limit() {
             prop_assert!(force.magnitude() <= limit, "|{force:?}| > {limit:?}");
         }
     }
-    let motion = Motion {
-        displacement: number(1e-7),
-        velocity: number(2e-3),
-    };
+    let motion = motion(number(1e-7), number(2e-3));
     let force = model.step(&mut state, motion);
     prop_assert!(force.to_f64().is_finite(), "{force:?}");
     Ok(())
@@ -330,8 +300,8 @@ proptest! {
             let (mut a, mut b) = (model.at_rest(), model.at_rest());
             for &dx in path {
                 let v = dx / SAMPLE_TIME;
-                let there = model.step(&mut a, Motion { displacement: dx, velocity: v });
-                let back = model.step(&mut b, Motion { displacement: -dx, velocity: -v });
+                let there = model.step(&mut a, motion(dx, v));
+                let back = model.step(&mut b, motion(-dx, -v));
                 prop_assert_eq!(there, -back);
             }
             Ok(())
@@ -360,8 +330,8 @@ proptest! {
         for &counts in &path {
             let dx = I16F16::from_num(counts);
             let v = dx / 10;
-            let there = model.step(&mut a, Motion { displacement: dx, velocity: v });
-            let back = model.step(&mut b, Motion { displacement: -dx, velocity: -v });
+            let there = model.step(&mut a, motion(dx, v));
+            let back = model.step(&mut b, motion(-dx, -v));
             prop_assert!((there + back).abs() <= I16F16::DELTA * 10);
         }
     }
@@ -406,7 +376,7 @@ proptest! {
         // The velocity is not looked at.
         let (mut a, mut b) = (model.at_rest(), model.at_rest());
         for &dx in &legs {
-            let fast = Motion { displacement: dx, velocity: 1e3 };
+            let fast = motion(dx, 1e3);
             prop_assert_eq!(model.step(&mut a, Motion::quasi_static(dx)), model.step(&mut b, fast));
         }
     }
@@ -464,10 +434,7 @@ fn drive<M: Friction>(
 ) -> Result<(), TestCaseError> {
     let mut state = model.at_rest();
     for &(displacement, velocity) in inputs {
-        let motion = Motion {
-            displacement: number(displacement),
-            velocity: number(velocity),
-        };
+        let motion = motion(number(displacement), number(velocity));
         let force = model.step(&mut state, motion);
         if let Some(limit) = model.limit() {
             prop_assert!(force.magnitude() <= limit, "|{force:?}| > {limit:?}");

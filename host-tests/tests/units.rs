@@ -9,9 +9,9 @@ use preslide::control::{
 };
 use preslide::{
     BoucWen, Coulomb, Dahl, ElastoPlastic, Friction, Gms, Hsieh, HsiehParams, Leuven, LeuvenForm,
-    LuGre, Motion, ParamError, QuasiStaticGms, Sliding, TwoState, Units,
+    LuGre, ParamError, QuasiStaticGms, Sliding, TwoState, Units,
 };
-use preslide_host_tests::path::{COUNT, SAMPLE_TIME, random_reversals};
+use preslide_host_tests::path::{COUNT, SAMPLE_TIME, motion, random_reversals};
 use preslide_host_tests::table3::{BREAKAWAY, blocks};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -45,10 +45,7 @@ fn alike<M: Friction<Scalar = f64>>(
     {
         let displacement = f64::from(counts) * COUNT;
         let velocity = [0.0, 2e-4, 3e-3][tick / 50 % 3] * f64::from(counts.signum());
-        let motion = |units: Units| Motion {
-            displacement: displacement / units.length,
-            velocity: velocity / units.velocity,
-        };
+        let motion = |units: Units| motion(displacement / units.length, velocity / units.velocity);
         let force = si.step(&mut states.0, motion(Units::SI));
         let again = other.step(&mut states.1, motion(OTHER)) * OTHER.force;
         assert!(

@@ -6,7 +6,7 @@ use preslide::{
     Dahl, ElastoPlastic, Friction, Gms, Hsieh, Leuven, LeuvenForm, LuGre, Motion, ParamError,
     QuasiStaticGms, Sliding, TwoState, Units,
 };
-use preslide_host_tests::path::COUNTS;
+use preslide_host_tests::path::{COUNTS, motion};
 use preslide_host_tests::table3::{BREAKAWAY, blocks};
 
 /// More reversals than it remembers: the outermost are forgotten, the inner loops still close.
@@ -43,10 +43,7 @@ fn a_force_above_the_coulomb_force_falls_to_it_at_speed() {
         for sign in [1.0, -1.0] {
             let mut state = model.at_rest();
             let mut go = |displacement: f64, velocity: f64| {
-                let motion = Motion {
-                    displacement: sign * displacement,
-                    velocity: sign * velocity,
-                };
+                let motion = motion(sign * displacement, sign * velocity);
                 (0..2000).map(|_| model.step(&mut state, motion)).last()
             };
             let [slow, fast] = [(4e-8, 0.0), (1e-6, 20e-3)].map(|(dx, v)| go(dx, v));
@@ -100,10 +97,7 @@ fn a_gms_that_slid_and_stands_keeps_its_force() {
     let model = Gms::<4, f64>::try_new(&blocks::<4>(), BREAKAWAY, sliding, 50e-6, Units::SI);
     let model = model.expect("Table 3");
     let mut state = model.at_rest();
-    let slides = Motion {
-        displacement: 1e-6,
-        velocity: 20e-3,
-    };
+    let slides = motion(1e-6, 20e-3);
     let slid = (0..400).map(|_| model.step(&mut state, slides)).last();
     for _ in 0..100 {
         let stands = model.step(&mut state, Motion::quasi_static(0.0));

@@ -7,6 +7,7 @@ use preslide::effects::{
     ConstantForce, EncoderError, LocalFrictionSpot, PeriodicForce, PositionSpring, With,
 };
 use preslide::{Friction, Motion, QuasiStaticGms};
+use preslide_host_tests::path::motion;
 
 /// The control task takes the composed model by type, and tells it where the axis is, once it has been told itself.
 #[test]
@@ -61,10 +62,7 @@ fn effects_of_place_wait_until_the_axis_is_located() {
     let spot = || LocalFrictionSpot::<f64>::try_new(0.5, 0.0, 1e-4, Units::SI).expect("valid");
     let constant = || ConstantForce::<f64>::try_new(0.2, Units::SI).expect("valid");
     let error = || EncoderError::<f64>::try_new(50e-9, 10e-6, 0.3, Units::SI).expect("valid");
-    let motion = Motion {
-        displacement: 1e-3,
-        velocity: 1e-3,
-    };
+    let motion = motion(1e-3, 1e-3);
     fn both<F: Friction<Scalar = f64>>(model: &F, motion: Motion<f64>) -> [f64; 2] {
         [false, true].map(|placed| {
             let mut state = model.at_rest();
