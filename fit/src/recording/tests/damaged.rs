@@ -192,10 +192,14 @@ fn do_no_harm(rounds: u64, seed: u64) {
         }
     }
     println!("{rounds} files of seed {seed}; loaded, by kind: {loaded:?}");
-    let each = rounds / whole.len() as u64;
-    for (which, sound) in sound.iter().enumerate() {
-        let enough = sound.is_none() || loaded[which] > each / 100;
-        assert!(enough, "file {which}: too little is readable, {loaded:?}");
+    // A sum of checks guards what is packed.
+    for ((kind, ..), loaded) in whole.iter().zip(&loaded) {
+        let least = match kind {
+            Kind::Text => rounds / whole.len() as u64 / 20,
+            Kind::Matlab | Kind::Numpy => 1,
+            Kind::Model | Kind::Controller => 0,
+        };
+        assert!(*loaded >= least, "{loaded} readable, not {least}");
     }
 }
 

@@ -19,6 +19,12 @@ fn time_must_advance() {
         text("t_s,x_m,force_N\n0,0,1\n\n1,0,1\n1,0,1\n", &[]),
         &["line 5"],
     );
+    // 0.41 s, and 0.41 s but for the last digit of a double.
+    let near = (0..60).map(|i| {
+        let t = if i == 40 { 0.41 } else { f64::from(i) * 0.01 };
+        (t, f64::from(i), 1.0)
+    });
+    refuses(text(&table(near), &[]), &["line 43", "stands still"]);
 }
 
 #[test]
