@@ -4,13 +4,12 @@
 
 use fixed::types::{I8F24, I16F16, I32F32};
 use preslide::{
-    Coulomb, Dahl, Friction, Gms, Hsieh, HsiehParams, LuGre, Motion, QuasiStaticGms, Scalar,
-    Sliding, Units,
+    Coulomb, Dahl, Friction, Gms, Hsieh, LuGre, Motion, QuasiStaticGms, Scalar, Sliding, Units,
 };
 use preslide_host_tests::deviation::Deviation;
 use preslide_host_tests::path::{COUNT, COUNTS, SAMPLE_TIME, motion, random_reversals};
 use preslide_host_tests::reference::{self, Masing, MaxwellSlip, Stribeck};
-use preslide_host_tests::table3::{BREAKAWAY, blocks, column};
+use preslide_host_tests::table3::{BREAKAWAY, blocks, column, hsieh};
 
 const TICKS: usize = 1_000_000;
 const SEED: u64 = 1227;
@@ -403,25 +402,12 @@ fn lugre_is_within_bounds_of_the_integrated_equations() {
     }
 }
 
-/// Table 2; `C_v` has no unit there and is chosen by the test.
-fn hsieh_params(viscous: f64) -> HsiehParams {
-    HsiehParams {
-        k1: 51_540.0,
-        k2: 2_026_400.0,
-        beta: 3_216_500.0,
-        viscous,
-        creep: 500.0,
-        hardening: 31_200.0,
-        hardening_exponent: 3.22,
-    }
-}
-
 #[test]
 fn hsieh_is_within_bounds_of_equations_marched_in_fine_steps() {
     let path: Vec<Tick> = slow_path().into_iter().take(10_000).collect();
     println!("\nHsieh: {} ticks, seed {SEED}, errors in N", path.len());
     for viscous in [0.0, 100.0] {
-        let params = hsieh_params(viscous);
+        let params = hsieh(viscous, 500.0);
         let mut equations = reference::Hsieh::new([
             params.k1,
             params.k2,
@@ -541,7 +527,7 @@ fn stribeck_table_is_within_its_documented_error_for_every_exponent() {
 fn hsieh_converges_to_the_equations_as_the_tick_shrinks() {
     let path: Vec<Tick> = slow_path().into_iter().take(3_000).collect();
     let rms_with = |ticks: i32| {
-        let params = hsieh_params(0.0);
+        let params = hsieh(0.0, 500.0);
         let time = SAMPLE_TIME / f64::from(ticks);
         let model = Hsieh::<f64>::try_new(&params, time, Units::SI).expect("Table 2 is valid");
         let mut state = model.at_rest();

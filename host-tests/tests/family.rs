@@ -12,7 +12,7 @@ use preslide::{
 use preslide_host_tests::path::{COUNT, SAMPLE_TIME, motion, random_reversals};
 use preslide_host_tests::reference::{self, Stribeck};
 use preslide_host_tests::refusal::{not_negative, positive, refused};
-use preslide_host_tests::table3::{BREAKAWAY, blocks, column};
+use preslide_host_tests::table3::{BREAKAWAY, blocks, column, falling};
 use proptest::prelude::*;
 
 const TICKS: usize = 20_000;
@@ -23,12 +23,7 @@ const DISTANCE: f64 = 35e-6;
 pub(crate) const FORMS: [LeuvenForm; 2] = [LeuvenForm::Original, LeuvenForm::Modified];
 
 pub(crate) fn weakening() -> Sliding {
-    Sliding {
-        coulomb: 0.8 * BREAKAWAY,
-        stribeck_velocity: 1e-3,
-        stribeck_exponent: 2.0,
-        attraction: 2_000.0,
-    }
+    falling(0.8 * BREAKAWAY, 2_000.0)
 }
 
 fn stribeck() -> Stribeck {

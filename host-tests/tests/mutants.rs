@@ -14,7 +14,7 @@ use preslide::{
     Bound, Coulomb, ElastoPlastic, Friction, Leuven, LeuvenForm, QuasiStaticGms, Sliding, Units,
 };
 use preslide_host_tests::path::{COUNTS, motion};
-use preslide_host_tests::table3::blocks;
+use preslide_host_tests::table3::{blocks, falling};
 
 /// `η·(k·τ)²/R` and what follows from it, by the numbers of the paper's axis with a gear and losses.
 #[test]
@@ -207,12 +207,7 @@ fn what_a_type_cannot_hold_is_refused_by_its_name() {
         error.expect_err("refused").parameter,
         "speed limit in counts per tick"
     );
-    let sliding = Sliding {
-        coulomb: 4e-5,
-        stribeck_velocity: 1e-3,
-        stribeck_exponent: 2.0,
-        attraction: 20.0,
-    };
+    let sliding = falling(4e-5, 20.0);
     let counts = units(1e-3);
     let error = ElastoPlastic::<I16F16>::try_new(195e3, 0.0, 1e-11, 0.9, sliding, counts);
     assert_eq!(error.expect_err("refused").parameter, "z/z_ss");

@@ -7,7 +7,7 @@ use preslide::{
     Sliding, Units,
 };
 use preslide_host_tests::path::{COUNT, COUNTS, SAMPLE_TIME, motion, random_reversals};
-use preslide_host_tests::table3::{BREAKAWAY, blocks};
+use preslide_host_tests::table3::{BREAKAWAY, blocks, falling, hsieh};
 use proptest::prelude::*;
 
 /// A failing case is printed in full; no file of past failures is kept.
@@ -24,12 +24,7 @@ fn quasi_static<const N: usize>() -> QuasiStaticGms<N, f64> {
 }
 
 fn weakening() -> Sliding {
-    Sliding {
-        coulomb: 0.8 * BREAKAWAY,
-        stribeck_velocity: 1e-3,
-        stribeck_exponent: 2.0,
-        attraction: 500.0,
-    }
+    falling(0.8 * BREAKAWAY, 500.0)
 }
 
 fn gms<const N: usize, S: Scalar>(sliding: Sliding, units: Units) -> Gms<N, S> {
@@ -43,18 +38,6 @@ fn dahl() -> Dahl<f64> {
 fn lugre() -> LuGre<f64> {
     let sliding = Sliding::none(BREAKAWAY);
     LuGre::try_new(195_000.0, 0.0, BREAKAWAY, sliding, Units::SI).expect("Table 2 is valid")
-}
-
-pub fn hsieh_params() -> HsiehParams {
-    HsiehParams {
-        k1: 51_540.0,
-        k2: 2_026_400.0,
-        beta: 3_216_500.0,
-        viscous: 0.0,
-        creep: 0.0,
-        hardening: 31_200.0,
-        hardening_exponent: 3.22,
-    }
 }
 
 /// Forces along displacements, without velocity.
@@ -86,7 +69,7 @@ fn gms_closes_an_inner_loop_to_rounding() {
 
 #[test]
 fn hsieh_without_creep_closes_an_inner_loop_to_rounding() {
-    let model = Hsieh::<f64>::try_new(&hsieh_params(), SAMPLE_TIME, Units::SI).expect("valid");
+    let model = Hsieh::<f64>::try_new(&hsieh(0.0, 0.0), SAMPLE_TIME, Units::SI).expect("valid");
     let (start, end) = inner_loop(&model);
     assert!((end - start).abs() < 1e-12, "{start} {end}");
 }
@@ -163,7 +146,7 @@ fn a_tick_without_motion_changes_nothing_in_any_model() {
     check("GMS", &gms::<6, f64>(weakening(), Units::SI));
     check("Dahl", &dahl());
     check("LuGre", &lugre());
-    let hsieh = Hsieh::<f64>::try_new(&hsieh_params(), SAMPLE_TIME, Units::SI).expect("valid");
+    let hsieh = Hsieh::<f64>::try_new(&hsieh(0.0, 0.0), SAMPLE_TIME, Units::SI).expect("valid");
     check("Hsieh", &hsieh);
 }
 
@@ -260,11 +243,7 @@ fn every_model_stays_sound<S: Scalar>(
         stays_sound(&lugre.expect("valid"), inputs, number)?;
         let coulomb = Coulomb::<S>::try_new(0.9, damping, si);
         stays_sound(&coulomb.expect("valid"), inputs, number)?;
-        let creeping = HsiehParams {
-            creep: 500.0,
-            viscous: damping,
-            ..hsieh_params()
-        };
+        let creeping = hsieh(damping, 500.0);
         let hsieh = Hsieh::<S>::try_new(&creeping, SAMPLE_TIME, si);
         stays_sound(&hsieh.expect("valid"), inputs, number)?;
     }
@@ -310,7 +289,7 @@ proptest! {
         check(&gms::<10, f64>(weakening(), Units::SI), &path)?;
         check(&dahl(), &path)?;
         check(&lugre(), &path)?;
-        let creeping = HsiehParams { creep: 500.0, viscous: 100.0, ..hsieh_params() };
+        let creeping = hsieh(100.0, 500.0);
         check(&Hsieh::<f64>::try_new(&creeping, SAMPLE_TIME, Units::SI).expect("valid"), &path)?;
         let weakening = family::weakening();
         check(&bouc_wen(1.6, 0.75), &path)?;

@@ -1,12 +1,13 @@
 //! Force to motion and back, against the library and against closed forms.
 
-use preslide::{Block, Sliding};
+use preslide::Block;
 use preslide_fit::friction::{FrictionModel, Path};
 use preslide_fit::model::Model;
 use preslide_fit::recording::{LoadOptions, MotionKind, Needs, Recording, load_csv};
 use preslide_fit::simulate::*;
 use preslide_host::paper;
 use preslide_host_tests::refusal::refuses;
+use preslide_host_tests::table3::falling;
 
 fn model(friction: FrictionModel) -> Model {
     Model::of_friction(MotionKind::Linear, friction)
@@ -250,12 +251,7 @@ fn sliding_dynamics_do_not_enter() {
             weight: 0.4,
         },
     ];
-    let sliding = Sliding {
-        coulomb: 0.6,
-        stribeck_velocity: 1e-3,
-        stribeck_exponent: 2.0,
-        attraction: 10.0,
-    };
+    let sliding = falling(0.6, 10.0);
     let gms = |sliding| {
         model(FrictionModel::Gms {
             breakaway: 0.9,

@@ -8,11 +8,11 @@ use preslide::control::{
     Observed, ObserverSettings, VelocitySource,
 };
 use preslide::{
-    BoucWen, Coulomb, Dahl, ElastoPlastic, Friction, Gms, Hsieh, HsiehParams, Leuven, LeuvenForm,
-    LuGre, ParamError, QuasiStaticGms, Sliding, TwoState, Units,
+    BoucWen, Coulomb, Dahl, ElastoPlastic, Friction, Gms, Hsieh, Leuven, LeuvenForm, LuGre,
+    ParamError, QuasiStaticGms, TwoState, Units,
 };
 use preslide_host_tests::path::{COUNT, SAMPLE_TIME, motion, random_reversals};
-use preslide_host_tests::table3::{BREAKAWAY, blocks};
+use preslide_host_tests::table3::{BREAKAWAY, blocks, falling, hsieh};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -59,12 +59,7 @@ fn alike<M: Friction<Scalar = f64>>(
 
 #[test]
 fn a_model_is_the_same_in_other_units() {
-    let slides = || Sliding {
-        coulomb: 0.8 * BREAKAWAY,
-        stribeck_velocity: 1e-3,
-        stribeck_exponent: 2.0,
-        attraction: 2_000.0,
-    };
+    let slides = || falling(0.8 * BREAKAWAY, 2_000.0);
     alike("Coulomb", None, |units| Coulomb::try_new(0.8, 30.0, units));
     alike("quasi-static", Some(BREAKAWAY), |units| {
         QuasiStaticGms::<6, f64>::try_new(&blocks::<6>(), BREAKAWAY, units)
@@ -99,15 +94,7 @@ fn a_model_is_the_same_in_other_units() {
         TwoState::try_new(35e-6, BREAKAWAY, slides(), SAMPLE_TIME, units)
     });
     for (viscous, creep) in [(0.0, 0.0), (40.0, 1e-7)] {
-        let params = HsiehParams {
-            k1: 51_540.0,
-            k2: 2_026_400.0,
-            beta: 3_216_500.0,
-            viscous,
-            creep,
-            hardening: 31_200.0,
-            hardening_exponent: 3.22,
-        };
+        let params = hsieh(viscous, creep);
         alike("Hsieh", None, |units| {
             Hsieh::try_new(&params, SAMPLE_TIME, units)
         });

@@ -1,7 +1,7 @@
 //! From force to motion: friction models inverted, one force after the other, without inertia.
 
 use crate::friction::{FrictionModel, Visitor};
-use preslide::{Block, Friction, Motion, ParamError};
+use preslide::{Block, Friction, Motion, ParamError, Sliding};
 
 /// A model at rest under a force, waiting for the next one.
 pub trait Inverse {
@@ -68,7 +68,10 @@ pub fn inverse(model: &FrictionModel, sample_time: f64) -> Result<Box<dyn Invers
         FrictionModel::Hsieh(ref params) => (1.0 / params.beta, sample_time),
     };
     let timed = matches!(model, FrictionModel::Hsieh(_)).then_some(sample_time);
-    model.still().visit(time, Search { scale, timed })
+    // At rest the level is the breakaway force, and nothing is damped.
+    let still = model.along(Sliding::none);
+    let still = still.as_ref().unwrap_or(model);
+    still.visit(time, Search { scale, timed })
 }
 
 /// Has any model searched.

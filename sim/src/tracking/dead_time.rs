@@ -129,6 +129,9 @@ fn errors<S: Scalar + Send + Sync>(
     })
 }
 
+/// A column's head and its error, metres.
+type Column = (&'static str, fn(&Row) -> f64);
+
 /// The rows for people.
 pub fn print(rows: &[Row]) -> String {
     let name = |row: &Row| match row.bridge {
@@ -137,7 +140,7 @@ pub fn print(rows: &[Row]) -> String {
         Bridge::Dead => "dead time, not compensated",
         Bridge::MadeUp => "dead time, compensated",
     };
-    let columns: [(&str, fn(&Row) -> f64); 4] = [
+    let columns: [Column; 4] = [
         ("nested, f32", |row| row.errors[0].nested_m),
         ("nested, fixed", |row| row.errors[1].nested_m),
         ("slide, f32", |row| row.errors[0].slide_m),
