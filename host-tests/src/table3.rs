@@ -1,7 +1,10 @@
 //! Table 3 of the paper: GMS parameters for 2 to 10 blocks; Hsieh's of Table 2, and a Stribeck curve, which it has none of.
 
+// Plain data, which `preslide-host` holds; this crate does not depend on that one.
+#[path = "../../host/src/paper/table_3.rs"]
+mod printed;
+
 use preslide::{Block, HsiehParams, Sliding};
-use preslide_host::paper;
 
 /// Breakaway force of the paper's stage (N).
 pub const BREAKAWAY: f64 = 0.9;
@@ -11,7 +14,7 @@ pub const BREAKAWAY: f64 = 0.9;
 pub fn column(blocks: usize) -> &'static [(f64, f64)] {
     match blocks {
         1 => &[(45_000.0, 1.0)],
-        2..=10 => paper::TABLE_3[blocks - 2].blocks,
+        2..=10 => printed::TABLE_3[blocks - 2],
         _ => panic!("Table 3 has no column for {blocks} blocks"),
     }
 }
