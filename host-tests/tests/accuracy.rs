@@ -4,7 +4,8 @@
 
 use fixed::types::{I8F24, I16F16, I32F32};
 use preslide::{
-    Coulomb, Dahl, Friction, Gms, Hsieh, LuGre, Motion, QuasiStaticGms, Scalar, Sliding, Units,
+    Coulomb, Dahl, Friction, Gms, Hsieh, HsiehParams, LuGre, Motion, QuasiStaticGms, Scalar,
+    Sliding, Units,
 };
 use preslide_host_tests::deviation::Deviation;
 use preslide_host_tests::path::{COUNT, COUNTS, SAMPLE_TIME, motion, random_reversals};
@@ -88,6 +89,28 @@ pub(crate) fn compare<M: Friction>(
     print(what, bounds.number, &found);
     let what = format!("{what} {}", bounds.number);
     found.assert_within(&what, bounds.max, bounds.rms, bounds.bias);
+}
+
+/// The library's parameters of the same curve.
+fn sliding(stribeck: &Stribeck, attraction: f64) -> Sliding {
+    Sliding {
+        coulomb: stribeck.coulomb,
+        stribeck_velocity: stribeck.velocity,
+        stribeck_exponent: stribeck.exponent,
+        attraction,
+    }
+}
+
+/// The reference of the same parameters.
+fn marched(params: &HsiehParams) -> reference::Hsieh {
+    reference::Hsieh::new([
+        params.k1,
+        params.k2,
+        params.beta,
+        params.creep,
+        params.hardening,
+        params.hardening_exponent,
+    ])
 }
 
 /// Runs `$check::<N, S>(…)` for every arithmetic.
@@ -219,12 +242,7 @@ fn gms_against_the_equations(
         let weakening = BREAKAWAY - sliding.coulomb;
         found.assert_within(&what, weakening, bounds.rms, bounds.bias);
     }
-    let sliding = Sliding {
-        coulomb: stribeck.coulomb,
-        stribeck_velocity: stribeck.velocity,
-        stribeck_exponent: stribeck.exponent,
-        attraction: ATTRACTION,
-    };
+    let sliding = sliding(&stribeck, ATTRACTION);
     header(what);
     macro_rules! at {
         ($n:literal) => {
@@ -364,12 +382,7 @@ fn lugre_is_within_bounds_of_the_integrated_equations() {
             .iter()
             .map(|&(counts, v)| equations.advance(f64::from(counts) * COUNT, v))
             .collect();
-        let sliding = Sliding {
-            coulomb,
-            stribeck_velocity: stribeck.velocity,
-            stribeck_exponent: stribeck.exponent,
-            attraction: f64::INFINITY,
-        };
+        let sliding = sliding(&stribeck, f64::INFINITY);
         let what = format!("LuGre, F_c = {coulomb} N");
         // Rounding alone; with a Stribeck effect the table's error, too.
         let [f32_, f64_, i16f16, i32f32] = if coulomb == BREAKAWAY {
@@ -408,14 +421,7 @@ fn hsieh_is_within_bounds_of_equations_marched_in_fine_steps() {
     println!("\nHsieh: {} ticks, seed {SEED}, errors in N", path.len());
     for viscous in [0.0, 100.0] {
         let params = hsieh(viscous, 500.0);
-        let mut equations = reference::Hsieh::new([
-            params.k1,
-            params.k2,
-            params.beta,
-            params.creep,
-            params.hardening,
-            params.hardening_exponent,
-        ]);
+        let mut equations = marched(&params);
         let reference: Vec<f64> = path
             .iter()
             .map(|&(counts, v)| {
@@ -495,12 +501,7 @@ fn stribeck_table_is_within_its_documented_error_for_every_exponent() {
             velocity: 1.0,
             exponent,
         };
-        let sliding = Sliding {
-            coulomb: SHARE,
-            stribeck_velocity: 1.0,
-            stribeck_exponent: exponent,
-            attraction: f64::INFINITY,
-        };
+        let sliding = sliding(&stribeck, f64::INFINITY);
         let one = [preslide::Block {
             stiffness: 1.0,
             weight: 1.0,
@@ -531,14 +532,7 @@ fn hsieh_converges_to_the_equations_as_the_tick_shrinks() {
         let time = SAMPLE_TIME / f64::from(ticks);
         let model = Hsieh::<f64>::try_new(&params, time, Units::SI).expect("Table 2 is valid");
         let mut state = model.at_rest();
-        let mut equations = reference::Hsieh::new([
-            params.k1,
-            params.k2,
-            params.beta,
-            params.creep,
-            params.hardening,
-            params.hardening_exponent,
-        ]);
+        let mut equations = marched(&params);
         let mut found = Deviation::default();
         for &(counts, _) in &path {
             let displacement = f64::from(counts) * COUNT;

@@ -329,22 +329,12 @@ fn what_is_fed_forward_is_limited_both_ways() {
 fn the_bound_that_a_refusal_names_is_taken() {
     type Change = fn(&mut Axis, f64);
     let changes: [(&str, f64, Change); 6] = [
-        ("top speed", 1e9, |axis, value| axis.watch.top_speed = value),
-        ("largest current", 1e9, |axis, value| {
-            axis.watch.current_max = value
-        }),
-        ("rated current", 1e9, |axis, value| {
-            axis.watch.current_rated = value
-        }),
-        ("highest supply voltage", 1e9, |axis, value| {
-            axis.watch.supply_max = value
-        }),
-        ("frozen duty", 1e9, |axis, value| {
-            axis.watch.frozen_duty = value
-        }),
-        ("overruns", 4.3e9, |axis, value| {
-            axis.watch.overruns = value as u32
-        }),
+        ("top speed", 1e9, |a, v| a.watch.top_speed = v),
+        ("largest current", 1e9, |a, v| a.watch.current_max = v),
+        ("rated current", 1e9, |a, v| a.watch.current_rated = v),
+        ("highest supply voltage", 1e9, |a, v| a.watch.supply_max = v),
+        ("frozen duty", 1e9, |a, v| a.watch.frozen_duty = v),
+        ("overruns", 4.3e9, |a, v| a.watch.overruns = v as u32),
     ];
     let error = |axis: &Axis| {
         let friction = NoFriction::<f64>::new();
@@ -414,56 +404,24 @@ fn basics_follow_the_machine_s_scale() {
         ..basics
     };
     let heavy = heavy.axis().expect("valid");
+    let told = |axis: &Axis, force: f64, current: f64| {
+        [
+            ("K_p", axis.gains.proportional, force),
+            ("K_i", axis.gains.integral, force),
+            ("integral", axis.gains.integral_limit, force),
+            ("fed forward", axis.feed_forward.limit, force),
+            ("acceleration", axis.limits.acceleration, 1.0),
+            ("error", axis.watch.following_error, 1.0),
+            ("largest", axis.watch.current_max, current),
+            ("offset", axis.watch.current_offset, current),
+            ("duty", axis.duty_limit, 1.0),
+        ]
+    };
     for (axis, force, current) in [(&wound, 1.0, 2.0), (&heavy, 3.0, 1.0)] {
-        let near = |what: &str, found: f64, own: f64, times: f64| {
-            assert!(
-                (found / own / times - 1.0).abs() < 1e-9,
-                "{what}: {found}, {own}"
-            );
-        };
-        near(
-            "K_p",
-            axis.gains.proportional,
-            own.gains.proportional,
-            force,
-        );
-        near("K_i", axis.gains.integral, own.gains.integral, force);
-        near(
-            "integral",
-            axis.gains.integral_limit,
-            own.gains.integral_limit,
-            force,
-        );
-        near(
-            "fed forward",
-            axis.feed_forward.limit,
-            own.feed_forward.limit,
-            force,
-        );
-        near(
-            "acceleration",
-            axis.limits.acceleration,
-            own.limits.acceleration,
-            1.0,
-        );
-        near(
-            "error",
-            axis.watch.following_error,
-            own.watch.following_error,
-            1.0,
-        );
-        near(
-            "largest",
-            axis.watch.current_max,
-            own.watch.current_max,
-            current,
-        );
-        near(
-            "offset",
-            axis.watch.current_offset,
-            own.watch.current_offset,
-            current,
-        );
-        near("duty", axis.duty_limit, own.duty_limit, 1.0);
+        let pairs = told(axis, force, current).into_iter();
+        for ((what, found, times), (_, own, _)) in pairs.zip(told(&own, 1.0, 1.0)) {
+            let off = (found / own / times - 1.0).abs();
+            assert!(off < 1e-9, "{what}: {found}, {own}");
+        }
     }
 }
