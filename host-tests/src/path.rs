@@ -1,6 +1,6 @@
 //! Motions: random ones with reversals on every scale, in encoder counts, and one with friction as a recording.
 
-use preslide::Units;
+use preslide::{Motion, Units};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::fmt::Write as _;
@@ -14,6 +14,14 @@ pub const COUNTS: Units = Units {
     force: 1e-3,
     velocity: 1e-3,
 };
+
+/// What a model is told of a tick.
+pub fn motion<S>(displacement: S, velocity: S) -> Motion<S> {
+    Motion {
+        displacement,
+        velocity,
+    }
+}
 
 /// Sample time of a 20 kHz control task (s).
 pub const SAMPLE_TIME: f64 = 50e-6;

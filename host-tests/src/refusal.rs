@@ -48,3 +48,12 @@ pub fn not_negative(parameter: &str, with: impl Fn(f64) -> Option<ParamError>) {
 
 /// No magnitudes.
 pub const NEVER: [f64; 4] = [-1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+
+/// It is refused, in words that say all of these.
+#[track_caller]
+pub fn refuses<T>(answer: Result<T, impl std::fmt::Display>, parts: &[&str]) {
+    let said = answer.err().expect("refused").to_string();
+    for part in parts {
+        assert!(said.contains(part), "`{part}` is not in: {said}");
+    }
+}

@@ -8,9 +8,9 @@ use preslide::{
     Sliding, Units,
 };
 use preslide_host_tests::deviation::Deviation;
-use preslide_host_tests::path::{COUNT, COUNTS, SAMPLE_TIME, random_reversals};
+use preslide_host_tests::path::{COUNT, COUNTS, SAMPLE_TIME, motion, random_reversals};
 use preslide_host_tests::reference::{self, Masing, MaxwellSlip, Stribeck};
-use preslide_host_tests::table3::{BREAKAWAY, blocks, column};
+use preslide_host_tests::table3::{BREAKAWAY, blocks, column, hsieh};
 
 const TICKS: usize = 1_000_000;
 const SEED: u64 = 1227;
@@ -59,10 +59,10 @@ fn deviation<M: Friction>(
     for (&(counts, velocity), &expected) in path.iter().zip(reference) {
         let force = model.step(
             &mut state,
-            Motion {
-                displacement: scalar(f64::from(counts) * COUNT / units.length),
-                velocity: scalar(velocity / units.velocity),
-            },
+            motion(
+                scalar(f64::from(counts) * COUNT / units.length),
+                scalar(velocity / units.velocity),
+            ),
         );
         deviation.add(force.to_f64() * units.force, expected);
     }
@@ -89,6 +89,28 @@ pub(crate) fn compare<M: Friction>(
     print(what, bounds.number, &found);
     let what = format!("{what} {}", bounds.number);
     found.assert_within(&what, bounds.max, bounds.rms, bounds.bias);
+}
+
+/// The library's parameters of the same curve.
+fn sliding(stribeck: &Stribeck, attraction: f64) -> Sliding {
+    Sliding {
+        coulomb: stribeck.coulomb,
+        stribeck_velocity: stribeck.velocity,
+        stribeck_exponent: stribeck.exponent,
+        attraction,
+    }
+}
+
+/// The reference of the same parameters.
+fn marched(params: &HsiehParams) -> reference::Hsieh {
+    reference::Hsieh::new([
+        params.k1,
+        params.k2,
+        params.beta,
+        params.creep,
+        params.hardening,
+        params.hardening_exponent,
+    ])
 }
 
 /// Runs `$check::<N, S>(…)` for every arithmetic.
@@ -220,12 +242,7 @@ fn gms_against_the_equations(
         let weakening = BREAKAWAY - sliding.coulomb;
         found.assert_within(&what, weakening, bounds.rms, bounds.bias);
     }
-    let sliding = Sliding {
-        coulomb: stribeck.coulomb,
-        stribeck_velocity: stribeck.velocity,
-        stribeck_exponent: stribeck.exponent,
-        attraction: ATTRACTION,
-    };
+    let sliding = sliding(&stribeck, ATTRACTION);
     header(what);
     macro_rules! at {
         ($n:literal) => {
@@ -365,12 +382,7 @@ fn lugre_is_within_bounds_of_the_integrated_equations() {
             .iter()
             .map(|&(counts, v)| equations.advance(f64::from(counts) * COUNT, v))
             .collect();
-        let sliding = Sliding {
-            coulomb,
-            stribeck_velocity: stribeck.velocity,
-            stribeck_exponent: stribeck.exponent,
-            attraction: f64::INFINITY,
-        };
+        let sliding = sliding(&stribeck, f64::INFINITY);
         let what = format!("LuGre, F_c = {coulomb} N");
         // Rounding alone; with a Stribeck effect the table's error, too.
         let [f32_, f64_, i16f16, i32f32] = if coulomb == BREAKAWAY {
@@ -403,33 +415,13 @@ fn lugre_is_within_bounds_of_the_integrated_equations() {
     }
 }
 
-/// Table 2; `C_v` has no unit there and is chosen by the test.
-fn hsieh_params(viscous: f64) -> HsiehParams {
-    HsiehParams {
-        k1: 51_540.0,
-        k2: 2_026_400.0,
-        beta: 3_216_500.0,
-        viscous,
-        creep: 500.0,
-        hardening: 31_200.0,
-        hardening_exponent: 3.22,
-    }
-}
-
 #[test]
 fn hsieh_is_within_bounds_of_equations_marched_in_fine_steps() {
     let path: Vec<Tick> = slow_path().into_iter().take(10_000).collect();
     println!("\nHsieh: {} ticks, seed {SEED}, errors in N", path.len());
     for viscous in [0.0, 100.0] {
-        let params = hsieh_params(viscous);
-        let mut equations = reference::Hsieh::new([
-            params.k1,
-            params.k2,
-            params.beta,
-            params.creep,
-            params.hardening,
-            params.hardening_exponent,
-        ]);
+        let params = hsieh(viscous, 500.0);
+        let mut equations = marched(&params);
         let reference: Vec<f64> = path
             .iter()
             .map(|&(counts, v)| {
@@ -509,12 +501,7 @@ fn stribeck_table_is_within_its_documented_error_for_every_exponent() {
             velocity: 1.0,
             exponent,
         };
-        let sliding = Sliding {
-            coulomb: SHARE,
-            stribeck_velocity: 1.0,
-            stribeck_exponent: exponent,
-            attraction: f64::INFINITY,
-        };
+        let sliding = sliding(&stribeck, f64::INFINITY);
         let one = [preslide::Block {
             stiffness: 1.0,
             weight: 1.0,
@@ -525,13 +512,7 @@ fn stribeck_table_is_within_its_documented_error_for_every_exponent() {
         for i in 0..200_000 {
             let velocity = f64::from(i) * 1e-4;
             // Without lag the force in slip is s(v) itself.
-            let force = model.step(
-                &mut state,
-                Motion {
-                    displacement: 10.0,
-                    velocity,
-                },
-            );
+            let force = model.step(&mut state, motion(10.0, velocity));
             found.add(
                 force / (1.0 - SHARE),
                 stribeck.force(velocity) / (1.0 - SHARE),
@@ -547,18 +528,11 @@ fn stribeck_table_is_within_its_documented_error_for_every_exponent() {
 fn hsieh_converges_to_the_equations_as_the_tick_shrinks() {
     let path: Vec<Tick> = slow_path().into_iter().take(3_000).collect();
     let rms_with = |ticks: i32| {
-        let params = hsieh_params(0.0);
+        let params = hsieh(0.0, 500.0);
         let time = SAMPLE_TIME / f64::from(ticks);
         let model = Hsieh::<f64>::try_new(&params, time, Units::SI).expect("Table 2 is valid");
         let mut state = model.at_rest();
-        let mut equations = reference::Hsieh::new([
-            params.k1,
-            params.k2,
-            params.beta,
-            params.creep,
-            params.hardening,
-            params.hardening_exponent,
-        ]);
+        let mut equations = marched(&params);
         let mut found = Deviation::default();
         for &(counts, _) in &path {
             let displacement = f64::from(counts) * COUNT;

@@ -9,9 +9,9 @@ use preslide::control::{
 };
 use preslide::{
     BoucWen, Coulomb, Dahl, ElastoPlastic, Friction, Gms, Hsieh, HsiehParams, Leuven, LeuvenForm,
-    LuGre, Motion, ParamError, QuasiStaticGms, Scalar, Sliding, TwoState, Units,
+    LuGre, ParamError, QuasiStaticGms, Scalar, Sliding, TwoState, Units,
 };
-use preslide_host_tests::path::{COUNT, COUNTS, SAMPLE_TIME, random_reversals};
+use preslide_host_tests::path::{COUNT, COUNTS, SAMPLE_TIME, motion, random_reversals};
 use preslide_host_tests::table3::blocks;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -61,10 +61,10 @@ fn forces<M: Friction>(model: Result<M, ParamError>, units: Units) -> u64 {
     let path = random_reversals(45, 3000, 3000.0, 40.0);
     told(path.into_iter().map(|counts| {
         let way = f64::from(counts) * COUNT;
-        let motion = Motion {
-            displacement: scalar(way / units.length),
-            velocity: scalar(way / SAMPLE_TIME / units.velocity),
-        };
+        let motion = motion(
+            scalar(way / units.length),
+            scalar(way / SAMPLE_TIME / units.velocity),
+        );
         model.step(&mut state, motion).to_f64()
     }))
 }

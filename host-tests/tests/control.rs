@@ -1,5 +1,6 @@
 //! The control task's promises: the limit, the faults, the swap and the reference, in every arithmetic.
 
+use crate::measured::{calm, delayed, supplied};
 use fixed::types::I16F16;
 use preslide::control::learning::{Adaptation, MismatchWatch};
 use preslide::control::{
@@ -39,13 +40,6 @@ fn controller<F: Friction>(settings: &Axis, friction: F, units: Units) -> Contro
 fn plan(axis: &Axis, distance: f64, speed: f64) -> Move {
     Move::plan(distance, speed, speed / 0.01, axis.grid()).expect("a valid move")
 }
-
-const HEALTHY: Measurement<u32> = Measurement {
-    count: 0,
-    supply: 6000,
-    current: 0,
-    late: false,
-};
 
 /// Random counts, supplies, moves, swaps and restarts: whatever comes, the command stays within the limit, and it is
 /// zero whenever there is a fault. A second controller, which takes no tick for an ordinary one, commands the same.
@@ -194,21 +188,12 @@ fn every_fault_ends_in_the_safe_state_within_its_ticks() {
     let check = |(tick, command): (u32, Command), fault, ticks| {
         assert_eq!((command.fault, command.code, tick), (Some(fault), 0, ticks));
     };
-    let jump = |tick| Measurement {
-        count: if tick < 5 { 0 } else { 1000 },
-        ..HEALTHY
-    };
+    let jump = |tick| calm(if tick < 5 { 0 } else { 1000 });
     check(ticks_to_fault(fresh(), jump), Fault::EncoderJump, 5);
     // 1 ms is 20 ticks that are ridden out.
-    let sag = |_| Measurement {
-        supply: 4000,
-        ..HEALTHY
-    };
+    let sag = |_| supplied(4000);
     check(ticks_to_fault(fresh(), sag), Fault::SupplyOutOfRange, 21);
-    let late = |_| Measurement {
-        late: true,
-        ..HEALTHY
-    };
+    let late = |_| delayed();
     check(
         ticks_to_fault(fresh(), late),
         Fault::Overrun,
@@ -216,7 +201,7 @@ fn every_fault_ends_in_the_safe_state_within_its_ticks() {
     );
     let mut pushed = fresh();
     assert_eq!(pushed.start(plan(&settings, 1e-3, 1e-3)), Ok(()));
-    let (tick, command) = ticks_to_fault(pushed, |_| HEALTHY);
+    let (tick, command) = ticks_to_fault(pushed, |_| calm(0));
     assert_eq!(
         (command.fault, command.code),
         (Some(Fault::EncoderFrozen), 0)
@@ -233,10 +218,7 @@ fn a_count_that_wraps_is_no_jump() {
     let mut controller = Controller::new(coefficients, u32::MAX - 3);
     assert_eq!(controller.enable(), Ok(()));
     for step in 0..10_u32 {
-        let command = controller.tick(Measurement {
-            count: (u32::MAX - 3).wrapping_add(step),
-            ..HEALTHY
-        });
+        let command = controller.tick(calm((u32::MAX - 3).wrapping_add(step)));
         assert_eq!((command.fault, command.position), (None, i64::from(step)));
     }
 }
@@ -263,7 +245,7 @@ fn a_rotary_axis_turns_ten_billion_counts_without_a_fault() {
     assert_eq!(controller.jog(jog.expect("within the limits")), Ok(()));
     let (mut count, mut furthest, mut ticks) = (0_u32, 0, 0_u64);
     while furthest < 10_000_000_000 {
-        let command = controller.tick(Measurement { count, ..HEALTHY });
+        let command = controller.tick(Measurement { count, ..calm(0) });
         assert_eq!(command.fault, None, "after {ticks} ticks at {furthest}");
         assert!(command.position > furthest - 1000, "it must not turn back");
         assert!((command.reference - (command.position << 16)).abs() < 1100 << 16);
@@ -287,10 +269,7 @@ fn boots_disabled_and_stays_so_until_told() {
     let next = planner.by(1e-3, 1e-3, 0.1).expect("within the limits");
     assert_eq!(controller.start(next), Err(Refused::NotEnabled));
     for tick in 0..1000 {
-        let carried = Measurement {
-            count: tick * 5,
-            ..HEALTHY
-        };
+        let carried = calm(tick * 5);
         let command = controller.tick(carried);
         assert_eq!(
             (command.code, command.enabled, command.fault),
@@ -299,16 +278,10 @@ fn boots_disabled_and_stays_so_until_told() {
     }
     assert_eq!(controller.enable(), Ok(()));
     assert_eq!(controller.start(next), Ok(()));
-    let here = Measurement {
-        count: 999 * 5,
-        ..HEALTHY
-    };
+    let here = calm(999 * 5);
     assert!(controller.tick(here).enabled);
     // A fault disables; acknowledging it alone does not enable.
-    let jump = Measurement {
-        count: 99_999,
-        ..HEALTHY
-    };
+    let jump = calm(99_999);
     assert_eq!(controller.tick(jump).fault, Some(Fault::EncoderJump));
     assert_eq!(controller.enable(), Err(Fault::EncoderJump));
     controller.acknowledge();
@@ -338,10 +311,7 @@ fn reversed_leads_and_counter_are_the_axis_s_business_alone() {
         let mut count = 0;
         for _ in 0..2000 {
             let wired: i32 = if encoder { -count } else { count };
-            let mut command = controller.tick(Measurement {
-                count: wired.cast_unsigned(),
-                ..HEALTHY
-            });
+            let mut command = controller.tick(calm(wired.cast_unsigned()));
             count = ((command.reference >> 16) - 3) as i32;
             command.code *= if motor { -1 } else { 1 };
             commands.push(command);
@@ -361,10 +331,7 @@ fn a_following_error_and_a_number_that_is_none_end_in_the_safe_state() {
     let mut left_behind = controller(&axis, quasi_static(Units::SI), Units::SI);
     assert_eq!(left_behind.start(plan(&axis, 1e-3, 1e-2)), Ok(()));
     // One count now and then keeps it from reading as frozen.
-    let crawling = |tick: u32| Measurement {
-        count: tick / 40 * 2,
-        ..HEALTHY
-    };
+    let crawling = |tick: u32| calm(tick / 40 * 2);
     let (_, command) = ticks_to_fault(left_behind, crawling);
     assert_eq!(
         (command.fault, command.code, command.enabled),
@@ -373,7 +340,7 @@ fn a_following_error_and_a_number_that_is_none_end_in_the_safe_state() {
 
     let mut poisoned = controller(&axis, Poisoned(10), Units::SI);
     let command = (0..10)
-        .map(|_| poisoned.tick(HEALTHY))
+        .map(|_| poisoned.tick(calm(0)))
         .last()
         .expect("ten ticks");
     assert_eq!(command.fault, Some(Fault::NotANumber));
@@ -460,7 +427,7 @@ fn an_axis_enabled_again_begins_as_a_new_one() {
         used.disable();
         used.swap(&coefficients);
         for _ in 0..rng.random_range(0..5) {
-            used.tick(Measurement { count, ..HEALTHY });
+            used.tick(Measurement { count, ..calm(0) });
         }
         assert_eq!(used.enable(), Ok(()));
         let start = used.position();
@@ -484,7 +451,7 @@ fn an_axis_enabled_again_begins_as_a_new_one() {
                 assert_eq!(asked[0], asked[1]);
             }
             let [kept, fresh] = [(&mut used, count), (&mut new, count.wrapping_sub(origin))]
-                .map(|(one, count)| one.tick(Measurement { count, ..HEALTHY }).reference);
+                .map(|(one, count)| one.tick(Measurement { count, ..calm(0) }).reference);
             assert_eq!(kept, fresh, "round {round}, tick {tick}");
             // The axis follows to the count.
             count = origin.wrapping_add(((kept >> 16) - start) as u32);

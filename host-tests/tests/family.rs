@@ -7,13 +7,12 @@ use crate::accuracy::{bounds, compare};
 use crate::properties::in_steps;
 use preslide::Bound::{AtLeast, AtMost};
 use preslide::{
-    BoucWen, Dahl, ElastoPlastic, Friction, Leuven, LeuvenForm, Motion, Scalar, Sliding, TwoState,
-    Units,
+    BoucWen, Dahl, ElastoPlastic, Friction, Leuven, LeuvenForm, Scalar, Sliding, TwoState, Units,
 };
-use preslide_host_tests::path::{COUNT, SAMPLE_TIME, random_reversals};
+use preslide_host_tests::path::{COUNT, SAMPLE_TIME, motion, random_reversals};
 use preslide_host_tests::reference::{self, Stribeck};
 use preslide_host_tests::refusal::{not_negative, positive, refused};
-use preslide_host_tests::table3::{BREAKAWAY, blocks, column};
+use preslide_host_tests::table3::{BREAKAWAY, blocks, column, falling};
 use proptest::prelude::*;
 
 const TICKS: usize = 20_000;
@@ -24,12 +23,7 @@ const DISTANCE: f64 = 35e-6;
 pub(crate) const FORMS: [LeuvenForm; 2] = [LeuvenForm::Original, LeuvenForm::Modified];
 
 pub(crate) fn weakening() -> Sliding {
-    Sliding {
-        coulomb: 0.8 * BREAKAWAY,
-        stribeck_velocity: 1e-3,
-        stribeck_exponent: 2.0,
-        attraction: 2_000.0,
-    }
+    falling(0.8 * BREAKAWAY, 2_000.0)
 }
 
 fn stribeck() -> Stribeck {
@@ -72,34 +66,26 @@ fn path() -> Vec<(i32, f64)> {
         .collect()
 }
 
-/// Largest, RMS and mean error (N) in `f32` and in `f64` within these bounds.
+/// Along [`path`], of an equation's forces (N) of counts and speed: largest, RMS and mean error in `f32` and in `f64` within these bounds.
 fn check<A: Friction<Scalar = f32>, B: Friction<Scalar = f64>>(
     what: &str,
     (single, double): (&A, &B),
-    path: &[(i32, f64)],
-    expected: &[f64],
+    mut equation: impl FnMut(i32, f64) -> f64,
     within: [[f64; 3]; 2],
 ) {
+    let path = path();
+    let forces: Vec<f64> = path
+        .iter()
+        .map(|&(counts, v)| equation(counts, v))
+        .collect();
     let of = |number, [max, rms, bias]: [f64; 3]| bounds(number, max, rms, bias);
-    compare(
-        what,
-        &of("f32", within[0]),
-        (single, Units::SI),
-        path,
-        expected,
-    );
-    compare(
-        what,
-        &of("f64", within[1]),
-        (double, Units::SI),
-        path,
-        expected,
-    );
+    let [coarse, fine] = [of("f32", within[0]), of("f64", within[1])];
+    compare(what, &coarse, (single, Units::SI), &path, &forces);
+    compare(what, &fine, (double, Units::SI), &path, &forces);
 }
 
 #[test]
 fn bouc_wen_is_within_bounds_of_its_equation() {
-    let path = path();
     // The power's kink at `u = 0` costs the fourth-order step its order, most for n = 1 with another slope beyond it.
     for (exponent, shape, max, rms) in [
         (1.0, 1.0, 2e-7, 2e-8),
@@ -108,23 +94,16 @@ fn bouc_wen_is_within_bounds_of_its_equation() {
         (3.0, 2.0, 6e-5, 6e-6),
     ] {
         let mut equation = reference::BoucWen::new(320_000.0, BREAKAWAY, exponent, shape);
-        let expected: Vec<f64> = path
-            .iter()
-            .map(|tick| equation.advance(f64::from(tick.0) * COUNT))
-            .collect();
-        let models = (
-            &bouc_wen::<f32>(exponent, shape),
-            &bouc_wen::<f64>(exponent, shape),
-        );
+        let models = (&bouc_wen(exponent, shape), &bouc_wen(exponent, shape));
         let what = format!("Bouc-Wen, n = {exponent}, sigma = {shape}");
         let bounds = [[max + 5e-6, rms + 1.5e-6, 6e-7], [max, rms, 2e-7]];
-        check(&what, models, &path, &expected, bounds);
+        let equation = |counts: i32, _| equation.advance(f64::from(counts) * COUNT);
+        check(&what, models, equation, bounds);
     }
 }
 
 #[test]
 fn elasto_plastic_is_within_bounds_of_its_equation() {
-    let path = path();
     for damping in [0.0, 1.0] {
         let mut equation = reference::ElastoPlastic {
             stiffness: STIFFNESS,
@@ -134,46 +113,38 @@ fn elasto_plastic_is_within_bounds_of_its_equation() {
             sample_time: SAMPLE_TIME,
             deflection: 0.0,
         };
-        let expected: Vec<f64> = path
-            .iter()
-            .map(|&(counts, v)| equation.advance(f64::from(counts) * COUNT, v))
-            .collect();
         let models = (
-            &elasto_plastic::<f32>(damping, weakening()),
-            &elasto_plastic::<f64>(damping, weakening()),
+            &elasto_plastic(damping, weakening()),
+            &elasto_plastic(damping, weakening()),
         );
         let what = format!("elasto-plastic, sigma_1 = {damping}");
         let bounds = [[5e-6, 2e-6, 7e-7], [1.2e-6, 1.2e-7, 2e-8]];
-        check(&what, models, &path, &expected, bounds);
+        let equation = |counts, v| equation.advance(f64::from(counts) * COUNT, v);
+        check(&what, models, equation, bounds);
     }
 }
 
 #[test]
 fn leuven_is_within_bounds_of_its_equation() {
-    let path = path();
     let sliding = Sliding::none(BREAKAWAY);
     for form in FORMS {
         let original = form == LeuvenForm::Original;
         for damping in [0.0, 0.5] {
             let mut equation = reference::Leuven::new(column(6), BREAKAWAY, 2.0, damping, original);
-            let expected: Vec<f64> = path
-                .iter()
-                .map(|&(counts, v)| equation.advance(f64::from(counts) * COUNT, v))
-                .collect();
             let models = (
-                &leuven::<f32>(form, damping, sliding),
-                &leuven::<f64>(form, damping, sliding),
+                &leuven(form, damping, sliding),
+                &leuven(form, damping, sliding),
             );
             let what = format!("Leuven, {form:?}, sigma_1 = {damping}");
             let bounds = [[6e-6, 6e-7, 3e-7], [6e-6, 2e-7, 1.5e-8]];
-            check(&what, models, &path, &expected, bounds);
+            let equation = |counts, v| equation.advance(f64::from(counts) * COUNT, v);
+            check(&what, models, equation, bounds);
         }
     }
 }
 
 #[test]
 fn two_state_is_within_bounds_of_its_equation() {
-    let path = path();
     let mut equation = reference::TwoState::new(
         DISTANCE,
         stribeck(),
@@ -181,16 +152,14 @@ fn two_state_is_within_bounds_of_its_equation() {
         SAMPLE_TIME,
         COUNT,
     );
-    let expected: Vec<f64> = path
-        .iter()
-        .map(|&(counts, v)| equation.advance(counts, v))
-        .collect();
-    let models = (
-        &two_state::<f32>(weakening()),
-        &two_state::<f64>(weakening()),
-    );
+    let models = (&two_state(weakening()), &two_state(weakening()));
     let bounds = [[8e-6, 1.2e-6, 2e-7], [1.5e-14, 3e-15, 3e-16]];
-    check("two-state", models, &path, &expected, bounds);
+    check(
+        "two-state",
+        models,
+        |counts, v| equation.advance(counts, v),
+        bounds,
+    );
 }
 
 /// Forces along displacements, at the velocity `speed` (m/s) in their direction.
@@ -204,13 +173,7 @@ pub(crate) fn forces<M: Friction<Scalar = f64>>(
         .iter()
         .map(|&displacement| {
             let velocity = speed * displacement.signum();
-            model.step(
-                &mut state,
-                Motion {
-                    displacement,
-                    velocity,
-                },
-            )
+            model.step(&mut state, motion(displacement, velocity))
         })
         .collect()
 }

@@ -8,8 +8,9 @@ use preslide::control::NoFriction;
 use preslide::control::koopman::{
     Ahead, ErrorLift, Guided, KoopmanModel, KoopmanMpc, KoopmanSettings, KoopmanState,
 };
-use preslide::{Friction, Motion, Units};
+use preslide::{Friction, Units};
 use preslide_host_tests::deviation::Deviation;
+use preslide_host_tests::path::motion;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -358,10 +359,7 @@ fn a_missed_deadline_is_counted_and_lets_the_force_go() {
     let guided = Guided::try_new(NoFriction::<f32>::new(), 20, 1.0, Units::SI).expect("valid");
     let mut state = guided.at_rest();
     let tick = |state: &mut _| {
-        let motion = Motion {
-            displacement: 1e-6,
-            velocity: 20e-3,
-        };
+        let motion = motion(1e-6, 20e-3);
         guided.velocity(state, 0.5e-6, || 0.0);
         guided.step(state, motion)
     };

@@ -1,5 +1,6 @@
 //! What is promised of friction models that learn: bounds, freezes, the estimate, the false-alarm rate, and what they are for.
 
+use crate::measured::calm;
 use fixed::types::I16F16;
 use preslide::control::learning::{
     Adaptation, AdaptationSettings, BlockMeans, Condition, LOOK_EVERY, Learn, MismatchSettings,
@@ -10,6 +11,7 @@ use preslide::control::{
     Settings,
 };
 use preslide::{Friction, Motion, QuasiStaticGms, Scalar, Units};
+use preslide_host_tests::path::motion;
 use preslide_host_tests::reference::Level;
 use preslide_host_tests::table3::{self, BREAKAWAY};
 use preslide_sim::stage::{FrictionConfig, StageConfig, VariabilityConfig};
@@ -126,10 +128,7 @@ fn stays_bounded<S: Scalar>(units: Units, garbage: &[S], seed: u64) {
             let usual = S::try_from_f64(usual).expect("it fits");
             if wild { garbage[index] } else { usual }
         };
-        let motion = Motion {
-            displacement: pick(2e-8 / units.length),
-            velocity: pick(1e-3 / units.velocity),
-        };
+        let motion = motion(pick(2e-8 / units.length), pick(1e-3 / units.velocity));
         let force = model.step(&mut state, motion);
         assert!(force.to_f64().abs() <= bound, "{force:?}");
         let spent = pick(bias * 0.9 / units.force);
@@ -199,12 +198,7 @@ fn a_fault_and_new_gains_keep_what_was_learned_and_another_model_does_not() {
     let mut controller = Controller::new(coefficients, 0_u32);
     assert_eq!(controller.enable(), Ok(()));
     let slide = || Move::plan(4e-4, 1e-3, 0.1, settings.grid()).expect("a valid move");
-    let healthy = |count| Measurement {
-        count,
-        supply: 6000,
-        current: 0,
-        late: false,
-    };
+    let healthy = |count| calm(count);
     // The axis lags by ten counts: the feedback adds force to the model's.
     assert_eq!(controller.start(slide()), Ok(()));
     let mut count = 0;

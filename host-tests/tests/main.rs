@@ -18,6 +18,7 @@ mod identify_core;
 mod kernels;
 mod koopman;
 mod learning;
+mod measured;
 mod mutants;
 mod notch;
 mod observer;

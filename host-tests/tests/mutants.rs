@@ -1,6 +1,7 @@
 //! What no other test missed when `cargo mutants` changed it.
 
-use crate::places::{RESTS, controller};
+use crate::measured::{calm, carrying};
+use crate::places::controller;
 use fixed::types::I16F16;
 use preslide::control::koopman::Guided;
 use preslide::control::learning::{Adaptation, Learn, MismatchWatch};
@@ -10,11 +11,10 @@ use preslide::control::{
     PidState, Planner, Reference, Rounding, Saturation,
 };
 use preslide::{
-    Bound, Coulomb, ElastoPlastic, Friction, Leuven, LeuvenForm, Motion, QuasiStaticGms, Sliding,
-    Units,
+    Bound, Coulomb, ElastoPlastic, Friction, Leuven, LeuvenForm, QuasiStaticGms, Sliding, Units,
 };
-use preslide_host_tests::path::COUNTS;
-use preslide_host_tests::table3::blocks;
+use preslide_host_tests::path::{COUNTS, motion};
+use preslide_host_tests::table3::{blocks, falling};
 
 /// `η·(k·τ)²/R` and what follows from it, by the numbers of the paper's axis with a gear and losses.
 #[test]
@@ -54,7 +54,7 @@ fn nearly_all_ticks_of_a_moving_axis_are_ordinary() {
         let measured = Measurement {
             count: (controller.reference() >> 16) as u32,
             supply,
-            ..RESTS
+            ..calm(0)
         };
         ordinary += i32::from(match controller.ordinary_tick(measured) {
             Some(_) => true,
@@ -207,12 +207,7 @@ fn what_a_type_cannot_hold_is_refused_by_its_name() {
         error.expect_err("refused").parameter,
         "speed limit in counts per tick"
     );
-    let sliding = Sliding {
-        coulomb: 4e-5,
-        stribeck_velocity: 1e-3,
-        stribeck_exponent: 2.0,
-        attraction: 20.0,
-    };
+    let sliding = falling(4e-5, 20.0);
     let counts = units(1e-3);
     let error = ElastoPlastic::<I16F16>::try_new(195e3, 0.0, 1e-11, 0.9, sliding, counts);
     assert_eq!(error.expect_err("refused").parameter, "z/z_ss");
@@ -273,7 +268,7 @@ fn nothing_is_learned_while_a_model_fades() {
         let command = controller.tick(Measurement {
             count,
             late,
-            ..RESTS
+            ..calm(0)
         });
         assert_eq!(command.fault, None);
         levels.push(controller.condition().level.expect("it adapts"));
@@ -306,10 +301,7 @@ fn what_is_counted_is_told() {
     let mut controller = controller(&Axis::PAPER_AXIS, 0);
     for offset in [30, -30] {
         for _ in 0..5000 {
-            let _ = controller.tick(Measurement {
-                current: offset,
-                ..RESTS
-            });
+            let _ = controller.tick(carrying(offset));
         }
         assert!((controller.current_at_rest() - offset).abs() <= 1);
     }
@@ -325,10 +317,7 @@ fn what_is_fed_forward_is_limited_both_ways() {
     let friction = Coulomb::<f64>::try_new(0.8, 0.0, Units::SI).expect("valid");
     let compensator = Compensator::try_new(friction, &settings, Units::SI).expect("valid");
     let step = |velocity| {
-        let motion = Motion {
-            displacement: 0.0,
-            velocity,
-        };
+        let motion = motion(0.0, velocity);
         compensator.step(&mut (), motion)
     };
     assert_eq!((step(1e-6), step(-1e-6)), (0.15, -0.15));
@@ -340,22 +329,12 @@ fn what_is_fed_forward_is_limited_both_ways() {
 fn the_bound_that_a_refusal_names_is_taken() {
     type Change = fn(&mut Axis, f64);
     let changes: [(&str, f64, Change); 6] = [
-        ("top speed", 1e9, |axis, value| axis.watch.top_speed = value),
-        ("largest current", 1e9, |axis, value| {
-            axis.watch.current_max = value
-        }),
-        ("rated current", 1e9, |axis, value| {
-            axis.watch.current_rated = value
-        }),
-        ("highest supply voltage", 1e9, |axis, value| {
-            axis.watch.supply_max = value
-        }),
-        ("frozen duty", 1e9, |axis, value| {
-            axis.watch.frozen_duty = value
-        }),
-        ("overruns", 4.3e9, |axis, value| {
-            axis.watch.overruns = value as u32
-        }),
+        ("top speed", 1e9, |a, v| a.watch.top_speed = v),
+        ("largest current", 1e9, |a, v| a.watch.current_max = v),
+        ("rated current", 1e9, |a, v| a.watch.current_rated = v),
+        ("highest supply voltage", 1e9, |a, v| a.watch.supply_max = v),
+        ("frozen duty", 1e9, |a, v| a.watch.frozen_duty = v),
+        ("overruns", 4.3e9, |a, v| a.watch.overruns = v as u32),
     ];
     let error = |axis: &Axis| {
         let friction = NoFriction::<f64>::new();
@@ -425,56 +404,24 @@ fn basics_follow_the_machine_s_scale() {
         ..basics
     };
     let heavy = heavy.axis().expect("valid");
+    let told = |axis: &Axis, force: f64, current: f64| {
+        [
+            ("K_p", axis.gains.proportional, force),
+            ("K_i", axis.gains.integral, force),
+            ("integral", axis.gains.integral_limit, force),
+            ("fed forward", axis.feed_forward.limit, force),
+            ("acceleration", axis.limits.acceleration, 1.0),
+            ("error", axis.watch.following_error, 1.0),
+            ("largest", axis.watch.current_max, current),
+            ("offset", axis.watch.current_offset, current),
+            ("duty", axis.duty_limit, 1.0),
+        ]
+    };
     for (axis, force, current) in [(&wound, 1.0, 2.0), (&heavy, 3.0, 1.0)] {
-        let near = |what: &str, found: f64, own: f64, times: f64| {
-            assert!(
-                (found / own / times - 1.0).abs() < 1e-9,
-                "{what}: {found}, {own}"
-            );
-        };
-        near(
-            "K_p",
-            axis.gains.proportional,
-            own.gains.proportional,
-            force,
-        );
-        near("K_i", axis.gains.integral, own.gains.integral, force);
-        near(
-            "integral",
-            axis.gains.integral_limit,
-            own.gains.integral_limit,
-            force,
-        );
-        near(
-            "fed forward",
-            axis.feed_forward.limit,
-            own.feed_forward.limit,
-            force,
-        );
-        near(
-            "acceleration",
-            axis.limits.acceleration,
-            own.limits.acceleration,
-            1.0,
-        );
-        near(
-            "error",
-            axis.watch.following_error,
-            own.watch.following_error,
-            1.0,
-        );
-        near(
-            "largest",
-            axis.watch.current_max,
-            own.watch.current_max,
-            current,
-        );
-        near(
-            "offset",
-            axis.watch.current_offset,
-            own.watch.current_offset,
-            current,
-        );
-        near("duty", axis.duty_limit, own.duty_limit, 1.0);
+        let pairs = told(axis, force, current).into_iter();
+        for ((what, found, times), (_, own, _)) in pairs.zip(told(&own, 1.0, 1.0)) {
+            let off = (found / own / times - 1.0).abs();
+            assert!(off < 1e-9, "{what}: {found}, {own}");
+        }
     }
 }

@@ -1,11 +1,12 @@
 //! What is promised of an outer task beside the controller: it knows the reference ahead as it will be, what comes late is thrown away, and
 //! what runs below it goes on.
 
+use crate::measured::calm;
 use preslide::Units;
 use preslide::control::koopman::{
     Desk, Guided, KoopmanModel, KoopmanSettings, Outer, OuterSettings,
 };
-use preslide::control::{Axis, Coefficients, Controller, Measurement, Move, NoFriction};
+use preslide::control::{Axis, Coefficients, Controller, Move, NoFriction};
 use preslide_host_tests::deviation::Deviation;
 
 const TICKS: u32 = 20;
@@ -64,12 +65,7 @@ fn tick(controller: &mut Told) {
 
 /// A tick of an axis at the count.
 fn tick_at(controller: &mut Told, count: u32) {
-    let command = controller.tick(Measurement {
-        count,
-        supply: 6000,
-        current: 0,
-        late: false,
-    });
+    let command = controller.tick(calm(count));
     assert_eq!(command.fault, None);
 }
 

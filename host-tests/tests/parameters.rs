@@ -7,6 +7,7 @@ use preslide::{
     Scalar, Sliding, Units,
 };
 use preslide_host_tests::refusal::{NEVER, not_negative, positive, refused, refused_in};
+use preslide_host_tests::table3::hsieh;
 
 const GOOD: [Block; 2] = [
     Block {
@@ -251,15 +252,7 @@ fn coulomb_refuses_each_bad_parameter() {
 
 #[test]
 fn hsieh_refuses_each_bad_parameter() {
-    let good = HsiehParams {
-        k1: 51_540.0,
-        k2: 2_026_400.0,
-        beta: 3_216_500.0,
-        viscous: 0.0,
-        creep: 500.0,
-        hardening: 31_200.0,
-        hardening_exponent: 3.22,
-    };
+    let good = hsieh(0.0, 500.0);
     let timed = |params, time| Hsieh::<f64>::try_new(&params, time, Units::SI).err();
     let new = |params| timed(params, 1e-3);
     assert_eq!(new(good), None);

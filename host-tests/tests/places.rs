@@ -1,17 +1,10 @@
 //! Where an axis is, where its travel ends, and where its motion does.
 
+use crate::measured::calm;
 use preslide::control::{
     Axis, Coefficients, Controller, Measurement, NoFriction, Planner, Reference, VelocitySource,
 };
 use preslide::{Bound, Friction, Motion, Units};
-
-/// An axis at rest at its first count.
-pub const RESTS: Measurement<u32> = Measurement {
-    count: 0,
-    supply: 6000,
-    current: 0,
-    late: false,
-};
 
 /// Of an axis without friction fed forward.
 pub fn controller(axis: &Axis, first: u32) -> Controller<NoFriction<f32>, u32> {
@@ -28,7 +21,7 @@ fn a_latched_reading_is_a_place_on_the_axis() {
         let first = u32::MAX - 10;
         let mut controller = controller(&axis, first);
         let count = first.wrapping_add(30);
-        let _ = controller.tick(Measurement { count, ..RESTS });
+        let _ = controller.tick(Measurement { count, ..calm(0) });
         controller.set_position(controller.position(), 500);
         // Before and behind the counter's wrap, and where it is.
         for back in [0, 12, 25] {
@@ -104,7 +97,7 @@ fn an_endless_axis_is_placed_within_its_turn() {
         let coefficients = Coefficients::try_new(&axis, Placed, Units::SI).expect("valid");
         let mut controller = Controller::new(coefficients, 0_u32);
         controller.enable().expect("nothing speaks against it");
-        let _ = controller.tick(RESTS);
+        let _ = controller.tick(calm(0));
         assert_eq!(
             *controller.friction_state(),
             None,
@@ -113,7 +106,7 @@ fn an_endless_axis_is_placed_within_its_turn() {
         controller.set_position(0, 250);
         for step in (1..=300).chain((-400..300).rev()) {
             let count = (step * 15_i32) as u32;
-            let command = controller.tick(Measurement { count, ..RESTS });
+            let command = controller.tick(Measurement { count, ..calm(0) });
             assert_eq!(command.fault, None);
             let position = 250 + 15 * step;
             let place = match turn {

@@ -6,8 +6,8 @@ use preslide::{
     Block, Coulomb, Dahl, Friction, Gms, Hsieh, HsiehParams, LuGre, Motion, QuasiStaticGms, Scalar,
     Sliding, Units,
 };
-use preslide_host_tests::path::{COUNT, COUNTS, SAMPLE_TIME, random_reversals};
-use preslide_host_tests::table3::{BREAKAWAY, blocks};
+use preslide_host_tests::path::{COUNT, COUNTS, SAMPLE_TIME, motion, random_reversals};
+use preslide_host_tests::table3::{BREAKAWAY, blocks, falling, hsieh};
 use proptest::prelude::*;
 
 /// A failing case is printed in full; no file of past failures is kept.
@@ -24,12 +24,7 @@ fn quasi_static<const N: usize>() -> QuasiStaticGms<N, f64> {
 }
 
 fn weakening() -> Sliding {
-    Sliding {
-        coulomb: 0.8 * BREAKAWAY,
-        stribeck_velocity: 1e-3,
-        stribeck_exponent: 2.0,
-        attraction: 500.0,
-    }
+    falling(0.8 * BREAKAWAY, 500.0)
 }
 
 fn gms<const N: usize, S: Scalar>(sliding: Sliding, units: Units) -> Gms<N, S> {
@@ -43,18 +38,6 @@ fn dahl() -> Dahl<f64> {
 fn lugre() -> LuGre<f64> {
     let sliding = Sliding::none(BREAKAWAY);
     LuGre::try_new(195_000.0, 0.0, BREAKAWAY, sliding, Units::SI).expect("Table 2 is valid")
-}
-
-pub fn hsieh_params() -> HsiehParams {
-    HsiehParams {
-        k1: 51_540.0,
-        k2: 2_026_400.0,
-        beta: 3_216_500.0,
-        viscous: 0.0,
-        creep: 0.0,
-        hardening: 31_200.0,
-        hardening_exponent: 3.22,
-    }
 }
 
 /// Forces along displacements, without velocity.
@@ -86,7 +69,7 @@ fn gms_closes_an_inner_loop_to_rounding() {
 
 #[test]
 fn hsieh_without_creep_closes_an_inner_loop_to_rounding() {
-    let model = Hsieh::<f64>::try_new(&hsieh_params(), SAMPLE_TIME, Units::SI).expect("valid");
+    let model = Hsieh::<f64>::try_new(&hsieh(0.0, 0.0), SAMPLE_TIME, Units::SI).expect("valid");
     let (start, end) = inner_loop(&model);
     assert!((end - start).abs() < 1e-12, "{start} {end}");
 }
@@ -115,22 +98,10 @@ fn a_reversal_from_slip_unloads_along_the_full_stiffness() {
         let mut state = model.at_rest();
         let mut sliding_force = 0.0;
         for _ in 0..2_000 {
-            sliding_force = model.step(
-                &mut state,
-                Motion {
-                    displacement: 1e-7,
-                    velocity: 2e-3,
-                },
-            );
+            sliding_force = model.step(&mut state, motion(1e-7, 2e-3));
         }
         assert!(state.slipping().iter().all(|&slips| slips));
-        let back = model.step(
-            &mut state,
-            Motion {
-                displacement: -1e-8,
-                velocity: -2e-4,
-            },
-        );
+        let back = model.step(&mut state, motion(-1e-8, -2e-4));
         assert!(state.slipping().iter().all(|&slips| !slips));
         assert!((sliding_force - back - stiffness * 1e-8).abs() < 1e-12);
     }
@@ -144,13 +115,7 @@ fn gms_slides_at_the_coulomb_force_when_fast_and_breaks_away_at_the_static_force
         let mut state = model.at_rest();
         let mut force = 0.0;
         for _ in 0..5_000 {
-            force = model.step(
-                &mut state,
-                Motion {
-                    displacement: 1e-7,
-                    velocity,
-                },
-            );
+            force = model.step(&mut state, motion(1e-7, velocity));
         }
         assert!((force - weights * expected).abs() < 1e-9, "{force}");
     }
@@ -181,7 +146,7 @@ fn a_tick_without_motion_changes_nothing_in_any_model() {
     check("GMS", &gms::<6, f64>(weakening(), Units::SI));
     check("Dahl", &dahl());
     check("LuGre", &lugre());
-    let hsieh = Hsieh::<f64>::try_new(&hsieh_params(), SAMPLE_TIME, Units::SI).expect("valid");
+    let hsieh = Hsieh::<f64>::try_new(&hsieh(0.0, 0.0), SAMPLE_TIME, Units::SI).expect("valid");
     check("Hsieh", &hsieh);
 }
 
@@ -196,10 +161,10 @@ fn gms_without_weakening_equals_the_quasi_static_form_bit_for_bit() {
         let simple = quasi_static::<10>();
         let (mut a, mut b) = (full.at_rest(), simple.at_rest());
         for counts in random_reversals(9, 100_000, 4_000.0, 200.0) {
-            let motion = Motion {
-                displacement: f64::from(counts) * COUNT,
-                velocity: f64::from(counts) * COUNT / SAMPLE_TIME,
-            };
+            let motion = motion(
+                f64::from(counts) * COUNT,
+                f64::from(counts) * COUNT / SAMPLE_TIME,
+            );
             assert_eq!(full.step(&mut a, motion), simple.step(&mut b, motion));
         }
     }
@@ -218,13 +183,7 @@ fn gms_is_stable_for_every_lag_from_none_to_infinite() {
         let mut previous = 0.0;
         for i in 0..10_000 {
             let velocity = if i < 5_000 { 0.0 } else { 0.1 };
-            let force = model.step(
-                &mut state,
-                Motion {
-                    displacement: 1e-7,
-                    velocity,
-                },
-            );
+            let force = model.step(&mut state, motion(1e-7, velocity));
             assert!(force.abs() <= limit);
             // Rises to the breakaway force, then falls: never rings.
             if i < 5_000 {
@@ -246,27 +205,31 @@ fn any_displacement() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// After any input: bounded, and a sane motion gives a finite force again.
-fn stays_sound<M: Friction>(
+/// Within its limit after any input; its memory then.
+fn drive<M: Friction, T: Copy>(
     model: &M,
-    inputs: &[(f64, f64)],
-    number: impl Fn(f64) -> M::Scalar,
-) -> Result<(), TestCaseError> {
+    inputs: &[(T, T)],
+    number: impl Fn(T) -> M::Scalar,
+) -> Result<M::State, TestCaseError> {
     let mut state = model.at_rest();
     for &(displacement, velocity) in inputs {
-        let motion = Motion {
-            displacement: number(displacement),
-            velocity: number(velocity),
-        };
+        let motion = motion(number(displacement), number(velocity));
         let force = model.step(&mut state, motion);
         if let Some(limit) = model.limit() {
             prop_assert!(force.magnitude() <= limit, "|{force:?}| > {limit:?}");
         }
     }
-    let motion = Motion {
-        displacement: number(1e-7),
-        velocity: number(2e-3),
-    };
+    Ok(state)
+}
+
+/// After any input: bounded, and a sane motion gives a finite force again.
+fn stays_sound<M: Friction>(
+    model: &M,
+    inputs: &[(f64, f64)],
+    number: impl Fn(f64) -> M::Scalar + Copy,
+) -> Result<(), TestCaseError> {
+    let mut state = drive(model, inputs, number)?;
+    let motion = motion(number(1e-7), number(2e-3));
     let force = model.step(&mut state, motion);
     prop_assert!(force.to_f64().is_finite(), "{force:?}");
     Ok(())
@@ -290,11 +253,7 @@ fn every_model_stays_sound<S: Scalar>(
         stays_sound(&lugre.expect("valid"), inputs, number)?;
         let coulomb = Coulomb::<S>::try_new(0.9, damping, si);
         stays_sound(&coulomb.expect("valid"), inputs, number)?;
-        let creeping = HsiehParams {
-            creep: 500.0,
-            viscous: damping,
-            ..hsieh_params()
-        };
+        let creeping = hsieh(damping, 500.0);
         let hsieh = Hsieh::<S>::try_new(&creeping, SAMPLE_TIME, si);
         stays_sound(&hsieh.expect("valid"), inputs, number)?;
     }
@@ -330,8 +289,8 @@ proptest! {
             let (mut a, mut b) = (model.at_rest(), model.at_rest());
             for &dx in path {
                 let v = dx / SAMPLE_TIME;
-                let there = model.step(&mut a, Motion { displacement: dx, velocity: v });
-                let back = model.step(&mut b, Motion { displacement: -dx, velocity: -v });
+                let there = model.step(&mut a, motion(dx, v));
+                let back = model.step(&mut b, motion(-dx, -v));
                 prop_assert_eq!(there, -back);
             }
             Ok(())
@@ -340,7 +299,7 @@ proptest! {
         check(&gms::<10, f64>(weakening(), Units::SI), &path)?;
         check(&dahl(), &path)?;
         check(&lugre(), &path)?;
-        let creeping = HsiehParams { creep: 500.0, viscous: 100.0, ..hsieh_params() };
+        let creeping = hsieh(100.0, 500.0);
         check(&Hsieh::<f64>::try_new(&creeping, SAMPLE_TIME, Units::SI).expect("valid"), &path)?;
         let weakening = family::weakening();
         check(&bouc_wen(1.6, 0.75), &path)?;
@@ -360,8 +319,8 @@ proptest! {
         for &counts in &path {
             let dx = I16F16::from_num(counts);
             let v = dx / 10;
-            let there = model.step(&mut a, Motion { displacement: dx, velocity: v });
-            let back = model.step(&mut b, Motion { displacement: -dx, velocity: -v });
+            let there = model.step(&mut a, motion(dx, v));
+            let back = model.step(&mut b, motion(-dx, -v));
             prop_assert!((there + back).abs() <= I16F16::DELTA * 10);
         }
     }
@@ -406,7 +365,7 @@ proptest! {
         // The velocity is not looked at.
         let (mut a, mut b) = (model.at_rest(), model.at_rest());
         for &dx in &legs {
-            let fast = Motion { displacement: dx, velocity: 1e3 };
+            let fast = motion(dx, 1e3);
             prop_assert_eq!(model.step(&mut a, Motion::quasi_static(dx)), model.step(&mut b, fast));
         }
     }
@@ -455,25 +414,6 @@ fn any_bits() -> impl Strategy<Value = i64> {
 /// Positive parameters over twelve decades.
 fn any_positive() -> impl Strategy<Value = f64> {
     (-6.0..6.0_f64).prop_map(|decades| 10.0_f64.powf(decades))
-}
-
-fn drive<M: Friction>(
-    model: &M,
-    inputs: &[(i64, i64)],
-    number: impl Fn(i64) -> M::Scalar,
-) -> Result<(), TestCaseError> {
-    let mut state = model.at_rest();
-    for &(displacement, velocity) in inputs {
-        let motion = Motion {
-            displacement: number(displacement),
-            velocity: number(velocity),
-        };
-        let force = model.step(&mut state, motion);
-        if let Some(limit) = model.limit() {
-            prop_assert!(force.magnitude() <= limit, "|{force:?}| > {limit:?}");
-        }
-    }
-    Ok(())
 }
 
 /// Every model that accepts the parameters in this type runs on any input without a panic (overflow checks are

@@ -1,8 +1,9 @@
 //! The reference: what is planned is reached, and no limit is exceeded whatever is asked when.
 
+use crate::measured::calm;
 use preslide::control::{
-    Axis, Coefficients, Controller, MOST_SMOOTHED, Measurement, Move, NoFriction, Pace, Planner,
-    Reference, Refused,
+    Axis, Coefficients, Controller, MOST_SMOOTHED, Move, NoFriction, Pace, Planner, Reference,
+    Refused,
 };
 use preslide::{ParamError, Units};
 use rand::{Rng, RngExt, SeedableRng};
@@ -382,12 +383,7 @@ fn a_silent_host_stops_the_axis_and_a_heard_one_does_not() {
         let mut count = 0;
         let mut ticks = 0_u64;
         while !controller.is_standing() && ticks < 200_000 {
-            let command = controller.tick(Measurement {
-                count,
-                supply: 6000,
-                current: 0,
-                late: false,
-            });
+            let command = controller.tick(calm(count));
             assert_eq!(command.fault, None);
             count = (command.reference >> 16) as u32;
             ticks += 1;
@@ -424,12 +420,7 @@ fn zeroing_in_motion_renames_the_place_and_bumps_nothing() {
                 controller.set_position(index, 0);
                 by = -index;
             }
-            let command = controller.tick(Measurement {
-                count,
-                supply: 6000,
-                current: 0,
-                late: false,
-            });
+            let command = controller.tick(calm(count));
             codes.push((
                 command.code,
                 command.position - by,

@@ -1,11 +1,13 @@
 //! Force to motion and back, against the library and against closed forms.
 
-use preslide::{Block, Sliding};
+use preslide::Block;
 use preslide_fit::friction::{FrictionModel, Path};
 use preslide_fit::model::Model;
 use preslide_fit::recording::{LoadOptions, MotionKind, Needs, Recording, load_csv};
 use preslide_fit::simulate::*;
 use preslide_host::paper;
+use preslide_host_tests::refusal::refuses;
+use preslide_host_tests::table3::falling;
 
 fn model(friction: FrictionModel) -> Model {
     Model::of_friction(MotionKind::Linear, friction)
@@ -207,24 +209,23 @@ fn force_of_motion_has_every_part() {
 #[test]
 fn wrong_axes_and_missing_columns_are_refused_with_a_remedy() {
     let recording = load(&sine("q_rad", None), Needs::Motion).expect("valid");
-    let error = force_of_motion(&model(paper::dahl()), &recording).expect_err("rotary");
-    assert!(
-        error.contains("motion.csv") && error.contains("--map"),
-        "{error}"
+    refuses(
+        force_of_motion(&model(paper::dahl()), &recording),
+        &["motion.csv", "--map"],
     );
 
-    let error = load(&sine("x_m", None), Needs::Both).expect_err("no effort");
-    assert!(error.contains("force_N"), "{error}");
-    let error = load("t_s,force_N\n0,1\n1,2\n", Needs::Both).expect_err("no motion");
-    assert!(error.contains("x_m"), "{error}");
-    let error = load("t_s,x_m\n0,1\n1,2\n", Needs::Effort).expect_err("no force");
-    assert!(error.contains("torque_Nm"), "{error}");
-    let error = load("t_s,current_A\n0,1\n1,2\n", Needs::Effort).expect_err("no force");
-    assert!(error.contains("force_N"), "{error}");
-    let error = load("force_N\n0\n1\n", Needs::Effort).expect_err("no time");
-    assert!(error.contains("t_s"), "{error}");
-    let error = load("t_s,x_m,force_N\n0,1,x\n1,2,2\n", Needs::Effort).expect_err("text");
-    assert!(error.contains("line 2"), "{error}");
+    refuses(load(&sine("x_m", None), Needs::Both), &["force_N"]);
+    refuses(load("t_s,force_N\n0,1\n1,2\n", Needs::Both), &["x_m"]);
+    refuses(load("t_s,x_m\n0,1\n1,2\n", Needs::Effort), &["torque_Nm"]);
+    refuses(
+        load("t_s,current_A\n0,1\n1,2\n", Needs::Effort),
+        &["force_N"],
+    );
+    refuses(load("force_N\n0\n1\n", Needs::Effort), &["t_s"]);
+    refuses(
+        load("t_s,x_m,force_N\n0,1,x\n1,2,2\n", Needs::Effort),
+        &["line 2"],
+    );
 
     let ramp = load("t_s,force_N\n0,0\n0.01,0.1\n0.02,0.2\n", Needs::Effort).expect("valid");
     assert!(
@@ -250,12 +251,7 @@ fn sliding_dynamics_do_not_enter() {
             weight: 0.4,
         },
     ];
-    let sliding = Sliding {
-        coulomb: 0.6,
-        stribeck_velocity: 1e-3,
-        stribeck_exponent: 2.0,
-        attraction: 10.0,
-    };
+    let sliding = falling(0.6, 10.0);
     let gms = |sliding| {
         model(FrictionModel::Gms {
             breakaway: 0.9,

@@ -58,6 +58,18 @@ const SMOOTH: Physics = Physics {
     ..PLAIN
 };
 
+/// With less inertia and more friction.
+const OFF: Physics = Physics {
+    mass_kg: 0.85 * PLAIN.mass_kg,
+    friction_n: 1.2 * PLAIN.friction_n,
+    ..PLAIN
+};
+/// With twice the viscous friction.
+const STIFF: Physics = Physics {
+    viscous: 2.0 * PLAIN.viscous,
+    ..PLAIN
+};
+
 /// Position, velocity and acceleration.
 fn motion(t: f64) -> [f64; 3] {
     sines(
@@ -332,15 +344,22 @@ fn confident(found: &Diagnosis) -> Vec<&str> {
     ids
 }
 
+/// A parameter within a share of the truth.
+fn is(found: &Diagnosis, effect: &str, key: &str, truth: f64, within: f64) {
+    let value = found.value(effect, key);
+    assert!(
+        (value / truth - 1.0).abs() < within,
+        "{effect}.{key} {value}"
+    );
+}
+
 /// The cogging alone is named, of its size and period, and takes most of the mismatch.
-fn assert_cogging(found: &Diagnosis, force_n: f64) {
+fn assert_cogging(found: &Diagnosis) {
     assert_eq!(confident(found), ["periodic_force"]);
     let (before, after) = found.nmse_test.expect("NMSE");
     assert!(after < 0.2 * before, "{before} {after}");
-    let amplitude = found.value("periodic_force", "force_N");
-    let period = found.value("periodic_force", "period_m");
-    assert!((amplitude / force_n - 1.0).abs() < 0.05, "{amplitude}");
-    assert!((period / COGGING_PERIOD_M - 1.0).abs() < 0.01, "{period}");
+    is(found, "periodic_force", "force_N", COGGED.cogging_n, 0.05);
+    is(found, "periodic_force", "period_m", COGGING_PERIOD_M, 0.01);
 }
 
 /// The machine, whose friction wanders by 2 % where its simulation's does not.
@@ -360,7 +379,7 @@ fn an_exact_simulation_is_consistent() {
 #[test]
 fn an_effect_that_a_simulation_lacks_is_named_and_the_improvement_shown() {
     let (found, correction) = between(machine(COGGED), PLAIN);
-    assert_cogging(&found, COGGED.cogging_n);
+    assert_cogging(&found);
     assert_eq!(found.verdict, "missing-physics");
     let correction = correction.expect("a correction");
     assert_eq!(
@@ -384,8 +403,7 @@ fn an_effect_that_a_simulation_lacks_is_named_and_the_improvement_shown() {
 fn friction_that_reverses_with_the_velocity_is_told_as_another_law() {
     let (found, correction) = between(machine(COGGED), SMOOTH);
     assert_eq!(confident(&found), ["friction", "periodic_force"]);
-    let force = found.value("periodic_force", "force_N");
-    assert!((force / 0.2 - 1.0).abs() < 0.03, "{force}");
+    is(&found, "periodic_force", "force_N", 0.2, 0.03);
     let left = correction
         .expect("a correction")
         .leaves("force_sim_corrected_N");
@@ -396,12 +414,7 @@ fn friction_that_reverses_with_the_velocity_is_told_as_another_law() {
 
 #[test]
 fn wrong_inertia_and_friction_of_a_simulation_are_told_with_their_errors() {
-    let off = Physics {
-        mass_kg: 0.85 * PLAIN.mass_kg,
-        friction_n: 1.2 * PLAIN.friction_n,
-        ..PLAIN
-    };
-    let (found, correction) = between(machine(PLAIN), off);
+    let (found, correction) = between(machine(PLAIN), OFF);
     assert_eq!(found.verdict, "parameters-differ");
     assert_eq!(
         correction.expect("a correction").terms(),
@@ -410,40 +423,26 @@ fn wrong_inertia_and_friction_of_a_simulation_are_told_with_their_errors() {
     assert_eq!(confident(&found), ["friction", "inertia"]);
     let (before, after) = found.nmse_test.expect("NMSE");
     assert!(after < 0.2 * before, "{before} {after}");
-    let mass = found.value("inertia", "mass_kg");
-    let friction = found.value("friction", "force_N");
-    assert!((mass / 0.45 - 1.0).abs() < 0.05, "{mass}");
-    assert!((friction / -0.4 - 1.0).abs() < 0.05, "{friction}");
+    is(&found, "inertia", "mass_kg", 0.45, 0.05);
+    is(&found, "friction", "force_N", -0.4, 0.05);
 }
 
 /// Logged 12 ms late, the same simulation gets the same answer: a first-order delay made a mass of the shift.
 #[test]
 fn what_was_logged_late_is_taken_off_before_anything_is_told() {
-    let off = Physics {
-        mass_kg: 0.85 * PLAIN.mass_kg,
-        friction_n: 1.2 * PLAIN.friction_n,
-        ..PLAIN
-    };
-    let (found, _) = between_run(machine(PLAIN), off, Run::Late(12));
+    let (found, _) = between_run(machine(PLAIN), OFF, Run::Late(12));
     assert_eq!(confident(&found), ["friction", "inertia"]);
-    let mass = found.value("inertia", "mass_kg");
-    let friction = found.value("friction", "force_N");
-    assert!((mass / 0.45 - 1.0).abs() < 0.05, "{mass}");
-    assert!((friction / -0.4 - 1.0).abs() < 0.05, "{friction}");
+    is(&found, "inertia", "mass_kg", 0.45, 0.05);
+    is(&found, "friction", "force_N", -0.4, 0.05);
 }
 
 #[test]
 #[ignore = "long study: cargo xtask test --all"]
 fn a_simulation_with_too_much_of_an_effect_is_told_so() {
-    let stiff = Physics {
-        viscous: 2.0 * PLAIN.viscous,
-        ..PLAIN
-    };
-    let (found, _) = between(machine(PLAIN), stiff);
+    let (found, _) = between(machine(PLAIN), STIFF);
     assert_eq!(found.verdict, "parameters-differ");
     assert_eq!(confident(&found), ["viscous"]);
-    let viscous = found.value("viscous", "viscous_N_s_per_m");
-    assert!((viscous / -PLAIN.viscous - 1.0).abs() < 0.05, "{viscous}");
+    is(&found, "viscous", "viscous_N_s_per_m", -PLAIN.viscous, 0.05);
 }
 
 /// Driven by the recorded force, a simulation comes to another motion: what is said of the force between the two must be the same.
@@ -451,8 +450,7 @@ fn a_simulation_with_too_much_of_an_effect_is_told_so() {
 fn a_simulation_that_moves_by_itself_is_told_the_same() {
     let lacking = between_run(machine(COGGED), PLAIN, Run::Forward).0;
     assert_eq!(confident(&lacking), ["periodic_force"]);
-    let amplitude = lacking.value("periodic_force", "force_N");
-    assert!((amplitude / 0.2 - 1.0).abs() < 0.05, "{amplitude}");
+    is(&lacking, "periodic_force", "force_N", 0.2, 0.05);
 }
 
 #[test]
@@ -461,22 +459,17 @@ fn a_simulation_that_moves_by_itself_is_told_what_it_has_too_much_of() {
     let exact = between_run(machine(PLAIN), PLAIN, Run::Forward).0;
     assert_eq!(exact.verdict, "consistent", "{:?}", confident(&exact));
 
-    let stiff = Physics {
-        viscous: 2.0 * PLAIN.viscous,
-        ..PLAIN
-    };
-    let (heavy, _) = between_run(machine(PLAIN), stiff, Run::Forward);
+    let (heavy, _) = between_run(machine(PLAIN), STIFF, Run::Forward);
     assert_eq!(confident(&heavy), ["viscous"]);
-    let viscous = heavy.value("viscous", "viscous_N_s_per_m");
     // Five seeds gave -4.05 to -4.20: what the reproduction misses is 2.5 % of it, and the friction that wanders scatters it by 1.6 %.
-    assert!((viscous / -PLAIN.viscous - 1.0).abs() < 0.08, "{viscous}");
+    is(&heavy, "viscous", "viscous_N_s_per_m", -PLAIN.viscous, 0.08);
 }
 
 /// A simulation that a controller keeps beside the recorded motion logs both its position and its force.
 #[test]
 fn a_simulation_that_follows_by_its_own_controller_is_told_the_same() {
     let (lacking, correction) = between_run(machine(COGGED), PLAIN, Run::Followed);
-    assert_cogging(&lacking, COGGED.cogging_n);
+    assert_cogging(&lacking);
     assert!(correction.is_some());
 }
 
@@ -485,8 +478,7 @@ fn a_simulation_that_follows_by_its_own_controller_is_told_the_same() {
 #[ignore = "long study: cargo xtask test --all"]
 fn a_simulation_with_the_friction_of_a_simulator_is_told_what_it_lacks() {
     let (lacking, _) = between_run(machine(COGGED), SMOOTH, Run::Followed);
-    let amplitude = lacking.value("periodic_force", "force_N");
-    assert!((amplitude / 0.2 - 1.0).abs() < 0.05, "{amplitude}");
+    is(&lacking, "periodic_force", "force_N", 0.2, 0.05);
     assert!(confident(&lacking).contains(&"periodic_force"));
 }
 

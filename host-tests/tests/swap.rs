@@ -1,5 +1,6 @@
 //! New parameters between two ticks: no bump, no loss of memory, no loss of tracking.
 
+use crate::measured::calm;
 use fixed::types::I16F16;
 use preslide::control::learning::{Adaptation, MismatchWatch};
 use preslide::control::{Axis, Coefficients, Command, Controller, Measurement, Move};
@@ -50,12 +51,7 @@ fn codes<F: Friction>(
             if let Some(next) = swap(tick) {
                 controller.swap(&build(&next));
             }
-            let command = controller.tick(Measurement {
-                count: count.cast_unsigned(),
-                supply: 6000,
-                current: 0,
-                late: false,
-            });
+            let command = controller.tick(calm(count.cast_unsigned()));
             assert_eq!(command.fault, None, "tick {tick}");
             // A lag that changes, so that the feedback has something to say.
             count = ((command.reference >> 16) - 2 - i64::from(tick / 500 % 3)) as i32;
@@ -128,48 +124,32 @@ fn every_model(at: u32, speed: f64) {
     };
     same("packed", packed, u, at, speed);
     same("packed, fixed", packed_fixed, COUNTS, at, speed);
-    let all = || {
-        let with = With::try_new(packed(), ConstantForce::try_new(0.1, u).expect("valid"));
-        let settings = LearningSettings {
-            block: 56,
-            ..LearningSettings::PAPER_AXIS
-        };
-        let learning = Learning::<_, (MismatchWatch<f32>, Adaptation<f32>)>::try_new(
-            with.expect("fits"),
-            &settings,
-            u,
-        );
-        let settings = ObserverSettings {
-            limit: 0.1,
-            ..ObserverSettings::PAPER_AXIS
-        };
-        Observed::try_new(learning.expect("valid"), &settings, 50e-6, u).expect("valid")
+    type Learnt<F> = Learning<F, (MismatchWatch<f32>, Adaptation<f32>)>;
+    let learns = LearningSettings {
+        block: 56,
+        ..LearningSettings::PAPER_AXIS
     };
-    same(
-        "packed with an effect, learning, observed",
-        all,
-        u,
-        at,
-        speed,
-    );
+    // An axis that does not do what is commanded is a disturbance without end: it is not to be pushed at with all that there is.
+    let observes = ObserverSettings {
+        limit: 0.1,
+        ..ObserverSettings::PAPER_AXIS
+    };
+    let push = || ConstantForce::try_new(0.1, u).expect("valid");
+    let all = || {
+        let with = With::try_new(packed(), push()).expect("fits");
+        let learning = Learnt::try_new(with, &learns, u).expect("valid");
+        Observed::try_new(learning, &observes, 50e-6, u).expect("valid")
+    };
+    let name = "packed with an effect, learning, observed";
+    same(name, all, u, at, speed);
     same("none", NoFriction::<f32>::new, u, at, speed);
     same("gms", gms, u, at, speed);
     same("quasi-static gms", quasi, u, at, speed);
     same("quasi-static gms, fixed", fixed, COUNTS, at, speed);
-    same(
-        "coulomb",
-        || Coulomb::<f32>::try_new(0.9, 0.0, u).expect("valid"),
-        u,
-        at,
-        speed,
-    );
-    same(
-        "dahl",
-        || Dahl::<f32>::try_new(195e3, 0.9, 1.0, u).expect("valid"),
-        u,
-        at,
-        speed,
-    );
+    let coulomb = || Coulomb::<f32>::try_new(0.9, 0.0, u).expect("valid");
+    same("coulomb", coulomb, u, at, speed);
+    let dahl = || Dahl::<f32>::try_new(195e3, 0.9, 1.0, u).expect("valid");
+    same("dahl", dahl, u, at, speed);
     let lugre = || LuGre::<f32>::try_new(195e3, 100.0, 0.9, SLIDING, u).expect("valid");
     same("lugre", lugre, u, at, speed);
     let bouc_wen = || BoucWen::<f32>::try_new(195e3, 0.9, 1.0, 0.5, u).expect("valid");
@@ -198,27 +178,11 @@ fn every_model(at: u32, speed: f64) {
         Hsieh::<f32>::try_new(&params, 50e-6, u).expect("valid")
     };
     same("hsieh", hsieh, u, at, speed);
-    let with =
-        || With::try_new(quasi(), ConstantForce::try_new(0.1, u).expect("valid")).expect("fits");
+    let with = || With::try_new(quasi(), push()).expect("fits");
     same("with an effect", with, u, at, speed);
-    let learning = || {
-        let settings = LearningSettings {
-            block: 56,
-            ..LearningSettings::PAPER_AXIS
-        };
-        Learning::<_, (MismatchWatch<f32>, Adaptation<f32>)>::try_new(quasi(), &settings, u)
-            .expect("valid")
-    };
+    let learning = || Learnt::try_new(quasi(), &learns, u).expect("valid");
     same("learning", learning, u, at, speed);
-    let observed = || {
-        // An axis that does not do what is commanded is a disturbance without end: it is not to be pushed at with all that there is.
-        let axis = Axis::PAPER_AXIS;
-        let settings = ObserverSettings {
-            limit: 0.1,
-            ..ObserverSettings::PAPER_AXIS
-        };
-        Observed::try_new(quasi(), &settings, axis.sample_time(), u).expect("valid")
-    };
+    let observed = || Observed::try_new(quasi(), &observes, 50e-6, u).expect("valid");
     same("observed", observed, u, at, speed);
 }
 

@@ -8,11 +8,11 @@ use preslide::control::{
     Observed, ObserverSettings, VelocitySource,
 };
 use preslide::{
-    BoucWen, Coulomb, Dahl, ElastoPlastic, Friction, Gms, Hsieh, HsiehParams, Leuven, LeuvenForm,
-    LuGre, Motion, ParamError, QuasiStaticGms, Sliding, TwoState, Units,
+    BoucWen, Coulomb, Dahl, ElastoPlastic, Friction, Gms, Hsieh, Leuven, LeuvenForm, LuGre,
+    ParamError, QuasiStaticGms, TwoState, Units,
 };
-use preslide_host_tests::path::{COUNT, SAMPLE_TIME, random_reversals};
-use preslide_host_tests::table3::{BREAKAWAY, blocks};
+use preslide_host_tests::path::{COUNT, SAMPLE_TIME, motion, random_reversals};
+use preslide_host_tests::table3::{BREAKAWAY, blocks, falling, hsieh};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -45,10 +45,7 @@ fn alike<M: Friction<Scalar = f64>>(
     {
         let displacement = f64::from(counts) * COUNT;
         let velocity = [0.0, 2e-4, 3e-3][tick / 50 % 3] * f64::from(counts.signum());
-        let motion = |units: Units| Motion {
-            displacement: displacement / units.length,
-            velocity: velocity / units.velocity,
-        };
+        let motion = |units: Units| motion(displacement / units.length, velocity / units.velocity);
         let force = si.step(&mut states.0, motion(Units::SI));
         let again = other.step(&mut states.1, motion(OTHER)) * OTHER.force;
         assert!(
@@ -62,12 +59,7 @@ fn alike<M: Friction<Scalar = f64>>(
 
 #[test]
 fn a_model_is_the_same_in_other_units() {
-    let slides = || Sliding {
-        coulomb: 0.8 * BREAKAWAY,
-        stribeck_velocity: 1e-3,
-        stribeck_exponent: 2.0,
-        attraction: 2_000.0,
-    };
+    let slides = || falling(0.8 * BREAKAWAY, 2_000.0);
     alike("Coulomb", None, |units| Coulomb::try_new(0.8, 30.0, units));
     alike("quasi-static", Some(BREAKAWAY), |units| {
         QuasiStaticGms::<6, f64>::try_new(&blocks::<6>(), BREAKAWAY, units)
@@ -102,15 +94,7 @@ fn a_model_is_the_same_in_other_units() {
         TwoState::try_new(35e-6, BREAKAWAY, slides(), SAMPLE_TIME, units)
     });
     for (viscous, creep) in [(0.0, 0.0), (40.0, 1e-7)] {
-        let params = HsiehParams {
-            k1: 51_540.0,
-            k2: 2_026_400.0,
-            beta: 3_216_500.0,
-            viscous,
-            creep,
-            hardening: 31_200.0,
-            hardening_exponent: 3.22,
-        };
+        let params = hsieh(viscous, creep);
         alike("Hsieh", None, |units| {
             Hsieh::try_new(&params, SAMPLE_TIME, units)
         });

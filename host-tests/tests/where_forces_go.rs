@@ -1,18 +1,17 @@
 //! Where a model's force goes after loops, at speed and at rest, whatever its equation.
 
-use crate::properties::hsieh_params;
 use fixed::types::I16F16;
 use preslide::{
     Dahl, ElastoPlastic, Friction, Gms, Hsieh, Leuven, LeuvenForm, LuGre, Motion, ParamError,
     QuasiStaticGms, Sliding, TwoState, Units,
 };
-use preslide_host_tests::path::COUNTS;
-use preslide_host_tests::table3::{BREAKAWAY, blocks};
+use preslide_host_tests::path::{COUNTS, motion};
+use preslide_host_tests::table3::{BREAKAWAY, blocks, falling, hsieh};
 
 /// More reversals than it remembers: the outermost are forgotten, the inner loops still close.
 #[test]
 fn deep_nests_are_closed_by_hsieh_too() {
-    let model = Hsieh::<f64>::try_new(&hsieh_params(), 50e-6, Units::SI).expect("valid");
+    let model = Hsieh::<f64>::try_new(&hsieh(0.0, 0.0), 50e-6, Units::SI).expect("valid");
     let turn = |n: i32| 8e-6 * 0.9_f64.powi(n) * f64::from(1 - 2 * (n & 1));
     let force = |turns: i32, end: f64| {
         let (mut state, mut at, mut force) = (model.at_rest(), 0.0, 0.0);
@@ -43,10 +42,7 @@ fn a_force_above_the_coulomb_force_falls_to_it_at_speed() {
         for sign in [1.0, -1.0] {
             let mut state = model.at_rest();
             let mut go = |displacement: f64, velocity: f64| {
-                let motion = Motion {
-                    displacement: sign * displacement,
-                    velocity: sign * velocity,
-                };
+                let motion = motion(sign * displacement, sign * velocity);
                 (0..2000).map(|_| model.step(&mut state, motion)).last()
             };
             let [slow, fast] = [(4e-8, 0.0), (1e-6, 20e-3)].map(|(dx, v)| go(dx, v));
@@ -58,12 +54,7 @@ fn a_force_above_the_coulomb_force_falls_to_it_at_speed() {
             );
         }
     }
-    let sliding = Sliding {
-        coulomb: 0.7 * BREAKAWAY,
-        stribeck_velocity: 1e-3,
-        stribeck_exponent: 2.0,
-        attraction: 2_000.0,
-    };
+    let sliding = falling(0.7 * BREAKAWAY, 2_000.0);
     let (si, four) = (Units::SI, blocks::<4>());
     slides(
         "GMS",
@@ -91,19 +82,11 @@ fn a_force_above_the_coulomb_force_falls_to_it_at_speed() {
 
 #[test]
 fn a_gms_that_slid_and_stands_keeps_its_force() {
-    let sliding = Sliding {
-        coulomb: 0.6 * BREAKAWAY,
-        stribeck_velocity: 1e-3,
-        stribeck_exponent: 2.0,
-        attraction: 500.0,
-    };
+    let sliding = falling(0.6 * BREAKAWAY, 500.0);
     let model = Gms::<4, f64>::try_new(&blocks::<4>(), BREAKAWAY, sliding, 50e-6, Units::SI);
     let model = model.expect("Table 3");
     let mut state = model.at_rest();
-    let slides = Motion {
-        displacement: 1e-6,
-        velocity: 20e-3,
-    };
+    let slides = motion(1e-6, 20e-3);
     let slid = (0..400).map(|_| model.step(&mut state, slides)).last();
     for _ in 0..100 {
         let stands = model.step(&mut state, Motion::quasi_static(0.0));

@@ -65,36 +65,34 @@ const COMMANDS: &[Command] = &[
         help: "records hidden effects, diagnoses them, compiles them into the firmware and tracks again; --seed N, --count K, --brief for what decides alone",
         run: chain::run_command,
     },
-    Command {
-        name: "properties",
-        help: "does the diagnosis say the same of a recording that is cut, mirrored, thinned, …?",
-        run: |arguments| judge::judge("properties", arguments),
-    },
-    Command {
-        name: "inject",
-        help: "are known effects, added to real recordings, named where an oracle sees them? --help lists the options",
-        run: |arguments| judge::judge("inject", arguments),
-    },
-    Command {
-        name: "experiments",
-        help: "do experiments help, against one recording as long, where it hardly shows the effect? --help lists the options",
-        run: |arguments| judge::judge("experiments", arguments),
-    },
-    Command {
-        name: "sources",
-        help: "how often is the diagnosis right, on every source of recordings with a known truth? one table; --help lists the options",
-        run: |arguments| judge::judge("sources", arguments),
-    },
-    Command {
-        name: "calibrate",
-        help: "fits the confidence of names to judged ones (JSON of `sources` and `inject`), each source left out in turn; --bless writes it",
-        run: |arguments| judge::judge("calibrate", arguments),
-    },
-    Command {
-        name: "real",
-        help: "prints what the diagnosis says of each real recording, or of the NAME given",
-        run: |arguments| judge::judge("real", arguments),
-    },
+];
+
+/// Judges of the diagnosis, each with what it tells; `--help` behind one lists its options.
+const JUDGES: [(&str, &str); 6] = [
+    (
+        "properties",
+        "does the diagnosis say the same of a recording that is cut, mirrored, thinned, …?",
+    ),
+    (
+        "inject",
+        "are known effects, added to real recordings, named where an oracle sees them?",
+    ),
+    (
+        "experiments",
+        "do experiments help, against one recording as long, where it hardly shows the effect?",
+    ),
+    (
+        "sources",
+        "how often is the diagnosis right, on every source of recordings with a known truth? one table",
+    ),
+    (
+        "calibrate",
+        "fits the confidence of names to judged ones (JSON of `sources` and `inject`), each source left out in turn; --bless writes it",
+    ),
+    (
+        "real",
+        "prints what the diagnosis says of each real recording, or of the NAME given",
+    ),
 ];
 
 fn main() -> ExitCode {
@@ -110,11 +108,16 @@ fn main() -> ExitCode {
         print_help();
         return ExitCode::SUCCESS;
     }
-    let Some(command) = COMMANDS.iter().find(|command| command.name == name) else {
-        eprintln!("xtask: there is no command `{name}`; `cargo xtask help` lists them");
-        return ExitCode::from(2);
+    let command = COMMANDS.iter().find(|command| command.name == name);
+    let done = match command {
+        Some(command) => (command.run)(rest),
+        None if is_command(name) => judge::judge(name, rest),
+        None => {
+            eprintln!("xtask: there is no command `{name}`; `cargo xtask help` lists them");
+            return ExitCode::from(2);
+        }
     };
-    match (command.run)(rest) {
+    match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(reason) => {
             eprintln!("xtask {name}: {reason}");
@@ -143,10 +146,17 @@ fn given<'a>(
     })
 }
 
+/// Whether there is one of this name.
+fn is_command(name: &str) -> bool {
+    let mut names = COMMANDS.iter().map(|command| command.name);
+    names.any(|own| own == name) || JUDGES.iter().any(|judge| judge.0 == name)
+}
+
 fn print_help() {
     println!("cargo xtask COMMAND\n");
-    for command in COMMANDS {
-        println!("  {:<8} {}", command.name, command.help);
+    let own = COMMANDS.iter().map(|command| (command.name, command.help));
+    for (name, help) in own.chain(JUDGES) {
+        println!("  {name:<11} {help}");
     }
 }
 

@@ -150,7 +150,6 @@ macro_rules! with_blocks {
         }
     };
 }
-pub(crate) use with_blocks;
 
 impl FrictionModel {
     /// Its name in tables.
@@ -198,69 +197,55 @@ impl FrictionModel {
     /// The same at `factor` times the force, its displacements and velocities as they are; `None` where the library bounds no such force.
     pub fn scaled(&self, factor: f64) -> Option<Self> {
         let mut scaled = self.clone();
-        let curve = |sliding: &mut Sliding| {
+        if let Self::Hsieh(_) = scaled {
+            return None;
+        }
+        for (key, value) in scaled.own_scalars() {
+            if key.contains("_N") {
+                *value *= factor;
+            }
+        }
+        let (blocks, sliding) = scaled.shape();
+        blocks.iter_mut().for_each(|b| b.stiffness *= factor);
+        if let Some(sliding) = sliding {
             sliding.coulomb *= factor;
             sliding.attraction *= factor;
-        };
-        match &mut scaled {
-            Self::Coulomb { coulomb } => *coulomb *= factor,
-            Self::Dahl {
-                stiffness, coulomb, ..
-            }
-            | Self::BoucWen {
-                stiffness, coulomb, ..
-            } => {
-                *stiffness *= factor;
-                *coulomb *= factor;
-            }
-            Self::LuGre {
-                stiffness,
-                damping,
-                breakaway,
-                sliding,
-            }
-            | Self::ElastoPlastic {
-                stiffness,
-                damping,
-                breakaway,
-                sliding,
-                ..
-            } => {
-                *stiffness *= factor;
-                *damping *= factor;
-                *breakaway *= factor;
-                curve(sliding);
-            }
-            Self::Leuven {
-                blocks,
-                damping,
-                breakaway,
-                sliding,
-                ..
-            } => {
-                blocks.iter_mut().for_each(|b| b.stiffness *= factor);
-                *damping *= factor;
-                *breakaway *= factor;
-                curve(sliding);
-            }
-            Self::TwoState {
-                breakaway, sliding, ..
-            } => {
-                *breakaway *= factor;
-                curve(sliding);
-            }
-            Self::Gms {
-                blocks,
-                breakaway,
-                sliding,
-            } => {
-                blocks.iter_mut().for_each(|b| b.stiffness *= factor);
-                *breakaway *= factor;
-                sliding.iter_mut().for_each(curve);
-            }
-            Self::Hsieh(_) => return None,
         }
         Some(scaled)
+    }
+
+    /// The same without damping and along a Stribeck curve of another form, which follows from its breakaway force (N); `None` where the
+    /// law has no such curve.
+    pub fn along(&self, curve: impl Fn(f64) -> Sliding) -> Option<Self> {
+        let (mut other, curve) = (self.clone(), curve(self.breakaway()?));
+        if let Self::Gms { sliding, .. } = &mut other {
+            *sliding = Some(curve);
+            return Some(other);
+        }
+        *other.shape().1? = curve;
+        let mut scalars = other.own_scalars().into_iter();
+        if let Some((_, damping)) = scalars.find(|(key, _)| key.starts_with("damping")) {
+            *damping = 0.0;
+        }
+        Some(other)
+    }
+
+    /// Blocks and Stribeck curve, of the kinds that have them.
+    fn shape(&mut self) -> (&mut [Block], Option<&mut Sliding>) {
+        match self {
+            Self::LuGre { sliding, .. }
+            | Self::ElastoPlastic { sliding, .. }
+            | Self::TwoState { sliding, .. } => (&mut [], Some(sliding)),
+            Self::Leuven {
+                blocks, sliding, ..
+            } => (blocks, Some(sliding)),
+            Self::Gms {
+                blocks, sliding, ..
+            } => (blocks, sliding.as_mut()),
+            Self::Coulomb { .. } | Self::Dahl { .. } | Self::BoucWen { .. } | Self::Hsieh(_) => {
+                (&mut [], None)
+            }
+        }
     }
 
     /// The force (N) at which the body breaks away, where the model has such a parameter.
@@ -287,17 +272,85 @@ impl FrictionModel {
     }
 
     /// The Stribeck curve, where the model has one.
-    pub fn sliding(&self) -> Option<&Sliding> {
-        match self {
-            Self::LuGre { sliding, .. }
-            | Self::ElastoPlastic { sliding, .. }
-            | Self::Leuven { sliding, .. }
-            | Self::TwoState { sliding, .. } => Some(sliding),
-            Self::Gms { sliding, .. } => sliding.as_ref(),
-            Self::Coulomb { .. } | Self::Dahl { .. } | Self::BoucWen { .. } | Self::Hsieh(_) => {
-                None
-            }
-        }
+    pub fn sliding(&self) -> Option<Sliding> {
+        self.clone().shape().1.copied()
+    }
+
+    /// One model of every kind, of forces in units of `f` newtons and lengths in units of `l` metres.
+    pub fn one_of_each(f: f64, l: f64) -> Vec<Self> {
+        let (stiffness, damping, breakaway) = (8.0 * f / l, 0.02 * f / l, f);
+        let blocks = || {
+            [(5.0, 0.5), (2.0, 0.3), (0.5, 0.2)]
+                .map(|(k, weight)| Block {
+                    stiffness: k * f / l,
+                    weight,
+                })
+                .to_vec()
+        };
+        let sliding = Sliding {
+            coulomb: 0.8 * f,
+            stribeck_velocity: 3.0 * l,
+            stribeck_exponent: 2.0,
+            attraction: 50.0 * f,
+        };
+        let leuven = |form| Self::Leuven {
+            form,
+            breakaway,
+            blocks: blocks(),
+            exponent: 1.5,
+            damping,
+            sliding,
+        };
+        let gms = |sliding| Self::Gms {
+            breakaway,
+            blocks: blocks(),
+            sliding,
+        };
+        vec![
+            Self::Coulomb { coulomb: f },
+            Self::Dahl {
+                stiffness,
+                coulomb: f,
+                exponent: 1.3,
+            },
+            Self::LuGre {
+                stiffness,
+                damping,
+                breakaway,
+                sliding,
+            },
+            Self::BoucWen {
+                stiffness,
+                coulomb: f,
+                exponent: 1.2,
+                shape: 0.7,
+            },
+            Self::ElastoPlastic {
+                stiffness,
+                damping,
+                elastic: 0.04 * l,
+                breakaway,
+                sliding,
+            },
+            leuven(LeuvenForm::Modified),
+            leuven(LeuvenForm::Original),
+            Self::TwoState {
+                distance: 0.2 * l,
+                breakaway,
+                sliding,
+            },
+            Self::Hsieh(HsiehParams {
+                k1: 0.2 * f / l,
+                k2: 6.0 * f / l,
+                beta: 7.0 / l,
+                viscous: 0.0,
+                creep: 5.0,
+                hardening: 40.0 * f * f / l,
+                hardening_exponent: 2.0,
+            }),
+            gms(None),
+            gms(Some(sliding)),
+        ]
     }
 
     /// A quasi-static GMS from stiffnesses (N/m) and yield displacements (m).
@@ -448,83 +501,6 @@ mod tests {
     /// A scale of a million, as a power of two so that scaling rounds nothing.
     const MILLION: f64 = 1_048_576.0;
 
-    /// One model of every kind, of forces in units of `f` newtons and lengths in units of `l` metres.
-    fn every_law(f: f64, l: f64) -> Vec<FrictionModel> {
-        let (stiffness, damping, breakaway) = (8.0 * f / l, 0.02 * f / l, f);
-        let blocks = || {
-            [(5.0, 0.5), (2.0, 0.3), (0.5, 0.2)]
-                .map(|(k, weight)| Block {
-                    stiffness: k * f / l,
-                    weight,
-                })
-                .to_vec()
-        };
-        let sliding = Sliding {
-            coulomb: 0.8 * f,
-            stribeck_velocity: 3.0 * l,
-            stribeck_exponent: 2.0,
-            attraction: 50.0 * f,
-        };
-        let leuven = |form| FrictionModel::Leuven {
-            form,
-            breakaway,
-            blocks: blocks(),
-            exponent: 1.5,
-            damping,
-            sliding,
-        };
-        let gms = |sliding| FrictionModel::Gms {
-            breakaway,
-            blocks: blocks(),
-            sliding,
-        };
-        vec![
-            FrictionModel::Coulomb { coulomb: f },
-            FrictionModel::Dahl {
-                stiffness,
-                coulomb: f,
-                exponent: 1.3,
-            },
-            FrictionModel::LuGre {
-                stiffness,
-                damping,
-                breakaway,
-                sliding,
-            },
-            FrictionModel::BoucWen {
-                stiffness,
-                coulomb: f,
-                exponent: 1.2,
-                shape: 0.7,
-            },
-            FrictionModel::ElastoPlastic {
-                stiffness,
-                damping,
-                elastic: 0.04 * l,
-                breakaway,
-                sliding,
-            },
-            leuven(LeuvenForm::Modified),
-            leuven(LeuvenForm::Original),
-            FrictionModel::TwoState {
-                distance: 0.2 * l,
-                breakaway,
-                sliding,
-            },
-            FrictionModel::Hsieh(HsiehParams {
-                k1: 0.2 * f / l,
-                k2: 6.0 * f / l,
-                beta: 7.0 / l,
-                viscous: 0.0,
-                creep: 5.0,
-                hardening: 40.0 * f * f / l,
-                hardening_exponent: 2.0,
-            }),
-            gms(None),
-            gms(Some(sliding)),
-        ]
-    }
-
     /// The friction along three strokes that shrink.
     fn force(
         model: &FrictionModel,
@@ -559,7 +535,7 @@ mod tests {
                 .map(|(creep, gap)| Transmission { creep, gap })
         };
         let mut crept = 0;
-        for (law, model) in every_law(1.0, 1.0).iter().enumerate() {
+        for (law, model) in FrictionModel::one_of_each(1.0, 1.0).iter().enumerate() {
             for (k, transmission) in transmissions(1.0).into_iter().enumerate() {
                 // A law without a highest force has none that creep could be a share of, and says so.
                 let one = match force(model, 1.0, transmission) {
@@ -571,8 +547,12 @@ mod tests {
                 assert!(most > 0.5, "{model:?}: {most}");
                 for f in [1.0 / MILLION, 1.0, 1024.0, MILLION] {
                     for l in [1.0 / MILLION, 1.0, MILLION] {
-                        let scaled = force(&every_law(f, l)[law], l, transmissions(l)[k])
-                            .unwrap_or_else(|e| panic!("{}, {f} N, {l} m: {e}", model.name()));
+                        let scaled = force(
+                            &FrictionModel::one_of_each(f, l)[law],
+                            l,
+                            transmissions(l)[k],
+                        )
+                        .unwrap_or_else(|e| panic!("{}, {f} N, {l} m: {e}", model.name()));
                         let worst = one
                             .iter()
                             .zip(&scaled)

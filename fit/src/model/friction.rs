@@ -4,31 +4,33 @@ use crate::friction::{FrictionModel, MOST_BLOCKS};
 use preslide::{Block, HsiehParams, LeuvenForm, Sliding};
 use serde::Deserialize;
 
-/// Keys of a linear axis; those of a rotary one are translated first ([`super::ROTARY`]).
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-#[allow(non_snake_case)] // unit symbols are written as in the file
-pub(super) struct FrictionToml {
-    kind: String,
-    pub(super) viscous_N_s_per_m: Option<f64>,
-    breakaway_N: Option<f64>,
-    coulomb_N: Option<f64>,
-    stribeck_velocity_m_s: Option<f64>,
-    stribeck_exponent: Option<f64>,
-    attraction_N_per_s: Option<f64>,
-    blocks: Option<Vec<BlockToml>>,
-    stiffness_N_per_m: Option<f64>,
-    exponent: Option<f64>,
-    damping_N_s_per_m: Option<f64>,
-    k1_N_per_m: Option<f64>,
-    k2_N_per_m: Option<f64>,
-    beta_per_m: Option<f64>,
-    creep_per_s: Option<f64>,
-    hardening: Option<f64>,
-    hardening_exponent: Option<f64>,
-    shape: Option<f64>,
-    elastic_m: Option<f64>,
-    presliding_m: Option<f64>,
+/// The scalar keys that belong to one kind or another.
+macro_rules! keys {
+    ($($key:ident)*) => {
+        /// Keys of a linear axis; those of a rotary one are translated first ([`super::ROTARY`]).
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
+        #[allow(non_snake_case)] // unit symbols are written as in the file
+        pub(super) struct FrictionToml {
+            kind: String,
+            pub(super) viscous_N_s_per_m: Option<f64>,
+            blocks: Option<Vec<BlockToml>>,
+            $($key: Option<f64>,)*
+        }
+
+        impl FrictionToml {
+            /// Those that the file has.
+            fn given(&self) -> impl Iterator<Item = &'static str> {
+                let keys = [$((stringify!($key), self.$key)),*];
+                keys.into_iter().filter_map(|(key, value)| value.map(|_| key))
+            }
+        }
+    };
+}
+
+keys! {
+    breakaway_N coulomb_N stribeck_velocity_m_s stribeck_exponent attraction_N_per_s stiffness_N_per_m exponent damping_N_s_per_m
+    k1_N_per_m k2_N_per_m beta_per_m creep_per_s hardening hardening_exponent shape elastic_m presliding_m
 }
 
 #[derive(Clone, Deserialize)]
@@ -163,31 +165,6 @@ impl FrictionToml {
         }
     }
 
-    /// The scalar keys of the file that belong to one kind or another.
-    fn given(&self) -> impl Iterator<Item = &'static str> {
-        [
-            ("breakaway_N", self.breakaway_N),
-            ("coulomb_N", self.coulomb_N),
-            ("stribeck_velocity_m_s", self.stribeck_velocity_m_s),
-            ("stribeck_exponent", self.stribeck_exponent),
-            ("attraction_N_per_s", self.attraction_N_per_s),
-            ("stiffness_N_per_m", self.stiffness_N_per_m),
-            ("exponent", self.exponent),
-            ("damping_N_s_per_m", self.damping_N_s_per_m),
-            ("k1_N_per_m", self.k1_N_per_m),
-            ("k2_N_per_m", self.k2_N_per_m),
-            ("beta_per_m", self.beta_per_m),
-            ("creep_per_s", self.creep_per_s),
-            ("hardening", self.hardening),
-            ("hardening_exponent", self.hardening_exponent),
-            ("shape", self.shape),
-            ("elastic_m", self.elastic_m),
-            ("presliding_m", self.presliding_m),
-        ]
-        .into_iter()
-        .filter_map(|(key, value)| value.map(|_| key))
-    }
-
     /// The blocks of the kinds that are made of them.
     fn blocks(&self) -> Result<Vec<Block>, Wrong> {
         let blocks = self.blocks.as_ref().ok_or((
@@ -232,7 +209,9 @@ impl FrictionToml {
 impl FrictionModel {
     /// The scalar parameters by their keys on a linear axis; those of the Stribeck curve last.
     pub fn scalars(&self) -> Vec<(&'static str, f64)> {
-        let mut scalars = self.own_scalars();
+        let mut copy = self.clone();
+        let own = copy.own_scalars().into_iter();
+        let mut scalars: Vec<_> = own.map(|(key, value)| (key, *value)).collect();
         if let Some(sliding) = self.sliding() {
             scalars.extend([
                 ("coulomb_N", sliding.coulomb),
@@ -245,8 +224,8 @@ impl FrictionModel {
     }
 
     /// Those beside the Stribeck curve.
-    fn own_scalars(&self) -> Vec<(&'static str, f64)> {
-        match *self {
+    pub(crate) fn own_scalars(&mut self) -> Vec<(&'static str, &mut f64)> {
+        match self {
             Self::Coulomb { coulomb } => vec![("coulomb_N", coulomb)],
             Self::Dahl {
                 stiffness,
@@ -306,13 +285,13 @@ impl FrictionModel {
                 ..
             } => vec![("presliding_m", distance), ("breakaway_N", breakaway)],
             Self::Hsieh(p) => vec![
-                ("k1_N_per_m", p.k1),
-                ("k2_N_per_m", p.k2),
-                ("beta_per_m", p.beta),
-                ("damping_N_s_per_m", p.viscous),
-                ("creep_per_s", p.creep),
-                ("hardening", p.hardening),
-                ("hardening_exponent", p.hardening_exponent),
+                ("k1_N_per_m", &mut p.k1),
+                ("k2_N_per_m", &mut p.k2),
+                ("beta_per_m", &mut p.beta),
+                ("damping_N_s_per_m", &mut p.viscous),
+                ("creep_per_s", &mut p.creep),
+                ("hardening", &mut p.hardening),
+                ("hardening_exponent", &mut p.hardening_exponent),
             ],
             Self::Gms { breakaway, .. } => vec![("breakaway_N", breakaway)],
         }

@@ -213,6 +213,19 @@ mod tests {
         warnings.iter().map(|w| w.code).collect()
     }
 
+    /// The effort of a force as [`sign`] leaves it, and what it says of that.
+    fn signed(
+        x: &[f64],
+        effort: &[f64],
+        strokes: &[Strokes],
+        asked: Option<f64>,
+    ) -> (Vec<f64>, String) {
+        let (mut effort, mut warnings) = (effort.to_vec(), Vec::new());
+        let role = EffortRole::Force;
+        sign(x, &mut effort, strokes, role, asked, &mut warnings);
+        (effort, codes(&warnings).join(","))
+    }
+
     /// Three sine cycles with Coulomb friction, inertia and an offset.
     fn cycles() -> (Vec<f64>, Vec<f64>) {
         let phase = |i: usize| i as f64 * 0.01;
@@ -228,17 +241,9 @@ mod tests {
         let (x, f) = cycles();
         let strokes = [segments::strokes(&x, 0..x.len())];
         let run = |factor: f64, asked: Option<f64>| {
-            let mut effort: Vec<f64> = f.iter().map(|f| factor * f).collect();
-            let mut warnings = Vec::new();
-            sign(
-                &x,
-                &mut effort,
-                &strokes,
-                EffortRole::Force,
-                asked,
-                &mut warnings,
-            );
-            (effort == f, codes(&warnings).join(","))
+            let effort: Vec<f64> = f.iter().map(|f| factor * f).collect();
+            let (effort, said) = signed(&x, &effort, &strokes, asked);
+            (effort == f, said)
         };
         assert_eq!(run(1.0, None), (true, String::new()));
         assert_eq!(run(-1.0, None), (true, "effort-sign-flipped".into()));
@@ -266,44 +271,17 @@ mod tests {
         };
         let f: Vec<f64> = (0..long + short).map(force).collect();
         let strokes = [0..long, long..long + short].map(|run| segments::strokes(&x, run));
-        let mut effort = f.clone();
-        let mut warnings = Vec::new();
-        sign(
-            &x,
-            &mut effort,
-            &strokes,
-            EffortRole::Force,
-            None,
-            &mut warnings,
-        );
-        assert!(effort == f && warnings.is_empty(), "{warnings:?}");
+        assert_eq!(signed(&x, &f, &strokes, None), (f.clone(), String::new()));
         // Alone, it decides.
-        sign(
-            &x,
-            &mut effort,
-            &strokes[1..],
-            EffortRole::Force,
-            None,
-            &mut warnings,
-        );
-        assert_eq!(codes(&warnings), ["effort-sign-flipped"]);
+        assert_eq!(signed(&x, &f, &strokes[1..], None).1, "effort-sign-flipped");
     }
 
     #[test]
     fn a_spring_has_no_sign_to_find() {
         let (x, _) = cycles();
         let strokes = [segments::strokes(&x, 0..x.len())];
-        let mut effort: Vec<f64> = x.iter().map(|x| -3.0 * x).collect();
-        let mut warnings = Vec::new();
-        sign(
-            &x,
-            &mut effort,
-            &strokes,
-            EffortRole::Force,
-            None,
-            &mut warnings,
-        );
-        assert!(warnings.is_empty(), "{warnings:?}");
+        let effort: Vec<f64> = x.iter().map(|x| -3.0 * x).collect();
+        assert_eq!(signed(&x, &effort, &strokes, None).1, "");
     }
 
     #[test]

@@ -12,6 +12,8 @@ use super::table::Table;
 /// integrated. The recordings at hand have steps of 1 to 8.5 medians from busy loggers, and
 /// 14 to 270 where samples were lost.
 const GAP_MEDIANS: f64 = 10.0;
+/// A step of less than this share of the median one is none: two rows have one time but for its last digits, and between them any speed.
+const STILL: f64 = 1e-6;
 /// Spread (1st to 99th percentile) of the steps, relative to the median, that is worth a warning.
 const JITTER: f64 = 0.02;
 
@@ -147,6 +149,9 @@ pub(super) fn check(
             continue;
         };
         for (i, &step) in (run.start + 1..).zip(&steps) {
+            if step < STILL * median {
+                return Err(not_advancing(i, t[i - 1], t[i], table));
+            }
             if step > GAP_MEDIANS * median {
                 gaps.push((i, step));
             }
@@ -186,7 +191,7 @@ fn not_advancing(i: usize, from: f64, to: f64, table: &Table) -> Problem {
         Some(name) => format!(
             "if `{name}`, which changes there, numbers separate runs, give `--map segment={name}`"
         ),
-        None if to == from => {
+        None if to >= from => {
             "write the time stamps with more digits, or remove the repeated rows".into()
         }
         None => "sort the rows, or number separate runs in a column `segment`".into(),

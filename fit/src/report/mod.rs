@@ -28,7 +28,7 @@ pub mod units;
 
 pub use figure::{Axis, Colour, Emphasis, Figure, Series, Style};
 pub use scale::{DisplayUnit, display_unit};
-pub use table::Table;
+pub use table::{Columns, Table};
 
 use std::path::Path;
 

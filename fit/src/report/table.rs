@@ -11,7 +11,41 @@ pub struct Table {
     pub rows: Vec<Vec<String>>,
 }
 
+/// A table under way, column by column: a head beside what each row has there.
+pub struct Columns<R> {
+    of: Vec<R>,
+    table: Table,
+}
+
+impl<R> Columns<R> {
+    /// The next column.
+    #[must_use]
+    pub fn column(mut self, head: impl Into<String>, cell: impl Fn(&R) -> String) -> Self {
+        self.table.head.push(head.into());
+        for (row, cells) in self.of.iter().zip(&mut self.table.rows) {
+            cells.push(cell(row));
+        }
+        self
+    }
+
+    /// With its last column.
+    pub fn table(self) -> Table {
+        self.table
+    }
+}
+
 impl Table {
+    /// A table with a line for each of `rows`.
+    pub fn of<R>(caption: impl Into<String>, rows: impl IntoIterator<Item = R>) -> Columns<R> {
+        let of: Vec<R> = rows.into_iter().collect();
+        let table = Table {
+            caption: caption.into(),
+            head: Vec::new(),
+            rows: vec![Vec::new(); of.len()],
+        };
+        Columns { of, table }
+    }
+
     /// The table aligned for a terminal, each line ended by a newline.
     pub fn to_text(&self) -> String {
         let columns = self.columns();

@@ -1,10 +1,7 @@
 //! From force to motion: friction models inverted, one force after the other, without inertia.
 
-use crate::friction::{FrictionModel, MOST_BLOCKS, with_blocks};
-use preslide::{
-    BoucWen, Dahl, ElastoPlastic, Friction, Hsieh, Leuven, LuGre, Motion, ParamError, Sliding,
-    TwoState, Units,
-};
+use crate::friction::{FrictionModel, Visitor};
+use preslide::{Block, Friction, Motion, ParamError, Sliding};
 
 /// A model at rest under a force, waiting for the next one.
 pub trait Inverse {
@@ -27,112 +24,76 @@ pub struct SlidesAway {
 /// # Errors
 /// [`ParamError`] where the library refuses a parameter.
 pub fn inverse(model: &FrictionModel, sample_time: f64) -> Result<Box<dyn Inverse>, ParamError> {
-    let units = Units::SI;
-    Ok(match model {
-        FrictionModel::Coulomb { coulomb } => Box::new(Rigid { limit: *coulomb }),
+    let of_blocks = |blocks: &[Block], breakaway: f64| {
+        let yields = blocks.iter().map(|b| b.yield_displacement(breakaway));
+        yields.fold(f64::INFINITY, f64::min)
+    };
+    let (scale, time) = match *model {
+        FrictionModel::Coulomb { coulomb } => return Ok(Box::new(Rigid { limit: coulomb })),
         FrictionModel::Gms {
-            breakaway, blocks, ..
-        } => Box::new(MaxwellSlip {
-            blocks: blocks
-                .iter()
-                .map(|b| SlipBlock {
-                    stiffness: b.stiffness,
-                    limit: b.yield_displacement(*breakaway),
-                    deflection: 0.0,
-                })
-                .collect(),
-        }),
+            breakaway,
+            ref blocks,
+            ..
+        } => {
+            let block = |b: &Block| SlipBlock {
+                stiffness: b.stiffness,
+                limit: b.yield_displacement(breakaway),
+                deflection: 0.0,
+            };
+            let blocks = blocks.iter().map(block).collect();
+            return Ok(Box::new(MaxwellSlip { blocks }));
+        }
         FrictionModel::Dahl {
-            stiffness,
-            coulomb,
-            exponent,
-        } => Box::new(Searched::new(
-            Dahl::<f64>::try_new(*stiffness, *coulomb, *exponent, units)?,
-            coulomb / stiffness,
-            None,
-        )),
-        // At rest `s = F_s` and `σp·dz/dt = 0`.
+            stiffness, coulomb, ..
+        }
+        | FrictionModel::BoucWen {
+            stiffness, coulomb, ..
+        } => (coulomb / stiffness, sample_time),
         FrictionModel::LuGre {
             stiffness,
             breakaway,
             ..
-        } => Box::new(Searched::new(
-            LuGre::<f64>::try_new(
-                *stiffness,
-                0.0,
-                *breakaway,
-                Sliding::none(*breakaway),
-                units,
-            )?,
-            breakaway / stiffness,
-            None,
-        )),
-        FrictionModel::BoucWen {
-            stiffness,
-            coulomb,
-            exponent,
-            shape,
-        } => Box::new(Searched::new(
-            BoucWen::<f64>::try_new(*stiffness, *coulomb, *exponent, *shape, units)?,
-            coulomb / stiffness,
-            None,
-        )),
-        FrictionModel::ElastoPlastic {
-            stiffness,
-            elastic,
-            breakaway,
-            ..
-        } => Box::new(Searched::new(
-            ElastoPlastic::<f64>::try_new(
-                *stiffness,
-                0.0,
-                *elastic,
-                *breakaway,
-                Sliding::none(*breakaway),
-                units,
-            )?,
-            breakaway / stiffness,
-            None,
-        )),
-        FrictionModel::Leuven {
-            form,
-            breakaway,
-            blocks,
-            exponent,
-            ..
-        } => {
-            let still = Sliding::none(*breakaway);
-            let scale = blocks
-                .iter()
-                .map(|b| b.yield_displacement(*breakaway))
-                .fold(f64::INFINITY, f64::min);
-            with_blocks!(blocks, array => Ok(Box::new(Searched::new(
-                Leuven::<_, f64>::try_new(*form, &array, *breakaway, *exponent, 0.0, still, units)?,
-                scale,
-                None,
-            )) as Box<dyn Inverse>), [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])?
         }
-        FrictionModel::TwoState {
-            distance,
+        | FrictionModel::ElastoPlastic {
+            stiffness,
             breakaway,
             ..
-        } => Box::new(Searched::new(
-            TwoState::<f64>::try_new(
-                *distance,
-                *breakaway,
-                Sliding::none(*breakaway),
-                sample_time.min(1.0),
-                units,
-            )?,
-            *distance,
-            None,
-        )),
-        FrictionModel::Hsieh(params) => Box::new(Searched::new(
-            Hsieh::<f64>::try_new(params, sample_time, units)?,
-            1.0 / params.beta,
-            Some(sample_time),
-        )),
-    })
+        } => (breakaway / stiffness, sample_time),
+        FrictionModel::Leuven {
+            breakaway,
+            ref blocks,
+            ..
+        } => (of_blocks(blocks, breakaway), sample_time),
+        FrictionModel::TwoState { distance, .. } => (distance, sample_time.min(1.0)),
+        FrictionModel::Hsieh(ref params) => (1.0 / params.beta, sample_time),
+    };
+    let timed = matches!(model, FrictionModel::Hsieh(_)).then_some(sample_time);
+    // At rest the level is the breakaway force, and nothing is damped.
+    let still = model.along(Sliding::none);
+    let still = still.as_ref().unwrap_or(model);
+    still.visit(time, Search { scale, timed })
+}
+
+/// Has any model searched.
+struct Search {
+    scale: f64,
+    timed: Option<f64>,
+}
+
+impl Visitor for Search {
+    type Outcome = Box<dyn Inverse>;
+
+    fn visit<M: Friction<Scalar = f64, State: Send> + Send + 'static>(
+        self,
+        model: M,
+    ) -> Self::Outcome {
+        Box::new(Searched {
+            state: model.at_rest(),
+            model,
+            scale: self.scale,
+            sample_time: self.timed,
+        })
+    }
 }
 
 /// Coulomb: no motion below the limit.
@@ -227,15 +188,6 @@ const DOUBLINGS: usize = 120;
 const NARROWINGS: usize = 200;
 
 impl<M: Friction<Scalar = f64>> Searched<M> {
-    fn new(model: M, scale: f64, sample_time: Option<f64>) -> Self {
-        Self {
-            state: model.at_rest(),
-            model,
-            scale,
-            sample_time,
-        }
-    }
-
     fn motion(&self, displacement: f64) -> Motion<f64> {
         Motion {
             displacement,

@@ -8,99 +8,89 @@
 
 use super::draw::Draw;
 
-/// An effect. The names of the catalogue's are those of the design; the rest is outside it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)] // the catalogue documents them; those outside it are documented below
-pub enum Id {
-    ConstantForce,
-    CoulombAsymmetry,
-    Viscous,
-    QuadraticDrag,
-    Stribeck,
-    FrictionalLag,
-    PositionSpring,
-    PositionForce,
-    PositionFriction,
-    LocalFrictionSpot,
-    PeriodicForce,
-    PeriodicFriction,
-    EncoderError,
-    Backlash,
-    DriveCompliance,
-    ChannelDelay,
-    ActuatorDeadZone,
-    ActuatorSaturation,
-    LoadDependentFriction,
-    ThermalDrift,
-    RunIn,
-    DwellAging,
-    Creep,
-    ExternalVibration,
-    PreslidingShape,
-    /// Bursts of a damped vibration at random times.
-    RandomBursts,
-    /// A force in the direction of motion that starts at each reversal and relaxes with time, not path.
-    RelaxingMemory,
-    /// A magnetic detent that grows with speed: `A·|v|/(v0 + |v|)·cos(2πx/p)`.
-    SpeedDetent,
-    /// Friction that is higher when speeding up than when slowing down.
-    AccelerationFriction,
-    /// A friction level that switches by the clock, as from a pump or a lubricator nearby.
-    TimeOfDay,
-    /// A friction level lowered by the highest speed of the last seconds.
-    SpeedHistory,
-    /// Each reversal stirs the grease: the level rises by a step, and a path lets it settle again.
-    ReversalChurn,
-    /// A cage that rattles at one speed: the level is higher in a narrow band of it.
-    SpeedBand,
-    /// Rollers that slip and never find back: the level waves with the path travelled, whichever way, not with the position.
-    PathRipple,
-    /// A machine nearby that runs up: a shaking force whose frequency drifts.
-    DriftingShake,
+/// The table of effects: in the code, in labels, and the parameters in the order of [`Effect::values`].
+macro_rules! effects {
+    (
+        catalogue { $($inside:ident $inside_name:ident: $($inside_key:ident)*;)* }
+        outside { $($(#[$doc:meta])* $outside:ident $outside_name:ident: $($outside_key:ident)*;)* }
+    ) => {
+        /// An effect. The names of the catalogue's are those of the design; the rest is outside it.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[allow(missing_docs)] // the catalogue documents them; those outside it are documented in the table
+        pub enum Id {
+            $($inside,)*
+            $($(#[$doc])* $outside,)*
+        }
+
+        /// Effects of the catalogue, in its order.
+        pub const CATALOGUE: [Id; 25] = [$(Id::$inside),*];
+
+        /// Effects that are in no catalogue: the right answer is `unknown-physics`.
+        pub const OUTSIDE: [Id; 10] = [$(Id::$outside),*];
+
+        impl Id {
+            /// Name in the catalogue, or, outside it, in labels only; and the parameters'.
+            fn names(self) -> (&'static str, &'static [&'static str]) {
+                match self {
+                    $(Id::$inside => (stringify!($inside_name), &[$(stringify!($inside_key)),*]),)*
+                    $(Id::$outside => (stringify!($outside_name), &[$(stringify!($outside_key)),*]),)*
+                }
+            }
+        }
+    };
 }
 
-/// Effects of the catalogue, in its order.
-pub const CATALOGUE: [Id; 25] = [
-    Id::ConstantForce,
-    Id::CoulombAsymmetry,
-    Id::Viscous,
-    Id::QuadraticDrag,
-    Id::Stribeck,
-    Id::FrictionalLag,
-    Id::PositionSpring,
-    Id::PositionForce,
-    Id::PositionFriction,
-    Id::LocalFrictionSpot,
-    Id::PeriodicForce,
-    Id::PeriodicFriction,
-    Id::EncoderError,
-    Id::Backlash,
-    Id::DriveCompliance,
-    Id::ChannelDelay,
-    Id::ActuatorDeadZone,
-    Id::ActuatorSaturation,
-    Id::LoadDependentFriction,
-    Id::ThermalDrift,
-    Id::RunIn,
-    Id::DwellAging,
-    Id::Creep,
-    Id::ExternalVibration,
-    Id::PreslidingShape,
-];
-
-/// Effects that are in no catalogue: the right answer is `unknown-physics`.
-pub const OUTSIDE: [Id; 10] = [
-    Id::RandomBursts,
-    Id::RelaxingMemory,
-    Id::SpeedDetent,
-    Id::AccelerationFriction,
-    Id::TimeOfDay,
-    Id::SpeedHistory,
-    Id::ReversalChurn,
-    Id::SpeedBand,
-    Id::PathRipple,
-    Id::DriftingShake,
-];
+effects! {
+catalogue {
+    ConstantForce constant_force: force_N;
+    CoulombAsymmetry coulomb_asymmetry: asymmetry;
+    Viscous viscous: viscous_N_s_per_m;
+    QuadraticDrag quadratic_drag: drag_N_s2_per_m2;
+    Stribeck stribeck: level velocity_m_s exponent;
+    FrictionalLag frictional_lag: level velocity_m_s exponent time_constant_s;
+    PositionSpring position_spring: stiffness_N_per_m centre_m;
+    PositionForce position_force: bend_N bump_N bump_m bump_width_m;
+    PositionFriction position_friction: slope_level bend_level;
+    LocalFrictionSpot local_friction_spot: level position_m width_m;
+    PeriodicForce periodic_force: force_N period_m phase_rad;
+    PeriodicFriction periodic_friction: level period_m phase_rad;
+    EncoderError encoder_error: error_m period_m phase_rad;
+    Backlash backlash: gap_m;
+    DriveCompliance drive_compliance: stiffness_N_per_m frequency_Hz;
+    ChannelDelay channel_delay: delay_s;
+    ActuatorDeadZone actuator_dead_zone: width_N;
+    ActuatorSaturation actuator_saturation: limit_N;
+    LoadDependentFriction load_dependent_friction: level_per_N;
+    ThermalDrift thermal_drift: level_per_K;
+    RunIn run_in: level path_m;
+    DwellAging dwell_aging: level_per_decade time_constant_s erasing_path_m;
+    Creep creep: rate_m_s share_of_breakaway;
+    ExternalVibration external_vibration: force_N frequency_Hz phase_rad;
+    PreslidingShape presliding_shape: stiffness_factor;
+}
+outside {
+    /// Bursts of a damped vibration at random times.
+    RandomBursts random_bursts: force_N frequency_Hz decay_s mean_interval_s;
+    /// A force in the direction of motion that starts at each reversal and relaxes with time, not path.
+    RelaxingMemory relaxing_memory: force_N time_constant_s;
+    /// A magnetic detent that grows with speed: `A·|v|/(v0 + |v|)·cos(2πx/p)`.
+    SpeedDetent speed_detent: force_N period_m phase_rad velocity_m_s;
+    /// Friction that is higher when speeding up than when slowing down.
+    AccelerationFriction acceleration_friction: level power_m2_s3;
+    /// A friction level that switches by the clock, as from a pump or a lubricator nearby.
+    TimeOfDay time_of_day: level period_s;
+    /// A friction level lowered by the highest speed of the last seconds.
+    SpeedHistory speed_history: level velocity_m_s time_constant_s;
+    /// Each reversal stirs the grease: the level rises by a step, and a path lets it settle again.
+    ReversalChurn reversal_churn: level path_m;
+    /// A cage that rattles at one speed: the level is higher in a narrow band of it.
+    SpeedBand speed_band: level velocity_m_s width_m_s;
+    /// Rollers that slip and never find back: the level waves with the path travelled, whichever way, not with the position.
+    PathRipple path_ripple: level path_m phase_rad;
+    /// A machine nearby that runs up: a shaking force whose frequency drifts.
+    DriftingShake drifting_shake: force_N frequency_Hz rate_Hz_s phase_rad;
+}
+}
 
 /// Effects that can be confined to one end of the travel.
 pub const CORNER: [Id; 6] = [
@@ -132,141 +122,7 @@ pub const PAIRS: [(Id, Id); 16] = [
     (Id::PeriodicFriction, Id::Viscous),
 ];
 
-/// Name, and names of the parameters in the order of [`Effect::values`].
-const NAMES: [(Id, &str, &[&str]); 35] = [
-    (Id::ConstantForce, "constant_force", &["force_N"]),
-    (Id::CoulombAsymmetry, "coulomb_asymmetry", &["asymmetry"]),
-    (Id::Viscous, "viscous", &["viscous_N_s_per_m"]),
-    (Id::QuadraticDrag, "quadratic_drag", &["drag_N_s2_per_m2"]),
-    (
-        Id::Stribeck,
-        "stribeck",
-        &["level", "velocity_m_s", "exponent"],
-    ),
-    (
-        Id::FrictionalLag,
-        "frictional_lag",
-        &["level", "velocity_m_s", "exponent", "time_constant_s"],
-    ),
-    (
-        Id::PositionSpring,
-        "position_spring",
-        &["stiffness_N_per_m", "centre_m"],
-    ),
-    (
-        Id::PositionForce,
-        "position_force",
-        &["bend_N", "bump_N", "bump_m", "bump_width_m"],
-    ),
-    (
-        Id::PositionFriction,
-        "position_friction",
-        &["slope_level", "bend_level"],
-    ),
-    (
-        Id::LocalFrictionSpot,
-        "local_friction_spot",
-        &["level", "position_m", "width_m"],
-    ),
-    (
-        Id::PeriodicForce,
-        "periodic_force",
-        &["force_N", "period_m", "phase_rad"],
-    ),
-    (
-        Id::PeriodicFriction,
-        "periodic_friction",
-        &["level", "period_m", "phase_rad"],
-    ),
-    (
-        Id::EncoderError,
-        "encoder_error",
-        &["error_m", "period_m", "phase_rad"],
-    ),
-    (Id::Backlash, "backlash", &["gap_m"]),
-    (
-        Id::DriveCompliance,
-        "drive_compliance",
-        &["stiffness_N_per_m", "frequency_Hz"],
-    ),
-    (Id::ChannelDelay, "channel_delay", &["delay_s"]),
-    (Id::ActuatorDeadZone, "actuator_dead_zone", &["width_N"]),
-    (Id::ActuatorSaturation, "actuator_saturation", &["limit_N"]),
-    (
-        Id::LoadDependentFriction,
-        "load_dependent_friction",
-        &["level_per_N"],
-    ),
-    (Id::ThermalDrift, "thermal_drift", &["level_per_K"]),
-    (Id::RunIn, "run_in", &["level", "path_m"]),
-    (
-        Id::DwellAging,
-        "dwell_aging",
-        &["level_per_decade", "time_constant_s", "erasing_path_m"],
-    ),
-    (Id::Creep, "creep", &["rate_m_s", "share_of_breakaway"]),
-    (
-        Id::ExternalVibration,
-        "external_vibration",
-        &["force_N", "frequency_Hz", "phase_rad"],
-    ),
-    (
-        Id::PreslidingShape,
-        "presliding_shape",
-        &["stiffness_factor"],
-    ),
-    (
-        Id::RandomBursts,
-        "random_bursts",
-        &["force_N", "frequency_Hz", "decay_s", "mean_interval_s"],
-    ),
-    (
-        Id::RelaxingMemory,
-        "relaxing_memory",
-        &["force_N", "time_constant_s"],
-    ),
-    (
-        Id::SpeedDetent,
-        "speed_detent",
-        &["force_N", "period_m", "phase_rad", "velocity_m_s"],
-    ),
-    (
-        Id::AccelerationFriction,
-        "acceleration_friction",
-        &["level", "power_m2_s3"],
-    ),
-    (Id::TimeOfDay, "time_of_day", &["level", "period_s"]),
-    (
-        Id::SpeedHistory,
-        "speed_history",
-        &["level", "velocity_m_s", "time_constant_s"],
-    ),
-    (Id::ReversalChurn, "reversal_churn", &["level", "path_m"]),
-    (
-        Id::SpeedBand,
-        "speed_band",
-        &["level", "velocity_m_s", "width_m_s"],
-    ),
-    (
-        Id::PathRipple,
-        "path_ripple",
-        &["level", "path_m", "phase_rad"],
-    ),
-    (
-        Id::DriftingShake,
-        "drifting_shake",
-        &["force_N", "frequency_Hz", "rate_Hz_s", "phase_rad"],
-    ),
-];
-
 impl Id {
-    fn names(self) -> (&'static str, &'static [&'static str]) {
-        NAMES
-            .iter()
-            .find(|n| n.0 == self)
-            .map_or(("", &[]), |n| (n.1, n.2))
-    }
-
     /// Name in the catalogue, or, outside it, in labels only.
     pub fn name(self) -> &'static str {
         self.names().0

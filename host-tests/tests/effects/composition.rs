@@ -9,6 +9,7 @@ use preslide::effects::{
 };
 use preslide::{Friction, Motion, QuasiStaticGms};
 use preslide_host_tests::deviation::Deviation;
+use preslide_host_tests::path::motion;
 use std::f64::consts::{PI, TAU};
 
 /// Without effects the model is the model: the same bits, and nothing stored in the parameters.
@@ -23,10 +24,7 @@ fn what_is_absent_costs_nothing() {
     let (mut a, mut b) = (bare.at_rest(), with.at_rest());
     for step in random_reversals(3, 100_000, 3000.0, 40.0) {
         let dx = (f64::from(step) * COUNT) as f32;
-        let motion = Motion {
-            displacement: dx,
-            velocity: dx / SAMPLE_TIME as f32,
-        };
+        let motion = motion(dx, dx / SAMPLE_TIME as f32);
         with.set_position(&mut b, 1e-3);
         assert_eq!(
             bare.step(&mut a, motion).to_bits(),
@@ -98,13 +96,7 @@ fn a_composition_is_the_sum_of_its_terms() {
             x - true_last
         };
         true_last = x;
-        let f = core.step(
-            &mut bare,
-            Motion {
-                displacement: moved,
-                velocity: tick.v,
-            },
-        );
+        let f = core.step(&mut bare, motion(moved, tick.v));
         let u = ((x + 4e-4) / 1e-3).clamp(0.0, 1.0);
         let m = 1.0
             + 0.05 * if f == 0.0 { 0.0 } else { f.signum() }
@@ -118,13 +110,7 @@ fn a_composition_is_the_sum_of_its_terms() {
             + 0.03 * (TAU * x / 2.857e-4 + 0.4).cos()
             + (20.0 * x).clamp(-0.1, 0.1);
         model.set_position(&mut state, tick.x);
-        let force = model.step(
-            &mut state,
-            Motion {
-                displacement: dx,
-                velocity: tick.v,
-            },
-        );
+        let force = model.step(&mut state, motion(dx, tick.v));
         deviation.add(force, m * f + added);
     }
     eprintln!(
@@ -162,10 +148,10 @@ fn no_input_breaks_the_bound() {
             state.temperature = Some(pick(1, 20.0));
             let force = model.step(
                 &mut state,
-                Motion {
-                    displacement: pick(2, dx / units.length),
-                    velocity: pick(3, dx / SAMPLE_TIME / units.velocity),
-                },
+                motion(
+                    pick(2, dx / units.length),
+                    pick(3, dx / SAMPLE_TIME / units.velocity),
+                ),
             );
             assert!(
                 force.magnitude() <= limit,

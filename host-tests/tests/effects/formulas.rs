@@ -53,258 +53,85 @@ fn deviation<S: Scalar, E: Effect<S>>(
     deviation
 }
 
+/// Rows of a table: an effect's name, what it acts on, its amplitude, its constructor, and the formula.
+macro_rules! effects {
+    ($u:ident: $($what:literal, $on:ident, $scale:literal: $effect:expr => $formula:expr;)*) => {
+        [$(($what, deviation($effect.expect("valid parameters"), On::$on, $u, $formula), $scale)),*]
+    };
+}
+
 /// Every effect in one number type: what it is, its deviation, and its amplitude.
 fn all<S: Scalar>(u: Units) -> Vec<(&'static str, Deviation, f64)> {
     let exp = |v: f64, v_s: f64, d: f64| (-(v.abs() / v_s).powf(d)).exp();
     let map = |x: f64, terms: &[f64]| -> f64 {
         let place = ((x + 2e-4) / 5e-4).clamp(0.0, 1.0);
-        (1..)
-            .zip(terms)
+        let cosines = (1..).zip(terms);
+        cosines
             .map(|(j, c)| c * (f64::from(j) * PI * place).cos())
             .sum()
     };
+    let sign = |f: f64| if f == 0.0 { 0.0 } else { f.signum() };
     let mut lag = None;
-    let ok = "valid parameters";
-    let mut found = vec![
-        (
-            "constant_force",
-            deviation(
-                ConstantForce::<S>::try_new(-0.2, u).expect(ok),
-                On::Force,
-                u,
-                |_| -0.2,
-            ),
-            0.2,
-        ),
-        (
-            "viscous",
-            deviation(
-                Viscous::<S>::try_new(12.0, 0.2, u).expect(ok),
-                On::Force,
-                u,
-                |t| (12.0 * t.v).clamp(-0.2, 0.2),
-            ),
-            0.2,
-        ),
-        (
-            "viscous_asymmetry",
-            deviation(
-                ViscousAsymmetry::<S>::try_new(12.0, 0.2, u).expect(ok),
-                On::Force,
-                u,
-                |t| (12.0 * t.v.abs()).clamp(-0.2, 0.2),
-            ),
-            0.2,
-        ),
-        (
-            "quadratic_drag",
-            deviation(
-                QuadraticDrag::<S>::try_new(400.0, 1.0, u).expect(ok),
-                On::Force,
-                u,
-                |t| 400.0 * t.v * t.v.abs(),
-            ),
-            0.36,
-        ),
-        (
-            "position_spring",
-            deviation(
-                PositionSpring::<S>::try_new(300.0, 1e-4, 0.1, u).expect(ok),
-                On::Force,
-                u,
-                |t| (300.0 * (t.x - 1e-4)).clamp(-0.1, 0.1),
-            ),
-            0.1,
-        ),
-        (
-            "position_force",
-            deviation(
-                PositionForce::<3, S>::try_new(-2e-4, 3e-4, [0.05, -0.02, 0.01], u).expect(ok),
-                On::Force,
-                u,
-                |t| map(t.x, &[0.05, -0.02, 0.01]),
-            ),
-            0.08,
-        ),
-        (
-            "periodic_force",
-            deviation(
-                PeriodicForce::<S>::try_new(0.03, 2.5e-4, 1.0, u).expect(ok),
-                On::Force,
-                u,
-                |t| 0.03 * (TAU * t.x / 2.5e-4 + 1.0).cos(),
-            ),
-            0.03,
-        ),
-        (
-            "coulomb_asymmetry",
-            deviation(
-                CoulombAsymmetry::<S>::try_new(-0.15).expect(ok),
-                On::Level,
-                u,
-                |t| {
-                    if t.friction == 0.0 {
-                        0.0
-                    } else {
-                        -0.15 * t.friction.signum()
-                    }
-                },
-            ),
-            0.15,
-        ),
-        (
-            "stribeck, exponent 1",
-            deviation(
-                Stribeck::<S>::try_new(0.3, 4e-3, 1.0, u).expect(ok),
-                On::Level,
-                u,
-                |t| 0.3 * exp(t.v, 4e-3, 1.0),
-            ),
-            0.3,
-        ),
-        (
-            "stribeck, exponent 2",
-            deviation(
-                Stribeck::<S>::try_new(0.3, 4e-3, 2.0, u).expect(ok),
-                On::Level,
-                u,
-                |t| 0.3 * exp(t.v, 4e-3, 2.0),
-            ),
-            0.3,
-        ),
-        (
-            "frictional_lag",
-            deviation(
-                FrictionalLag::<S>::try_new(0.3, 4e-3, 2.0, 5e-3, SAMPLE_TIME, u).expect(ok),
-                On::Level,
-                u,
-                move |t| {
-                    let now = 0.3 * exp(t.v, 4e-3, 2.0);
-                    let next = now + (lag.unwrap_or(0.3) - now) * (-SAMPLE_TIME / 5e-3_f64).exp();
-                    lag = Some(next);
-                    next
-                },
-            ),
-            0.3,
-        ),
-        (
-            "position_friction",
-            deviation(
-                PositionFriction::<2, S>::try_new(-2e-4, 3e-4, [0.2, 0.1], u).expect(ok),
-                On::Level,
-                u,
-                |t| map(t.x, &[0.2, 0.1]),
-            ),
-            0.3,
-        ),
-        (
-            "local_friction_spot",
-            deviation(
-                LocalFrictionSpot::<S>::try_new(0.5, 1.5e-4, 1e-4, u).expect(ok),
-                On::Level,
-                u,
-                |t| 0.5 * (-((t.x - 1.5e-4) / 1e-4).powi(2)).exp(),
-            ),
-            0.5,
-        ),
-        (
-            "periodic_friction",
-            deviation(
-                PeriodicFriction::<S>::try_new(0.1, 2.5e-4, -2.0, u).expect(ok),
-                On::Level,
-                u,
-                |t| 0.1 * (TAU * t.x / 2.5e-4 - 2.0).cos(),
-            ),
-            0.1,
-        ),
-        (
-            "encoder_error",
-            deviation(
-                EncoderError::<S>::try_new(5e-7, 2.5e-4, 0.5, u).expect(ok),
-                On::Shift,
-                u,
-                |t| -5e-7 * (TAU * t.x / 2.5e-4 + 0.5).cos(),
-            ),
-            5e-7,
-        ),
-    ];
+    let lagging = move |t: &Tick| {
+        let now = 0.3 * exp(t.v, 4e-3, 2.0);
+        let next = now + (lag.unwrap_or(0.3) - now) * (-SAMPLE_TIME / 5e-3_f64).exp();
+        lag = Some(next);
+        next
+    };
+    let mut found = Vec::from(effects! { u:
+        "constant_force", Force, 0.2: ConstantForce::<S>::try_new(-0.2, u) => |_| -0.2;
+        "viscous", Force, 0.2: Viscous::<S>::try_new(12.0, 0.2, u) => |t| (12.0 * t.v).clamp(-0.2, 0.2);
+        "viscous_asymmetry", Force, 0.2: ViscousAsymmetry::<S>::try_new(12.0, 0.2, u)
+            => |t| (12.0 * t.v.abs()).clamp(-0.2, 0.2);
+        "quadratic_drag", Force, 0.36: QuadraticDrag::<S>::try_new(400.0, 1.0, u) => |t| 400.0 * t.v * t.v.abs();
+        "position_spring", Force, 0.1: PositionSpring::<S>::try_new(300.0, 1e-4, 0.1, u)
+            => |t| (300.0 * (t.x - 1e-4)).clamp(-0.1, 0.1);
+        "position_force", Force, 0.08: PositionForce::<3, S>::try_new(-2e-4, 3e-4, [0.05, -0.02, 0.01], u)
+            => |t| map(t.x, &[0.05, -0.02, 0.01]);
+        "periodic_force", Force, 0.03: PeriodicForce::<S>::try_new(0.03, 2.5e-4, 1.0, u)
+            => |t| 0.03 * (TAU * t.x / 2.5e-4 + 1.0).cos();
+        "coulomb_asymmetry", Level, 0.15: CoulombAsymmetry::<S>::try_new(-0.15) => |t| -0.15 * sign(t.friction);
+        "stribeck, exponent 1", Level, 0.3: Stribeck::<S>::try_new(0.3, 4e-3, 1.0, u) => |t| 0.3 * exp(t.v, 4e-3, 1.0);
+        "stribeck, exponent 2", Level, 0.3: Stribeck::<S>::try_new(0.3, 4e-3, 2.0, u) => |t| 0.3 * exp(t.v, 4e-3, 2.0);
+        "frictional_lag", Level, 0.3: FrictionalLag::<S>::try_new(0.3, 4e-3, 2.0, 5e-3, SAMPLE_TIME, u) => lagging;
+        "position_friction", Level, 0.3: PositionFriction::<2, S>::try_new(-2e-4, 3e-4, [0.2, 0.1], u)
+            => |t| map(t.x, &[0.2, 0.1]);
+        "local_friction_spot", Level, 0.5: LocalFrictionSpot::<S>::try_new(0.5, 1.5e-4, 1e-4, u)
+            => |t| 0.5 * (-((t.x - 1.5e-4) / 1e-4).powi(2)).exp();
+        "periodic_friction", Level, 0.1: PeriodicFriction::<S>::try_new(0.1, 2.5e-4, -2.0, u)
+            => |t| 0.1 * (TAU * t.x / 2.5e-4 - 2.0).cos();
+        "encoder_error", Shift, 5e-7: EncoderError::<S>::try_new(5e-7, 2.5e-4, 0.5, u)
+            => |t| -5e-7 * (TAU * t.x / 2.5e-4 + 0.5).cos();
+    });
     if u == Units::SI {
         let (mut path, mut age) = (0.0, 0.0_f64);
-        found.extend([
-            (
-                "external_vibration",
-                deviation(
-                    ExternalVibration::<S>::try_new(0.05, 25.0, 0.3, SAMPLE_TIME, u).expect(ok),
-                    On::Force,
-                    u,
-                    |t| 0.05 * (TAU * 25.0 * t.t + 0.3).sin(),
-                ),
-                0.05,
-            ),
-            (
-                "thermal_drift",
-                deviation(
-                    ThermalDrift::<S>::try_new(-0.02, 21.0, 0.1).expect(ok),
-                    On::Level,
-                    u,
-                    |t| (-0.02 * (t.temperature - 21.0)).clamp(-0.1, 0.1),
-                ),
-                0.1,
-            ),
-            (
-                "load_dependent_friction",
-                deviation(
-                    LoadDependentFriction::<S>::try_new(0.03, 30.0, 1.0, u).expect(ok),
-                    On::Level,
-                    u,
-                    |t| 0.03 * (t.load - 30.0),
-                ),
-                0.15,
-            ),
-            (
-                "warm_up",
-                deviation(
-                    WarmUp::<S>::try_new(0.2, 3.0, SAMPLE_TIME).expect(ok),
-                    On::Level,
-                    u,
-                    |t| 0.2 * (-(t.t + SAMPLE_TIME) / 3.0).exp(),
-                ),
-                0.2,
-            ),
-            (
-                "run_in",
-                deviation(
-                    RunIn::<S>::try_new(0.2, 0.02, SAMPLE_TIME, u).expect(ok),
-                    On::Level,
-                    u,
-                    move |t| {
-                        path += t.v.abs() * SAMPLE_TIME;
-                        0.2 * (-path / 0.02).exp()
-                    },
-                ),
-                0.2,
-            ),
-            // The law solved exactly over the tick, with a hundredth of its age lost in one at the highest speed.
-            (
-                "dwell_aging",
-                deviation(
-                    DwellAging::<S>::try_new(0.05, 1e-3, 1.5e-4, 3.0, SAMPLE_TIME, u).expect(ok),
-                    On::Level,
-                    u,
-                    move |t| {
-                        let rate = t.v.abs() / 1.5e-4;
-                        age = if rate > 0.0 {
-                            let steady = 1.0 / rate;
-                            steady + (age - steady) * (-rate * SAMPLE_TIME).exp()
-                        } else {
-                            age + SAMPLE_TIME
-                        };
-                        0.05 * (1.0 + age / 1e-3).log10()
-                    },
-                ),
-                0.05,
-            ),
-        ]);
+        let running_in = move |t: &Tick| {
+            path += t.v.abs() * SAMPLE_TIME;
+            0.2 * (-path / 0.02).exp()
+        };
+        // The law solved exactly over the tick, with a hundredth of its age lost in one at the highest speed.
+        let ageing = move |t: &Tick| {
+            let rate = t.v.abs() / 1.5e-4;
+            age = if rate > 0.0 {
+                let steady = 1.0 / rate;
+                steady + (age - steady) * (-rate * SAMPLE_TIME).exp()
+            } else {
+                age + SAMPLE_TIME
+            };
+            0.05 * (1.0 + age / 1e-3).log10()
+        };
+        found.extend(effects! { u:
+            "external_vibration", Force, 0.05: ExternalVibration::<S>::try_new(0.05, 25.0, 0.3, SAMPLE_TIME, u)
+                => |t| 0.05 * (TAU * 25.0 * t.t + 0.3).sin();
+            "thermal_drift", Level, 0.1: ThermalDrift::<S>::try_new(-0.02, 21.0, 0.1)
+                => |t| (-0.02 * (t.temperature - 21.0)).clamp(-0.1, 0.1);
+            "load_dependent_friction", Level, 0.15: LoadDependentFriction::<S>::try_new(0.03, 30.0, 1.0, u)
+                => |t| 0.03 * (t.load - 30.0);
+            "warm_up", Level, 0.2: WarmUp::<S>::try_new(0.2, 3.0, SAMPLE_TIME)
+                => |t| 0.2 * (-(t.t + SAMPLE_TIME) / 3.0).exp();
+            "run_in", Level, 0.2: RunIn::<S>::try_new(0.2, 0.02, SAMPLE_TIME, u) => running_in;
+            "dwell_aging", Level, 0.05: DwellAging::<S>::try_new(0.05, 1e-3, 1.5e-4, 3.0, SAMPLE_TIME, u) => ageing;
+        });
     }
     found
 }

@@ -5,9 +5,10 @@ mod formulas;
 mod place;
 mod refusals;
 
-use preslide::{Gms, Scalar, Sliding, Units};
+use preslide::{Gms, Scalar, Units};
 use preslide_host_tests::path::{COUNT, COUNTS, SAMPLE_TIME, random_reversals};
 use preslide_host_tests::table3;
+use preslide_host_tests::table3::falling;
 
 const TICKS: usize = 200_000;
 
@@ -49,11 +50,6 @@ fn scalar<S: Scalar>(value: f64) -> S {
 }
 
 fn gms<S: Scalar>(units: Units) -> Gms<3, S> {
-    let sliding = Sliding {
-        coulomb: 0.81,
-        stribeck_velocity: 1e-3,
-        stribeck_exponent: 2.0,
-        attraction: 20.0,
-    };
+    let sliding = falling(0.81, 20.0);
     Gms::try_new(&table3::blocks::<3>(), 0.9, sliding, SAMPLE_TIME, units).expect("valid")
 }

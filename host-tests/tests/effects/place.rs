@@ -1,11 +1,13 @@
 //! What belongs to a place, once the axis knows where it is.
 
 use super::*;
-use preslide::control::{Coefficients, Controller, Measurement, Settings};
+use crate::measured::calm;
+use preslide::control::{Coefficients, Controller, Settings};
 use preslide::effects::{
     ConstantForce, EncoderError, LocalFrictionSpot, PeriodicForce, PositionSpring, With,
 };
 use preslide::{Friction, Motion, QuasiStaticGms};
+use preslide_host_tests::path::motion;
 
 /// The control task takes the composed model by type, and tells it where the axis is, once it has been told itself.
 #[test]
@@ -28,12 +30,7 @@ fn the_controller_places_the_model() {
         }
         // Carried slowly to x0 by hand before it is enabled.
         let mut at = 0;
-        let measurement = |at: i32| Measurement {
-            count: at.cast_unsigned(),
-            supply: 6000,
-            current: 0,
-            late: false,
-        };
+        let measurement = |at: i32| calm(at.cast_unsigned());
         while at != x0 {
             at += (x0 - at).signum() * (x0 - at).abs().min(20);
             assert!(!controller.tick(measurement(at)).enabled);
@@ -65,10 +62,7 @@ fn effects_of_place_wait_until_the_axis_is_located() {
     let spot = || LocalFrictionSpot::<f64>::try_new(0.5, 0.0, 1e-4, Units::SI).expect("valid");
     let constant = || ConstantForce::<f64>::try_new(0.2, Units::SI).expect("valid");
     let error = || EncoderError::<f64>::try_new(50e-9, 10e-6, 0.3, Units::SI).expect("valid");
-    let motion = Motion {
-        displacement: 1e-3,
-        velocity: 1e-3,
-    };
+    let motion = motion(1e-3, 1e-3);
     fn both<F: Friction<Scalar = f64>>(model: &F, motion: Motion<f64>) -> [f64; 2] {
         [false, true].map(|placed| {
             let mut state = model.at_rest();

@@ -1,17 +1,11 @@
 //! What a fault leaves behind: where the axis is, and how warm the winding.
 
+use crate::measured::{calm, carrying, delayed, supplied};
 use preslide::Units;
 use preslide::control::{Axis, Coefficients, Controller, Fault, Measurement, NoFriction, Planner};
 use preslide::effects::{PeriodicForce, With};
 
 type Placed = Controller<With<NoFriction<f32>, (PeriodicForce<f32>,)>, u32>;
-
-const CALM: Measurement<u32> = Measurement {
-    count: 0,
-    supply: 6000,
-    current: 0,
-    late: false,
-};
 
 /// With a cogging of 0.5 N, which is at its greatest where the axis stands: a command of some 116 codes.
 fn placed(axis: &Axis) -> Placed {
@@ -21,7 +15,7 @@ fn placed(axis: &Axis) -> Placed {
         Coefficients::try_new(axis, model, Units::SI).expect("valid"),
         0,
     );
-    controller.tick(CALM);
+    controller.tick(calm(0));
     assert_eq!(controller.enable(), Ok(()));
     controller.set_position(0, 0);
     controller
@@ -29,7 +23,7 @@ fn placed(axis: &Axis) -> Placed {
 
 /// What acts at the present place while the axis stands (codes).
 fn acting(controller: &mut Placed, count: u32) -> i32 {
-    let measured = Measurement { count, ..CALM };
+    let measured = Measurement { count, ..calm(0) };
     controller.tick(measured);
     controller.tick(measured).code
 }
@@ -40,27 +34,12 @@ fn acting(controller: &mut Placed, count: u32) -> i32 {
 fn a_fault_that_doubts_the_count_loses_the_place_and_all_that_acts_by_it() {
     let mut axis = Axis::PAPER_AXIS;
     axis.watch.following_error = 20e-6;
-    let jump = |_| Measurement {
-        count: 99_999,
-        ..CALM
-    };
-    let slips = |tick: u32| Measurement {
-        count: 10 * tick,
-        ..CALM
-    };
-    let sag = |_| Measurement {
-        supply: 4000,
-        ..CALM
-    };
-    let late = |_| Measurement { late: true, ..CALM };
-    let large = |_| Measurement {
-        current: 20_000,
-        ..CALM
-    };
-    let warm = |_| Measurement {
-        current: 9500,
-        ..CALM
-    };
+    let jump = |_| calm(99_999);
+    let slips = |tick: u32| calm(10 * tick);
+    let sag = |_| supplied(4000);
+    let late = |_| delayed();
+    let large = |_| carrying(20_000);
+    let warm = |_| carrying(9500);
     type Measure = fn(u32) -> Measurement<u32>;
     let cases: [(Fault, bool, Measure); 6] = [
         (Fault::EncoderJump, false, jump),
@@ -75,7 +54,7 @@ fn a_fault_that_doubts_the_count_loses_the_place_and_all_that_acts_by_it() {
         let mut controller = placed(&axis);
         let code = acting(&mut controller, 0);
         assert!((110..120).contains(&code), "{code}");
-        let mut last = CALM;
+        let mut last = calm(0);
         let found = (1..400_000).find_map(|tick| {
             last = measure(tick);
             controller.tick(last).fault
@@ -85,10 +64,7 @@ fn a_fault_that_doubts_the_count_loses_the_place_and_all_that_acts_by_it() {
         controller.acknowledge();
         // Until the velocity's estimate has come to rest.
         for _ in 0..12_000 {
-            controller.tick(Measurement {
-                count: last.count,
-                ..CALM
-            });
+            controller.tick(calm(last.count));
         }
         assert_eq!(controller.enable(), Ok(()), "{fault:?}");
         let (count, planner) = (last.count, Planner::try_new(&axis).expect("valid"));
@@ -115,7 +91,7 @@ fn a_fault_that_doubts_the_count_loses_the_place_and_all_that_acts_by_it() {
     let mut planner = Planner::try_new(&axis).expect("valid");
     let next = planner.by(1e-3, 1e-3, 0.1).expect("within the limits");
     assert_eq!(controller.start(next), Ok(()));
-    let found = (0..20_000).find_map(|_| controller.tick(CALM).fault);
+    let found = (0..20_000).find_map(|_| controller.tick(calm(0)).fault);
     assert!(matches!(
         found,
         Some(Fault::EncoderFrozen | Fault::FollowingError)
@@ -128,12 +104,9 @@ fn a_fault_that_doubts_the_count_loses_the_place_and_all_that_acts_by_it() {
 fn a_jump_while_disabled_loses_the_place() {
     let mut controller = placed(&Axis::PAPER_AXIS);
     controller.disable();
-    controller.tick(Measurement { count: 30, ..CALM });
+    controller.tick(calm(30));
     assert!(controller.is_located());
-    controller.tick(Measurement {
-        count: 5000,
-        ..CALM
-    });
+    controller.tick(calm(5000));
     assert!(!controller.is_located());
     assert_eq!(controller.fault(), None);
 }
@@ -143,16 +116,13 @@ fn a_jump_while_disabled_loses_the_place() {
 fn a_winding_cools_while_disabled_by_the_time() {
     let mut axis = Axis::PAPER_AXIS;
     axis.watch.thermal_time = 0.1;
-    let warm = Measurement {
-        current: 9500,
-        ..CALM
-    };
+    let warm = carrying(9500);
     let mut controller = placed(&axis);
     let mut overload = |rest: u32| {
         controller.acknowledge();
         controller.disable();
         for _ in 0..rest {
-            controller.tick(CALM);
+            controller.tick(calm(0));
         }
         assert_eq!(controller.enable(), Ok(()));
         let ticks = (1..10_000).find(|_| controller.tick(warm).fault.is_some());

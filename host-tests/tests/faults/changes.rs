@@ -1,5 +1,6 @@
 //! A change of any parameter that may be made while the axis is driven bumps nothing.
 
+use crate::measured::calm;
 use preslide::control::{Axis, Command, Controller, Measurement};
 use proptest::prelude::*;
 
@@ -30,12 +31,7 @@ const CHANGES: [(&str, Change); 12] = [
 fn pushed(rest: u32, off: u32) -> (Controller<super::Model, u32>, Measurement<u32>) {
     let axis = Axis::PAPER_AXIS;
     let mut controller = Controller::new(super::coefficients(&axis, false), 0_u32);
-    let mut measured = Measurement {
-        count: 0,
-        supply: 6000,
-        current: 0,
-        late: false,
-    };
+    let mut measured = calm(0);
     controller.tick(measured);
     assert_eq!(controller.enable(), Ok(()));
     for tick in 0..rest {

@@ -1,6 +1,7 @@
 //! When a push that does not move the axis is a frozen encoder, and when it holds a load: by the push beyond what is held, in codes.
 
-use preslide::control::{Axis, Coefficients, Controller, Fault, Measurement, Planner};
+use crate::measured::calm;
+use preslide::control::{Axis, Coefficients, Controller, Fault, Planner};
 use preslide::{Friction, Motion, Units};
 
 /// Pushes with what its memory says (N).
@@ -77,12 +78,7 @@ impl Rig {
             }
             *self.controller.friction_state() = f64::from(self.way * code) * self.per_code;
             self.controller.heard();
-            let measured = Measurement {
-                count: self.count,
-                supply: 6000,
-                current: 0,
-                late: false,
-            };
+            let measured = calm(self.count);
             if let Some(fault) = self.controller.tick(measured).fault {
                 assert_eq!(fault, Fault::EncoderFrozen);
                 return Some(tick);

@@ -1,6 +1,7 @@
 //! Axes that carry a load at rest, and current senses that are off: on the simulated stage.
 
 use super::coefficients;
+use crate::measured::read;
 use preslide::control::{Axis, Controller, Fault, Measurement, Move};
 use preslide_sim::stage::{Stage, StageConfig};
 
@@ -44,9 +45,7 @@ fn carry(
         }
         let command = controller.tick(Measurement {
             count,
-            supply: (reading.supply_v * 1e3).round() as u16,
-            current: (reading.current_a * 1e4).round() as i16,
-            late: false,
+            ..read(&reading)
         });
         push = push.max(command.code.abs());
         fault = fault.or(command.fault.map(|fault| (tick, fault)));
@@ -145,12 +144,7 @@ fn ticks_after_a_push_are_ordinary_again() {
         let force = -4.5 * share.clamp(0.0, 1.0);
         stage.set_external_force_n(force).expect("finite");
         let reading = stage.reading();
-        let measured = Measurement {
-            count: reading.count.cast_unsigned(),
-            supply: (reading.supply_v * 1e3).round() as u16,
-            current: (reading.current_a * 1e4).round() as i16,
-            late: false,
-        };
+        let measured = read(&reading);
         let known = controller.ordinary_tick(measured);
         // At 2 mm/s, long after the weight is off.
         let cruises = (20_000..45_000).contains(&tick);

@@ -3,6 +3,7 @@
 //! The production controller and the paper's axis; a move of 2 mm at 2 mm/s runs when the fault strikes. Off, the stage is
 //! short-circuited, as by a bridge with both low sides on; an open one lets it coast a little further.
 
+use crate::measured::read;
 use preslide::control::{Axis, Coefficients, Controller, Fault, Measurement, Move};
 use preslide::{Friction, Motion, QuasiStaticGms, Units};
 use preslide_host_tests::table3;
@@ -146,13 +147,7 @@ fn run(injection: &Injection, undisturbed: Option<&Outcome>) -> Outcome {
             change(tick, &mut stage);
         }
         let reading = stage.reading();
-        let mut measured = Measurement {
-            count: reading.count.cast_unsigned(),
-            // Saturating: what an ADC does.
-            supply: (reading.supply_v * 1e3).round() as u16,
-            current: (reading.current_a * 1e4).round() as i16,
-            late: false,
-        };
+        let mut measured = read(&reading);
         if let Some(read) = &injection.read {
             read(tick, &mut measured);
         }

@@ -1,6 +1,7 @@
 //! Every limit that a controller takes is one that can be exceeded, in its arithmetic and with its codes; all others are refused by
 //! name.
 
+use crate::measured::{calm, carrying, delayed, supplied};
 use fixed::types::I16F16;
 use preslide::control::{Axis, Coefficients, Controller, Fault, FaultLimits, Measurement, Planner};
 use preslide::{Bound, Friction, Motion, ParamError, Scalar, Units};
@@ -50,13 +51,6 @@ const LIMITS: [&str; 16] = [
 /// So many ticks at most are tried out; counters of longer times are bounded by construction.
 const PATIENCE: u32 = 70_000;
 
-const CALM: Measurement<u16> = Measurement {
-    count: 0,
-    supply: 6000,
-    current: 0,
-    late: false,
-};
-
 fn built<S: Scalar>(axis: &Axis, units: Units, push: f64) -> Result<Tested<S>, ParamError> {
     let push = S::try_from_f64(push.min(S::greatest())).expect("it fits");
     Coefficients::try_new(axis, Push(push), units).map(|c| Controller::new(c, 0))
@@ -65,10 +59,7 @@ fn built<S: Scalar>(axis: &Axis, units: Units, push: f64) -> Result<Tested<S>, P
 /// Enabled, with the current sense reading `rest` so far.
 fn enabled<S: Scalar>(axis: &Axis, units: Units, push: f64, rest: i16) -> Tested<S> {
     let mut controller = built(axis, units, push).expect("it was taken before");
-    let measured = Measurement {
-        current: rest,
-        ..CALM
-    };
+    let measured = carrying(rest);
     for _ in 0..5000 {
         controller.tick(measured);
     }
@@ -116,18 +107,12 @@ fn holds<S: Scalar>(axis: &Axis, units: Units) -> Result<bool, TestCaseError> {
     let mut cool = patient;
     cool.watch.thermal_time = 1e4;
     let mut far = enabled::<S>(&patient, units, 0.0, 0);
-    let away = |tick: u32| Measurement {
-        count: (tick as u16).wrapping_mul(jump),
-        ..CALM
-    };
+    let away = |tick: u32| calm((tick as u16).wrapping_mul(jump));
     let error = comes(&mut far, PATIENCE, away);
     prop_assert_eq!(error, Some(Fault::FollowingError));
 
     let mut jumps = enabled::<S>(&patient, units, 0.0, 0);
-    let half = |_| Measurement {
-        count: i16::MAX as u16,
-        ..CALM
-    };
+    let half = |_| calm(i16::MAX as u16);
     prop_assert_eq!(comes(&mut jumps, 1, half), Some(Fault::EncoderJump));
 
     if ticks(axis.watch.frozen_time) < f64::from(PATIENCE) {
@@ -136,32 +121,26 @@ fn holds<S: Scalar>(axis: &Axis, units: Units) -> Result<bool, TestCaseError> {
         let creep = 1e-7 * axis.encoder.count / axis.sample_time();
         let jog = Planner::try_new(axis).and_then(|planner| planner.jog(creep));
         prop_assert_eq!(frozen.jog(jog.expect("within the limits")), Ok(()));
-        let found = comes(&mut frozen, PATIENCE + 10, |_| CALM);
+        let found = comes(&mut frozen, PATIENCE + 10, |_| calm(0));
         prop_assert_eq!(found, Some(Fault::EncoderFrozen));
     }
     if ticks(axis.watch.supply_time) < f64::from(PATIENCE) {
         for supply in [0, u16::MAX] {
             let mut sagging = enabled::<S>(&patient, units, 0.0, 0);
-            let found = comes(&mut sagging, PATIENCE + 10, |_| Measurement {
-                supply,
-                ..CALM
-            });
+            let found = comes(&mut sagging, PATIENCE + 10, |_| supplied(supply));
             prop_assert_eq!(found, Some(Fault::SupplyOutOfRange));
         }
     }
     if axis.watch.overruns < PATIENCE {
         let mut late = enabled::<S>(&patient, units, 0.0, 0);
-        let found = comes(&mut late, PATIENCE + 10, |_| Measurement {
-            late: true,
-            ..CALM
-        });
+        let found = comes(&mut late, PATIENCE + 10, |_| delayed());
         prop_assert_eq!(found, Some(Fault::Overrun));
     }
     // At the ends of the scale, behind an offset that takes most of it away; and at the largest current that is allowed.
     let rest = code(current_offset);
     for (rest, current) in [(rest, i16::MAX), (-rest, i16::MIN)] {
         let mut large = enabled::<S>(&cool, units, 0.0, rest);
-        let found = comes(&mut large, 2, |_| Measurement { current, ..CALM });
+        let found = comes(&mut large, 2, |_| Measurement { current, ..calm(0) });
         prop_assert_eq!(found, Some(Fault::OverCurrent));
     }
     let (most, rated) = (
@@ -173,25 +152,19 @@ fn holds<S: Scalar>(axis: &Axis, units: Units) -> Result<bool, TestCaseError> {
     prop_assert!(heat >= 1.0, "the largest current must warm the winding");
     if overload / heat < f64::from(PATIENCE) {
         let mut warm = enabled::<S>(&patient, units, 0.0, 0);
-        let measured = |_| Measurement {
-            current: most,
-            ..CALM
-        };
+        let measured = |_| carrying(most);
         let found = comes(&mut warm, PATIENCE + 10, measured);
         prop_assert_eq!(found, Some(Fault::Overload));
     }
     let mut off = built::<S>(axis, units, 0.0).expect("it was taken before");
     for _ in 0..5000 {
-        off.tick(Measurement {
-            current: i16::MAX,
-            ..CALM
-        });
+        off.tick(carrying(i16::MAX));
     }
     prop_assert_eq!(off.enable(), Err(Fault::CurrentOffset));
     // The limiter cuts.
     let mut cut = enabled::<S>(&patient, units, 1e30, 0);
     let largest = (axis.duty_limit * f64::from(axis.hardware.steps)) as i32;
-    prop_assert_eq!(cut.tick(CALM).code, largest);
+    prop_assert_eq!(cut.tick(calm(0)).code, largest);
     Ok(true)
 }
 

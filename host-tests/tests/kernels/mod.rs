@@ -8,6 +8,7 @@ mod scaled;
 
 use preslide::kernels::{CountGms, PackedSlipReserve, SlipReserve};
 use preslide::{Block, Friction, Motion, Units};
+use preslide_host_tests::path::motion;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use reference::*;
@@ -129,13 +130,7 @@ fn no_input_takes_the_exact_kernel_beyond_its_limit() {
             0 => whole([i32::MIN, i32::MAX, 0, 1][random.random_range(0..4)]),
             _ => whole(random.random_range(-100_000..=100_000)),
         };
-        let force = gms.step(
-            &mut state,
-            Motion {
-                displacement,
-                velocity,
-            },
-        );
+        let force = gms.step(&mut state, motion(displacement, velocity));
         assert!(force.abs() <= limit, "step {step}: {force} beyond {limit}");
     }
 }

@@ -4,6 +4,7 @@ use preslide::kernels::Whole;
 use preslide::{Block, Friction, Motion, Scalar, Sliding, Units};
 use preslide_host_tests::deviation::Deviation;
 use preslide_host_tests::reference::{MaxwellSlip, Stribeck};
+use preslide_host_tests::table3::falling;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -11,12 +12,7 @@ pub const STEPS: usize = 1_000_000;
 pub const COUNT: f64 = 25e-9;
 pub const SAMPLE_TIME: f64 = 50e-6;
 pub const BREAKAWAY: f64 = 0.9;
-pub const SLIDING: Sliding = Sliding {
-    coulomb: 0.81,
-    stribeck_velocity: 1e-3,
-    stribeck_exponent: 2.0,
-    attraction: 20.0,
-};
+pub const SLIDING: Sliding = falling(0.81, 20.0);
 
 /// N blocks whose yield displacements spread from 1 µm to 50 µm, as those of Table 3 do.
 pub fn blocks<const N: usize>() -> [Block; N] {

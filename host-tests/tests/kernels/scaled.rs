@@ -7,7 +7,7 @@ use fixed::types::I16F16;
 use preslide::kernels::{CountGms, PackedSlipReserve, Scaled, SlipReserve};
 use preslide::{Block, Friction, Motion, ParamError, Scalar, Units};
 use preslide_host_tests::deviation::Deviation;
-use preslide_host_tests::path::COUNTS;
+use preslide_host_tests::path::{COUNTS, motion};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -31,10 +31,10 @@ fn smooth(seed: u64) -> impl Iterator<Item = i32> {
 fn tick<S: Scalar>(q16: i32, units: Units) -> Motion<S> {
     let metres = f64::from(q16) / 65536.0 * COUNT;
     let scalar = |value| S::try_from_f64(value).expect("a motion that fits");
-    Motion {
-        displacement: scalar(metres / units.length),
-        velocity: scalar(metres / SAMPLE_TIME / units.velocity),
-    }
+    motion(
+        scalar(metres / units.length),
+        scalar(metres / SAMPLE_TIME / units.velocity),
+    )
 }
 
 /// Runs a model and a reference, which takes metres and metres per second, along [`smooth`].
@@ -175,13 +175,7 @@ fn no_input_stays_in_the_state_or_goes_beyond_the_limit() {
             1 => random.random_range(-1.0..1.0),
             _ => random.random_range(-1e-5..1e-5),
         };
-        let force = packed.step(
-            &mut state,
-            Motion {
-                displacement: dx,
-                velocity: dx,
-            },
-        );
+        let force = packed.step(&mut state, motion(dx, dx));
         assert!(force.abs() <= limit, "{dx}: {force} beyond {limit}");
     }
     // A long way slips every block: what was before is forgotten.

@@ -44,74 +44,23 @@ pub fn cost(model: &FrictionModel) -> Option<Cost> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use preslide::{Block, HsiehParams, Sliding};
 
     /// Every kind of model was measured; Maxwell-slip models only up to ten blocks.
     #[test]
     fn finds_the_measured_kernels() {
         let block = |n: usize| FrictionModel::maxwell_slip(&vec![1.0; n], &vec![1.0; n]);
-        let sliding = Sliding::none(1.0);
-        let dahl = |exponent| FrictionModel::Dahl {
-            stiffness: 1.0,
-            coulomb: 1.0,
+        let mut models = FrictionModel::one_of_each(1.0, 1e-5);
+        let (stiffness, coulomb, exponent) = (1.0, 1.0, 1.0);
+        models.push(FrictionModel::Dahl {
+            stiffness,
+            coulomb,
             exponent,
-        };
-        let leuven = |form| FrictionModel::Leuven {
-            form,
-            breakaway: 1.0,
-            blocks: vec![
-                Block {
-                    stiffness: 1.0,
-                    weight: 0.125
-                };
-                8
-            ],
-            exponent: 2.0,
-            damping: 0.0,
-            sliding,
-        };
-        for model in [
-            block(1),
-            block(6),
-            dahl(1.0),
-            dahl(0.7),
-            FrictionModel::LuGre {
-                stiffness: 1.0,
-                damping: 0.0,
-                breakaway: 1.0,
-                sliding,
-            },
-            FrictionModel::Coulomb { coulomb: 1.0 },
-            FrictionModel::BoucWen {
-                stiffness: 1.0,
-                coulomb: 1.0,
-                exponent: 1.0,
-                shape: 1.0,
-            },
-            FrictionModel::ElastoPlastic {
-                stiffness: 1.0,
-                damping: 0.0,
-                elastic: 0.1,
-                breakaway: 1.0,
-                sliding,
-            },
-            FrictionModel::TwoState {
-                distance: 1.0,
-                breakaway: 1.0,
-                sliding,
-            },
-            leuven(LeuvenForm::Modified),
-            leuven(LeuvenForm::Original),
-            FrictionModel::Hsieh(HsiehParams {
-                k1: 1.0,
-                k2: 1.0,
-                beta: 1.0,
-                viscous: 0.0,
-                creep: 0.0,
-                hardening: 1.0,
-                hardening_exponent: 1.0,
-            }),
-        ] {
+        });
+        for mut model in models {
+            // Measured with so many alone.
+            if let FrictionModel::Leuven { blocks, .. } = &mut model {
+                blocks.resize(8, blocks[0]);
+            }
             let cost = cost(&model).unwrap();
             assert!(cost.inlined, "{cost:?}");
             assert!(

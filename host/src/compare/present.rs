@@ -131,94 +131,59 @@ impl Comparison {
     /// Error, memory and cost of every model.
     pub fn table(&self, recording: &Recording) -> Table {
         let unit = recording.effort_unit();
-        Table {
-            caption: format!(
+        let mark = |i: usize| if i == self.recommended { " *" } else { "" };
+        Table::of(
+            format!(
                 "Error (NMSE), %; held out: {}; cycles on a Cortex-M4F; seed {SEED}; * recommended",
                 self.held_out()
             ),
-            head: [
-                "model".to_owned(),
-                "train".to_owned(),
-                "held out".to_owned(),
-                "parameters".to_owned(),
-                format!("loop closure {unit}"),
-                "of range".to_owned(),
-                "memory".to_owned(),
-                "cycles".to_owned(),
-            ]
-            .to_vec(),
-            rows: self
-                .models
-                .iter()
-                .enumerate()
-                .map(|(i, m)| {
-                    let mark = if i == self.recommended { " *" } else { "" };
-                    vec![
-                        format!("{}{mark}", m.name()),
-                        percent(m.candidate.nmse_train),
-                        percent(m.candidate.nmse_test),
-                        m.candidate.fitted_parameters().to_string(),
-                        format!("{:.1e}", m.memory.largest),
-                        if m.memory.range > 0.0 {
-                            format!("{:.1e}", m.memory.largest / m.memory.range)
-                        } else {
-                            "–".to_owned()
-                        },
-                        m.memory_in_words().to_owned(),
-                        m.cost.as_ref().map_or("not measured".to_owned(), |c| {
-                            format!("{:.0}", c.cycles_mean)
-                        }),
-                    ]
-                })
-                .collect(),
-        }
+            self.models.iter().enumerate(),
+        )
+        .column("model", |(i, m)| format!("{}{}", m.name(), mark(*i)))
+        .column("train", |(_, m)| percent(m.candidate.nmse_train))
+        .column("held out", |(_, m)| percent(m.candidate.nmse_test))
+        .column("parameters", |(_, m)| {
+            m.candidate.fitted_parameters().to_string()
+        })
+        .column(format!("loop closure {unit}"), |(_, m)| {
+            format!("{:.1e}", m.memory.largest)
+        })
+        .column("of range", |(_, m)| match m.memory.range > 0.0 {
+            true => format!("{:.1e}", m.memory.largest / m.memory.range),
+            false => "–".to_owned(),
+        })
+        .column("memory", |(_, m)| m.memory_in_words().to_owned())
+        .column("cycles", |(_, m)| {
+            let cost = m.cost.as_ref();
+            cost.map_or("not measured".to_owned(), |c| {
+                format!("{:.0}", c.cycles_mean)
+            })
+        })
+        .table()
     }
 
     /// The parameters of every model, by their keys in model files.
     pub fn parameter_table(&self) -> Table {
-        Table {
-            caption: "Parameters, by their keys in model files".to_owned(),
-            head: vec!["model".to_owned(), "parameters".to_owned()],
-            rows: self
-                .models
-                .iter()
-                .map(|m| vec![m.name(), m.parameters_in_words()])
-                .collect(),
-        }
+        Table::of("Parameters, by their keys in model files", &self.models)
+            .column("model", |m| m.name())
+            .column("parameters", |m| m.parameters_in_words())
+            .table()
     }
 
     /// How far each nested loop is from closing.
     fn memory_table(&self, recording: &Recording) -> Table {
-        Table {
-            caption: format!(
+        Table::of(format!(
                 "|force on return − force at the reversal| {}, the widest inner loop first, each half as wide as the one before",
                 recording.effort_unit()
-            ),
-            head: [
-                "model".to_owned(),
-                format!("widest {}", recording.position_unit()),
-                "errors".to_owned(),
-                "worst at a hundredth of the speed".to_owned(),
-            ]
-            .to_vec(),
-            rows: self
-                .models
-                .iter()
-                .map(|m| {
-                    let errors: Vec<String> =
-                        m.memory.errors.iter().map(|e| format!("{e:.1e}")).collect();
-                    vec![
-                        m.name(),
-                        m.memory
-                            .widths
-                            .first()
-                            .map_or(String::new(), |w| format!("{w:.1e}")),
-                        errors.join(", "),
-                        format!("{:.1e}", m.memory.largest_slow),
-                    ]
-                })
-                .collect(),
-        }
+            ), &self.models).column("model", |m| m.name()).column(format!("widest {}", recording.position_unit()), |m| {
+                    let widest = m.memory.widths.first();
+                    widest.map_or(String::new(), |w| format!("{w:.1e}"))
+                }).column("errors", |m| {
+                    let errors = m.memory.errors.iter().map(|e| format!("{e:.1e}"));
+                    errors.collect::<Vec<_>>().join(", ")
+                }).column("worst at a hundredth of the speed", |m| {
+                    format!("{:.1e}", m.memory.largest_slow)
+                }).table()
     }
 
     /// The report page.

@@ -33,27 +33,15 @@ pub fn table(ranked: &[(&Row, &Change)], most: usize) -> Table {
         true => format!("; {most} of {} axes", ranked.len()),
         false => String::new(),
     };
-    let row = |(row, change): &(&Row, &Change)| {
-        vec![
-            row.axis.clone(),
-            change.parameter.clone(),
-            change.size(),
-            match change.chance < 1e-4 {
-                true => format!("{:.0e}", change.chance),
-                false => format!("{:.4}", change.chance),
-            },
-            if change.alarm { "alarm" } else { "" }.to_owned(),
-        ]
+    let chance = |chance: f64| match chance < 1e-4 {
+        true => format!("{chance:.0e}"),
+        false => format!("{chance:.4}"),
     };
-    Table {
-        caption: format!(
+    Table::of(format!(
             "The newest recording of each axis against those before it, the surest change first{left_out}"
-        ),
-        head: ["axis", "parameter", "change", "by chance", ""]
-            .map(str::to_owned)
-            .to_vec(),
-        rows: ranked.iter().take(most).map(row).collect(),
-    }
+        ), ranked.iter().take(most)).column("axis", |(row, _)| row.axis.clone()).column("parameter", |(_, change)| change.parameter.clone()).column("change", |(_, change)| change.size()).column("by chance", |(_, change)| chance(change.chance)).column("", |(_, change)| {
+                if change.alarm { "alarm" } else { "" }.to_owned()
+            }).table()
 }
 
 /// `preslide.fleet-summary/1`: how many recordings there are, what became of them, and of each axis with a history its newest recording's surest

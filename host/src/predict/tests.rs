@@ -6,6 +6,7 @@ use preslide_fit::progress::Progress;
 use preslide_fit::recording::{LoadOptions, Needs, load_csv};
 use preslide_fit::simulate::motion_with_inertia;
 use preslide_host_tests::deviation::Deviation;
+use preslide_host_tests::refusal::refuses;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::fmt::Write as _;
@@ -114,13 +115,11 @@ fn a_recording_that_is_too_short_says_how_long_it_must_be() {
         .collect();
     let text = format!("t_s,x_m,force_N\n{text}");
     let recording = load_csv(text.as_bytes(), "short.csv", &LoadOptions::default());
-    let error = predict(
-        &recording.expect("valid"),
-        &Progress::new("test", super::STEPS),
-    )
-    .expect_err("short");
-    assert!(
-        error.contains("short.csv") && error.contains("record at least"),
-        "{error}"
+    refuses(
+        predict(
+            &recording.expect("valid"),
+            &Progress::new("test", super::STEPS),
+        ),
+        &["short.csv", "record at least"],
     );
 }

@@ -23,60 +23,31 @@ impl Tuning {
 
     /// Every choice.
     pub fn table(&self) -> Table {
-        let head = [
-            "N",
-            "kernel",
-            "NMSE %",
-            "rounding %",
-            "cycles",
-            "worst",
-            "share",
-            "tick",
-            "share",
-            "flash B",
-            "RAM B",
-            "",
-        ];
-        let row = |(index, c): (usize, &Choice)| {
+        let mark = |index: usize, c: &Choice| {
             let chosen = matches!(self.recommended, Ok((best, _)) if best == index);
-            let mark = match (chosen, c.fits(self.budget)) {
+            match (chosen, c.fits(self.budget)) {
                 (true, _) => "use this",
                 (_, false) => "over budget",
                 _ => "",
-            };
-            vec![
-                c.cost.blocks.to_string(),
-                c.kernel.name().to_owned(),
-                c.nmse_test
-                    .map_or("–".to_owned(), |nmse| format!("{nmse:.3}")),
-                format!("{:.4}", c.arithmetic),
-                format!("{:.0}", c.cost.cycles_mean),
-                format!("{:.0}", c.cost.cycles_worst),
-                format!("{:.2} %", 100.0 * c.share),
-                whole(c.tick.map_or(f64::NAN, |tick| tick.worst)),
-                c.tick.map_or("–".to_owned(), |tick| {
-                    format!("{:.1} %", 100.0 * self.budget.share_of(tick.worst))
-                }),
-                whole(c.cost.flash_bytes),
-                whole(c.cost.ram_bytes),
-                mark.to_owned(),
-            ]
+            }
         };
-        Table {
-            caption: format!(
-                "Cost of a friction update {} at {:.0} Hz and {:.0} MHz ({}); NMSE held out, rounding in % of the breakaway force, the whole tick and shares of the processor at worst",
-                if self.choices.iter().all(|c| c.cost.inlined) {
-                    "inlined into a control tick"
-                } else {
-                    "with its call"
-                },
+        let how = match self.choices.iter().all(|c| c.cost.inlined) {
+            true => "inlined into a control tick",
+            false => "with its call",
+        };
+        let tick_share = |worst: f64| format!("{:.1} %", 100.0 * self.budget.share_of(worst));
+        Table::of(format!(
+                "Cost of a friction update {how} at {:.0} Hz and {:.0} MHz ({}); NMSE held out, rounding in % of the breakaway force, the whole tick and shares of the processor at worst",
                 self.budget.rate,
                 self.budget.clock * 1e-6,
                 self.origin
-            ),
-            head: head.map(str::to_owned).to_vec(),
-            rows: self.choices.iter().enumerate().map(row).collect(),
-        }
+            ), self.choices.iter().enumerate()).column("N", |(_, c)| c.cost.blocks.to_string()).column("kernel", |(_, c)| c.kernel.name().to_owned()).column("NMSE %", |(_, c)| {
+                    c.nmse_test.map_or("–".to_owned(), |e| format!("{e:.3}"))
+                }).column("rounding %", |(_, c)| format!("{:.4}", c.arithmetic)).column("cycles", |(_, c)| format!("{:.0}", c.cost.cycles_mean)).column("worst", |(_, c)| format!("{:.0}", c.cost.cycles_worst)).column("share", |(_, c)| format!("{:.2} %", 100.0 * c.share)).column("tick", |(_, c)| {
+                    whole(c.tick.map_or(f64::NAN, |tick| tick.worst))
+                }).column("share", |(_, c)| {
+                    c.tick.map_or("–".to_owned(), |tick| tick_share(tick.worst))
+                }).column("flash B", |(_, c)| whole(c.cost.flash_bytes)).column("RAM B", |(_, c)| whole(c.cost.ram_bytes)).column("", |(i, c)| mark(*i, c).to_owned()).table()
     }
 
     /// `preslide.tuning/1`.

@@ -398,41 +398,12 @@ fn stick_slip(model: &FrictionModel) -> Result<Option<bool>, String> {
         stribeck_exponent: 2.0,
         attraction: f64::INFINITY,
     };
-    let mut model = model.clone();
-    match &mut model {
-        FrictionModel::LuGre {
-            breakaway,
-            sliding,
-            damping,
-            ..
-        }
-        | FrictionModel::Leuven {
-            breakaway,
-            sliding,
-            damping,
-            ..
-        } => (*sliding, *damping) = (weak(*breakaway), 0.0),
-        FrictionModel::ElastoPlastic {
-            breakaway,
-            sliding,
-            damping,
-            elastic,
-            ..
-        } => {
-            (*sliding, *damping) = (weak(*breakaway), 0.0);
-            // z_ba keeps its share of F_c/σ0, which is now smaller.
-            *elastic *= 0.8;
-        }
-        FrictionModel::TwoState {
-            breakaway, sliding, ..
-        } => *sliding = weak(*breakaway),
-        FrictionModel::Gms {
-            breakaway, sliding, ..
-        } => *sliding = Some(weak(*breakaway)),
-        FrictionModel::Coulomb { .. }
-        | FrictionModel::Dahl { .. }
-        | FrictionModel::BoucWen { .. }
-        | FrictionModel::Hsieh(_) => return Ok(None),
+    let Some(mut model) = model.along(weak) else {
+        return Ok(None);
+    };
+    if let FrictionModel::ElastoPlastic { elastic, .. } = &mut model {
+        // z_ba keeps its share of F_c/σ0, which is now smaller.
+        *elastic *= 0.8;
     }
     let motions = model
         .visit(Drawn::SAMPLE_TIME, Drawn)

@@ -97,47 +97,18 @@ fn driven(column: &paper::TableColumn, reading: Reading) -> Literal {
 
 /// For people.
 pub fn table(found: &[Literal]) -> Table {
-    let row = |literal: &Literal| {
-        let [turned, soon, back] = literal.force;
-        let [_, mended_soon, mended_back] = literal.mended;
-        vec![
-            literal.n.to_string(),
-            match literal.reading {
-                Reading::Printed => "as printed",
-                Reading::Odd => "(11) made odd in v",
-            }
-            .to_owned(),
-            significant(turned),
-            significant(soon),
-            significant(mended_soon),
-            if back.abs() < 1e3 {
-                significant(back)
-            } else {
-                format!("{back:.1e}")
-            },
-            significant(mended_back),
-            literal.stuck_again.to_string(),
-        ]
-    };
-    Table {
-        caption: format!(
+    Table::of(format!(
             "Equations (10)–(12) taken literally, 40 µm there and back at {:.0} µm/s, C = {ATTRACTION:.0} N/s; due: with blocks that stick again when the motion turns",
             1e6 * SPEED
-        ),
-        head: [
-            "N",
-            "reading",
-            "at the turn [N]",
-            "2 µm later [N]",
-            "due",
-            "back at 0 [N]",
-            "due",
-            "blocks that stuck again",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
-        rows: found.iter().map(row).collect(),
-    }
+        ), found).column("N", |literal| literal.n.to_string()).column("reading", |literal| match literal.reading {
+                Reading::Printed => "as printed".to_owned(),
+                Reading::Odd => "(11) made odd in v".to_owned(),
+            }).column("at the turn [N]", |literal| significant(literal.force[0])).column("2 µm later [N]", |literal| significant(literal.force[1])).column("due", |literal| significant(literal.mended[1])).column("back at 0 [N]", |literal| match literal.force[2] {
+                back if back.abs() < 1e3 => significant(back),
+                back => format!("{back:.1e}"),
+            }).column("due", |literal| significant(literal.mended[2])).column("blocks that stuck again", |literal| {
+                literal.stuck_again.to_string()
+            }).table()
 }
 
 /// What the table says.

@@ -1,6 +1,6 @@
 //! A reproduction for people and for machines.
 
-use super::study::{cycles, cycles_text, head};
+use super::study::{cycles, cycles_text};
 use super::{CRITERION, Curve, Reproduction, significant};
 use preslide_fit::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Style, Table};
 use preslide_host::paper;
@@ -41,7 +41,7 @@ impl Reproduction {
                     "stiffness_printed_N_per_m": of(|b| b.stiffness_printed),
                     "weight": of(|b| b.weight),
                     "weight_printed": of(|b| b.weight_printed),
-                    "weight_sum_printed": of(|b| b.weight_printed).iter().sum::<f64>(),
+                    "weight_sum_printed": recovery.printed_sum(),
                     "largest_deviation": recovery.largest_deviation(),
                     "largest_deviation_sampled": recovery.sampled_deviation,
                     "explained_by_rounding": recovery.explained_by_rounding(),
@@ -70,110 +70,70 @@ impl Reproduction {
 
     /// NMSE by number of blocks.
     pub fn size_table(&self) -> Table {
-        Table {
-            caption: format!(
+        Table::of(format!(
                 "NMSE (13) on the ten-block column of Table 3 as the virgin curve, {} samples uniform in 0–{:.0} µm",
                 self.curve.displacement.len(),
                 1e6 * paper::RANGE
-            ),
-            head: head(&[
-                "N",
-                "paper's parameters [%]",
-                "same, uniform in force [%]",
-                "printed in the paper [%]",
-                "optimal breakpoints [%]",
-                "cycles in the tick, f32",
-                "their ΣW/F_s",
-                "optimal yields [µm]",
-            ]),
-            rows: self
-                .sizes
-                .iter()
-                .map(|size| {
+            ), &self.sizes).column("N", |size| size.n.to_string()).column("paper's parameters [%]", |size| {
+                    significant(size.nmse_table3)
+                }).column("same, uniform in force [%]", |size| {
+                    significant(size.nmse_load_steps)
+                }).column("printed in the paper [%]", |size| {
+                    size.nmse_printed.map_or("–".to_owned(), |p| p.to_string())
+                }).column("optimal breakpoints [%]", |size| {
+                    significant(size.nmse_optimal)
+                }).column("cycles in the tick, f32", |size| {
+                    cycles_text(cycles(size.n))
+                }).column("their ΣW/F_s", |size| {
+                    format!("{:.4}", size.limit() / paper::BREAKAWAY)
+                }).column("optimal yields [µm]", |size| {
                     let yields = size.optimal.yields.iter();
-                    vec![
-                        size.n.to_string(),
-                        significant(size.nmse_table3),
-                        significant(size.nmse_load_steps),
-                        size.nmse_printed.map_or("–".to_owned(), |p| p.to_string()),
-                        significant(size.nmse_optimal),
-                        cycles_text(cycles(size.n)),
-                        format!("{:.4}", size.limit() / paper::BREAKAWAY),
-                        yields
-                            .map(|d| format!("{:.2}", 1e6 * d))
-                            .collect::<Vec<_>>()
-                            .join(" "),
-                    ]
-                })
-                .collect(),
-        }
+                    yields
+                        .map(|d| format!("{:.2}", 1e6 * d))
+                        .collect::<Vec<_>>()
+                        .join(" ")
+                }).table()
     }
 
     /// Table 3 as printed and as (7)–(9) give it back.
     pub fn recovery_table(&self) -> Table {
         let rows = self.recovered.iter().flat_map(|recovery| {
-            recovery.blocks.iter().enumerate().map(|(i, block)| {
-                vec![
-                    recovery.blocks.len().to_string(),
-                    (i + 1).to_string(),
-                    format!("{:.3}", 1e6 * block.yield_displacement),
-                    format!("{:.0}", block.stiffness_printed),
-                    format!("{:.0}", block.stiffness),
-                    format!("{:.3}", block.weight_printed),
-                    format!("{:.4}", block.weight),
-                    format!("{:+.2}", 100.0 * block.deviation()),
-                    format!("{:.2}", 100.0 * block.rounding),
-                ]
-            })
+            let blocks = (1..).zip(&recovery.blocks);
+            blocks.map(|(i, block)| (recovery.blocks.len(), i, block))
         });
-        Table {
-            caption: "Table 3 recovered by (7)–(9) from the ten-block curve at each column's own breakpoints".to_owned(),
-            head: head(&[
-                "N",
-                "i",
-                "D_i [µm]",
-                "k_i printed [N/m]",
-                "k_i [N/m]",
-                "α_i printed",
-                "α_i",
-                "deviation [%]",
-                "three digits allow [%]",
-            ]),
-            rows: rows.collect(),
-        }
+        Table::of("Table 3 recovered by (7)–(9) from the ten-block curve at each column's own breakpoints", rows).column("N", |(n, _, _)| n.to_string()).column("i", |(_, i, _)| i.to_string()).column("D_i [µm]", |(_, _, b)| {
+                    format!("{:.3}", 1e6 * b.yield_displacement)
+                }).column("k_i printed [N/m]", |(_, _, b)| {
+                    format!("{:.0}", b.stiffness_printed)
+                }).column("k_i [N/m]", |(_, _, b)| format!("{:.0}", b.stiffness)).column("α_i printed", |(_, _, b)| {
+                    format!("{:.3}", b.weight_printed)
+                }).column("α_i", |(_, _, b)| format!("{:.4}", b.weight)).column("deviation [%]", |(_, _, b)| {
+                    format!("{:+.2}", 100.0 * b.deviation())
+                }).column("three digits allow [%]", |(_, _, b)| {
+                    format!("{:.2}", 100.0 * b.rounding)
+                }).table()
     }
 
     /// One line a column: how far it is from what (7)–(9) give back.
     pub fn column_table(&self) -> Table {
-        Table {
-            caption: "Table 3 column by column".to_owned(),
-            head: head(&[
-                "N",
-                "Σα printed",
-                "largest deviation of k_i, α_i [%]",
-                "same from the 2,001 samples [%]",
-                "explained by the table's three digits",
-            ]),
-            rows: self
-                .recovered
-                .iter()
-                .map(|recovery| {
-                    let sum: f64 = recovery.blocks.iter().map(|b| b.weight_printed).sum();
-                    vec![
-                        recovery.blocks.len().to_string(),
-                        format!("{sum:.3}"),
-                        format!("{:.2}", 100.0 * recovery.largest_deviation()),
-                        format!("{:.2}", 100.0 * recovery.sampled_deviation),
-                        if recovery.explained_by_rounding() {
-                            "yes"
-                        } else {
-                            "no"
-                        }
-                        .to_owned(),
-                    ]
-                })
-                .collect(),
-        }
+        Table::of("Table 3 column by column", &self.recovered)
+            .column("N", |r| r.blocks.len().to_string())
+            .column("Σα printed", |r| format!("{:.3}", r.printed_sum()))
+            .column("largest deviation of k_i, α_i [%]", |r| {
+                format!("{:.2}", 100.0 * r.largest_deviation())
+            })
+            .column("same from the 2,001 samples [%]", |r| {
+                format!("{:.2}", 100.0 * r.sampled_deviation)
+            })
+            .column("explained by the table's three digits", |r| {
+                if r.explained_by_rounding() {
+                    "yes"
+                } else {
+                    "no"
+                }
+                .to_owned()
+            })
+            .table()
     }
 
     /// What is known of the differences from the paper, a sentence each.
@@ -219,10 +179,7 @@ impl Reproduction {
         let short: Vec<String> = self
             .recovered
             .iter()
-            .filter(|r| {
-                let sum: f64 = r.blocks.iter().map(|b| b.weight_printed).sum();
-                (sum - 1.0).abs() > 1e-9
-            })
+            .filter(|r| (r.printed_sum() - 1.0).abs() > 1e-9)
             .map(|r| r.blocks.len().to_string())
             .collect();
         remarks.push(format!(

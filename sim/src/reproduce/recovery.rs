@@ -51,6 +51,11 @@ impl Recovery {
         largest(self.blocks.iter().map(|b| b.deviation()))
     }
 
+    /// The sum of the table's weights.
+    pub fn printed_sum(&self) -> f64 {
+        self.blocks.iter().map(|b| b.weight_printed).sum()
+    }
+
     /// Whether the digits of the table explain every deviation.
     pub fn explained_by_rounding(&self) -> bool {
         self.blocks

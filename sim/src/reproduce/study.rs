@@ -11,10 +11,6 @@ use serde_json::{Value, json};
 /// Ramps drawn; more would hide the average.
 const DRAWN: usize = 12;
 
-pub(super) fn head(cells: &[&str]) -> Vec<String> {
-    cells.iter().map(|cell| (*cell).to_owned()).collect()
-}
-
 /// Cycles in the tick of the quasi-static law in `f32`, or that they were not measured.
 pub(super) fn cycles(n: usize) -> Option<f64> {
     let model = FrictionModel::maxwell_slip(&vec![1.0; n], &vec![1.0; n]);
@@ -42,54 +38,33 @@ fn interval_json(interval: &Interval) -> Value {
 impl Figure6 {
     /// All models by what the paper asks of them.
     pub fn table(&self) -> Table {
-        let rows = self.rows.iter().map(|row| {
-            let share = row.closure.largest / row.closure.range;
-            vec![
-                row.name.clone(),
-                match row.origin {
-                    Origin::Paper => "paper",
-                    Origin::Fitted => "fitted here",
-                }
-                .to_owned(),
-                significant(row.nmse_virgin),
-                significant(row.nmse),
-                row.nmse_best.map_or("–".to_owned(), significant),
-                format!("{:.1e}", row.closure.largest),
-                match (row.closure.is_nonlocal(), row.closure.remembers) {
-                    (true, _) => "closes".to_owned(),
-                    (false, true) => format!("open, {:.2} %", 100.0 * share),
-                    (false, false) => "no loops".to_owned(),
-                },
-                row.drift.map_or("slides away".to_owned(), |d| {
-                    format!("{:.3}", (1e9 * d).abs())
-                }),
-                match row.stick_slip {
-                    Some(true) => "yes",
-                    Some(false) => "no",
-                    None => "no (no Stribeck curve)",
-                }
-                .to_owned(),
-                row.parameters.to_string(),
-                cycles_text(row.cost.as_ref().map(|c| c.cycles_mean)),
-            ]
-        });
-        Table {
-            caption: "All models on the ten-block curve with inner loops (Figure 6): drift under 0.45 ± 0.05 N, cycles of a step in the tick of a Cortex-M4F in f32".to_owned(),
-            head: head(&[
-                "model",
-                "parameters",
-                "virgin NMSE [%]",
-                "NMSE [%]",
-                "best NMSE of its form [%]",
-                "loop closure error [N]",
-                "inner loops",
-                "drift [nm/cycle]",
-                "stick-slip",
-                "to identify",
-                "cycles",
-            ]),
-            rows: rows.collect(),
-        }
+        Table::of("All models on the ten-block curve with inner loops (Figure 6): drift under 0.45 ± 0.05 N, cycles of a step in the tick of a Cortex-M4F in f32", &self.rows).column("model", |row| row.name.clone()).column("parameters", |row| match row.origin {
+                    Origin::Paper => "paper".to_owned(),
+                    Origin::Fitted => "fitted here".to_owned(),
+                }).column("virgin NMSE [%]", |row| significant(row.nmse_virgin)).column("NMSE [%]", |row| significant(row.nmse)).column("best NMSE of its form [%]", |row| {
+                    row.nmse_best.map_or("–".to_owned(), significant)
+                }).column("loop closure error [N]", |row| {
+                    format!("{:.1e}", row.closure.largest)
+                }).column("inner loops", |row| {
+                    let closure = &row.closure;
+                    match (closure.is_nonlocal(), closure.remembers) {
+                        (true, _) => "closes".to_owned(),
+                        (false, true) => {
+                            format!("open, {:.2} %", 100.0 * closure.largest / closure.range)
+                        }
+                        (false, false) => "no loops".to_owned(),
+                    }
+                }).column("drift [nm/cycle]", |row| {
+                    row.drift.map_or("slides away".to_owned(), |d| {
+                        format!("{:.3}", (1e9 * d).abs())
+                    })
+                }).column("stick-slip", |row| match row.stick_slip {
+                    Some(true) => "yes".to_owned(),
+                    Some(false) => "no".to_owned(),
+                    None => "no (no Stribeck curve)".to_owned(),
+                }).column("to identify", |row| row.parameters.to_string()).column("cycles", |row| {
+                    cycles_text(row.cost.as_ref().map(|c| c.cycles_mean))
+                }).table()
     }
 
     fn to_json(&self) -> Value {
@@ -164,35 +139,14 @@ impl Experiment {
             let each = spreads.iter().map(|s| format!("{:.0}", 100.0 * s));
             each.collect::<Vec<_>>().join(" ")
         };
-        let rows = self.sizes.iter().map(|size| {
-            vec![
-                size.n.to_string(),
-                significant(size.nmse_average),
-                interval_text(&size.nmse_own),
-                interval_text(&size.nmse_others),
-                interval_text(&size.loss),
-                size.identified.to_string(),
-                percent(&size.stiffness_spread),
-                percent(&size.yield_spread),
-            ]
-        });
-        Table {
-            caption: format!(
+        Table::of(format!(
                 "The experiment: {REPEATS} ramps in steps of 10 mN, seed {}; NMSE [%] with 95 % intervals; spread: standard deviation over mean of each block's parameter, first to last [%]",
                 self.seed
-            ),
-            head: head(&[
-                "N",
-                "average curve",
-                "each repeat by its own",
-                "repeats by others' average",
-                "loss against the best N",
-                "identified",
-                "spread of k_i",
-                "spread of D_i",
-            ]),
-            rows: rows.collect(),
-        }
+            ), &self.sizes).column("N", |size| size.n.to_string()).column("average curve", |size| significant(size.nmse_average)).column("each repeat by its own", |size| {
+                    interval_text(&size.nmse_own)
+                }).column("repeats by others' average", |size| {
+                    interval_text(&size.nmse_others)
+                }).column("loss against the best N", |size| interval_text(&size.loss)).column("identified", |size| size.identified.to_string()).column("spread of k_i", |size| percent(&size.stiffness_spread)).column("spread of D_i", |size| percent(&size.yield_spread)).table()
     }
 
     fn to_json(&self) -> Value {

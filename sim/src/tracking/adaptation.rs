@@ -5,6 +5,7 @@ use crate::stage::{EncoderConfig, FrictionConfig, StageConfig, VariabilityConfig
 use preslide::control::learning::Adaptation;
 use preslide::control::{Fault, Learning, LearningSettings, Settings};
 use preslide::{Friction, QuasiStaticGms, Units};
+use preslide_fit::report::Table;
 use preslide_fit::statistics::mean_and_half_width;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -203,24 +204,22 @@ fn summarise(pairs: &[[Result<f64, Fault>; 2]]) -> Pairs {
 
 /// The rows as a table for people.
 pub fn print(rows: &[Row]) -> String {
-    let mut text = format!(
-        "RMS error without → with adaptation, and its change (95 % interval over stages)\n{:<20} {:>6} {:>34} {:>34} {:>7}\n",
-        "the stage's friction", "stages", "nested triangles (nm)", "slide 1 mm/s (nm)", "faults"
-    );
     let cell = |p: &Pairs| {
         let [without, with] = p.rms_m.map(|rms| rms * 1e9);
         let [change, half] = p.change.map(|change| change * 100.0);
         format!("{without:.1} → {with:.1}, {change:+.1} % (±{half:.1})")
     };
-    for row in rows {
-        text += &format!(
-            "{:<20} {:>6} {:>34} {:>34} {:>7}\n",
-            row.name,
-            row.stages,
-            cell(&row.nested),
-            cell(&row.slide),
-            row.nested.faults + row.slide.faults
-        );
-    }
-    text
+    Table::of(
+        "RMS error without → with adaptation, and its change (95 % interval over stages)",
+        rows,
+    )
+    .column("the stage's friction", |row| row.name.to_owned())
+    .column("stages", |row| row.stages.to_string())
+    .column("nested triangles (nm)", |row| cell(&row.nested))
+    .column("slide 1 mm/s (nm)", |row| cell(&row.slide))
+    .column("faults", |row| {
+        (row.nested.faults + row.slide.faults).to_string()
+    })
+    .table()
+    .to_text()
 }

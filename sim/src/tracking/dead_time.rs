@@ -7,6 +7,7 @@ use crate::stage::{ElectricalConfig, StageConfig};
 use fixed::types::I16F16;
 use preslide::control::{Hardware, Settings};
 use preslide::{Scalar, Units};
+use preslide_fit::report::Table;
 use rayon::prelude::*;
 
 /// A bridge, and whether the controller knows of its dead time.
@@ -128,36 +129,31 @@ fn errors<S: Scalar + Send + Sync>(
     })
 }
 
+/// A column's head and its error, metres.
+type Column = (&'static str, fn(&Row) -> f64);
+
 /// The rows for people.
 pub fn print(rows: &[Row]) -> String {
-    let mut text = format!(
-        "RMS error (nm) with the stage's own friction fed forward\n{:<34} {:>17} {:>17} {:>13} {:>13}\n",
-        "bridge", "nested, f32", "nested, fixed", "slide, f32", "slide, fixed"
-    );
-    for row in rows {
-        let name = match row.bridge {
-            Bridge::Ideal => "ideal",
-            Bridge::Switching => "switching, no dead time",
-            Bridge::Dead => "dead time, not compensated",
-            Bridge::MadeUp => "dead time, compensated",
-        };
-        let [float, fixed] = row.errors;
-        text += &format!(
-            "{name:<34} {:>17.1} {:>17.1} {:>13.1} {:>13.1}\n",
-            float.nested_m * 1e9,
-            fixed.nested_m * 1e9,
-            float.slide_m * 1e9,
-            fixed.slide_m * 1e9
-        );
+    let name = |row: &Row| match row.bridge {
+        Bridge::Ideal => "ideal",
+        Bridge::Switching => "switching, no dead time",
+        Bridge::Dead => "dead time, not compensated",
+        Bridge::MadeUp => "dead time, compensated",
+    };
+    let columns: [Column; 4] = [
+        ("nested, f32", |row| row.errors[0].nested_m),
+        ("nested, fixed", |row| row.errors[1].nested_m),
+        ("slide, f32", |row| row.errors[0].slide_m),
+        ("slide, fixed", |row| row.errors[1].slide_m),
+    ];
+    let caption = "RMS error (nm) with the stage's own friction fed forward";
+    let mut table = Table::of(caption, rows).column("bridge", |row| name(row).to_owned());
+    for (head, error) in columns {
+        table = table.column(head, |row| format!("{:.1}", 1e9 * error(row)));
     }
-    let percent = |error: fn(&Row) -> f64| 100.0 * share(rows, error);
-    text += &format!(
-        "{:<34} {:>15.1} % {:>15.1} % {:>11.1} % {:>11.1} %\n",
-        "won back of the dead time's loss",
-        percent(|row| row.errors[0].nested_m),
-        percent(|row| row.errors[1].nested_m),
-        percent(|row| row.errors[0].slide_m),
-        percent(|row| row.errors[1].slide_m),
-    );
-    text
+    let mut table = table.table();
+    let won = columns.map(|(_, error)| format!("{:.1} %", 100.0 * share(rows, error)));
+    let name = "won back of the dead time's loss".to_owned();
+    table.rows.push([name].into_iter().chain(won).collect());
+    table.to_text()
 }

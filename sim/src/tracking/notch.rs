@@ -6,8 +6,8 @@ use super::{Axis, Perfect, Step, Tracking, TrackingError, motions};
 use crate::stage::{Stage, StageConfig};
 use preslide::control::{NoFriction, Notch, Settings};
 use preslide::{Scalar, Units};
+use preslide_fit::report::Table;
 use rayon::prelude::*;
-use std::fmt::Write as _;
 
 /// The drive's stiffness, of the stage's own (-): its mode at half, one and two times the frequency.
 pub const DRIVES: [f64; 3] = [0.25, 1.0, 4.0];
@@ -159,32 +159,22 @@ fn rings<S: Scalar>(
 
 /// The rows for people.
 pub fn print(rows: &[Row]) -> String {
-    let mut text = format!(
-        "A notch of width {} and depth {}; RMS error (nm) in nested triangles with half of the gains that ring\n{:<10} {:<12} {:>13} {:>8} {:>16} {:>14}\n",
-        Notch::NONE.width,
-        Notch::NONE.depth,
-        "mode (Hz)",
-        "notch",
-        "gains may grow",
-        "dB",
-        "feedback alone",
-        "friction fed"
-    );
-    for row in rows {
-        let at = match row.at {
-            0.0 => "none".to_owned(),
-            1.0 => "at the mode".to_owned(),
-            at => format!("{:+.0} %", 100.0 * (at - 1.0)),
-        };
-        let _ = writeln!(
-            text,
-            "{:<10.0} {at:<12} {:>11.2} × {:>8.1} {:>16.1} {:>14.1}",
-            row.mode_hz,
-            row.margin,
-            20.0 * row.margin.log10(),
-            row.half.alone_m * 1e9,
-            row.half.fed_m * 1e9
-        );
-    }
-    text
+    let Notch { width, depth, .. } = Notch::NONE;
+    let nm = |error: f64| format!("{:.1}", 1e9 * error);
+    Table::of(
+        format!("A notch of width {width} and depth {depth}; RMS error (nm) in nested triangles with half of the gains that ring"),
+        rows,
+    )
+    .column("mode (Hz)", |row| format!("{:.0}", row.mode_hz))
+    .column("notch", |row| match row.at {
+        0.0 => "none".to_owned(),
+        1.0 => "at the mode".to_owned(),
+        at => format!("{:+.0} %", 100.0 * (at - 1.0)),
+    })
+    .column("gains may grow", |row| format!("{:.2} ×", row.margin))
+    .column("dB", |row| format!("{:.1}", 20.0 * row.margin.log10()))
+    .column("feedback alone", |row| nm(row.half.alone_m))
+    .column("friction fed", |row| nm(row.half.fed_m))
+    .table()
+    .to_text()
 }

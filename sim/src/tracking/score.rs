@@ -2,6 +2,7 @@
 
 use super::{Circle, Instant};
 use preslide::control::Fault;
+use preslide_fit::report::Table;
 
 /// Following error over a motion, as the encoder sees it before quantisation.
 #[derive(Clone, Debug, Default)]
@@ -159,48 +160,25 @@ impl Row {
 
 /// The rows as a table for people.
 pub fn print(rows: &[Row]) -> String {
-    let mut text = format!(
-        "{:<12} {:<6} {:>22} {:>22} {:>9} {:>10} {:>12} {:>22}\n{:<19} {:>22} {:>22} {:>9} {:>10} {:>12} {:>22}\n",
-        "compensator",
-        "",
-        "nested triangles",
-        "slide 1 mm/s",
-        "steps",
-        "slowest",
-        "rest 60 s",
-        "circle, 2 axes",
-        "",
-        "RMS / peak (nm)",
-        "RMS / peak (nm)",
-        "settled",
-        "(ms)",
-        "(counts)",
-        "spike / quadrant (nm)",
-    );
     let nm = |t: &Tracking| match t.rms_m() {
         Some(rms) => format!("{:.0} / {:.0}", rms * 1e9, t.peak_m() * 1e9),
         None => format!("{:?}", t.fault),
     };
-    for row in rows {
-        let rest = row.rest.counts().map_or("fault".into(), |c| c.to_string());
-        let circle = row.circle.map_or("fault".into(), |circle| {
-            format!(
-                "{:.0} / {:.0}",
-                circle.spike_m * 1e9,
-                circle.quadrant_m * 1e9
-            )
-        });
-        text += &format!(
-            "{:<12} {:<6} {:>22} {:>22} {:>9} {:>10.0} {:>12} {:>22}\n",
-            row.compensator,
-            row.arithmetic,
-            nm(&row.nested),
-            nm(&row.slide),
-            format!("{}/{}", row.steps.settled, row.steps.made),
-            row.steps.slowest_s * 1e3,
-            rest,
-            circle,
-        );
-    }
-    text
+    Table::of(
+        "RMS / peak error (nm) over nested triangles and slides of 1 mm/s; steps settled, the slowest (ms); counts in 60 s of rest; a circle by two axes, spike / quadrant (nm)",
+        rows,
+    )
+    .column("compensator", |row| row.compensator.clone())
+    .column("", |row| row.arithmetic.to_owned())
+    .column("nested", |row| nm(&row.nested))
+    .column("slide", |row| nm(&row.slide))
+    .column("steps", |row| format!("{}/{}", row.steps.settled, row.steps.made))
+    .column("slowest", |row| format!("{:.0}", row.steps.slowest_s * 1e3))
+    .column("rest", |row| row.rest.counts().map_or("fault".into(), |c| c.to_string()))
+    .column("circle", |row| {
+        let circle = row.circle.map(|c| [c.spike_m, c.quadrant_m].map(|m| m * 1e9));
+        circle.map_or("fault".into(), |[spike, quadrant]| format!("{spike:.0} / {quadrant:.0}"))
+    })
+    .table()
+    .to_text()
 }

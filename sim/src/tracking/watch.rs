@@ -5,6 +5,7 @@ use crate::stage::{Stage, StageConfig};
 use preslide::control::learning::{BlockMeans, Learn, MismatchSettings, MismatchWatch};
 use preslide::control::{Condition, Learning, LearningSettings, NormalRange, Settings};
 use preslide::{Block, ParamError, QuasiStaticGms, Units};
+use preslide_fit::report::Table;
 use preslide_fit::statistics::mean_and_half_width;
 use preslide_host::paper;
 use rayon::prelude::*;
@@ -379,41 +380,37 @@ fn correlation(values: &[f64]) -> f64 {
 /// The study for people.
 pub fn print(study: &Study) -> String {
     let watch = &study.watch;
-    let mut text = format!(
-        "windows of {:.0} µm, {} for commissioning, slack {} spreads; {} normal stages, {NORMAL} windows each, their friction varying \
-         by ±15 %; neighbouring windows correlate by {:.2}\n\n{:>22} {:>8} {:>26}\n",
-        watch.window * 1e6,
-        2 * watch.commissioning,
-        watch.slack,
-        study.stages,
-        study.correlation,
-        "asked for (per window)",
-        "alarms",
-        "measured (95 %)"
-    );
-    for rate in &study.rates {
+    let rates = Table::of(
+        format!(
+            "windows of {:.0} µm, {} for commissioning, slack {} spreads; {} normal stages, {NORMAL} windows each, their friction varying \
+             by ±15 %; neighbouring windows correlate by {:.2}",
+            watch.window * 1e6,
+            2 * watch.commissioning,
+            watch.slack,
+            study.stages,
+            study.correlation,
+        ),
+        &study.rates,
+    )
+    .column("asked for (per window)", |rate| rate.asked.to_string())
+    .column("alarms", |rate| rate.alarms.to_string())
+    .column("measured (95 %)", |rate| {
         let [measured, half] = rate.measured;
-        text += &format!(
-            "{:>22} {:>8} {:>26}\n",
-            rate.asked,
-            rate.alarms,
-            format!("{measured:.5} (±{half:.5})")
-        );
-    }
-    text += &format!(
-        "\nat {} per window:\n{:<20} {:>10} {:>18} {:>13} {:>6}\n",
-        watch.false_alarms, "change", "noticed", "windows, median", "largest", "early"
-    );
-    for delay in &study.delays {
-        let [median, largest] = delay.windows;
-        text += &format!(
-            "{:<20} {:>10} {:>18} {:>13} {:>6}\n",
-            delay.name,
-            format!("{} of {}", delay.noticed, delay.stages),
-            format!("{median} ({:.1} mm)", median as f64 * watch.window * 1e3),
-            largest,
-            delay.early
-        );
-    }
-    text
+        format!("{measured:.5} (±{half:.5})")
+    });
+    let delays = Table::of(
+        format!("at {} per window", watch.false_alarms),
+        &study.delays,
+    )
+    .column("change", |delay| delay.name.to_owned())
+    .column("noticed", |delay| {
+        format!("{} of {}", delay.noticed, delay.stages)
+    })
+    .column("windows, median", |delay| {
+        let median = delay.windows[0];
+        format!("{median} ({:.1} mm)", median as f64 * watch.window * 1e3)
+    })
+    .column("largest", |delay| delay.windows[1].to_string())
+    .column("early", |delay| delay.early.to_string());
+    format!("{}\n{}", rates.table().to_text(), delays.table().to_text())
 }

@@ -8,8 +8,8 @@ use crate::stage::electrical::COPPER_PER_K;
 use fixed::types::I16F16;
 use preslide::control::Settings;
 use preslide::{Scalar, Units};
+use preslide_fit::report::Table;
 use rayon::prelude::*;
-use std::fmt::Write as _;
 
 /// Temperatures around the motor (°C): as its resistance is told, 30 K warmer, 30 K colder.
 const AMBIENT_C: [f64; 3] = [20.0, 50.0, -10.0];
@@ -100,22 +100,18 @@ fn strokes<S: Scalar>(
 
 /// The rows for people.
 pub fn print(rows: &[Row]) -> String {
-    let mut text = format!(
-        "RMS error (nm) of fast moves with the stage's own friction fed forward\n{:<12} {:<10} {:>12} {:>12} {:>12} {:>10} {:>10}\n",
-        "around (C)", "R", "R over told", "found, f32", "found, fixed", "f32", "fixed"
-    );
-    for row in rows {
-        let _ = writeln!(
-            text,
-            "{:<12.0} {:<10} {:>12.3} {:>12.3} {:>12.3} {:>10.0} {:>10.0}",
-            row.ambient_c,
-            if row.follows { "followed" } else { "as told" },
-            row.share,
-            row.found[0],
-            row.found[1],
-            row.rms_m[0] * 1e9,
-            row.rms_m[1] * 1e9
-        );
-    }
-    text
+    let how = |row: &Row| if row.follows { "followed" } else { "as told" };
+    Table::of(
+        "RMS error (nm) of fast moves with the stage's own friction fed forward",
+        rows,
+    )
+    .column("around (C)", |row| format!("{:.0}", row.ambient_c))
+    .column("R", |row| how(row).to_owned())
+    .column("R over told", |row| format!("{:.3}", row.share))
+    .column("found, f32", |row| format!("{:.3}", row.found[0]))
+    .column("found, fixed", |row| format!("{:.3}", row.found[1]))
+    .column("f32", |row| format!("{:.0}", 1e9 * row.rms_m[0]))
+    .column("fixed", |row| format!("{:.0}", 1e9 * row.rms_m[1]))
+    .table()
+    .to_text()
 }

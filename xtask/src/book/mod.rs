@@ -245,7 +245,7 @@ fn in_ci(block: &CodeBlock, step: &str, has_step: HasStep) -> Result<(), String>
     for line in &block.lines {
         if let Some(command) = line.strip_prefix("cargo xtask ") {
             let name = command.split_whitespace().next().unwrap_or_default();
-            if !crate::COMMANDS.iter().any(|command| command.name == name) {
+            if !crate::is_command(name) {
                 return Err(format!("there is no `cargo xtask {name}`"));
             }
         }

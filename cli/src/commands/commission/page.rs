@@ -92,39 +92,30 @@ pub fn page(journal: &Journal, told: &Told, unit: &str, command: String) -> Resu
 }
 
 fn followed(journal: &Journal, unit: &str) -> Table {
-    let row = |(name, played): (&String, &Played)| {
-        vec![
-            name.clone(),
-            format!("{:.0}", played.rms),
-            format!("{:.0}", played.largest),
-        ]
-    };
-    Table {
-        caption: "Following error by the encoder; unseen-with has the model, all others the feedback alone"
-            .to_owned(),
-        head: vec![
-            "motion".to_owned(),
-            format!("RMS n{unit}"),
-            format!("largest n{unit}"),
-        ],
-        rows: journal.played.iter().map(row).collect(),
-    }
+    Table::of(
+        "Following error by the encoder; unseen-with has the model, all others the feedback alone",
+        &journal.played,
+    )
+    .column("motion", |(name, _)| String::clone(name))
+    .column(format!("RMS n{unit}"), |(_, played)| {
+        format!("{:.0}", played.rms)
+    })
+    .column(format!("largest n{unit}"), |(_, played)| {
+        format!("{:.0}", played.largest)
+    })
+    .table()
 }
 
 fn asked(journal: &Journal) -> Option<Table> {
     let name = |id: &String| effect::by_id(id).map_or(id.clone(), |e| e.name().to_owned());
-    let row = |asked: &super::Asked| {
-        let about: Vec<String> = asked.about.iter().map(name).collect();
-        vec![
-            asked.name.clone(),
-            about.join(", "),
-            asked.answer.clone().unwrap_or_default(),
-        ]
-    };
-    (!journal.asked.is_empty()).then(|| Table {
-        caption: "Experiments: purpose and result of each".to_owned(),
-        head: ["experiment", "for", "answer"].map(str::to_owned).to_vec(),
-        rows: journal.asked.iter().map(row).collect(),
+    (!journal.asked.is_empty()).then(|| {
+        Table::of("Experiments: purpose and result of each", &journal.asked)
+            .column("experiment", |asked| asked.name.clone())
+            .column("for", |asked| {
+                asked.about.iter().map(name).collect::<Vec<_>>().join(", ")
+            })
+            .column("answer", |asked| asked.answer.clone().unwrap_or_default())
+            .table()
     })
 }
 

@@ -1,7 +1,7 @@
 //! What drive and sensors do between force and motion.
 
 use super::Range::{Any, NotNegative, Positive, Within};
-use super::{Argument, BARE, CTerm, Constructor, Form};
+use super::{Argument, BARE, CTerm, Form, built};
 use crate::effects::Effect;
 use preslide::effects::EncoderError;
 use preslide::{ParamError, Units};
@@ -14,11 +14,11 @@ pub static ENCODER_ERROR: Form = Form {
         correction(effect)?;
         Ok(None)
     },
-    controller: Ok(Constructor {
-        kind: "EncoderError",
-        more: &[Argument::Units],
-        c: CTerm::shift("-$error_m * wave(x, $period_m, $phase_rad)"),
-    }),
+    controller: built(
+        "EncoderError",
+        &[Argument::Units],
+        CTerm::shift("-$error_m * wave(x, $period_m, $phase_rad)"),
+    ),
     ..BARE
 };
 

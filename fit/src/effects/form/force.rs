@@ -1,7 +1,7 @@
 //! What pushes: forces of speed, place and time.
 
 use super::Range::{Any, Positive};
-use super::{Argument, BARE, CTerm, Constructor, FAR, Form, term};
+use super::{Argument, BARE, CTerm, FAR, Form, built, term};
 use preslide::Units;
 use preslide::effects::{
     ConstantForce, ExternalVibration, Gravity, PeriodicForce, PositionForce, PositionSpring,
@@ -13,11 +13,11 @@ pub static CONSTANT_FORCE: Form = Form {
     id: "constant_force",
     keys: &[("force_N", Any)],
     library: |effect, _| term(ConstantForce::try_new(effect.get("force_N"), Units::SI)),
-    controller: Ok(Constructor {
-        kind: "ConstantForce",
-        more: &[Argument::Units],
-        c: CTerm::force("$force_N"),
-    }),
+    controller: built(
+        "ConstantForce",
+        &[Argument::Units],
+        CTerm::force("$force_N"),
+    ),
     ..BARE
 };
 
@@ -25,11 +25,11 @@ pub static CONSTANT_FORCE: Form = Form {
 pub static VISCOUS: Form = Form {
     id: "viscous",
     keys: &[("viscous_N_s_per_m", Any)],
-    controller: Ok(Constructor {
-        kind: "Viscous",
-        more: &[Argument::ForceLimit, Argument::Units],
-        c: CTerm::force("limited($viscous_N_s_per_m * v, FORCE_LIMIT)"),
-    }),
+    controller: built(
+        "Viscous",
+        &[Argument::ForceLimit, Argument::Units],
+        CTerm::force("limited($viscous_N_s_per_m * v, FORCE_LIMIT)"),
+    ),
     ..BARE
 };
 
@@ -44,11 +44,11 @@ pub static VISCOUS_ASYMMETRY: Form = Form {
             Units::SI,
         ))
     },
-    controller: Ok(Constructor {
-        kind: "ViscousAsymmetry",
-        more: &[Argument::ForceLimit, Argument::Units],
-        c: CTerm::force("limited($half_difference_N_s_per_m * fabsf(v), FORCE_LIMIT)"),
-    }),
+    controller: built(
+        "ViscousAsymmetry",
+        &[Argument::ForceLimit, Argument::Units],
+        CTerm::force("limited($half_difference_N_s_per_m * fabsf(v), FORCE_LIMIT)"),
+    ),
     ..BARE
 };
 
@@ -63,11 +63,11 @@ pub static QUADRATIC_DRAG: Form = Form {
             Units::SI,
         ))
     },
-    controller: Ok(Constructor {
-        kind: "QuadraticDrag",
-        more: &[Argument::ForceLimit, Argument::Units],
-        c: CTerm::force("limited($drag_N_s2_per_m2 * (v * fabsf(v)), FORCE_LIMIT)"),
-    }),
+    controller: built(
+        "QuadraticDrag",
+        &[Argument::ForceLimit, Argument::Units],
+        CTerm::force("limited($drag_N_s2_per_m2 * (v * fabsf(v)), FORCE_LIMIT)"),
+    ),
     ..BARE
 };
 
@@ -79,11 +79,11 @@ pub static POSITION_SPRING: Form = Form {
         let [stiffness, centre] = effect.numbers();
         term(PositionSpring::try_new(stiffness, centre, FAR, Units::SI))
     },
-    controller: Ok(Constructor {
-        kind: "PositionSpring",
-        more: &[Argument::ForceLimit, Argument::Units],
-        c: CTerm::force("limited($stiffness_N_per_m * (x - $centre_m), FORCE_LIMIT)").placed(),
-    }),
+    controller: built(
+        "PositionSpring",
+        &[Argument::ForceLimit, Argument::Units],
+        CTerm::force("limited($stiffness_N_per_m * (x - $centre_m), FORCE_LIMIT)").placed(),
+    ),
     ..BARE
 };
 
@@ -100,11 +100,11 @@ pub static POSITION_FORCE: Form = Form {
             Units::SI,
         ))
     },
-    controller: Ok(Constructor {
-        kind: "PositionForce",
-        more: &[Argument::Units],
-        c: CTerm::force("cosines((x - $from_m) / ($to_m - $from_m), $cosines)").placed(),
-    }),
+    controller: built(
+        "PositionForce",
+        &[Argument::Units],
+        CTerm::force("cosines((x - $from_m) / ($to_m - $from_m), $cosines)").placed(),
+    ),
     ..BARE
 };
 
@@ -116,11 +116,11 @@ pub static PERIODIC_FORCE: Form = Form {
         let [force, period, phase] = effect.numbers();
         term(PeriodicForce::try_new(force, period, phase, Units::SI))
     },
-    controller: Ok(Constructor {
-        kind: "PeriodicForce",
-        more: &[Argument::Units],
-        c: CTerm::force("$force_N * wave(x, $period_m, $phase_rad)").placed(),
-    }),
+    controller: built(
+        "PeriodicForce",
+        &[Argument::Units],
+        CTerm::force("$force_N * wave(x, $period_m, $phase_rad)").placed(),
+    ),
     ..BARE
 };
 
@@ -132,11 +132,11 @@ pub static GRAVITY: Form = Form {
         let [force, angle] = effect.numbers();
         term(Gravity::try_new(force, angle, Units::SI))
     },
-    controller: Ok(Constructor {
-        kind: "Gravity",
-        more: &[Argument::Units],
-        c: CTerm::force("$force_N * limited(sinf(x - $angle_rad), 1.0f)").placed(),
-    }),
+    controller: built(
+        "Gravity",
+        &[Argument::Units],
+        CTerm::force("$force_N * limited(sinf(x - $angle_rad), 1.0f)").placed(),
+    ),
     // The same code with other constants.
     cost: Some("periodic_force"),
     ..BARE

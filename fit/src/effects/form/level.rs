@@ -1,7 +1,7 @@
 //! What changes the level of friction.
 
 use super::Range::{Any, Between, NotNegative, Positive, Within};
-use super::{Argument, BARE, CTerm, Column, Constructor, Form, LEVEL, Memory, term};
+use super::{Argument, BARE, CTerm, Column, Form, LEVEL, Memory, built, term};
 use preslide::Units;
 use preslide::effects::{
     CoulombAsymmetry, DwellAging, FrictionalLag, LARGEST_LEVEL, LoadDependentFriction,
@@ -13,11 +13,11 @@ pub static COULOMB_ASYMMETRY: Form = Form {
     id: "coulomb_asymmetry",
     keys: &[("asymmetry", Within(1.0))],
     library: |effect, _| term(CoulombAsymmetry::try_new(effect.get("asymmetry"))),
-    controller: Ok(Constructor {
-        kind: "CoulombAsymmetry",
-        more: &[],
-        c: CTerm::level("friction > 0.0f ? $asymmetry : friction < 0.0f ? -$asymmetry : 0.0f"),
-    }),
+    controller: built(
+        "CoulombAsymmetry",
+        &[],
+        CTerm::level("friction > 0.0f ? $asymmetry : friction < 0.0f ? -$asymmetry : 0.0f"),
+    ),
     ..BARE
 };
 
@@ -33,11 +33,11 @@ pub static STRIBECK: Form = Form {
         let [level, velocity, exponent] = effect.numbers();
         term(Stribeck::try_new(level, velocity, exponent, Units::SI))
     },
-    controller: Ok(Constructor {
-        kind: "Stribeck",
-        more: &[Argument::Units],
-        c: CTerm::level("$level * stribeck(v, $velocity_m_s, $exponent)"),
-    }),
+    controller: built(
+        "Stribeck",
+        &[Argument::Units],
+        CTerm::level("$level * stribeck(v, $velocity_m_s, $exponent)"),
+    ),
     ..BARE
 };
 
@@ -61,15 +61,11 @@ pub static FRICTIONAL_LAG: Form = Form {
             Units::SI,
         ))
     },
-    controller: Ok(Constructor {
-        kind: "FrictionalLag",
-        more: &[Argument::SampleTime, Argument::Units],
-        c: CTerm::level("@").remembers(Memory {
+    controller: built("FrictionalLag", &[Argument::SampleTime, Argument::Units], CTerm::level("@").remembers(Memory {
             kind: "float",
             at_rest: "$level",
             next: "@ - expm1f(-SAMPLE_TIME_S / $time_constant_s) * ($level * stribeck(v, $velocity_m_s, $exponent) - @)",
-        }),
-    }),
+        })),
     ..BARE
 };
 
@@ -86,11 +82,11 @@ pub static POSITION_FRICTION: Form = Form {
             Units::SI,
         ))
     },
-    controller: Ok(Constructor {
-        kind: "PositionFriction",
-        more: &[Argument::Units],
-        c: CTerm::level("cosines((x - $from_m) / ($to_m - $from_m), $cosines)").placed(),
-    }),
+    controller: built(
+        "PositionFriction",
+        &[Argument::Units],
+        CTerm::level("cosines((x - $from_m) / ($to_m - $from_m), $cosines)").placed(),
+    ),
     ..BARE
 };
 
@@ -107,11 +103,11 @@ pub static LOCAL_FRICTION_SPOT: Form = Form {
             Units::SI,
         ))
     },
-    controller: Ok(Constructor {
-        kind: "LocalFrictionSpot",
-        more: &[Argument::Units],
-        c: CTerm::level("$level * spot((x - $position_m) / $width_m)").placed(),
-    }),
+    controller: built(
+        "LocalFrictionSpot",
+        &[Argument::Units],
+        CTerm::level("$level * spot((x - $position_m) / $width_m)").placed(),
+    ),
     ..BARE
 };
 
@@ -123,11 +119,11 @@ pub static PERIODIC_FRICTION: Form = Form {
         let [level, period, phase] = effect.numbers();
         term(PeriodicFriction::try_new(level, period, phase, Units::SI))
     },
-    controller: Ok(Constructor {
-        kind: "PeriodicFriction",
-        more: &[Argument::Units],
-        c: CTerm::level("$level * wave(x, $period_m, $phase_rad)").placed(),
-    }),
+    controller: built(
+        "PeriodicFriction",
+        &[Argument::Units],
+        CTerm::level("$level * wave(x, $period_m, $phase_rad)").placed(),
+    ),
     ..BARE
 };
 
@@ -139,11 +135,11 @@ pub static THERMAL_DRIFT: Form = Form {
         let [level, temperature] = effect.numbers();
         term(ThermalDrift::try_new(level, temperature, LARGEST_LEVEL))
     },
-    controller: Ok(Constructor {
-        kind: "ThermalDrift",
-        more: &[Argument::LevelLimit],
-        c: CTerm::level("slope(temperature, $temperature_C, $level_per_K)"),
-    }),
+    controller: built(
+        "ThermalDrift",
+        &[Argument::LevelLimit],
+        CTerm::level("slope(temperature, $temperature_C, $level_per_K)"),
+    ),
     needs: Some((
         Column::Temperature,
         "thermal_drift with level and time_constant_s",
@@ -159,10 +155,10 @@ pub static WARM_UP: Form = Form {
         let [level, time] = effect.numbers();
         term(WarmUp::try_new(level, time, sample_time))
     },
-    controller: Ok(Constructor {
-        kind: "WarmUp",
-        more: &[Argument::SampleTime],
-        c: CTerm::level("$level * expf(-(float)@ * (SAMPLE_TIME_S / $time_constant_s))").remembers(
+    controller: built(
+        "WarmUp",
+        &[Argument::SampleTime],
+        CTerm::level("$level * expf(-(float)@ * (SAMPLE_TIME_S / $time_constant_s))").remembers(
             // Ticks: seconds in single precision stand still.
             Memory {
                 kind: "uint32_t",
@@ -170,7 +166,7 @@ pub static WARM_UP: Form = Form {
                 next: "@ < UINT32_MAX ? @ + 1u : @",
             },
         ),
-    }),
+    ),
     cost: Some("warm_up"),
     ..BARE
 };
@@ -213,19 +209,15 @@ pub static DWELL_AGING: Form = Form {
             Units::SI,
         ))
     },
-    controller: Ok(Constructor {
-        kind: "DwellAging",
-        more: &[
+    controller: built("DwellAging", &[
             Argument::Number(DECADES),
             Argument::SampleTime,
             Argument::Units,
-        ],
-        c: CTerm::level("$level_per_decade * log10f(1.0f + @)").remembers(Memory {
+        ], CTerm::level("$level_per_decade * log10f(1.0f + @)").remembers(Memory {
             kind: "float",
             at_rest: "0.0f",
             next: "limited(@ - @ * limited(SAMPLE_TIME_S / $erasing_path_m * fabsf(v), 1.0f) + SAMPLE_TIME_S / $time_constant_s, 99.0f)",
-        }),
-    }),
+        })),
     ..BARE
 };
 
@@ -242,11 +234,11 @@ pub static LOAD_DEPENDENT_FRICTION: Form = Form {
             Units::SI,
         ))
     },
-    controller: Ok(Constructor {
-        kind: "LoadDependentFriction",
-        more: &[Argument::LevelLimit, Argument::Units],
-        c: CTerm::level("slope(load, $load_N, $level_per_N)"),
-    }),
+    controller: built(
+        "LoadDependentFriction",
+        &[Argument::LevelLimit, Argument::Units],
+        CTerm::level("slope(load, $load_N, $level_per_N)"),
+    ),
     needs: Some((Column::Load, "a constant friction level")),
     ..BARE
 };

@@ -144,6 +144,14 @@ pub struct Constructor {
     pub c: CTerm,
 }
 
+const fn built(
+    kind: &'static str,
+    more: &'static [Argument],
+    c: CTerm,
+) -> Result<Constructor, &'static str> {
+    Ok(Constructor { kind, more, c })
+}
+
 /// An argument of a constructor that is no parameter.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Argument {

@@ -266,4 +266,4 @@ fn numbers(kind: u32, payload: &mut Cursor<'_>, budget: &mut u64) -> Result<Vec<
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -1,5 +1,6 @@
 //! Whole files. Here is what their tests share.
 
+mod damaged;
 mod faults;
 mod foreign;
 mod loggers;
@@ -12,6 +13,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use super::*;
+use preslide_host_tests::refusal::refuses;
 
 fn options(map: &[(&str, &str)]) -> LoadOptions {
     LoadOptions {

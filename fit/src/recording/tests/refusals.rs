@@ -1,8 +1,5 @@
 //! Bad files, and random ones: refused by name, or loaded soundly.
 
-use rand::{Rng, RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-
 use super::*;
 use std::fs::File;
 
@@ -12,18 +9,22 @@ fn time_must_advance() {
         ([0.0, 1.0, 0.5], "runs backwards", "sort the rows"),
         ([0.0, 1.0, 1.0], "stands still", "more digits"),
     ] {
-        let e = text(&table(t.map(|t| (t, t, 1.0))), &[])
-            .expect_err(how)
-            .to_string();
-        for part in ["test.csv", "line 4", how, remedy] {
-            assert!(e.contains(part), "{e}");
-        }
+        refuses(
+            text(&table(t.map(|t| (t, t, 1.0))), &[]),
+            &["test.csv", "line 4", how, remedy],
+        );
     }
     // Blank lines count in the message.
-    let e = text("t_s,x_m,force_N\n0,0,1\n\n1,0,1\n1,0,1\n", &[])
-        .expect_err("still")
-        .to_string();
-    assert!(e.contains("line 5"), "{e}");
+    refuses(
+        text("t_s,x_m,force_N\n0,0,1\n\n1,0,1\n1,0,1\n", &[]),
+        &["line 5"],
+    );
+    // 0.41 s, and 0.41 s but for the last digit of a double.
+    let near = (0..60).map(|i| {
+        let t = if i == 40 { 0.41 } else { f64::from(i) * 0.01 };
+        (t, f64::from(i), 1.0)
+    });
+    refuses(text(&table(near), &[]), &["line 43", "stands still"]);
 }
 
 #[test]
@@ -32,19 +33,16 @@ fn the_clock_may_start_again_with_a_new_segment_only() {
     let r = text(rows, &[]).expect("two segments");
     assert_eq!(r.pieces, vec![0..3, 3..6]);
     assert!(warns(&r, "time-restarts") && !r.segments_found);
-    let e = text(&rows.replace("segment", "other"), &[])
-        .expect_err("no segment")
-        .to_string();
-    assert!(
-        e.contains("--map segment=other") && e.contains("line 5"),
-        "{e}"
+    refuses(
+        text(&rows.replace("segment", "other"), &[]),
+        &["--map segment=other", "line 5"],
     );
     let r = text(&rows.replace("segment", "other"), &[("segment", "lot")]).expect("words");
     assert_eq!(r.segment, [0, 0, 0, 1, 1, 1]);
-    let e = text(&rows.replace("0,a", "0.5,a"), &[])
-        .expect_err("half a segment")
-        .to_string();
-    assert!(e.contains("`segment`") && e.contains("whole number"), "{e}");
+    refuses(
+        text(&rows.replace("0,a", "0.5,a"), &[]),
+        &["`segment`", "whole number"],
+    );
 }
 
 #[test]
@@ -88,12 +86,9 @@ fn a_file_over_a_gigabyte_is_refused_at_once() {
             "{e}"
         );
     }
-    let e = load(&folder.path().join("absent.csv"), &LoadOptions::default())
-        .expect_err("absent")
-        .to_string();
-    assert!(
-        e.contains("absent.csv") && e.contains("check the path"),
-        "{e}"
+    refuses(
+        load(&folder.path().join("absent.csv"), &LoadOptions::default()),
+        &["absent.csv", "check the path"],
     );
     let e = load(folder.path(), &LoadOptions::default()).expect_err("a folder");
     assert!(matches!(e.problem, Problem::Io(_)), "{e}");
@@ -122,56 +117,8 @@ fn signs_maps_and_windows_that_make_no_sense() {
     let r = text(&csv, &[]).expect("loads");
     assert_eq!(r.slice_time(2.0, 5.0).expect("inside").t_s, [2.0, 3.0, 4.0]);
     for (from, to) in [(5.0, 2.0), (20.0, 30.0), (2.0, 2.5), (f64::NAN, 3.0)] {
-        let e = r
-            .slice_time(from, to)
-            .expect_err("nothing inside")
-            .to_string();
-        assert!(e.contains("covers 0 s to 8 s"), "{e}");
+        refuses(r.slice_time(from, to), &["covers 0 s to 8 s"]);
     }
-}
-
-#[test]
-fn random_bytes_and_random_damage_never_panic() {
-    let mut rng = ChaCha8Rng::seed_from_u64(2);
-    let good =
-        table((0..60).map(|i| (f64::from(i) * 0.01, f64::from(i).sin(), f64::from(i).cos())))
-            .into_bytes();
-    let alphabet = b"0123456789.,-+eE\n\r\"#;\t nNaif\0\xff_tsxm";
-    let mut loaded = 0;
-    for round in 0..6000 {
-        let mut bytes = good.clone();
-        if round % 10 == 0 {
-            bytes.resize(rng.random_range(0..400), 0);
-            rng.fill_bytes(&mut bytes);
-        } else {
-            for _ in 0..rng.random_range(1..4) {
-                let at = rng.random_range(0..bytes.len());
-                let byte = alphabet[rng.random_range(0..alphabet.len())];
-                match rng.random_range(0..4) {
-                    0 => bytes.insert(at, byte),
-                    1 => drop(bytes.remove(at)),
-                    2 => bytes.truncate(at.max(1)),
-                    _ => bytes[at] = byte,
-                }
-            }
-        }
-        for result in [
-            load_csv(bytes.as_slice(), "random.csv", &LoadOptions::default()),
-            load_mat(bytes.as_slice(), "random.mat", &LoadOptions::default()),
-        ] {
-            match result {
-                Ok(r) => {
-                    check_invariants(&r);
-                    loaded += 1;
-                }
-                Err(e) => assert!(e.to_string().starts_with("random."), "{e}"),
-            }
-        }
-    }
-    assert!(
-        loaded > 500,
-        "the damage must leave some readable: {loaded}"
-    );
 }
 
 #[test]

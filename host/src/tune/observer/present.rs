@@ -16,41 +16,16 @@ impl Proposal {
 
     /// Every case with its margins.
     pub fn table(&self) -> Table {
-        let head = [
-            "case",
-            "gain may grow",
-            "may shrink",
-            "phase [°]",
-            "crossover [Hz]",
-            "gain at the mode",
-            "peak of the sensitivity",
-        ];
-        let factor = |value: f64| match value.is_finite() {
-            true => format!("×{value:.2}"),
+        let factor = |sign: &str, value: f64| match value.is_finite() {
+            true => format!("{sign}{value:.2}"),
             false => "to none".to_owned(),
         };
-        let rows = self.cases.iter().map(|(case, margins)| {
-            vec![
-                case.name.clone(),
-                factor(margins.gain),
-                match margins.reduction.is_finite() {
-                    true => format!("÷{:.2}", margins.reduction),
-                    false => "to none".to_owned(),
-                },
-                format!("{:.1}", margins.phase_deg),
-                format!("{:.0}", margins.crossover_hz),
-                format!("{:.2}", margins.at_mode),
-                format!("{:.2}", 1.0 / margins.distance),
-            ]
-        });
-        Table {
-            caption: format!(
+        Table::of(format!(
                 "The loop with the observer; asked of every case: ×{} and ÷{} of gain, {}° of phase, at most {} at the drive's first mode",
                 ASKED.gain, ASKED.gain, ASKED.phase_deg, ASKED.at_mode
-            ),
-            head: head.map(str::to_owned).to_vec(),
-            rows: rows.collect(),
-        }
+            ), &self.cases).column("case", |(case, _)| case.name.clone()).column("gain may grow", |(_, m)| factor("×", m.gain)).column("may shrink", |(_, m)| factor("÷", m.reduction)).column("phase [°]", |(_, m)| format!("{:.1}", m.phase_deg)).column("crossover [Hz]", |(_, m)| format!("{:.0}", m.crossover_hz)).column("gain at the mode", |(_, m)| format!("{:.2}", m.at_mode)).column("peak of the sensitivity", |(_, m)| {
+                    format!("{:.2}", 1.0 / m.distance)
+                }).table()
     }
 
     /// The page's section.

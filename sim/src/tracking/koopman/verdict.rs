@@ -5,9 +5,9 @@ use crate::stage::concealed::{Concealed, Kind};
 use crate::stage::{Stage, StageConfig};
 use crate::tracking::{Instant, Step, TRACKING_SEEDS, Tracking, TrackingError, motions};
 use preslide::control::Settings;
+use preslide_fit::report::Table;
 use preslide_host::tune::observer::{UNCERTAINTY, UNTOLD_KG};
 use rayon::prelude::*;
-use std::fmt::Write as _;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// An error that counts as settled (m).
@@ -279,78 +279,57 @@ impl Settles {
 
 /// The study for people.
 pub fn print(verdict: &Verdict) -> String {
-    let mut text = String::new();
-    let _ = writeln!(
-        text,
-        "{} stage: what the maps err of the loop's following error 1, 4 and 16 ms ahead, on a repeat that was not fitted (nm RMS)",
-        verdict.stage
-    );
-    for (contender, errors, size, ridge) in &verdict.learnt {
-        let [a, b, c] = errors.map(|e| e * 1e9);
-        let _ = writeln!(
-            text,
-            "{:<18} {a:>6.0} {b:>6.0} {c:>6.0} of {:.0}, ridge {ridge:.0e}",
-            contender.name(),
-            size * 1e9
-        );
-    }
-    let _ = writeln!(
-        text,
-        "\ntuned on the identification's stage and motion, the worse of as told and +1 kg (nm RMS)\n{:<18} {:>8} {:>8}  {:<22} {:>6} {:>12}",
-        "", "before", "after", "logarithms", "bears", "contraction"
-    );
-    for tuned in &verdict.tuned {
+    let stage = verdict.stage;
+    let nm = |error: f64| format!("{:.0}", 1e9 * error);
+    let learnt = Table::of(
+        format!("{stage} stage: what the maps err of the loop's following error 1, 4 and 16 ms ahead, on a repeat that was not fitted (nm RMS)"),
+        &verdict.learnt,
+    )
+    .column("", |(contender, ..)| contender.name().to_owned())
+    .column("1 ms", |(_, errors, ..)| nm(errors[0]))
+    .column("4 ms", |(_, errors, ..)| nm(errors[1]))
+    .column("16 ms", |(_, errors, ..)| nm(errors[2]))
+    .column("of", |(_, _, size, _)| nm(*size))
+    .column("ridge", |(.., ridge)| format!("{ridge:.0e}"));
+    let tuned = Table::of(
+        "tuned on the identification's stage and motion, the worse of as told and +1 kg (nm RMS)",
+        &verdict.tuned,
+    )
+    .column("", |tuned| tuned.contender.name().to_owned())
+    .column("before", |tuned| nm(tuned.cost_m[0]))
+    .column("after", |tuned| nm(tuned.cost_m[1]))
+    .column("logarithms", |tuned| {
         let [a, b, c] = tuned.parameters;
-        let [before, after] = tuned.cost_m.map(|cost| cost * 1e9);
-        let contraction = tuned
+        format!("{a:+.2} {b:+.2} {c:+.2}")
+    })
+    .column("bears", |tuned| {
+        tuned.gain.map_or("rings".to_owned(), |g| format!("×{g}"))
+    })
+    .column("contraction", |tuned| {
+        tuned
             .contraction
-            .map_or(String::new(), |c| format!("{c:.2e}"));
-        let gain = tuned.gain.map_or("rings".to_owned(), |g| format!("×{g}"));
-        let logarithms = format!("{a:+.2} {b:+.2} {c:+.2}");
-        let _ = writeln!(
-            text,
-            "{:<18} {before:>8.0} {after:>8.0}  {logarithms:<22} {gain:>6} {contraction:>12}",
-            tuned.contender.name(),
-        );
-    }
-    for (name, scores) in &verdict.scores {
-        let _ = writeln!(
-            text,
-            "\n{} stage, {name}\n{:<18} {:>18} {:>18} {:>9} {:>8} {:>7}\n{:<18} {:>18} {:>18} {:>9} {:>8} {:>7}",
-            verdict.stage,
-            "",
-            "nested triangles",
-            "slide 1 mm/s",
-            "within",
-            "slowest",
-            "force",
-            "",
-            "RMS / peak (nm)",
-            "RMS / peak (nm)",
-            "100 nm",
-            "(ms)",
-            "(N)"
-        );
-        for (tuned, score) in verdict.tuned.iter().zip(scores) {
-            let _ = writeln!(text, "{}", row(tuned.contender, score));
-        }
-    }
-    text
-}
-
-fn row(contender: Contender, score: &Score) -> String {
-    let nm = |t: &Tracking| match t.rms_m() {
+            .map_or(String::new(), |c| format!("{c:.2e}"))
+    });
+    let both = |t: &Tracking| match t.rms_m() {
         Some(rms) => format!("{:.0} / {:.0}", rms * 1e9, t.peak_m() * 1e9),
         None => "fault".to_owned(),
     };
-    let [made, settled] = score.moves;
-    format!(
-        "{:<18} {:>18} {:>18} {:>9} {:>8.0} {:>7.3}",
-        contender.name(),
-        nm(&score.nested),
-        nm(&score.slide),
-        format!("{settled}/{made}"),
-        score.slowest_s * 1e3,
-        score.force_n()
-    )
+    let scores = verdict.scores.iter().map(|(name, scores)| {
+        let caption = format!(
+            "{stage} stage, {name}: RMS / peak (nm) over nested triangles and slides of 1 mm/s, moves within 100 nm, the slowest (ms), force (N)"
+        );
+        Table::of(caption, verdict.tuned.iter().zip(scores))
+            .column("", |(tuned, _)| tuned.contender.name().to_owned())
+            .column("nested", |(_, score)| both(&score.nested))
+            .column("slide", |(_, score)| both(&score.slide))
+            .column("within", |(_, Score { moves: [made, settled], .. })| format!("{settled}/{made}"))
+            .column("slowest", |(_, score)| format!("{:.0}", score.slowest_s * 1e3))
+            .column("force", |(_, score)| format!("{:.3}", score.force_n()))
+    });
+    let tables = [learnt.table(), tuned.table()].into_iter();
+    let tables = tables.chain(scores.map(|scores| scores.table()));
+    tables
+        .map(|table| table.to_text())
+        .collect::<Vec<_>>()
+        .join("\n")
 }
