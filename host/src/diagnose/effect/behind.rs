@@ -11,6 +11,9 @@ use std::ops::Range;
 
 /// Most radians of the load's own swing in one step of the simulation.
 const STEP: f64 = 0.15;
+/// Most steps of a load in a sample, twice those that the fastest swing needs that is seen. What holds it stiffer is taken to be no stiffer: a light
+/// tribometer took ten minutes.
+const STEPS: f64 = 16.0;
 /// Slowest swing (Hz), and how many are tried up to what the samples resolve, from where on they are refined.
 const SLOWEST_HZ: f64 = 15.0;
 const FASTEST_HZ: f64 = 150.0;
@@ -61,6 +64,11 @@ pub fn swings(scene: &Scene) -> Vec<f64> {
         true => spread(SLOWEST_HZ, fastest, SWINGS),
         false => Vec::new(),
     }
+}
+
+/// How fast (rad/s) a mass swings on blocks that stick.
+fn sticking(blocks: &[(f64, f64)], mass: f64) -> f64 {
+    (blocks.iter().map(|(k, _)| k).sum::<f64>() / mass).sqrt()
 }
 
 /// A shape parameter of such a load brought within what a recording can resolve and a drive can have.
@@ -179,14 +187,18 @@ impl Load {
         }
     }
 
-    /// Friction that yields over a good part of the gap is what a fit without the gap made of it.
-    fn blocks(&self, core: &Baseline) -> Vec<(f64, f64)> {
+    /// Friction that yields over a good part of the gap is what a fit without the gap made of it; and what sticks is a spring, no stiffer than
+    /// [`STEPS`] in `dt` (s) resolve.
+    fn blocks(&self, core: &Baseline, dt: f64) -> Vec<(f64, f64)> {
         let longest = match self.gap {
             0.0 => f64::INFINITY,
             gap => YIELDS * gap,
         };
         let within = |&(k, d): &(f64, f64)| (k * d / d.min(longest), d.min(longest));
-        core.blocks.iter().map(within).collect()
+        let blocks: Vec<(f64, f64)> = core.blocks.iter().map(within).collect();
+        let held = dt * sticking(&blocks, self.share * core.mass);
+        let soft = (STEPS / held).min(1.0).powi(2);
+        blocks.iter().map(|(k, d)| (k * soft, d / soft)).collect()
     }
 
     /// What crosses play and spring (N or N·m) at the samples.
@@ -194,10 +206,8 @@ impl Load {
         let (s, core) = (scene.s, scene.core);
         let (w, half, mass) = (TAU * self.hz, 0.5 * self.gap, self.share * core.mass);
         let (stiffness, damping) = (self.stiffness(scene), 2.0 * self.damping * w * mass);
-        let blocks = self.blocks(core);
-        // Blocks that stick are springs, too.
-        let sticks: f64 = blocks.iter().map(|(k, _)| k).sum();
-        let fastest = (w / STEP).max((w * w + sticks / mass).sqrt());
+        let blocks = self.blocks(core, s.dt);
+        let fastest = (w / STEP).max(w.hypot(sticking(&blocks, mass)));
         let steps = (fastest * s.dt).ceil().max(1.0) as usize;
         let h = s.dt / steps as f64;
         let mut effort = vec![0.0; s.x.len()];
