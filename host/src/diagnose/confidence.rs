@@ -36,7 +36,6 @@ pub(super) static FITTED: LazyLock<Calibration> =
 /// What separates a right name from a false one, by name; about zero for a name at the edge. Ten more were tried (standard deviations, agreement of blocks,
 /// changes of the hysteresis, order and number of terms, class): with them names of a source that was left out are judged less well.
 pub fn features(report: &TermReport) -> BTreeMap<&'static str, f64> {
-    let is_law = report.term.effect().is_some_and(|e| e.is_law());
     BTreeMap::from([
         ("size", size(report)),
         (
@@ -45,7 +44,6 @@ pub fn features(report: &TermReport) -> BTreeMap<&'static str, f64> {
         ),
         // Of a line or a narrow place.
         ("state", report.placebo.unwrap_or_default()),
-        ("law", f64::from(u8::from(is_law))),
     ])
 }
 

@@ -44,7 +44,7 @@ const OF_A_LAW: f64 = 0.0125;
 /// The share from which a transient is named: what the core misses after a stop or a reversal looks like one.
 const NAMED_TRANSIENT: f64 = 0.1;
 /// Least confidence of a confident name, a little above even odds. Of the names that the calibration knows, each judged by weights fitted without its
-/// source, 47 of 53 on real machines and 280 of 379 on made ones are right from here on; a higher one silences drift.
+/// machine or its source, 229 of 243 on real machines and 144 of 196 on made ones are right from here on; a higher one silences drift.
 const LIKELY: f64 = 0.55;
 /// NMSE (%) on folds held out from which a model explains too little to be called consistent with anything.
 pub(super) const EXPLAINS_LITTLE: f64 = 25.0;
