@@ -44,6 +44,7 @@ pub fn features(report: &TermReport) -> BTreeMap<&'static str, f64> {
         ),
         // Of a line or a narrow place.
         ("state", report.placebo.unwrap_or_default()),
+        ("law", f64::from(u8::from(report.law))),
     ])
 }
 

@@ -50,6 +50,8 @@ pub struct TermReport {
     pub left: f64,
     /// Share of that which it takes off, all rows alike.
     pub gain: f64,
+    /// It follows the motion as a hysteresis does that was fitted beside it.
+    pub law: bool,
     /// No larger than what every recording has.
     pub harmless: bool,
     /// Nothing else than the effect looks like it: a delay may be none.
@@ -93,6 +95,7 @@ fn report(found: &Found, index: usize, periods: &[f64]) -> Option<TermReport> {
         tried: Vec::new(),
         left,
         gain: 1.0 - with.nmse(&null.rows).test / left.max(1e-300),
+        law: !null.core.corrects && term.effect().is_some_and(|e| e.is_law()),
         harmless: term
             .effect()
             .is_some_and(|e| e.is_harmless(&null.scene(), found.hypothesis.coefficients(index))),
