@@ -252,6 +252,15 @@ mod tests {
     use crate::diagnose::effect::tests::Stage;
     use preslide_fit::recording::MotionKind;
 
+    /// Of a load of no mass the steps would be without end.
+    #[test]
+    fn friction_that_holds_a_light_load_costs_no_more() {
+        let mut stage = Stage::new(MotionKind::Linear, 1.0);
+        stage.core.mass = 1e-15;
+        let force = Load::whole(0.0, 90.0).transmitted(&stage.scene());
+        assert!(force.iter().all(|f| f.is_finite()));
+    }
+
     /// What crosses the gap passes nothing, and on the whole the contact passes what holds the load. That the gap comes out right is shown on a
     /// machine of another's making (`python/tests/test_preslide.py`).
     #[test]
