@@ -4,6 +4,7 @@
 use super::confidence;
 use super::effect::ALWAYS_FREE;
 use super::modelled::effort_of;
+use super::noise::rms;
 use super::normal::{Bound, Normal};
 use super::null_model::{Hypothesis, Nmse, NullModel};
 use super::term::{Subject, Term};
@@ -28,7 +29,8 @@ const SIZES: [&str; 8] = [
 /// Relative difference from which a parameter is said to be wrong: an identification repeated on another day, or with another motion, comes
 /// within it.
 const APART: f64 = 0.1;
-/// NMSE (%) that its difference must be worth by itself: as much as a term that enters, of a model that leaves ten per cent.
+/// NMSE (%) that its difference must be worth by itself, of the effort or of the friction, whichever is smaller: as much as a term that enters, of a
+/// model that leaves ten per cent.
 const WORTH: f64 = 0.1;
 /// The same, of what the model leaves with its parameters refitted: less may be its form's error, which no parameter mends.
 const OF_LEFT: f64 = 0.5;
@@ -81,14 +83,14 @@ struct Share {
 }
 
 impl Refitted {
-    /// Whether it is wrong, where the refitted model leaves so much (%).
-    fn is_wrong(&self, left: f64) -> bool {
+    /// Whether it is wrong, where the refitted model leaves so much (%) and less than `least` (%) is worth nothing.
+    fn is_wrong(&self, left: f64, least: f64) -> bool {
         let outside = self
             .found
             .ci95
             .is_some_and(|[low, high]| !(low..=high).contains(&self.given));
         let apart = (self.found.value - self.given).abs() > APART * self.given.abs();
-        outside && apart && self.worth > WORTH.max(OF_LEFT * left)
+        outside && apart && self.worth > least.max(OF_LEFT * left)
     }
 }
 
@@ -117,15 +119,20 @@ impl Given {
         }
         let target = left(&rows.force, &fixed);
         let fit = Fit::of(null, extended, shares, &target)?;
-        let both = fit.split_by_direction(null, extended, model, &target);
-        let mut parameters = both.as_ref().unwrap_or(&fit).parameters(null, model)?;
+        let split = fit.split_by_direction(null, extended, model, &target);
+        let by_direction = split.and_then(|split| split.parameters(null, model));
         let own = fit.parameters(null, model)?;
         let mut model = model.clone();
         own.iter().for_each(|p| p.enter(&mut model));
         let [train, test] =
             [false, true].map(|held_out| rows.nmse(&fit.residual(held_out, &target)));
+        let mut parameters = by_direction
+            .filter(|split| is_one_way(split))
+            .unwrap_or(own);
+        let friction = rms(&rows.weak.at_centres(&null.baseline.friction));
+        let least = WORTH * (friction / rows.rms_of(100.0)).powi(2).min(1.0);
         for parameter in &mut parameters {
-            parameter.differs = parameter.is_wrong(test);
+            parameter.differs = parameter.is_wrong(test, least);
         }
         Some(Self {
             stands,
@@ -144,6 +151,19 @@ impl Given {
     pub fn wrong(&self) -> impl Iterator<Item = &Refitted> {
         self.parameters.iter().filter(|p| p.differs)
     }
+}
+
+/// Whether viscous friction differs by direction beyond its intervals: halves of one that is wrong are worth half each, and neither may count.
+fn is_one_way(parameters: &[Refitted]) -> bool {
+    let of = |direction: f64| {
+        let mut own = parameters.iter();
+        let own = own.find(|p| p.part == Part::ViscousOf(direction));
+        own.and_then(|p| p.found.ci95)
+    };
+    let apart = |([low, high], [other_low, other_high]): ([f64; 2], [f64; 2])| {
+        low > other_high || other_low > high
+    };
+    of(1.0).zip(of(-1.0)).is_some_and(apart)
 }
 
 /// Whether a term is one of a model's own parts.
