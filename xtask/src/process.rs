@@ -37,7 +37,7 @@ pub fn cargo(arguments: &[&str]) -> Command {
 
 /// The words of a command line that quotes none.
 pub fn words(line: &str) -> Vec<&str> {
-    line.split(' ').collect()
+    line.split_whitespace().collect()
 }
 
 /// What builds for a microcontroller whatever its user's environment says: in increments code is cut otherwise, costs other cycles, and calls what

@@ -69,6 +69,11 @@ impl Effect for Backlash {
         &CARD
     }
 
+    /// A gap passes nothing for a while, which no hysteresis does.
+    fn is_law(&self) -> bool {
+        false
+    }
+
     fn excludes(&self, shape: &[f64]) -> &'static [&'static dyn Effect] {
         match shape {
             // The spring of its contact is one.
