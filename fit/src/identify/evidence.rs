@@ -116,7 +116,7 @@ impl Evidence<'_> {
         }
         let mut best: Option<Vec<f64>> = None;
         let mut take = |shown: &mut Shown, (plain, end): (Plain, f64)| {
-            let pushes = self.pushes(plain, end);
+            let pushes = plain.place == Place::Spring && self.pushes(plain, end);
             // Friction that yields late would cancel it.
             if pushes && end > early {
                 return;

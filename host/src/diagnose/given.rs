@@ -4,7 +4,6 @@
 use super::confidence;
 use super::effect::ALWAYS_FREE;
 use super::modelled::effort_of;
-use super::noise::rms;
 use super::normal::{Bound, Normal};
 use super::null_model::{Hypothesis, Nmse, NullModel};
 use super::term::{Subject, Term};
@@ -129,8 +128,10 @@ impl Given {
         let mut parameters = by_direction
             .filter(|split| is_one_way(split))
             .unwrap_or(own);
-        let friction = rms(&rows.weak.at_centres(&null.baseline.friction));
-        let least = WORTH * (friction / rows.rms_of(100.0)).powi(2).min(1.0);
+        let least = WORTH
+            * (null.usual_friction() / rows.rms_of(100.0))
+                .powi(2)
+                .min(1.0);
         for parameter in &mut parameters {
             parameter.differs = parameter.is_wrong(test, least);
         }

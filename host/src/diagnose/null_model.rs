@@ -6,7 +6,7 @@ use super::core::Core;
 use super::curve::Curve;
 use super::effect::thermal_drift::ThermalDrift;
 use super::effect::{self, Baseline, Effect, Scene, constant_force, viscous};
-use super::noise::{Course, Noise};
+use super::noise::{Course, Noise, rms};
 use super::normal::{Bound, Normal};
 use super::rows::Rows;
 use super::signals::Signals;
@@ -80,6 +80,16 @@ pub struct Nmse {
 }
 
 impl NullModel {
+    /// Friction without effects at the rows (N or N·m).
+    pub fn friction(&self) -> Vec<f64> {
+        self.rows.weak.at_centres(&self.baseline.friction)
+    }
+
+    /// Its root mean square (N or N·m).
+    pub fn usual_friction(&self) -> f64 {
+        rms(&self.friction())
+    }
+
     /// Finds friction and noise of a recording, beside the terms of a model that is given and blocks of the yields `fitted` among others (m
     /// or rad); `None` where the motion does not show them.
     pub fn new(rows: Rows, given: &[Term], fitted: Option<&[f64]>) -> Option<Self> {

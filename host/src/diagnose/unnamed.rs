@@ -121,7 +121,7 @@ pub fn unnamed(
         Subject::Change(change) => !change.is_plain(),
         Subject::Curve(_) => true,
     };
-    let usual = usual_friction(found);
+    let usual = found.null.usual_friction();
     let material = reports
         .iter()
         .filter(is_unnamed)
@@ -144,7 +144,7 @@ pub fn unnamed(
 /// What happened at some time and not otherwise.
 pub fn happened(found: &Found) -> Option<Unknown> {
     let rows = &found.null.rows;
-    let friction = friction(found);
+    let friction = found.null.friction();
     let mismatch = found.hypothesis.held_out_residual(rows);
     let event = event(rows, &friction, &mismatch)?;
     let while_it_lasts = event.stretches.iter().flat_map(|r| &event.force[r.clone()]);
@@ -194,18 +194,7 @@ pub fn happened(found: &Found) -> Option<Unknown> {
 
 /// Whether an NMSE (%) that is neither noise nor explained is more than friction that wanders, and so something: whatever it follows.
 pub(super) fn is_something(found: &Found, unexplained: f64) -> bool {
-    found.null.rows.rms_of(unexplained.max(0.0)) > WANDERS * usual_friction(found)
-}
-
-/// Root mean square of the friction without effects at the rows (N or N·m).
-pub(super) fn usual_friction(found: &Found) -> f64 {
-    rms(&friction(found))
-}
-
-/// Friction without effects at the rows (N or N·m).
-fn friction(found: &Found) -> Vec<f64> {
-    let null = &found.null;
-    null.rows.weak.at_centres(&null.baseline.friction)
+    found.null.rows.rms_of(unexplained.max(0.0)) > WANDERS * found.null.usual_friction()
 }
 
 /// The one effect of the catalogue that acts over a coordinate, where there is but one.

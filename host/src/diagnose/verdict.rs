@@ -26,7 +26,7 @@ use super::shift::Shift;
 use super::signals::Signals;
 use super::simulation::{self, Corrected};
 use super::term::{Subject, Term};
-use super::unnamed::{Unknown, is_likely, is_something, likely, unnamed, usual_friction};
+use super::unnamed::{Unknown, is_likely, is_something, likely, unnamed};
 use preslide_fit::evidence::NAMED;
 use preslide_fit::model::Model;
 use preslide_fit::recording::Recording;
@@ -426,7 +426,7 @@ fn is_material(effect: &dyn Effect, report: &TermReport) -> bool {
 /// Whether a law of the motion takes no more off than what no hysteresis is known to.
 fn is_of_the_hysteresis(found: &Found, report: &TermReport) -> bool {
     let taken = found.null.rows.rms_of((report.gain * report.left).max(0.0));
-    report.law && taken < OF_A_LAW * usual_friction(found)
+    report.law && taken < OF_A_LAW * found.null.usual_friction()
 }
 
 /// Tells of each effect whether the simulation has it, too; whether one is doubtful for what it says of the simulation's own.
