@@ -31,6 +31,8 @@ pub struct Diagnosis {
     pub verdict: String,
     /// Effects, first rank first.
     pub effects: Vec<Named>,
+    /// Keys of the user's model whose numbers it says are wrong, an effect's behind the effect's id.
+    pub wrong: Vec<String>,
     /// It says that something is there which no catalogue has.
     pub unknown: bool,
     /// The coordinate that organises it.
@@ -69,6 +71,13 @@ impl Diagnosis {
         Ok(Diagnosis {
             unknown: !json["unknown"].is_null() || verdict == "unknown-physics",
             verdict,
+            wrong: json["given_model"]["parameters"]
+                .as_array()
+                .into_iter()
+                .flatten()
+                .filter(|p| p["differs"] == true)
+                .filter_map(|p| Some(p["key"].as_str()?.to_owned()))
+                .collect(),
             effects: effects.into_iter().map(|(_, named)| named).collect(),
             unnamed: json["unnamed"]
                 .as_array()

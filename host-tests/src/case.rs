@@ -88,8 +88,10 @@ pub struct Truth {
     pub place: Option<Place>,
     /// Parameters by name, in SI, to hold stated intervals against.
     pub parameters: Vec<(String, f64)>,
-    /// Whether the source's own oracle sees it in the recording.
+    /// Whether the source's own oracle sees it in the recording, which knows the machine's friction.
     pub seen: Option<bool>,
+    /// Whether one does that has to fit the friction.
+    pub seen_beside_a_fit: Option<bool>,
 }
 
 impl Truth {
@@ -101,6 +103,7 @@ impl Truth {
             place: None,
             parameters: Vec::new(),
             seen: None,
+            seen_beside_a_fit: None,
         }
     }
 
@@ -205,15 +208,26 @@ impl Case {
         self.confident().any(|n| truth.is(n))
     }
 
-    /// Whether a confident name is this effect, or is declared inseparable from it.
+    /// Whether a confident name is this effect, or is declared inseparable from it, or a number of the user's model is said to be wrong that is it.
     pub fn finds_or_declares(&self, truth: &Truth) -> bool {
-        self.confident()
-            .any(|n| truth.is(n) || truth.declared_by(n))
+        let named = |n: &Named| truth.is(n) || truth.declared_by(n);
+        // `viscous_N_s_per_m`, `position_spring.stiffness_N_per_m`.
+        let is_own = |key: &String| {
+            let of = key
+                .split('.')
+                .next()
+                .and_then(|own| own.strip_prefix(&truth.id));
+            of.is_some_and(|unit| unit.is_empty() || unit.starts_with("_N"))
+        };
+        let mut wrong = self.answer.iter().flat_map(|answer| &answer.wrong);
+        self.confident().any(named) || wrong.any(is_own)
     }
 
-    /// `Some(true)` where the name is right, `Some(false)` where it is false, `None` where nothing is known or it does not count.
+    /// `Some(true)` where the name is right, or says that it may as well be what is there; `Some(false)` where it is false, `None` where nothing is
+    /// known or it does not count.
     pub fn judges(&self, named: &Named) -> Option<bool> {
-        if self.truth.iter().chain(&self.native).any(|t| t.is(named)) {
+        let mut there = self.truth.iter().chain(&self.native);
+        if there.any(|t| t.is(named)) || self.truth.iter().any(|t| t.declared_by(named)) {
             return Some(true);
         }
         let known = self

@@ -4,6 +4,9 @@ Recorded effort and all columns pass the same zero-phase low-pass.  The regressi
 the true friction law along the true motion, a constant, 12 stop columns, the other effect and the effect.
 "seen" holds for 16 contiguous pieces of the record.  "seen_dealt" deals 64 chunks round to the 16 pieces: an effect
 that lives in a few places of the record (run-in, saturation) cannot reach z = 3 over contiguous pieces.
+
+"_fitted" is the same for one who knows the column of the effect but, as everybody who has only the record, not the
+friction: in place of the true law it has the stop columns and curves of the speed, which it must fit.
 """
 import numpy as np
 from numba import njit
@@ -33,11 +36,20 @@ def shares(truth, machine):
 
 def verdict(x, effort, truth, machine, which, others, names):
     """Label entries of the verdict on the effect in truth column 4 + which."""
+    known = judged(x, effort, truth, machine, which, others, names, [truth[:, 3]])
+    speed = np.gradient(low_pass(x, machine.fs, machine.cutoff), 1 / machine.fs)
+    curves = [np.tanh(speed / (part * machine.speed)) for part in (0.003, 0.01, 0.03, 0.1, 0.3)]
+    fitted = judged(x, effort, truth, machine, which, others, names, curves)
+    return known | {f"{key}_fitted": value for key, value in fitted.items()}
+
+
+def judged(x, effort, truth, machine, which, others, names, friction):
+    """The verdict of one who has these columns of the friction besides the stops."""
     fs, dt = machine.fs, 1 / machine.fs
     smooth_x = low_pass(x, fs, machine.cutoff)
     yields = np.geomspace(0.2 * machine.distance, min(30 * machine.distance, 0.05 * np.ptp(x)), 12)
     speed = np.gradient(smooth_x, dt)
-    columns = [np.gradient(speed, dt), truth[:, 3]] + [stop_column(smooth_x, limit) for limit in yields]
+    columns = [np.gradient(speed, dt)] + friction + [stop_column(smooth_x, limit) for limit in yields]
     if "viscous" not in names:      # a concealed viscous error: the velocity column is taken from the user's model
         columns.append(speed)
     else:

@@ -212,16 +212,22 @@ impl<'a> Asked<'a> {
 
     /// What the source's own oracle sees, alone or with others.
     fn seen(&self) -> Vec<Figure> {
-        let effects = self
-            .known()
-            .flat_map(|c| c.truth.iter().map(move |t| (c, t)));
-        let seen = effects.filter(|(_, t)| t.seen == Some(true));
+        let effects = || {
+            self.known()
+                .flat_map(|c| c.truth.iter().map(move |t| (c, t)))
+        };
+        let seen = effects().filter(|(_, t)| t.seen == Some(true));
+        let beside_a_fit = effects().filter(|(_, t)| t.seen_beside_a_fit == Some(true));
         let strangers = self.of(Sort::Stranger);
         let shown = strangers.filter(|c| c.truth.iter().all(|t| t.seen == Some(true)));
         vec![
             figure(
                 "effects that an oracle sees: named or declared",
                 Share::of(seen, |(c, t)| c.finds_or_declares(t)),
+            ),
+            figure(
+                "  that it sees beside friction that it has to fit",
+                Share::of(beside_a_fit, |(c, t)| c.finds_or_declares(t)),
             ),
             figure(
                 "strangers that it sees: unknown",
