@@ -29,10 +29,11 @@ pub enum Tier {
 pub enum Lane {
     /// What the workspace's crates are checked by; its output is shown as it comes.
     Host,
-    /// What is built for microcontrollers and runs in an emulator, and then the Python package and the trials, so that both lanes end at about the
-    /// same time;
+    /// What is built for microcontrollers and runs in an emulator, one at a time, since all images come from one folder;
     /// its output goes to a file and is shown where it failed.
     Beside,
+    /// What needs neither: the lane that has ended runs it, so that no core waits for the longer lane. Its output is that of `Beside`.
+    Free,
 }
 
 /// In each lane cheap checks first: a formatting slip shows before a minute of compiling.
@@ -174,14 +175,14 @@ pub const STEPS: &[Step] = &[
         name: "python",
         reason: "the Python package installs as its README says, and its functions answer as the tool does",
         needs: &[Need::Python],
-        lane: Lane::Beside,
+        lane: Lane::Free,
         run: |tier| crate::python::check(tier == Tier::All),
     },
     Step {
         name: "trials",
         reason: "the diagnosis on a fixed set of every source: each answer is the committed one",
         needs: &[],
-        lane: Lane::Beside,
+        lane: Lane::Free,
         run: |tier| {
             let set = match tier {
                 Tier::Gate => "gate",

@@ -1,6 +1,7 @@
 //! `cargo xtask test`: the checks of CI in two lanes, each check with its reason, and a summary.
 
 use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use wait4::Wait4 as _;
@@ -69,20 +70,28 @@ fn one_by_one(steps: &[&'static Step], tier: Tier) -> Vec<Ended> {
     steps.iter().map(run).collect()
 }
 
-/// Both lanes at a time, each in its order.
+/// Both lanes at a time, each in its order; the one that ends first begins with what is of neither.
 fn in_lanes(steps: &[&'static Step], tier: Tier) -> Vec<Ended> {
-    let (host, others): (Vec<&Step>, Vec<&Step>) =
-        steps.iter().partition(|step| step.lane == Lane::Host);
+    let of = |lane| -> Vec<&'static Step> {
+        let steps = steps.iter().copied();
+        steps.filter(|step| step.lane == lane).collect()
+    };
+    let [host, beside, free] = [Lane::Host, Lane::Beside, Lane::Free].map(of);
     if host.is_empty() {
         return one_by_one(steps, tier);
     }
+    let taken = AtomicUsize::new(0);
+    let left = || free.get(taken.fetch_add(1, Ordering::Relaxed)).copied();
+    let run_free = || std::iter::from_fn(left).map(|step| logged(step, tier));
     std::thread::scope(|scope| {
-        let beside = scope.spawn(|| others.iter().map(|step| logged(step, tier)).collect());
+        let beside = scope.spawn(|| {
+            let ended = beside.iter().map(|step| logged(step, tier));
+            ended.chain(run_free()).collect::<Vec<Ended>>()
+        });
         let mut ended = one_by_one(&host, tier);
-        let beside: Vec<Ended> = beside
-            .join()
-            .unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-        ended.extend(beside);
+        ended.extend(run_free());
+        let beside = beside.join();
+        ended.extend(beside.unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
         ended
     })
 }
