@@ -50,20 +50,11 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     let (bless, long) = (flag == Some("--bless"), flag == Some("--long"));
     Need::Qemu.ensure()?;
     Need::ArmGcc.ensure()?;
+    // Before the rig, which waits for the host's crates where a lane beside compiles them.
+    let images = Images::build(long)?;
+    boards()?;
     let rig = build_rig()?;
-    let fixed = build("preslide-qemu", "qemu-fixed", &[])?;
-    let packed = |(file, name)| build_with(Some((MODEL, file)), "preslide-qemu", name, &[]);
-    let [packed_fixed, packed_float] = PACKED;
-    // Each arithmetic and each law once, or all pairs of them.
-    let mut variants = vec![
-        ("fixed", fixed.clone()),
-        ("packed-float", packed(packed_float)?),
-    ];
-    if long {
-        let float = build("preslide-qemu", "qemu-float", &["--features", "float"])?;
-        variants.extend([("float", float), ("packed-fixed", packed(packed_fixed)?)]);
-    }
-    for (kind, elf) in &variants {
+    for (kind, elf) in &images.variants {
         check_image(kind, elf, TIMER0, &[QUIT])?;
         let first = agreement(&rig, kind, elf)?;
         print!("{first}");
@@ -75,16 +66,81 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
         }
         println!("{kind}: the second run printed the same bytes");
     }
-    hammered(&fixed, long)?;
-    let (mut logging, elf) = build_command("preslide-qemu")?;
-    // Without it defmt compiles in errors alone.
-    run(logging.env("DEFMT_LOG", "info").args(["--features", "log"]))?;
-    crate::logged::decoded(&rig, &elf)?;
-    at_the_tool("typed", &fixed)?;
+    let fixed = &images.fixed;
+    hammered(fixed, long)?;
+    crate::logged::decoded(&rig, &images.logging)?;
+    at_the_tool("typed", fixed)?;
     let pulled = if long { "pulled-everywhere" } else { "pulled" };
-    at_the_tool(pulled, &fixed)?;
-    crate::commission::run(&fixed, long)?;
-    // It cannot be run here, but it must build, fit and not panic.
+    at_the_tool(pulled, fixed)?;
+    crate::commission::run(fixed, long)?;
+    let golden = root().join(GOLDEN);
+    let mut faults = Command::new(&rig);
+    faults.arg("faults").arg(fixed).arg(&golden);
+    if bless {
+        faults.arg("--bless");
+    }
+    run_for(&mut faults, LIMIT)?;
+    let with_learning = "fixed with watch and adaptation";
+    check_image(with_learning, &images.learning, TIMER0, &[QUIT])?;
+    check_image("koopman", &images.koopman, TIMER0, &[QUIT])?;
+    for (what, elf) in [
+        ("wear", &images.learning),
+        ("winding", fixed),
+        // The predictive controller as on the host, and where it is late.
+        ("guided", &images.koopman),
+    ] {
+        run_for(Command::new(&rig).arg(what).arg(elf), LIMIT)?;
+    }
+    // A capture is identified in the chain, too.
+    if long {
+        identified(&rig, fixed)
+    } else {
+        Ok(())
+    }
+}
+
+/// What runs in the emulator.
+struct Images {
+    fixed: PathBuf,
+    /// Each arithmetic and each law once, or all pairs of them.
+    variants: Vec<(&'static str, PathBuf)>,
+    /// With its log.
+    logging: PathBuf,
+    learning: PathBuf,
+    /// With the predictive controller as an outer task.
+    koopman: PathBuf,
+}
+
+impl Images {
+    fn build(long: bool) -> Result<Self, String> {
+        let packed = |(file, name)| build_with(Some((MODEL, file)), "preslide-qemu", name, &[]);
+        let [packed_fixed, packed_float] = PACKED;
+        let fixed = build("preslide-qemu", "qemu-fixed", &[])?;
+        let mut variants = vec![
+            ("fixed", fixed.clone()),
+            ("packed-float", packed(packed_float)?),
+        ];
+        if long {
+            let float = build("preslide-qemu", "qemu-float", &["--features", "float"])?;
+            variants.extend([("float", float), ("packed-fixed", packed(packed_fixed)?)]);
+        }
+        let (mut logging, built) = build_command("preslide-qemu")?;
+        // Without it defmt compiles in errors alone.
+        run(logging.env("DEFMT_LOG", "info").args(["--features", "log"]))?;
+        let logging = kept(&built, "qemu-log")?;
+        let outer = Some(("PRESLIDE_KOOPMAN", KOOPMAN));
+        Ok(Self {
+            fixed,
+            variants,
+            logging,
+            learning: build("preslide-qemu", LEARNING, LEARNING_FEATURES)?,
+            koopman: build_with(outer, "preslide-qemu", "qemu-koopman", &[])?,
+        })
+    }
+}
+
+/// What cannot be run here, but must build, fit and not panic.
+fn boards() -> Result<(), String> {
     let logging = ["check", "--release", "--locked", "--features", "log"];
     let mut check = Toolchain::ensure()?.cargo(&root().join("firmware"), &logging);
     run(check.args(["--package", "preslide-stm32g474"]))?;
@@ -95,41 +151,7 @@ pub fn run_command(arguments: &[String]) -> Result<(), String> {
     let (mut exported, board) = build_command("preslide-stm32g474")?;
     run(exported.env(MODEL, root().join(EXPORTED)))?;
     check_image("stm32g474 with an exported model", &board, ADC1_2, &[])?;
-    check_ccm(&board)?;
-    let golden = root().join(GOLDEN);
-    let mut faults = Command::new(&rig);
-    faults.arg("faults").arg(&fixed).arg(&golden);
-    if bless {
-        faults.arg("--bless");
-    }
-    run_for(&mut faults, LIMIT)?;
-    let learning = build("preslide-qemu", LEARNING, LEARNING_FEATURES)?;
-    check_image(
-        "fixed with watch and adaptation",
-        &learning,
-        TIMER0,
-        &[QUIT],
-    )?;
-    let mut wear = Command::new(&rig);
-    run_for(wear.arg("wear").arg(&learning), LIMIT)?;
-    let mut winding = Command::new(&rig);
-    run_for(winding.arg("winding").arg(&fixed), LIMIT)?;
-    guided(&rig)?;
-    // A capture is identified in the chain, too.
-    if long {
-        identified(&rig, &fixed)
-    } else {
-        Ok(())
-    }
-}
-
-/// The firmware with the predictive controller as an outer task: as on the host, and where it is late.
-fn guided(rig: &Path) -> Result<(), String> {
-    let variable = ("PRESLIDE_KOOPMAN", KOOPMAN);
-    let koopman = build_with(Some(variable), "preslide-qemu", "qemu-koopman", &[])?;
-    check_image("koopman", &koopman, TIMER0, &[QUIT])?;
-    let mut guided = Command::new(rig);
-    run_for(guided.arg("guided").arg(&koopman), LIMIT)
+    check_ccm(&board)
 }
 
 /// A thousand requests, or ten thousand in the long tier, as many at once as the link allows, under telemetry of every tick: all answered, once
@@ -244,10 +266,15 @@ pub fn build_with(
         command.env(variable, root().join(file));
     }
     run(&mut command)?;
+    kept(&built, name)
+}
+
+/// A copy of a built image, which the next variant does not overwrite.
+fn kept(built: &Path, name: &str) -> Result<PathBuf, String> {
     let images = built.with_file_name("images");
     let image = images.join(name);
     std::fs::create_dir_all(&images)
-        .and_then(|()| std::fs::copy(&built, &image))
+        .and_then(|()| std::fs::copy(built, &image))
         .map_err(|error| format!("{}: {error}", image.display()))?;
     Ok(image)
 }
