@@ -2,17 +2,14 @@
 
 use std::fmt::Write;
 
-use plotly::common::{Anchor, DashType, ExponentFormat, Font, Line, Marker, Mode, Orientation};
-use plotly::configuration::{ImageButtonFormats, ToImageButtonOptions};
-use plotly::layout::{Axis as PlotlyAxis, AxisType, HoverMode, Legend, Margin};
-use plotly::{Configuration, Layout, Plot, Scatter};
+use serde_json::{Value, json};
 
 use super::drawing::{Curve, Drawing, DrawnAxis, POINTS_PER_SERIES, Stroke};
 use super::figure::Figure;
 use super::table::Table;
 use super::{Page, Section};
 
-/// plotly.js in its bundle for lines and bars, a quarter of the whole; of the version that the crate `plotly` writes for.
+/// plotly.js in its bundle for lines and bars, a quarter of the whole.
 const PLOTLY_JS: &str = include_str!("../../assets/plotly-basic-3.0.1.min.js");
 /// Points on the whole page at most: at 20 bytes each they take 0.44 MB beside the 1.03 MB of plotly.js.
 const POINTS_PER_PAGE: usize = 22_000;
@@ -202,8 +199,13 @@ fn figure_html(figure: &Figure, number: usize, most: usize) -> String {
         format!(". {}", escape(&figure.title))
     };
     let _ = writeln!(html, "<figcaption>Figure {number}{caption}</figcaption>");
-    let plot = plot(figure, &drawing).to_inline_html(Some(&format!("figure-{number}")));
-    let _ = writeln!(html, "<div class=\"plot\">{plot}</div>");
+    let id = format!("figure-{number}");
+    let plot = in_script(&plot(figure, &drawing));
+    let _ = writeln!(
+        html,
+        "<div class=\"plot\"><div id=\"{id}\" class=\"plotly-graph-div\" style=\"height:100%; width:100%;\"></div>\n\
+         <script>Plotly.newPlot(\"{id}\", {plot});</script></div>"
+    );
     if !drawing.note.is_empty() {
         let _ = writeln!(html, "<p class=\"note\">{}</p>", escape(&drawing.note));
     }
@@ -211,52 +213,50 @@ fn figure_html(figure: &Figure, number: usize, most: usize) -> String {
     html
 }
 
-fn plot(figure: &Figure, drawing: &Drawing) -> Plot {
-    let mut plot = Plot::new();
-    for curve in &drawing.curves {
-        plot.add_trace(trace(curve, drawing));
-    }
-    let legend = Legend::new()
-        .orientation(Orientation::Horizontal)
-        .x(0.0)
-        .y(1.01)
-        .y_anchor(Anchor::Bottom);
-    plot.set_layout(
-        Layout::new()
-            .auto_size(true)
-            .font(
-                Font::new()
-                    .family("system-ui, -apple-system, 'Segoe UI', sans-serif")
-                    .size(13)
-                    .color("#1a1a1a"),
-            )
-            .hover_mode(HoverMode::Closest)
-            // The buttons stand in the first 40 pixels, the legend below them.
-            .margin(
-                Margin::new()
-                    .left(70)
-                    .right(20)
-                    .top(40 + 20 * legend_rows(&drawing.curves))
-                    .bottom(55),
-            )
-            .show_legend(drawing.curves.len() > 1)
-            .legend(legend)
-            .x_axis(axis(&drawing.x))
-            .y_axis(axis(&drawing.y)),
-    );
-    let download = ToImageButtonOptions::new()
-        .format(ImageButtonFormats::Png)
-        .filename(&file_stem(&figure.title))
-        .scale(2);
-    plot.set_configuration(
-        Configuration::new()
-            .responsive(true)
-            .display_logo(false)
-            .typeset_math(false)
-            .plotly_server_url("")
-            .to_image_button_options(download),
-    );
-    plot
+/// What `Plotly.newPlot` draws.
+fn plot(figure: &Figure, drawing: &Drawing) -> Value {
+    let curves = &drawing.curves;
+    let traces: Vec<Value> = curves.iter().map(|curve| trace(curve, drawing)).collect();
+    // The buttons stand in the first 40 pixels, the legend below them.
+    let top = 40 + 20 * legend_rows(curves);
+    json!({
+        "data": traces,
+        "layout": {
+            "autosize": true,
+            "font": {
+                "family": "system-ui, -apple-system, 'Segoe UI', sans-serif",
+                "size": 13,
+                "color": "#1a1a1a",
+            },
+            "hovermode": "closest",
+            "margin": {"l": 70, "r": 20, "t": top, "b": 55},
+            "showlegend": curves.len() > 1,
+            "legend": {"orientation": "h", "x": 0.0, "y": 1.01, "yanchor": "bottom"},
+            "xaxis": axis(&drawing.x),
+            "yaxis": axis(&drawing.y),
+        },
+        "config": {
+            "responsive": true,
+            "displaylogo": false,
+            "typesetMath": false,
+            "plotlyServerURL": "",
+            "toImageButtonOptions": {
+                "format": "png",
+                "filename": file_stem(&figure.title),
+                "scale": 2,
+            },
+        },
+    })
+}
+
+/// JSON that nothing in it can end the script of.
+fn in_script(value: &Value) -> String {
+    // Outside of strings JSON has none of these.
+    let text = value.to_string();
+    text.replace('&', "\\u0026")
+        .replace('<', "\\u003c")
+        .replace('>', "\\u003e")
+        .replace('\'', "\\u0027")
 }
 
 /// Rows that plotly.js needs for the legend, which it sets in columns as wide as the longest name; on a page of full
@@ -275,54 +275,46 @@ fn legend_rows(curves: &[Curve]) -> usize {
     }
 }
 
-fn axis(drawn: &DrawnAxis) -> PlotlyAxis {
-    PlotlyAxis::new()
-        .title(plotly_text(&drawn.title))
-        .type_(if drawn.log {
-            AxisType::Log
-        } else {
-            AxisType::Linear
-        })
-        .exponent_format(ExponentFormat::Power)
-        .auto_margin(true)
-        .show_line(true)
-        .mirror(true)
-        .line_color("#444")
-        .grid_color("#e4e4e4")
-        .zero_line_color("#999")
+fn axis(drawn: &DrawnAxis) -> Value {
+    json!({
+        "title": {"text": plotly_text(&drawn.title)},
+        "type": if drawn.log { "log" } else { "linear" },
+        "exponentformat": "power",
+        "automargin": true,
+        "showline": true,
+        "mirror": true,
+        "linecolor": "#444",
+        "gridcolor": "#e4e4e4",
+        "zerolinecolor": "#999",
+    })
 }
 
-fn trace(curve: &Curve, drawing: &Drawing) -> Box<Scatter<f64, f64>> {
+fn trace(curve: &Curve, drawing: &Drawing) -> Value {
     let colour = css(curve.rgb);
     let mode = match (curve.stroke.is_some(), curve.marks) {
-        (true, true) => Mode::LinesMarkers,
-        (true, false) => Mode::Lines,
-        (false, _) => Mode::Markers,
+        (true, true) => "lines+markers",
+        (true, false) => "lines",
+        (false, _) => "markers",
     };
     let dash = match curve.stroke {
-        Some(Stroke::Dashed) => DashType::Dash,
-        Some(Stroke::Dotted) => DashType::Dot,
-        Some(Stroke::Solid) | None => DashType::Solid,
+        Some(Stroke::Dashed) => "dash",
+        Some(Stroke::Dotted) => "dot",
+        Some(Stroke::Solid) | None => "solid",
+    };
+    let values = |of: fn(&(f64, f64)) -> f64| -> Vec<f64> {
+        curve.points.iter().map(|p| seven_digits(of(p))).collect()
     };
     let (x_unit, y_unit) = (plotly_text(&drawing.x.unit), plotly_text(&drawing.y.unit));
-    Scatter::new(
-        curve.points.iter().map(|p| seven_digits(p.0)).collect(),
-        curve.points.iter().map(|p| seven_digits(p.1)).collect(),
-    )
-    .name(plotly_text(&curve.name))
-    .mode(mode)
-    .line(
-        Line::new()
-            .color(colour.clone())
-            .width(curve.width)
-            .dash(dash),
-    )
-    .marker(
-        Marker::new()
-            .color(colour)
-            .size(if curve.width > 2.0 { 9 } else { 6 }),
-    )
-    .hover_template(format!("%{{x:.5~g}} {x_unit}, %{{y:.5~g}} {y_unit}"))
+    json!({
+        "type": "scatter",
+        "name": plotly_text(&curve.name),
+        "mode": mode,
+        "x": values(|p| p.0),
+        "y": values(|p| p.1),
+        "line": {"color": colour, "width": curve.width, "dash": dash},
+        "marker": {"color": colour, "size": if curve.width > 2.0 { 9 } else { 6 }},
+        "hovertemplate": format!("%{{x:.5~g}} {x_unit}, %{{y:.5~g}} {y_unit}"),
+    })
 }
 
 /// Rounded so that a point takes about 20 bytes of page; finer than any zoom on 4,000 points can show.
