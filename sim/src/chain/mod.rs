@@ -3,6 +3,7 @@
 //! `cargo xtask chain` runs it with the firmware in QEMU, `preslide demo` with the same control code on the host. The
 //! diagnosis gets the recording and the model identified from it; what is concealed stays in this module.
 
+mod any;
 mod known;
 mod motions;
 mod on_emulator;

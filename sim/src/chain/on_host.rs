@@ -1,5 +1,6 @@
 //! The chain without an emulator: the same control code on the host.
 
+use super::any::AnyFriction;
 use super::{Errors, JUDGED, RECORDED, Row, Tracked, Trial, judged, known, recorded};
 use crate::rig::telemetry;
 use crate::stage::Stage;
@@ -94,12 +95,8 @@ impl Closed {
             steps: trial.from_start(JUDGED, judged()),
         })
     }
-}
 
-impl Visitor for Closed {
-    type Outcome = Result<Followed, TrackingError>;
-
-    fn visit<M: Friction<Scalar = f64>>(self, model: M) -> Self::Outcome {
+    fn by(self, model: AnyFriction) -> Result<Followed, TrackingError> {
         let settings = self.settings;
         let mut axis = Axis::on(&settings, model, Units::SI, self.stage)?;
         let mut followed = Followed::default();
@@ -115,6 +112,14 @@ impl Visitor for Closed {
             }
         });
         Ok(followed)
+    }
+}
+
+impl Visitor for Closed {
+    type Outcome = Result<Followed, TrackingError>;
+
+    fn visit<M: Friction<Scalar = f64> + 'static>(self, model: M) -> Self::Outcome {
+        self.by(AnyFriction::of(model))
     }
 }
 
