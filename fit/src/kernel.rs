@@ -80,13 +80,20 @@ impl<S: Scalar> Visitor<S> for Along<'_> {
     type Outcome = Vec<f64>;
 
     fn visit<M: Friction<Scalar = S>>(self, model: M) -> Vec<f64> {
+        let mut state = model.at_rest();
+        self.run(&mut |motion| model.step(&mut state, motion))
+    }
+}
+
+impl Along<'_> {
+    /// Compiled once an arithmetic, and not once for each kernel of each size.
+    fn run<S: Scalar>(&self, step: &mut dyn FnMut(Motion<S>) -> S) -> Vec<f64> {
         let Self { counts, units } = self;
         // Fixed point rounds to nearest.
         let scalar = |value: f64| {
             let limit = S::greatest();
             S::try_from_f64(value.clamp(-limit, limit)).unwrap_or(S::ZERO)
         };
-        let mut state = model.at_rest();
         let mut force = vec![0.0; counts.position.len()];
         for piece in counts.pieces {
             let mut last = counts.position[piece.start];
@@ -97,7 +104,7 @@ impl<S: Scalar> Visitor<S> for Along<'_> {
                     displacement: scalar(travelled / units.length),
                     velocity: scalar(counts.velocity[i] / units.velocity),
                 };
-                force[i] = model.step(&mut state, motion).to_f64() * units.force;
+                force[i] = step(motion).to_f64() * units.force;
             }
         }
         force

@@ -56,7 +56,10 @@ impl<M: Friction<Scalar = f64>> Contact<M> {
         };
         let load = self.load.unwrap_or(position);
         let unloads = |displacement: f64| model.step(&mut self.state.clone(), of(displacement));
-        let displacement = driven(load, position, self.half, self.force, unloads);
+        let displacement = match self.half {
+            0.0 => position - load,
+            half => driven(load, position, half, self.force, &unloads),
+        };
         self.load = Some(load + displacement);
         self.force = model.step(&mut self.state, of(displacement));
         self.force
@@ -111,10 +114,7 @@ impl Visitor for AtWork {
 
 /// How far a load at `load` goes when the motor with its play of ± `half` is at `motor`, under the friction force `force`;
 /// `after` is the force that a displacement would leave.
-fn driven(load: f64, motor: f64, half: f64, force: f64, after: impl Fn(f64) -> f64) -> f64 {
-    if half == 0.0 {
-        return motor - load;
-    }
+fn driven(load: f64, motor: f64, half: f64, force: f64, after: &dyn Fn(f64) -> f64) -> f64 {
     // It is held against the side that pushes it, and leaves that side where its friction is used up.
     let side = if force > 0.0 {
         motor - half

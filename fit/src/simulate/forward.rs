@@ -229,7 +229,8 @@ impl<L: Friction<Scalar = f64>> Body<L> {
         (self.x, self.v) = (to, motion.velocity);
     }
 
-    /// Goes on by one implicit step of `dt` (s) under `force` (N or N·m).
+    /// Goes on by one implicit step of `dt` (s) under `force` (N or N·m). Compiled once a law, and not once for each that calls it.
+    #[inline(never)]
     pub(super) fn advance(&mut self, law: &L, inertia: f64, force: f64, dt: f64) {
         let (x, v) = (self.x, self.v);
         let take = |state: &mut L::State, v: f64| {
@@ -245,7 +246,7 @@ impl<L: Friction<Scalar = f64>> Body<L> {
         let start = &self.state;
         let excess = |v1: f64| inertia * (v1 - v) / dt - force + take(&mut start.clone(), v1);
         let guess = v + dt / inertia * (force - self.resistance);
-        self.v = root(excess, guess, dt / inertia);
+        self.v = root(&excess, guess, dt / inertia);
         self.resistance = take(&mut self.state, self.v);
         self.x += dt * self.v;
     }
@@ -288,8 +289,8 @@ impl Visitor for Run<'_> {
     }
 }
 
-/// The velocity at which `excess`, which grows with it by at least `1/mobility`, is zero.
-fn root(excess: impl Fn(f64) -> f64, guess: f64, mobility: f64) -> f64 {
+/// The velocity at which `excess`, which grows with it by at least `1/mobility`, is zero. Compiled once, and not once a law.
+fn root(excess: &dyn Fn(f64) -> f64, guess: f64, mobility: f64) -> f64 {
     let first = excess(guess);
     if first == 0.0 || !first.is_finite() {
         return guess;

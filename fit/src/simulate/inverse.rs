@@ -222,7 +222,7 @@ impl<M: Friction<Scalar = f64>> Inverse for Searched<M> {
             let far = self
                 .beyond(-at_rest.1.signum(), force)
                 .ok_or(SlidesAway { limit: force.abs() })?;
-            root = narrow(at_rest, far, |x| self.excess(x, force));
+            root = narrow(at_rest, far, &|x| self.excess(x, force));
         }
         let motion = self.motion(root);
         self.model.step(&mut self.state, motion);
@@ -232,7 +232,7 @@ impl<M: Friction<Scalar = f64>> Inverse for Searched<M> {
 
 /// The root between `near` and `far` (each a point and its value, of opposite signs): regula falsi after Illinois,
 /// with bisection whenever that does not halve the bracket.
-fn narrow(mut near: (f64, f64), mut far: (f64, f64), value: impl Fn(f64) -> f64) -> f64 {
+fn narrow(mut near: (f64, f64), mut far: (f64, f64), value: &dyn Fn(f64) -> f64) -> f64 {
     let (mut near_weight, mut far_weight) = (1.0, 1.0);
     let mut bisect = false;
     for _ in 0..NARROWINGS {
