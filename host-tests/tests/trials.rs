@@ -404,6 +404,15 @@ fn the_judge_knows_right_from_wrong() {
     // A stated rival of another kind makes nothing right.
     let other = judge(&name(1, "viscous", "confident", r#""constant_force""#, ""));
     assert!(!other.first_right() && other.finds_or_declares(&other.truth[0]));
+    assert_eq!(other.false_names().count(), 0);
+    // So is a number of the user's model that is said to be wrong, where it is the effect's own.
+    let wrong = |key: &str| {
+        let mut told = answer("", "null").unwrap();
+        told.wrong = vec![key.to_owned()];
+        let told = case(&made.label, Ok(told), 1.0);
+        told.finds_or_declares(&told.truth[0])
+    };
+    assert!(wrong("constant_force.force_N") && !wrong("viscous_N_s_per_m"));
 
     let second = judge(
         &[

@@ -245,8 +245,8 @@ impl<'a> Asked<'a> {
                 Share::of(strangers(), |c| c.verdict() == "unknown-physics"),
             ),
             figure(
-                "strangers: named",
-                Share::of(strangers(), |c| c.confident().next().is_some()),
+                "strangers: a false name",
+                Share::of(strangers(), |c| c.false_names().next().is_some()),
             ),
             figure(
                 "strangers: consistent",

@@ -37,7 +37,7 @@ pub(super) static FITTED: LazyLock<Calibration> =
 /// changes of the hysteresis, order and number of terms, class): with them names of a source that was left out are judged less well.
 pub fn features(report: &TermReport) -> BTreeMap<&'static str, f64> {
     BTreeMap::from([
-        ("size", size(report)),
+        ("size", in_nats(report.size_of_the_name())),
         (
             "at_its_largest",
             report.at_its_largest.clamp(0.0, 1.0) - 1.0,
@@ -48,14 +48,14 @@ pub fn features(report: &TermReport) -> BTreeMap<&'static str, f64> {
     ])
 }
 
-fn size(report: &TermReport) -> f64 {
-    (report.size().max(LEAST) / NAMED).ln()
+fn in_nats(size: f64) -> f64 {
+    (size.max(LEAST) / NAMED).ln()
 }
 
 /// What separates something, whatever it is called, from chance; about zero at the edge.
 pub fn features_of_presence(report: &TermReport) -> BTreeMap<&'static str, f64> {
     BTreeMap::from([
-        ("size", size(report)),
+        ("size", in_nats(report.size())),
         ("sure", report.evidence.z.min(SURE) - SURE_EDGE),
     ])
 }

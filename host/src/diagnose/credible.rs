@@ -3,13 +3,13 @@
 
 use super::confidence::confidence;
 use super::effect;
-use super::named::{EVEN, Name, Named};
+use super::named::{Name, Named};
 use super::naming::{TermReport, reports};
 use super::search::Found;
 use preslide_fit::effects::form;
 
-/// Confidence below which a name does not stand in the way of others.
-const INCREDIBLE: f64 = 0.1;
+/// Confidence below which a name does not stand in the way of others, and a delay, which is always looked for, is not worth a word.
+pub(super) const INCREDIBLE: f64 = 0.1;
 
 /// What everything found is worth, and what was said of what went: simpler names take the places of those that they make needless, and
 /// incredible ones go, one after the other; so they do in `found`.
@@ -86,8 +86,6 @@ pub fn doubt_harmonics(effects: &mut [Named], travel: f64) {
         };
         in_position(line) && !is_error(line) && errors.iter().any(of)
     };
-    for line in effects.iter_mut().filter(|e| is_harmonic(e)) {
-        line.confident = false;
-        line.confidence = line.confidence.min(EVEN);
-    }
+    let harmonics = effects.iter_mut().filter(|e| is_harmonic(e));
+    harmonics.for_each(Named::doubt);
 }

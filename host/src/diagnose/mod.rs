@@ -62,6 +62,7 @@ pub mod words;
 use correction::Correction;
 use fit::Fit;
 use late::lateness;
+use named::Named;
 use null_model::NullModel;
 use preslide_fit::effects::form;
 use preslide_fit::identify::tells_nothing;
@@ -185,7 +186,7 @@ impl Diagnosis {
     /// The mismatch is no larger than what is not known of the simulation.
     fn tells_no_difference(&mut self) {
         self.verdict = Verdict::Consistent;
-        self.effects.iter_mut().for_each(|e| e.confident = false);
+        self.effects.iter_mut().for_each(Named::doubt);
         self.unnamed.clear();
         self.budget.clear();
         self.extended = self.baseline;
@@ -196,7 +197,7 @@ impl Diagnosis {
         self.verdict = Verdict::InsufficientData;
         self.doubt = Some(why.to_owned());
         let names = self.effects.iter_mut().filter(|e| !e.in_fit);
-        names.for_each(|e| e.confident = false);
+        names.for_each(Named::doubt);
         self.budget.clear();
     }
 }

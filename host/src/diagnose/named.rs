@@ -35,6 +35,8 @@ pub struct Named {
     pub term: Option<Term>,
     /// Enters the extended model; otherwise a hint.
     pub confident: bool,
+    /// It entered the hypothesis, and a check of the name failed.
+    pub doubted: bool,
     /// The fit has it: it is there, and nothing is missing.
     pub in_fit: bool,
     /// The simulation has it, too, of another size: a parameter of its own is wrong.
@@ -60,6 +62,16 @@ pub struct Named {
 }
 
 impl Named {
+    /// A check failed: it is a suspicion from now on. Where the confidence is not fitted, the odds are even at most.
+    pub(super) fn doubt(&mut self) {
+        self.confident = false;
+        self.doubted = true;
+        self.confidence = match self.report {
+            Some(_) => confidence::of_a_hint(Some(&self.evidence)),
+            None => self.confidence.min(EVEN),
+        };
+    }
+
     /// Whether it is a line or a narrow place, which was held against placebos.
     pub(super) fn is_narrow(&self) -> bool {
         self.report.as_ref().is_some_and(|s| s.placebo.is_some())
@@ -78,7 +90,8 @@ impl Named {
     /// What its confidence is computed from, where that is fitted.
     pub fn features(&self) -> Option<BTreeMap<&'static str, f64>> {
         match (&self.report, self.name) {
-            (Some(report), _) => Some(confidence::features(report)),
+            (Some(report), _) if !self.doubted => Some(confidence::features(report)),
+            (Some(_), _) => Some(confidence::features_of_a_hint(Some(&self.evidence))),
             (None, Name::Correction(_)) => None,
             (None, _) if self.confident => None,
             (None, Name::Hysteresis) => Some(confidence::features_of_a_hint(None)),

