@@ -5,13 +5,6 @@ mod answers;
 mod axis;
 mod basics;
 mod bits;
-// The firmware's own, which here needs no compilation of the host's tools in another profile.
-#[path = "../../firmware/app/tests/board.rs"]
-#[expect(
-    clippy::type_complexity,
-    reason = "a change there has every cycle counted again"
-)]
-mod board;
 mod control;
 mod diagnose;
 mod effects;

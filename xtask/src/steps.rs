@@ -109,7 +109,7 @@ pub const STEPS: &[Step] = &[
     },
     Step {
         name: "firmware",
-        reason: "the firmware builds and links for every board without a warning (the Pico 2 before a release); no control task can panic",
+        reason: "the firmware builds and links for every board without a warning (the Pico 2 before a release); no control task can panic, and the boards' common parts pass their tests",
         needs: &[Need::Clippy, Need::ArmGcc],
         lane: Lane::Beside,
         run: firmware,
@@ -315,9 +315,11 @@ fn who_builds(what: &str, target: &str) -> Result<Option<Toolchain>, String> {
     }
 }
 
-/// Each board is built, and what it is put together by is tested by `tests`; the Pico 2, whose chip's crates take two minutes, in
+/// What a board is put together by is tested where the test runs, and each board is built; the Pico 2, whose chip's crates take two minutes, in
 /// the long tier. Debian's compiler comes without clippy for the target: it builds, which warns of less.
 fn firmware(tier: Tier) -> Result<(), String> {
+    let tests = ["test", "--locked", "--package", "preslide-app"];
+    run(cargo(&tests).current_dir(root().join("firmware")))?;
     let count = match tier {
         Tier::Gate => FIRMWARE.len() - 1,
         Tier::All => FIRMWARE.len(),
