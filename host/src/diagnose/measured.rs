@@ -182,16 +182,16 @@ fn is_slight(effect: &Named, null: &NullModel) -> bool {
     !stays && taken < OF_THE_FRICTION * null.usual_friction()
 }
 
-/// Whether the interval of an effect's size, its gap or its first parameter, holds zero: of a map over the travel, that is one cosine of many.
+/// Whether the interval of an effect's size holds zero: of its first parameter, and of a gap behind it. Of a map over the travel the first is one cosine
+/// of many.
 fn is_signless(effect: &Named, with: &Hypothesis) -> bool {
     /// Coefficients of a size: one, or a cosine and a sine.
     const MOST: usize = 2;
     let of_size = with.coefficients(with.terms.len() - 1).len() <= MOST;
+    let own = effect.parameters.iter().enumerate();
+    let mut sizes = own.filter(|(index, (key, _))| *index == 0 || key.starts_with("gap_"));
     let holds_zero = |[low, high]: [f64; 2]| low <= 0.0 && 0.0 <= high;
-    let mut own = effect.parameters.iter();
-    let gap = own.find(|(key, _)| key.starts_with("gap_"));
-    let size = gap.or(effect.parameters.first()).and_then(|p| p.1.ci95);
-    of_size && size.is_some_and(holds_zero)
+    of_size && sizes.any(|(_, (_, size))| size.ci95.is_some_and(holds_zero))
 }
 
 /// Whether the size may be anything, or all that gives the effect its shape: of a time of 0.5 to 190 ms nobody knows what it is the time of. Where a

@@ -91,11 +91,10 @@ impl Named {
     pub fn features(&self) -> Option<BTreeMap<&'static str, f64>> {
         match (&self.report, self.name) {
             (Some(report), _) if !self.doubted => Some(confidence::features(report)),
-            (Some(_), _) => Some(confidence::features_of_a_hint(Some(&self.evidence))),
             (None, Name::Correction(_)) => None,
             (None, _) if self.confident => None,
             (None, Name::Hysteresis) => Some(confidence::features_of_a_hint(None)),
-            (None, Name::Entry(_)) => Some(confidence::features_of_a_hint(Some(&self.evidence))),
+            _ => Some(confidence::features_of_a_hint(Some(&self.evidence))),
         }
     }
 }

@@ -35,7 +35,7 @@ use preslide_fit::statistics::Estimate;
 use std::sync::Arc;
 
 /// Least confidence of a confident name. Of the names that the calibration knows, each judged by weights fitted without its source, 164 of 171 on real
-/// machines and 165 of 196 on made ones are right from here on, and 5 of 15 of a confidence of 0.5 to 0.6.
+/// machines and 165 of 196 on made ones are right from here on.
 const LIKELY: f64 = 0.6;
 /// NMSE (%) on folds held out from which a model explains too little to be called consistent with anything.
 pub(super) const EXPLAINS_LITTLE: f64 = 25.0;
@@ -239,7 +239,8 @@ pub fn conclude(
         reached
     };
     // What a suspicion predicts on held-out data is no noise, either.
-    let left_beside = effects.iter().map(|e| e.nmse_test[1]);
+    let weighed = effects.iter().filter(|e| e.term.is_some());
+    let left_beside = weighed.map(|e| e.nmse_test[1]);
     let noise_floor = left_beside.fold(null.noise_floor(&extended).min(after.test), f64::min);
     let mut unnamed = unnamed(
         &found,
