@@ -99,13 +99,12 @@ pub fn inject(recording: &Recording, id: &'static str, percent: f64) -> Option<I
             {
                 return None;
             }
-            for (part, force) in changed.parts.iter_mut().zip(&forces) {
-                let effort = part.effort();
-                for (f, added) in part.columns[effort].iter_mut().zip(force) {
-                    *f += scale * added;
-                }
-            }
-            forces
+            let added: Vec<Vec<f64>> = forces
+                .iter()
+                .map(|force| force.iter().map(|f| scale * f).collect())
+                .collect();
+            add(&mut changed, &added);
+            added
         }
     };
     let moved: Vec<Motion> = changed.parts.iter().map(Motion::of).collect();
@@ -196,16 +195,22 @@ fn delayed(recording: &mut Recording, size: f64) -> Vec<Vec<f64>> {
         }
     }
     let added = change(low);
-    for (part, change) in recording.parts.iter_mut().zip(&added) {
-        let effort = part.effort();
-        for (f, change) in part.columns[effort].iter_mut().zip(change) {
-            *f += change;
-        }
-    }
+    add(recording, &added);
     added
 }
 
-/// The position misread periodically, so that the mass seems to need forces of an RMS of `size`; returns the acceleration misread.
+/// Adds to the effort, one value a row of each part.
+fn add(recording: &mut Recording, added: &[Vec<f64>]) {
+    for (part, added) in recording.parts.iter_mut().zip(added) {
+        let effort = part.effort();
+        for (f, added) in part.columns[effort].iter_mut().zip(added) {
+            *f += added;
+        }
+    }
+}
+
+/// The position misread periodically, so that the mass seems to need forces of an RMS of `size`; returns the force that the acceleration
+/// misread asks for beside the recorded effort.
 fn misread(
     recording: &mut Recording,
     motions: &[Motion],
@@ -252,7 +257,7 @@ fn misread(
         let (read, change) = misread(part, error);
         let position = part.position();
         part.columns[position] = read;
-        changes.push(change);
+        changes.push(change.iter().map(|a| -inertia * a).collect());
     }
     Some(changes)
 }

@@ -18,6 +18,8 @@ pub struct Tool {
     pub command: Vec<String>,
     /// Longest time for one diagnosis.
     pub limit: Duration,
+    /// Where recordings and answers stay, a folder each named after the recording; without it they are removed.
+    pub keep: Option<PathBuf>,
 }
 
 /// An answer or why there is none, and how long it took (s).
@@ -44,6 +46,7 @@ impl Tool {
         Ok(Self {
             command: vec![program.display().to_string(), "diagnose".to_owned()],
             limit: Duration::from_secs(300),
+            keep: None,
         })
     }
 
@@ -137,15 +140,19 @@ impl Tool {
         Diagnosis::parse(&text)
     }
 
-    /// Writes a recording into a folder of its own, diagnoses it, and removes the folder.
+    /// Writes a recording into a folder of its own, diagnoses it, and removes the folder unless it is to be kept.
     pub fn diagnose(&self, recording: &Recording) -> Timed {
         static NEXT: AtomicUsize = AtomicUsize::new(0);
         let n = NEXT.fetch_add(1, Ordering::Relaxed);
-        let folder =
-            std::env::temp_dir().join(format!("preslide-judge-{}-{n}", std::process::id()));
+        let folder = match &self.keep {
+            Some(keep) => keep.join(recording.name.replace(' ', "_")),
+            None => std::env::temp_dir().join(format!("preslide-judge-{}-{n}", std::process::id())),
+        };
         let begun = Instant::now();
         let answer = self.in_folder(recording, &folder);
-        let _ = std::fs::remove_dir_all(&folder);
+        if self.keep.is_none() {
+            let _ = std::fs::remove_dir_all(&folder);
+        }
         (answer, begun.elapsed().as_secs_f64())
     }
 

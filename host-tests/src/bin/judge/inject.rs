@@ -39,6 +39,9 @@ pub struct Options {
     /// Only what the oracle says; nothing is diagnosed
     #[arg(long)]
     oracle: bool,
+    /// Keep recordings and answers in this folder
+    #[arg(long, value_name = "FOLDER")]
+    keep: Option<PathBuf>,
     /// Every case with truth and answer, for machines
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -60,7 +63,8 @@ pub fn run(o: &Options) -> Result<(), String> {
     if o.oracle {
         return injection::oracles(&pairs, &o.strengths);
     }
-    let tool = Tool::new(o.preslide.as_deref())?;
+    let mut tool = Tool::new(o.preslide.as_deref())?;
+    tool.keep = o.keep.clone();
     let cases = injection::cases(&tool, &pairs, &o.strengths, o.jobs)?;
     println!("{}", table(&cases));
     source::write_json(o.json.as_deref(), &cases)

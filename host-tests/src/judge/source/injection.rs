@@ -35,9 +35,10 @@ pub fn oracles(pairs: &[Pair], strengths: &[f64]) -> Result<(), String> {
             let said = match inject(&recording, effect, *strength) {
                 None => "cannot be carried".to_owned(),
                 Some(made) => format!(
-                    "share of the loss {:6.3}, {:2} folds of 10: {}",
+                    "share of the loss {:6.3}, {:2} folds of 10, {:5.2} of what was added: {}",
                     made.oracle.share,
                     made.oracle.folds,
+                    made.oracle.as_added,
                     if made.oracle.there {
                         "there"
                     } else {
