@@ -17,6 +17,14 @@ pub struct Estimate {
 }
 
 impl Estimate {
+    /// So many times it, more than none.
+    pub fn times(self, factor: f64) -> Self {
+        Self {
+            value: factor * self.value,
+            ci95: self.ci95.map(|ends| ends.map(|end| factor * end)),
+        }
+    }
+
     /// With a standard error estimated from `folds` independent folds (Student's t with `folds − 1` degrees
     /// of freedom).
     pub fn new(value: f64, standard_error: Option<f64>, folds: usize) -> Self {

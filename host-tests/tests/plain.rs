@@ -245,6 +245,37 @@ fn what_shakes_the_axis_takes_nothing_off_the_inertia() {
     }
 }
 
+/// Counts of the encoder let no acceleration be known above some 20 Hz: a hum there is in the effort all the same.
+#[test]
+fn a_hum_above_the_band_of_the_motion_is_told() {
+    const COUNT: f64 = 2e-3;
+    const TORQUE: f64 = 0.2;
+    const HZ: f64 = 71.3;
+    for seed in [20, 21] {
+        let mut recording = made(&BARE, seed, "q_rad,torque_Nm");
+        let position = recording.position.iter_mut();
+        position.for_each(|q| *q = COUNT * (*q / COUNT).round());
+        let still = run(&recording);
+        assert!(still.channel.vibrations.is_empty());
+        let times = recording.t_s.clone();
+        let effort = recording.effort.iter_mut().zip(times);
+        effort.for_each(|(effort, t)| *effort += TORQUE * (TAU * HZ * t + 0.5).cos());
+        let found = run(&recording);
+        let [line] = found.channel.vibrations.as_slice() else {
+            panic!("{:?}", found.channel.vibrations);
+        };
+        println!("seed {seed}, up to {:.1} Hz: {line:?}", found.band_hz);
+        assert!(line.is_above && found.band_hz < HZ);
+        assert!((line.frequency_hz - HZ).abs() < 1e-3, "{line:?}");
+        assert!((line.force.value / TORQUE - 1.0).abs() < 0.03, "{line:?}");
+        let fit = Arc::new(Fit::of(&recording));
+        let progress = Progress::new("test", STEPS);
+        let told = diagnose(&recording, None, Some(fit), &progress).expect("a diagnosis");
+        let names: Vec<&str> = told.missing().map(|e| e.id()).collect();
+        assert_eq!(names, ["external_vibration"]);
+    }
+}
+
 /// Then neither Coulomb nor viscous friction is what it would be by itself.
 #[test]
 fn friction_that_falls_with_the_speed_is_told() {

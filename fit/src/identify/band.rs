@@ -4,7 +4,7 @@
 use super::Identification;
 use crate::recording::Recording;
 use crate::signal::{Kinematics, ZeroPhase};
-use crate::statistics::quantile;
+use crate::statistics::{nmse, quantile};
 
 /// Share of the acceleration's power that must be in an octave to count: less takes less than that off the inertia.
 const COUNTS: f64 = 0.01;
@@ -45,6 +45,14 @@ impl Products {
 }
 
 impl Identification {
+    /// What the fit leaves of what is held out (NMSE, %), as it is seen in a narrower band: what a filter takes off is no better fit.
+    pub(super) fn left_within(&self, narrower: &Kinematics) -> f64 {
+        let (best, rows) = (self.best(), self.split.train());
+        let [effort, fitted] = [&self.effort, &best.fitted];
+        let seen = [effort, fitted].map(|values| narrower.filter.smooth(values));
+        best.nmse_test * nmse(&seen[0], &seen[1], &rows) / nmse(effort, fitted, &rows).max(1e-300)
+    }
+
     /// The cut-off (Hz) up to which the effort beside friction and plain physics follows the acceleration with the machine's inertia, where that is
     /// below the band's: the inertia that the octaves show in the middle.
     pub(super) fn followed_up_to(

@@ -11,6 +11,7 @@ use super::virgin::VirginCurve;
 use super::weights::Weights;
 use super::{Candidate, FINEST, STEPS, yield_range};
 use crate::progress::Progress;
+use crate::report::figures::quantity;
 use crate::recording::{MotionKind, Recording};
 use crate::signal::{Kinematics, Split};
 
@@ -227,11 +228,14 @@ impl Fitting<'_> {
         let mass = found.selection.optimal[found.selection.knee].fit.linear[0];
         if base.mass && mass < 0.0 {
             notes.push(format!(
-                "the inertia came out as {mass:.3e} {} and was left out: this motion has too little acceleration to show one; record faster reversals",
-                match recording.kind {
-                    MotionKind::Linear => "kg",
-                    MotionKind::Rotary => "kg·m²",
-                }
+                "the inertia came out as {} and was left out: this motion has too little acceleration to show one; record faster reversals",
+                quantity(
+                    mass,
+                    match recording.kind {
+                        MotionKind::Linear => "kg",
+                        MotionKind::Rotary => "kg·m²",
+                    }
+                )
             ));
             base.mass = false;
             found = self.search(base, &weights, range, &again("without inertia"))?;

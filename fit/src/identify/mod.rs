@@ -30,8 +30,8 @@ use crate::progress::Progress;
 use crate::recording::Recording;
 use crate::report::figures::quantity;
 use crate::signal::{
-    Channel, End, Kinematics, Split, StickSlip, TAKES, Window, check_windows, step_at_reversals,
-    unknown_starts,
+    Channel, End, Kinematics, Split, StickSlip, TAKES, Vibration, Window, ZeroPhase, check_windows,
+    step_at_reversals, unknown_starts,
 };
 use crate::statistics::Estimate;
 use between::between;
@@ -213,22 +213,30 @@ pub const MANY: usize = 60_000;
 /// Sample rate that is kept, in cut-offs of the filter that the effort goes through anyway.
 const KEPT_RATE: f64 = 10.0;
 
+/// The same in frequencies of a line above that band, which is to be found again.
+const KEPT_OF_A_LINE: f64 = 4.0;
+
 /// Most samples that are kept, whatever the band: more add nothing to these models.
 const MOST_KEPT: usize = 100_000;
 
 /// The recording with as many samples as its band needs, where it has many more; `None` where it is best left as it is.
 ///
 /// The band is that of the zero-phase filter through which effort and motion are compared ([`ZeroPhase`](crate::signal::ZeroPhase)). A recorded
-/// friction goes through no filter: only what is more than anything could use is taken off it. A recording of fewer samples than `from` is
-/// left as it is.
+/// friction goes through no filter: only what is more than anything could use is taken off it. What shakes the axis above that band stays in it. A
+/// recording of fewer samples than `from` is left as it is.
 pub fn thinned(recording: &Recording, from: usize) -> Option<Recording> {
     if recording.len() < from {
         return None;
     }
     // Slips are shorter than the band of the motion resolves.
     let by_band = if recording.role.contains_inertia() && StickSlip::of(recording).is_none() {
-        let cutoff = crate::signal::ZeroPhase::highest_cutoff(recording);
-        (1.0 / (KEPT_RATE * cutoff * recording.sample_time_s())).floor() as usize
+        let cutoff = ZeroPhase::highest_cutoff(recording);
+        let filter = ZeroPhase::new(recording, cutoff);
+        let shaken = Vibration::above(recording, &recording.effort, &filter).into_iter();
+        let rate = shaken.fold(KEPT_RATE * cutoff, |rate, line| {
+            rate.max(KEPT_OF_A_LINE * line.frequency_hz)
+        });
+        (1.0 / (rate * recording.sample_time_s())).floor() as usize
     } else {
         1
     };
@@ -277,7 +285,7 @@ pub fn identify(
             let is_more = ends(own)
                 .zip(ends(before))
                 .is_some_and(|(o, b)| o[0] > b[1]);
-            let left = own.nmse_test / before.nmse_test.max(1e-300);
+            let left = own.nmse_test / found.left_within(&kinematics).max(1e-300);
             (left < LEAVES && ends(own).is_some()) || (left < 1.0 && is_more)
         });
         let Some(better) = better else {

@@ -28,8 +28,17 @@ pub fn estimate(value: f64, interval: Option<[f64; 2]>, unit: &str) -> String {
         return within(value, 0.5 * (high - low), unit);
     }
     let shown = display_unit(unit, low.abs().max(high.abs()));
-    let [value, low, high] = [value, low, high].map(|v| three(v * shown.factor));
+    let [mut all, finer] = [
+        [value, low, high].map(|v| three(v * shown.factor)),
+        cells(value, interval, shown.factor),
+    ];
+    if all[1] == all[2] {
+        all = finer;
+    }
+    let [value, low, high] = all;
     format!("{value} ({low} to {high}) {}", shown.unit)
+        .trim_end()
+        .to_owned()
 }
 
 /// Two values in the prefix that suits the larger: `−0.5 and 0.1 mm`.

@@ -164,7 +164,7 @@ fn effort_earlier(effort: &[f64], pieces: &[Range<usize>], ticks: f64) -> Vec<f6
     shifted
 }
 
-/// The delay (s) that leaves least: a first look, then about its best place.
+/// The delay (s) that leaves least: a first look, then about its best place; `None` at the end of what is looked for, where a longer one would leave less.
 fn least(left: impl Fn(f64) -> f64, sample_time: f64) -> Option<f64> {
     let step = (LONGEST_S / PLACES as f64).max(sample_time);
     let places = (LONGEST_S / step) as i32;
@@ -172,6 +172,9 @@ fn least(left: impl Fn(f64) -> f64, sample_time: f64) -> Option<f64> {
     let (mut best, mut value) = looked
         .map(|delay| (delay, left(delay)))
         .min_by(|a, b| a.1.total_cmp(&b.1))?;
+    if best.abs() >= (f64::from(places) - 0.5) * step {
+        return None;
+    }
     let mut step = 0.5 * step;
     for _ in 0..STEPS {
         let beside = [best - step, best + step].into_iter();
@@ -201,5 +204,6 @@ mod tests {
     fn the_least_is_found_between_the_first_places() {
         let found = least(|delay| (delay - 0.0168).powi(2), 1e-3).expect("a least");
         assert!((found - 0.0168).abs() < 2e-5, "{found}");
+        assert_eq!(least(|delay| (delay - 0.5).abs(), 1e-3), None);
     }
 }

@@ -17,7 +17,7 @@ pub(super) fn blocks(samples: usize) -> impl Iterator<Item = Range<usize>> {
 }
 
 /// One of so many samples is fitted.
-fn thinned(recording: &Recording) -> usize {
+pub(super) fn every(recording: &Recording) -> usize {
     recording.len().div_ceil(MOST)
 }
 
@@ -45,7 +45,7 @@ impl<'a> Rigid<'a> {
         let position = recording.position.iter();
         columns.push(position.clone().map(|x| x.sin()).collect());
         columns.push(position.map(|x| x.cos()).collect());
-        let every = thinned(recording);
+        let every = every(recording);
         let known = (recording.pieces.iter())
             .flat_map(|piece| not_yet_known(recording, piece).end..piece.end);
         Self {
@@ -67,7 +67,7 @@ impl<'a> Rigid<'a> {
 
     /// Time from one of the samples that may be fitted to the next (s).
     pub(super) fn step_s(&self) -> f64 {
-        thinned(self.recording) as f64 * self.recording.sample_time_s()
+        every(self.recording) as f64 * self.recording.sample_time_s()
     }
 
     /// Values of all samples at those that are fitted.

@@ -41,9 +41,31 @@ struct Spectrum {
 impl Spectrum {
     /// Of `weights` at the places or times `at`, between two frequencies (periods per unit of `at`); `None` where there is none.
     fn of(at: &[f64], weights: &[f64], from: f64, to: f64) -> Option<Self> {
-        let (low, high) = bounds(at);
-        let span = high - low;
-        if span <= 0.0 || to <= from || !to.is_finite() {
+        Self::of_parts(&[(at, weights)], from, to)
+    }
+
+    /// The sum of those of some parts, each with a phase of its own.
+    fn of_parts(parts: &[(&[f64], &[f64])], from: f64, to: f64) -> Option<Self> {
+        let span = |at: &[f64]| {
+            let (low, high) = bounds(at);
+            high - low
+        };
+        let longest = parts.iter().map(|(at, _)| span(at)).fold(0.0, f64::max);
+        let mut all = parts
+            .iter()
+            .filter_map(|part| Self::within(*part, longest, from, to));
+        let mut sum = all.next()?;
+        for other in all {
+            let both = sum.power.iter_mut().zip(other.power);
+            both.for_each(|(sum, own)| *sum += own);
+        }
+        Some(sum)
+    }
+
+    /// That of one part, as finely as a span shows it.
+    fn within((at, weights): (&[f64], &[f64]), span: f64, from: f64, to: f64) -> Option<Self> {
+        let low = bounds(at).0;
+        if at.is_empty() || span <= 0.0 || to <= from || !to.is_finite() {
             return None;
         }
         // Summed into bins of a quarter of the shortest period and padded to three times the span.
@@ -120,7 +142,12 @@ pub fn with_aliases(mut lines: Vec<f64>, comb: Option<f64>, from: f64) -> Vec<f6
 /// Frequencies at which `weights` (the mismatch, at the places or times `at`) has lines: those whose power stands highest
 /// above its neighbourhood. `from..to` in periods per unit of `at`.
 pub fn lines(at: &[f64], weights: &[f64], from: f64, to: f64) -> Vec<f64> {
-    let Some(spectrum) = Spectrum::of(at, weights, from, to) else {
+    lines_of(&[(at, weights)], from, to)
+}
+
+/// The same of some parts, each with a phase of its own: between files no clock runs.
+pub fn lines_of(parts: &[(&[f64], &[f64])], from: f64, to: f64) -> Vec<f64> {
+    let Some(spectrum) = Spectrum::of_parts(parts, from, to) else {
         return Vec::new();
     };
     let power = &spectrum.power;
@@ -184,6 +211,16 @@ mod tests {
             (found[0] / expected - 1.0).abs() < 0.01,
             "{found:?}, not {expected}"
         );
+    }
+
+    #[test]
+    fn finds_the_frequency_of_parts_whose_phases_cancel() {
+        let at: Vec<f64> = (0..600).map(|i| f64::from(i) * 0.01).collect();
+        let wave = |phase: f64| at.iter().map(|t| (TAU * 11.3 * t + phase).cos()).collect();
+        let parts: Vec<Vec<f64>> = (0..6).map(|i| wave(f64::from(i) * TAU / 6.0)).collect();
+        let parts: Vec<(&[f64], &[f64])> = parts.iter().map(|p| (&at[..], &p[..])).collect();
+        let found = lines_of(&parts, 2.0, 40.0);
+        assert!((found[0] - 11.3).abs() < 0.01, "{found:?}");
     }
 
     #[test]

@@ -147,7 +147,7 @@ impl StickSlip {
         );
         if self.hunts {
             format!(
-                "the axis hunts: it sticks while the effort rises and slips {} to and fro every {:.2} s, with nothing from outside; {levels}. To stop it, freeze or leak the integral within a slip of the target, or feed the friction forward",
+                "the axis hunts: it sticks while the effort rises and slips {} one way or the other every {:.2} s, with nothing from outside; {levels}. To stop it, freeze or leak the integral within a slip of the target, or feed the friction forward",
                 quantity(self.path, recording.kind.unit()),
                 self.period_s
             )

@@ -1,8 +1,8 @@
 //! A force from outside at a frequency of its own, as of a pump or a neighbouring axis. Where it moves the axis, inertia, viscous friction and a
 //! delay that are fitted without it answer for it.
 
-use super::rigid::{BLOCKS, Rigid, blocks};
-use super::{Kinematics, spectra};
+use super::rigid::{BLOCKS, Rigid, blocks, every};
+use super::{Kinematics, ZeroPhase, spectra};
 use crate::evidence::evidence;
 use crate::recording::Recording;
 use crate::report::figures::three;
@@ -38,6 +38,8 @@ pub struct Vibration {
     pub frequency_hz: f64,
     /// Its amplitude (N or N·m).
     pub force: Estimate,
+    /// Whether the band of the motion ends below it, so that neither inertia nor friction answers to it.
+    pub is_above: bool,
     /// Of its cosine and sine of the time of the samples (N or N·m).
     of_waves: [f64; 2],
 }
@@ -57,22 +59,68 @@ impl Vibration {
         let mut beside = rigid.at(&rigid.rows);
         // A spring is none.
         beside.push(position.clone());
+        let band = spectra::band(&t, filter.cutoff_hz());
+        let mut found = Self::strongest(&t, [&target, &position], beside, band);
+        found.extend(Self::above(rigid.recording, effort, filter));
+        found
+    }
+
+    /// Those above the band of the motion, in what the filter takes off an effort: there, no acceleration is known.
+    pub(crate) fn above(recording: &Recording, effort: &[f64], filter: &ZeroPhase) -> Vec<Self> {
+        let every = every(recording);
+        let most_hz = RESOLVED / (every as f64 * recording.sample_time_s());
+        let smooth = filter.smooth(effort);
+        let rows = (0..recording.len()).step_by(every);
+        let fitted = |of: &dyn Fn(usize) -> f64| rows.clone().map(of).collect::<Vec<f64>>();
+        let t = fitted(&|i| recording.t_s[i]);
+        let position = fitted(&|i| recording.position[i]);
+        let left = fitted(&|i| effort[i] - smooth[i]);
+        let from = spectra::band(&t, most_hz).0.max(filter.cutoff_hz());
+        let beside = vec![vec![1.0; t.len()]];
+        let mut found = Self::strongest(&t, [&left, &position], beside, (from, most_hz));
+        for line in &mut found {
+            let passes = 1.0 - filter.keeps(line.frequency_hz);
+            line.is_above = true;
+            line.force = line.force.times(1.0 / passes);
+            line.of_waves = line.of_waves.map(|c| c / passes);
+        }
+        found
+    }
+
+    /// Those of a target within a band (Hz), strongest first, beside some columns.
+    fn strongest(
+        t: &[f64],
+        [target, position]: [&[f64]; 2],
+        mut beside: Vec<Vec<f64>>,
+        band: (f64, f64),
+    ) -> Vec<Self> {
         let mut found = Vec::new();
         while found.len() < MOST {
-            let next = Line::strongest(&t, &target, &beside, filter.cutoff_hz());
-            let Some(next) = next.filter(|n| !is_of_the_motion(&position, &t, n.frequency_hz))
-            else {
+            let next = Line::strongest(t, target, &beside, band);
+            let Some(next) = next.filter(|n| !is_of_the_motion(position, t, n.frequency_hz)) else {
                 break;
             };
-            beside.extend(waves(&t, next.frequency_hz));
+            beside.extend(waves(t, next.frequency_hz));
             found.push(next);
         }
         found
     }
 
+    /// Its force at some times (s).
+    pub fn at(&self, t: &[f64]) -> Vec<f64> {
+        sum(&waves(t, self.frequency_hz), self.of_waves)
+    }
+
+    /// Its phase (rad), of a cosine that begins at the time `from` (s).
+    pub fn phase(&self, from: f64) -> f64 {
+        let [cos, sin] = self.of_waves;
+        let phase = TAU * self.frequency_hz * from - sin.atan2(cos);
+        phase.sin().atan2(phase.cos())
+    }
+
     /// Takes it off an effort.
     pub(super) fn take_off(&self, recording: &mut Recording) {
-        let own = sum(&waves(&recording.t_s, self.frequency_hz), self.of_waves);
+        let own = self.at(&recording.t_s);
         let effort = recording.effort.iter_mut();
         effort.zip(own).for_each(|(effort, own)| *effort -= own);
     }
@@ -162,18 +210,17 @@ impl<'a> Line<'a> {
         })
     }
 
-    /// The strongest line (up to some frequency) beside the columns of a motion, where it is one.
+    /// The strongest line within a band (Hz) beside the columns of a motion, where it is one.
     fn strongest(
         t: &[f64],
         target: &[f64],
         beside: &[Vec<f64>],
-        most_hz: f64,
+        (from, to): (f64, f64),
     ) -> Option<Vibration> {
         let columns: Vec<&[f64]> = beside.iter().map(Vec::as_slice).collect();
         let motion = LeastSquares::of(&columns)?;
         let left = motion.left(target);
         let squares: f64 = left.iter().map(|r| r * r).sum();
-        let (from, to) = spectra::band(t, most_hz);
         let (begin, end) = bounds(t);
         let bin = 1.0 / (end - begin);
         let at = |hz: f64| Line::of(t, &motion, &left, hz);
@@ -203,6 +250,7 @@ impl<'a> Line<'a> {
         Some(Vibration {
             frequency_hz: hz,
             force: Estimate::new(amplitude(own), Some(error), BLOCKS),
+            is_above: false,
             of_waves: own,
         })
     }

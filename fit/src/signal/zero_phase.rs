@@ -291,6 +291,11 @@ impl ZeroPhase {
         self.cutoff_hz
     }
 
+    /// What it keeps of a wave of this frequency.
+    pub fn keeps(&self, hz: f64) -> f64 {
+        magnitude(hz / self.cutoff_hz)
+    }
+
     /// Samples to each side over which the filter spreads one.
     pub fn reach(&self, recording: &Recording) -> usize {
         (REACH / (self.cutoff_hz * recording.sample_time_s())).ceil() as usize

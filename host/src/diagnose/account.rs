@@ -17,6 +17,8 @@ const SEEN: f64 = 0.005;
 const BAR: f64 = 10.0;
 /// Parameters listed of one finding: a map has as many as cosines.
 const TOLD: usize = 3;
+/// Parameters without a unit that only a model file needs.
+const SMALL_PRINT: [&str; 2] = ["exponent", "slipping_only"];
 
 impl Named {
     /// How sure it is, in a word.
@@ -30,7 +32,9 @@ impl Named {
 
     /// Its size in the machine's units.
     fn size(&self, recording: &Recording) -> String {
-        let told = self.parameters.iter().take(TOLD);
+        let own = self.parameters.iter();
+        let told = own.filter(|(key, _)| !SMALL_PRINT.contains(&key.as_str()));
+        let told = told.take(TOLD);
         let told: Vec<String> = told
             .map(|(key, e)| parameter(&key_of(recording.kind, key), e, recording.effort_unit()))
             .collect();
@@ -117,9 +121,9 @@ impl Diagnosis {
         };
         // The fit itself takes off what lies between the machine and the recorded effort.
         let taken_off = self.effects.iter().filter(|e| e.is_in_the_channel());
-        let taken_off: Vec<&str> = taken_off.map(|e| e.name.name()).collect();
+        let taken_off: Vec<&str> = taken_off.map(Named::name).collect();
         match (&self.fit, taken_off.as_slice()) {
-            (Some(_), [_, ..]) => format!("{whose} without its {}", taken_off.join(" and its ")),
+            (Some(_), [_, ..]) => format!("{whose} without a {}", taken_off.join(" and a ")),
             _ => whose.to_owned(),
         }
     }
@@ -216,7 +220,9 @@ impl Diagnosis {
                 estimate(p.given, None, &unit),
                 estimate(p.found.value, p.found.ci95, &unit),
             ];
-            format!("{name} {given} → {found}")
+            format!("{name} {} → {found}", given.trim_end())
+                .trim_end()
+                .to_owned()
         });
         told.collect::<Vec<_>>().join(", ")
     }
@@ -261,7 +267,7 @@ impl Diagnosis {
     pub fn in_fit_words(&self, recording: &Recording) -> Option<String> {
         let each: Vec<String> = self
             .in_fit()
-            .map(|e| format!("{} ({})", e.name.name(), e.size(recording)))
+            .map(|e| format!("{} ({})", e.name(), e.size(recording)))
             .collect();
         (!each.is_empty()).then(|| format!("In the fit: {}", each.join("; ")))
     }

@@ -241,7 +241,6 @@ impl Lines {
     fn of(null: &NullModel, hypothesis: &Hypothesis, friction_alone: bool) -> Self {
         let (s, weak) = (&null.rows.s, &null.rows.weak);
         let x = weak.at_centres(&s.x);
-        let t = weak.at_centres(&s.t);
         let friction = weak.at_centres(&null.baseline.friction);
         let left = hypothesis.residual(&null.rows);
         let weights = null.noise.inverse(&left);
@@ -275,7 +274,7 @@ impl Lines {
             (Line::Effort as u8, (of_effort, in_position)),
             (
                 Line::Time as u8,
-                (spectra::lines(&t, &weights, slowest, fastest), in_time),
+                (null.rows.lines_in_time(&weights, slowest, fastest), in_time),
             ),
         ]))
     }

@@ -1,18 +1,22 @@
-//! What lies between the machine and the recorded effort, a delay and an end of command or reading, as effects: both were found before the
-//! search, which goes on without them.
+//! What lies between the machine and the recorded effort, a delay and an end of command or reading, and what shakes it above the band of the
+//! motion, as effects: they were found before the search, which goes on without them.
 
 use super::effect::actuator_saturation::{ActuatorSaturation, READING};
-use super::effect::{ALWAYS_FREE, Effect};
+use super::effect::{ALWAYS_FREE, Effect, VIBRATION};
 use super::null_model::NullModel;
 use super::shift::Shift;
 use super::weak::Column;
 use preslide_fit::evidence::{Evidence, NAMED, evidence};
-use preslide_fit::signal::{Channel, End, Saturation};
+use preslide_fit::recording::Recording;
+use preslide_fit::signal::{Channel, End, Saturation, Vibration};
 use preslide_fit::statistics::Estimate;
 use std::ops::Range;
 
 /// Standard errors that an end must be beyond nothing.
 const SURE: f64 = 3.0;
+
+/// Key of a vibration's frequency.
+pub const FREQUENCY: &str = "frequency_Hz";
 
 /// An effect that was found there.
 pub struct Found {
@@ -30,8 +34,13 @@ pub struct Found {
     pub parameters: Vec<(String, Estimate)>,
 }
 
-/// What there is of a channel, of which the delay is worth so much.
-pub fn found(channel: &Channel, shift: Option<Shift>, null: &NullModel) -> Vec<Found> {
+/// What there is of a channel, of which the delay is worth so much; `recorded` still has it.
+pub fn found(
+    channel: &Channel,
+    shift: Option<Shift>,
+    null: &NullModel,
+    recorded: &Recording,
+) -> Vec<Found> {
     let delay = channel.delay.as_ref().zip(shift);
     let shifted = delay.map(|(delay, shift)| Found {
         effect: ALWAYS_FREE,
@@ -43,7 +52,41 @@ pub fn found(channel: &Channel, shift: Option<Shift>, null: &NullModel) -> Vec<F
     });
     let end = channel.saturation.as_ref();
     let limited = end.map(|end| limited(null, end));
-    shifted.into_iter().chain(limited).collect()
+    let lines = channel.vibrations.iter();
+    let shaken = lines.map(|line| shaken(null, line, recorded));
+    shifted.into_iter().chain(limited).chain(shaken).collect()
+}
+
+/// A line of the effort above the band of the motion, of which the rows, which pass a narrower kernel, show next to nothing: it is weighed against all
+/// that the effort has there.
+fn shaken(null: &NullModel, line: &Vibration, recorded: &Recording) -> Found {
+    let rows = &null.rows;
+    let smooth = rows.s.smoothed(&recorded.effort);
+    let whole: Vec<f64> = (recorded.effort.iter().zip(smooth))
+        .map(|(effort, smooth)| effort - smooth)
+        .collect();
+    let force = line.at(&recorded.t_s);
+    let left: Vec<f64> = whole.iter().zip(&force).map(|(w, f)| w - f).collect();
+    let variance = rows.variation() / rows.force.len().max(1) as f64;
+    let nmse = |values: &[f64]| {
+        let square = values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64;
+        100.0 * square / variance.max(1e-300)
+    };
+    let first = recorded.t_s.first().copied().unwrap_or_default();
+    let known = |value| Estimate { value, ci95: None };
+    Found {
+        effect: VIBRATION,
+        // It was held against blocks that it was not fitted to.
+        confident: true,
+        evidence: evidence(&force, &whole, &blocks_of(whole.len())),
+        nmse: [&whole, &left].map(|values| nmse(values)),
+        force: rows.weak.rows(&Column::of(force)),
+        parameters: vec![
+            ("force_N".to_owned(), line.force),
+            ("phase_rad".to_owned(), known(line.phase(first))),
+            (FREQUENCY.to_owned(), known(line.frequency_hz)),
+        ],
+    }
 }
 
 /// An end of the effort: of a command that was cut to it, of a reading whose samples there were left out.

@@ -16,13 +16,16 @@ use preslide_fit::statistics::jackknife;
 const NEAR: f64 = 0.6;
 /// Standard errors by which the commanded motion must show a delay, of the same sign.
 const SURE: f64 = 2.0;
+/// Share of all that is left from which a delay needs no instrument: friction that wanders leaves more than its phase.
+const ALL: f64 = 0.9;
 
 /// Whether a delay is reported, from the candidate on top of what stands `beside` it.
 pub fn is_told(null: &NullModel, beside: &Hypothesis, own: &Candidate) -> bool {
     let Some(&delay) = own.trial.coefficients.first() else {
         return true;
     };
-    !is_damping(null, beside, own) && commanded(null, beside, own, delay).unwrap_or(true)
+    let is_commanded = || commanded(null, beside, own, delay).unwrap_or(true);
+    !is_damping(null, beside, own) && (own.evidence.share >= ALL || is_commanded())
 }
 
 /// Whether friction alone leads: damping of what sticks adds to its force in proportion to its slope.

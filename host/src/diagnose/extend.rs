@@ -118,7 +118,7 @@ impl Diagnosis {
         for own in self.effects.iter().filter(|e| e.is_in_the_channel()) {
             let has = model.effects.iter().any(|e| e.id() == own.id());
             if let Name::Entry(effect) = own.name
-                && !has
+                && (!has || effect.card().recurs)
                 && let Err(reason) = effect.extend(&own.parameters, model)
             {
                 refused.push(format!("{}: {reason}", own.id()));

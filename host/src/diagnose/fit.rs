@@ -15,7 +15,7 @@ use preslide_fit::identify::{Candidate, Identification, MANY, Options, STEPS, id
 use preslide_fit::model::Model;
 use preslide_fit::progress::Progress;
 use preslide_fit::recording::Recording;
-use preslide_fit::signal::Delay;
+use preslide_fit::signal::Channel;
 use serde_json::Value;
 
 /// Times the distance of a spring's centre that the diagnosis finds it within.
@@ -31,7 +31,7 @@ pub struct Known {
     pub terms: Vec<Term>,
     /// Yield displacements of its blocks (m or rad).
     pub yields: Option<Vec<f64>>,
-    /// What shakes the axis, which the fit took off: the search begins with it, and it is missing.
+    /// What shakes the axis within the band of the motion, which the fit took off: the search begins with it, and it is missing.
     pub shaken: Vec<Term>,
 }
 
@@ -104,11 +104,9 @@ impl Fit {
         }
         let blocks = found.best().blocks.iter();
         let line = |hz| Term::new(Subject::Effect(VIBRATION), &[hz]);
-        let shaken = found
-            .channel
-            .vibrations
-            .iter()
-            .map(|v| line(v.frequency_hz));
+        let shaken = found.channel.vibrations.iter();
+        let within = shaken.filter(|v| !v.is_above);
+        let shaken = within.map(|v| line(v.frequency_hz));
         Known {
             terms,
             yields: Some(blocks.map(|(_, yields)| yields.value).collect()),
@@ -128,9 +126,9 @@ impl Fit {
         self.0.as_ref().map_or(&[], |found| &found.candidates)
     }
 
-    /// How late it takes the effort to be, where there is a fit: `Some(None)` for not at all.
-    pub(super) fn delay(&self) -> Option<Option<Delay>> {
-        self.0.as_ref().ok().map(|found| found.channel.delay)
+    /// What it took off the recorded effort, where there is a fit.
+    pub(super) fn channel(&self) -> Option<&Channel> {
+        self.0.as_ref().ok().map(|found| &found.channel)
     }
 
     /// The object `fit` of every command; null where there is none.

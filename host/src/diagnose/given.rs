@@ -32,7 +32,7 @@ const APART: f64 = 0.1;
 /// model that leaves ten per cent.
 const WORTH: f64 = 0.1;
 /// The same, of what the model leaves with its parameters refitted: less may be its form's error, which no parameter mends.
-const OF_LEFT: f64 = 0.5;
+const OF_LEFT: f64 = 1.0;
 
 /// A model as it stands.
 pub struct Given {
@@ -94,11 +94,24 @@ impl Refitted {
 }
 
 impl Given {
-    /// Judges a model beside what a hypothesis names besides. `None` where an effect needs what was not recorded, or where the motion does
-    /// not determine the parameters.
+    /// Judges a model beside what a hypothesis names besides, and a delay, which every recording may have. `None` where an effect needs what was
+    /// not recorded, or where the motion does not determine the parameters.
     pub fn of(
         null: &NullModel,
         extended: &Hypothesis,
+        recording: &Recording,
+        model: &Model,
+    ) -> Option<Self> {
+        let delay = Term::new(Subject::Effect(ALWAYS_FREE), &[]);
+        let named = extended.terms.iter().filter(|t| !t.is_delay());
+        let beside: Vec<Term> = named.chain([&delay]).cloned().collect();
+        Self::beside(null, &beside, recording, model)
+    }
+
+    /// Judges a model beside some terms.
+    pub(super) fn beside(
+        null: &NullModel,
+        terms: &[Term],
         recording: &Recording,
         model: &Model,
     ) -> Option<Self> {
@@ -117,8 +130,8 @@ impl Given {
                 .for_each(|(w, f)| *w -= f);
         }
         let target = left(&rows.force, &fixed);
-        let fit = Fit::of(null, extended, shares, &target)?;
-        let split = fit.split_by_direction(null, extended, model, &target);
+        let fit = Fit::of(null, terms, shares, &target)?;
+        let split = fit.split_by_direction(null, terms, model, &target);
         let by_direction = split.and_then(|split| split.parameters(null, model));
         let own = fit.parameters(null, model)?;
         let mut model = model.clone();
@@ -265,19 +278,10 @@ struct Fit {
 }
 
 impl Fit {
-    fn of(
-        null: &NullModel,
-        extended: &Hypothesis,
-        shares: Vec<Share>,
-        target: &[f64],
-    ) -> Option<Self> {
-        let delay = Term::new(Subject::Effect(ALWAYS_FREE), &[]);
-        let named = extended
-            .terms
-            .iter()
-            .filter(|t| !t.given && t.effect().is_some() && !t.is_delay() && !is_among(t, &shares));
+    fn of(null: &NullModel, terms: &[Term], shares: Vec<Share>, target: &[f64]) -> Option<Self> {
         let mut columns: Vec<Vec<f64>> = shares.iter().map(|s| s.force.clone()).collect();
-        for term in named.chain([&delay]) {
+        let named = |t: &&Term| !t.given && t.effect().is_some() && !is_among(t, &shares);
+        for term in terms.iter().filter(named) {
             columns.extend(null.columns(term).iter().cloned());
         }
         let all: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
@@ -295,7 +299,7 @@ impl Fit {
     fn split_by_direction(
         &self,
         null: &NullModel,
-        extended: &Hypothesis,
+        terms: &[Term],
         model: &Model,
         target: &[f64],
     ) -> Option<Self> {
@@ -319,7 +323,7 @@ impl Fit {
         };
         let others = self.shares.iter().filter(|s| s.part != Part::Viscous);
         let shares = others.map(Share::copy).chain([1.0, -1.0].map(of)).collect();
-        Self::of(null, extended, shares, target)
+        Self::of(null, terms, shares, target)
     }
 
     fn residual(&self, held_out: bool, target: &[f64]) -> Vec<f64> {

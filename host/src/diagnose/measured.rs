@@ -69,7 +69,10 @@ fn extend(found: &Found, kept: &[Term], effects: &[Named]) -> Option<Hypothesis>
 pub(super) fn measured(
     found: &Found,
     kept: &[Term],
-    begins: impl Fn(&NullModel) -> Option<Begun>,
+    (begins, left_by): (
+        impl Fn(&NullModel) -> Option<Begun>,
+        impl Fn(&NullModel, &Hypothesis) -> Nmse,
+    ),
     effects: &mut [Named],
 ) -> Option<(NullModel, Begun, Hypothesis)> {
     let least = KEPT * visible(begins(&found.null)?.left.test);
@@ -97,7 +100,7 @@ pub(super) fn measured(
         let least = doubted
             .into_iter()
             .min_by(|a, b| share(a).total_cmp(&share(b)));
-        let worse = extended.nmse(&null.rows).test > left && !null.core.corrects;
+        let worse = left_by(&null, &extended).test > left && !null.core.corrects;
         let least = match least {
             None if worse => effects
                 .iter_mut()

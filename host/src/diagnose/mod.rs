@@ -60,6 +60,7 @@ pub mod weak;
 pub mod words;
 
 use correction::Correction;
+use effect::VIBRATION;
 use fit::Fit;
 use late::lateness;
 use named::Named;
@@ -69,7 +70,7 @@ use preslide_fit::identify::tells_nothing;
 use preslide_fit::model::Model;
 use preslide_fit::progress::Progress;
 use preslide_fit::recording::{Recording, Simulated};
-use preslide_fit::signal::{Channel, Kinematics, Saturation, StickSlip, unknown_starts};
+use preslide_fit::signal::{Channel, Kinematics, Saturation, StickSlip, Vibration, unknown_starts};
 use preslide_fit::statistics::earlier;
 use reproduced::Reproduced;
 use rows::Rows;
@@ -77,7 +78,7 @@ use shift::Shift;
 use signals::Signals;
 use std::ops::Range;
 use std::sync::Arc;
-use term::Term;
+use term::{Subject, Term};
 use thiserror::Error;
 pub use verdict::Diagnosis;
 use verdict::{EXPLAINS_LITTLE, UNEXPLAINED_OF_A_SIMULATION, Verdict};
@@ -293,16 +294,19 @@ fn channel_of(
         return Channel::default();
     }
     let kinematics = Kinematics::of(recording);
-    let mut found = match fit.and_then(Fit::delay) {
-        Some(delay) => Channel {
+    let mut found = match fit.and_then(Fit::channel) {
+        Some(own) => Channel {
             saturation: Saturation::of(recording, &kinematics),
-            delay,
-            ..Channel::default()
+            ..own.clone()
         },
         None => Channel::of(recording, &kinematics),
     };
-    // The search finds what shakes it, beside all else.
-    found.vibrations.clear();
+    // What shakes it within the band of the motion the search finds, beside all else.
+    let given = |v: &Vibration| {
+        let line = Term::new(Subject::Effect(VIBRATION), &[v.frequency_hz]);
+        model.is_some_and(|model| terms_of(model).iter().any(|g| g.is_near(&line)))
+    };
+    found.vibrations.retain(|v| v.is_above && !given(v));
     let has = |form| model.is_some_and(|model| model.of(form).next().is_some());
     if has(&form::ACTUATOR_SATURATION) {
         found.saturation = None;

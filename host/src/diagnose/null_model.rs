@@ -85,9 +85,17 @@ impl NullModel {
         self.rows.weak.at_centres(&self.baseline.friction)
     }
 
-    /// Its root mean square (N or N·m).
+    /// Its root mean square (N or N·m), or that of all that is fitted beside inertia where the motion never turns: there friction and a constant load
+    /// are one.
     pub fn usual_friction(&self) -> f64 {
-        rms(&self.friction())
+        let own = rms(&self.friction());
+        let (s, weak) = (&self.rows.s, &self.rows.weak);
+        if own > 0.0 && s.reversals > 0 {
+            return own;
+        }
+        let along = self.baseline.fitted.iter().zip(&s.a);
+        let beside_inertia: Vec<f64> = along.map(|(f, a)| f - self.baseline.mass * a).collect();
+        rms(&weak.at_centres(&beside_inertia)).max(own)
     }
 
     /// Finds friction and noise of a recording, beside the terms of a model that is given and blocks of the yields `fitted` among others (m
@@ -210,9 +218,9 @@ impl NullModel {
     /// The strongest lines in time of what a hypothesis leaves: an autoregression would take them for its own.
     fn strongest_lines(&self, fitted: &Hypothesis) -> Vec<Term> {
         let weak = &self.rows.weak;
-        let time = weak.at_centres(&self.rows.s.t);
         let (slowest, fastest) = spectra::band(&self.rows.s.t, 0.45 / weak.half_width_s);
-        let found = spectra::lines(&time, &fitted.residual(&self.rows), slowest, fastest);
+        let left = fitted.residual(&self.rows);
+        let found = self.rows.lines_in_time(&left, slowest, fastest);
         let vibration = Subject::Effect(effect::VIBRATION);
         found
             .into_iter()

@@ -98,7 +98,7 @@ impl Diagnosis {
             .map(|(key, ratio)| json!({"id": key, "of_its_own": ratio}))
             .collect();
         json!({
-            "id": e.id(), "name": e.name.name(), "rank": index + 1, "level": e.level(), "in_fit": e.in_fit, "in_simulation": e.in_simulation, "confidence": e.confidence,
+            "id": e.id(), "name": e.name(), "rank": index + 1, "level": e.level(), "in_fit": e.in_fit, "in_simulation": e.in_simulation, "confidence": e.confidence,
             "share_of_mismatch": e.evidence.share, "standard_errors": e.evidence.z, "blocks": e.evidence.blocks,
             "nmse_test_without": finite(e.nmse_test[0]), "nmse_test_with": finite(e.nmse_test[1]),
             "where": place, "parameters": parameters, "source": e.source,

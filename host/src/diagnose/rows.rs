@@ -3,7 +3,7 @@
 use super::signals::Signals;
 use super::weak::{Column, Weak};
 use preslide_fit::recording::Recording;
-use preslide_fit::signal::LATE;
+use preslide_fit::signal::{LATE, spectra};
 use preslide_fit::statistics::quantile_between_ranks;
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -103,6 +103,18 @@ impl Rows {
             weak,
             s,
         })
+    }
+
+    /// Frequencies (Hz) at which values at the rows have lines in time, each session with a phase of its own.
+    pub fn lines_in_time(&self, values: &[f64], slowest: f64, fastest: f64) -> Vec<f64> {
+        let centres = &self.weak.centres;
+        let of = |session: &Range<usize>| -> (Vec<f64>, Vec<f64>) {
+            let own = (0..centres.len()).filter(|row| session.contains(&centres[*row]));
+            own.map(|row| (self.s.t[centres[row]], values[row])).unzip()
+        };
+        let parts: Vec<(Vec<f64>, Vec<f64>)> = self.s.sessions.iter().map(of).collect();
+        let parts: Vec<(&[f64], &[f64])> = parts.iter().map(|(t, v)| (&t[..], &v[..])).collect();
+        spectra::lines_of(&parts, slowest, fastest)
     }
 
     /// NMSE (%, eq. 13) of what is left at the rows.

@@ -329,7 +329,7 @@ pub fn simplicity(candidate: &Candidate) -> (usize, usize) {
     )
 }
 
-/// The simplest effect that explains nearly as much as `leader`. Plain physics is all as simple: there the order
+/// The simplest effect that the recording can show and that explains nearly as much as `leader`. Plain physics is all as simple: there the order
 /// decides between equivalents only, and a drag that explains more is no viscous friction.
 fn simplest<'a>(null: &NullModel, leader: &'a Candidate, fit: &[&'a Candidate]) -> &'a Candidate {
     let plain = leader.term.effect().filter(|e| e.class() == Class::Plain);
@@ -339,8 +339,9 @@ fn simplest<'a>(null: &NullModel, leader: &'a Candidate, fit: &[&'a Candidate]) 
             effect.id() == leader.id() || equivalents.iter().any(|e| e.id() == effect.id())
         })
     };
+    let shows = |e: &dyn Effect| rival(e) && e.lacks(&null.rows.s).is_none();
     let near = |o: &&Candidate| {
-        o.term.effect().is_some_and(rival) && o.evidence.share >= TIE * leader.evidence.share
+        o.term.effect().is_some_and(shows) && o.evidence.share >= TIE * leader.evidence.share
     };
     fit.iter()
         .copied()

@@ -204,6 +204,11 @@ impl Signals {
         self.filter.derivative(values, 1)
     }
 
+    /// Values at the samples within the band of the kinematics.
+    pub fn smoothed(&self, values: &[f64]) -> Vec<f64> {
+        self.filter.smooth(values)
+    }
+
     /// Distance between the outermost positions (m or rad).
     pub fn travel(&self) -> f64 {
         let (low, high) = bounds(&self.x);

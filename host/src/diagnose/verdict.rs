@@ -166,20 +166,24 @@ pub fn conclude(
     let kept: Vec<Term> = found.hypothesis.terms[..given].to_vec();
     // The fit's physics, on the core that names are judged on or on its own law, which predicts better where the core fits what happens once.
     let law = of_fit.filter(|_| user.is_none());
+    let left = |null: &NullModel, hypothesis: &Hypothesis| {
+        let on_the_core = hypothesis.nmse(&null.rows);
+        let own = law.and_then(|m| Given::beside(null, &hypothesis.terms, recording, m));
+        let own = own.map(|own| own.refitted);
+        own.filter(|own| own.test < on_the_core.test)
+            .unwrap_or(on_the_core)
+    };
     let begins = |null: &NullModel| {
         let first = null.fit_as_given(&[kept.as_slice(), &found.known.terms].concat())?;
-        let on_the_core = first.nmse(&null.rows);
-        let own = law.and_then(|m| Given::of(null, &first, recording, m));
-        let own = own.map(|own| own.refitted);
-        let left = own.filter(|own| own.test < on_the_core.test);
         Some(Begun {
-            left: left.unwrap_or(on_the_core),
+            left: left(null, &first),
             first,
         })
     };
-    let (mut null, mut begun, mut extended) = measured(&found, &kept, begins, &mut effects)?;
+    let measure = |effects: &mut [Named]| measured(&found, &kept, (&begins, &left), effects);
+    let (mut null, mut begun, mut extended) = measure(&mut effects)?;
     if of_the_simulation(&null, &extended, &mut effects) {
-        (null, begun, extended) = measured(&found, &kept, begins, &mut effects)?;
+        (null, begun, extended) = measure(&mut effects)?;
     }
     let Begun {
         first,
@@ -187,7 +191,7 @@ pub fn conclude(
     } = begun;
     let given_model = user.and_then(|m| Given::of(&null, &extended, recording, m));
     // Where all names together leave much of the effort, none of them is sure but a line that stands out of chance by itself.
-    let reached = extended.nmse(&null.rows);
+    let reached = left(&null, &extended);
     if reached.test > EXPLAINS_LITTLE {
         let is_doubtful = |e: &&mut Named| !(e.is_narrow() && e.confidence >= CERTAIN);
         let doubtful = effects.iter_mut().filter(is_doubtful);
@@ -212,12 +216,13 @@ pub fn conclude(
         }
         effects.push(wrong_shape(&null, shape));
     }
-    for own in channel::found(&channel, shift, &null) {
+    for own in channel::found(&channel, shift, &null, recording) {
         let own = in_the_channel(&null, own);
         let [without, with] = own.nmse_test;
         baseline.test += without - with;
         baseline.train += without - with;
-        effects.retain(|e| e.id() != own.id());
+        let recurs = matches!(own.name, Name::Entry(e) if e.card().recurs);
+        effects.retain(|e| recurs || e.id() != own.id());
         effects.push(own);
     }
     effects.sort_by(|a, b| {

@@ -1,6 +1,7 @@
 //! A diagnosis in sentences, in the machine's own units.
 
 use super::axis::Axis;
+use super::channel::FREQUENCY;
 use super::effect::{Effect, Line, actuator_saturation::READING};
 use super::given::{Given, Refitted};
 use super::hysteresis;
@@ -65,12 +66,24 @@ impl Named {
         self.name.id()
     }
 
-    /// Its name for a person, with the period, frequency or place that tells it from others of its kind.
+    /// Its name for a person: what ends a reading is no drive.
+    pub(super) fn name(&self) -> &'static str {
+        match self.parameters.iter().any(|(key, _)| key == READING) {
+            true => "saturation of the reading",
+            false => self.name.name(),
+        }
+    }
+
+    /// The same with the period, frequency or place that tells it from others of its kind.
     pub(super) fn called(&self, recording: &Recording) -> String {
-        let name = self.name.name();
+        let name = self.name();
         let effect = self.term.as_ref().and_then(|t| Some((t.effect()?, t)));
         let Some((effect, first)) = effect.and_then(|(e, t)| Some((e, *t.shape.first()?))) else {
-            return name.to_owned();
+            let mut own = self.parameters.iter();
+            let above = own.find(|(key, _)| key == FREQUENCY);
+            return above.map_or(name.to_owned(), |(_, hz)| {
+                format!("{name} at {}", quantity(hz.value, "Hz"))
+            });
         };
         let in_position = || quantity(first, recording.position_unit());
         match effect.line() {
@@ -163,7 +176,7 @@ impl Unknown {
             _ => format!("something that follows {axis}"),
         };
         format!(
-            "{what}, {}{place}: {} RMS, {} of what is left, probability {}",
+            "{what}, {}{place}: {} RMS, {} of what is left; something is there with a probability of {}",
             if self.odd {
                 "flipping with the direction"
             } else {
@@ -274,7 +287,7 @@ impl Diagnosis {
         let text = format!(
             "{place}{}: {}. It explains {} of what is left without it{}",
             size(self, effect, recording),
-            effect.name.name(),
+            effect.name(),
             percent(effect.evidence.share),
             self.worth(effect, recording),
         );
@@ -335,9 +348,9 @@ impl Diagnosis {
             ),
             Verdict::Consistent => format!("consistent: nothing material is missing ({figures})"),
             Verdict::ParametersDiffer if self.null.core.corrects => {
-                let names: Vec<&str> = self.missing().map(|e| e.name.name()).collect();
+                let names: Vec<&str> = self.missing().map(|e| e.name()).collect();
                 format!(
-                    "parameters-differ: no physics is missing, but the simulation's {} not the recording's ({figures})",
+                    "parameters-differ: no physics is named, but the simulation's {} not the recording's ({figures})",
                     match names.as_slice() {
                         [one] => format!("{one} is"),
                         many => format!("{} are", many.join(", ")),
@@ -379,7 +392,7 @@ impl Diagnosis {
         if !wrong.is_empty() && self.verdict != Verdict::ParametersDiffer {
             clauses.push(format!("wrong in the model: {}", wrong.join(", ")));
         }
-        let in_fit: Vec<&str> = self.in_fit().map(|e| e.name.name()).collect();
+        let in_fit: Vec<&str> = self.in_fit().map(|e| e.name()).collect();
         if !in_fit.is_empty() {
             clauses.push(format!("in the fit: {}", in_fit.join(", ")));
         }
@@ -415,7 +428,11 @@ impl Diagnosis {
         self.given_model.as_ref().map(|given| {
             let refitted = match given.refitted.test < given.stands {
                 true => format!(
-                    "with its parameters refitted {} on stretches held out",
+                    "with its parameters refitted{} {} on stretches held out",
+                    match self.missing().next() {
+                        Some(_) => " beside what is missing",
+                        None => "",
+                    },
                     left(given.refitted.test)
                 ),
                 false => {
@@ -486,13 +503,13 @@ impl Diagnosis {
         let called = || effect.called(recording);
         match (effect.name, effect.ambiguous.first()) {
             (Name::Correction(_), _) => {
-                let name = effect.name.name();
+                let name = effect.name();
                 format!("correct the {name} of the simulation ({words}).")
             }
             _ if effect.parameters.iter().any(|(key, _)| key == READING) => {
                 "record with a wider range, or record the command: the reading ends where the force goes on, and those samples are left out.".to_owned()
             }
-            _ if effect.in_simulation => format!("correct the {} of the simulation ({words}).", effect.name.name()),
+            _ if effect.in_simulation => format!("correct the {} of the simulation ({words}).", effect.name()),
             (_, None) => format!("add to the {}: {} ({words}).", self.model_word(), called()),
             (_, Some(rival)) => format!(
                 "{} or {}: this recording cannot tell. To decide: {}.",
@@ -571,13 +588,24 @@ impl Diagnosis {
                 left(self.noise_floor + unrepeated)
             )
         };
+        let refitted = self
+            .given_model
+            .iter()
+            .find(|g| g.refitted.test < 0.5 * g.stands);
+        let keep = keep + &refitted.map_or(String::new(), |given| {
+            format!(
+                " With its parameters refitted it leaves {} instead of {}, though none is off by as much as a machine changes from day to day (`-o FILE` writes it).",
+                left(given.refitted.test),
+                left(given.stands)
+            )
+        });
         let by_confidence = |a: &&Named, b: &&Named| a.confidence.total_cmp(&b.confidence);
         let Some(likeliest) = self.suspected().max_by(by_confidence) else {
             return keep;
         };
         format!(
             "{keep} {} is suspected, with a probability of {} ({}). To be sure: {}.",
-            capital(likeliest.name.name()),
+            capital(likeliest.name()),
             probability(likeliest.confidence),
             likeliest.name.words(),
             likeliest.name.experiment()
