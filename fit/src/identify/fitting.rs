@@ -11,8 +11,8 @@ use super::virgin::VirginCurve;
 use super::weights::Weights;
 use super::{Candidate, FINEST, STEPS, yield_range};
 use crate::progress::Progress;
-use crate::report::figures::quantity;
 use crate::recording::{MotionKind, Recording};
+use crate::report::figures::quantity;
 use crate::signal::{Kinematics, Split};
 
 /// Share of the moving samples in the rarer direction below which a recording goes one way.

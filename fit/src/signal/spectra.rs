@@ -16,6 +16,10 @@ const MOST: usize = 1 << 18;
 /// Fewest periods of a vibration within the recording: slower is drift, or the motion itself.
 const CYCLES: f64 = 20.0;
 
+/// Fewest periods of a motion that goes to and fro at one frequency, and the share of its squares that must be there.
+const FEWEST: f64 = 4.0;
+const MOSTLY: f64 = 0.5;
+
 /// How many times a vibration the effort's line has to be: what shakes an axis by itself is the whole of its line, or half where the loop
 /// amplifies it.
 const OWN: f64 = 3.0;
@@ -171,6 +175,26 @@ pub fn lines_of(parts: &[(&[f64], &[f64])], from: f64, to: f64) -> Vec<f64> {
     peaks.into_iter().map(|p| p.1).collect()
 }
 
+/// Whether a frequency (Hz) is a harmonic of a motion, whose `position` at the times `at` goes to and fro at one, as near as their duration tells:
+/// whatever turns round with the motion has lines at all of them.
+pub fn is_harmonic(at: &[f64], position: &[f64], hz: f64) -> bool {
+    let mean = position.iter().sum::<f64>() / position.len().max(1) as f64;
+    let about: Vec<f64> = position.iter().map(|x| x - mean).collect();
+    let (low, high) = bounds(at);
+    let span = high - low;
+    let Some(own) = strongest(at, &about, FEWEST / span, hz) else {
+        return false;
+    };
+    let [c, s] = at.iter().zip(&about).fold([0.0; 2], |[c, s], (t, x)| {
+        let (sin, cos) = (TAU * own * (t - low)).sin_cos();
+        [c + x * cos, s + x * sin]
+    });
+    let squares: f64 = about.iter().map(|x| x * x).sum();
+    let share = 2.0 * (c * c + s * s) / (about.len() as f64 * squares).max(1e-300);
+    let apart = (hz - (hz / own).round() * own).abs();
+    share > MOSTLY && apart * span <= 1.0
+}
+
 /// Whether a vibration (its force at the times `at`) keeps step with the motion: at its frequency (Hz) the effort has a line that is much
 /// larger.
 pub fn keeps_step(at: &[f64], vibration: &[f64], effort: &[f64], hz: f64) -> bool {
@@ -238,6 +262,15 @@ mod tests {
         assert!(!keeps_step(&at, &shaken, &effort, 7.7));
         let beside: Vec<f64> = at.iter().map(wave(7.9)).map(|v| 0.2 * v).collect();
         assert!(!keeps_step(&at, &beside, &effort, 7.9));
+    }
+
+    #[test]
+    fn what_turns_round_with_a_motion_has_its_harmonics() {
+        let at: Vec<f64> = (0..9000).map(|i| f64::from(i) * 0.01).collect();
+        let triangle: Vec<f64> = at.iter().map(|t| (TAU * 0.25 * t).sin().asin()).collect();
+        for (hz, told) in [(3.25, true), (2.0, true), (3.37, false), (11.3, false)] {
+            assert_eq!(is_harmonic(&at, &triangle, hz), told, "{hz}");
+        }
     }
 
     #[test]

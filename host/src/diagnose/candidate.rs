@@ -51,8 +51,10 @@ impl Candidate {
             return false;
         }
         let force = combined(&null.columns(&self.term), &self.trial.coefficients);
-        let t = null.rows.weak.at_centres(&null.rows.s.t);
-        spectra::keeps_step(&t, &force, &null.rows.force, self.term.shape[0])
+        let (rows, hz) = (&null.rows, self.term.shape[0]);
+        let t = rows.weak.at_centres(&rows.s.t);
+        spectra::keeps_step(&t, &force, &rows.force, hz)
+            || spectra::is_harmonic(&rows.s.t, &rows.s.x, hz)
     }
 
     /// Effects of its shape in its place, on top of a hypothesis, each with the shape that is best for it.

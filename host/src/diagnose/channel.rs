@@ -3,6 +3,7 @@
 
 use super::effect::actuator_saturation::{ActuatorSaturation, READING};
 use super::effect::{ALWAYS_FREE, Effect, VIBRATION};
+use super::measured::OF_THE_FRICTION;
 use super::null_model::NullModel;
 use super::shift::Shift;
 use super::weak::Column;
@@ -54,6 +55,12 @@ pub fn found(
     let limited = end.map(|end| limited(null, end));
     let lines = channel.vibrations.iter();
     let shaken = lines.map(|line| shaken(null, line, recorded));
+    // It was held against blocks that it was not fitted to, and may be too small for anyone.
+    let material = |found: &Found| {
+        let taken = null.rows.rms_of(found.nmse[0] - found.nmse[1]);
+        taken >= OF_THE_FRICTION * null.usual_friction()
+    };
+    let shaken = shaken.filter(material);
     shifted.into_iter().chain(limited).chain(shaken).collect()
 }
 
@@ -76,7 +83,6 @@ fn shaken(null: &NullModel, line: &Vibration, recorded: &Recording) -> Found {
     let known = |value| Estimate { value, ci95: None };
     Found {
         effect: VIBRATION,
-        // It was held against blocks that it was not fitted to.
         confident: true,
         evidence: evidence(&force, &whole, &blocks_of(whole.len())),
         nmse: [&whole, &left].map(|values| nmse(values)),

@@ -25,7 +25,7 @@ const CANCELLED: f64 = 1.5;
 
 /// Of the friction, what a name must take off beside all others: no hysteresis is known better, and what is wrong with it looks like lag, ageing, drag
 /// or a dead zone. Of twelve names that were sure enough and took less, in trials of `labs` 61001 and in recordings of real machines, two were right.
-const OF_THE_FRICTION: f64 = 0.0125;
+pub(super) const OF_THE_FRICTION: f64 = 0.0125;
 
 /// What a diagnosis begins with: the hypothesis without names, and what is left of the effort without them.
 pub(super) struct Begun {
@@ -69,10 +69,7 @@ fn extend(found: &Found, kept: &[Term], effects: &[Named]) -> Option<Hypothesis>
 pub(super) fn measured(
     found: &Found,
     kept: &[Term],
-    (begins, left_by): (
-        impl Fn(&NullModel) -> Option<Begun>,
-        impl Fn(&NullModel, &Hypothesis) -> Nmse,
-    ),
+    begins: impl Fn(&NullModel) -> Option<Begun>,
     effects: &mut [Named],
 ) -> Option<(NullModel, Begun, Hypothesis)> {
     let least = KEPT * visible(begins(&found.null)?.left.test);
@@ -100,7 +97,7 @@ pub(super) fn measured(
         let least = doubted
             .into_iter()
             .min_by(|a, b| share(a).total_cmp(&share(b)));
-        let worse = left_by(&null, &extended).test > left && !null.core.corrects;
+        let worse = extended.nmse(&null.rows).test > left && !null.core.corrects;
         let least = match least {
             None if worse => effects
                 .iter_mut()

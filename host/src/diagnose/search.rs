@@ -7,6 +7,7 @@ use super::fit::Known;
 use super::merge::merged;
 use super::null_model::{Hypothesis, NullModel};
 use super::polish::polished;
+use super::signals::Signals;
 use super::term::{Subject, Term};
 use preslide_fit::progress::Progress;
 use rayon::prelude::*;
@@ -329,6 +330,11 @@ pub fn simplicity(candidate: &Candidate) -> (usize, usize) {
     )
 }
 
+/// Whether a recording can show an effect: what it lacks hides it, but slow change shows before its cause does.
+pub fn is_told(effect: &dyn Effect, s: &Signals) -> bool {
+    effect.class() == Class::Drift || effect.lacks(s).is_none()
+}
+
 /// The simplest effect that the recording can show and that explains nearly as much as `leader`. Plain physics is all as simple: there the order
 /// decides between equivalents only, and a drag that explains more is no viscous friction.
 fn simplest<'a>(null: &NullModel, leader: &'a Candidate, fit: &[&'a Candidate]) -> &'a Candidate {
@@ -339,9 +345,9 @@ fn simplest<'a>(null: &NullModel, leader: &'a Candidate, fit: &[&'a Candidate]) 
             effect.id() == leader.id() || equivalents.iter().any(|e| e.id() == effect.id())
         })
     };
-    let shows = |e: &dyn Effect| rival(e) && e.lacks(&null.rows.s).is_none();
+    let told = |e: &dyn Effect| rival(e) && is_told(e, &null.rows.s);
     let near = |o: &&Candidate| {
-        o.term.effect().is_some_and(shows) && o.evidence.share >= TIE * leader.evidence.share
+        o.term.effect().is_some_and(told) && o.evidence.share >= TIE * leader.evidence.share
     };
     fit.iter()
         .copied()

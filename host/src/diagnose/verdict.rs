@@ -8,7 +8,7 @@ use super::confidence::{self, confidence};
 use super::correction::Correction;
 use super::credible::{INCREDIBLE, doubt_harmonics, sieved};
 use super::drift::drift;
-use super::effect::{self, Class, Effect};
+use super::effect::{self, Effect};
 use super::fit::Fit;
 use super::given::Given;
 use super::hysteresis::{self, Shape};
@@ -20,10 +20,9 @@ use super::null_model::{Hypothesis, Nmse, NullModel};
 use super::place::Place;
 use super::repeats::unrepeated;
 use super::reproduced::Reproduced;
-use super::search::{Found, WORTH};
+use super::search::{Found, WORTH, is_told};
 use super::second_position::SecondPosition;
 use super::shift::Shift;
-use super::signals::Signals;
 use super::simulation::{self, Corrected};
 use super::term::{Subject, Term};
 use super::unnamed::{Unknown, is_likely, is_something, likely, unnamed};
@@ -175,15 +174,12 @@ pub fn conclude(
     };
     let begins = |null: &NullModel| {
         let first = null.fit_as_given(&[kept.as_slice(), &found.known.terms].concat())?;
-        Some(Begun {
-            left: left(null, &first),
-            first,
-        })
+        let left = left(null, &first);
+        Some(Begun { left, first })
     };
-    let measure = |effects: &mut [Named]| measured(&found, &kept, (&begins, &left), effects);
-    let (mut null, mut begun, mut extended) = measure(&mut effects)?;
+    let (mut null, mut begun, mut extended) = measured(&found, &kept, begins, &mut effects)?;
     if of_the_simulation(&null, &extended, &mut effects) {
-        (null, begun, extended) = measure(&mut effects)?;
+        (null, begun, extended) = measured(&found, &kept, begins, &mut effects)?;
     }
     let Begun {
         first,
@@ -401,11 +397,6 @@ fn named(found: &Found, report: &TermReport, mechanics: &[(String, f64)]) -> Opt
         name.doubt();
     }
     Some(name)
-}
-
-/// Whether a recording can show an effect: what it lacks hides it, but slow change shows before its cause does.
-fn is_told(effect: &dyn Effect, s: &Signals) -> bool {
-    effect.class() == Class::Drift || effect.lacks(s).is_none()
 }
 
 /// Whether what an effect takes off is as much as its force must be.
