@@ -158,7 +158,6 @@ fn a_spring_ahead_of_the_encoder_has_no_other_name() {
     assert_eq!(found.confident_ids(), [""; 0]);
 }
 
-/// Under LuGre's law a vibration at a frequency of the motion is stated, at the edge of certain (0.905), which is false (limits).
 #[test]
 #[ignore = "long study: cargo xtask test --all"]
 fn a_stiff_drive_has_neither() {
@@ -168,12 +167,7 @@ fn a_stiff_drive_has_neither() {
             contact_hz: 600.0,
         };
         let found = joint.diagnosed(law);
-        assert!(found.effects.iter().all(|e| e.confidence < 0.92), "{name}");
-        let stated = found.confident_ids();
-        assert!(
-            stated.iter().all(|id| *id == "external_vibration"),
-            "{name}: {stated:?}"
-        );
+        assert_eq!(found.confident_ids(), [""; 0], "{name}");
         let moved = ["backlash", "drive_compliance"];
         assert!(
             found

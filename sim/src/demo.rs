@@ -9,6 +9,7 @@ use preslide_fit::report::units::name_and_unit;
 use preslide_fit::report::{Axis, Colour, Emphasis, Figure, Page, Section, Series, Table};
 use preslide_host::cost::DEFAULT;
 use preslide_host::diagnose::Diagnosis;
+use preslide_host::diagnose::effect::by_id;
 use preslide_host::tune::Choice;
 
 /// Everything that the story is about.
@@ -38,7 +39,7 @@ impl Story<'_> {
             .map(|e| {
                 format!(
                     "{} ({}; confidence {:.2})",
-                    e.id(),
+                    e.called(self.recording),
                     e.name.words(),
                     e.confidence
                 )
@@ -106,10 +107,11 @@ impl Story<'_> {
         ];
         for hidden in &truth.effects {
             let own = found.effects.iter().find(|e| e.id() == hidden.id());
+            let effect = by_id(hidden.id()).map_or(hidden.id(), |e| e.name());
             rows.extend(hidden.values.iter().map(|(key, value)| {
                 let (name, _) = name_and_unit(key, "N");
                 let own = own.map_or("not found".to_owned(), |e| told(key, e.get(key)));
-                vec![format!("{}: {name}", hidden.id()), own, told(key, *value)]
+                vec![format!("{effect}: {name}"), own, told(key, *value)]
             }));
         }
         Table {

@@ -27,8 +27,8 @@ const NOTICEABLE: f64 = 0.02;
 /// `drives` were seen: it takes three of their 120 clean machines from the unknown ones, whose motors have a ripple of half as much, and
 /// none of their strangers.
 const SLIGHT: f64 = 0.01;
-/// Share of the friction by which every machine's friction wanders in time, along its path and over its travel: that is none of its physics
-/// left out.
+/// Share of the friction by which every machine's friction wanders in time, along its path and over its travel, and by which no law follows it over
+/// speed and after reversals: that is none of its physics left out.
 const WANDERS: f64 = 0.05;
 /// Share of the friction that an event must be while it lasts: by a tenth, the level of friction on guideways and screws changes from
 /// stroke to stroke. It takes two of those clean machines from the unknown ones, too.
@@ -64,7 +64,7 @@ pub struct Unknown {
     pub place: Option<Place>,
     /// Root mean square (N or N·m) of what it takes off the residual on stretches held out: its own force may be far larger.
     pub rms: f64,
-    /// It is friction that wanders in time, along its path or over the travel, by no more than every machine's does.
+    /// It is friction that wanders in time, along its path or over the travel, or departs from its law, by no more than every machine's.
     pub wanders: bool,
 }
 
@@ -238,8 +238,6 @@ fn unknown(found: &Found, report: &TermReport, usual: f64, [takes, left]: [f64; 
         rises_by: None,
         place: Place::of(rows, axis, &varying),
         rms: rows.rms_of(takes),
-        wanders: odd
-            && matches!(axis, Axis::Time | Axis::Path | Axis::Position)
-            && own <= WANDERS * usual,
+        wanders: odd && own <= WANDERS * usual,
     }
 }

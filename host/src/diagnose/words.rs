@@ -75,7 +75,7 @@ impl Named {
     }
 
     /// The same with the period, frequency or place that tells it from others of its kind.
-    pub(super) fn called(&self, recording: &Recording) -> String {
+    pub fn called(&self, recording: &Recording) -> String {
         let name = self.name();
         let effect = self.term.as_ref().and_then(|t| Some((t.effect()?, t)));
         let Some((effect, first)) = effect.and_then(|(e, t)| Some((e, *t.shape.first()?))) else {
@@ -408,11 +408,13 @@ impl Diagnosis {
             ));
         }
         if let Some(wanders) = self.unnamed.iter().find(|u| u.wanders && u.is_sure()) {
-            clauses.push(format!(
-                "friction wanders over {} by {} RMS, as every machine's does",
-                wanders.axis.name(&self.null.rows.s),
-                quantity(wanders.rms, recording.effort_unit())
-            ));
+            let axis = wanders.axis.name(&self.null.rows.s);
+            let what = match wanders.axis {
+                Axis::Time | Axis::Path | Axis::Position => format!("friction wanders over {axis}"),
+                _ => format!("friction departs from its law over {axis}"),
+            };
+            let by = quantity(wanders.rms, recording.effort_unit());
+            clauses.push(format!("{what} by {by} RMS, as every machine's does"));
         }
         clauses
     }
