@@ -19,6 +19,10 @@ const CYCLES: f64 = 20.0;
 /// Fewest periods of a motion that goes to and fro at one frequency, and the share of its squares that must be there.
 const FEWEST: f64 = 4.0;
 const MOSTLY: f64 = 0.5;
+/// Highest harmonic that such a motion makes: what turns round with it is small there.
+const ORDERS: f64 = 30.0;
+/// Steps of the search for its frequency, each half of the last.
+const HALVINGS: usize = 6;
 
 /// How many times a vibration the effort's line has to be: what shakes an axis by itself is the whole of its line, or half where the loop
 /// amplifies it.
@@ -182,17 +186,32 @@ pub fn is_harmonic(at: &[f64], position: &[f64], hz: f64) -> bool {
     let about: Vec<f64> = position.iter().map(|x| x - mean).collect();
     let (low, high) = bounds(at);
     let span = high - low;
-    let Some(own) = strongest(at, &about, FEWEST / span, hz) else {
+    let Some(mut own) = strongest(at, &about, FEWEST / span, hz) else {
         return false;
     };
-    let [c, s] = at.iter().zip(&about).fold([0.0; 2], |[c, s], (t, x)| {
-        let (sin, cos) = (TAU * own * (t - low)).sin_cos();
-        [c + x * cos, s + x * sin]
-    });
+    let power = |hz: f64| {
+        let turns = at.iter().zip(&about).map(|(t, x)| {
+            let (sin, cos) = (TAU * hz * (t - low)).sin_cos();
+            [x * cos, x * sin]
+        });
+        let [c, s] = turns.fold([0.0; 2], |[c, s], [a, b]| [c + a, s + b]);
+        c * c + s * s
+    };
+    // Its harmonics are as many times as far off as it.
+    let mut step = 0.1 / span;
+    for _ in 0..HALVINGS {
+        let beside = [own - step, own, own + step];
+        own = *beside
+            .iter()
+            .max_by(|a, b| power(**a).total_cmp(&power(**b)))
+            .unwrap_or(&own);
+        step *= 0.5;
+    }
     let squares: f64 = about.iter().map(|x| x * x).sum();
-    let share = 2.0 * (c * c + s * s) / (about.len() as f64 * squares).max(1e-300);
-    let apart = (hz - (hz / own).round() * own).abs();
-    share > MOSTLY && apart * span <= 1.0
+    let share = 2.0 * power(own) / (about.len() as f64 * squares).max(1e-300);
+    let order = (hz / own).round();
+    let apart = (hz - order * own).abs();
+    order <= ORDERS && share > MOSTLY && apart * span <= 1.0
 }
 
 /// Whether a vibration (its force at the times `at`) keeps step with the motion: at its frequency (Hz) the effort has a line that is much

@@ -10,6 +10,7 @@ use preslide_fit::evidence::{Evidence, chance, evidence};
 use preslide_fit::signal::spectra;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Share of the moving samples below the speed at which the rows must still resolve a line of position.
@@ -53,8 +54,12 @@ impl Candidate {
         let force = combined(&null.columns(&self.term), &self.trial.coefficients);
         let (rows, hz) = (&null.rows, self.term.shape[0]);
         let t = rows.weak.at_centres(&rows.s.t);
-        spectra::keeps_step(&t, &force, &rows.force, hz)
-            || spectra::is_harmonic(&rows.s.t, &rows.s.x, hz)
+        let longest = rows.s.pieces.iter().max_by_key(|piece| piece.len());
+        let is_harmonic = |piece: &Range<usize>| {
+            let [t, x] = [&rows.s.t, &rows.s.x].map(|values| &values[piece.clone()]);
+            spectra::is_harmonic(t, x, hz)
+        };
+        spectra::keeps_step(&t, &force, &rows.force, hz) || longest.is_some_and(is_harmonic)
     }
 
     /// Effects of its shape in its place, on top of a hypothesis, each with the shape that is best for it.

@@ -224,7 +224,6 @@ fn unknown(found: &Found, report: &TermReport, usual: f64, [takes, left]: [f64; 
         .iter()
         .map(|f| f - if odd { 0.0 } else { level })
         .collect();
-    let own = rms(&varying);
     Unknown {
         axis,
         odd,
@@ -238,6 +237,6 @@ fn unknown(found: &Found, report: &TermReport, usual: f64, [takes, left]: [f64; 
         rises_by: None,
         place: Place::of(rows, axis, &varying),
         rms: rows.rms_of(takes),
-        wanders: odd && own <= WANDERS * usual,
+        wanders: odd && rows.rms_of(takes) <= WANDERS * usual,
     }
 }
