@@ -221,7 +221,7 @@ const MOST_KEPT: usize = 100_000;
 
 /// The recording with as many samples as its band needs, where it has many more; `None` where it is best left as it is.
 ///
-/// The band is that of the zero-phase filter through which effort and motion are compared ([`ZeroPhase`](crate::signal::ZeroPhase)). A recorded
+/// The band is that of the zero-phase filter through which effort and motion are compared ([`ZeroPhase`]). A recorded
 /// friction goes through no filter: only what is more than anything could use is taken off it. What shakes the axis above that band stays in it. A
 /// recording of fewer samples than `from` is left as it is.
 pub fn thinned(recording: &Recording, from: usize) -> Option<Recording> {
