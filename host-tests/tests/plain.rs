@@ -273,6 +273,9 @@ fn a_hum_above_the_band_of_the_motion_is_told() {
         let told = diagnose(&recording, None, Some(fit), &progress).expect("a diagnosis");
         let names: Vec<&str> = told.missing().map(|e| e.id()).collect();
         assert_eq!(names, ["external_vibration"]);
+        let force = told.missing().flat_map(|e| &e.force);
+        let largest = force.fold(0.0, |most: f64, f| most.max(f.abs()));
+        assert!((largest / TORQUE - 1.0).abs() < 0.03, "{largest}");
     }
 }
 

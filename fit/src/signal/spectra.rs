@@ -16,11 +16,12 @@ const MOST: usize = 1 << 18;
 /// Fewest periods of a vibration within the recording: slower is drift, or the motion itself.
 const CYCLES: f64 = 20.0;
 
-/// Fewest periods of a motion that goes to and fro at one frequency, and the share of its squares that must be there.
+/// Fewest periods of a motion that goes to and fro at one frequency, and the share of its squares that must be there: a twentieth lost one of a blind
+/// judge's vibrations.
 const FEWEST: f64 = 4.0;
-const MOSTLY: f64 = 0.5;
-/// Highest harmonic that such a motion makes: what turns round with it is small there.
-const ORDERS: f64 = 30.0;
+pub(super) const MOTION: f64 = 0.5;
+/// Highest harmonic that such a motion makes: those of a friction that turns round with it are a twentieth of it there.
+pub(super) const HARMONICS: u32 = 30;
 /// Steps of the search for its frequency, each half of the last.
 const HALVINGS: usize = 6;
 
@@ -211,7 +212,7 @@ pub fn is_harmonic(at: &[f64], position: &[f64], hz: f64) -> bool {
     let share = 2.0 * power(own) / (about.len() as f64 * squares).max(1e-300);
     let order = (hz / own).round();
     let apart = (hz - order * own).abs();
-    order <= ORDERS && share > MOSTLY && apart * span <= 1.0
+    order <= f64::from(HARMONICS) && share > MOTION && apart * span <= 1.0
 }
 
 /// Whether a vibration (its force at the times `at`) keeps step with the motion: at its frequency (Hz) the effort has a line that is much

@@ -2,7 +2,8 @@
 //! delay that are fitted without it answer for it.
 
 use super::rigid::{BLOCKS, Rigid, blocks, every};
-use super::{Kinematics, ZeroPhase, spectra};
+use super::spectra::{self, HARMONICS, MOTION};
+use super::{Kinematics, ZeroPhase};
 use crate::evidence::evidence;
 use crate::recording::Recording;
 use crate::report::figures::three;
@@ -22,10 +23,6 @@ const PARTS: usize = 8;
 const STEADY: [f64; 2] = [0.6, 1.4];
 /// Share of the position's squares from which a line is the motion's own: what shakes an axis moves it by little of its travel.
 const OF_THE_MOTION: f64 = 0.01;
-/// The same of a line of which it is a harmonic, up to this order: higher ones of a friction that turns round are a twentieth of it, and those of a line
-/// that is there for a while are not steady. A twentieth lost one of a blind judge's vibrations.
-const CARRIES: f64 = 0.5;
-const ORDERS: u32 = 30;
 /// Share of the rate of the fitted samples below which a line is looked for: a faster one would have an alias.
 const RESOLVED: f64 = 0.4;
 /// Steps of the search between two bins of the spectrum.
@@ -153,7 +150,7 @@ fn sum([cos, sin]: &[Vec<f64>; 2], [a, b]: [f64; 2]) -> Vec<f64> {
 /// Whether the position has a line there, or one of which it is a harmonic: friction that turns round with it has them all.
 fn is_of_the_motion(position: &[f64], t: &[f64], hz: f64) -> bool {
     let share = |order: u32| share_of(position, t, hz / f64::from(order));
-    share(1) > OF_THE_MOTION || (2..=ORDERS).any(|order| share(order) > CARRIES)
+    share(1) > OF_THE_MOTION || (2..=HARMONICS).any(|order| share(order) > MOTION)
 }
 
 /// Share of the squares of `values`, about their mean, that lie in one line.

@@ -107,6 +107,8 @@ impl Tool {
     ) -> Result<Diagnosis, String> {
         let (program, first) = self.command.split_first().ok_or("no program to judge")?;
         let (answer, errors) = (folder.join("answer.json"), folder.join("stderr.txt"));
+        // Of an earlier run in a folder that was kept: this one may give none.
+        let _ = std::fs::remove_file(&answer);
         let stderr = std::fs::File::create(&errors).map_err(|e| e.to_string())?;
         let mut command = Command::new(program);
         command.args(first).args(recordings).args(arguments);

@@ -86,7 +86,8 @@ fn shaken(null: &NullModel, line: &Vibration, recorded: &Recording) -> Found {
         confident: true,
         evidence: evidence(&force, &whole, &blocks_of(whole.len())),
         nmse: [&whole, &left].map(|values| nmse(values)),
-        force: rows.weak.rows(&Column::of(force)),
+        // As it is there: averaged over a row it would be next to nothing.
+        force: rows.weak.at_centres(&force),
         parameters: vec![
             ("force_N".to_owned(), line.force),
             ("phase_rad".to_owned(), known(line.phase(first))),
