@@ -229,15 +229,18 @@ fn size(found: &Diagnosis, effect: &Named, recording: &Recording) -> String {
     let level = found.null.baseline.level;
     let of_level = percent(large / level.max(1e-300));
     let unit = recording.effort_unit();
-    match found.side(force) {
+    // What shakes it in time knows no direction.
+    let shakes = matches!(effect.name, Name::Entry(e) if e.line() == Some(Line::Time));
+    match found.side(force).filter(|_| !shakes) {
         Some(side) if side > 0.0 => {
             format!("friction is up to {of_level} higher, in both directions")
         }
         Some(_) => format!("friction is up to {of_level} lower, in both directions"),
-        None if effect
-            .places
-            .first()
-            .is_some_and(|p| found.flips(p.axis, force)) =>
+        None if !shakes
+            && effect
+                .places
+                .first()
+                .is_some_and(|p| found.flips(p.axis, force)) =>
         {
             format!("friction is up to {of_level} higher or lower, in both directions")
         }
