@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use preslide_host_tests::judge::baseline::{self, Set};
 use preslide_host_tests::judge::case::{Case, Sort};
-use preslide_host_tests::judge::source::generated::{self, DRIVES, Generator, LABS, STAGE};
+use preslide_host_tests::judge::source::generated::{self, Generator, LABS, STAGE};
 use preslide_host_tests::judge::source::{bench, injection, trials, write_json};
 use preslide_host_tests::judge::summary;
 use preslide_host_tests::judge::tool::Tool;
@@ -20,8 +20,6 @@ enum Source {
     Stage,
     /// Machines of a laboratory, by a generator whose author had read nothing of the project
     Labs,
-    /// Nine kinds of machine with motors, by a generator whose author had read nothing of the project
-    Drives,
     /// Known effects in real recordings
     Injection,
     /// Real machines as they are, and controls
@@ -38,7 +36,7 @@ pub struct Options {
     #[arg(
         long,
         value_delimiter = ',',
-        default_value = "trials,stage,labs,drives,injection,benches",
+        default_value = "trials,stage,labs,injection,benches",
         value_name = "SOURCES"
     )]
     only: Vec<Source>,
@@ -54,7 +52,7 @@ pub struct Options {
     /// Clean trials besides, over all families and laws
     #[arg(long, default_value_t = 0, value_name = "N")]
     clean: usize,
-    /// Sorts of question in trials, stage, labs and drives [default: all]
+    /// Sorts of question in trials, stage and labs [default: all]
     #[arg(long, value_delimiter = ',', value_name = "SORTS")]
     sorts: Vec<Sort>,
     /// Seeds of `../shared/generators/stage`, 76 trials each
@@ -68,9 +66,6 @@ pub struct Options {
     /// Seeds of `host-tests/generators/labs`, 190 trials each
     #[arg(long, value_delimiter = ',', default_value = "1", value_name = "SEEDS")]
     labs: Vec<u64>,
-    /// Seeds of `host-tests/generators/drives`, 76 trials each
-    #[arg(long, value_delimiter = ',', default_value = "1", value_name = "SEEDS")]
-    drives: Vec<u64>,
     /// A set of `stage` that is there already, instead of the seeds
     #[arg(long, value_name = "FOLDER")]
     stage_folder: Option<PathBuf>,
@@ -124,9 +119,6 @@ fn ask(o: &Options, tool: &Tool) -> Result<Vec<Case>, String> {
     };
     if wants(Source::Labs) {
         generate(&LABS, &o.labs)?;
-    }
-    if wants(Source::Drives) {
-        generate(&DRIVES, &o.drives)?;
     }
     if wants(Source::Stage) && shared && o.stage_folder.is_none() {
         generate(&STAGE, &o.stage)?;

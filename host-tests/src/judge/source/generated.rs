@@ -1,12 +1,12 @@
 //! Generators of trials that are Python programs, run once for each seed and kept under `target/`: that of stages in
-//! `../shared/generators/stage`, that of a laboratory's machines in `host-tests/generators/labs`, and that of drives in `host-tests/generators/drives`.
+//! `../shared/generators/stage`, and that of a laboratory's machines in `host-tests/generators/labs`.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use serde_json::Value;
 
-use crate::judge::case::{Case, Check, Place, Sort, Truth};
+use crate::judge::case::{Case, Place, Sort, Truth};
 use crate::judge::real::shared;
 use crate::judge::table::{Recording, Table};
 use crate::judge::tool::{Tool, parallel};
@@ -33,14 +33,6 @@ pub const LABS: Generator = Generator {
     source: "labs",
     script: || Some(Path::new(env!("CARGO_MANIFEST_DIR")).join("generators/labs/trials.py")),
     arguments: &["--n-clean", "60", "--n-effect", "100", "--n-strange", "30"],
-};
-
-/// Nine kinds of machine with motors under ten laws, a third of them with jittered or lost samples and most without a model, by somebody
-/// else who had read neither.
-pub const DRIVES: Generator = Generator {
-    source: "drives",
-    script: || Some(Path::new(env!("CARGO_MANIFEST_DIR")).join("generators/drives/trials.py")),
-    arguments: &["--n-clean", "30", "--n-effect", "34", "--n-strange", "12"],
 };
 
 /// Where generated sets and the Python environment are kept.
@@ -158,41 +150,10 @@ fn truth(effect: &Value, parameters: &Value) -> Truth {
     }
 }
 
-/// How far a stated period may be from a native one, of it; or further, to where the travel tells the two apart (Rayleigh: wave numbers that
-/// differ by one over the travel).
-const NEAR: f64 = 0.03;
-
-/// What a label says that a machine has besides what was concealed. `drives` gives its machines the ripple of a motor and friction that
-/// wanders in three waves, and those without a model viscous friction, which their labels' effects leave out.
+/// What a machine has besides what was concealed: `labs` gives the user of a machine whose friction is tanh(v/v0) a model of blocks.
 fn native(label: &Value, model: Option<&str>) -> Vec<Truth> {
-    let params = &label["params"];
-    let has = |key: &str| params[key].as_f64().is_some_and(|v| v > 0.0);
-    let end = |key: &str| params[key].as_f64().unwrap_or(f64::NAN);
-    let travel = end("hi") - end("lo");
-    let at = |id: &str, period: &Value| Truth {
-        checks: period
-            .as_f64()
-            .map(|p| Check::relative("period_", p, NEAR.max(p / travel)))
-            .into_iter()
-            .collect(),
-        ..Truth::named(id)
-    };
-    let mut own = Vec::new();
-    if model.is_none() && has("viscous") {
-        own.push(Truth::named("viscous"));
-    }
-    // `labs` gives the user of a machine whose friction is tanh(v/v0) a model of blocks.
-    if model.is_some() && label["law"] == "tanh" {
-        own.push(Truth::named("presliding_shape"));
-    }
-    if has("ripple") {
-        own.push(at("periodic_force", &params["motor_period"]));
-    }
-    if let Some(waves) = params["wave_lengths"].as_array().filter(|_| has("wander")) {
-        own.push(Truth::named("position_friction"));
-        own.extend(waves.iter().map(|w| at("periodic_friction", w)));
-    }
-    own
+    let is_smooth = model.is_some() && label["law"] == "tanh";
+    Vec::from_iter(is_smooth.then(|| Truth::named("presliding_shape")))
 }
 
 /// What an effect has in it besides: a force over the travel has a mean.
@@ -285,47 +246,4 @@ pub fn cases(
         Ok(Some(case))
     });
     answered.into_iter().filter_map(Result::transpose).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::answer::Named;
-    use serde_json::json;
-
-    fn named(id: &str, period: f64) -> Named {
-        Named {
-            id: id.to_owned(),
-            confident: true,
-            confidence: 0.9,
-            ambiguous_with: Vec::new(),
-            places: Vec::new(),
-            parameters: vec![("period_m".to_owned(), period, None)],
-            features: Value::Null,
-        }
-    }
-
-    #[test]
-    fn what_a_machine_has_besides_is_no_false_name() {
-        let label = json!({"params": {"viscous": 3.0, "ripple": 0.01, "motor_period": 0.0025, "wander": 0.01, "wave_lengths": [0.3, 0.1, 0.04], "lo": 0.0, "hi": 0.5}});
-        let right = |model: Option<&str>, id: &str, period: f64| {
-            native(&label, model)
-                .iter()
-                .any(|t| t.is(&named(id, period)))
-        };
-        assert!(right(None, "viscous", 1.0) && !right(Some(""), "viscous", 1.0));
-        assert!(right(None, "periodic_force", 0.00252) && !right(None, "periodic_force", 0.003));
-        assert!(right(None, "periodic_friction", 0.1) && !right(None, "periodic_friction", 0.06));
-        // Two waves that the travel does not separate.
-        assert!(right(None, "periodic_friction", 0.2));
-        assert!(right(None, "position_friction", 1.0) && !right(None, "run_in", 1.0));
-        assert!(native(&json!({"params": {"viscous": 0.0}}), None).is_empty());
-        let smooth = json!({"law": "tanh", "params": {}});
-        let told = |model| {
-            native(&smooth, model)
-                .iter()
-                .any(|t| t.id == "presliding_shape")
-        };
-        assert!(told(Some("")) && !told(None));
-    }
 }
