@@ -156,7 +156,16 @@ impl Names<'_> {
                 });
                 continue;
             }
-            let (term, offset) = product(known, sign, &factors).map_err(fail)?;
+            let (mut term, offset) = product(known, sign, &factors).map_err(fail)?;
+            for factor in &factors {
+                let Factor::Column(column, None) = *factor else {
+                    continue;
+                };
+                if let Some((scale, said)) = self.in_si(known, column) {
+                    term.factor *= scale;
+                    warnings.push(said);
+                }
+            }
             source.offset += offset;
             match term.columns.is_empty() {
                 true => source.offset += term.factor,
@@ -218,6 +227,23 @@ impl Names<'_> {
                 )),
             ),
         }
+    }
+
+    /// What brings a column of another quantity to SI, for a factor such as N/A or the lever arm in m is in SI, and what is to be said of it.
+    /// Where the quantity is that of the target, the factor is the user's own conversion.
+    fn in_si(&self, known: &Known, column: usize) -> Option<(f64, Warning)> {
+        let (wanted, unit) = (known.dimension?, self.unit(column)?);
+        let is_scaled = unit.dimension != wanted && unit.factor != 1.0 && unit.offset == 0.0;
+        let (target, name, scale) = (known.name, &self.columns[column], unit.factor);
+        let said = || {
+            Warning::new(
+                "unit-applied",
+                format!(
+                    "`{name}` is taken in SI, {scale} of its numbers, and the factor of `{target}` beside it with it; where your factor is for its numbers as they are, divide it by {scale}"
+                ),
+            )
+        };
+        is_scaled.then(|| (scale, said()))
     }
 
     /// What `--map` asks for.

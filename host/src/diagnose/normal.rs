@@ -102,7 +102,7 @@ impl Normal {
         bounds: &[Bound],
         force: &[f64],
     ) -> Option<Self> {
-        let whitened: Vec<Vec<f64>> = columns.par_iter().map(|c| noise.whitened(c)).collect();
+        let whitened = noise.whitened_all(columns);
         let target = noise.whitened(force);
         let scale: Vec<f64> = whitened
             .iter()
@@ -249,10 +249,13 @@ impl Normal {
         shapes: &[&[Vec<f64>]],
         admits: impl Fn(usize, &[f64]) -> bool + Sync,
     ) -> Option<Trial> {
-        let whitened: Vec<Vec<Vec<f64>>> = shapes
-            .par_iter()
-            .map(|columns| columns.iter().map(|c| self.noise.whitened(c)).collect())
+        let all: Vec<&[f64]> = shapes
+            .iter()
+            .flat_map(|columns| columns.iter().map(Vec::as_slice))
             .collect();
+        let mut all = self.noise.whitened_all(&all).into_iter();
+        let own = |columns: &&[Vec<f64>]| all.by_ref().take(columns.len()).collect();
+        let whitened: Vec<Vec<Vec<f64>>> = shapes.iter().map(own).collect();
         let solved: Vec<Shape> = whitened.par_iter().map(|w| self.solve(w)).collect();
         let choose = |system: usize| {
             let of = |shape: &Shape, i: usize| {
