@@ -301,6 +301,16 @@ fn friction_that_falls_with_the_speed_is_told() {
 /// No number of blocks is Dahl's law or `tanh`: what they leave repeats with every stroke, and no scatter of strokes shows how it bends the rest.
 #[test]
 fn intervals_reach_to_what_other_laws_make_of_a_parameter() {
+    intervals_reach_to_the_truth(&[20]);
+}
+
+#[test]
+#[ignore = "long study: cargo xtask test --all"]
+fn intervals_reach_to_what_other_laws_make_of_a_parameter_on_three_seeds() {
+    intervals_reach_to_the_truth(&[20, 21, 22]);
+}
+
+fn intervals_reach_to_the_truth(seeds: &[u64]) {
     type Law = fn() -> Box<dyn FnMut(f64, f64) -> f64>;
     let dahl: Law = || {
         let mut bristle = Dahl {
@@ -320,7 +330,7 @@ fn intervals_reach_to_what_other_laws_make_of_a_parameter() {
     let smooth: Law = || Box::new(|_, v| COULOMB * (v / 0.05).tanh());
     let (mut held, mut all) = (0, 0);
     for (law, friction) in [("Dahl", dahl), ("Bouc-Wen", bouc_wen), ("tanh", smooth)] {
-        for seed in [20, 21, 22] {
+        for &seed in seeds {
             println!("{law}, seed {seed}");
             let recording = made_by(&mut friction(), 30_000, &BARE, seed, "q_rad,torque_Nm");
             let found = run(&recording);

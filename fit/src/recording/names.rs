@@ -239,7 +239,7 @@ impl Names<'_> {
             Warning::new(
                 "unit-applied",
                 format!(
-                    "`{name}` is taken in SI, {scale} of its numbers, and the factor of `{target}` beside it with it; where your factor is for its numbers as they are, divide it by {scale}"
+                    "`{name}` is converted to SI first ({scale} × its numbers), so its factor in `{target}` is per SI unit; divide a factor that is per unit of the file by {scale}"
                 ),
             )
         };
