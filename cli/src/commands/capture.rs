@@ -202,7 +202,7 @@ impl Capture {
         }
         if let Some((fault, time)) = summary.fault {
             say!(
-                "Note: the controller stopped at {time:.4} s ({fault:?}); identify what is before: --train 0..{time:.4}."
+                "Note: the controller stopped at {time:.4} s ({fault:?}); identify only what came before: --train 0..{time:.4}."
             );
         }
         if let Some((range, time)) = summary.left_range {

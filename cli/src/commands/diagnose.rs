@@ -215,7 +215,7 @@ impl Diagnose {
         let is_known = |path: &&PathBuf| is_table(path) || Language::of(path).is_some();
         match self.output.iter().find(|path| !is_known(path)) {
             Some(path) => Err(Failure::Input(format!(
-                "-o {}: with --simulated a correction is written, no model: name a file .csv (the force of each term at every sample), .py, .c, .h or .m (code to add to the simulation)",
+                "-o {}: with --simulated it writes a correction, not a model: name a file .csv (the force of each term at every sample), .py, .c, .h or .m (code to add to the simulation)",
                 path.display()
             ))),
             None => Ok(()),
@@ -230,7 +230,7 @@ impl Diagnose {
         match unknown.is_empty() {
             true => Ok(()),
             false => Err(Failure::Input(format!(
-                "--asked {}: no effect of the catalogue; ids stand at the end of `preslide diagnose --help`, and none is for the first experiment",
+                "--asked {}: not in the catalogue; the ids are at the end of `preslide diagnose --help`, and `none` is for the first experiment",
                 unknown.join(",")
             ))),
         }
@@ -250,7 +250,7 @@ impl Diagnose {
         explain!("{words}.");
         let remarks = [
             format!(
-                "What {} lacks of {}. {words}.",
+                "What {} lacks compared with {}. {words}.",
                 self.simulated.join(","),
                 recording.name
             ),

@@ -118,7 +118,7 @@ impl Export {
         let joint = format.map(|format| Joint::of(&model, format));
         let joint = joint.transpose().map_err(in_file)?;
         let how = match (&joint, self.lang) {
-            (Some(_), _) => "Written by `preslide export`: a joint, for a body of yours.",
+            (Some(_), _) => "Written by `preslide export`: a joint for one of your bodies.",
             (None, Lang::C) => "Written by `preslide export`; do not edit, export again.",
             (None, Lang::Rust) => {
                 "Written by `preslide export`; do not edit, export again. As a module: `#[rustfmt::skip] mod …;`."

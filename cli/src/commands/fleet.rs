@@ -123,14 +123,14 @@ impl Fleet {
             say!("{}: {reason}", row.file);
         }
         if let Some(more @ 1..) = wrong.len().checked_sub(SHOWN) {
-            say!("{more} more are without an answer; the column `error` has each one's reason.");
+            say!("{more} more have no answer; the column `error` gives each reason.");
         }
         let summary = to_json(rows, &changes, self.false_alarms, made.new);
         self.outputs
             .write(&summary, || page(rows, &ranked, words, command_line()))?;
         match wrong.len() == rows.len() {
             true => Err(Failure::Data(
-                "none of the recordings gave an answer; the table has each one's reason".to_owned(),
+                "no recording gave an answer; the table gives each reason".to_owned(),
             )),
             false => Ok(()),
         }

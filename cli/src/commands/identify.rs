@@ -84,7 +84,7 @@ impl Identify {
         }
         if self.controller.is_some() && self.criterion == Criterion::Force {
             return Err(Failure::Input(
-                "--controller is for the motion: add --criterion motion, or leave it out"
+                "--controller needs --criterion motion: add that, or leave --controller out"
                     .to_owned(),
             ));
         }

@@ -40,8 +40,8 @@ enum Question {
 impl Question {
     fn text(self) -> &'static str {
         match self {
-            Question::To => "move to (1.5mm, -20um; Enter goes, Esc does not):",
-            Question::By => "move by (1.5mm, -20um; Enter goes, Esc does not):",
+            Question::To => "move to (1.5mm, -20um; Enter moves, Esc cancels):",
+            Question::By => "move by (1.5mm, -20um; Enter moves, Esc cancels):",
             Question::Set => "set NAME=VALUE (gains.proportional=1e5):",
             Question::Zero => "the axis is now at (0, 5mm):",
         }

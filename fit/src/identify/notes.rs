@@ -112,7 +112,7 @@ impl Identification {
         let candidate = Bench::new(recording, &kinematics, self).candidate(family, progress)?;
         let candidate = candidate.ok_or_else(|| {
             format!(
-                "{}: {} cannot be fitted: its force resists the motion from no start; `preslide compare` tries the others",
+                "{}: {} cannot be fitted: no starting values make its force resist the motion; `preslide compare` tries the others",
                 recording.name,
                 family.name()
             )
@@ -127,7 +127,7 @@ impl Identification {
     fn say_taken(&mut self) {
         let best = self.best();
         self.recommendation = format!(
-            "Taken as asked: {}, {:.3} % held out. Otherwise: {}",
+            "As requested: {}, {:.3} % held out. Otherwise: {}",
             best.model.friction.name(),
             best.nmse_test,
             self.recommendation
@@ -289,7 +289,7 @@ impl Identification {
         let (shortest, longest) = self.yield_range;
         if let Some(share) = self.soft_share() {
             notes.push(format!(
-                "{:.0} % of the friction yields only beyond {:.0} % of the longest stroke: what hardly ever slips may as well be a spring, a weight or another force of the position; `preslide diagnose` says which, a longer motion would",
+                "{:.0} % of the friction yields only beyond {:.0} % of the longest stroke: what hardly ever slips may just as well be a spring, a weight or another position-dependent force; `preslide diagnose` says which, and so would a longer motion",
                 100.0 * share,
                 50.0 * SOFT
             ));
@@ -302,7 +302,7 @@ impl Identification {
             && viscous.1.value < 0.0
         {
             notes.push(format!(
-                "the viscous coefficient came out negative{}: friction falls with speed in this recording; do not use the model beyond the speeds that it holds",
+                "the viscous coefficient came out negative{}: friction falls with speed in this recording; do not use the model beyond the recorded speeds",
                 if viscous.1.ci95.is_some_and(|ci| ci[1] > 0.0) { ", and may be zero" } else { "" }
             ));
         }

@@ -24,7 +24,7 @@ use told::Told;
 
 /// Commission an axis: from just switched on to friction compensated
 ///
-/// It finds direction and moving weight with small moves, plays a motion, identifies and diagnoses it, plays experiments while
+/// It finds direction and moving mass with small moves, plays a motion, identifies and diagnoses it, plays experiments while
 /// something is in doubt, loads the model, and shows the gain on a motion that no fit saw. The space bar or Ctrl-C stops the axis; the
 /// same command resumes. Nothing is kept over a reset unless you say yes.
 #[derive(Args)]
@@ -150,7 +150,7 @@ impl Commission {
             self.home_words()
         );
         say!(
-            "2. a careful motion of {}: direction, moving weight",
+            "2. a careful motion of {}: direction, moving mass",
             seconds(&motions.careful)
         );
         say!(
@@ -175,7 +175,7 @@ impl Commission {
         match self.home {
             Origin::Index => "find the encoder's index",
             Origin::Stop => "find a mechanical stop",
-            Origin::None => "no origin: all motions lie about where the axis stands",
+            Origin::None => "no origin: all motions are centred on where the axis stands",
         }
     }
 
@@ -184,12 +184,12 @@ impl Commission {
         let axis = match ended {
             Ok(()) => "The axis is disabled".to_owned(),
             Err(reason) => format!(
-                "The axis could not be disabled ({}): a controller that hears nothing stops it after its `silence` and holds it; look to cable and supply",
+                "The axis could not be disabled ({}): a controller that hears nothing stops it after its `silence` and holds it; check cable and supply",
                 reason.message()
             ),
         };
         let next = format!(
-            "in stage `{stage}`: {}\n{axis}. What was recorded is in {}; the same command goes on from there",
+            "in stage `{stage}`: {}\n{axis}. The recordings so far are in {}; the same command goes on from there",
             failure.message(),
             self.output.display()
         );
@@ -333,8 +333,7 @@ impl Run {
         for by in [nudge, -nudge] {
             self.go(by).map_err(|failure| match failure {
                 Failure::Data(reason) => Failure::Data(format!(
-                    "{reason}; at a move of {NUDGE_COUNTS} counts the motor may push against its encoder: reverse one of them (`motor.reversed`, \
-                     `encoder.reversed` of axis.toml), or raise gains that do not move the axis"
+                    "{reason}; at a move of {NUDGE_COUNTS} counts motor and encoder may have opposite signs: reverse one of them (`motor.reversed`, `encoder.reversed` of axis.toml), or raise gains that are too low to move the axis"
                 )),
                 other => other,
             })?;
@@ -390,14 +389,14 @@ impl Run {
         let (turned, weight) = told::careful(&path)?;
         if turned {
             return Err(Failure::Data(format!(
-                "{}: the effort that is recorded drives the axis backward; set `motor.reversed` of axis.toml, or the sign of the current sense",
+                "{}: the recorded effort drives the axis backward; set `motor.reversed` of axis.toml, or the sign of the current sense",
                 path.display()
             )));
         }
         match weight {
-            Ok(weight) => say!("direction: as it should be; it moves {weight}"),
+            Ok(weight) => say!("direction: correct; the axis moves {weight}"),
             Err(reason) => {
-                say!("direction: as it should be; the weight is not known yet ({reason})")
+                say!("direction: correct; the moving mass is not known yet ({reason})")
             }
         }
         Ok(())
@@ -457,7 +456,7 @@ impl Run {
         self.stage = format!("play {name}");
         let output = self.journal.file(&format!("{name}.csv"));
         if self.journal.played.contains_key(name) {
-            say!("{name}: recorded before, {}", output.display());
+            say!("{name}: recorded earlier, {}", output.display());
             return Ok(());
         }
         if self.axis.stop.load(Ordering::Relaxed) {
@@ -486,13 +485,13 @@ impl Run {
     }
 
     fn set(&mut self, name: &str, value: f64) -> Result<(), Failure> {
-        let named = Name::new(name)
-            .ok_or_else(|| Failure::Tool(format!("{name} is no name of the link")))?;
+        let named =
+            Name::new(name).ok_or_else(|| Failure::Tool(format!("the link knows no {name}")))?;
         self.axis.drive.ask(Request::Set(named, value as f32))?;
         Ok(())
     }
 
-    /// Hysteresis and moving weight to the controller; the files know its encoder, which `tune` asks for.
+    /// Hysteresis and moving mass to the controller; the files know its encoder, which `tune` asks for.
     fn load(&mut self, told: &Told) -> Result<(), Failure> {
         self.stage = "load".to_owned();
         let remarks = [told.diagnosis.verdict_words(&told.recording)];

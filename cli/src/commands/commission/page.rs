@@ -38,7 +38,7 @@ pub fn page(journal: &Journal, told: &Told, unit: &str, command: String) -> Resu
     lead.push(found.recommendation(&told.recording));
     let useless = preslide_host::export::refused(&told.extended());
     let mut next = format!(
-        "The controller has hysteresis and moving weight. Effects are compiled in: preslide export {} -o stage_model.rs{}, then build the firmware with PRESLIDE_MODEL. \
+        "The controller has hysteresis and moving mass. Effects are compiled in: preslide export {} -o stage_model.rs{}, then build the firmware with PRESLIDE_MODEL. \
          Observer gains are compiled in as well: preslide tune {} --resonance FREQUENCY proposes them for a drive whose first mode is there.",
         journal.file("extended.toml").display(),
         useless

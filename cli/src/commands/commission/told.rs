@@ -89,7 +89,7 @@ impl Told {
             fits.filter(|c| (1..=MOST_BLOCKS).contains(&c.size()) && c.nmse_test.is_finite());
         let best = fits.min_by(|a, b| a.nmse_test.total_cmp(&b.nmse_test));
         let best = best.ok_or_else(|| {
-            Failure::Data("no Maxwell-slip blocks were found that the controller could be sent; record smaller strokes (--smallest)".to_owned())
+            Failure::Data("found no Maxwell-slip blocks to send to the controller; record smaller strokes (--smallest)".to_owned())
         })?;
         Ok(best.model.clone())
     }

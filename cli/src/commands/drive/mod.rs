@@ -140,7 +140,7 @@ fn stop_flag() -> Result<Arc<AtomicBool>, Failure> {
     let flag = Arc::new(AtomicBool::new(false));
     let set = Arc::clone(&flag);
     ctrlc::set_handler(move || set.store(true, Ordering::Relaxed))
-        .map_err(|error| Failure::Tool(format!("Ctrl-C cannot be watched for: {error}")))?;
+        .map_err(|error| Failure::Tool(format!("Ctrl-C cannot be caught: {error}")))?;
     Ok(flag)
 }
 
@@ -231,7 +231,7 @@ impl Commanded {
                     integral,
                     derivative,
                 }),
-                "gains taken; `save` keeps them over a reset",
+                "gains set; `save` keeps them over a reset",
             ),
             What::Load { model } => {
                 self.load(&model)?;

@@ -130,7 +130,7 @@ impl Commanded {
             && file.kept
         {
             let path = play.output.display();
-            eprintln!("wrote {path}, up to where it ended: {error}");
+            eprintln!("wrote {path} up to the interruption: {error}");
         }
         Ok((played?, recorded?))
     }

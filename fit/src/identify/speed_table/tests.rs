@@ -121,7 +121,7 @@ fn one_direction_an_opposed_sign_and_rests_are_told() {
     rests.effort.extend([0.3; 5]);
     let found = fit(rests, true).expect("with rests");
     assert_eq!(found.fitted.len(), 60);
-    assert!(found.notes().join(" ").contains("5 rows at no speed"));
+    assert!(found.notes().join(" ").contains("5 rows at zero speed"));
 }
 
 #[test]
@@ -147,7 +147,11 @@ fn tables_that_tell_nothing_say_why() {
         );
     }
     let noise = fit(speeds(4, 1.0, |_| 0.0), true).map(|_| ());
-    assert!(noise.expect_err("noise").contains("no table of friction"));
+    assert!(
+        noise
+            .expect_err("noise")
+            .contains("not a table of friction")
+    );
 }
 
 #[test]
