@@ -134,9 +134,9 @@ pub enum Sort {
     Pair,
     /// Two effects, one much larger.
     Masked,
-    /// Something that is in no catalogue.
+    /// Something outside the catalogue.
     Stranger,
-    /// A machine as it is: its known effects are not all of them.
+    /// A machine as it is, perhaps with more than its known effects.
     Machine,
 }
 

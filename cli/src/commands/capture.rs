@@ -36,7 +36,7 @@ pub struct Capture {
     #[arg(long, value_name = "S", value_parser = parse_positive)]
     seconds: Option<f64>,
 
-    /// Leave out what comes before this time of the controller's, such as homing, where positions have another origin
+    /// Leave out what comes before this controller time, such as homing, during which positions have another origin
     #[arg(long, value_name = "S", default_value_t = 0.0)]
     after: f64,
 

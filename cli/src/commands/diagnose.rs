@@ -42,8 +42,8 @@ pub struct Diagnose {
     #[arg(long, value_name = "MOTION.csv")]
     experiment: Option<PathBuf>,
 
-    /// With --experiment: only what would decide the most costly doubt. Name the effects whose experiments were already played, or none.
-    /// No file is written when nothing is in doubt
+    /// With --experiment: write only what would decide the most costly doubt. Give the effects whose experiments were already played,
+    /// or none. If nothing is in doubt, no file is written
     #[arg(
         long,
         value_name = "ID",
@@ -68,7 +68,7 @@ pub struct Diagnose {
 fn not_tested() -> String {
     let tested: Vec<&str> = effect::ALL.iter().map(|e| e.id()).collect();
     format!(
-        "Example: preslide diagnose recording.csv --model model.toml -o extended.toml --report diagnosis.html\n         preslide diagnose recording.csv --simulated force_sim_N\n         preslide diagnose recording.csv --simulated x_sim_m\n\nTested: {}, presliding_shape.\n\nlead_error, periodic_lead_error: where a further column measures the position too.",
+        "Example: preslide diagnose recording.csv --model model.toml -o extended.toml --report diagnosis.html\n         preslide diagnose recording.csv --simulated force_sim_N\n         preslide diagnose recording.csv --simulated x_sim_m\n\nTested: {}, presliding_shape.\n\nlead_error, periodic_lead_error: if a further column measures the position too.",
         tested.join(", ")
     )
 }

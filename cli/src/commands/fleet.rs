@@ -39,7 +39,7 @@ pub struct Fleet {
     #[arg(long)]
     fit_only: bool,
 
-    /// Make every Nth row from the Kth on and no table, for clusters that share a file system; then the same command without --part
+    /// Make only every Nth row, from the Kth on, for clusters that share a file system; afterwards the same command without --part
     /// makes the table
     #[arg(long, value_name = "K/N", conflicts_with_all = ["report", "json"])]
     part: Option<Part>,

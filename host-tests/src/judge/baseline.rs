@@ -14,7 +14,7 @@ use crate::trials::catalogue_plan;
 /// How much of the fixed set is asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Set {
-    /// Some recordings of every source that cost little: two minutes of one core
+    /// A few cheap recordings of every source: two minutes of one core
     Gate,
     /// All of it, before a release
     Whole,

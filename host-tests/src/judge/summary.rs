@@ -236,7 +236,7 @@ impl<'a> Asked<'a> {
         ]
     }
 
-    /// What is in no catalogue.
+    /// What is outside the catalogue.
     fn strangers(&self) -> Vec<Figure> {
         let strangers = || self.of(Sort::Stranger);
         vec![

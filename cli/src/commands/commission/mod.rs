@@ -48,7 +48,7 @@ pub struct Commission {
     #[command(flatten)]
     wish: WishArgs,
 
-    /// At most so many experiments while something is in doubt
+    /// Play at most this many experiments while something is in doubt
     #[arg(long, value_name = "N", default_value_t = 3)]
     experiments: usize,
 

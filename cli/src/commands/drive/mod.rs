@@ -64,13 +64,13 @@ enum What {
     Stop,
     /// Acknowledge a fault; the axis stays disabled
     Acknowledge,
-    /// Move, and wait until the axis stands
+    /// Move, and wait until the axis stands still
     Move(Move),
     /// Move at a speed for a time, then stop
     Jog(Jog),
     /// Find the origin
     Home(Home),
-    /// Set the position where the axis stands, without moving it
+    /// Set the axis's present position, without moving it
     Zero {
         /// The position to set
         #[arg(value_name = "POSITION", default_value = "0", value_parser = quantity::length, allow_hyphen_values = true)]
