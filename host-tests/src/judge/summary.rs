@@ -226,11 +226,11 @@ impl<'a> Asked<'a> {
                 Share::of(seen, |(c, t)| c.finds_or_declares(t)),
             ),
             figure(
-                "  that it sees beside friction that it has to fit",
+                "  that it sees while it fits the friction too",
                 Share::of(beside_a_fit, |(c, t)| c.finds_or_declares(t)),
             ),
             figure(
-                "strangers that it sees: unknown",
+                "out of catalogue, seen by it: unknown",
                 Share::of(shown, |c| c.verdict() == "unknown-physics"),
             ),
         ]
@@ -241,15 +241,15 @@ impl<'a> Asked<'a> {
         let strangers = || self.of(Sort::Stranger);
         vec![
             figure(
-                "strangers: unknown",
+                "out of catalogue: unknown",
                 Share::of(strangers(), |c| c.verdict() == "unknown-physics"),
             ),
             figure(
-                "strangers: a false name",
+                "out of catalogue: a false name",
                 Share::of(strangers(), |c| c.false_names().next().is_some()),
             ),
             figure(
-                "strangers: consistent",
+                "out of catalogue: consistent",
                 Share::of(strangers(), |c| c.verdict() == "consistent"),
             ),
         ]
