@@ -265,7 +265,7 @@ fn a_plan_keeps_to_the_axis_that_is_named() {
 /// A minute and a half of a single block at 100 Hz: a table, a recommendation, JSON of the same; with an option that it cannot serve it is bad
 /// usage, and a recording that is too short says how long it must be.
 #[test]
-fn a_predictor_is_told_beside_the_friction_models() {
+fn reports_a_predictor_beside_the_friction_models() {
     let folder = Folder::new();
     let mut block = Blocks::new(&[(4000.0, 2.5e-4)]);
     let mut text = "t_s,x_m,friction_N\n".to_owned();

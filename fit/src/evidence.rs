@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn a_force_seen_in_one_block_proves_nothing() {
+    fn a_force_in_a_single_block_proves_nothing() {
         let blocks = [0..10, 10..20, 20..30, 30..40, 40..50, 50..60, 60..70];
         let force: Vec<f64> = (0..70).map(|i| if i < 10 { 1.0 } else { 0.0 }).collect();
         let found = evidence(&force, &force, &blocks);

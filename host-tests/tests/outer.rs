@@ -127,7 +127,7 @@ fn the_reference_is_known_ahead_as_it_will_be() {
 
 /// An order that comes when its sample is over is none; after two late runs in a row the outer task gives way for a sample.
 #[test]
-fn what_is_late_is_thrown_away_and_gives_way() {
+fn discards_late_orders_and_yields() {
     let axis = Axis::PAPER_AXIS;
     let mut controller = controller(&axis);
     let mut desk = Desk::new(&controller);

@@ -214,7 +214,7 @@ fn smooth_motion(draw: &mut Draw) -> Vec<f64> {
 /// A simulation that has the spring, softer or stiffer than it is, gets both reported. The motor moves alike in both, without jumps of its acceleration: where
 /// those ring on for long, as in the recordings above, the two are not told apart.
 #[test]
-fn the_spring_of_a_simulation_is_told_beside_the_machines() {
+fn reports_the_simulation_spring_beside_the_machines() {
     for (seed, hz, in_simulation) in [(401, 45.0, 60.0), (402, 60.0, 50.0)] {
         let [drive, simulation] = [hz, in_simulation].map(|swing_hz| Drive {
             motor_share: 0.3,

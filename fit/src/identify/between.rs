@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gain_a_machine_and_nothing_are_told_apart() {
+    fn separates_a_gain_a_changed_machine_and_no_change() {
         let first = || made("first.csv", 1, 3.0, 4.0, 1.0);
         let (found, _) = told(vec![first(), made("same.csv", 2, 3.0, 4.0, 1.0)]);
         assert!(found.between.is_empty());

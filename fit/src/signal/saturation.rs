@@ -317,7 +317,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reading_that_ends_is_told_with_its_end() {
+    fn reports_where_a_reading_saturates() {
         let found = found(&moved(|_, _, f| f.clamp(-2.2, 2.2))).expect("an end");
         assert_eq!(found.of, End::Reading);
         assert!(

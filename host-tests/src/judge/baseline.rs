@@ -187,7 +187,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_changed_answer_and_a_new_recording_are_told_and_no_other() {
+    fn reports_only_changed_answers_and_new_recordings() {
         let of = |pairs: &[(&str, &str)]| -> Answers {
             let owned = |(a, b): &(&str, &str)| ((*a).to_owned(), (*b).to_owned());
             pairs.iter().map(owned).collect()

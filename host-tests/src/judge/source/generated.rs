@@ -306,7 +306,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_machine_has_besides_is_no_false_name() {
+    fn further_effects_of_a_machine_are_no_false_names() {
         let label = json!({"params": {"viscous": 3.0, "ripple": 0.01, "motor_period": 0.0025, "wander": 0.01, "wave_lengths": [0.3, 0.1, 0.04], "lo": 0.0, "hi": 0.5}});
         let right = |model: Option<&str>, id: &str, period: f64| {
             native(&label, model)
