@@ -83,7 +83,7 @@ pub fn at_its_largest(force: &[f64], residual: &[f64]) -> f64 {
 
 /// The normal deviate that is as rare as Student's `t` with so many degrees of freedom.
 fn as_normal(t: f64, freedom: f64) -> f64 {
-    /// Beyond it the distributions' tails are no longer told apart in double precision.
+    /// Beyond it double precision no longer separates the distributions' tails.
     const RAREST: f64 = 1e-280;
     let tail = StudentsT::new(0.0, 1.0, freedom)
         .map_or(0.5, |d| d.sf(t.abs()))

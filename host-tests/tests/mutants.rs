@@ -165,7 +165,7 @@ fn the_integral_waits_where_more_of_it_would_be_cut() {
     }
 }
 
-/// The acceleration that is told, and fed forward, is the second difference of the position.
+/// The acceleration that is reported and fed forward is the second difference of the position.
 #[test]
 fn the_acceleration_is_that_of_the_position() {
     let mut axis = Axis::PAPER_AXIS;

@@ -83,7 +83,7 @@ pub fn refuse_existing(path: &Path, overwrite: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Creates a recording's file; one that exists is replaced only where that was asked for.
+/// Creates a recording's file; an existing one is replaced only on request.
 pub fn create(path: &Path, overwrite: bool) -> Result<File, Failure> {
     refuse_existing(path, overwrite)?;
     let mut options = OpenOptions::new();

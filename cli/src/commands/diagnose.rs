@@ -108,7 +108,7 @@ impl Diagnose {
                     "fit": fit.as_ref().map(|fit| fit.to_json(&recording)), "reason": message, "effects": [], "unknown": null, "seconds": start.elapsed().as_secs_f64(),
                 });
                 self.outputs.write_json(&answer)?;
-                // Why there is none is said once.
+                // Say once why there is none.
                 if let Some(fit) = fit.filter(|fit| fit.is_found()) {
                     explain!("Note: {}.", fit.words(&recording));
                 }

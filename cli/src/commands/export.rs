@@ -182,7 +182,7 @@ impl Export {
         Ok(())
     }
 
-    /// The kernel that is asked for, and what it takes as a remark.
+    /// The requested kernel, and a remark on what it takes.
     fn kernel(&self, model: &Model, remarks: &mut Vec<String>) -> Result<Option<Kernel>, Failure> {
         let kernel = match self.kernel.as_deref() {
             None => return Ok(None),
@@ -229,7 +229,7 @@ impl Export {
         Ok(Some(source.with_extension("h")))
     }
 
-    /// To the file that was asked for, or the terminal.
+    /// To the requested file, or the terminal.
     fn write(&self, text: &str) -> Result<(), Failure> {
         match &self.output {
             Some(path) => write_text(path, text),

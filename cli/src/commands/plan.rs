@@ -107,7 +107,7 @@ impl WishArgs {
     }
 }
 
-/// Rows a second of a motion, where nothing else is asked.
+/// Rows a second of a motion, by default.
 const RATE_HZ: f64 = 400.0;
 
 /// What a motion should show.

@@ -28,7 +28,7 @@ const LINES: usize = 200;
 /// The speed and acceleration of a move that is typed, as shares of the axis's limits.
 const GENTLY: f64 = 0.2;
 
-/// What the user is asked for at the bottom.
+/// The prompt at the bottom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Question {
     To,

@@ -108,7 +108,7 @@ pub(super) fn between(fitting: &Fitting, plain: Plain, hysteresis: &FrictionMode
     compared.collect()
 }
 
-/// The one factor that explains every change, with its reach; `None` where there is none, or none is needed.
+/// The one factor that explains every change, with its reach; `None` if there is none, or none is needed.
 fn gain(all: &[Changed]) -> Option<[f64; 2]> {
     let weight = |p: &Changed| p.reach.powi(-2);
     let whole: f64 = all.iter().map(weight).sum();

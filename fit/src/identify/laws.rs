@@ -2,7 +2,7 @@
 //!
 //! A number of blocks is a model's form and no law of nature. Where friction nears its level along a tail, forgets inner loops (Dahl), or follows
 //! the speed alone (`tanh`), blocks leave an error that every stroke repeats: no scatter of the folds shows it, and inertia, viscous friction and the
-//! level are bent by it to beyond their intervals. A mixture of all these laws, of which none has a negative share, is free where blocks are not.
+//! level are bent by it to beyond their intervals. A mixture of all these laws, none with a negative share, is free where blocks are not.
 //! Nor does a log say at which moment between two samples its effort acts: the mixture has that free, too.
 
 use super::evidence::{Evidence, Shown};

@@ -17,7 +17,7 @@ const FEW_FOLDS: usize = 6;
 /// Held-out NMSE of the best model (%) above which it explains nothing.
 const UNEXPLAINED: f64 = 50.0;
 
-/// NMSE held out (%) from which a model is none: it says less of the effort than that it stays what it is on average, or hardly more.
+/// NMSE held out (%) from which a model is useless: it predicts the effort no better, or hardly better, than its mean does.
 const NOTHING: f64 = 95.0;
 
 /// A model leaves at least as much of what is held out as of what it was fitted to, but for how the two are measured: where it leaves this
@@ -254,14 +254,14 @@ impl Identification {
         (share > MOSTLY_SOFT).then_some(share)
     }
 
-    /// Why the best model is none, where what it leaves of the fitted and of the held-out samples says so.
+    /// Why the best model is useless, if its errors on fitted and held-out samples say so.
     pub fn refused(&self) -> Option<String> {
         let best = self.best();
         let (train, test) = (best.nmse_train, best.nmse_test);
         let told = format!(
             "it leaves {train:.3} % of the variance it was fitted to, and {test:.3} % of what is held out"
         );
-        // A window that is asked for may be calmer or livelier than the rest; then only a fit that explains nothing of its own samples is none.
+        // A requested window may be calmer or livelier than the rest; then only a fit that explains nothing of its own samples is useless.
         let most = match self.split.test {
             Some(_) => NOTHING,
             None => NOT_AS_FITTED * test + NOT_AS_FITTED_LEAST,

@@ -36,7 +36,7 @@ impl Stepper {
     /// A model at rest, for ticks of `sample_time` (s).
     ///
     /// # Errors
-    /// A parameter that the library refuses; an effect that needs what comes later, or that belongs to a recording; a time that is none.
+    /// A parameter that the library refuses; an effect that needs what comes later, or that belongs to a recording; a time that is not positive.
     pub fn of(model: &Model, sample_time: f64) -> Result<Self, String> {
         if !(sample_time.is_finite() && sample_time > 0.0) {
             return Err(format!(

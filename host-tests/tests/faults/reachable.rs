@@ -67,7 +67,7 @@ fn enabled<S: Scalar>(axis: &Axis, units: Units, push: f64, rest: i16) -> Tested
     controller
 }
 
-/// The fault that comes within `ticks`, each measured as told.
+/// The fault that comes within `ticks`, each with the given measurement.
 fn comes<S: Scalar>(
     controller: &mut Tested<S>,
     ticks: u32,

@@ -37,7 +37,7 @@ pub struct Options {
     pub kernel: Option<Kernel>,
 }
 
-/// The kernel for the model, where one is asked for.
+/// The kernel for the model, if one is requested.
 ///
 /// # Errors
 /// A model that has not the kernel's law, or that its range does not hold: why, and what to take.

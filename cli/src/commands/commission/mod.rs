@@ -1,14 +1,15 @@
 //! `preslide commission`.
 
+mod findings;
 mod journal;
 mod page;
-mod told;
 
-use super::drive::asked::{Home, MarkArg, Move, PlayArgs};
+use super::drive::arguments::{Home, MarkArg, Move, PlayArgs};
 use super::drive::{Commanded, ControllerArgs};
 use super::plan::WishArgs;
 use super::{Failure, command_line};
 use clap::{Args, ValueEnum};
+use findings::Findings;
 use journal::{Asked, Journal, Played};
 use preslide_drive::SpaceBar;
 use preslide_fit::model::Model;
@@ -20,7 +21,6 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
-use told::Told;
 
 /// Commission an axis: from just switched on to friction compensated
 ///
@@ -82,7 +82,7 @@ const CAREFUL: [f64; 3] = [0.2, 0.2, 0.5];
 const UNSEEN: [f64; 3] = [0.83, 0.7, 0.8];
 const UNSEEN_SMALLEST: f64 = 1.7;
 
-/// What the axis is asked for.
+/// What the axis shall do.
 struct Bounds {
     wish: Wish,
     /// The middle of the travel, of an axis that is to be located.
@@ -118,13 +118,13 @@ impl Commission {
         };
         let done = run.all(&self, &bounds);
         let ended = run.end(done.is_err().then_some(found_share));
-        let told = done.map_err(|failure| self.interrupted(failure, &run.stage, &ended))?;
+        let findings = done.map_err(|failure| self.interrupted(failure, &run.stage, &ended))?;
         ended?;
-        run.report(&told)?;
+        run.report(&findings)?;
         self.keep(&mut run.axis, keys.as_ref())
     }
 
-    /// From what was asked and the controller's own limits; all that is wrong at once.
+    /// From the options and the controller's own limits; reports everything wrong at once.
     fn bounds(&self, axis: &mut Commanded) -> Result<Bounds, Failure> {
         let ends = (
             axis.drive.get("limits.travel_low")?,
@@ -292,7 +292,7 @@ struct Run {
 }
 
 impl Run {
-    fn all(&mut self, asked: &Commission, bounds: &Bounds) -> Result<Told, Failure> {
+    fn all(&mut self, asked: &Commission, bounds: &Bounds) -> Result<Findings, Failure> {
         self.begin(asked, bounds)?;
         for (name, plan) in [
             ("careful", &self.motions.careful),
@@ -305,11 +305,11 @@ impl Run {
         }
         self.careful()?;
         self.play("before", 0.0)?;
-        let told = self.experiments(asked.experiments)?;
-        self.load(&told)?;
+        let findings = self.experiments(asked.experiments)?;
+        self.load(&findings)?;
         self.play("unseen-without", 0.0)?;
         self.play("unseen-with", 1.0)?;
-        Ok(told)
+        Ok(findings)
     }
 
     /// Enabled, moved by hardly anything, and located.
@@ -386,7 +386,7 @@ impl Run {
     fn careful(&mut self) -> Result<(), Failure> {
         self.play("careful", 0.0)?;
         let path = self.journal.file("careful.csv");
-        let (turned, weight) = told::careful(&path)?;
+        let (turned, weight) = findings::careful(&path)?;
         if turned {
             return Err(Failure::Data(format!(
                 "{}: the recorded effort drives the axis backward; set `motor.reversed` of axis.toml, or the sign of the current sense",
@@ -403,26 +403,30 @@ impl Run {
     }
 
     /// Plays what would decide the most costly doubt, until nothing is in doubt or as many were played as may be.
-    fn experiments(&mut self, most: usize) -> Result<Told, Failure> {
+    fn experiments(&mut self, most: usize) -> Result<Findings, Failure> {
         self.stage = "identify, diagnose".to_owned();
-        let mut told = Told::of(&self.journal.recordings())?;
-        told.say();
-        while let Some(Asked { name, about, .. }) = self.next_experiment(&told, most)? {
+        let mut findings = Findings::of(&self.journal.recordings())?;
+        findings.say();
+        while let Some(Asked { name, about, .. }) = self.next_experiment(&findings, most)? {
             self.play(&name, 0.0)?;
-            let next = Told::of(&self.journal.recordings())?;
-            let answer = told::answer(&told, &next, &about);
+            let next = Findings::of(&self.journal.recordings())?;
+            let answer = findings::answer(&findings, &next, &about);
             say!("{name}: {answer}");
             if let Some(asked) = self.journal.asked.last_mut() {
                 asked.answer = Some(answer);
             }
             self.journal.keep()?;
-            told = next;
+            findings = next;
         }
-        Ok(told)
+        Ok(findings)
     }
 
     /// The experiment that was begun before, or the next one, announced and with its motion written; `None` where none is to be played.
-    fn next_experiment(&mut self, told: &Told, most: usize) -> Result<Option<Asked>, Failure> {
+    fn next_experiment(
+        &mut self,
+        findings: &Findings,
+        most: usize,
+    ) -> Result<Option<Asked>, Failure> {
         let begun = self.journal.asked.last();
         if let Some(begun) = begun.filter(|asked| asked.answer.is_none()) {
             return Ok(Some(begun.clone()));
@@ -430,7 +434,7 @@ impl Run {
         if self.journal.asked.len() >= most {
             return Ok(None);
         }
-        let Some(next) = Experiment::next(&told.diagnosis, &self.journal.about()) else {
+        let Some(next) = Experiment::next(&findings.diagnosis, &self.journal.about()) else {
             say!("Nothing is in doubt that an experiment could decide.");
             return Ok(None);
         };
@@ -492,16 +496,16 @@ impl Run {
     }
 
     /// Hysteresis and moving mass to the controller; the files know its encoder, which `tune` asks for.
-    fn load(&mut self, told: &Told) -> Result<(), Failure> {
+    fn load(&mut self, findings: &Findings) -> Result<(), Failure> {
         self.stage = "load".to_owned();
-        let remarks = [told.diagnosis.verdict_words(&told.recording)];
+        let remarks = [findings.diagnosis.verdict_words(&findings.recording)];
         let count = self.axis.drive.identity().count;
         let write = |name: &str, model: Model| {
             let model = model.with_count(count);
             self.journal.write(name, &model.to_toml(&remarks))
         };
-        write("extended.toml", told.extended())?;
-        let model = told.loadable()?;
+        write("extended.toml", findings.extended())?;
+        let model = findings.loadable()?;
         let path = write("model.toml", model.clone())?;
         self.axis.load(&path)?;
         if model.inertia > 0.0 {
@@ -520,14 +524,14 @@ impl Run {
         self.axis.disable()
     }
 
-    fn report(&self, told: &Told) -> Result<(), Failure> {
-        let page = page::page(&self.journal, told, self.axis.unit, command_line())?;
+    fn report(&self, findings: &Findings) -> Result<(), Failure> {
+        let page = page::page(&self.journal, findings, self.axis.unit, command_line())?;
         let path = self.journal.file("report.html");
         super::outputs::write_with(&path, |path| page.write_html(path))?;
         for line in page::result(&self.journal, self.axis.unit) {
             say!("{line}");
         }
-        explain!("{}", told.diagnosis.recommendation(&told.recording));
+        explain!("{}", findings.diagnosis.recommendation(&findings.recording));
         Ok(())
     }
 }

@@ -1,10 +1,10 @@
 //! `preslide drive`.
 
-pub mod asked;
+pub mod arguments;
 mod play;
 
 use super::{AxisArgs, Failure};
-use asked::{Home, Jog, MarkArg, Move, PlayArgs};
+use arguments::{Home, Jog, MarkArg, Move, PlayArgs};
 use clap::{Args, Subcommand};
 use preslide_drive::{BAUD, Drive as Session, DriveError, open, quantity, screen, words};
 use preslide_fit::model::Model;

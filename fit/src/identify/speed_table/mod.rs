@@ -32,7 +32,7 @@ const MOST_LEFT: f64 = 50.0;
 #[derive(Clone, Debug)]
 pub struct SpeedTable {
     speeds: Speeds,
-    /// By their names, of which `fit` has the keys.
+    /// By their names; `fit` has the keys.
     parameters: Vec<(&'static str, Estimate)>,
     /// What is modelled at each row.
     fitted: Vec<f64>,

@@ -45,7 +45,7 @@ fn neither_recurring_forces_nor_noise_are_events() {
         });
         found_in(&once).is_some()
     };
-    // Where the axis moves as nowhere else, none is told.
+    // No event is reported where the axis moves as nowhere else.
     let told = (1..10).filter(|k| is_told(3.0 * f64::from(*k))).count();
     assert!(told >= 6, "{told} of 9");
 }
