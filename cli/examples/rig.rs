@@ -2,7 +2,7 @@
 //! `rig faults ELF FOLDER [--bless]` injects the faults and compares with the golden files. `rig serve ELF PORT TRUTH` moves
 //! the stage through nested strokes, hands its telemetry to `preslide capture tcp:127.0.0.1:PORT` and writes what the
 //! stage's friction was; `rig judge REC.csv TRUTH` compares with it what `identify` finds in the capture. `rig record ELF
-//! PLUGIN [NAME=VALUE]...` has a QEMU plugin watch the motion of an axis told these parameters. `rig wear ELF` lets the stage wear from half way on and asks
+//! PLUGIN [NAME=VALUE]...` has a QEMU plugin watch the motion of an axis with these parameters. `rig wear ELF` lets the stage wear from half way on and asks
 //! whether the firmware notices. `rig winding ELF` lets it follow a winding 30 K warm. `rig guided ELF` has a predictive controller guide the firmware as an outer task, in time and late. `rig logged ELF FILE` writes the frames of defmt that a firmware logs. `cargo xtask qemu`, `stage` and `cycles` call it.
 
 use anyhow::{Context, bail, ensure};

@@ -3,8 +3,8 @@
 //! with friction and mass off from its model; `koopman`, every controller tuned alike, Koopman MPC among them, on stages that differ from the model (`koopman-electrical` on the electrical one); `koopman-firmware`, the file for a board's outer task (PRESLIDE_KOOPMAN); `watch`, the watch's false alarms, asked for and measured, and its delays; `dead-time`, what the bridge's dead
 //! time costs and what making up for it wins back; `notch`, what a notch at the drive's first mode buys; `winding`, what a warm winding costs and what following its resistance wins back; `identify`, what a capture says of friction by how the current is sampled.
 //!
-//! `--electrical` puts the table on the electrical stage, its dead time known to the controller; not with `--electrical=untold`;
-//! `centre`, `unsynchronised` and `oversampled` in place of `untold` sample the current otherwise than the firmware does. Behind `only`: parts of the names of the rows wanted, as in `only none tanh GMS`.
+//! `--electrical` puts the table on the electrical stage, its dead time known to the controller; not with `--electrical=uncompensated`;
+//! `centre`, `unsynchronised` and `oversampled` in place of `uncompensated` sample the current otherwise than the firmware does. Behind `only`: parts of the names of the rows wanted, as in `only none tanh GMS`.
 
 use anyhow::bail;
 use preslide::control::{LearningSettings, Settings};
@@ -69,7 +69,7 @@ fn main() -> anyhow::Result<()> {
 fn otherwise(word: &str, settings: &mut Settings, stage: &mut StageConfig) -> anyhow::Result<()> {
     let sampling = match word.strip_prefix("--electrical") {
         Some("") => return Ok(()),
-        Some("=untold") => {
+        Some("=uncompensated") => {
             settings.hardware.dead_time = 0.0;
             return Ok(());
         }
@@ -77,7 +77,7 @@ fn otherwise(word: &str, settings: &mut Settings, stage: &mut StageConfig) -> an
         Some("=unsynchronised") => Sampling::Unsynchronised,
         Some("=oversampled") => Sampling::Oversampled(16),
         _ => bail!(
-            "give --electrical or --electrical=untold, centre, unsynchronised or oversampled, not `{word}`"
+            "give --electrical or --electrical=uncompensated, centre, unsynchronised or oversampled, not `{word}`"
         ),
     };
     if let Some(electrical) = &mut stage.electrical {

@@ -7,7 +7,7 @@ use preslide_fit::progress::heard;
 use std::cell::RefCell;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Standard output belongs to a file that was asked for as `-`; what is said goes to standard error.
+/// Standard output belongs to a file requested as `-`; messages go to standard error.
 static TAKEN: AtomicBool = AtomicBool::new(false);
 
 /// Whether standard output holds a file from here on.
@@ -38,7 +38,7 @@ pub struct Answer {
     pub said: String,
     /// What it said beside that, such as warnings.
     pub told: Vec<String>,
-    /// Why it ended without its answer, and the exit code; `None` where it did what it was asked.
+    /// Why it ended without its answer, and the exit code; `None` if it succeeded.
     pub failure: Option<(String, u8)>,
     arguments: Vec<String>,
 }

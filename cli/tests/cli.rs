@@ -96,18 +96,23 @@ fn no_output_overwrites_an_input_or_another_output() {
     std::fs::hard_link(&path, &link).expect("linked");
     let model = folder.path("model.toml");
     let start = Instant::now();
-    preslide(&["identify", &path, "-o", &path]).fails(2, &["-o", "this is the input"]);
-    preslide(&["identify", &path, "-o", &link]).fails(2, &["link.csv", "this is the input"]);
+    preslide(&["identify", &path, "-o", &path]).fails(2, &["-o", "this would overwrite the input"]);
+    preslide(&["identify", &path, "-o", &link])
+        .fails(2, &["link.csv", "this would overwrite the input"]);
     preslide(&["identify", &path, "-o", &model, "--json", &model])
-        .fails(2, &["--json", "goes there already"]);
+        .fails(2, &["--json", "already goes there"]);
     preslide(&["diagnose", &path, "--experiment", &path])
-        .fails(2, &["--experiment", "this is the input"]);
+        .fails(2, &["--experiment", "this would overwrite the input"]);
     preslide(&["diagnose", &path, "-o", &model, "--experiment", &model])
-        .fails(2, &["--experiment", "-o goes there already"]);
+        .fails(2, &["--experiment", "-o already goes there"]);
     let nowhere = folder.path("no/where.json");
     preslide(&["identify", &path, "-o", &link, "--json", &nowhere]).fails(
         2,
-        &["this is the input", "no/where.json", "folder that exists"],
+        &[
+            "this would overwrite the input",
+            "no/where.json",
+            "folder that exists",
+        ],
     );
     assert!(
         start.elapsed() < Duration::from_secs(5),
@@ -249,8 +254,8 @@ fn a_plan_keeps_to_the_axis_that_is_named() {
     plan(&["--travel", "30mm", "--speed", "4mm/s"]).fails(
         2,
         &[
-            "--travel 3e-2 is beyond",
-            "--speed 4e-3 is beyond limits.speed, 3e-3",
+            "--travel 3e-2 exceeds",
+            "--speed 4e-3 exceeds limits.speed, 3e-3",
         ],
     );
     plan(&["--travel", "2mm"]).succeeds();
@@ -260,7 +265,7 @@ fn a_plan_keeps_to_the_axis_that_is_named() {
 /// A minute and a half of a single block at 100 Hz: a table, a recommendation, JSON of the same; with an option that it cannot serve it is bad
 /// usage, and a recording that is too short says how long it must be.
 #[test]
-fn a_predictor_is_told_beside_the_friction_models() {
+fn reports_a_predictor_beside_the_friction_models() {
     let folder = Folder::new();
     let mut block = Blocks::new(&[(4000.0, 2.5e-4)]);
     let mut text = "t_s,x_m,friction_N\n".to_owned();

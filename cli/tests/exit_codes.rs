@@ -203,7 +203,7 @@ fn outputs_are_refused_alike_before_any_work() {
             &path,
             &["--json", &path],
             2,
-            &["this is the input"],
+            &["this would overwrite the input"],
         );
         code(
             command,
@@ -221,7 +221,7 @@ fn outputs_are_refused_alike_before_any_work() {
             &path,
             &["--json", &model],
             2,
-            &["this is the input"],
+            &["this would overwrite the input"],
         );
     }
     code(
@@ -230,7 +230,7 @@ fn outputs_are_refused_alike_before_any_work() {
         "",
         &["-o", &model],
         2,
-        &["this is the input"],
+        &["this would overwrite the input"],
     );
     assert_eq!(std::fs::read_to_string(&model).expect("there"), MODEL);
 }

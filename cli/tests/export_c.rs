@@ -525,7 +525,7 @@ fn what_c_needs_and_lacks_is_said() {
 
 /// The places to call it from, against the names that they take of their frameworks.
 #[test]
-fn the_examples_compile_as_strangers_would() {
+fn the_examples_compile_against_their_frameworks_names() {
     let folder = tempfile::tempdir().expect("temporary folder");
     let whole = ["--kernel", "slip_reserve_i16f16", "--count", "1e-7"];
     for (model, name, more) in [

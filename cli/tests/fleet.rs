@@ -81,7 +81,7 @@ fn column(csv: &str, name: &str) -> Vec<String> {
 }
 
 #[test]
-fn a_fleet_is_a_row_a_recording_and_goes_on_where_it_was_stopped() {
+fn a_fleet_has_one_row_per_recording_and_resumes() {
     let folder = tempfile::tempdir().expect("temporary folder");
     fleet(&folder.path().join("line"));
     let made = run(
@@ -279,7 +279,7 @@ fn a_fleet_with_diagnoses_has_verdicts_a_page_and_a_parquet_table() {
 }
 
 #[test]
-fn what_is_asked_wrongly_is_said() {
+fn reports_wrong_requests() {
     let folder = tempfile::tempdir().expect("temporary folder");
     let refused = |arguments: &[&str]| {
         let run = run(folder.path(), arguments);

@@ -24,8 +24,7 @@ pub enum DriveError {
     Line(std::io::Error),
     /// No answer came.
     #[error(
-        "no answer to `{request}` ({bytes} bytes came meanwhile, {damaged} damaged frames): check that the line is whole, \
-         that this is a Preslide controller's port, that nothing else has it open, and its speed; a moving axis stops by itself when it hears nothing"
+        "no answer to `{request}` ({bytes} bytes came meanwhile, {damaged} damaged frames): check the cable and the line's speed, that this is a Preslide controller's port, and that nothing else has it open; a moving axis stops by itself when it hears nothing"
     )]
     Silent {
         /// What was asked for.
@@ -52,7 +51,7 @@ pub enum DriveError {
     #[error("the axis stopped: {}", words::fault(*.0))]
     Fault(FaultCode),
     /// The axis was disabled, by somebody else or by a reset.
-    #[error("the axis is not enabled any more; `state` says what the controller was reset by")]
+    #[error("the axis is no longer enabled; `state` says what reset the controller")]
     Disabled,
     /// Stopped by the user.
     #[error("stopped")]

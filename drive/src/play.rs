@@ -33,7 +33,7 @@ impl Motion {
             return Err(format!("row {}: not a number", row % times.len() + 1));
         }
         if let Some(row) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
-            return Err(format!("row {}: time does not go on", row + 2));
+            return Err(format!("row {}: time does not increase", row + 2));
         }
         let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
         steps.sort_by(f64::total_cmp);
@@ -103,7 +103,7 @@ impl Motion {
         let (row, acceleration) = largest(&mut accelerations.into_iter());
         if acceleration > limits.acceleration {
             return Err(format!(
-                "row {}: {acceleration:.4e} per s² is steeper than limits.acceleration, {:.4e}; plan it gentler",
+                "row {}: {acceleration:.4e} per s² is more than limits.acceleration, {:.4e}; plan it more gently",
                 row + 2,
                 limits.acceleration
             ));

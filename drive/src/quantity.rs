@@ -24,7 +24,7 @@ pub fn length(text: &str) -> Result<f64, String> {
     };
     let found = units.into_iter().find_map(read);
     found.ok_or_else(|| {
-        format!("`{text}` is no length; give 1.5mm, 20um, 300nm, 0.001 (m) or 90deg")
+        format!("`{text}` is not a length; give 1.5mm, 20um, 300nm, 0.001 (m) or 90deg")
     })
 }
 
@@ -37,8 +37,9 @@ pub fn rate(text: &str) -> Result<f64, String> {
     let bare = ["/s2", "/s²", "/s^2", "/s"]
         .iter()
         .find_map(|end| text.strip_suffix(end));
-    length(bare.unwrap_or(text))
-        .map_err(|_| format!("`{text}` is no speed or acceleration; give 5mm/s, 0.1m/s2 or 0.005"))
+    length(bare.unwrap_or(text)).map_err(|_| {
+        format!("`{text}` is not a speed or acceleration; give 5mm/s, 0.1m/s2 or 0.005")
+    })
 }
 
 /// As [`rate`], above zero.

@@ -157,7 +157,7 @@ impl Drive {
         self.ask(Request::Stop).map(|_| ())
     }
 
-    /// A parameter by its name; `None` where there is none of that name.
+    /// A parameter by its name; `None` if none has that name.
     ///
     /// # Errors
     /// As [`Drive::ask`], but for [`Refusal::NoParameter`].

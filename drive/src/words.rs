@@ -62,7 +62,7 @@ pub fn refusal(refusal: Refusal) -> &'static str {
             "the controller is in its safe state; see `state`, then `acknowledge` and `enable`"
         }
         Refusal::OtherModel => {
-            "the firmware's friction model is made of other parts; `preslide export MODEL.toml -o stage_model.rs`, then build the \
+            "the firmware's friction model has other parts; `preslide export MODEL.toml -o stage_model.rs`, then build the \
              firmware with PRESLIDE_MODEL=/full/path/to/stage_model.rs"
         }
         Refusal::NotEnabled => "the axis is not enabled: `enable` first",
@@ -131,7 +131,7 @@ pub fn state(state: &State, count: f64, rate_hz: u32, unit: &str) -> Vec<String>
     ];
     if state.missed > 0 {
         lines.push(format!(
-            "outer     {} of the outer task's orders came too late; the loop went on without",
+            "outer     {} of the outer task's orders came too late; the loop ran on without them",
             state.missed
         ));
     }

@@ -83,7 +83,7 @@ pub fn at_its_largest(force: &[f64], residual: &[f64]) -> f64 {
 
 /// The normal deviate that is as rare as Student's `t` with so many degrees of freedom.
 fn as_normal(t: f64, freedom: f64) -> f64 {
-    /// Beyond it the distributions' tails are no longer told apart in double precision.
+    /// Beyond it double precision no longer separates the distributions' tails.
     const RAREST: f64 = 1e-280;
     let tail = StudentsT::new(0.0, 1.0, freedom)
         .map_or(0.5, |d| d.sf(t.abs()))
@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn a_force_seen_in_one_block_proves_nothing() {
+    fn a_force_in_a_single_block_proves_nothing() {
         let blocks = [0..10, 10..20, 20..30, 30..40, 40..50, 50..60, 60..70];
         let force: Vec<f64> = (0..70).map(|i| if i < 10 { 1.0 } else { 0.0 }).collect();
         let found = evidence(&force, &force, &blocks);

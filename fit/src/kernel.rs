@@ -9,7 +9,7 @@ use preslide::{
 };
 use std::ops::Range;
 
-/// Most blocks of a kernel, as of a model.
+/// Most blocks of a kernel, the same as of a model.
 pub const MOST_BLOCKS: usize = 16;
 
 /// A kernel of the library.

@@ -80,7 +80,7 @@ impl Progress {
         }
         let bar = ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr())
             .with_message(message);
-        // The default style stands in should the template ever be wrong.
+        // The default style replaces a template that is wrong.
         let template = if steps > 0 {
             "{msg} {wide_bar} {pos}/{len}  {elapsed}"
         } else {

@@ -134,9 +134,9 @@ pub enum Sort {
     Pair,
     /// Two effects, one much larger.
     Masked,
-    /// Something that is in no catalogue.
+    /// Something outside the catalogue.
     Stranger,
-    /// A machine as it is: its known effects are not all of them.
+    /// A machine as it is, perhaps with more than its known effects.
     Machine,
 }
 
@@ -342,7 +342,7 @@ impl Case {
             .iter()
             .map(|n| json!({ "id": n.id, "confident": n.confident, "confidence": n.confidence, "right": self.judges(n), "ambiguous_with": n.ambiguous_with, "features": n.features }))
             .collect();
-        // Anything that is there is right on a recording with a stranger, nothing on a clean one; beside a name nothing depends on it.
+        // On an out-of-catalogue recording any nameless finding is right, on a clean one none; beside a name it does not matter.
         let right = match self.sort {
             _ if self.confident().next().is_some() => None,
             Sort::Stranger => Some(true),

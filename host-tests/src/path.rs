@@ -15,7 +15,7 @@ pub const COUNTS: Units = Units {
     velocity: 1e-3,
 };
 
-/// What a model is told of a tick.
+/// What a model gets in a tick.
 pub fn motion<S>(displacement: S, velocity: S) -> Motion<S> {
     Motion {
         displacement,

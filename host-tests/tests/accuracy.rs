@@ -40,7 +40,7 @@ pub(crate) const fn bounds(number: &'static str, max: f64, rms: f64, bias: f64) 
     }
 }
 
-/// Counts travelled in a tick and the velocity (m/s) that the model is told.
+/// Counts travelled in a tick and the velocity (m/s) that the model gets.
 type Tick = (i32, f64);
 
 fn scalar<S: Scalar>(value: f64) -> S {

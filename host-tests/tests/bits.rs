@@ -26,7 +26,7 @@ const SLIDING: Sliding = Sliding {
     attraction: 20.0,
 };
 
-/// FNV-1a over what is told.
+/// FNV-1a over all outputs.
 struct Bits(u64);
 
 impl Bits {

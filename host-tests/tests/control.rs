@@ -260,7 +260,7 @@ fn a_rotary_axis_turns_ten_billion_counts_without_a_fault() {
 }
 
 #[test]
-fn boots_disabled_and_stays_so_until_told() {
+fn boots_disabled_and_stays_so_until_enabled() {
     let axis = Axis::PAPER_AXIS;
     let friction = quasi_static::<f32>(Units::SI);
     let coefficients = Coefficients::try_new(&axis, friction, Units::SI).expect("valid");

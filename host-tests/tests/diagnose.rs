@@ -82,7 +82,7 @@ fn a_constant_force_is_named_with_its_interval_and_its_double() {
     );
 }
 
-/// Not one stranger may be called something else for good, and of four at least one is seen. How many are, `cargo xtask sources --only trials
+/// No out-of-catalogue effect may get a confident name, and of four at least one is seen. How many are, `cargo xtask sources --only trials
 /// --sorts stranger --seed 505 --count 300` counts over all kinds: 11 of 45, and 10 with an engine that saw two of these four.
 #[test]
 #[ignore = "long study: cargo xtask test --all"]

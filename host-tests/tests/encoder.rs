@@ -156,7 +156,7 @@ fn the_mean_lag_is_at_most_0_55_windows_where_edges_are_faster() {
 /// What the controller takes off the mass is computed from this: half a tick less than the lag behind the speed of the instant. Over
 /// a parabola, with edges in every tick; in windows that are no multiple of the distance of remembered edges, too.
 #[test]
-fn the_delay_told_is_the_one_measured() {
+fn reports_the_measured_delay() {
     println!("window (ticks)  told (ticks)  measured (ticks)");
     for window in [1, 2, 3, 7, 20, 30, 31, 45, 100, 199] {
         let window_s = f64::from(window) * SAMPLE_TIME;

@@ -267,9 +267,9 @@ fn what_is_left_is_within_the_bound() {
     assert!(told > 50);
 }
 
-/// A lift that is no number lets the force go, sample by sample, and the next one that is a number finds everything in order.
+/// A lift that is NaN releases the force, sample by sample, and the next finite one finds everything in order.
 #[test]
-fn limits_hold_and_what_is_no_number_lets_go() {
+fn limits_hold_and_nan_releases_the_force() {
     let mut rng = ChaCha8Rng::seed_from_u64(483);
     let problem = random(&mut rng, 10);
     let mpc = KoopmanMpc::try_new(&problem.model, &problem.settings).expect("valid");

@@ -248,7 +248,7 @@ fn a_fault_and_new_gains_keep_what_was_learned_and_another_model_does_not() {
 }
 
 #[test]
-fn who_learns_nothing_changes_nothing() {
+fn without_learning_nothing_changes() {
     let plain = model::<f32>(Units::SI);
     let wrapped: Learning<_, ()> = learning(&PAPER, Units::SI);
     let (mut a, mut b) = (plain.at_rest(), wrapped.at_rest());
@@ -264,7 +264,7 @@ fn who_learns_nothing_changes_nothing() {
 
 /// What a tick costs in the mean: in all others the controller is not asked, and nothing is done.
 #[test]
-fn one_tick_in_seven_asks_what_was_spent() {
+fn looks_at_the_work_in_one_tick_of_seven() {
     let model: Learning<_, Both<f32>> = learning(&PAPER, Units::SI);
     let mut state = model.at_rest();
     let mut asked = Vec::new();

@@ -165,9 +165,9 @@ fn the_integral_waits_where_more_of_it_would_be_cut() {
     }
 }
 
-/// The acceleration that is told, and fed forward, is the second difference of the position.
+/// The acceleration that is reported and fed forward is the second difference of the position.
 #[test]
-fn the_acceleration_told_is_that_of_the_position() {
+fn the_acceleration_is_that_of_the_position() {
     let mut axis = Axis::PAPER_AXIS;
     axis.limits.acceleration = 40.0;
     axis.limits.jerk = 1e5;
@@ -281,7 +281,7 @@ fn nothing_is_learned_while_a_model_fades() {
 }
 
 #[test]
-fn what_is_counted_is_told() {
+fn the_watch_counts_its_windows() {
     let settings = LearningSettings::PAPER_AXIS;
     let watch = MismatchWatch::<f64>::try_new(&settings, 0.9, Units::SI).expect("valid");
     let mut state = watch.start();

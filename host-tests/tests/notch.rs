@@ -132,7 +132,7 @@ proptest! {
 }
 
 #[test]
-fn what_is_wrong_with_a_notch_is_told() {
+fn reports_what_is_wrong_with_a_notch() {
     let refused = |frequency, width, depth| {
         let mut axis = Axis::PAPER_AXIS;
         axis.notch = Notch {

@@ -126,7 +126,7 @@ fn observed<F: Friction>(friction: F, units: Units) -> Observed<F> {
 }
 
 /// Pushed by 3 N against a drive that is cut at 1.8 N, the axis gives way for 40 ms. What is observed stays what pushes, within the
-/// friction that is not modelled; an observer that were told the uncut command would be off by all that was cut, several newtons.
+/// friction that is not modelled; an observer fed with the uncut command would be off by all that was cut, several newtons.
 #[test]
 fn a_cut_command_does_not_wind_it_up() {
     let mut settings = settings();

@@ -165,7 +165,7 @@ fn a_position_that_is_held_is_taken_where_it_was_read() {
 }
 
 #[test]
-fn an_end_of_the_reading_is_named_with_its_place() {
+fn names_the_level_at_which_a_reading_saturates() {
     if let Some(recording) = case("saturation_of_the_reading/rec.csv") {
         let found = told(&recording);
         holds(

@@ -19,7 +19,7 @@ const STOPPED: usize = 1000;
 /// By a newton (m).
 const MOVES_M: f64 = 1e-6;
 
-type Told = Controller<Guided<NoFriction<f32>>, u32>;
+type GuidedController = Controller<Guided<NoFriction<f32>>, u32>;
 type Ahead = Outer<4, 1, 1, 1>;
 
 /// A loop whose next error is what the reference moves less what the force does: the best force tells the mean displacement ahead.
@@ -48,7 +48,7 @@ fn settings() -> OuterSettings<4, 1, 1> {
     }
 }
 
-fn controller(axis: &Axis) -> Told {
+fn controller(axis: &Axis) -> GuidedController {
     let none = NoFriction::new();
     let guided = Guided::try_new(none, TICKS, 100.0, Units::SI).expect("valid");
     let coefficients = Coefficients::try_new(axis, guided, Units::SI).expect("valid");
@@ -58,13 +58,13 @@ fn controller(axis: &Axis) -> Told {
 }
 
 /// A tick of an axis that is where the reference was.
-fn tick(controller: &mut Told) {
+fn tick(controller: &mut GuidedController) {
     let count = (controller.reference() >> 16) as u32;
     tick_at(controller, count);
 }
 
 /// A tick of an axis at the count.
-fn tick_at(controller: &mut Told, count: u32) {
+fn tick_at(controller: &mut GuidedController, count: u32) {
     let command = controller.tick(calm(count));
     assert_eq!(command.fault, None);
 }
@@ -125,9 +125,9 @@ fn the_reference_is_known_ahead_as_it_will_be() {
     apart.assert_within("the reference ahead", 1e-11, 3e-12, 1e-12);
 }
 
-/// An order that comes when its sample is over is none; after two late runs in a row the outer task gives way for a sample.
+/// An order that comes when its sample is over is discarded; after two late runs in a row the outer task gives way for a sample.
 #[test]
-fn what_is_late_is_thrown_away_and_gives_way() {
+fn discards_late_orders_and_yields() {
     let axis = Axis::PAPER_AXIS;
     let mut controller = controller(&axis);
     let mut desk = Desk::new(&controller);

@@ -58,7 +58,7 @@ fn a_jog_uses_the_whole_travel() {
     }
 }
 
-/// A friction that is told its place, and keeps it.
+/// A friction model that gets its position and keeps it.
 #[derive(Clone, Debug, PartialEq)]
 struct Placed;
 

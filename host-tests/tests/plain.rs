@@ -247,7 +247,7 @@ fn what_shakes_the_axis_takes_nothing_off_the_inertia() {
 
 /// Counts of the encoder let no acceleration be known above some 20 Hz: a hum there is in the effort all the same.
 #[test]
-fn a_hum_above_the_band_of_the_motion_is_told() {
+fn reports_a_hum_above_the_motion_band() {
     const COUNT: f64 = 2e-3;
     const TORQUE: f64 = 0.2;
     const HZ: f64 = 71.3;
@@ -390,7 +390,7 @@ fn the_spring_of_the_fit_has_its_centre_wherever_that_is() {
 }
 
 #[test]
-fn every_command_tells_the_same_fit() {
+fn every_command_reports_the_same_fit() {
     the_fit_is_the_same([made_of(2_500, &BARE, 5, "q_rad,torque_Nm")]);
 }
 
@@ -501,7 +501,7 @@ fn together(names: &[&str]) -> Option<Vec<(&'static str, f64, [f64; 2])>> {
 
 /// Motors do not know in which order their files are given.
 #[test]
-fn one_way_files_tell_together_what_they_do_in_any_order() {
+fn one_way_files_give_the_same_fit_in_any_order() {
     let orders = [
         [
             "slow-forward",
@@ -550,7 +550,7 @@ fn a_motion_that_is_not_seen_is_not_diagnosed() {
 }
 
 #[test]
-fn stick_and_slip_is_told_by_its_levels() {
+fn recognises_stick_slip_by_its_levels() {
     if let Some(recording) = case("breakaway_ramps.csv") {
         let found = run(&recording).stick_slip.expect("slips");
         for (side, truth, spread) in [

@@ -1,4 +1,4 @@
-//! The reference: what is planned is reached, and no limit is exceeded whatever is asked when.
+//! The reference reaches what is planned, and exceeds no limit whatever is requested, and whenever.
 
 use crate::measured::calm;
 use preslide::control::{

@@ -413,7 +413,7 @@ fn friction_that_reverses_with_the_velocity_is_told_as_another_law() {
 }
 
 #[test]
-fn wrong_inertia_and_friction_of_a_simulation_are_told_with_their_errors() {
+fn reports_wrong_inertia_and_friction_of_a_simulation() {
     let (found, correction) = between(machine(PLAIN), OFF);
     assert_eq!(found.verdict, "parameters-differ");
     assert_eq!(
@@ -429,7 +429,7 @@ fn wrong_inertia_and_friction_of_a_simulation_are_told_with_their_errors() {
 
 /// Logged 12 ms late, the same simulation gets the same answer: a first-order delay made a mass of the shift.
 #[test]
-fn what_was_logged_late_is_taken_off_before_anything_is_told() {
+fn removes_a_logging_delay_before_anything_is_reported() {
     let (found, _) = between_run(machine(PLAIN), OFF, Run::Late(12));
     assert_eq!(confident(&found), ["friction", "inertia"]);
     is(&found, "inertia", "mass_kg", 0.45, 0.05);
@@ -447,7 +447,7 @@ fn a_simulation_with_too_much_of_an_effect_is_told_so() {
 
 /// Driven by the recorded force, a simulation comes to another motion: what is said of the force between the two must be the same.
 #[test]
-fn a_simulation_that_moves_by_itself_is_told_the_same() {
+fn a_free_running_simulation_gets_the_same_answer() {
     let lacking = between_run(machine(COGGED), PLAIN, Run::Forward).0;
     assert_eq!(confident(&lacking), ["periodic_force"]);
     is(&lacking, "periodic_force", "force_N", 0.2, 0.05);
@@ -467,7 +467,7 @@ fn a_simulation_that_moves_by_itself_is_told_what_it_has_too_much_of() {
 
 /// A simulation that a controller keeps beside the recorded motion logs both its position and its force.
 #[test]
-fn a_simulation_that_follows_by_its_own_controller_is_told_the_same() {
+fn a_simulation_with_its_own_controller_gets_the_same_answer() {
     let (lacking, correction) = between_run(machine(COGGED), PLAIN, Run::Followed);
     assert_cogging(&lacking);
     assert!(correction.is_some());

@@ -212,9 +212,9 @@ fn smooth_motion(draw: &mut Draw) -> Vec<f64> {
 }
 
 /// A simulation that has the spring, softer or stiffer than it is, gets both reported. The motor moves alike in both, without jumps of its acceleration: where
-/// those ring on for long, as in the recordings above, the two are not told apart.
+/// those ring on for long, as in the recordings above, the two cannot be separated.
 #[test]
-fn the_spring_of_a_simulation_is_told_beside_the_machines() {
+fn reports_the_simulation_spring_beside_the_machines() {
     for (seed, hz, in_simulation) in [(401, 45.0, 60.0), (402, 60.0, 50.0)] {
         let [drive, simulation] = [hz, in_simulation].map(|swing_hz| Drive {
             motor_share: 0.3,
@@ -248,7 +248,7 @@ fn the_spring_of_a_simulation_is_told_beside_the_machines() {
     }
 }
 
-/// These seeds were first asked once an engine stood that knew four of them.
+/// These seeds first ran when the engine already knew four of them.
 #[test]
 #[ignore = "long study: cargo xtask test --all"]
 fn most_springs_are_named() {
@@ -309,7 +309,7 @@ fn a_gap_behind_which_the_load_swings_is_named_with_its_width() {
     assert_eq!(gaps([(501, drive)]), [1, 1, 0]);
 }
 
-/// Drives at random, first asked once all rules of the engine stood: those that it was made on had other seeds.
+/// Random drives, first run when all rules of the engine were final: it was developed on other seeds.
 #[test]
 #[ignore = "long study: cargo xtask test --all"]
 fn most_gaps_are_named() {

@@ -101,7 +101,7 @@ fn a_model_is_the_same_in_other_units() {
     }
 }
 
-/// The winding's resistance over the one told.
+/// The winding's resistance over the configured one.
 const WARM: f64 = 1.15;
 
 /// An axis on which all that a controller can do beside is on.

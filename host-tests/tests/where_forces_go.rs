@@ -105,7 +105,7 @@ fn dahl_s_exponent_is_taken_near_one_too() {
 }
 
 #[test]
-fn a_quasi_static_friction_is_no_more_than_what_is_told() {
+fn a_quasi_static_force_at_full_slip_is_the_limit() {
     let model = QuasiStaticGms::<4, f64>::try_new(&blocks::<4>(), BREAKAWAY, Units::SI);
     let model = model.expect("Table 3");
     let force = model.step(&mut model.at_rest(), Motion::quasi_static(1.0));

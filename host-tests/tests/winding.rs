@@ -89,7 +89,7 @@ proptest! {
 
 /// A board without a current sense reads 0, and a small current tells nothing: nothing is followed.
 #[test]
-fn what_tells_nothing_moves_nothing() {
+fn ignores_what_carries_no_information() {
     // A tenth of the rated current is 1.4 N.
     assert_eq!(found::<f32>(Units::SI, 0.4, 1.3, 1.0, 3).0, 1.0);
     assert_eq!(found::<f32>(Units::SI, 0.4, 1e6, 4.0, 0).0, 1.0);

@@ -162,7 +162,7 @@ def test_a_stepper_has_the_bits_of_the_arrays(axis):
         with pytest.raises(preslide.Error, match=why):
             model.stepper(rate)
     delayed = preslide.Model(model.to_toml() + '\n[[effects]]\nid = "channel_delay"\ndelay_s = 1e-3\n')
-    with pytest.raises(preslide.Error, match="channel_delay: no single tick"):
+    with pytest.raises(preslide.Error, match="channel_delay: it cannot be computed tick by tick"):
         delayed.stepper(1e3)
 
 

@@ -23,7 +23,7 @@ const BOUNDS: [f64; 3] = [0.45, 0.12, 0.03];
 /// A minute on two cores, of which half a second is the run.
 const LIMIT: Duration = Duration::from_secs(600);
 
-/// Where a stranger reads how, and the line there that says where this tree is.
+/// Where a newcomer reads how, and the line there that says where this tree is.
 const README: &str = "src/README.md";
 const CLONE: &str = "P=~/preslide";
 

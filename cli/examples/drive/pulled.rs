@@ -172,7 +172,7 @@ pub fn pulled(tool: &Path, port: u16, everywhere: bool) -> anyhow::Result<()> {
         let said = String::from_utf8_lossy(&done.stdout);
         for name in ["careful", "before", "unseen-without"] {
             ensure!(
-                said.contains(&format!("{name}: recorded before")),
+                said.contains(&format!("{name}: recorded earlier")),
                 "what was recorded was not kept: {said}"
             );
         }

@@ -36,7 +36,7 @@ pub struct Capture {
     #[arg(long, value_name = "S", value_parser = parse_positive)]
     seconds: Option<f64>,
 
-    /// Leave out what comes before this time of the controller's, such as homing, where positions have another origin
+    /// Leave out what comes before this controller time, such as homing, during which positions have another origin
     #[arg(long, value_name = "S", default_value_t = 0.0)]
     after: f64,
 
@@ -83,7 +83,7 @@ pub fn refuse_existing(path: &Path, overwrite: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Creates a recording's file; one that exists is replaced only where that was asked for.
+/// Creates a recording's file; an existing one is replaced only on request.
 pub fn create(path: &Path, overwrite: bool) -> Result<File, Failure> {
     refuse_existing(path, overwrite)?;
     let mut options = OpenOptions::new();
@@ -202,7 +202,7 @@ impl Capture {
         }
         if let Some((fault, time)) = summary.fault {
             say!(
-                "Note: the controller stopped at {time:.4} s ({fault:?}); identify what is before: --train 0..{time:.4}."
+                "Note: the controller stopped at {time:.4} s ({fault:?}); identify only what came before: --train 0..{time:.4}."
             );
         }
         if let Some((range, time)) = summary.left_range {

@@ -78,7 +78,7 @@ impl Demo {
             "How: 1. A simulated stage (seed {}: 3 kg and a rotor of 1 kg on a 2 mm screw) followed strokes of\n\
              150 to 8 µm, slow slides and passes over 4 mm under the firmware's control code; encoder count and\n\
              motor current were recorded. Its friction is a 64-element hysteresis that wanders by up to ±15 % and\n\
-             is no GMS; besides, it hid something.\n",
+             is not a GMS model; and it hid something.\n",
             self.seed
         );
         let file = |name: &str| self.file(name).display().to_string();

@@ -42,8 +42,8 @@ pub struct Diagnose {
     #[arg(long, value_name = "MOTION.csv")]
     experiment: Option<PathBuf>,
 
-    /// With --experiment: only what would decide the most costly doubt. Name the effects whose experiments were already played, or none.
-    /// No file is written when nothing is in doubt
+    /// With --experiment: write only what would decide the most costly doubt. Give the effects whose experiments were already played,
+    /// or none. If nothing is in doubt, no file is written
     #[arg(
         long,
         value_name = "ID",
@@ -68,7 +68,7 @@ pub struct Diagnose {
 fn not_tested() -> String {
     let tested: Vec<&str> = effect::ALL.iter().map(|e| e.id()).collect();
     format!(
-        "Example: preslide diagnose recording.csv --model model.toml -o extended.toml --report diagnosis.html\n         preslide diagnose recording.csv --simulated force_sim_N\n         preslide diagnose recording.csv --simulated x_sim_m\n\nTested: {}, presliding_shape.\n\nlead_error, periodic_lead_error: where a further column measures the position too.",
+        "Example: preslide diagnose recording.csv --model model.toml -o extended.toml --report diagnosis.html\n         preslide diagnose recording.csv --simulated force_sim_N\n         preslide diagnose recording.csv --simulated x_sim_m\n\nTested: {}, presliding_shape.\n\nlead_error, periodic_lead_error: if a further column measures the position too.",
         tested.join(", ")
     )
 }
@@ -108,7 +108,7 @@ impl Diagnose {
                     "fit": fit.as_ref().map(|fit| fit.to_json(&recording)), "reason": message, "effects": [], "unknown": null, "seconds": start.elapsed().as_secs_f64(),
                 });
                 self.outputs.write_json(&answer)?;
-                // Why there is none is said once.
+                // Say once why there is none.
                 if let Some(fit) = fit.filter(|fit| fit.is_found()) {
                     explain!("Note: {}.", fit.words(&recording));
                 }
@@ -215,7 +215,7 @@ impl Diagnose {
         let is_known = |path: &&PathBuf| is_table(path) || Language::of(path).is_some();
         match self.output.iter().find(|path| !is_known(path)) {
             Some(path) => Err(Failure::Input(format!(
-                "-o {}: with --simulated a correction is written, no model: name a file .csv (the force of each term at every sample), .py, .c, .h or .m (code to add to the simulation)",
+                "-o {}: with --simulated it writes a correction, not a model: name a file .csv (the force of each term at every sample), .py, .c, .h or .m (code to add to the simulation)",
                 path.display()
             ))),
             None => Ok(()),
@@ -230,7 +230,7 @@ impl Diagnose {
         match unknown.is_empty() {
             true => Ok(()),
             false => Err(Failure::Input(format!(
-                "--asked {}: no effect of the catalogue; ids stand at the end of `preslide diagnose --help`, and none is for the first experiment",
+                "--asked {}: not in the catalogue; the ids are at the end of `preslide diagnose --help`, and `none` is for the first experiment",
                 unknown.join(",")
             ))),
         }
@@ -250,7 +250,7 @@ impl Diagnose {
         explain!("{words}.");
         let remarks = [
             format!(
-                "What {} lacks of {}. {words}.",
+                "What {} lacks compared with {}. {words}.",
                 self.simulated.join(","),
                 recording.name
             ),

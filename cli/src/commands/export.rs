@@ -25,11 +25,11 @@ pub struct Export {
     #[arg(value_name = "MODEL.toml")]
     model: PathBuf,
 
-    /// Leave out the effect of this id; may be repeated
+    /// Leave out the effect with this id; may be repeated
     #[arg(long, value_name = "ID")]
     without: Vec<String>,
 
-    /// Bound on each force that grows with speed or position, in N or N·m; ten times the breakaway force without it
+    /// Bound on each force that grows with speed or position, in N or N·m [default: ten times the breakaway force]
     #[arg(long, value_name = "FORCE")]
     limit: Option<f64>,
 
@@ -37,7 +37,7 @@ pub struct Export {
     #[arg(long, value_enum, default_value_t = Lang::Rust, conflicts_with_all = ["mjcf", "urdf", "usd"])]
     lang: Lang,
 
-    /// Ticks per second (Hz), for C code of models in which time plays a part and for --kernel auto [default there: 20 kHz]
+    /// Ticks per second (Hz), for C code of models that depend on time, and for --kernel auto [default there: 20 kHz]
     #[arg(long, value_name = "HZ", value_parser = parse_frequency)]
     rate: Option<f64>,
 
@@ -54,15 +54,15 @@ pub struct Export {
     #[arg(long, value_name = "LENGTH", value_parser = quantity::positive_rate)]
     count: Option<f64>,
 
-    /// A joint of MuJoCo instead: frictionloss, damping, armature; comments list what it cannot hold
+    /// Write a MuJoCo joint instead: frictionloss, damping, armature; comments list what it cannot hold
     #[arg(long, conflicts_with_all = ["limit", "urdf", "usd"])]
     mjcf: bool,
 
-    /// A joint of URDF instead: the friction and damping of its dynamics
+    /// Write a URDF joint instead: the friction and damping of its dynamics
     #[arg(long, conflicts_with_all = ["limit", "usd"])]
     urdf: bool,
 
-    /// A joint of OpenUSD instead, as text (.usda) with PhysX's schema, which Isaac Sim reads: armature, static, dynamic and viscous friction
+    /// Write an OpenUSD joint instead, as text (.usda) with PhysX's schema, which Isaac Sim reads: armature, static, dynamic and viscous friction
     #[arg(long, conflicts_with = "limit")]
     usd: bool,
 
@@ -118,7 +118,7 @@ impl Export {
         let joint = format.map(|format| Joint::of(&model, format));
         let joint = joint.transpose().map_err(in_file)?;
         let how = match (&joint, self.lang) {
-            (Some(_), _) => "Written by `preslide export`: a joint, for a body of yours.",
+            (Some(_), _) => "Written by `preslide export`: a joint for one of your bodies.",
             (None, Lang::C) => "Written by `preslide export`; do not edit, export again.",
             (None, Lang::Rust) => {
                 "Written by `preslide export`; do not edit, export again. As a module: `#[rustfmt::skip] mod …;`."
@@ -182,7 +182,7 @@ impl Export {
         Ok(())
     }
 
-    /// The kernel that is asked for, and what it takes as a remark.
+    /// The requested kernel, and a remark on what it takes.
     fn kernel(&self, model: &Model, remarks: &mut Vec<String>) -> Result<Option<Kernel>, Failure> {
         let kernel = match self.kernel.as_deref() {
             None => return Ok(None),
@@ -229,7 +229,7 @@ impl Export {
         Ok(Some(source.with_extension("h")))
     }
 
-    /// To the file that was asked for, or the terminal.
+    /// To the requested file, or the terminal.
     fn write(&self, text: &str) -> Result<(), Failure> {
         match &self.output {
             Some(path) => write_text(path, text),

@@ -8,7 +8,7 @@ use preslide_host::fleet::history::{Change, FEWEST, changes};
 use preslide_host::fleet::page::{page, ranking, table, to_json};
 use preslide_host::fleet::table::{columns, write_csv, write_parquet};
 use preslide_host::fleet::{
-    Asked, Journal, Member, Part, Row, is_begun, is_journal, members, rows,
+    Depth, Journal, Member, Part, Row, is_begun, is_journal, members, rows,
 };
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -39,7 +39,7 @@ pub struct Fleet {
     #[arg(long)]
     fit_only: bool,
 
-    /// Make every Nth row from the Kth on and no table, for clusters that share a file system; then the same command without --part
+    /// Make only every Nth row, from the Kth on, for clusters that share a file system; afterwards the same command without --part
     /// makes the table
     #[arg(long, value_name = "K/N", conflicts_with_all = ["report", "json"])]
     part: Option<Part>,
@@ -123,14 +123,14 @@ impl Fleet {
             say!("{}: {reason}", row.file);
         }
         if let Some(more @ 1..) = wrong.len().checked_sub(SHOWN) {
-            say!("{more} more are without an answer; the column `error` has each one's reason.");
+            say!("{more} more have no answer; the column `error` gives each reason.");
         }
         let summary = to_json(rows, &changes, self.false_alarms, made.new);
         self.outputs
             .write(&summary, || page(rows, &ranked, words, command_line()))?;
         match wrong.len() == rows.len() {
             true => Err(Failure::Data(
-                "none of the recordings gave an answer; the table has each one's reason".to_owned(),
+                "no recording gave an answer; the table gives each reason".to_owned(),
             )),
             false => Ok(()),
         }
@@ -139,11 +139,11 @@ impl Fleet {
     /// The row of every recording, in their order; those that are known are not made again.
     fn all_rows(&self, members: &[Member]) -> Result<Made, Failure> {
         let start = Instant::now();
-        let asked = match self.fit_only {
-            true => Asked::Fit,
-            false => Asked::Diagnosis,
+        let depth = match self.fit_only {
+            true => Depth::Fit,
+            false => Depth::Diagnosis,
         };
-        let how = format!("{asked:?} {}", self.reading.in_words());
+        let how = format!("{depth:?} {}", self.reading.in_words());
         let mut journal = Journal::open(&self.output[0], &how, self.part).map_err(Failure::Tool)?;
         let mut all: Vec<Option<Row>> = members.iter().map(|m| journal.row(m).cloned()).collect();
         let places: Vec<usize> = (0..all.len()).filter(|i| all[*i].is_none()).collect();
@@ -152,7 +152,7 @@ impl Fleet {
         let cores = std::thread::available_parallelism().map_or(1, NonZero::get);
         let jobs = self.jobs.map_or(cores, NonZero::get);
         let row = |member: &Member| {
-            Row::of(member, asked, |m| {
+            Row::of(member, depth, |m| {
                 self.reading
                     .load_quietly(&m.path)
                     .map_err(|e| e.problem.to_string())

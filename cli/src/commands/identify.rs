@@ -32,8 +32,8 @@ pub struct Identify {
     #[arg(long, value_name = "KIND", conflicts_with = "blocks")]
     friction: Option<Family>,
 
-    /// Minimise the error of the force, or of the motion that a simulation makes of the force (with --controller, of the reference).
-    /// `motion` has Coulomb friction and whatever physics helps in windows that were left out
+    /// Minimise the error of the force, or of the motion that a simulation computes from the force (with --controller,
+    /// from the reference). `motion` has Coulomb friction, and whatever physics helps in windows that were left out
     #[arg(long, value_enum, default_value_t = Criterion::Force, conflicts_with_all = ["blocks", "friction", "test"])]
     criterion: Criterion,
 
@@ -84,7 +84,7 @@ impl Identify {
         }
         if self.controller.is_some() && self.criterion == Criterion::Force {
             return Err(Failure::Input(
-                "--controller is for the motion: add --criterion motion, or leave it out"
+                "--controller needs --criterion motion: add that, or leave --controller out"
                     .to_owned(),
             ));
         }

@@ -131,7 +131,7 @@ impl RecordingArgs {
         self.reading.command(name, &self.recordings, model)
     }
 
-    /// Sees to it that the outputs can be written and are none of the recordings, nor the model.
+    /// Makes sure that the outputs can be written and overwrite neither a recording nor the model.
     pub fn check_outputs(
         &self,
         model: Option<&PathBuf>,
@@ -143,7 +143,7 @@ impl RecordingArgs {
         outputs::check(&inputs, own, Some(others))
     }
 
-    /// The files as one table of speed and effort without time; `None` where one of them is none.
+    /// The files as one table of speed and effort without time; `None` if one of them is not such a table.
     pub fn load_speeds(&self) -> Result<Option<Speeds>, Failure> {
         let options = self.reading.options(Needs::Speeds);
         let mut tables = Vec::new();
@@ -199,7 +199,7 @@ impl ReadingArgs {
         }
     }
 
-    /// Loads one of several files, of which one has the columns to ignore and another has not: those go to `not_there`.
+    /// Loads one of several files. Columns to ignore that this file lacks go to `not_there`; another file may have them.
     fn load_one(
         &self,
         path: &Path,
@@ -333,7 +333,7 @@ pub struct SplitArgs {
 }
 
 impl SplitArgs {
-    /// A window was asked for.
+    /// A window was given.
     pub fn is_given(self) -> bool {
         self.train.is_some() || self.test.is_some()
     }
@@ -359,7 +359,7 @@ pub struct OutputArgs {
 }
 
 impl OutputArgs {
-    /// Writes what was asked for. `page` is built only if it is.
+    /// Writes the requested outputs. `page` is built only if one is.
     pub fn write(
         &self,
         json: &serde_json::Value,
@@ -380,7 +380,7 @@ impl OutputArgs {
         }
     }
 
-    /// Writes the result for machines where it was asked for.
+    /// Writes the result for machines, if requested.
     pub fn write_json(&self, json: &serde_json::Value) -> Result<(), Failure> {
         if let Some(path) = &self.json {
             let text =

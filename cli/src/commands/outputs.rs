@@ -71,7 +71,7 @@ pub fn check(inputs: &[&Path], own: &[Output], others: Option<&OutputArgs>) -> R
         let same = |other: &Path| Identity::of(other) == own;
         if let Some(input) = inputs.iter().find(|input| same(input)) {
             wrong.push(format!(
-                "{named}: this is the input {}, which would be lost; name another file",
+                "{named}: this would overwrite the input {}; name another file",
                 input.display()
             ));
         } else if let Some((other, _)) = outputs[..i].iter().find(|(_, other)| same(other)) {
@@ -81,7 +81,7 @@ pub fn check(inputs: &[&Path], own: &[Output], others: Option<&OutputArgs>) -> R
                 ""
             };
             wrong.push(format!(
-                "{named}: {other} goes there already; name another file{page}"
+                "{named}: {other} already goes there; name another file{page}"
             ));
         } else if let Err(reason) = writable(path) {
             unwritable.push(format!(

@@ -85,7 +85,7 @@ impl WishArgs {
         let beyond = asked.iter().filter_map(|(name, asked, limit, of)| {
             let (asked, limit) = ((*asked)?, (*limit)?);
             (are_its_own && asked > limit)
-                .then(|| format!("--{name} {asked:e} is beyond {of}, {limit:e}"))
+                .then(|| format!("--{name} {asked:e} exceeds {of}, {limit:e}"))
         });
         let mut wrong: Vec<String> = beyond.collect();
         let travel = self.travel.or(length.map(|length| 0.8 * length));
@@ -107,7 +107,7 @@ impl WishArgs {
     }
 }
 
-/// Rows a second of a motion, where nothing else is asked.
+/// Rows a second of a motion, by default.
 const RATE_HZ: f64 = 400.0;
 
 /// What a motion should show.

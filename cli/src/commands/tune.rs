@@ -14,7 +14,7 @@ use preslide_fit::report::Page;
 use preslide_fit::simulate::same_axis;
 use preslide_host::cost::{CORES, Core, CostTable, DEFAULT};
 use preslide_host::tune::cores::{Comparison, OnCore, budget_on};
-use preslide_host::tune::observer::{ASKED, Proposal, Told, propose};
+use preslide_host::tune::observer::{DEMANDS, Known, Proposal, propose};
 use preslide_host::tune::{Budget, Choice, Tuning, of_model, of_recording};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -94,8 +94,8 @@ pub(super) const SHARE: f64 = 0.05;
 const LONGEST: f64 = 0.1;
 
 /// Length of an encoder count (m or rad): as given, or else from the model in `file`.
-pub(super) fn count_of(told: Option<f64>, model: &Model, file: &Path) -> Result<f64, Failure> {
-    let count = told.or(model.count()).ok_or_else(|| {
+pub(super) fn count_of(known: Option<f64>, model: &Model, file: &Path) -> Result<f64, Failure> {
+    let count = known.or(model.count()).ok_or_else(|| {
         Failure::Input(format!(
             "{}: how long is an encoder count? Give --count, such as 25nm, or encoder_count_m under [mechanics] of the model",
             file.display()
@@ -182,12 +182,12 @@ impl Tune {
         let file = self.axis.read()?;
         let mut axis = file.axis();
         axis.encoder.count = count;
-        let told = Told {
+        let known = Known {
             noise: self.noise.unwrap_or(0.0),
             mode_damping: self.damping,
-            ..Told::of_model(&model.friction, mode_hz).map_err(Failure::Input)?
+            ..Known::of_model(&model.friction, mode_hz).map_err(Failure::Input)?
         };
-        (propose(&axis, &told, &ASKED).map(Some)).map_err(Failure::Data)
+        (propose(&axis, &known, &DEMANDS).map(Some)).map_err(Failure::Data)
     }
 
     /// JSON and page, with the observer where there is one.
@@ -212,7 +212,7 @@ impl Tune {
         Ok(())
     }
 
-    /// Costs and budget of each core that is asked for.
+    /// Costs and budget of each requested core.
     fn plans(&self) -> Result<Vec<(CostTable, Budget)>, String> {
         let on = |core| budget_on(core, self.clock, self.rate, self.budget);
         if self.cpu == ALL {

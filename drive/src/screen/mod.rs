@@ -28,7 +28,7 @@ const LINES: usize = 200;
 /// The speed and acceleration of a move that is typed, as shares of the axis's limits.
 const GENTLY: f64 = 0.2;
 
-/// What the user is asked for at the bottom.
+/// The prompt at the bottom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Question {
     To,
@@ -40,8 +40,8 @@ enum Question {
 impl Question {
     fn text(self) -> &'static str {
         match self {
-            Question::To => "move to (1.5mm, -20um; Enter goes, Esc does not):",
-            Question::By => "move by (1.5mm, -20um; Enter goes, Esc does not):",
+            Question::To => "move to (1.5mm, -20um; Enter moves, Esc cancels):",
+            Question::By => "move by (1.5mm, -20um; Enter moves, Esc cancels):",
             Question::Set => "set NAME=VALUE (gains.proportional=1e5):",
             Question::Zero => "the axis is now at (0, 5mm):",
         }

@@ -108,7 +108,7 @@ pub(super) fn between(fitting: &Fitting, plain: Plain, hysteresis: &FrictionMode
     compared.collect()
 }
 
-/// The one factor that explains every change, with its reach; `None` where there is none, or none is needed.
+/// The one factor that explains every change, with its reach; `None` if there is none, or none is needed.
 fn gain(all: &[Changed]) -> Option<[f64; 2]> {
     let weight = |p: &Changed| p.reach.powi(-2);
     let whole: f64 = all.iter().map(weight).sum();
@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gain_a_machine_and_nothing_are_told_apart() {
+    fn separates_a_gain_a_changed_machine_and_no_change() {
         let first = || made("first.csv", 1, 3.0, 4.0, 1.0);
         let (found, _) = told(vec![first(), made("same.csv", 2, 3.0, 4.0, 1.0)]);
         assert!(found.between.is_empty());

@@ -15,7 +15,7 @@ const CERTAIN: f64 = 3.0;
 const MATERIAL: f64 = 0.02;
 
 /// The same of a spring that pushes: of magnets, or of an axis that leans over. Few machines have one, and what is wrong with friction imitates it: set
-/// with thirteen machines of a blind judge in sight, of which one had it (92 % taken off) and six nothing that follows the position (2 to 23 %).
+/// on thirteen machines of a blind judge: one had it (92 % taken off), and six had nothing that follows the position (2 to 23 %).
 const MATERIAL_WHERE_IT_PUSHES: f64 = 0.5;
 
 /// Share of an error held out that is hardly any.
@@ -56,7 +56,7 @@ impl Evidence<'_> {
         non_negative(&Gram::sum(folds)?, linear, friction)
     }
 
-    /// Squared error on every fold of a fit to the other groups of folds; `None` where the columns cannot be told apart.
+    /// Squared error on every fold of a fit to the other groups of folds; `None` if the columns cannot be separated.
     pub(super) fn held_out(&self, linear: &[usize], friction: &[usize]) -> Option<Vec<f64>> {
         let per_group = self.surface.folds.len().div_ceil(GROUPS).max(1);
         let mut errors = Vec::new();
@@ -163,7 +163,7 @@ impl Evidence<'_> {
 }
 
 /// Whether errors held out are less, by a share of at least `least` and for certain: by as much everywhere, or, where hardly any is left, everywhere in
-/// proportion: a few long strokes have most of an error that every stroke has. Of two `rivals`, one of which there is, the proportion is enough.
+/// proportion: a few long strokes have most of an error that every stroke has. For two `rivals`, one of which is real, the proportion is enough.
 fn is_better(before: &[f64], after: &[f64], least: f64, rivals: bool) -> bool {
     let sum = |errors: &[f64]| errors.iter().sum::<f64>();
     let pairs = || before.iter().zip(after);

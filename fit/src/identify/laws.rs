@@ -2,7 +2,7 @@
 //!
 //! A number of blocks is a model's form and no law of nature. Where friction nears its level along a tail, forgets inner loops (Dahl), or follows
 //! the speed alone (`tanh`), blocks leave an error that every stroke repeats: no scatter of the folds shows it, and inertia, viscous friction and the
-//! level are bent by it to beyond their intervals. A mixture of all these laws, of which none has a negative share, is free where blocks are not.
+//! level are bent by it to beyond their intervals. A mixture of all these laws, none with a negative share, is free where blocks are not.
 //! Nor does a log say at which moment between two samples its effort acts: the mixture has that free, too.
 
 use super::evidence::{Evidence, Shown};
@@ -204,7 +204,7 @@ impl Mixture {
         let [own, here] = [own, self.nmse_cross].map(left);
         let Some(speed) = self.speed else {
             return format!(
-                "friction nears its level along a tail, or forgets inner loops, as Dahl's does: with such bristles among them blocks leave {here} of the variance on held-out data, without {own}. Intervals reach to what each parameter is beside them; `preslide compare` fits Dahl's law and its kin"
+                "friction approaches its level along a tail, or forgets inner loops, as Dahl's does: with such bristles added the blocks leave {here} of the variance on held-out data, without them {own}. Intervals include each parameter's value with bristles; `preslide compare` fits Dahl's law and its relatives"
             );
         };
         let figures = self
@@ -218,7 +218,7 @@ impl Mixture {
             })
             .collect();
         format!(
-            "friction here follows the speed and reverses smoothly over about {}, as tanh(v/v0) does: beside such a law {here} of the variance is left on held-out data, beside blocks {own}, and the parameters are {}. No model file has this law; the intervals reach to these figures",
+            "friction here follows the speed and reverses smoothly over about {}, as tanh(v/v0) does: with such a law {here} of the variance is left on held-out data, with blocks {own}, and the parameters are {}. No model file has this law; the intervals include these figures",
             quantity(speed, &format!("{}/s", recording.position_unit())),
             figures.join(", ")
         )

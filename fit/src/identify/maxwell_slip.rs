@@ -17,7 +17,7 @@ pub const MOST: usize = 10;
 const GRID: usize = 56;
 /// Best subsets of the grid that are refined.
 const REFINED: usize = 3;
-/// Relative improvement below which a refinement has converged where only the held-out error is asked for.
+/// Relative improvement below which a refinement has converged if only the held-out error is wanted.
 const HELD_OUT: f64 = 1e-4;
 
 /// Steps of progress that [`select`] makes.

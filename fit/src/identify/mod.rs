@@ -529,7 +529,7 @@ fn reversals<'a>(recording: &'a Recording, train: &'a [usize]) -> impl Iterator<
     turns.map(|pair| pair[1])
 }
 
-/// Displacements (m or rad) between pairs of samples, ascending, without those that are none.
+/// Displacements (m or rad) between pairs of samples, ascending, without zeros.
 fn steps(recording: &Recording, pairs: impl Iterator<Item = (usize, usize)>) -> Vec<f64> {
     let position = &recording.position;
     let steps = pairs.map(|(i, j)| (position[j] - position[i]).abs());

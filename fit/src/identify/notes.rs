@@ -17,7 +17,7 @@ const FEW_FOLDS: usize = 6;
 /// Held-out NMSE of the best model (%) above which it explains nothing.
 const UNEXPLAINED: f64 = 50.0;
 
-/// NMSE held out (%) from which a model is none: it says less of the effort than that it stays what it is on average, or hardly more.
+/// NMSE held out (%) from which a model is useless: it predicts the effort no better, or hardly better, than its mean does.
 const NOTHING: f64 = 95.0;
 
 /// A model leaves at least as much of what is held out as of what it was fitted to, but for how the two are measured: where it leaves this
@@ -112,7 +112,7 @@ impl Identification {
         let candidate = Bench::new(recording, &kinematics, self).candidate(family, progress)?;
         let candidate = candidate.ok_or_else(|| {
             format!(
-                "{}: {} cannot be fitted: its force resists the motion from no start; `preslide compare` tries the others",
+                "{}: {} cannot be fitted: no starting values make its force resist the motion; `preslide compare` tries the others",
                 recording.name,
                 family.name()
             )
@@ -127,7 +127,7 @@ impl Identification {
     fn say_taken(&mut self) {
         let best = self.best();
         self.recommendation = format!(
-            "Taken as asked: {}, {:.3} % held out. Otherwise: {}",
+            "As requested: {}, {:.3} % held out. Otherwise: {}",
             best.model.friction.name(),
             best.nmse_test,
             self.recommendation
@@ -254,14 +254,14 @@ impl Identification {
         (share > MOSTLY_SOFT).then_some(share)
     }
 
-    /// Why the best model is none, where what it leaves of the fitted and of the held-out samples says so.
+    /// Why the best model is useless, if its errors on fitted and held-out samples say so.
     pub fn refused(&self) -> Option<String> {
         let best = self.best();
         let (train, test) = (best.nmse_train, best.nmse_test);
         let told = format!(
             "it leaves {train:.3} % of the variance it was fitted to, and {test:.3} % of what is held out"
         );
-        // A window that is asked for may be calmer or livelier than the rest; then only a fit that explains nothing of its own samples is none.
+        // A requested window may be calmer or livelier than the rest; then only a fit that explains nothing of its own samples is useless.
         let most = match self.split.test {
             Some(_) => NOTHING,
             None => NOT_AS_FITTED * test + NOT_AS_FITTED_LEAST,
@@ -289,7 +289,7 @@ impl Identification {
         let (shortest, longest) = self.yield_range;
         if let Some(share) = self.soft_share() {
             notes.push(format!(
-                "{:.0} % of the friction yields only beyond {:.0} % of the longest stroke: what hardly ever slips may as well be a spring, a weight or another force of the position; `preslide diagnose` says which, a longer motion would",
+                "{:.0} % of the friction yields only beyond {:.0} % of the longest stroke: what hardly ever slips may just as well be a spring, a weight or another position-dependent force; `preslide diagnose` says which, and so would a longer motion",
                 100.0 * share,
                 50.0 * SOFT
             ));
@@ -302,7 +302,7 @@ impl Identification {
             && viscous.1.value < 0.0
         {
             notes.push(format!(
-                "the viscous coefficient came out negative{}: friction falls with speed in this recording; do not use the model beyond the speeds that it holds",
+                "the viscous coefficient came out negative{}: friction falls with speed in this recording; do not use the model beyond the recorded speeds",
                 if viscous.1.ci95.is_some_and(|ci| ci[1] > 0.0) { ", and may be zero" } else { "" }
             ));
         }

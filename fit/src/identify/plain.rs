@@ -225,7 +225,7 @@ fn held(recording: &Recording) -> f64 {
     }
 }
 
-/// Every column that a recording could need, of which a fit takes some.
+/// Every column that a recording could need; a fit takes some of them.
 pub fn every_column(recording: &Recording, kinematics: &Kinematics) -> Vec<Regressor> {
     let inertial = recording.role.contains_inertia();
     let mut terms = vec![Term::Viscous, Term::Offset, Term::Slant, Term::Spring];

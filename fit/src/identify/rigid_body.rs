@@ -112,7 +112,7 @@ pub fn fit(
 const BLUR: f64 = 2.0;
 
 /// Of every fold the samples at which the law of sliding holds: not at rest, where friction is any force up to breakaway, and not where a piece
-/// begins or ends in motion, of which the filter knows one side only. All of them where little else would be left.
+/// begins or ends in motion, where the filter knows only one side. All of them if little else would be left.
 pub fn moving(
     recording: &Recording,
     kinematics: &Kinematics,
@@ -157,7 +157,7 @@ pub fn moving(
     }
 }
 
-/// Share of the acceleration's squares, where the axis moves, that direction, velocity and a constant leave; 0 where they are not told apart.
+/// Share of the acceleration's squares, where the axis moves, that direction, velocity and a constant leave; 0 if the columns cannot be separated.
 pub fn inertia_told(recording: &Recording, kinematics: &Kinematics, folds: &[Vec<usize>]) -> f64 {
     let rows = moving(recording, kinematics, folds).concat();
     let direction = kinematics.filter.smooth(&kinematics.direction);

@@ -129,7 +129,7 @@ pub fn best_choices(gram: &Gram, linear: usize, most: usize) -> Vec<Vec<Choice>>
 }
 
 /// The best fit of the columns `linear`, of either sign, and `blocks`, whose stiffness is not negative (Lawson and Hanson, Solving Least
-/// Squares Problems, 1974, ch. 23): the columns that take part and their coefficients. `None` where the columns cannot be told apart.
+/// Squares Problems, 1974, ch. 23): the columns that take part and their coefficients. `None` if the columns cannot be separated.
 pub fn non_negative(
     gram: &Gram,
     linear: &[usize],

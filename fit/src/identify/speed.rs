@@ -47,7 +47,7 @@ impl Identification {
             .filter(|(_, more, clear)| *clear > CLEAR && *more > COUNTS * coulomb)
             .max_by(|a, b| a.2.total_cmp(&b.2))?;
         Some(format!(
-            "at the slowest speeds friction is {} more than the fit's, which falls off within about {}: Coulomb and viscous friction are a mean over the speeds here, and what each would be by itself may lie outside its interval; `preslide diagnose` says what falls with the speed",
+            "at the slowest speeds friction exceeds the fit by {}, which fades within about {}: Coulomb and viscous friction are a mean over the speeds here, and the true value of each may lie outside its interval; `preslide diagnose` says what falls with the speed",
             quantity(more, recording.effort_unit()),
             quantity(within, &format!("{}/s", recording.position_unit()))
         ))

@@ -40,7 +40,7 @@ impl Model {
         }
     }
 
-    /// The rigid body's parameters are numbers, and its inertia is none that pushes.
+    /// The rigid body's parameters are numbers, and its inertia is not negative.
     fn body(&self) -> Result<(), Wrong> {
         if !(self.inertia.is_finite() && self.inertia >= 0.0) {
             return wrong(

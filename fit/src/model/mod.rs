@@ -243,7 +243,7 @@ impl Model {
         known.find(|m| m.0 == ENCODER_COUNT).map(|m| m.1)
     }
 
-    /// Periods (m or rad) of the mechanics, by key; a count is none.
+    /// Periods (m or rad) of the mechanics, by key; a count is not a period.
     pub fn periods(&self) -> impl Iterator<Item = &(String, f64)> {
         self.mechanics.iter().filter(|m| m.0 != ENCODER_COUNT)
     }

@@ -57,7 +57,7 @@ impl Running {
         sums
     }
 
-    /// The whole force (N or N·m) of a tick, of which `spring` is a part from elsewhere: friction at its level and every force beside it, that of
+    /// The whole force (N or N·m) of a tick, with `spring` from elsewhere as a part of it: friction at its level and every force beside it, that of
     /// an `inertia` (kg or kg·m²) at an acceleration among them.
     pub(super) fn whole(
         &mut self,

@@ -36,11 +36,11 @@ impl Stepper {
     /// A model at rest, for ticks of `sample_time` (s).
     ///
     /// # Errors
-    /// A parameter that the library refuses; an effect that needs what comes later, or that belongs to a recording; a time that is none.
+    /// A parameter that the library refuses; an effect that needs what comes later, or that belongs to a recording; a time that is not positive.
     pub fn of(model: &Model, sample_time: f64) -> Result<Self, String> {
         if !(sample_time.is_finite() && sample_time > 0.0) {
             return Err(format!(
-                "{sample_time} s is no time of a tick; give one above zero"
+                "{sample_time} s is not the length of a tick; give one above zero"
             ));
         }
         for (form, reason) in [
@@ -55,7 +55,7 @@ impl Stepper {
         ] {
             if model.of(form).next().is_some() {
                 return Err(format!(
-                    "effect {}: no single tick can have it: {reason}; compute the whole path, or remove it from the model",
+                    "effect {}: it cannot be computed tick by tick: {reason}; compute the whole path, or remove it from the model",
                     form.id
                 ));
             }

@@ -486,7 +486,7 @@ mod tests {
     #[test]
     fn mappings_that_cannot_be_followed_say_what_would_work() {
         for (map, hint) in [
-            (vec![("force", "f")], "`force` is no column"),
+            (vec![("force", "f")], "`force` is not a column"),
             (vec![("force", "f")], "force_N"),
             (
                 vec![("force_N", "g")],

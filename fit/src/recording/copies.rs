@@ -43,7 +43,7 @@ impl Recording {
         once.warnings.push(Warning::new(
             COPIES,
             format!(
-                "{copies} of {} samples are copies of others: left out, as they prove nothing",
+                "{copies} of {} samples are copies of others: left out, as they add nothing",
                 self.len()
             ),
         ));

@@ -255,7 +255,7 @@ impl Rows {
                 self.plan.warnings.push(super::Warning::new(
                     "footer",
                     format!(
-                        "{} lines from line {} to the end hold no time and were left",
+                        "{} lines from line {} to the end hold no time and were left out",
                         footer.len(),
                         row.line
                     ),

@@ -336,7 +336,7 @@ pub fn parse_map(argument: &str) -> Result<(String, String), String> {
             Ok((target.into(), source.into()))
         }
         _ => Err(format!(
-            "`{argument}` is no mapping; write NAME=COLUMN, such as force_N=load_cell or x_m=0.001*x_mm"
+            "`{argument}` is not a mapping; write NAME=COLUMN, such as force_N=load_cell or x_m=0.001*x_mm"
         )),
     }
 }

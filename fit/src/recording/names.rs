@@ -222,7 +222,7 @@ impl Names<'_> {
                 Some(Warning::new(
                     "unit-of-another-kind",
                     format!(
-                        "`{name}` is in {given}, which is no unit of {target}: its numbers are taken as they are; if one of them is worth something else, give --map '{target}=FACTOR*{name}'"
+                        "`{name}` is in {given}, which is not a unit of {target}: its numbers are taken as they are; if one of them is worth something else, give --map '{target}=FACTOR*{name}'"
                     ),
                 )),
             ),
@@ -257,7 +257,7 @@ impl Names<'_> {
             };
             let Some(known) = KNOWN.iter().find(|k| k.name == target.trim()) else {
                 return Err(fail(format!(
-                    "`{target}` is no column of a recording; choose one of {}",
+                    "`{target}` is not a column of a recording; choose one of {}",
                     KNOWN.map(|k| k.name).join(", ")
                 )));
             };
@@ -301,7 +301,7 @@ fn product(known: &Known, sign: f64, factors: &[Factor]) -> Result<(Term, f64), 
                     None if units::is_unscaled(unit) => unscaled = Some(part),
                     _ => {
                         return Err(format!(
-                            "`{unit}` is no unit of `{}`; give the unit that the column is in, or a factor",
+                            "`{unit}` is not a unit of `{}`; give the unit that the column is in, or a factor",
                             known.name
                         ));
                     }
@@ -311,7 +311,7 @@ fn product(known: &Known, sign: f64, factors: &[Factor]) -> Result<(Term, f64), 
     }
     match unscaled.filter(|_| known.dimension.is_some() && term.factor == sign) {
         Some(part) => Err(format!(
-            "what one unit of `{part}` is worth is not said; give it as a factor: {}=FACTOR*{part}",
+            "the file does not say what one unit of `{part}` is worth; give it as a factor: {}=FACTOR*{part}",
             known.name
         )),
         None => Ok((term, offset)),

@@ -100,7 +100,7 @@ fn drive_off_said(
 ) -> bool {
     let left_out = role == EffortRole::Voltage;
     let what = if left_out {
-        "left out, for no voltage acts on coils that are open"
+        "left out, since no voltage acts on open coils"
     } else {
         "kept, as an effort of zero"
     };

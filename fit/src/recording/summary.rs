@@ -249,7 +249,7 @@ impl Recording {
             maps,
             ..Warning::new(
                 "implausible",
-                format!("hardly a machine has {}", asked.join("; nor ")),
+                format!("hardly any machine has {}", asked.join("; nor ")),
             )
         })
     }

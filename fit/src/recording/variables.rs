@@ -196,7 +196,7 @@ fn product<'a>(
         let values = variable.vector().ok_or_else(|| Problem::Map {
             map: format!("{}={}", source.known.name, variable.name),
             reason: format!(
-                "`{}` is no vector of real numbers; the file has {listing}",
+                "`{}` is not a vector of real numbers; the file has {listing}",
                 variable.describe()
             ),
         })?;

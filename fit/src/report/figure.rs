@@ -3,7 +3,7 @@
 /// A picture of one or more series over common axes.
 #[derive(Clone, Debug, Default)]
 pub struct Figure {
-    /// Title; on the page it stands in the caption, after the figure's number.
+    /// Title; on the page, the caption after the figure's number.
     pub title: String,
     /// Horizontal axis.
     pub x: Axis,

@@ -60,7 +60,7 @@ impl Channel {
         on_time.or(arrived)
     }
 
-    /// Samples of which the effort is not known, `reach` to each side among them.
+    /// Samples whose effort is unknown, `reach` to each side among them.
     pub fn unknown(&self, reach: usize) -> Vec<Range<usize>> {
         let end = self.saturation.as_ref();
         end.map_or_else(Vec::new, |end| end.unknown(reach))

@@ -94,7 +94,7 @@ impl Saturation {
         })
     }
 
-    /// Samples of which the effort is not known, `reach` to each side among them, where the reading is what ends.
+    /// Samples whose effort is unknown, with `reach` to each side, if it is the reading that saturates.
     pub fn unknown(&self, reach: usize) -> Vec<Range<usize>> {
         match self.of {
             End::Command => Vec::new(),
@@ -136,7 +136,7 @@ impl Rigid<'_> {
         self.kinematics.filter.smooth(&cut)
     }
 
-    /// The limit of a drive that is asked for more.
+    /// The limit of a drive whose command exceeds it.
     fn command(&self) -> Option<Saturation> {
         let size: Vec<f64> = self.recording.effort.iter().map(|f| f.abs()).collect();
         let lowest = quantile_between_ranks(&size, 1.0 - MOST_BEYOND);
@@ -317,7 +317,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reading_that_ends_is_told_with_its_end() {
+    fn reports_where_a_reading_saturates() {
         let found = found(&moved(|_, _, f| f.clamp(-2.2, 2.2))).expect("an end");
         assert_eq!(found.of, End::Reading);
         assert!(

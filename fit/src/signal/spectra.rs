@@ -285,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn what_turns_round_with_a_motion_has_its_harmonics() {
+    fn a_force_that_reverses_with_the_motion_has_its_harmonics() {
         let at: Vec<f64> = (0..9000).map(|i| f64::from(i) * 0.01).collect();
         let triangle: Vec<f64> = at.iter().map(|t| (TAU * 0.25 * t).sin().asin()).collect();
         for (hz, told) in [(3.25, true), (2.0, true), (3.37, false), (11.3, false)] {
@@ -294,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stands_on_a_comb_has_aliases_and_other_places_have_none() {
+    fn positions_on_a_comb_have_aliases_and_others_have_none() {
         // Steps of 0.05, a hundredth of that off; a wave of period 0.08.
         let at: Vec<f64> = (0..600)
             .map(|i| f64::from(i / 10) * 0.05 + 5e-4 * (f64::from(i) * 0.7).sin())

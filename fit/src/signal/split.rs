@@ -12,13 +12,13 @@ pub type Window = (f64, f64);
 /// What is wrong with it, for a person to read.
 pub fn parse_window(text: &str) -> Result<Window, String> {
     let wrong =
-        || format!("`{text}` is no window of time: write FROM..TO in seconds, such as 100..145");
+        || format!("`{text}` is not a window of time: write FROM..TO in seconds, such as 100..145");
     let (from, to) = text.split_once("..").ok_or_else(wrong)?;
     let read = |part: &str| part.trim().parse::<f64>().ok().filter(|t| t.is_finite());
     match (read(from), read(to)) {
         (Some(from), Some(to)) if from < to => Ok((from, to)),
         (Some(_), Some(_)) => Err(format!(
-            "`{text}` is no window of time: it must end after it starts"
+            "`{text}` is not a window of time: it must end after it starts"
         )),
         _ => Err(wrong()),
     }

@@ -384,7 +384,7 @@ mod tests {
     }
 
     #[test]
-    fn ramps_tell_breakaway_with_its_spread_and_kinetic_friction() {
+    fn ramps_show_breakaway_its_spread_and_kinetic_friction() {
         for seed in [3, 4, 5] {
             let found = StickSlip::of(&made(true, seed)).expect("slips");
             assert!(!found.hunts, "seed {seed}");
@@ -425,7 +425,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_moved_does_not_slip() {
+    fn a_commanded_motion_is_not_stick_slip() {
         let mut text = "t_s,x_m,force_N\n".to_owned();
         for i in 0..20_000 {
             let t = f64::from(i) * 1e-3;

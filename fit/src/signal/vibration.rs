@@ -54,7 +54,7 @@ impl Vibration {
         let t = rigid.fitted(&rigid.recording.t_s);
         let position = rigid.fitted(&rigid.recording.position);
         let mut beside = rigid.at(&rigid.rows);
-        // A spring is none.
+        // A spring is not a vibration.
         beside.push(position.clone());
         let band = spectra::band(&t, filter.cutoff_hz());
         let mut found = Self::strongest(&t, [&target, &position], beside, band);

@@ -377,7 +377,7 @@ mod tests {
         let exact = |t: f64| 0.01 * whole.norm() * (w * t + whole.arg()).sin();
         let [most, rms, bias] = deviation(&found, exact);
         println!("sine: max {most:.2e}, RMS {rms:.2e}, bias {bias:.2e} m");
-        // Half a tick of holding at 0.18 m/s is 4.5 µm, of which the loop keeps a part; the step adds its first-order share.
+        // Half a tick of holding at 0.18 m/s is 4.5 µm, and the loop keeps a part of that; the step adds its first-order share.
         assert!(
             most < 5e-6 && rms < 3.5e-6 && bias.abs() < 1e-7,
             "{most:e} {rms:e} {bias:e}"

@@ -214,7 +214,7 @@ impl<L: Friction<Scalar = f64>> Body<L> {
         }
     }
 
-    /// Is led to where it was measured next in so many steps of `dt` (s), of which its friction remembers all.
+    /// Is led to the next measured position in so many steps of `dt` (s); its friction remembers all of them.
     pub(super) fn lead(&mut self, law: &L, to: f64, steps: u32, dt: f64) {
         let from = self.x;
         let displacement = (to - from) / f64::from(steps);

@@ -1,6 +1,6 @@
 //! A force ramp as an argument: `0,0.9,0,0.6,-0.9@0.01`.
 
-/// Most samples of a ramp; as many as of a recording.
+/// Most samples of a ramp, the same as of a recording.
 const MOST_SAMPLES: f64 = 1e7;
 
 /// Forces to go to one after the other, at a constant rate.

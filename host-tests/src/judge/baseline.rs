@@ -11,10 +11,10 @@ use super::source::{bench, injection, trials};
 use super::tool::Tool;
 use crate::trials::catalogue_plan;
 
-/// How much of the fixed set is asked.
+/// How much of the fixed set runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Set {
-    /// Some recordings of every source that cost little: two minutes of one core
+    /// A few cheap recordings of every source: two minutes of one core
     Gate,
     /// All of it, before a release
     Whole,
@@ -46,7 +46,7 @@ fn file() -> PathBuf {
 }
 
 /// The set and its answers.
-pub struct Asked {
+pub struct Run {
     /// What was answered.
     pub cases: Vec<Case>,
     /// Recordings and effects to be joined, of which a case may not have come.
@@ -57,7 +57,7 @@ pub struct Asked {
 ///
 /// # Errors
 /// Where a recording cannot be read.
-pub fn ask(tool: &Tool, set: Set, jobs: usize) -> Result<Asked, String> {
+pub fn ask(tool: &Tool, set: Set, jobs: usize) -> Result<Run, String> {
     let whole = set == Set::Whole;
     let plan: Vec<_> = catalogue_plan(TRIALS)
         .into_iter()
@@ -69,7 +69,7 @@ pub fn ask(tool: &Tool, set: Set, jobs: usize) -> Result<Asked, String> {
     if super::real::shared().is_none() {
         eprintln!("SKIPPED: ../shared is absent; no real recording was asked");
         let pairs = Vec::new();
-        return Ok(Asked { cases, pairs });
+        return Ok(Run { cases, pairs });
     }
     let (injected, benches) = if whole {
         (&INJECTED[..], &BENCHES[..])
@@ -94,7 +94,7 @@ pub fn ask(tool: &Tool, set: Set, jobs: usize) -> Result<Asked, String> {
             eprintln!("SKIPPED: stage, which `cargo xtask sources --only stage` generates");
         }
     }
-    Ok(Asked { cases, pairs })
+    Ok(Run { cases, pairs })
 }
 
 /// A case by its source and what is in it.
@@ -124,14 +124,14 @@ fn said(case: &Case) -> String {
     format!("{} [{}]", answer.verdict, names.join(", "))
 }
 
-fn answers(asked: &Asked) -> Answers {
+fn answers(run: &Run) -> Answers {
     // Where the machine is refused, or named so as it is, nothing is joined: that is an answer, too.
-    let none = asked.pairs.iter().map(|(machine, effect)| {
+    let none = run.pairs.iter().map(|(machine, effect)| {
         let key = key("injection", machine.name, Sort::Single, &[effect]);
         (key, "not joined".to_owned())
     });
     let mut answers: Answers = none.collect();
-    answers.extend(asked.cases.iter().map(|c| (key_of(c), said(c))));
+    answers.extend(run.cases.iter().map(|c| (key_of(c), said(c))));
     answers
 }
 
@@ -141,13 +141,13 @@ fn committed() -> Result<Answers, String> {
     serde_json::from_str(&text).map_err(|e| told(&e))
 }
 
-/// Takes the answers as the committed ones; those of what was not asked stay.
+/// Commits these answers; those of cases that did not run stay.
 ///
 /// # Errors
 /// Where the file cannot be read or written.
-pub fn bless(asked: &Asked) -> Result<(), String> {
+pub fn bless(run: &Run) -> Result<(), String> {
     let mut all = committed()?;
-    all.extend(answers(asked));
+    all.extend(answers(run));
     let text = serde_json::to_string_pretty(&all).map_err(|e| e.to_string())?;
     std::fs::write(file(), text + "\n").map_err(|e| format!("{}: {e}", file().display()))
 }
@@ -156,8 +156,8 @@ pub fn bless(asked: &Asked) -> Result<(), String> {
 ///
 /// # Errors
 /// The answers that are not, or a baseline that cannot be read.
-pub fn compare(asked: &Asked) -> Result<(), String> {
-    let now = answers(asked);
+pub fn compare(run: &Run) -> Result<(), String> {
+    let now = answers(run);
     let changes = changes(&committed()?, &now);
     if changes.is_empty() {
         println!("{} answers as committed", now.len());
@@ -187,7 +187,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_changed_answer_and_a_new_recording_are_told_and_no_other() {
+    fn reports_only_changed_answers_and_new_recordings() {
         let of = |pairs: &[(&str, &str)]| -> Answers {
             let owned = |(a, b): &(&str, &str)| ((*a).to_owned(), (*b).to_owned());
             pairs.iter().map(owned).collect()

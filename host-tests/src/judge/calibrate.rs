@@ -161,7 +161,7 @@ impl Names {
 
     fn add_unnamed(&mut self, case: &Value) -> Result<(), String> {
         let source = case["source"].as_str().unwrap_or_default();
-        // A stranger is a group of its own: what finds one must find the next.
+        // Each out-of-catalogue effect is a group of its own: what finds one must find the next.
         let group = match case["truth"][0].as_str() {
             Some(stranger) => format!("{source}: {stranger}"),
             None => source.to_owned(),

@@ -1,6 +1,6 @@
 //! Real machines in `../shared`: their files with the columns under the tool's names, and what is known of each.
 //!
-//! What is known stands in `../shared/benches/README.md` and in the recordings' own papers. Amperes and volts are read as if one were
+//! What is known is in `../shared/benches/README.md` and in the recordings' own papers. Amperes and volts are read as if one were
 //! one newton (metre): no figure of an effort depends on it.
 
 use std::path::PathBuf;

@@ -76,7 +76,7 @@ pub fn calibration_error(stated: &[(f64, bool)]) -> f64 {
     gaps.sum::<f64>() / stated.len() as f64
 }
 
-/// Confidence and truth of every stated name, suspected ones too, whose truth is known; strangers left out.
+/// Confidence and truth of every stated name, suspected ones too, whose truth is known; out-of-catalogue cases are left out.
 pub fn stated<'a>(cases: impl Iterator<Item = &'a Case>) -> Vec<(f64, bool)> {
     cases
         .filter(|c| c.sort != Sort::Stranger)
@@ -90,17 +90,17 @@ pub fn stated<'a>(cases: impl Iterator<Item = &'a Case>) -> Vec<(f64, bool)> {
 
 /// Names and figures of one source, one a row.
 pub fn rows(cases: &[&Case]) -> Vec<(String, String)> {
-    let asked = Asked(cases);
+    let source = Cases(cases);
     let shares = [
-        asked.clean(),
-        asked.single_effects(),
-        asked.several_effects(),
-        asked.seen(),
-        asked.strangers(),
-        asked.machines(),
-        asked.names(),
-        asked.places(),
-        asked.intervals(),
+        source.clean(),
+        source.single_effects(),
+        source.several_effects(),
+        source.seen(),
+        source.strangers(),
+        source.machines(),
+        source.names(),
+        source.places(),
+        source.intervals(),
     ];
     let mut rows: Vec<(String, String)> = shares
         .into_iter()
@@ -130,9 +130,9 @@ fn figure(name: &str, share: Share) -> Figure {
 }
 
 /// The cases of one source.
-struct Asked<'a>(&'a [&'a Case]);
+struct Cases<'a>(&'a [&'a Case]);
 
-impl<'a> Asked<'a> {
+impl<'a> Cases<'a> {
     fn of(&self, sort: Sort) -> impl Iterator<Item = &'a &'a Case> + use<'a> {
         self.0.iter().filter(move |c| c.sort == sort)
     }
@@ -226,30 +226,30 @@ impl<'a> Asked<'a> {
                 Share::of(seen, |(c, t)| c.finds_or_declares(t)),
             ),
             figure(
-                "  that it sees beside friction that it has to fit",
+                "  that it sees while it fits the friction too",
                 Share::of(beside_a_fit, |(c, t)| c.finds_or_declares(t)),
             ),
             figure(
-                "strangers that it sees: unknown",
+                "out of catalogue, seen by it: unknown",
                 Share::of(shown, |c| c.verdict() == "unknown-physics"),
             ),
         ]
     }
 
-    /// What is in no catalogue.
+    /// What is outside the catalogue.
     fn strangers(&self) -> Vec<Figure> {
         let strangers = || self.of(Sort::Stranger);
         vec![
             figure(
-                "strangers: unknown",
+                "out of catalogue: unknown",
                 Share::of(strangers(), |c| c.verdict() == "unknown-physics"),
             ),
             figure(
-                "strangers: a false name",
+                "out of catalogue: a false name",
                 Share::of(strangers(), |c| c.false_names().next().is_some()),
             ),
             figure(
-                "strangers: consistent",
+                "out of catalogue: consistent",
                 Share::of(strangers(), |c| c.verdict() == "consistent"),
             ),
         ]

@@ -191,7 +191,7 @@ fn no_input_breaks_the_bound() {
 
 /// Temperature and load reach the model through its state; a failed sensor means the nominal friction.
 #[test]
-fn surroundings_are_told_through_the_state() {
+fn the_state_carries_temperature_and_load() {
     let u = Units::SI;
     let friction =
         QuasiStaticGms::<3, f64>::try_new(&table3::blocks::<3>(), 0.9, u).expect("valid");

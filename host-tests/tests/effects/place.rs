@@ -9,7 +9,7 @@ use preslide::effects::{
 use preslide::{Friction, Motion, QuasiStaticGms};
 use preslide_host_tests::path::motion;
 
-/// The control task takes the composed model by type, and tells it where the axis is, once it has been told itself.
+/// The control task takes the composed model by type, and gives it the axis's position once that is known.
 #[test]
 fn the_controller_places_the_model() {
     let settings = Settings::PAPER_AXIS;

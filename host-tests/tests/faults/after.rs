@@ -29,7 +29,7 @@ fn acting(controller: &mut Placed, count: u32) -> i32 {
 }
 
 /// After every fault that the count may be the reason of, or the victim, the axis does not know where it is: places have no effect and
-/// travel has no ends until it is told again. After the others it knows.
+/// travel has no ends until the position is set again. After the others it knows.
 #[test]
 fn a_fault_that_doubts_the_count_loses_the_place_and_all_that_acts_by_it() {
     let mut axis = Axis::PAPER_AXIS;

@@ -67,9 +67,9 @@ fn slots(flash: Flash) -> Slots<Flash> {
     slots.expect("two pages")
 }
 
-/// What the bridge was last told, and the brake; and what stands beside them.
+/// The last commands to bridge and brake, and their surroundings.
 #[derive(Default)]
-pub struct Told {
+pub struct BridgeLog {
     pub code: i32,
     pub closed: bool,
     pub released: bool,
@@ -77,7 +77,7 @@ pub struct Told {
     pub delays: [u32; 2],
 }
 
-impl Bridge for Told {
+impl Bridge for BridgeLog {
     const GUARDED: bool = true;
 
     fn drive(&mut self, code: i32) {
@@ -151,7 +151,7 @@ pub struct Drive<M: Model = Firmware> {
     control: Control<M::Friction>,
     background: Background<M>,
     memory: Option<Slots<Flash>>,
-    pub bridge: Told,
+    pub bridge: BridgeLog,
     pub stage: Stage,
     /// A mechanical stop on the negative side (m), as stiff as the drive is.
     pub stop_m: Option<f64>,
@@ -204,7 +204,7 @@ impl<M: Model> Drive<M> {
             control,
             background,
             memory: Some(memory),
-            bridge: Told::default(),
+            bridge: BridgeLog::default(),
             stage,
             stop_m: None,
             switches_m: None,

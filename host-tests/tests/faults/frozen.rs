@@ -99,7 +99,7 @@ impl Rig {
 }
 
 #[test]
-fn what_does_not_come_on_is_found_in_its_time_and_what_does_is_not() {
+fn a_frozen_count_is_found_in_time_and_a_moving_one_passes() {
     for way in [1, -1] {
         let mut rig = Rig::new(way, true);
         let (least, patience) = (rig.least, rig.patience);

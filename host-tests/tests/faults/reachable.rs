@@ -67,7 +67,7 @@ fn enabled<S: Scalar>(axis: &Axis, units: Units, push: f64, rest: i16) -> Tested
     controller
 }
 
-/// The fault that comes within `ticks`, each measured as told.
+/// The fault that comes within `ticks`, each with the given measurement.
 fn comes<S: Scalar>(
     controller: &mut Tested<S>,
     ticks: u32,
@@ -246,7 +246,7 @@ fn every_limit_in_fixed_point_is_reachable_or_refused() {
 
 /// The shipped limits with an encoder of 1 nm: the error ends at 32768 counts, below the 50 µm that were asked for.
 #[test]
-fn a_following_error_that_no_error_reaches_is_refused_and_told() {
+fn refuses_a_following_error_that_cannot_be_reached() {
     let mut axis = Axis::PAPER_AXIS;
     axis.encoder.count = 1e-9;
     let error = built::<f32>(&axis, Units::SI, 0.0).expect_err("out of reach");

@@ -155,7 +155,7 @@ fn a_float_path_is_kept_to_its_rounding() {
 }
 
 #[test]
-fn no_input_stays_in_the_state_or_goes_beyond_the_limit() {
+fn no_input_corrupts_the_state_or_exceeds_the_limit() {
     let blocks = blocks::<5>();
     let packed = Scaled::<PackedSlipReserve<3>, f32>::try_new(&blocks, BREAKAWAY, Units::SI);
     let packed = packed.expect("in range");

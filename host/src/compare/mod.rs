@@ -120,7 +120,7 @@ pub fn compare(
                 models.push(judged(candidate, scale)?);
             }
             None => notes.push(format!(
-                "{} was left out: its force resists the motion from no start",
+                "{} was left out: no starting values make its force resist the motion",
                 family.name()
             )),
         }

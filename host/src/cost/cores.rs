@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn chips_lead_to_their_cores_and_an_unknown_one_is_told_which_there_are() {
+    fn chips_lead_to_their_cores_and_an_unknown_one_lists_them() {
         assert_eq!(Core::named("STM32G4").unwrap().names[0], "cortex-m4");
         assert_eq!(
             Core::named("rp2350-riscv").unwrap().standing,

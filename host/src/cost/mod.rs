@@ -112,7 +112,7 @@ impl CostTable {
                 let cell = cells.get(at).copied().unwrap_or("");
                 let bad = |_| {
                     format!(
-                        "line {}: `{cell}` in column {} is no number",
+                        "line {}: `{cell}` in column {} is not a number",
                         index + 1,
                         head[at]
                     )

@@ -249,7 +249,7 @@ impl Diagnosis {
     /// The fit that every command reports, and why what the diagnosis begins with is another figure.
     pub fn fit_words(&self, recording: &Recording) -> Option<String> {
         let fit = self.fit.as_ref()?;
-        // Why there is none the verdict says.
+        // The verdict says why there is none.
         if !fit.is_found() && self.doubt.is_some() {
             return None;
         }

@@ -25,7 +25,7 @@ pub(super) struct Finding<'a> {
 }
 
 /// What the findings against a simulation take off, `left` at the rows with all of them, of `from − to` %: their Shapley values, `f·(y + r)` for
-/// what is missing, `y`, which no fit stands in front of. One after the other, the first would take what two share.
+/// what is missing, `y`, which no fit precedes. One after the other, the first would take what two share.
 pub(super) fn of_a_simulation(
     null: &NullModel,
     left: &[f64],

@@ -174,7 +174,7 @@ impl Diagnosis {
         let nameless = self.nameless().map(|u| u.words(self, recording));
         paragraphs.extend(nameless.map(|words| format!("Without a name: {words}.")));
         if paragraphs.is_empty() {
-            paragraphs.push("No stretch of any coordinate stands out of the noise.".to_owned());
+            paragraphs.push("No stretch of any coordinate stands out from the noise.".to_owned());
         }
         let event = self.unnamed.iter().find_map(|u| u.happened.as_ref());
         let alone = event.is_some()
@@ -332,7 +332,7 @@ impl Diagnosis {
             )
         });
         let intro = format!(
-            "NMSE is the squared error over the variance of the whole measured effort after averaging with a kernel of ±{:.1} ms; test figures come from {} stretches of the recording held out in turn. What is decided is decided between {} stretches with equal shares of the moving time and of the path. Rest ({:.0} % of the samples) and the beginning of each recording, until friction's state is known, are left out.",
+            "NMSE is the squared error over the variance of the whole measured effort after averaging with a kernel of ±{:.1} ms; test figures come from {} stretches of the recording held out in turn. Decisions compare {} stretches with equal shares of the moving time and of the path. Rest ({:.0} % of the samples) and the beginning of each recording, until friction's state is known, are left out.",
             1e3 * rows.weak.half_width_s,
             rows.weak.folds.len(),
             rows.blocks.len(),

@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn passes_of_other_motions_tell_nothing() {
+    fn passes_of_other_motions_prove_nothing() {
         let rows = rows(|repeat| 0.01 + 0.001 * repeat as f64);
         assert_eq!(unrepeated(&rows, &vec![1.0; rows.force.len()]), None);
     }

@@ -173,7 +173,7 @@ fn unsettled(s: &Signals) -> Vec<bool> {
     unsettled
 }
 
-/// The files of a recording, if what acts in each can be told from the others' folds; where they are many and short, one clock is better
+/// The files of a recording, if the folds of the others show what acts in each; where they are many and short, one clock is better
 /// than none.
 fn sessions(files: &[Range<usize>], fold: &[usize], usable: &[bool]) -> Option<Vec<Range<usize>>> {
     let folds_in = |file: &Range<usize>| {

@@ -18,7 +18,7 @@ pub struct Shift {
 }
 
 impl Shift {
-    /// Of the grounds of a recording as it was made and on time, each with a hysteresis of its own. `None` where the motion does not determine
+    /// Of the null models of a recording as it was made and on time, each with a hysteresis of its own. `None` where the motion does not determine
     /// inertia and friction.
     pub fn of(late: &NullModel, on_time: &NullModel) -> Option<Self> {
         let [without, with] = [late, on_time].map(left);

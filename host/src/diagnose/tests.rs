@@ -188,7 +188,7 @@ fn nothing_enters_where_nothing_is_missing() {
 }
 
 #[test]
-fn what_is_there_enters_first_and_with_its_value() {
+fn the_true_effect_enters_first_with_its_value() {
     let found = found(&made(|_, _, v| 8.0 * v));
     assert_eq!(names(&found), ["channel_delay", "viscous"]);
     let c = found.hypothesis.coefficients(1)[0];
@@ -287,7 +287,7 @@ fn the_effect_itself_is_no_rival_and_a_curve_that_holds_it_makes_it_needless() {
 }
 
 #[test]
-fn a_name_that_nobody_should_believe_does_not_stand_in_the_way() {
+fn an_implausible_name_does_not_block_others() {
     let recording = made(|_, _, v| 8.0 * v);
     let mut found = found(&recording);
     let mut terms = found.hypothesis.terms.clone();
@@ -304,7 +304,7 @@ fn a_name_that_nobody_should_believe_does_not_stand_in_the_way() {
 }
 
 #[test]
-fn what_is_simpler_and_explains_as_much_takes_the_place_of_what_it_makes_needless() {
+fn a_simpler_effect_that_explains_as_much_replaces_the_other() {
     let period = 0.04;
     let recording = made(|_, x, _| 0.4 * (std::f64::consts::TAU * x / period).sin());
     let mut found = found(&recording);
@@ -458,7 +458,7 @@ fn friction_that_follows_a_measured_temperature_is_named_though_friction_wanders
 }
 
 #[test]
-fn a_machine_that_only_warms_does_not_tell_run_in_from_warming() {
+fn only_warming_cannot_separate_run_in_from_temperature() {
     let declared = |temperature: &dyn Fn(f64) -> f64| {
         let rows = Rows::new(&beside_temperature(temperature), &[]).expect("rows");
         let of = |id: &str| {

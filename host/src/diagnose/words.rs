@@ -121,7 +121,7 @@ impl Unknown {
     fn advice(&self, found: &Diagnosis) -> String {
         let axis = self.axis.name(&found.null.rows.s);
         if self.rises_by.is_some() {
-            return "record the temperature (`temperature_C`), and repeat the strokes after a rest: warmth goes back, run-in does not.".to_owned();
+            return "record the temperature (`temperature_C`), and repeat the strokes after a rest: warm-up goes back, run-in does not.".to_owned();
         }
         if self.happened.is_some() {
             return "look at what happened then: a knock, something in the guideway, a cable that caught; or play, ageing or an end of the drive that shows in that motion alone: repeat it. Everything else leaves these stretches out.".to_owned();
@@ -192,7 +192,7 @@ impl Unknown {
     fn event_words(&self, times: &[[f64; 2]], recording: &Recording) -> String {
         let told: Vec<String> = times.iter().map(|t| between(t[0], t[1], "s")).collect();
         format!(
-            "something that happened {} and not in like motion at other times, {}: {} RMS, {} of what is left",
+            "something that happened {} and not in similar motion at other times, {}: {} RMS, {} of what is left",
             told.join(", "),
             if self.odd {
                 "of the friction level"
@@ -346,7 +346,7 @@ impl Diagnosis {
                 left(self.baseline.test.max(self.null.rows.missed))
             ),
             Verdict::Consistent if self.not_explained() > TRIFLE => format!(
-                "consistent: nothing of the catalogue is missing, but {} of the variance are neither noise nor explained ({figures})",
+                "consistent: nothing in the catalogue is missing, but {} of the variance is neither noise nor explained ({figures})",
                 left(self.not_explained())
             ),
             Verdict::Consistent => format!("consistent: nothing material is missing ({figures})"),

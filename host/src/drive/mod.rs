@@ -45,12 +45,11 @@ pub fn loadable(model: &Model, of_controller: u32) -> Result<Loadable, String> {
         let build = "`preslide export MODEL.toml -o stage_model.rs`, then build with PRESLIDE_MODEL=/full/path/to/stage_model.rs";
         match whole.len() > MOST_PARAMETERS {
             true => format!(
-                "it has {} parameters, and the link takes {MOST_PARAMETERS}. Have it compiled in: {build}",
+                "it has {} parameters, and the link takes {MOST_PARAMETERS}. Compile it in: {build}",
                 whole.len()
             ),
             false => format!(
-                "the controller's firmware was built for a model of other parts (kind, number of blocks, effects). Have it built for \
-                 this one: {build}; from then on `load` changes every number of it"
+                "the controller's firmware was built for a model with other parts (kind, number of blocks, effects). Build it for this one: {build}; from then on `load` changes every number of it"
             ),
         }
     })

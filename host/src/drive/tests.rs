@@ -30,7 +30,7 @@ fn fewer_blocks_are_split_without_a_difference() {
 }
 
 #[test]
-fn more_blocks_are_joined_and_the_difference_is_told() {
+fn joins_surplus_blocks_and_reports_the_difference() {
     let six = model(
         "{ stiffness_N_per_m = 2e5, weight = 0.3 }, { stiffness_N_per_m = 1e5, weight = 0.2 }, { stiffness_N_per_m = 4e4, weight = 0.2 }, \
          { stiffness_N_per_m = 1e4, weight = 0.1 }, { stiffness_N_per_m = 5e3, weight = 0.1 }, { stiffness_N_per_m = 2e3, weight = 0.1 }",
@@ -46,7 +46,7 @@ fn more_blocks_are_joined_and_the_difference_is_told() {
 }
 
 #[test]
-fn what_is_not_of_blocks_is_told_or_refused_with_the_way_that_works() {
+fn models_without_blocks_are_sent_or_refused_with_a_remedy() {
     let with = |friction: &str, more: &str| {
         let text = format!(
             "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[friction]\n{friction}\n{more}"

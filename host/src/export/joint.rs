@@ -185,7 +185,7 @@ impl Joint {
             true => String::new(),
             false => format!("\"PhysicsDriveAPI:{instance}\", "),
         };
-        *text += "# armature is the inertia of all that moves: take off it what your bodies have. Bodies, frames and limits are yours.\n";
+        *text += "# armature is the inertia of all that moves: subtract what your bodies have. Bodies, frames and limits are yours.\n";
         *text += "# PhysX reads this friction from 5.6 on, of joints in an articulation. Its older physxJoint:jointFriction is a share of the load, no force.\n";
         let _ = write!(
             text,
@@ -216,7 +216,7 @@ impl Joint {
                 "<inertial pos=\"0 0 0\" mass=\"{inertia}\" diaginertia=\"{inertia} {inertia} {inertia}\"/>\n"
             );
         } else if inertia > 0.0 {
-            *text += "<!-- armature is the inertia of all that moves: take off it what your bodies have. -->\n";
+            *text += "<!-- armature is the inertia of all that moves: subtract what your bodies have. -->\n";
             let _ = write!(joint, " armature=\"{inertia}\"");
         }
         for effect in &self.model.effects {

@@ -37,7 +37,7 @@ pub struct Options {
     pub kernel: Option<Kernel>,
 }
 
-/// The kernel for the model, where one is asked for.
+/// The kernel for the model, if one is requested.
 ///
 /// # Errors
 /// A model that has not the kernel's law, or that its range does not hold: why, and what to take.
@@ -190,7 +190,7 @@ mod tests {
 
     /// Hsieh's model has no breakaway force from which a bound could be taken.
     #[test]
-    fn a_bound_is_asked_for_where_there_is_none() {
+    fn demands_a_bound_if_the_model_has_none() {
         let hsieh = FrictionModel::Hsieh(HsiehParams {
             k1: 1.0,
             k2: 2.0,

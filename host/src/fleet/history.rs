@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn what_changed_is_told_with_its_size() {
+    fn reports_what_changed_and_by_how_much() {
         let mut random = ChaCha8Rng::seed_from_u64(3);
         let mut rows = axis("press", 20, &mut random);
         let coulomb = &mut rows[19].parameters.get_mut("coulomb_N").expect("there").0;
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn too_short_a_history_says_nothing() {
+    fn a_short_history_raises_no_alarm() {
         let mut random = ChaCha8Rng::seed_from_u64(4);
         let rows = axis("press", FEWEST + 1, &mut random);
         let all = changes(&rows, 1.0);

@@ -12,7 +12,7 @@ pub mod table;
 
 pub use journal::{Journal, is_begun, is_journal};
 pub use members::{Member, members};
-pub use row::{Asked, Row};
+pub use row::{Depth, Row};
 
 use std::str::FromStr;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -50,9 +50,9 @@ pub struct Row {
     pub seconds: f64,
 }
 
-/// What is asked of each recording.
+/// How far each recording is analysed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Asked {
+pub enum Depth {
     /// The fit alone.
     Fit,
     /// The diagnosis, too.
@@ -63,7 +63,7 @@ impl Row {
     /// Loads and judges a recording. Whatever goes wrong is the row's error: nothing of one recording stops the others.
     pub fn of(
         member: &Member,
-        asked: Asked,
+        depth: Depth,
         load: impl Fn(&Member) -> Result<Recording, String>,
     ) -> Self {
         let start = Instant::now();
@@ -78,7 +78,7 @@ impl Row {
         let judged = catch_unwind(AssertUnwindSafe(|| {
             heard(quiet, || {
                 let mut row = blank();
-                let judged = load(member).and_then(|recording| row.judge(&recording, asked));
+                let judged = load(member).and_then(|recording| row.judge(&recording, depth));
                 row.error = judged.err();
                 row
             })
@@ -91,7 +91,7 @@ impl Row {
         row
     }
 
-    fn judge(&mut self, recording: &Recording, asked: Asked) -> Result<(), String> {
+    fn judge(&mut self, recording: &Recording, depth: Depth) -> Result<(), String> {
         self.length_s = Some(recording.len() as f64 * recording.sample_time_s());
         self.rate_hz = Some(1.0 / recording.sample_time_s());
         self.effort_unit = Some(recording.effort_unit().to_owned());
@@ -102,7 +102,7 @@ impl Row {
             .collect();
         let fit = Arc::new(Fit::of(recording));
         self.take_fit(&fit, recording);
-        if asked == Asked::Fit {
+        if depth == Depth::Fit {
             return fit
                 .refusal()
                 .map_or(Ok(()), |reason| Err(reason.to_owned()));

@@ -20,7 +20,7 @@ pub enum Show {
     All,
 }
 
-/// What is asked for (m or rad, and s).
+/// The requested motion (m or rad, and s).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wish {
     /// The motion stays within ± half of this around where it begins.

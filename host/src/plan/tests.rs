@@ -11,7 +11,7 @@ const WISH: Wish = Wish {
 };
 
 #[test]
-fn a_plan_keeps_what_was_asked_and_ends_where_it_began() {
+fn a_plan_meets_the_request_and_ends_where_it_began() {
     for show in [Show::Presliding, Show::Sliding, Show::All] {
         let plan = plan(&Wish { show, ..WISH }).expect("a plan");
         let x: Vec<f64> = plan.rows.iter().map(|row| row.0).collect();

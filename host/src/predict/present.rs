@@ -63,7 +63,7 @@ impl Prediction {
         };
         let Some(rival) = rival else {
             return format!(
-                "Take {}: no friction model could be held against it.",
+                "Take {}: there is no friction model to compare it with.",
                 best.name
             );
         };

@@ -14,7 +14,7 @@ pub use known::known;
 pub use motions::{judged, recorded};
 pub use on_emulator::{serve, track};
 pub use on_host::{Followed, follow, follow_by, record, rehearse};
-pub use table::{Errors, Row, Told, Tracked, table};
+pub use table::{Diagnosed, Errors, Row, Tracked, table};
 
 use crate::stage::concealed::Concealed;
 use crate::stage::{EncoderConfig, FrictionConfig, Stage, StageConfig, StageError};

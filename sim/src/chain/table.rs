@@ -8,7 +8,7 @@ const AIM: f64 = 1.3;
 
 /// What the diagnosis says in its JSON, as far as the table shows it.
 #[derive(Clone, Debug, Deserialize)]
-pub struct Told {
+pub struct Diagnosed {
     baseline: Error,
     extended: Error,
     effects: Vec<Named>,
@@ -77,7 +77,7 @@ pub struct Row {
     /// What was concealed.
     pub concealed: &'static str,
     /// What the diagnosis said.
-    pub told: Told,
+    pub told: Diagnosed,
     /// How well the axis was followed.
     pub errors: Errors,
 }

@@ -223,7 +223,7 @@ impl<F: Friction> Axis<F> {
         self.controller.condition()
     }
 
-    /// The winding's resistance over the one told, as the controller follows it.
+    /// The winding's resistance over the configured one, as the controller follows it.
     pub fn resistance_share(&self) -> f64 {
         f64::from(self.controller.resistance_share()) / 65536.0
     }

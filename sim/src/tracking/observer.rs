@@ -11,7 +11,9 @@ use preslide::control::{
     Learning, LearningSettings, NoFriction, Observed, ObserverSettings, Settings,
 };
 use preslide::{Block, QuasiStaticGms, Units};
-use preslide_host::tune::observer::{ASKED, Proposal, Told, UNCERTAINTY, UNTOLD_KG, propose};
+use preslide_host::tune::observer::{
+    DEMANDS, Known, Proposal, UNCERTAINTY, UNMODELLED_KG, propose,
+};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -34,14 +36,14 @@ pub fn proposal(
     // The motor brakes the rotor's part of the mode.
     let rotor_part = load_kg / (rotor_kg * (rotor_kg + load_kg));
     let decay = drive.damping_n_s_per_m * per_kg + settings.motor.braking() * rotor_part;
-    let told = Told {
+    let known = Known {
         noise: 0.0,
         breakaway,
         contact: blocks.iter().map(|block| block.stiffness).sum(),
         mode_hz: mode / TAU,
         mode_damping: decay / (2.0 * mode),
     };
-    propose(settings, &told, &ASKED).map_err(TrackingError::Observer)
+    propose(settings, &known, &DEMANDS).map_err(TrackingError::Observer)
 }
 
 /// The drive's first mode (Hz), rotor and load both free.
@@ -142,11 +144,11 @@ impl Observing {
 }
 
 /// What the stage is where the controller knows nothing of it: a name, friction (-), and more mass (kg).
-const UNTOLD: [(&str, f64, f64); 4] = [
-    ("as told", 1.0, 0.0),
+const UNMODELLED: [(&str, f64, f64); 4] = [
+    ("as modelled", 1.0, 0.0),
     ("friction +15 %", 1.0 + UNCERTAINTY, 0.0),
     ("friction −15 %", 1.0 - UNCERTAINTY, 0.0),
-    ("payload +1 kg", 1.0, UNTOLD_KG),
+    ("payload +1 kg", 1.0, UNMODELLED_KG),
 ];
 
 /// One stage in one of these conditions.
@@ -181,7 +183,7 @@ pub fn study(
         };
         let e = Experiment::run(settings, identified)?;
         let observing = Observing::tuned(&e, settings, stage)?;
-        for (name, level, more_kg) in UNTOLD {
+        for (name, level, more_kg) in UNMODELLED {
             let stage = StageConfig {
                 mass_kg: stage.mass_kg + more_kg,
                 ..stage.clone()
@@ -205,7 +207,7 @@ pub fn study(
                 name: format!("{on} stage, {name}"),
                 rows,
             });
-            progress(conditions.len(), 2 * UNTOLD.len());
+            progress(conditions.len(), 2 * UNMODELLED.len());
         }
     }
     Ok(conditions)

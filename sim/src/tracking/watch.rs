@@ -192,7 +192,7 @@ pub fn study(
     })
 }
 
-/// False alarms on normal stages of a watch that is asked for so many.
+/// False alarms on normal stages, for a watch set to a rate.
 fn rate(
     learning: &LearningSettings,
     asked: f64,

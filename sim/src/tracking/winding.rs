@@ -11,7 +11,7 @@ use preslide::{Scalar, Units};
 use preslide_fit::report::Table;
 use rayon::prelude::*;
 
-/// Temperatures around the motor (°C): as its resistance is told, 30 K warmer, 30 K colder.
+/// Temperatures around the motor (°C): at its configured resistance, 30 K warmer, 30 K colder.
 const AMBIENT_C: [f64; 3] = [20.0, 50.0, -10.0];
 
 /// How far the resistance may be followed (-).
@@ -28,7 +28,7 @@ pub struct Row {
     pub ambient_c: f64,
     /// The resistance is followed.
     pub follows: bool,
-    /// The winding's resistance around the motor's temperature, over the one told (-), and what was found in `f32` and in fixed point.
+    /// The winding's resistance around the motor's temperature, over the configured one (-), and what was found in `f32` and in fixed point.
     pub share: f64,
     /// See above.
     pub found: [f64; 2],
@@ -100,14 +100,20 @@ fn strokes<S: Scalar>(
 
 /// The rows for people.
 pub fn print(rows: &[Row]) -> String {
-    let how = |row: &Row| if row.follows { "followed" } else { "as told" };
+    let how = |row: &Row| {
+        if row.follows {
+            "followed"
+        } else {
+            "not followed"
+        }
+    };
     Table::of(
         "RMS error (nm) of fast moves with the stage's own friction fed forward",
         rows,
     )
     .column("around (C)", |row| format!("{:.0}", row.ambient_c))
     .column("R", |row| how(row).to_owned())
-    .column("R over told", |row| format!("{:.3}", row.share))
+    .column("R over configured", |row| format!("{:.3}", row.share))
     .column("found, f32", |row| format!("{:.3}", row.found[0]))
     .column("found, fixed", |row| format!("{:.3}", row.found[1]))
     .column("f32", |row| format!("{:.0}", 1e9 * row.rms_m[0]))

@@ -59,7 +59,7 @@ impl Journal {
         let begun = match std::fs::read_to_string(&path) {
             Ok(text) => serde_json::from_str::<Self>(&text).map_err(|error| {
                 Failure::Input(format!(
-                    "{}: {error}; it is not what this command wrote: name another folder",
+                    "{}: {error}; this command did not write it: name another folder",
                     path.display()
                 ))
             })?,
@@ -75,7 +75,7 @@ impl Journal {
         };
         if begun.of != of {
             return Err(Failure::Input(format!(
-                "-o {}: a commissioning was begun there with {}, and this one has {of}; name another folder, or repeat those settings",
+                "-o {}: an earlier run there had {}, and this one has {of}; name another folder, or repeat those settings",
                 folder.display(),
                 begun.of
             )));

@@ -1,14 +1,15 @@
 //! `preslide commission`.
 
+mod findings;
 mod journal;
 mod page;
-mod told;
 
-use super::drive::asked::{Home, MarkArg, Move, PlayArgs};
+use super::drive::arguments::{Home, MarkArg, Move, PlayArgs};
 use super::drive::{Commanded, ControllerArgs};
 use super::plan::WishArgs;
 use super::{Failure, command_line};
 use clap::{Args, ValueEnum};
+use findings::Findings;
 use journal::{Asked, Journal, Played};
 use preslide_drive::SpaceBar;
 use preslide_fit::model::Model;
@@ -20,11 +21,10 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
-use told::Told;
 
 /// Commission an axis: from just switched on to friction compensated
 ///
-/// It finds direction and moving weight with small moves, plays a motion, identifies and diagnoses it, plays experiments while
+/// It finds direction and moving mass with small moves, plays a motion, identifies and diagnoses it, plays experiments while
 /// something is in doubt, loads the model, and shows the gain on a motion that no fit saw. The space bar or Ctrl-C stops the axis; the
 /// same command resumes. Nothing is kept over a reset unless you say yes.
 #[derive(Args)]
@@ -48,7 +48,7 @@ pub struct Commission {
     #[command(flatten)]
     wish: WishArgs,
 
-    /// At most so many experiments while something is in doubt
+    /// Play at most this many experiments while something is in doubt
     #[arg(long, value_name = "N", default_value_t = 3)]
     experiments: usize,
 
@@ -82,7 +82,7 @@ const CAREFUL: [f64; 3] = [0.2, 0.2, 0.5];
 const UNSEEN: [f64; 3] = [0.83, 0.7, 0.8];
 const UNSEEN_SMALLEST: f64 = 1.7;
 
-/// What the axis is asked for.
+/// What the axis shall do.
 struct Bounds {
     wish: Wish,
     /// The middle of the travel, of an axis that is to be located.
@@ -118,13 +118,13 @@ impl Commission {
         };
         let done = run.all(&self, &bounds);
         let ended = run.end(done.is_err().then_some(found_share));
-        let told = done.map_err(|failure| self.interrupted(failure, &run.stage, &ended))?;
+        let findings = done.map_err(|failure| self.interrupted(failure, &run.stage, &ended))?;
         ended?;
-        run.report(&told)?;
+        run.report(&findings)?;
         self.keep(&mut run.axis, keys.as_ref())
     }
 
-    /// From what was asked and the controller's own limits; all that is wrong at once.
+    /// From the options and the controller's own limits; reports everything wrong at once.
     fn bounds(&self, axis: &mut Commanded) -> Result<Bounds, Failure> {
         let ends = (
             axis.drive.get("limits.travel_low")?,
@@ -150,7 +150,7 @@ impl Commission {
             self.home_words()
         );
         say!(
-            "2. a careful motion of {}: direction, moving weight",
+            "2. a careful motion of {}: direction, moving mass",
             seconds(&motions.careful)
         );
         say!(
@@ -175,7 +175,7 @@ impl Commission {
         match self.home {
             Origin::Index => "find the encoder's index",
             Origin::Stop => "find a mechanical stop",
-            Origin::None => "no origin: all motions lie about where the axis stands",
+            Origin::None => "no origin: all motions are centred on where the axis stands",
         }
     }
 
@@ -184,12 +184,12 @@ impl Commission {
         let axis = match ended {
             Ok(()) => "The axis is disabled".to_owned(),
             Err(reason) => format!(
-                "The axis could not be disabled ({}): a controller that hears nothing stops it after its `silence` and holds it; look to cable and supply",
+                "The axis could not be disabled ({}): a controller that hears nothing stops it after its `silence` and holds it; check cable and supply",
                 reason.message()
             ),
         };
         let next = format!(
-            "in stage `{stage}`: {}\n{axis}. What was recorded is in {}; the same command goes on from there",
+            "in stage `{stage}`: {}\n{axis}. The recordings so far are in {}; the same command goes on from there",
             failure.message(),
             self.output.display()
         );
@@ -292,7 +292,7 @@ struct Run {
 }
 
 impl Run {
-    fn all(&mut self, asked: &Commission, bounds: &Bounds) -> Result<Told, Failure> {
+    fn all(&mut self, asked: &Commission, bounds: &Bounds) -> Result<Findings, Failure> {
         self.begin(asked, bounds)?;
         for (name, plan) in [
             ("careful", &self.motions.careful),
@@ -305,11 +305,11 @@ impl Run {
         }
         self.careful()?;
         self.play("before", 0.0)?;
-        let told = self.experiments(asked.experiments)?;
-        self.load(&told)?;
+        let findings = self.experiments(asked.experiments)?;
+        self.load(&findings)?;
         self.play("unseen-without", 0.0)?;
         self.play("unseen-with", 1.0)?;
-        Ok(told)
+        Ok(findings)
     }
 
     /// Enabled, moved by hardly anything, and located.
@@ -333,8 +333,7 @@ impl Run {
         for by in [nudge, -nudge] {
             self.go(by).map_err(|failure| match failure {
                 Failure::Data(reason) => Failure::Data(format!(
-                    "{reason}; at a move of {NUDGE_COUNTS} counts the motor may push against its encoder: reverse one of them (`motor.reversed`, \
-                     `encoder.reversed` of axis.toml), or raise gains that do not move the axis"
+                    "{reason}; at a move of {NUDGE_COUNTS} counts motor and encoder may have opposite signs: reverse one of them (`motor.reversed`, `encoder.reversed` of axis.toml), or raise gains that are too low to move the axis"
                 )),
                 other => other,
             })?;
@@ -387,43 +386,47 @@ impl Run {
     fn careful(&mut self) -> Result<(), Failure> {
         self.play("careful", 0.0)?;
         let path = self.journal.file("careful.csv");
-        let (turned, weight) = told::careful(&path)?;
+        let (turned, weight) = findings::careful(&path)?;
         if turned {
             return Err(Failure::Data(format!(
-                "{}: the effort that is recorded drives the axis backward; set `motor.reversed` of axis.toml, or the sign of the current sense",
+                "{}: the recorded effort drives the axis backward; set `motor.reversed` of axis.toml, or the sign of the current sense",
                 path.display()
             )));
         }
         match weight {
-            Ok(weight) => say!("direction: as it should be; it moves {weight}"),
+            Ok(weight) => say!("direction: correct; the axis moves {weight}"),
             Err(reason) => {
-                say!("direction: as it should be; the weight is not known yet ({reason})")
+                say!("direction: correct; the moving mass is not known yet ({reason})")
             }
         }
         Ok(())
     }
 
     /// Plays what would decide the most costly doubt, until nothing is in doubt or as many were played as may be.
-    fn experiments(&mut self, most: usize) -> Result<Told, Failure> {
+    fn experiments(&mut self, most: usize) -> Result<Findings, Failure> {
         self.stage = "identify, diagnose".to_owned();
-        let mut told = Told::of(&self.journal.recordings())?;
-        told.say();
-        while let Some(Asked { name, about, .. }) = self.next_experiment(&told, most)? {
+        let mut findings = Findings::of(&self.journal.recordings())?;
+        findings.say();
+        while let Some(Asked { name, about, .. }) = self.next_experiment(&findings, most)? {
             self.play(&name, 0.0)?;
-            let next = Told::of(&self.journal.recordings())?;
-            let answer = told::answer(&told, &next, &about);
+            let next = Findings::of(&self.journal.recordings())?;
+            let answer = findings::answer(&findings, &next, &about);
             say!("{name}: {answer}");
             if let Some(asked) = self.journal.asked.last_mut() {
                 asked.answer = Some(answer);
             }
             self.journal.keep()?;
-            told = next;
+            findings = next;
         }
-        Ok(told)
+        Ok(findings)
     }
 
     /// The experiment that was begun before, or the next one, announced and with its motion written; `None` where none is to be played.
-    fn next_experiment(&mut self, told: &Told, most: usize) -> Result<Option<Asked>, Failure> {
+    fn next_experiment(
+        &mut self,
+        findings: &Findings,
+        most: usize,
+    ) -> Result<Option<Asked>, Failure> {
         let begun = self.journal.asked.last();
         if let Some(begun) = begun.filter(|asked| asked.answer.is_none()) {
             return Ok(Some(begun.clone()));
@@ -431,7 +434,7 @@ impl Run {
         if self.journal.asked.len() >= most {
             return Ok(None);
         }
-        let Some(next) = Experiment::next(&told.diagnosis, &self.journal.about()) else {
+        let Some(next) = Experiment::next(&findings.diagnosis, &self.journal.about()) else {
             say!("Nothing is in doubt that an experiment could decide.");
             return Ok(None);
         };
@@ -457,7 +460,7 @@ impl Run {
         self.stage = format!("play {name}");
         let output = self.journal.file(&format!("{name}.csv"));
         if self.journal.played.contains_key(name) {
-            say!("{name}: recorded before, {}", output.display());
+            say!("{name}: recorded earlier, {}", output.display());
             return Ok(());
         }
         if self.axis.stop.load(Ordering::Relaxed) {
@@ -486,23 +489,23 @@ impl Run {
     }
 
     fn set(&mut self, name: &str, value: f64) -> Result<(), Failure> {
-        let named = Name::new(name)
-            .ok_or_else(|| Failure::Tool(format!("{name} is no name of the link")))?;
+        let named =
+            Name::new(name).ok_or_else(|| Failure::Tool(format!("the link knows no {name}")))?;
         self.axis.drive.ask(Request::Set(named, value as f32))?;
         Ok(())
     }
 
-    /// Hysteresis and moving weight to the controller; the files know its encoder, which `tune` asks for.
-    fn load(&mut self, told: &Told) -> Result<(), Failure> {
+    /// Hysteresis and moving mass to the controller; the files know its encoder, which `tune` asks for.
+    fn load(&mut self, findings: &Findings) -> Result<(), Failure> {
         self.stage = "load".to_owned();
-        let remarks = [told.diagnosis.verdict_words(&told.recording)];
+        let remarks = [findings.diagnosis.verdict_words(&findings.recording)];
         let count = self.axis.drive.identity().count;
         let write = |name: &str, model: Model| {
             let model = model.with_count(count);
             self.journal.write(name, &model.to_toml(&remarks))
         };
-        write("extended.toml", told.extended())?;
-        let model = told.loadable()?;
+        write("extended.toml", findings.extended())?;
+        let model = findings.loadable()?;
         let path = write("model.toml", model.clone())?;
         self.axis.load(&path)?;
         if model.inertia > 0.0 {
@@ -521,14 +524,14 @@ impl Run {
         self.axis.disable()
     }
 
-    fn report(&self, told: &Told) -> Result<(), Failure> {
-        let page = page::page(&self.journal, told, self.axis.unit, command_line())?;
+    fn report(&self, findings: &Findings) -> Result<(), Failure> {
+        let page = page::page(&self.journal, findings, self.axis.unit, command_line())?;
         let path = self.journal.file("report.html");
         super::outputs::write_with(&path, |path| page.write_html(path))?;
         for line in page::result(&self.journal, self.axis.unit) {
             say!("{line}");
         }
-        explain!("{}", told.diagnosis.recommendation(&told.recording));
+        explain!("{}", findings.diagnosis.recommendation(&findings.recording));
         Ok(())
     }
 }

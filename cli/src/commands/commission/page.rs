@@ -1,8 +1,8 @@
-//! The page of a commissioning: before, after, what is sure, what was asked and answered, what stays open.
+//! The page of a commissioning: before, after, what is sure, the experiments with their results, what stays open.
 
 use super::super::Failure;
+use super::findings::Findings;
 use super::journal::{Journal, Played};
-use super::told::Told;
 use preslide_fit::recording::{self, LoadOptions, Needs};
 use preslide_fit::report::{Axis, Emphasis, Figure, Page, Section, Series, Table};
 use preslide_host::diagnose::effect;
@@ -31,14 +31,19 @@ pub fn result(journal: &Journal, unit: &str) -> Vec<String> {
 }
 
 /// The page.
-pub fn page(journal: &Journal, told: &Told, unit: &str, command: String) -> Result<Page, Failure> {
-    let found = &told.diagnosis;
+pub fn page(
+    journal: &Journal,
+    findings: &Findings,
+    unit: &str,
+    command: String,
+) -> Result<Page, Failure> {
+    let found = &findings.diagnosis;
     let mut lead = result(journal, unit);
     lead.truncate(1);
-    lead.push(found.recommendation(&told.recording));
-    let useless = preslide_host::export::refused(&told.extended());
+    lead.push(found.recommendation(&findings.recording));
+    let useless = preslide_host::export::refused(&findings.extended());
     let mut next = format!(
-        "The controller has hysteresis and moving weight. Effects are compiled in: preslide export {} -o stage_model.rs{}, then build the firmware with PRESLIDE_MODEL. \
+        "The controller has hysteresis and moving mass. Effects are compiled in: preslide export {} -o stage_model.rs{}, then build the firmware with PRESLIDE_MODEL. \
          Observer gains are compiled in as well: preslide tune {} --resonance FREQUENCY proposes them for a drive whose first mode is there.",
         journal.file("extended.toml").display(),
         useless
@@ -47,7 +52,7 @@ pub fn page(journal: &Journal, told: &Told, unit: &str, command: String) -> Resu
             .collect::<String>(),
         journal.file("model.toml").display()
     );
-    let possible = found.possible_words(&told.recording);
+    let possible = found.possible_words(&findings.recording);
     if let Some(possible) = possible {
         next = format!("{possible}. {next}");
     }
@@ -64,12 +69,12 @@ pub fn page(journal: &Journal, told: &Told, unit: &str, command: String) -> Resu
             },
             Section {
                 heading: "What is sure".to_owned(),
-                paragraphs: vec![found.verdict_words(&told.recording)],
-                tables: vec![found.budget_table(&told.recording)],
+                paragraphs: vec![found.verdict_words(&findings.recording)],
+                tables: vec![found.budget_table(&findings.recording)],
                 ..Section::default()
             },
             Section {
-                heading: "Asked and answered".to_owned(),
+                heading: "Experiments".to_owned(),
                 paragraphs: match journal.asked.is_empty() {
                     true => vec!["No experiment was played.".to_owned()],
                     false => Vec::new(),

@@ -1,10 +1,10 @@
 //! `preslide drive`.
 
-pub mod asked;
+pub mod arguments;
 mod play;
 
 use super::{AxisArgs, Failure};
-use asked::{Home, Jog, MarkArg, Move, PlayArgs};
+use arguments::{Home, Jog, MarkArg, Move, PlayArgs};
 use clap::{Args, Subcommand};
 use preslide_drive::{BAUD, Drive as Session, DriveError, open, quantity, screen, words};
 use preslide_fit::model::Model;
@@ -64,13 +64,13 @@ enum What {
     Stop,
     /// Acknowledge a fault; the axis stays disabled
     Acknowledge,
-    /// Move, and wait until the axis stands
+    /// Move, and wait until the axis stands still
     Move(Move),
     /// Move at a speed for a time, then stop
     Jog(Jog),
     /// Find the origin
     Home(Home),
-    /// Set the position where the axis stands, without moving it
+    /// Set the axis's present position, without moving it
     Zero {
         /// The position to set
         #[arg(value_name = "POSITION", default_value = "0", value_parser = quantity::length, allow_hyphen_values = true)]
@@ -140,7 +140,7 @@ fn stop_flag() -> Result<Arc<AtomicBool>, Failure> {
     let flag = Arc::new(AtomicBool::new(false));
     let set = Arc::clone(&flag);
     ctrlc::set_handler(move || set.store(true, Ordering::Relaxed))
-        .map_err(|error| Failure::Tool(format!("Ctrl-C cannot be watched for: {error}")))?;
+        .map_err(|error| Failure::Tool(format!("Ctrl-C cannot be caught: {error}")))?;
     Ok(flag)
 }
 
@@ -231,7 +231,7 @@ impl Commanded {
                     integral,
                     derivative,
                 }),
-                "gains taken; `save` keeps them over a reset",
+                "gains set; `save` keeps them over a reset",
             ),
             What::Load { model } => {
                 self.load(&model)?;

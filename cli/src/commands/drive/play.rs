@@ -1,6 +1,6 @@
 //! `play`: a motion from a file, followed and recorded.
 
-use super::asked::PlayArgs;
+use super::arguments::PlayArgs;
 use super::{Commanded, Failure, SAMPLES_PER_ROW};
 use preslide_drive::{Motion, Play, Played};
 use preslide_fit::progress::Progress;
@@ -130,7 +130,7 @@ impl Commanded {
             && file.kept
         {
             let path = play.output.display();
-            eprintln!("wrote {path}, up to where it ended: {error}");
+            eprintln!("wrote {path} up to the interruption: {error}");
         }
         Ok((played?, recorded?))
     }

@@ -35,9 +35,7 @@ pub(crate) fn correction(effect: &Effect) -> Result<EncoderError<f64>, ParamErro
 pub static CHANNEL_DELAY: Form = Form {
     id: "channel_delay",
     keys: &[("delay_s", Any)],
-    controller: Err(
-        "it is a matter of the recording: the force was sampled later than the position",
-    ),
+    controller: Err("it belongs to the recording: the force was sampled later than the position"),
     ..BARE
 };
 
@@ -94,6 +92,6 @@ pub static ACTUATOR_SATURATION: Form = Form {
 pub static CREEP: Form = Form {
     id: "creep",
     keys: &[("rate_m_s", NotNegative), ("share_of_breakaway", Positive)],
-    controller: Err("its feed-forward would push an axis that rests"),
+    controller: Err("its feed-forward would push a resting axis"),
     ..BARE
 };

@@ -137,7 +137,7 @@ fn a_wanted_model_is_identified_with_confidence() {
     assert!(
         found
             .recommendation
-            .starts_with("Taken as asked: Dahl, n = 1")
+            .starts_with("As requested: Dahl, n = 1")
     );
     let json = found.to_json(&recording, 1.0);
     assert_eq!(json["recommended"]["kind"], "dahl");

@@ -1,7 +1,7 @@
 //! Parameters from the motion: those with which a simulation, left to itself, moves as the machine did.
 //!
 //! The fit of the force ([`super::identify`]) says what force a motion takes, and a small error of it drives a simulation far away. This
-//! fit makes small what a simulation is asked for: position, open loop from the recorded effort or closed loop behind the user's
+//! fit minimises the error of a simulation: position, open loop from the recorded effort or closed loop behind the user's
 //! controller. It begins with the fit of the force, with several starts around it, simulates the longest windows for which all
 //! starts agree, and takes in only physics that makes windows smaller that it was not fitted to.
 
@@ -84,7 +84,7 @@ pub struct MotionFit {
     pub tried: Vec<Tried>,
     /// RMS (m or rad) by which 1 % more drive gain and 1 % more friction move the simulation.
     pub moves: [f64; 2],
-    /// Pairs of parameters of which the motion determines only a combination, with their correlation.
+    /// Pairs of parameters whose combination alone the motion determines, with their correlation.
     pub together: Vec<(&'static str, &'static str, f64)>,
     /// The simulation behind a controller.
     pub closed_loop: bool,

@@ -121,7 +121,7 @@ impl MotionFit {
         ));
         for (one, other, of) in &self.together {
             notes.push(format!(
-                "{one} and {other} are known together only (correlation {of:.3}): along their intervals both change"
+                "only a combination of {one} and {other} is known (correlation {of:.3}): within their intervals both change together"
             ));
         }
         let list = |taken: bool| {
@@ -129,10 +129,10 @@ impl MotionFit {
             let shown = of.map(|t| format!("{} ({:+.1} %)", t.id, 100.0 * t.change));
             shown.collect::<Vec<_>>().join(", ")
         };
-        let lists = [("Taken", list(true)), ("Tried and left", list(false))];
+        let lists = [("Taken", list(true)), ("Tried and left out", list(false))];
         for (verb, list) in lists.into_iter().filter(|l| !l.1.is_empty()) {
             notes.push(format!(
-                "{verb}, by what it changes of the loss in windows that it was not fitted to: {list}"
+                "{verb}, by how much it changes the loss in windows that it was not fitted to: {list}"
             ));
         }
         notes.push(

@@ -256,7 +256,7 @@ fn friction_of_what_a_gear_transmits_comes_back_from_an_open_loop() {
 }
 
 #[test]
-fn a_loop_tells_what_is_in_it_and_nothing_is_added_to_a_plain_axis() {
+fn a_loop_reports_its_contents_and_a_plain_axis_none() {
     let plain = "schema = \"preslide.model/1\"\nmotion = \"linear\"\n[inertia]\nmass_kg = 3.0\n[friction]\nkind = \"coulomb\"\ncoulomb_N = 4.0\nviscous_N_s_per_m = 25.0\n[[effects]]\nid = \"constant_force\"\nforce_N = 0.7\n";
     let model = Model::parse(plain).expect("valid");
     let controller = Controller::parse("schema = \"preslide.controller/1\"\nrate_Hz = 1000\nproportional_N_per_m = 900\nderivative_N_s_per_m = 30\nlimit_N = 60\n").expect("valid");

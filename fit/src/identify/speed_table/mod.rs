@@ -32,7 +32,7 @@ const MOST_LEFT: f64 = 50.0;
 #[derive(Clone, Debug)]
 pub struct SpeedTable {
     speeds: Speeds,
-    /// By their names, of which `fit` has the keys.
+    /// By their names; `fit` has the keys.
     parameters: Vec<(&'static str, Estimate)>,
     /// What is modelled at each row.
     fitted: Vec<f64>,
@@ -108,7 +108,7 @@ pub fn fit(mut speeds: Speeds, may_turn: bool) -> Result<SpeedTable, String> {
     let standing = speeds.velocity.iter().filter(|v| **v == 0.0).count();
     if standing > 0 {
         notes.push(format!(
-            "{standing} rows at no speed are left out: friction at rest is anything up to its level"
+            "{standing} rows at zero speed are left out: friction at rest can be anything up to its level"
         ));
         let moving: Vec<bool> = speeds.velocity.iter().map(|v| *v != 0.0).collect();
         let keep = |values: &mut Vec<f64>| {
@@ -184,7 +184,7 @@ pub fn fit(mut speeds: Speeds, may_turn: bool) -> Result<SpeedTable, String> {
     let found = SpeedTable::of(speeds, &best, notes).ok_or_else(failed)?;
     if found.nmse_held_out.is_nan() || found.nmse_held_out > MOST_LEFT {
         return fail(&format!(
-            "Coulomb and viscous friction leave {:.0} % of the effort's variance: this is no table of friction over speed; check its columns and units",
+            "Coulomb and viscous friction leave {:.0} % of the effort's variance: this is not a table of friction over speed; check its columns and units",
             found.nmse_held_out
         ));
     }

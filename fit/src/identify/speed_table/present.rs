@@ -87,7 +87,7 @@ impl SpeedTable {
         ]
     }
 
-    /// `preslide.identification/1`, as of recordings; `seconds` is the time it took.
+    /// `preslide.identification/1`, as for recordings; `seconds` is the time it took.
     pub fn to_json(&self, seconds: f64) -> Value {
         let parameters: serde_json::Map<String, Value> = self
             .parameters
@@ -154,7 +154,7 @@ impl SpeedTable {
         }
     }
 
-    /// Rows, speeds and efforts in one line, as of recordings.
+    /// Rows, speeds and efforts in one line, as for recordings.
     pub fn in_one_line(&self) -> String {
         let [(slow, fast), (low, high)] = self.speeds.ranges();
         format!(

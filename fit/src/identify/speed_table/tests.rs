@@ -96,7 +96,7 @@ fn intervals_hold_the_truth_and_no_curve_is_seen_where_there_is_none() {
 }
 
 #[test]
-fn one_direction_an_opposed_sign_and_rests_are_told() {
+fn reports_one_direction_an_opposed_sign_and_rests() {
     let mut one = speeds(1, 1e-3, plain);
     let forward: Vec<bool> = one.velocity.iter().map(|v| *v > 0.0).collect();
     let mut flags = forward.iter().cycle();
@@ -121,11 +121,11 @@ fn one_direction_an_opposed_sign_and_rests_are_told() {
     rests.effort.extend([0.3; 5]);
     let found = fit(rests, true).expect("with rests");
     assert_eq!(found.fitted.len(), 60);
-    assert!(found.notes().join(" ").contains("5 rows at no speed"));
+    assert!(found.notes().join(" ").contains("5 rows at zero speed"));
 }
 
 #[test]
-fn tables_that_tell_nothing_say_why() {
+fn uninformative_tables_say_why() {
     let with = |velocity: &[f64], effort: &[f64]| {
         let table = Speeds {
             velocity: velocity.to_vec(),
@@ -147,7 +147,11 @@ fn tables_that_tell_nothing_say_why() {
         );
     }
     let noise = fit(speeds(4, 1.0, |_| 0.0), true).map(|_| ());
-    assert!(noise.expect_err("noise").contains("no table of friction"));
+    assert!(
+        noise
+            .expect_err("noise")
+            .contains("not a table of friction")
+    );
 }
 
 #[test]

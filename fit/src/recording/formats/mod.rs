@@ -56,7 +56,7 @@ const FORMATS: [Row; 11] = [
     (b"TDSm", Format::Tdms, "a TDMS file", None, "with Python's npTDMS: TdmsFile.read(...).as_dataframe().to_csv(...)"),
     (b"MDF     ", Format::Mdf, "an MDF file", None, "with Python's asammdf: MDF(...).export(\"csv\", ...)"),
     (b"UnFinMF ", Format::Mdf, "an unfinished MDF file", None, "with Python's asammdf: MDF(...).export(\"csv\", ...)"),
-    (b"#ROSBAG V2.0", Format::Rosbag1, "a bag of ROS 1", None, "rosbags-convert makes an MCAP of it"),
+    (b"#ROSBAG V2.0", Format::Rosbag1, "a ROS 1 bag", None, "rosbags-convert makes an MCAP of it"),
 ];
 
 /// Bytes that mark a format.

@@ -22,7 +22,7 @@ pub(super) struct Array {
 pub(super) fn read(reader: impl Read, budget: &mut u64) -> Result<Array, String> {
     let mut reader = BufReader::new(reader);
     let header = header(&mut reader)?;
-    let entries = entries(&header).ok_or("its header is no Python dictionary")?;
+    let entries = entries(&header).ok_or("its header is not a Python dictionary")?;
     let entry = |key: &str| {
         let found = entries.iter().find(|(name, _)| *name == key);
         found

@@ -137,7 +137,7 @@ fn messages_list_the_variables_with_their_sizes() {
     );
     refuses(
         load(&recording(false, true), &[("force_N", "note")]),
-        &["no vector of real numbers"],
+        &["not a vector of real numbers"],
     );
     refuses(
         load(&recording(false, true), &[("force_N", "gain")]),

@@ -13,13 +13,14 @@ use preslide_host_tests::judge::calibrate::{
 /// The names come from files that `cargo xtask sources --json FILE` and `cargo xtask inject --json FILE` write.
 #[derive(Args)]
 pub struct Options {
-    /// Judged cases; the widths of intervals stay as they are where no case has a true value
+    /// Judged cases; the widths of intervals stay as they are if no case has a true value
     #[arg(required = true, value_name = "FILE.json")]
     cases: Vec<PathBuf>,
-    /// Judged strangers and clean recordings, for what has no name; `sources --sorts stranger,clean` asks them. Without, that stays as it is
+    /// Judged out-of-catalogue and clean recordings, to fit the probability of what has no name; `sources --sorts stranger,clean` makes
+    /// them. Without them it stays as it is
     #[arg(long, value_delimiter = ',', value_name = "FILE.json")]
     unnamed: Vec<PathBuf>,
-    /// Fit the suspicions alone; names and intervals stay as they are
+    /// Fit only the suspicions; names and intervals stay as they are
     #[arg(long)]
     hints_only: bool,
     /// Write the weights into the program's source

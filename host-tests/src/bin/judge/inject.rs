@@ -19,7 +19,7 @@ pub struct Options {
     /// Only recordings and effects whose name contains one of these words, separated by commas
     #[arg(long, value_delimiter = ',', value_name = "WORDS")]
     only: Vec<String>,
-    /// RMS of what is added, in percent of the effort's deviation
+    /// RMS of the added effect, in percent of the effort's deviation
     #[arg(
         long,
         value_delimiter = ',',
@@ -30,13 +30,13 @@ pub struct Options {
     /// Every Nth pair of recording and effect
     #[arg(long, default_value_t = 1, value_name = "N")]
     every: usize,
-    /// Begin with the pair of this number: those that another run left out
+    /// Number of the first pair; 1 with --every 2 takes those that 0 left out
     #[arg(long, default_value_t = 0, value_name = "N")]
     from: usize,
     /// Diagnoses at a time
     #[arg(long, default_value_t = 1, value_name = "N")]
     jobs: usize,
-    /// Only what the oracle says; nothing is diagnosed
+    /// Ask only the oracle, and diagnose nothing
     #[arg(long)]
     oracle: bool,
     /// Keep recordings and answers in this folder

@@ -18,7 +18,7 @@ enum Source {
     Trials,
     /// `../shared/generators/stage`
     Stage,
-    /// Machines of a laboratory, by a generator whose author had read nothing of the project
+    /// Laboratory machines, by a generator whose author had read nothing of the project
     Labs,
     /// Known effects in real recordings
     Injection,
@@ -32,7 +32,7 @@ pub struct Options {
     /// The program to judge [default: the one built beside this]
     #[arg(long, value_name = "PROGRAM")]
     preslide: Option<PathBuf>,
-    /// Sources to ask
+    /// Sources to run
     #[arg(
         long,
         value_delimiter = ',',
@@ -40,7 +40,7 @@ pub struct Options {
         value_name = "SOURCES"
     )]
     only: Vec<Source>,
-    /// Share of each source: every Nth recording
+    /// Take every Nth recording of each source
     #[arg(long, default_value_t = 1, value_name = "N")]
     every: usize,
     /// Another set of the project's trials
@@ -66,7 +66,7 @@ pub struct Options {
     /// Seeds of `host-tests/generators/labs`, 190 trials each
     #[arg(long, value_delimiter = ',', default_value = "1", value_name = "SEEDS")]
     labs: Vec<u64>,
-    /// A set of `stage` that is there already, instead of the seeds
+    /// An existing set of `stage`, instead of the seeds
     #[arg(long, value_name = "FOLDER")]
     stage_folder: Option<PathBuf>,
     /// A Python with numpy, numba and scipy [default: an environment made under target/judge]
@@ -86,10 +86,10 @@ pub struct Options {
     /// Every case with truth and answer, for machines
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// The fixed set, held against the committed answers: the part that CI asks, or all of it
+    /// The fixed set, compared with the committed answers: the part that CI runs, or all of it
     #[arg(long, value_name = "SET", num_args = 0..=1, default_missing_value = "gate")]
     ci: Option<Set>,
-    /// With --ci: take the answers as the committed ones
+    /// With --ci: commit these answers instead
     #[arg(long, requires = "ci")]
     bless: bool,
 }

@@ -23,7 +23,7 @@ use preslide_fit::statistics::{Estimate, nmse};
 /// Parallel springs that slip: stiffness (N/m or N·m/rad, or that over a level) and yield displacement (m or rad).
 type Blocks = Vec<(f64, f64)>;
 
-/// What a simulation lacks of a recording.
+/// What a simulation lacks compared with a recording.
 pub struct Correction {
     /// What is added, one after the other.
     pub terms: Vec<Added>,
@@ -56,7 +56,7 @@ pub struct Added {
     pub parameters: Vec<(String, Estimate)>,
     /// Force at the samples (N or N·m).
     pub force: Vec<f64>,
-    /// The same as a formula; `None` where it is none of the motion at one instant.
+    /// The same as a formula; `None` if it is not a function of the motion at one instant.
     formula: Option<Expr>,
 }
 

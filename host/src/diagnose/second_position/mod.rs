@@ -137,7 +137,7 @@ fn compared(
     } else {
         (&without, plain)
     };
-    // Where velocity and acceleration tell nothing that effort and direction do not, these are told apart.
+    // Effort and direction can be separated if velocity and acceleration add nothing to them.
     let seen: Vec<usize> = columns
         .into_iter()
         .filter(|c| !HIDING.contains(c))

@@ -28,7 +28,7 @@ fn ids(found: &Diagnosis) -> Vec<&'static str> {
 }
 
 #[test]
-fn wrong_parameters_are_told_and_right_ones_are_not() {
+fn reports_wrong_parameters_and_no_right_ones() {
     let recording = made(|_, _, v| 8.0 * v);
     let right = told(&recording, Some(&model(1.0, 1.0, 8.0)));
     assert_eq!(right.verdict, Verdict::Consistent);

@@ -12,7 +12,7 @@ fn found_in(recording: &Recording) -> Option<(f64, f64)> {
 }
 
 #[test]
-fn what_happens_now_and_then_has_its_times_and_no_name() {
+fn events_are_reported_with_times_and_without_names() {
     let times = [[6.1, 6.9], [14.2, 15.0], [23.4, 24.1]];
     let within = |t: f64| times.iter().any(|[from, to]| (*from..*to).contains(&t));
     // Half as much friction again while something lies in the guideway.
@@ -31,7 +31,7 @@ fn what_happens_now_and_then_has_its_times_and_no_name() {
 }
 
 #[test]
-fn what_recurs_with_the_motion_or_is_noise_is_no_event() {
+fn neither_recurring_forces_nor_noise_are_events() {
     assert_eq!(found_in(&made(|_, _, _| 0.0)), None);
     let spot = |x: f64| (-((x - 0.01) / 0.004).powi(2)).exp();
     assert_eq!(found_in(&made(|_, x, v| 1.5 * v.signum() * spot(x))), None);
@@ -45,13 +45,13 @@ fn what_recurs_with_the_motion_or_is_noise_is_no_event() {
         });
         found_in(&once).is_some()
     };
-    // Where the axis moves as nowhere else, none is told.
+    // No event is reported where the axis moves as nowhere else.
     let told = (1..10).filter(|k| is_told(3.0 * f64::from(*k))).count();
     assert!(told >= 6, "{told} of 9");
 }
 
 #[test]
-fn what_happens_now_and_then_does_not_pull_at_what_is_always_there() {
+fn events_do_not_bias_permanent_effects() {
     let drag = |v: f64| 20.0 * v;
     let within = |t: f64| {
         [6.1, 14.2, 23.4]
@@ -94,7 +94,7 @@ fn to_and_fro(knock_s: f64) -> Recording {
 }
 
 #[test]
-fn what_follows_the_only_reversal_is_no_event() {
+fn the_only_reversal_causes_no_event() {
     // Nothing else moved like that, whatever it is.
     assert_eq!(found_in(&to_and_fro(15.3)), None);
     assert!(found_in(&to_and_fro(23.0)).is_some());

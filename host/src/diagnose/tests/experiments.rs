@@ -3,9 +3,9 @@
 use super::*;
 use crate::diagnose::experiment::Experiment;
 
-/// Whatever is in doubt is asked once, by motions that the recorded machine can follow.
+/// Each doubt gets one experiment, with motions that the recorded machine can follow.
 #[test]
-fn each_doubt_is_asked_once_and_the_axis_can_follow() {
+fn plans_one_experiment_a_doubt_that_the_axis_can_follow() {
     let recording = made(|_, x, v| 8.0 * v + 0.5 * (x / 8e-4).sin());
     let found = diagnose(&recording, None, None, &Progress::new("", 0)).expect("a diagnosis");
     let s = &found.null.rows.s;

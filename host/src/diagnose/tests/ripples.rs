@@ -50,7 +50,7 @@ fn a_ripple_in_proportion_to_the_effort_is_no_cogging() {
 
 /// Where friction is most of the effort, a ripple of the one is nearly a ripple of the other: what inertia and viscous friction take part in tells.
 #[test]
-fn a_ripple_of_the_motor_is_none_of_the_friction_that_it_mostly_holds() {
+fn a_motor_ripple_is_not_taken_for_a_friction_ripple() {
     let ripple = |x: f64| 0.1 * wave(x, 0.009, 0.5);
     let of_the_motor = with_torque_ripple(made(|_, _, v| VISCOUS * v), ripple);
     let mut of_friction = made(|_, _, v| VISCOUS * v);
@@ -76,7 +76,7 @@ fn a_ripple_of_the_motor_is_none_of_the_friction_that_it_mostly_holds() {
 
 /// A tenth of a metre of travel: a wave of 62 mm does not come twice, and one of 20 mm comes five times.
 #[test]
-fn what_does_not_come_twice_is_a_map_and_no_ripple() {
+fn a_single_period_is_a_map_not_a_ripple() {
     for (period, named) in [(0.062, "position_force"), (0.02, "periodic_force")] {
         let recording = made(|_, x, _| 0.5 * wave(x, period, 0.7));
         let found = diagnose(&recording, None, None, &Progress::new("", 0)).expect("a diagnosis");

@@ -12,5 +12,6 @@ pub use gains::{Belief, Gains};
 pub use machine::Machine;
 pub use margins::{Feedback, Margins};
 pub use proposal::{
-    ASKED, Asked, Case, Proposal, Told, UNCERTAINTY, UNTOLD_KG, USUAL_DAMPING, cases, propose,
+    Case, DEMANDS, Demands, Known, Proposal, UNCERTAINTY, UNMODELLED_KG, USUAL_DAMPING, cases,
+    propose,
 };

@@ -1,6 +1,6 @@
 //! A proposal for people and for machines.
 
-use super::{ASKED, Proposal};
+use super::{DEMANDS, Proposal};
 use preslide_fit::report::{Section, Table};
 use serde_json::{Value, json};
 
@@ -21,8 +21,8 @@ impl Proposal {
             false => "to none".to_owned(),
         };
         Table::of(format!(
-                "The loop with the observer; asked of every case: ×{} and ÷{} of gain, {}° of phase, at most {} at the drive's first mode",
-                ASKED.gain, ASKED.gain, ASKED.phase_deg, ASKED.at_mode
+                "The loop with the observer; required in every case: ×{} and ÷{} of gain, {}° of phase, at most {} at the drive's first mode",
+                DEMANDS.gain, DEMANDS.gain, DEMANDS.phase_deg, DEMANDS.at_mode
             ), &self.cases).column("case", |(case, _)| case.name.clone()).column("gain may grow", |(_, m)| factor("×", m.gain)).column("may shrink", |(_, m)| factor("÷", m.reduction)).column("phase [°]", |(_, m)| format!("{:.1}", m.phase_deg)).column("crossover [Hz]", |(_, m)| format!("{:.0}", m.crossover_hz)).column("gain at the mode", |(_, m)| format!("{:.2}", m.at_mode)).column("peak of the sensitivity", |(_, m)| {
                     format!("{:.2}", 1.0 / m.distance)
                 }).table()

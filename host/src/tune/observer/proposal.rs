@@ -7,7 +7,7 @@ use preslide_fit::friction::FrictionModel;
 
 /// What is given beside the axis (SI).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Told {
+pub struct Known {
     /// Noise of a reading beside its resolution, RMS (m).
     pub noise: f64,
     /// Breakaway force of the friction model (N).
@@ -30,7 +30,7 @@ pub const UNCERTAINTY: f64 = 0.15;
 const CHANGES_IN: f64 = 0.007;
 
 /// An unknown payload (kg).
-pub const UNTOLD_KG: f64 = 1.0;
+pub const UNMODELLED_KG: f64 = 1.0;
 
 /// From one disturbance's walk to the next that is tried (-): the gains change by a thirtieth.
 const FINER: f64 = 1.25;
@@ -38,9 +38,9 @@ const FINER: f64 = 1.25;
 /// Walks that are tried at most: down to 10⁻⁶ of what friction's uncertainty says, a filter of a tenth of the speed.
 const TRIES: usize = 62;
 
-/// What is asked in every case.
+/// What every case must meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Asked {
+pub struct Demands {
     /// Factor by which the loop's gain may grow or shrink (-).
     pub gain: f64,
     /// Phase (degrees).
@@ -51,7 +51,7 @@ pub struct Asked {
 
 /// 6 dB of gain; 25° of phase, five less than is usual, since contacts that stick are here a spring without the damping that their
 /// hysteresis has; and half at the mode, whose damping is known to a factor of two.
-pub const ASKED: Asked = Asked {
+pub const DEMANDS: Demands = Demands {
     gain: 2.0,
     phase_deg: 25.0,
     at_mode: 0.5,
@@ -59,12 +59,12 @@ pub const ASKED: Asked = Asked {
 
 impl Margins {
     /// They are at least those.
-    pub fn reach(&self, asked: &Asked) -> bool {
+    pub fn reach(&self, demands: &Demands) -> bool {
         self.radius < 1.0
-            && self.gain >= asked.gain
-            && self.reduction >= asked.gain
-            && self.phase_deg >= asked.phase_deg
-            && self.at_mode <= asked.at_mode
+            && self.gain >= demands.gain
+            && self.reduction >= demands.gain
+            && self.phase_deg >= demands.phase_deg
+            && self.at_mode <= demands.at_mode
     }
 }
 
@@ -78,7 +78,7 @@ pub struct Case {
 }
 
 /// Sliding and sticking, as given and 15 % stiffer and softer; each as it is, with a kilogram more, and with a tick of delay, and both.
-pub fn cases(axis: &Axis, told: &Told) -> Vec<Case> {
+pub fn cases(axis: &Axis, known: &Known) -> Vec<Case> {
     let contacts = [
         ("slides", 0.0),
         ("sticks", 1.0),
@@ -87,18 +87,18 @@ pub fn cases(axis: &Axis, told: &Told) -> Vec<Case> {
     ];
     let changes = [
         ("", 0.0, 0),
-        (", +1 kg", UNTOLD_KG, 0),
+        (", +1 kg", UNMODELLED_KG, 0),
         (", a tick late", 0.0, 1),
-        (", +1 kg, a tick late", UNTOLD_KG, 1),
+        (", +1 kg, a tick late", UNMODELLED_KG, 1),
     ];
     let case = |(contact, share): &(&str, f64), (change, more, delay): &(&str, f64, u32)| Case {
         name: format!("{contact}{change}"),
         machine: Machine {
             mass: axis.feed_forward.mass + more,
             braking: axis.motor.braking(),
-            contact: share * told.contact,
-            mode_hz: told.mode_hz,
-            mode_damping: told.mode_damping,
+            contact: share * known.contact,
+            mode_hz: known.mode_hz,
+            mode_damping: known.mode_damping,
             delay: *delay,
         },
     };
@@ -135,7 +135,7 @@ impl Proposal {
     }
 }
 
-impl Told {
+impl Known {
     /// From a friction model of Maxwell-slip blocks.
     ///
     /// # Errors
@@ -164,26 +164,26 @@ impl Told {
 ///
 /// # Errors
 /// What is not usable in the axis, or why no filter will do.
-pub fn propose(axis: &Axis, told: &Told, asked: &Asked) -> Result<Proposal, String> {
+pub fn propose(axis: &Axis, known: &Known, demands: &Demands) -> Result<Proposal, String> {
     let refused = |error: ParamError| error.to_string();
     let gains = PidGains {
         integral: 0.0,
         ..axis.gains
     };
-    let uncertain = UNCERTAINTY * told.breakaway;
+    let uncertain = UNCERTAINTY * known.breakaway;
     let mut belief = Belief {
         sample_time: axis.sample_time(),
         mass: axis.feed_forward.mass,
         braking: axis.motor.braking(),
         // A count is as likely anywhere within ± a half.
-        reading: axis.encoder.count.powi(2) / 12.0 + told.noise.powi(2),
+        reading: axis.encoder.count.powi(2) / 12.0 + known.noise.powi(2),
         walk: uncertain * uncertain / CHANGES_IN,
     };
-    let usable = belief.mass > 0.0 && belief.walk > 0.0 && told.mode_hz > 0.0;
-    if !(usable && told.mode_damping > 0.0) {
+    let usable = belief.mass > 0.0 && belief.walk > 0.0 && known.mode_hz > 0.0;
+    if !(usable && known.mode_damping > 0.0) {
         return Err("the observer needs a moving mass, a breakaway force, and a mode of the drive with its damping, all above zero".to_owned());
     }
-    let cases = cases(axis, told);
+    let cases = cases(axis, known);
     for _ in 0..TRIES {
         let filter = belief
             .gains()
@@ -196,7 +196,7 @@ pub fn propose(axis: &Axis, told: &Told, asked: &Asked) -> Result<Proposal, Stri
         let mut borne = Vec::new();
         for case in &cases {
             let margins = feedback.margins(&case.machine);
-            if !margins.reach(asked) {
+            if !margins.reach(demands) {
                 break;
             }
             borne.push((case.clone(), margins));
@@ -229,6 +229,6 @@ pub fn propose(axis: &Axis, told: &Told, asked: &Asked) -> Result<Proposal, Stri
     }
     Err(format!(
         "no observer leaves a gain margin of {}, {}° of phase and a gain of {} at the drive's mode of {:.0} Hz; lower the proportional gain",
-        asked.gain, asked.phase_deg, asked.at_mode, told.mode_hz
+        demands.gain, demands.phase_deg, demands.at_mode, known.mode_hz
     ))
 }

@@ -1,10 +1,10 @@
-use super::{ASKED, Told, propose};
+use super::{DEMANDS, Known, propose};
 use crate::paper;
 use preslide::control::{Axis, ObserverSettings};
 
 /// The paper's axis on the simulated stage: ten blocks of Table 3, a mode of 368 Hz damped by 5 %.
-fn told() -> Told {
-    Told {
+fn known() -> Known {
+    Known {
         noise: 0.0,
         breakaway: 0.9,
         contact: (paper::REFERENCE.blocks.iter()).map(|block| block.0).sum(),
@@ -16,10 +16,10 @@ fn told() -> Told {
 /// Every case is borne: sliding and sticking contacts, as given and 15 % off, each with 1 kg more, with a tick of delay, with both.
 #[test]
 fn the_paper_axis_has_its_proposal_and_margins() {
-    let proposal = propose(&Axis::PAPER_AXIS, &told(), &ASKED).expect("it has one");
+    let proposal = propose(&Axis::PAPER_AXIS, &known(), &DEMANDS).expect("it has one");
     assert_eq!(proposal.cases.len(), 16);
     for (case, margins) in &proposal.cases {
-        assert!(margins.reach(&ASKED), "{}: {margins:?}", case.name);
+        assert!(margins.reach(&DEMANDS), "{}: {margins:?}", case.name);
     }
     let (found, kept) = (proposal.settings, ObserverSettings::PAPER_AXIS);
     for (name, found, kept) in [
@@ -40,7 +40,7 @@ fn the_paper_axis_has_its_proposal_and_margins() {
 /// mass, braking and stiffness are divided by a factor has its gain multiplied by it.
 #[test]
 fn gain_margins_are_where_the_poles_leave_the_unit_circle() {
-    let proposal = propose(&Axis::PAPER_AXIS, &told(), &ASKED).expect("it has one");
+    let proposal = propose(&Axis::PAPER_AXIS, &known(), &DEMANDS).expect("it has one");
     let feedback = proposal.feedback();
     for (case, margins) in &proposal.cases {
         let stable = |factor: f64| {
@@ -65,13 +65,13 @@ fn gain_margins_are_where_the_poles_leave_the_unit_circle() {
 #[test]
 fn the_mode_decides_how_fast_it_may_be() {
     let walk = |mode_hz, mode_damping| {
-        let told = Told {
+        let known = Known {
             mode_hz,
             mode_damping,
             contact: 0.0,
-            ..told()
+            ..known()
         };
-        propose(&Axis::PAPER_AXIS, &told, &ASKED).map(|proposal| proposal.belief.walk)
+        propose(&Axis::PAPER_AXIS, &known, &DEMANDS).map(|proposal| proposal.belief.walk)
     };
     let as_it_is = walk(368.0, 0.05).expect("it has one");
     assert!(walk(368.0, 0.03).expect("it has one") < as_it_is);

@@ -15,7 +15,7 @@ use preslide::control::{
     Learning, LearningSettings, Move, NoFriction, Observed, ObserverSettings, PidGains, Settings,
 };
 use preslide::{Block, Friction, QuasiStaticGms, Units};
-use preslide_host::tune::observer::{Proposal, UNTOLD_KG};
+use preslide_host::tune::observer::{Proposal, UNMODELLED_KG};
 
 /// Steps of the simplex, of one or two tries each.
 const STEPS: u64 = 25;
@@ -388,8 +388,8 @@ impl Known {
             self.ride(contender, p, ride).ok()?;
             tracking.rms_m()
         };
-        let [told, untold] = [0.0, UNTOLD_KG].map(|kg| of(kg).unwrap_or(f64::INFINITY));
-        told.max(untold)
+        let [told, unmodelled] = [0.0, UNMODELLED_KG].map(|kg| of(kg).unwrap_or(f64::INFINITY));
+        told.max(unmodelled)
     }
 
     /// The parameters of the least cost that the search finds, and the cost (m).

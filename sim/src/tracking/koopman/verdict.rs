@@ -6,7 +6,7 @@ use crate::stage::{Stage, StageConfig};
 use crate::tracking::{Instant, Step, TRACKING_SEEDS, Tracking, TrackingError, motions};
 use preslide::control::Settings;
 use preslide_fit::report::Table;
-use preslide_host::tune::observer::{UNCERTAINTY, UNTOLD_KG};
+use preslide_host::tune::observer::{UNCERTAINTY, UNMODELLED_KG};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -15,7 +15,7 @@ const SETTLED_M: f64 = 100e-9;
 
 /// What the controllers do not know of a stage.
 #[derive(Clone, Copy, Debug)]
-struct Untold {
+struct Unmodelled {
     name: &'static str,
     /// Friction, of what was identified, from the start and from the middle of each motion on (-).
     level: f64,
@@ -24,8 +24,8 @@ struct Untold {
     concealed: Option<Concealed>,
 }
 
-const AS_TOLD: Untold = Untold {
-    name: "as told",
+const AS_MODELLED: Unmodelled = Unmodelled {
+    name: "as modelled",
     level: 1.0,
     half_way: None,
     more_kg: 0.0,
@@ -40,33 +40,33 @@ const COGGING: Concealed = Concealed {
     shape: 0.7,
 };
 
-const CONDITIONS: [Untold; 6] = [
-    AS_TOLD,
-    Untold {
+const CONDITIONS: [Unmodelled; 6] = [
+    AS_MODELLED,
+    Unmodelled {
         name: "friction +15 %",
         level: 1.0 + UNCERTAINTY,
-        ..AS_TOLD
+        ..AS_MODELLED
     },
-    Untold {
+    Unmodelled {
         name: "friction −15 %",
         level: 1.0 - UNCERTAINTY,
-        ..AS_TOLD
+        ..AS_MODELLED
     },
-    Untold {
+    Unmodelled {
         name: "payload +1 kg",
-        more_kg: UNTOLD_KG,
-        ..AS_TOLD
+        more_kg: UNMODELLED_KG,
+        ..AS_MODELLED
     },
-    Untold {
+    Unmodelled {
         name: "cogging of 0.09 N",
         concealed: Some(COGGING),
-        ..AS_TOLD
+        ..AS_MODELLED
     },
-    Untold {
+    Unmodelled {
         // What a lubricant does that warms.
         name: "warmed half way: friction −15 %",
         half_way: Some(1.0 - UNCERTAINTY),
-        ..AS_TOLD
+        ..AS_MODELLED
     },
 ];
 
@@ -167,14 +167,14 @@ pub fn study(
     };
     let tuned = Contender::ALL.par_iter().map(tune);
     let tuned = tuned.collect::<Result<Vec<_>, _>>()?;
-    let scores = CONDITIONS.iter().map(|untold| {
+    let scores = CONDITIONS.iter().map(|unmodelled| {
         let scores = tuned.par_iter().map(|tuned| {
-            let score = score(&known, tuned, &settings, &stage, untold);
+            let score = score(&known, tuned, &settings, &stage, unmodelled);
             tell();
             score
         });
         Ok((
-            untold.name,
+            unmodelled.name,
             scores.collect::<Result<Vec<_>, TrackingError>>()?,
         ))
     });
@@ -194,7 +194,7 @@ fn score(
     tuned: &Tuned,
     settings: &Settings,
     stage: &StageConfig,
-    untold: &Untold,
+    unmodelled: &Unmodelled,
 ) -> Result<Score, TrackingError> {
     let force_per_ampere = settings.motor.torque_constant * settings.motor.transmission();
     let count = settings.encoder.count;
@@ -204,18 +204,18 @@ fn score(
             let moves = Step::plan_all(&steps, settings)?;
             let config = StageConfig {
                 seed,
-                mass_kg: stage.mass_kg + untold.more_kg,
+                mass_kg: stage.mass_kg + unmodelled.more_kg,
                 ..stage.clone()
             };
-            let mut stage = match untold.concealed {
+            let mut stage = match unmodelled.concealed {
                 Some(effect) => Stage::concealing(config, effect)?,
                 None => Stage::try_new(config)?,
             };
-            stage.set_friction_level(untold.level)?;
+            stage.set_friction_level(unmodelled.level)?;
             let ride = Ride {
                 stage,
                 moves: &moves,
-                half_way: untold.half_way,
+                half_way: unmodelled.half_way,
                 observe,
             };
             known.ride(tuned.contender, &tuned.parameters, ride)
@@ -292,7 +292,7 @@ pub fn print(verdict: &Verdict) -> String {
     .column("of", |(_, _, size, _)| nm(*size))
     .column("ridge", |(.., ridge)| format!("{ridge:.0e}"));
     let tuned = Table::of(
-        "tuned on the identification's stage and motion, the worse of as told and +1 kg (nm RMS)",
+        "tuned on the identification's stage and motion, the worse of as modelled and +1 kg (nm RMS)",
         &verdict.tuned,
     )
     .column("", |tuned| tuned.contender.name().to_owned())

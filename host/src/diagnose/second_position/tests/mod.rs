@@ -59,7 +59,7 @@ fn only(all: Vec<SecondPosition>) -> SecondPosition {
 }
 
 #[test]
-fn a_lead_error_is_told_beside_backlash_and_compliance() {
+fn reports_a_lead_error_beside_backlash_and_compliance() {
     let found = only(made("x_scale_mm", 1e3, |x, f, play| {
         lead(x) + play - f / 4e6
     }));
@@ -84,7 +84,7 @@ fn a_lead_error_is_told_beside_backlash_and_compliance() {
 }
 
 #[test]
-fn the_words_tell_backlash_and_compliance_with_their_intervals() {
+fn reports_backlash_and_compliance_with_their_intervals() {
     let recording = recorded("x_scale_m", 1.0, |_, f, play| play - f / 4e6);
     let found = only(of(&recording));
     let words = found.words(&recording);
@@ -161,7 +161,7 @@ fn units_and_mirrored_scales_change_nothing() {
 }
 
 #[test]
-fn beside_a_gear_the_bow_is_told_and_no_slope() {
+fn beside_a_gear_reports_the_bow_but_no_slope() {
     let found = only(made("motor_counts", 12_345.6, |x, _, _| x + lead(x)));
     let lead_error = found.lead.expect("a lead error");
     assert!(lead_error.slope.is_none() && found.ratio.is_some());

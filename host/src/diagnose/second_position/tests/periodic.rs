@@ -209,7 +209,7 @@ fn an_axis_that_stands_half_of_the_time_hides_no_sine() {
 }
 
 #[test]
-fn of_which_scale_the_interpolation_errs_is_not_told() {
+fn does_not_say_which_scale_has_the_interpolation_error() {
     const PITCH: f64 = 20e-6;
     let error = sine(PITCH, 0.4e-6, 3e-6);
     let second = recorded_from(41, "x_scale_m", 1.0, |x, _, _| x + error(x));
@@ -252,7 +252,7 @@ fn counts_and_what_comes_later_are_no_sine() {
 
 /// A scale of our making on the motion of a real ball screw.
 #[test]
-fn a_sine_on_a_real_motion_is_told_and_without_it_none() {
+fn finds_a_sine_on_a_real_motion_and_none_without_it() {
     const PERIOD: f64 = 5e-3;
     const AMPLITUDE: f64 = 1.2e-6;
     const SEED: u32 = 71;

@@ -1,4 +1,4 @@
-//! What the commands of `preslide drive` are asked.
+//! The arguments of the commands of `preslide drive`.
 
 use super::super::parse_frequency;
 use clap::{Args, ValueEnum};

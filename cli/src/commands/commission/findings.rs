@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Fit and diagnosis of all recordings together.
-pub struct Told {
+pub struct Findings {
     pub recording: Recording,
     pub diagnosis: Diagnosis,
     fit: Arc<Fit>,
@@ -45,7 +45,7 @@ pub fn careful(path: &Path) -> Result<(bool, Result<String, String>), Failure> {
     Ok((turned, weight))
 }
 
-impl Told {
+impl Findings {
     /// Of recordings of one machine.
     pub fn of(paths: &[PathBuf]) -> Result<Self, Failure> {
         let loaded: Result<Vec<Recording>, _> = paths
@@ -89,7 +89,7 @@ impl Told {
             fits.filter(|c| (1..=MOST_BLOCKS).contains(&c.size()) && c.nmse_test.is_finite());
         let best = fits.min_by(|a, b| a.nmse_test.total_cmp(&b.nmse_test));
         let best = best.ok_or_else(|| {
-            Failure::Data("no Maxwell-slip blocks were found that the controller could be sent; record smaller strokes (--smallest)".to_owned())
+            Failure::Data("found no Maxwell-slip blocks to send to the controller; record smaller strokes (--smallest)".to_owned())
         })?;
         Ok(best.model.clone())
     }
@@ -102,7 +102,7 @@ impl Told {
 }
 
 /// What an experiment for some effects changed, in words.
-pub fn answer(before: &Told, after: &Told, about: &[String]) -> String {
+pub fn answer(before: &Findings, after: &Findings, about: &[String]) -> String {
     let words = about.iter().map(|id| {
         let name = effect::by_id(id).map_or(id.as_str(), |effect| effect.name());
         match (before.confidence(id), after.confidence(id)) {
