@@ -250,7 +250,7 @@ impl Drive {
             match self.line.write(bytes) {
                 Ok(0) => return Err(DriveError::Line(ErrorKind::WriteZero.into())),
                 Ok(length) => bytes = bytes.get(length..).unwrap_or_default(),
-                Err(error) if is_patience(&error) => {}
+                Err(error) if is_timeout(&error) => {}
                 Err(error) => return Err(DriveError::Line(error)),
             }
         }
@@ -263,7 +263,7 @@ impl Drive {
         let length = match self.line.read(&mut buffer) {
             Ok(0) => return Err(DriveError::Line(ErrorKind::UnexpectedEof.into())),
             Ok(length) => length,
-            Err(error) if is_patience(&error) => 0,
+            Err(error) if is_timeout(&error) => 0,
             Err(error) => return Err(DriveError::Line(error)),
         };
         self.bytes += length as u64;
@@ -286,7 +286,7 @@ impl Drive {
     }
 }
 
-fn is_patience(error: &std::io::Error) -> bool {
+fn is_timeout(error: &std::io::Error) -> bool {
     matches!(
         error.kind(),
         ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted

@@ -50,7 +50,7 @@ impl Limits {
     }
 }
 
-/// Everything a controller is told but its friction model (SI). Plain data: a build script can write it, a host can read it.
+/// Everything that configures a controller, except its friction model (SI). Plain data: a build script can write it, a host can read it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Axis {

@@ -18,7 +18,7 @@ const DAMPING: f64 = 0.7;
 /// The integral's share of the crossover (-): slow enough to cost no more than 11° of phase.
 const INTEGRAL: f64 = 0.2;
 
-/// What must be told of an axis (SI: m and N, or rad and N·m). The rest of an [`Axis`] follows from it.
+/// What has to be known of an axis (SI: m and N, or rad and N·m). The rest of an [`Axis`] follows from it.
 ///
 /// ```
 /// use preslide::control::{Basics, Coefficients, Controller, Hardware, Measurement, Planner};

@@ -1,8 +1,8 @@
 //! The tick.
 
 use super::coefficients::Moment;
+use super::cross_fade::CrossFade;
 use super::faults::Readings;
-use super::leaving::Leaving;
 use super::reference::saturate;
 use super::winding::WindingState;
 use super::{
@@ -53,9 +53,9 @@ pub struct Controller<F: Friction, C> {
     /// The last tick's code in the axis's direction.
     code: i32,
     /// Ticks until the host's silence has lasted too long.
-    patience: u32,
+    timeout: u32,
     enabled: bool,
-    /// There is one in `leaving`.
+    /// There is one in `cross_fade`.
     fades: bool,
     /// The axis is driven, nothing fades or is suspected, and the last code was neither cut nor a push worth watching: the next tick is
     /// an ordinary one if what it measures is. For [`Controller::tick`] alone to set.
@@ -68,7 +68,7 @@ pub struct Controller<F: Friction, C> {
     reference: Reference,
     notch: NotchState<F::Scalar>,
     winding: WindingState,
-    leaving: Option<Leaving<F>>,
+    cross_fade: Option<CrossFade<F>>,
 }
 
 impl<F: Friction, C: Count> Controller<F, C> {
@@ -86,11 +86,11 @@ impl<F: Friction, C: Count> Controller<F, C> {
             rounding: Rounding::new(),
             notch: NotchState::new(),
             winding: WindingState::new(),
-            leaving: None,
+            cross_fade: None,
             suspicion: Suspicion::default(),
             cut: Saturation::None,
             code: 0,
-            patience: 0,
+            timeout: 0,
             enabled: false,
             fades: false,
             steady: false,
@@ -198,12 +198,12 @@ impl<F: Friction, C: Count> Controller<F, C> {
     /// The host has been heard. [`super::Axis::silence`] after the last time a moving axis stops.
     #[inline]
     pub fn heard(&mut self) {
-        self.patience = self.coefficients.machine.silence;
+        self.timeout = self.coefficients.machine.silence;
     }
 
     /// The host has been silent for too long.
     pub fn is_silent(&self) -> bool {
-        self.patience == 0 && self.coefficients.machine.silence > 0
+        self.timeout == 0 && self.coefficients.machine.silence > 0
     }
 
     /// Position (counts) from the axis's origin.
@@ -263,7 +263,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
         self.suspicion.at_rest()
     }
 
-    /// The winding's resistance over the one told (2⁻¹⁶), as far as it is followed ([`super::Motor::resistance_span`]).
+    /// The winding's resistance over the configured one (2⁻¹⁶), as far as it is followed ([`super::Motor::resistance_span`]).
     pub fn resistance_share(&self) -> i32 {
         self.winding.share()
     }
@@ -307,15 +307,15 @@ impl<F: Friction, C: Count> Controller<F, C> {
         let notch = self.notch.clone();
         self.notch.left();
         if self.enabled {
-            let added = match &self.leaving {
-                Some(leaving) if self.fades => leaving.added(),
+            let added = match &self.cross_fade {
+                Some(cross_fade) if self.fades => cross_fade.added(),
                 _ => F::Scalar::ZERO,
             };
             let friction = (new != left).then_some(memory);
             // What a lower limit takes from the integral fades, too.
             let added = added.add_input(coefficients.law.pid.shorten(&mut self.pid));
             let (old, fade) = (self.coefficients.law.clone(), &coefficients.machine.fade);
-            self.leaving = Some(Leaving::start(old, friction, notch, fade, added));
+            self.cross_fade = Some(CrossFade::start(old, friction, notch, fade, added));
         } else {
             // Another resistance may be told.
             self.winding = WindingState::new();
@@ -345,7 +345,7 @@ impl<F: Friction, C: Count> Controller<F, C> {
     pub fn ordinary_tick(&mut self, measured: Measurement<C>) -> Option<Command> {
         let monitor = &self.coefficients.machine.monitor;
         let ordinary = self.steady
-            && self.patience != 1
+            && self.timeout != 1
             && self.reference.is_even()
             && monitor.finds_usual(&self.suspicion, self.counts(&measured), &measured);
         ordinary.then(|| self.advance::<true>(measured))
@@ -382,9 +382,9 @@ impl<F: Friction, C: Count> Controller<F, C> {
         if !ORDINARY && let Some(command) = self.watch(&measured, counts) {
             return command;
         }
-        if self.patience > 0 {
-            self.patience -= 1;
-            if !ORDINARY && self.patience == 0 {
+        if self.timeout > 0 {
+            self.timeout -= 1;
+            if !ORDINARY && self.timeout == 0 {
                 self.reference.stop();
             }
         }
@@ -480,13 +480,13 @@ impl<F: Friction, C: Count> Controller<F, C> {
         };
         self.code = code;
         // What was cut, bumped by another model or held for longer than a tick does not tell the friction.
-        let leaving = if !ORDINARY && self.fades {
-            &self.leaving
+        let cross_fade = if !ORDINARY && self.fades {
+            &self.cross_fade
         } else {
             &None
         };
         let told = || {
-            let fades = leaving.as_ref().is_some_and(Leaving::changes_model);
+            let fades = cross_fade.as_ref().is_some_and(CrossFade::changes_model);
             let tells = cut == Saturation::None && !fades && (ORDINARY || !measured.late);
             tells.then(|| c.beside_mass(force, acceleration))
         };
@@ -554,23 +554,23 @@ impl<F: Friction, C: Count> Controller<F, C> {
     #[cold]
     #[inline(never)]
     fn fade(&mut self, now: &Moment<F::Scalar>, friction: F::Scalar) -> F::Scalar {
-        let Some(leaving) = &mut self.leaving else {
+        let Some(cross_fade) = &mut self.cross_fade else {
             return F::Scalar::ZERO;
         };
         let c = &self.coefficients;
-        let immediate = leaving.old.immediate(now);
+        let immediate = cross_fade.old.immediate(now);
         let mut difference = immediate.sub_input(c.law.immediate(now));
-        let (old, state) = (&leaving.old, &mut leaving.notch);
+        let (old, state) = (&cross_fade.old, &mut cross_fade.notch);
         let taken = old.notched(state, now.error, now.velocity_error);
         difference = difference.add_input(self.notch.taken().sub_input(taken));
-        if let Some(state) = &mut leaving.friction {
+        if let Some(state) = &mut cross_fade.friction {
             let model = c.law.compensator.friction();
             model.hand_observed(&self.friction, state);
-            let left = c.feed_forward(&leaving.old.compensator, state, now);
+            let left = c.feed_forward(&cross_fade.old.compensator, state, now);
             difference = difference.add_input(left.sub_input(friction));
         }
-        let added = leaving.step(difference);
-        self.fades = !leaving.is_over();
+        let added = cross_fade.step(difference);
+        self.fades = !cross_fade.is_over();
         added
     }
 

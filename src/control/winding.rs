@@ -16,7 +16,7 @@ const LOOK: f64 = 1e-3;
 /// The most that the share changes at once (2⁻¹⁶).
 const CHANGE: i32 = ONE / 128;
 
-/// Follows `ρ`, the winding's resistance over the one told.
+/// Follows `ρ`, the winding's resistance over the configured one.
 ///
 /// What is commanded is the voltage `ρ̂·R·i* + k·τ·v*`, with the current `i*` of the force that is asked for and the reference's speed; what
 /// the winding makes of it is `ρ·R·i + k·τ·v`. So

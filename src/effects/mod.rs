@@ -107,9 +107,9 @@ pub struct Situation<S> {
     pub velocity: S,
     /// The friction model's force in this tick, before any effect.
     pub friction: S,
-    /// Temperature (°C), as last told.
+    /// Temperature (°C), as last set.
     pub temperature: Option<S>,
-    /// Load, as last told.
+    /// Load, as last set.
     pub load: Option<S>,
 }
 

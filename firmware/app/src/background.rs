@@ -326,7 +326,7 @@ impl<M: Model> Background<M> {
         };
         // Half of what would be a fault.
         let lag = 0.5 * watch.following_error / self.axis.encoder.count;
-        let patience = 0.5 * watch.frozen_time / self.axis.sample_time();
+        let timeout = 0.5 * watch.frozen_time / self.axis.sample_time();
         let push = watch.frozen_duty * motor.supply / motor.resistance;
         let seek = Seek {
             mark: homing.mark,
@@ -335,7 +335,7 @@ impl<M: Model> Background<M> {
             lag: (lag as i64).max(1),
             // Below what a current and a count of ticks end at.
             push: ((push / hardware.current_code) as u16).clamp(1, i16::MAX as u16),
-            patience: (patience as u16).min(u16::MAX - 1),
+            timeout: (timeout as u16).min(u16::MAX - 1),
             stall: Stall::default(),
             back,
         };

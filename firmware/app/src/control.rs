@@ -69,7 +69,7 @@ pub struct Control<F: Friction + 'static> {
     /// Ticks that it takes to be released, and to hold.
     brake_delays: [u32; 2],
     /// To be disabled as soon as it stands.
-    leaving: bool,
+    disables_at_rest: bool,
     seek: Option<Seek>,
     /// A status found no room, so that the next tick tells it.
     owes_status: bool,
@@ -116,7 +116,7 @@ impl<F: Friction> Control<F> {
             moved: 0,
             brake: Brake::default(),
             brake_delays: [0, 0],
-            leaving: false,
+            disables_at_rest: false,
             seek: None,
             owes_status: false,
             every: 0,
@@ -290,14 +290,14 @@ impl<F: Friction> Control<F> {
                 if self.opened.is_some() {
                     return Err(Refusal::Faulted);
                 }
-                self.leaving = false;
+                self.disables_at_rest = false;
                 self.new_epoch();
                 self.controller.enable().map_err(|_| Refusal::Faulted)?;
                 self.brake.tell(true, self.brake_delays[0]);
             }
             Act::Disable => {
                 self.brake();
-                self.leaving = true;
+                self.disables_at_rest = true;
             }
             Act::Stop => self.brake(),
             Act::Acknowledge => {
@@ -439,8 +439,8 @@ impl<F: Friction> Control<F> {
         let enabled = self.controller.is_enabled();
         let reference = self.controller.reference();
         let standing = self.controller.is_standing();
-        if self.leaving && standing {
-            self.leaving = false;
+        if self.disables_at_rest && standing {
+            self.disables_at_rest = false;
             match self.brake_delays[1] {
                 0 => self.controller.disable(),
                 ticks => {

@@ -75,10 +75,10 @@ impl<A: SetDutyCycle, B: SetDutyCycle, Enable: OutputPin, Fault: InputPin> Bridg
     }
 }
 
-/// Wakes a gate driver that sleeps: its pin high, then so many µs of patience. Before a bridge is first closed, never in a tick. Whether the
+/// Wakes a gate driver that sleeps: its pin high, then a wait of so many µs. Before a bridge is first closed, never in a tick. Whether the
 /// pin did as told.
-pub fn wake(sleep: &mut impl OutputPin, delay: &mut impl DelayNs, patience_us: u32) -> bool {
+pub fn wake(sleep: &mut impl OutputPin, delay: &mut impl DelayNs, wait_us: u32) -> bool {
     let done = sleep.set_high().is_ok();
-    delay.delay_us(patience_us);
+    delay.delay_us(wait_us);
     done
 }

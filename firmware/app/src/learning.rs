@@ -1,4 +1,4 @@
-//! A friction model that learns comes from where the one that it wraps comes from.
+//! A learning model is built from the same source as the model it wraps.
 
 use crate::{Model, Table};
 use core::marker::PhantomData;

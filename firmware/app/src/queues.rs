@@ -61,7 +61,7 @@ pub(crate) struct Seek {
     pub lag: i64,
     /// Current that moves it whatever the friction (codes), and for how many ticks it does not at a stop.
     pub push: u16,
-    pub patience: u16,
+    pub timeout: u16,
     pub stall: Stall,
     /// The move away from a stop.
     pub back: Option<Move>,
@@ -78,7 +78,7 @@ impl Seek {
             };
         }
         stall.ticks = stall.ticks.saturating_add(1);
-        lag >= self.lag || stall.ticks > self.patience
+        lag >= self.lag || stall.ticks > self.timeout
     }
 }
 

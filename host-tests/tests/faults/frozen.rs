@@ -31,7 +31,7 @@ struct Rig {
     per_code: f64,
     /// The code above which is a push, and the ticks after which it is a fault.
     least: i32,
-    patience: u32,
+    timeout: u32,
     count: u32,
     way: i32,
 }
@@ -64,7 +64,7 @@ impl Rig {
             controller,
             per_code: axis.motor.supply / steps * axis.motor.force_per_volt(),
             least: (axis.watch.frozen_duty * steps) as i32,
-            patience: (axis.watch.frozen_time / axis.sample_time()) as u32,
+            timeout: (axis.watch.frozen_time / axis.sample_time()) as u32,
             count: 0,
             way,
         }
@@ -88,9 +88,9 @@ impl Rig {
     }
 
     fn is_found(&mut self, code: i32) {
-        let found = self.push(code, 0, self.patience + 10);
+        let found = self.push(code, 0, self.timeout + 10);
         // The tick after the command is the first to look at it.
-        let late = found.map(|tick| tick - self.patience);
+        let late = found.map(|tick| tick - self.timeout);
         assert!(
             late.is_some_and(|late| late <= 4),
             "{found:?}, {code} codes"
@@ -102,18 +102,18 @@ impl Rig {
 fn a_frozen_count_is_found_in_time_and_a_moving_one_passes() {
     for way in [1, -1] {
         let mut rig = Rig::new(way, true);
-        let (least, patience) = (rig.least, rig.patience);
+        let (least, timeout) = (rig.least, rig.timeout);
         rig.is_found(least + 300);
         let mut rig = Rig::new(way, true);
-        assert_eq!(rig.push(least - 3, 0, 10 * patience), None);
+        assert_eq!(rig.push(least - 3, 0, 10 * timeout), None);
         // To and fro.
         for _ in 0..5 {
-            assert_eq!(rig.push(least + 300, 0, patience / 2), None);
-            assert_eq!(rig.push(-least - 300, 0, patience / 2), None);
+            assert_eq!(rig.push(least + 300, 0, timeout / 2), None);
+            assert_eq!(rig.push(-least - 300, 0, timeout / 2), None);
         }
         // It comes on: there is a load of at least the push less what friction may take, and a push beyond that is found.
         let mut rig = Rig::new(way, true);
-        assert_eq!(rig.push(least + 300, patience / 3, 10 * patience), None);
+        assert_eq!(rig.push(least + 300, timeout / 3, 10 * timeout), None);
         rig.is_found(least + 350);
     }
 }
@@ -122,12 +122,12 @@ fn a_frozen_count_is_found_in_time_and_a_moving_one_passes() {
 fn what_holds_a_load_at_rest_is_no_fault_until_it_pushes_as_much_more() {
     for way in [1, -1] {
         let mut rig = Rig::new(way, false);
-        let (least, patience) = (rig.least, rig.patience);
-        assert_eq!(rig.push(2 * least, 0, 5 * patience), None);
-        assert_eq!(rig.push(3 * least - 5, 0, 5 * patience), None);
+        let (least, timeout) = (rig.least, rig.timeout);
+        assert_eq!(rig.push(2 * least, 0, 5 * timeout), None);
+        assert_eq!(rig.push(3 * least - 5, 0, 5 * timeout), None);
         // It gives way by a count under a larger one: that is what it holds now.
-        assert_eq!(rig.push(3 * least + 20, patience / 2, patience / 2), None);
-        assert_eq!(rig.push(3 * least + 20, 0, 5 * patience), None);
+        assert_eq!(rig.push(3 * least + 20, timeout / 2, timeout / 2), None);
+        assert_eq!(rig.push(3 * least + 20, 0, 5 * timeout), None);
         rig.is_found(4 * least + 40);
     }
 }

@@ -113,7 +113,7 @@ trait Clamped {
 }
 
 impl Clamped for f32 {
-    /// What is no number is none of a deflection.
+    /// NaN counts as no deflection.
     fn clamped(self, most: f32) -> f32 {
         if self > most {
             most

@@ -58,7 +58,7 @@ mod app {
     #[init(local = [
         queues: Queues<Friction> = Queues::new(),
         arriving: Queue<u8, RECEIVED> = Queue::new(),
-        leaving: Queue<u8, SENT> = Queue::new(),
+        outgoing: Queue<u8, SENT> = Queue::new(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let reset = cause();
@@ -104,7 +104,7 @@ mod app {
             }
         };
         let (received, from_line) = cx.local.arriving.split();
-        let (to_line, sent) = cx.local.leaving.split();
+        let (to_line, sent) = cx.local.outgoing.split();
         // Ten ticks without a sign of life are 500 µs; the slow oscillator is good to a few percent.
         let mut watchdog = IndependentWatchdog::new(p.IWDG, 500);
         watchdog.unleash();

@@ -91,7 +91,7 @@ mod app {
     #[init(local = [
         queues: Queues<Friction> = Queues::new(),
         arriving: Queue<u8, RECEIVED> = Queue::new(),
-        leaving: Queue<u8, SENT> = Queue::new(),
+        outgoing: Queue<u8, SENT> = Queue::new(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let mut p = cx.device;
@@ -188,7 +188,7 @@ mod app {
         line.enable_rx_interrupt();
         let (reader, writer) = line.split();
         let (received, from_line) = cx.local.arriving.split();
-        let (to_line, sent) = cx.local.leaving.split();
+        let (to_line, sent) = cx.local.outgoing.split();
         // Ten ticks without a sign of life.
         watchdog.start(MicrosDurationU32::micros(500));
         let local = Local {

@@ -102,7 +102,7 @@ mod app {
         pages: Pages = Pages::new(),
         script: Queue<u8, 65> = Queue::new(),
         arriving: Queue<u8, RECEIVED> = Queue::new(),
-        leaving: Queue<u8, SENT> = Queue::new(),
+        outgoing: Queue<u8, SENT> = Queue::new(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         Uart::start();
@@ -132,7 +132,7 @@ mod app {
         let (desk, outer) = (Desk, Outer);
         let (to_script, from_script) = cx.local.script.split();
         let (received, from_line) = cx.local.arriving.split();
-        let (to_line, sent) = cx.local.leaving.split();
+        let (to_line, sent) = cx.local.outgoing.split();
         let cycles = CLOCK_HZ / axis.hardware.rate_hz;
         // Ten ticks without a sign of life.
         Watchdog::start(10 * cycles);

@@ -65,7 +65,7 @@ mod app {
     #[init(local = [
         queues: Queues<Friction> = Queues::new(),
         arriving: Queue<u8, RECEIVED> = Queue::new(),
-        leaving: Queue<u8, SENT> = Queue::new(),
+        outgoing: Queue<u8, SENT> = Queue::new(),
         chunk: [u8; CHUNK] = [0; CHUNK],
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
@@ -97,7 +97,7 @@ mod app {
         };
         let tasks = cx.local.queues.tasks(start);
         let (received, from_line) = cx.local.arriving.split();
-        let (to_line, sent) = cx.local.leaving.split();
+        let (to_line, sent) = cx.local.outgoing.split();
         let chunk = cx.local.chunk;
         let link = crate::line::start(p.LPUART1, p.PA3, p.PA2, p.DMA1_CH1, chunk, sent);
         let (Ok((control, background)), Some(sender), Some(bridge)) = (tasks, link, bridge) else {

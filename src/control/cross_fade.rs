@@ -4,12 +4,12 @@ use super::coefficients::Law;
 use super::{Fade, NotchState};
 use crate::{Friction, Scalar};
 
-/// The parameters that are being left.
+/// The old parameters, which the new ones cross-fade from.
 ///
 /// `F = F_new + w·(F_old − F_new) + w·rest`, `w` from 1 to 0 by equal parts. Both controllers run, on the same errors and with
 /// one integral; `rest` is what a swap in the middle of a fade left of the one before.
 #[derive(Clone, Debug)]
-pub(super) struct Leaving<F: Friction> {
+pub(super) struct CrossFade<F: Friction> {
     pub(super) old: Law<F>,
     /// The old model's memory; `None` where the model and its use stay.
     pub(super) friction: Option<F::State>,
@@ -22,7 +22,7 @@ pub(super) struct Leaving<F: Friction> {
     added: F::Scalar,
 }
 
-impl<F: Friction> Leaving<F> {
+impl<F: Friction> CrossFade<F> {
     /// `added` is what a fade that still ran added last.
     pub(super) fn start(
         old: Law<F>,
